@@ -1,0 +1,177 @@
+// What limits a move by itself: its path measure, nominal speed and acceleration, with the names of
+// the limits that bind them.
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+#include "constraints.hpp"
+#include "junction.hpp"
+#include "machine.hpp"
+#include "move.hpp"
+
+namespace passo {
+
+class Bounds {
+ public:
+  Bounds(const Machine& machine, const Limits& limits)
+      : machine_(machine), limits_(limits), constraints_(machine), junction_(machine) {}
+
+  Constraints& constraints() { return constraints_; }
+  const Constraints& constraints() const { return constraints_; }
+  bool nonlinear() const { return !constraints_.actuators.empty(); }
+
+  // Fills d, vn2, a, b, cartesian and the limits' names. False if the move covers no distance and
+  // takes no time.
+  bool apply(Move& m) const {
+    if (m.kind == MoveKind::dwell) {
+      m.d = m.vn2 = 0;
+      m.a = m.b = 1;
+      m.cartesian = false;
+      m.speed_limit = m.accel_limit = kDuration;
+      return m.duration > 0;
+    }
+    double delta[kAxes], mm = 0, longest = 0;
+    for (int j = 0; j < kAxes; ++j) {
+      delta[j] = m.p1[j] - m.p0[j];
+      longest = std::max(longest, std::fabs(delta[j]));
+      if (j < 3) mm += delta[j] * delta[j];
+    }
+    if (longest < kNoDistance) return false;
+    m.cartesian = mm > kNoDistance * kNoDistance;
+    mm = m.cartesian ? std::sqrt(mm) : longest;
+    m.d = mm;
+    double per_mm = 1;  // path measure per mm
+    if (limits_.junction == JunctionLaw::cornering_distance) {
+      m.d = 0;
+      for (int j = 0; j < kAxes; ++j) m.d = std::max(m.d, junction_.steps(m, j));
+      per_mm = m.d / mm;
+    }
+    LimitId accel_id = m.kind == MoveKind::print     ? kPrintAccel
+                       : m.kind == MoveKind::extrude ? kRetractAccel
+                                                     : kTravelAccel;
+    double v = std::min(m.feed * m.speed_factor, 1e6) * per_mm;
+    LimitId speed_id = kFeedrate;
+    if (m.duration > 0 && m.d < v * m.duration / m.speed_factor)
+      v = m.d * m.speed_factor / m.duration, speed_id = kDuration;
+    if (m.cartesian && v > limits_.speed * per_mm) v = limits_.speed * per_mm, speed_id = kPathSpeed;
+    double a = per_mm * (accel_id == kPrintAccel     ? limits_.print_accel
+                         : accel_id == kRetractAccel ? limits_.retract_accel
+                                                     : limits_.travel_accel);
+    a = std::min(a, kHighestAccel * per_mm);
+    double inverse = 1 / m.d;
+    auto tighten = [&](const Row& row, double distance) {
+      double part = std::fabs(distance) * inverse;
+      if (part * v > row.speed) v = row.speed / part, speed_id = row.speed_id;
+      if (part * a > row.accel) a = row.accel / part, accel_id = row.accel_id;
+    };
+    for (const Row& row : constraints_.rows) {
+      if (row.axis >= 0)
+        tighten(row, delta[row.axis]);
+      else
+        tighten(row, row.c[0] * delta[0] + row.c[1] * delta[1] + row.c[2] * delta[2]);
+    }
+    if (delta[kE] != 0) tighten(constraints_.extruders[m.extruder], delta[kE]);
+    if (m.radius < kInfinity && v * v > a * m.radius * per_mm)
+      v = std::sqrt(a * m.radius * per_mm), speed_id = kArc;
+    v = std::max(v, kLowestSpeed * per_mm);
+    m.vn2 = v * v;
+    m.a = m.b = a;
+    m.speed_limit = speed_id;
+    m.accel_limit = accel_id;
+    return true;
+  }
+
+  // Nonlinear geometries: tightens vn2 and a by the actuators' limits along the way, curvature
+  // included, and splits the move where these differ much, so that a narrow place does not slow down
+  // the whole line. With q', q'' the derivatives of an actuator by path length: |q'| v ≤ V and
+  // |q''| v² + |q'| a ≤ A; half of A at most goes to curvature.
+  void split(const Move& m, std::vector<Move>& parts) {
+    parts.clear();
+    int n = std::clamp(int(std::ceil(m.d / kSampleEvery)), 1, kMostSamples);
+    samples_.resize(size_t(n) + 1);
+    for (int i = 0; i <= n; ++i) samples_[size_t(i)] = sample(m, m.d * i / n);
+    int first = 0;
+    while (first < n) {
+      Sample part = worse(samples_[size_t(first)], samples_[size_t(first) + 1]);
+      double fastest = part.v, hardest = part.a;
+      int last = first + 1;
+      while (last < n) {
+        Sample next = worse(part, samples_[size_t(last) + 1]);
+        Sample here = worse(samples_[size_t(last)], samples_[size_t(last) + 1]);
+        fastest = std::max(fastest, here.v);
+        hardest = std::max(hardest, here.a);
+        if (next.v < kAlike * fastest || next.a < kAlike * hardest) break;
+        part = next;
+        ++last;
+      }
+      parts.push_back(m);
+      Move& p = parts.back();
+      cut(m, double(first) / n, double(last) / n, p);
+      p.inner = m.inner || first > 0;
+      if (part.v * part.v < p.vn2) p.vn2 = part.v * part.v, p.speed_limit = part.speed_id;
+      if (part.a < p.a) p.a = p.b = part.a, p.accel_limit = part.accel_id;
+      first = last;
+    }
+  }
+
+  // The part of m between two fractions of its length.
+  static void cut(const Move& m, double from, double to, Move& part) {
+    part.d = m.d * (to - from);
+    for (int j = 0; j < kAxes; ++j) {
+      if (from > 0) part.p0[j] = m.p0[j] + (m.p1[j] - m.p0[j]) * from;
+      if (to < 1) part.p1[j] = m.p0[j] + (m.p1[j] - m.p0[j]) * to;
+    }
+  }
+
+ private:
+  static constexpr double kNoDistance = 1e-9;    // mm
+  static constexpr double kLowestSpeed = 0.001;  // mm/s: a move always ends
+  static constexpr double kHighestAccel = 1e7;   // mm/s²
+  static constexpr double kSampleEvery = 2;      // mm
+  static constexpr int kMostSamples = 256;
+  static constexpr double kAlike = 0.7;          // caps within this ratio share a part
+
+  struct Sample {
+    double v, a;
+    LimitId speed_id, accel_id;
+  };
+  const Machine& machine_;
+  const Limits& limits_;
+  Constraints constraints_;
+  JunctionRule junction_;
+  std::vector<Sample> samples_;
+
+  static Sample worse(const Sample& x, const Sample& y) {
+    return {std::min(x.v, y.v), std::min(x.a, y.a), x.v < y.v ? x.speed_id : y.speed_id,
+            x.a < y.a ? x.accel_id : y.accel_id};
+  }
+
+  Sample sample(const Move& m, double s) const {
+    Path path;
+    std::memcpy(path.p0, m.p0, sizeof path.p0);
+    std::memcpy(path.p1, m.p1, sizeof path.p1);
+    path.length = m.d;
+    double v = std::sqrt(m.vn2), a = m.a;
+    LimitId speed_id = m.speed_limit, accel_id = m.accel_limit;
+    double q1[8], q2[8];
+    int n = std::min(8, machine_.geometry->actuators());
+    for (int i = 0; i < n; ++i) {
+      machine_.geometry->slopes(i, path, s, q1[i], q2[i]);
+      q1[i] = std::fabs(q1[i]);
+      q2[i] = std::fabs(q2[i]);
+      const Row& row = constraints_.actuators[size_t(i)];
+      if (q1[i] * v > row.speed) v = row.speed / q1[i], speed_id = row.speed_id;
+      if (q2[i] * v * v > 0.5 * row.accel) v = std::sqrt(0.5 * row.accel / q2[i]), speed_id = row.accel_id;
+    }
+    for (int i = 0; i < n; ++i) {
+      const Row& row = constraints_.actuators[size_t(i)];
+      double left = row.accel - q2[i] * v * v;
+      if (q1[i] * a > left) a = left / q1[i], accel_id = row.accel_id;
+    }
+    return {v, a, speed_id, accel_id};
+  }
+};
+
+}  // namespace passo

@@ -1,0 +1,280 @@
+// Steps of one motor → commands for the board. The result depends only on the times of the steps,
+// never on how they arrived.
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <deque>
+#include <stdexcept>
+#include <vector>
+
+#include "machine.hpp"
+#include "message_queue.hpp"
+#include "simd.hpp"
+#include "stabbing.hpp"
+#include "step_solver.hpp"
+
+namespace passo {
+
+struct StepStatistics {
+  int64_t steps = 0, net = 0, commands = 0, dropped_pairs = 0;
+  double error_max = 0, error_square = 0;  // ticks, ticks²: executed against ideal
+};
+
+// half[k] = half the window of step k: a quarter of the smaller gap to its neighbours, `tolerance` at
+// most, and so that executed steps keep `least` ticks apart; plus half a tick, so that it always holds
+// an integer. t[-1] and t[n] are read.
+PASSO_SIMD inline void windows(const double* __restrict t, double* __restrict lo, double* __restrict hi,
+                               int n, double tolerance, double least) {
+  for (int k = 0; k < n; ++k) {
+    double before = t[k] - t[k - 1], after = t[k + 1] - t[k];
+    double gap = before < after ? before : after;
+    double quarter = 0.25 * gap, room = 0.5 * (gap - least);
+    double half = quarter < room ? quarter : room;
+    half = half < tolerance ? half : tolerance;
+    half = (half > 0 ? half : 0) + 0.5;
+    lo[k] = t[k] - half;
+    hi[k] = t[k] + half;
+  }
+}
+
+// Largest and summed squared error of the executed steps; `worst` > 0 if one leaves its window.
+PASSO_SIMD inline void check(const double* __restrict lo, const double* __restrict hi, int n, double last,
+                             double interval, double add, double& largest, double& square, double& worst) {
+  double big = 0, sum = 0, out = -1;
+  for (int m = 0; m < n; ++m) {
+    double k = m, at = last + interval * (k + 1) + 0.5 * add * (k * (k + 1));
+    double error = at - 0.5 * (lo[m] + hi[m]);
+    double size = error < 0 ? -error : error, beyond = size - 0.5 * (hi[m] - lo[m]);
+    big = size > big ? size : big;
+    out = beyond > out ? beyond : out;
+    sum += error * error;
+  }
+  largest = big;
+  square = sum;
+  worst = out;
+}
+
+class Compressor {
+ public:
+  Compressor(const Machine& machine, const StepperSpec& spec, uint16_t target)
+      : tolerance_(machine.tolerance), reversal_(double(spec.pulse + spec.dir_hold + spec.dir_setup) + 2),
+        least_(std::max(2.0 * double(spec.pulse), std::ceil(machine.clock_hz / spec.max_rate))),
+        longest_(kLongestSeconds * machine.clock_hz), lead_(kLeadSeconds * machine.clock_hz),
+        margin_(std::max(reversal_, 4 * tolerance_) + 1), target_(target) {
+    steps_.ticks.push_back(-1e15);  // stands for the step before the first
+  }
+
+  // The solver appends here.
+  Steps& steps() { return steps_; }
+  MessageQueue& messages() { return messages_; }
+  const StepStatistics& statistics() const { return statistics_; }
+  int64_t last() const { return last_; }
+
+  // Makes commands of all steps that can no longer change, all steps before `frontier` being known;
+  // `still`: none will follow until the machine has stood.
+  void advance(double frontier, bool still) {
+    drop_close_reversals();
+    if (crowded_ && steps_.ticks.size() > 1) set_apart();
+    const size_t n = steps_.ticks.size();
+    size_t known = n;
+    if (!still) {
+      double limit = frontier - margin_;
+      while (known > 1 && steps_.ticks[known - 1] > limit) --known;
+    }
+    if (known > 1) {
+      prepare(n);
+      size_t done = compress(known, frontier, still);
+      forget(done);
+    }
+  }
+
+  // No message to come has a clock before this one.
+  double next_clock(double frontier) const {
+    double first = steps_.ticks.size() > 1 ? steps_.ticks[1] : frontier;
+    return std::max(double(last_), std::floor(first) - 1 - lead_ - tolerance_);
+  }
+
+  // No command may be due before this clock: messages up to it are handed out already.
+  void not_before(int64_t clock) { floor_ = clock; }
+
+  // Net steps that were solved but not made into commands.
+  int64_t pending_net() const {
+    int64_t net = 0;
+    for (size_t r = 0; r < steps_.runs.size(); ++r) {
+      size_t end = r + 1 < steps_.runs.size() ? steps_.runs[r + 1].first : steps_.ticks.size();
+      net += steps_.runs[r].dir * int64_t(end - steps_.runs[r].first);
+    }
+    return net;
+  }
+
+  // A cut: the motor's last step is executed at `last`, what is pending is forgotten and `revoked` is
+  // taken back from the statistics. Steps that follow are set apart from that step.
+  void restart(int64_t last, const StepStatistics& revoked) {
+    steps_.ticks.assign(1, double(last));
+    steps_.runs.clear();
+    joined_ = 0;
+    last_ = last;
+    dir_ = 0;
+    crowded_ = true;
+    statistics_.steps -= revoked.steps;
+    statistics_.net -= revoked.net;
+    statistics_.commands -= revoked.commands;
+  }
+
+ private:
+  static constexpr double kLongestSeconds = 0.1;  // span of a command: bounds what waits for more steps
+  static constexpr double kLeadSeconds = 0.02;    // a command is due this long before its first step
+  static constexpr size_t kLook = 64;             // steps looked at first: most commands are shorter
+  static constexpr double kIdle = 268435456;      // ticks: after a longer gap the clock is set anew
+
+  double tolerance_, reversal_, least_, longest_, lead_, margin_;
+  uint16_t target_;
+  Steps steps_;  // ticks[0] is the step before the first pending one
+  size_t joined_ = 0;  // runs before this one are checked for close reversals
+  std::vector<double> lo_, hi_;
+  Stabbing stabbing_;
+  MessageQueue messages_;
+  StepStatistics statistics_;
+  int64_t last_ = 0;  // executed clock of the last step compressed
+  int dir_ = 0;
+  int64_t floor_ = 0;
+  bool crowded_ = false;
+
+  // Where the motor turns, opposite steps that are too close for the driver cancel each other.
+  void drop_close_reversals() {
+    auto& runs = steps_.runs;
+    for (size_t r = std::max<size_t>(joined_, 1); r < runs.size();) {
+      size_t at = runs[r].first, end = r + 1 < runs.size() ? runs[r + 1].first : steps_.ticks.size();
+      size_t begin = runs[r - 1].first, pairs = 0;
+      while (at + pairs < end && at - pairs > begin &&
+             steps_.ticks[at + pairs] - steps_.ticks[at - pairs - 1] < reversal_)
+        ++pairs;
+      if (pairs == 0) {
+        ++r;
+        continue;
+      }
+      statistics_.dropped_pairs += int64_t(pairs);
+      steps_.ticks.erase(steps_.ticks.begin() + long(at - pairs), steps_.ticks.begin() + long(at + pairs));
+      for (size_t q = r; q < runs.size(); ++q) runs[q].first -= q == r ? pairs : 2 * pairs;
+      remove_empty(r);
+      r = std::max<size_t>(r > 1 ? r - 1 : 1, 1);
+    }
+    joined_ = runs.empty() ? 0 : runs.size() - 1;
+  }
+  // Run r or the one before it may have lost all its steps; neighbours of one direction then join.
+  void remove_empty(size_t r) {
+    auto& runs = steps_.runs;
+    auto empty = [&](size_t q) {
+      return runs[q].first == (q + 1 < runs.size() ? runs[q + 1].first : steps_.ticks.size());
+    };
+    if (empty(r)) runs.erase(runs.begin() + long(r));
+    if (empty(r - 1)) runs.erase(runs.begin() + long(r - 1));
+    for (size_t q = 1; q < runs.size();) {
+      if (runs[q].dir == runs[q - 1].dir)
+        runs.erase(runs.begin() + long(q));
+      else
+        ++q;
+    }
+  }
+
+  // After a cut a step may be owed at once that is due at or before the last executed one.
+  void set_apart() {
+    crowded_ = false;
+    double apart = std::max(reversal_, least_);
+    for (size_t k = 1; k < steps_.ticks.size() && steps_.ticks[k] < steps_.ticks[k - 1] + apart; ++k)
+      steps_.ticks[k] = steps_.ticks[k - 1] + apart;
+  }
+
+  void prepare(size_t n) {
+    lo_.resize(n);
+    hi_.resize(n);
+    steps_.ticks.push_back(1e18);
+    windows(steps_.ticks.data() + 1, lo_.data() + 1, hi_.data() + 1, int(n) - 1, tolerance_, least_);
+    steps_.ticks.pop_back();
+    for (const Steps::Run& run : steps_.runs) {
+      if (run.first < 2) continue;
+      narrow(run.first - 1, run.first);
+    }
+  }
+  // Around a reversal executed steps keep pulse, hold and set-up apart.
+  void narrow(size_t a, size_t b) {
+    double half = std::max(0.0, 0.5 * (steps_.ticks[b] - steps_.ticks[a] - reversal_)) + 0.5;
+    for (size_t k : {a, b}) {
+      lo_[k] = std::max(lo_[k], steps_.ticks[k] - half);
+      hi_[k] = std::min(hi_[k], steps_.ticks[k] + half);
+    }
+  }
+
+  // Returns the index of the first step that still waits.
+  size_t compress(size_t known, double frontier, bool still) {
+    const double* t = steps_.ticks.data();
+    size_t i = 1;
+    for (size_t r = 0; r < steps_.runs.size() && i < known; ++r) {
+      bool last_run = r + 1 == steps_.runs.size();
+      size_t run_end = last_run ? steps_.ticks.size() : steps_.runs[r + 1].first;
+      size_t end = std::min(run_end, known);
+      bool open = !still && (last_run || run_end > known);
+      while (i < end) {
+        if (t[i] - double(last_) > kIdle) reset_clock(t[i]);
+        Command c;
+        size_t stop;
+        for (size_t look : {kLook, size_t(Stabbing::kLongest)}) {
+          stop = std::min(end, i + look);
+          if (t[stop - 1] - t[i] > longest_)
+            stop = size_t(std::upper_bound(t + i, t + stop, t[i] + longest_) - t);
+          c = stabbing_.longest(&lo_[i], &hi_[i], int(stop - i), double(last_));
+          if (i + size_t(c.count) < stop || stop < i + look) break;
+        }
+        bool waits = open && stop == end && frontier - margin_ <= t[i] + longest_;
+        if (waits && i + size_t(c.count) == end) return i;
+        emit(steps_.runs[r].dir, i, c);
+        i += size_t(c.count);
+      }
+    }
+    return i;
+  }
+
+  int64_t due(double first) const { return std::max({last_, floor_, int64_t(std::floor(first - lead_))}); }
+
+  void reset_clock(double first) {
+    last_ = due(first);
+    messages_.push({last_, last_, 0, 0, 0, target_, MessageKind::reset_clock, 0});
+  }
+
+  void emit(int dir, size_t i, const Command& c) {
+    double largest, square, worst;
+    check(&lo_[i], &hi_[i], c.count, double(last_), c.interval, c.add, largest, square, worst);
+    int64_t interval = int64_t(c.interval), add = int64_t(c.add), count = c.count;
+    if (worst > 1e-3 || interval < 1 || interval + add * (count - 1) < 1 || interval > 0x7fffffff)
+      throw std::logic_error("a command left the window of its steps");
+    int64_t clock = due(steps_.ticks[i]), end = last_ + interval * count + add * (count * (count - 1) / 2);
+    if (dir != dir_) {
+      messages_.push({clock, clock, 0, 0, 0, target_, MessageKind::set_dir, uint8_t(dir > 0)});
+      dir_ = dir;
+    }
+    messages_.push({clock, end, uint32_t(interval), uint16_t(count), int16_t(add), target_, MessageKind::queue_step, uint8_t(dir > 0)});
+    last_ = end;
+    statistics_.steps += count;
+    statistics_.net += dir * count;
+    ++statistics_.commands;
+    statistics_.error_max = std::max(statistics_.error_max, largest);
+    statistics_.error_square += square;
+  }
+
+  // Drops the steps before index `done`, keeping the last of them as ticks[0].
+  void forget(size_t done) {
+    if (done == 1) return;
+    size_t shift = done - 1;
+    steps_.ticks.erase(steps_.ticks.begin(), steps_.ticks.begin() + long(shift));
+    auto& runs = steps_.runs;
+    size_t keep = 0;
+    while (keep + 1 < runs.size() && runs[keep + 1].first <= done) ++keep;
+    runs.erase(runs.begin(), runs.begin() + long(keep));
+    if (!runs.empty()) runs[0].first = std::max(runs[0].first, done);
+    for (Steps::Run& run : runs) run.first -= shift;
+    joined_ = joined_ > keep ? joined_ - keep : 0;
+  }
+};
+
+}  // namespace passo

@@ -1,0 +1,95 @@
+// The speed and acceleration limits of a machine as rows: |row · direction| * speed ≤ limit.
+#pragma once
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "machine.hpp"
+
+namespace passo {
+
+using LimitId = uint16_t;
+
+// Names of the limits that can bind a move; the first ones are fixed.
+enum FixedLimit : LimitId {
+  kFeedrate,
+  kDuration,
+  kArc,
+  kPathSpeed,
+  kPrintAccel,
+  kTravelAccel,
+  kRetractAccel,
+  kJunction,
+  kFixedLimits
+};
+
+struct Row {
+  double c[kAxes];       // position of the limited part by axis position
+  int axis;              // ≥ 0: c is 1 there and 0 elsewhere
+  double speed, accel;   // units/s, units/s²
+  LimitId speed_id, accel_id;
+};
+
+struct Constraints {
+  std::vector<std::string> names{"feedrate",           "duration",
+                                 "arc",                "path speed",
+                                 "print acceleration", "travel acceleration",
+                                 "retract acceleration", "junction"};
+  std::vector<Row> rows;           // for XYZ and further axes
+  std::vector<Row> extruders;      // one per extruder
+  std::vector<Row> actuators;      // nonlinear geometries: limits of each actuator, c unused
+
+  explicit Constraints(const Machine& m) {
+    for (size_t i = 0; i < m.axes.size(); ++i)
+      rows.push_back(single(slot_of_axis(int(i)), m.axes[i].name, m.axes[i].speed, m.axes[i].accel));
+    for (const Extruder& e : m.extruders) extruders.push_back(single(kE, e.name, e.speed, e.accel));
+    bool linear = true;
+    double c[3];
+    for (int i = 0; i < m.geometry->actuators(); ++i) linear = linear && m.geometry->linear(i, c);
+    if (!linear) {
+      for (int i = 0; i < m.geometry->actuators(); ++i)
+        actuators.push_back(Row{{}, -1, kInfinity, kInfinity, 0, 0});
+    }
+    for (const StepperSpec& s : m.steppers) add_stepper(m, s, linear);
+  }
+
+ private:
+  Row single(int axis, const std::string& name, double speed, double accel) {
+    Row row{{}, axis, speed, accel, add_name(name + " speed"), add_name(name + " acceleration")};
+    row.c[axis] = 1;
+    return row;
+  }
+  LimitId add_name(const std::string& name) {
+    names.push_back(name);
+    return LimitId(names.size() - 1);
+  }
+  void tighten(Row& row, const StepperSpec& s) {
+    double rate = s.max_rate / s.steps_per_unit;
+    if (s.speed < row.speed && s.speed <= rate) {
+      row.speed = s.speed;
+      row.speed_id = add_name("stepper " + s.name + " speed");
+    } else if (rate < row.speed) {
+      row.speed = rate;
+      row.speed_id = add_name("stepper " + s.name + " step rate");
+    }
+    if (s.accel < row.accel) {
+      row.accel = s.accel;
+      row.accel_id = add_name("stepper " + s.name + " acceleration");
+    }
+  }
+  void add_stepper(const Machine& m, const StepperSpec& s, bool linear) {
+    if (s.drive == Drive::extruder) return tighten(extruders[size_t(s.index)], s);
+    if (s.drive == Drive::axis) return tighten(rows[size_t(s.index)], s);
+    if (!linear) return tighten(actuators[size_t(s.index)], s);
+    double c[3];
+    m.geometry->linear(s.index, c);
+    for (int axis = 0; axis < 3; ++axis)
+      if (std::fabs(c[axis]) == 1 && std::fabs(c[0]) + std::fabs(c[1]) + std::fabs(c[2]) == 1)
+        return tighten(rows[size_t(axis)], s);
+    Row row{{c[0], c[1], c[2]}, -1, kInfinity, kInfinity, 0, 0};
+    tighten(row, s);
+    rows.push_back(row);
+  }
+};
+
+}  // namespace passo

@@ -1,0 +1,43 @@
+// Messages of one board between the planner's side and the link, in the order of their clocks.
+#pragma once
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+#include "types.hpp"
+
+namespace passo {
+
+// A ring that grows; one thread at a time may use it.
+class MessageQueue {
+ public:
+  MessageQueue() : ring_(1 << 12) {}
+  bool empty() const { return head_ == tail_; }
+  size_t size() const { return tail_ - head_; }
+  void push(const Message& message) {
+    if (size() == ring_.size()) grow();
+    ring_[tail_++ & (ring_.size() - 1)] = message;
+  }
+  const Message& operator[](size_t i) const { return ring_[(head_ + i) & (ring_.size() - 1)]; }
+  const Message& front() const { return (*this)[0]; }
+  const Message& back() const { return (*this)[size() - 1]; }
+  void pop() {
+    taken_until_ = std::max(taken_until_, front().end_clock);
+    ++head_;
+  }
+  // Latest end of all messages taken so far: they can no longer be revoked.
+  int64_t taken_until() const { return taken_until_; }
+  void clear() { head_ = tail_; }
+
+ private:
+  void grow() {
+    std::vector<Message> bigger(ring_.size() * 2);
+    for (size_t i = head_; i != tail_; ++i) bigger[i & (bigger.size() - 1)] = (*this)[i - head_];
+    ring_.swap(bigger);
+  }
+  std::vector<Message> ring_;  // size is a power of two
+  size_t head_ = 0, tail_ = 0;
+  int64_t taken_until_ = 0;
+};
+
+}  // namespace passo

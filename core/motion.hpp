@@ -1,0 +1,333 @@
+// One timeline from planned moves and timed records to the board's messages, in the order of their
+// clocks, with the way back: what is not yet sent can be planned anew.
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <functional>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "compressor.hpp"
+#include "message_queue.hpp"
+#include "planner.hpp"
+#include "statistics.hpp"
+#include "step_solver.hpp"
+
+namespace passo {
+
+class Motion {
+ public:
+  // CPU seconds by stage, measured by the given clock (none: not measured).
+  struct Cpu {
+    double steps = 0, compress = 0;
+  };
+
+  // `with_steps` false: plan only, for estimates.
+  Motion(const Machine& machine, bool with_steps, double (*cpu_clock)() = nullptr)
+      : machine_(machine), planner_(machine_), with_steps_(with_steps), cpu_clock_(cpu_clock) {
+    for (size_t i = 0; with_steps && i < machine_.steppers.size(); ++i) {
+      solvers_.emplace_back(machine_, machine_.steppers[i]);
+      compressors_.emplace_back(machine_, machine_.steppers[i], uint16_t(i));
+    }
+    plan_.filament_mm.resize(machine_.extruders.size());
+  }
+  Motion(const Motion&) = delete;
+  Motion& operator=(const Motion&) = delete;
+
+  const Machine& machine() const { return machine_; }
+  Planner& planner() { return planner_; }
+  const PlanStatistics& plan() const { return plan_; }
+  const Cpu& cpu() const { return cpu_; }
+  MessageQueue& messages() { return messages_; }
+  const StepStatistics& steps(size_t i) const { return compressors_[i].statistics(); }
+  int64_t count(size_t i) const { return solvers_[i].count(); }
+  // Called with each settled move, before its steps are solved.
+  std::function<void(const Move&)> on_move;
+
+  void push(const MoveRequest& request) {
+    if (planner_.push(request, unattached_)) unattached_ = 0;
+    if (!planner_.settled().empty()) process(false);
+  }
+
+  // A record for output `target`, due when the moves pushed so far are done.
+  void record(uint16_t target, uint32_t value) {
+    records_.push_back({target, value, 0});
+    ++unattached_;
+    if (planner_.queued() == 0) place(planner_.clock(), std::exchange(unattached_, 0));
+  }
+
+  // Settles all, for a stop at the end, and hands out every message.
+  void flush() {
+    planner_.flush();
+    process(true);
+  }
+
+  // The machine stands until `ticks`. Only after flush.
+  void wait_until(double ticks) { planner_.wait_until(ticks); }
+
+  // Sets where the machine is, without motion. Only after flush.
+  void set_position(const double* position, size_t extruder) {
+    planner_.set_position(position, extruder);
+    for (size_t i = 0; i < solvers_.size(); ++i) {
+      const StepperSpec& s = machine_.steppers[i];
+      if (s.drive != Drive::extruder || size_t(s.index) == extruder) solvers_[i].set_count(solvers_[i].count_at(position));
+    }
+  }
+
+  // Cuts every stepper at the first clock ≥ `ticks` that is not bound by a command already taken from
+  // messages(), and goes on from the speed that the machine has there, with the limits and the speed
+  // factor of now. Returns that clock.
+  double replan_from(double ticks) {
+    std::vector<Move> rest;
+    double speed2 = cut(ticks, rest);
+    planner_.resume(std::move(rest), speed2, ticks_of_cut_);
+    process(false);
+    return ticks_of_cut_;
+  }
+
+  // As replan_from, but brakes to a stop on the path. What is left of it waits for `release`.
+  double hold_from(double ticks) {
+    std::vector<Move> rest;
+    double speed2 = cut(ticks, rest);
+    planner_.take_queue(rest);
+    planner_.stand(ticks_of_cut_);
+    std::vector<Move> braking;
+    size_t i = 0;
+    double v2 = speed2;
+    for (; i < rest.size() && v2 > 0; ++i) {
+      Move& m = rest[i];
+      double reach = 2 * m.b * m.d;
+      if (v2 <= reach) {
+        double part = v2 / reach;
+        if (part < 1 - 1e-9) {
+          Move first = m;
+          Bounds::cut(m, 0, part, first);
+          Move second = m;
+          Bounds::cut(m, part, 1, second);
+          second.inner = true;
+          braking.push_back(first);
+          rest[i] = second;
+        } else {
+          braking.push_back(m);
+          ++i;
+        }
+        v2 = 0;
+        break;
+      }
+      v2 -= reach;
+      braking.push_back(m);
+    }
+    held_.assign(rest.begin() + long(i), rest.end());
+    planner_.resume(std::move(braking), speed2, ticks_of_cut_);
+    flush();
+    return ticks_of_cut_;
+  }
+  // Goes on with what hold_from left.
+  void release() {
+    std::vector<Move> rest;
+    rest.swap(held_);
+    planner_.resume(std::move(rest), 0, planner_.clock());
+    process(false);
+  }
+  size_t held() const { return held_.size(); }
+
+ private:
+  struct Record {
+    uint16_t target;
+    uint32_t value;
+    int64_t clock;
+  };
+
+  const Machine machine_;
+  Planner planner_;
+  bool with_steps_;
+  double (*cpu_clock_)();
+  Cpu cpu_;
+  PlanStatistics plan_;
+  std::vector<StepSolver> solvers_;
+  std::deque<Compressor> compressors_;
+  MessageQueue messages_, pins_;
+  std::deque<Record> records_, placed_;
+  std::deque<Move> history_;
+  std::vector<Move> held_;
+  uint16_t unattached_ = 0;  // last records_ that wait for a move to follow
+  int64_t handed_out_ = 0;  // clock of the last message merged
+  double ticks_of_cut_ = 0;
+
+  double now() const { return cpu_clock_ ? cpu_clock_() : 0; }
+  void process(bool still) {
+    double start = now();
+    std::vector<Move>& moves = planner_.settled();
+    for (const Move& m : moves) {
+      plan_.add(m, machine_.clock_hz, 1);
+      place(m.start, m.records);
+      if (on_move) on_move(m);
+    }
+    if (still) place(planner_.clock(), std::exchange(unattached_, 0));
+    if (with_steps_) {
+      for (size_t i = 0; i < solvers_.size(); ++i) {
+        for (const Move& m : moves) solvers_[i].solve(m, compressors_[i].steps());
+        double solved = now();
+        cpu_.steps += solved - start;
+        compressors_[i].advance(planner_.clock(), still);
+        start = now();
+        cpu_.compress += start - solved;
+      }
+      forget();
+      history_.insert(history_.end(), moves.begin(), moves.end());
+      merge(still);
+      cpu_.compress += now() - start;
+    }
+    moves.clear();
+  }
+
+  // The next n records are due at `ticks`.
+  void place(double ticks, uint16_t n) {
+    for (; n > 0; --n) {
+      Record r = records_.front();
+      records_.pop_front();
+      r.clock = std::max(int64_t(std::floor(ticks + 0.5)), handed_out_);
+      pins_.push({r.clock, r.clock, r.value, 0, 0, r.target, MessageKind::pin, 0});
+      placed_.push_back(r);
+    }
+  }
+
+  // What ended before the last command taken can no longer be replanned.
+  void forget() {
+    double taken = double(messages_.taken_until());
+    while (!history_.empty() && history_.front().end() < taken) history_.pop_front();
+    while (!placed_.empty() && double(placed_.front().clock) < taken) placed_.pop_front();
+  }
+
+  // Moves to messages_ all that no later message can precede.
+  void merge(bool all) {
+    double limit = planner_.clock();
+    for (Compressor& c : compressors_) limit = std::min(limit, c.next_clock(planner_.clock()));
+    for (;;) {
+      MessageQueue* first = pins_.empty() ? nullptr : &pins_;
+      for (Compressor& c : compressors_)
+        if (!c.messages().empty() && (!first || c.messages().front().clock < first->front().clock)) first = &c.messages();
+      if (!first || (!all && double(first->front().clock) >= limit)) break;
+      messages_.push(first->front());
+      first->pop();
+    }
+    if (!messages_.empty()) handed_out_ = std::max(handed_out_, messages_.back().clock);
+    if (all)
+      for (Compressor& c : compressors_) c.not_before(handed_out_);
+  }
+
+  // Revokes steps, messages and moves from a clock ≥ `ticks` on; that clock goes to ticks_of_cut_, the
+  // revoked moves to `rest`. Returns the speed² at the cut.
+  double cut(double ticks, std::vector<Move>& rest) {
+    merge(true);
+    int64_t at = std::max(int64_t(std::ceil(ticks)), messages_.taken_until());
+    ticks_of_cut_ = std::min(double(at), planner_.clock());
+    double speed2 = planner_.speed2();
+    if (double(at) >= planner_.clock()) return speed2;
+    revoke_messages(at);
+    while (!placed_.empty() && placed_.back().clock > at) {
+      records_.push_front(placed_.back());
+      placed_.pop_back();
+    }
+    size_t first = history_.size();
+    while (first > 0 && history_[first - 1].end() > ticks_of_cut_) --first;
+    for (size_t i = first; i < history_.size(); ++i) {
+      plan_.add(history_[i], machine_.clock_hz, -1);
+      rest.push_back(history_[i]);
+    }
+    history_.resize(first);
+    if (!rest.empty() && rest[0].start < ticks_of_cut_) speed2 = cut_move(rest);
+    else if (!rest.empty()) speed2 = rest[0].v0 * rest[0].v0;
+    return speed2;
+  }
+
+  // rest[0] is under way at the cut: its first part is history, the second part takes its place.
+  double cut_move(std::vector<Move>& rest) {
+    Move done = rest[0];
+    double tau = ticks_of_cut_ - done.start;
+    if (done.kind == MoveKind::dwell) {
+      done.t_cru = tau;
+      rest[0].duration -= tau / machine_.clock_hz;
+      finish(rest, done);
+      return 0;
+    }
+    double hz = machine_.clock_hz, v, s;
+    double t0 = std::min(tau, done.t_acc) / hz, t1 = std::clamp(tau - done.t_acc, 0.0, done.t_cru) / hz;
+    double t2 = std::max(0.0, tau - done.t_acc - done.t_cru) / hz;
+    s = done.v0 * t0 + 0.5 * done.a * t0 * t0 + done.vc * t1 + done.vc * t2 - 0.5 * done.b * t2 * t2;
+    v = t2 > 0 ? done.vc - done.b * t2 : tau > done.t_acc ? done.vc : done.v0 + done.a * t0;
+    s = std::clamp(s, 0.0, done.d);
+    double part = s / done.d;
+    Move left = done;
+    Bounds::cut(done, part, 1, left);
+    Bounds::cut(Move(done), 0, part, done);
+    done.d_acc = std::min(done.d_acc, s);
+    done.d_cru = std::min(done.d_cru, s - done.d_acc);
+    done.t_acc = t0 * hz;
+    done.t_cru = t1 * hz;
+    done.t_dec = t2 * hz;
+    left.inner = true;
+    rest[0] = left;
+    finish(rest, done);
+    return v * v;
+  }
+  void finish(std::vector<Move>& rest, const Move& done) {
+    rest[0].records = 0;
+    plan_.add(done, machine_.clock_hz, 1);
+    history_.push_back(done);
+  }
+
+  // Keeps of messages_ what is executed up to `at`, and sets every motor back to its last step kept.
+  void revoke_messages(int64_t at) {
+    size_t n = compressors_.size();
+    std::vector<StepStatistics> revoked(n);
+    std::vector<int64_t> last(n);
+    std::vector<bool> cut_off(n, false);
+    for (size_t i = 0; i < n; ++i) last[i] = compressors_[i].last();
+    std::vector<Message> kept;
+    for (size_t i = 0; i < messages_.size(); ++i) {
+      Message m = messages_[i];
+      if (m.kind == MessageKind::pin) {
+        if (m.clock <= at) kept.push_back(m);
+        continue;
+      }
+      if (m.kind != MessageKind::queue_step) {
+        kept.push_back(m);  // a direction or clock without steps to follow does no harm
+        continue;
+      }
+      int64_t start = m.end_clock - span(m, m.count), count = m.count;
+      while (count > 0 && start + span(m, count) > at) --count;
+      int64_t lost = m.count - count;
+      if (lost > 0) {
+        revoked[m.target].steps += lost;
+        revoked[m.target].net += m.dir ? lost : -lost;
+        if (!cut_off[m.target]) last[m.target] = start + span(m, count);
+        cut_off[m.target] = true;
+      }
+      if (count == 0) {
+        ++revoked[m.target].commands;
+        continue;
+      }
+      m.count = uint16_t(count);
+      m.end_clock = start + span(m, count);
+      kept.push_back(m);
+    }
+    messages_.clear();
+    for (const Message& m : kept) messages_.push(m);
+    pins_.clear();
+    int64_t floor = kept.empty() ? at : std::max(at, kept.back().clock);
+    handed_out_ = floor;
+    for (size_t i = 0; i < n; ++i) {
+      solvers_[i].set_count(solvers_[i].count() - compressors_[i].pending_net() - revoked[i].net);
+      compressors_[i].restart(last[i], revoked[i]);
+      compressors_[i].not_before(floor);
+    }
+  }
+  static int64_t span(const Message& m, int64_t count) {
+    return int64_t(m.interval) * count + int64_t(m.add) * (count * (count - 1) / 2);
+  }
+};
+
+}  // namespace passo

@@ -1,0 +1,224 @@
+// Look-ahead on v² with constant acceleration. Moves go in, settled trapezoids come out; what is
+// settled never depends on moves that follow, nor on how the input was cut.
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+#include "bounds.hpp"
+#include "junction.hpp"
+#include "machine.hpp"
+#include "move.hpp"
+
+namespace passo {
+
+class Planner {
+ public:
+  // A pass over the queue is made each time this many moves have come in.
+  static constexpr size_t kBatch = 256;
+  // Queue length at which the older half settles for a stop behind its end: counts moves, not time.
+  static constexpr size_t kLongest = 8192;
+
+  explicit Planner(const Machine& machine)
+      : clock_hz_(machine.clock_hz), limits_(machine.limits), bounds_(machine, limits_),
+        junction_(machine), extruder_(machine.extruders.size(), 0.0) {}
+
+  Limits& limits() { return limits_; }
+  Constraints& constraints() { return bounds_.constraints(); }
+  const Constraints& constraints() const { return bounds_.constraints(); }
+  double speed_factor = 1;  // M220
+
+  // Settled moves that the caller has not taken yet; it clears the vector.
+  std::vector<Move>& settled() { return settled_; }
+  size_t queued() const { return queue_.size() - head_; }
+  double clock() const { return clock_; }  // end of the last settled move, ticks
+  double speed2() const { return speed2_; }  // its end speed, squared
+
+  const double* position() const { return position_; }  // end of the last move pushed
+  double extruder_position(size_t i) const { return extruder_[i]; }
+  // Sets where the next move starts, without motion. Only while nothing is queued.
+  void set_position(const double* position, size_t extruder) {
+    std::memcpy(position_, position, sizeof position_);
+    if (extruder < extruder_.size()) extruder_[extruder] = position[kE];
+  }
+  // Time passes with the machine at rest. Only while nothing is queued.
+  void wait_until(double ticks) { clock_ = std::max(clock_, ticks); }
+
+  // Takes a move from where the last one ended, with `records` timed records due at its start. False
+  // if it covers no distance and is dropped.
+  bool push(const MoveRequest& r, uint16_t records) {
+    Move m = move_of(r);
+    m.records = records;
+    if (!bounds_.apply(m)) return false;
+    std::memcpy(position_, m.p1, sizeof position_);
+    if (!extruder_.empty()) extruder_[r.extruder] = m.p1[kE];
+    enqueue(m, true);
+    return true;
+  }
+
+  // Settles all that is queued, for a stop at its end.
+  void flush() { settle(true); }
+
+  // Goes on at `clock` with speed² `speed2` in the midst of rest[0]: these moves, settled before, and
+  // all that is queued are planned anew with the limits of now. Where the new limits ask for less
+  // speed than the machine has, it brakes as the old plan could.
+  void resume(std::vector<Move> rest, double speed2, double clock) {
+    rest.insert(rest.end(), queue_.begin() + long(head_), queue_.end());
+    stand(clock);
+    speed2_ = speed2;
+    uint16_t carried = 0;
+    for (Move& m : rest) {
+      double braking = m.b;
+      m.speed_factor = speed_factor;
+      m.records = uint16_t(m.records + carried);
+      carried = m.records;
+      if (!bounds_.apply(m)) continue;
+      carried = 0;
+      m.b = std::max(m.b, braking);
+      enqueue(m, false);
+    }
+    settle(false);
+  }
+
+  // Moves what is queued to the end of `rest`.
+  void take_queue(std::vector<Move>& rest) {
+    rest.insert(rest.end(), queue_.begin() + long(head_), queue_.end());
+    stand(clock_);
+  }
+
+  // Forgets the queue: the machine stands from `clock` on.
+  void stand(double clock) {
+    queue_.clear();
+    head_ = since_pass_ = 0;
+    moving_ = false;
+    speed2_ = 0;
+    clock_ = clock;
+  }
+
+ private:
+  double clock_hz_;
+  Limits limits_;
+  Bounds bounds_;
+  JunctionRule junction_;
+  std::vector<Move> queue_, settled_, parts_;
+  Move before_;            // the last move of the queue, also after it has settled
+  bool moving_ = false;    // before_ is valid
+  size_t head_ = 0;        // first move of queue_ that is not settled
+  size_t since_pass_ = 0;  // moves taken since the last pass
+  double position_[kAxes] = {};
+  std::vector<double> extruder_;
+  double clock_ = 0, speed2_ = 0;
+
+  Move move_of(const MoveRequest& r) const {
+    Move m;
+    std::memcpy(m.p0, position_, sizeof m.p0);
+    std::memcpy(m.p1, r.target, sizeof m.p1);
+    if (!extruder_.empty()) m.p0[kE] = extruder_[r.extruder];
+    m.feed = r.feed_mm_s;
+    m.duration = r.duration_s;
+    m.radius = r.radius_mm;
+    m.speed_factor = speed_factor;
+    m.line = r.line;
+    m.layer = r.layer;
+    m.feature = r.feature;
+    m.extruder = r.extruder;
+    m.kind = r.kind;
+    m.moved = r.moved;
+    m.inner = r.arc_inner;
+    m.rapid = r.rapid;
+    return m;
+  }
+
+  void enqueue(const Move& m, bool passes) {
+    if (!bounds_.nonlinear() || !m.cartesian) {
+      append(m, passes);
+      return;
+    }
+    bounds_.split(m, parts_);
+    for (size_t i = 0; i < parts_.size(); ++i) {
+      if (i > 0) parts_[i].records = 0;
+      append(parts_[i], passes);
+    }
+  }
+
+  void append(const Move& m, bool passes) {
+    queue_.push_back(m);
+    Move& last = queue_.back();
+    last.vj2 = moving_ ? junction_.cap2(before_, last, limits_) : 0;
+    before_ = last;
+    moving_ = true;
+    if (passes && ++since_pass_ == kBatch) settle(false);
+  }
+
+  // One backward and one forward pass. The start speed of a move that equals its own cap cannot
+  // change any more, so all moves before it are final.
+  void settle(bool flush) {
+    since_pass_ = 0;
+    size_t end = queue_.size(), final = flush ? end : head_;
+    double v2 = 0;
+    for (size_t i = end; i-- > head_;) {
+      Move& m = queue_[i];
+      double reachable = v2 + 2 * m.a * m.d;
+      bool capped = reachable >= m.vj2;
+      v2 = capped ? m.vj2 : reachable;
+      m.v0 = v2;
+      if (capped && !flush && final == head_) final = i;
+    }
+    if (!flush && end - final > kLongest) final = head_ + (end - head_) / 2;
+    for (; head_ < final; ++head_) {
+      trapezoid(queue_[head_], head_ + 1 < end ? queue_[head_ + 1].v0 : 0);
+      settled_.push_back(queue_[head_]);
+    }
+    if (head_ == end) {
+      queue_.clear();
+      head_ = 0;
+      moving_ = moving_ && speed2_ > 0;
+    } else if (head_ > 4 * kBatch) {
+      queue_.erase(queue_.begin(), queue_.begin() + long(head_));
+      head_ = 0;
+    }
+  }
+
+  // From the speed that the machine has to at most `end2`; slower than that if the way is too short to
+  // accelerate, faster if it is too short to brake (after a replan only).
+  void trapezoid(Move& m, double end2) {
+    double start2 = speed2_, reach = 2 * m.a * m.d;
+    m.start = clock_;
+    end2 = std::min(end2, start2 + reach);
+    if (m.kind == MoveKind::dwell) {
+      m.v0 = m.vc = m.v1 = m.d_acc = m.d_cru = m.t_acc = m.t_dec = 0;
+      m.t_cru = m.duration * clock_hz_;
+      clock_ += m.t_cru;
+      return;
+    }
+    double braking = m.a;
+    if (start2 - end2 > reach) {
+      braking = std::min(m.b, (start2 - end2) / (2 * m.d));
+      end2 = std::max(end2, start2 - 2 * braking * m.d);
+    }
+    double peak2;
+    if (start2 > m.vn2) {  // too fast already: brake to the nominal speed first
+      peak2 = std::max(m.vn2, end2);
+      m.d_acc = std::min((start2 - peak2) / (2 * braking), m.d);
+      m.a = -braking;
+    } else {
+      double room = reach * (1 - limits_.minimum_cruise_ratio);
+      peak2 = std::max(std::min(m.vn2, 0.5 * (start2 + end2 + room)), std::max(start2, end2));
+      m.d_acc = std::min((peak2 - start2) / (2 * m.a), m.d);
+    }
+    m.b = braking;
+    double d_dec = std::min((peak2 - end2) / (2 * m.b), m.d - m.d_acc);
+    m.d_cru = m.d - m.d_acc - d_dec;
+    m.v0 = std::sqrt(start2);
+    m.vc = std::sqrt(peak2);
+    m.v1 = std::sqrt(end2);
+    m.t_acc = (m.vc - m.v0) / m.a * clock_hz_;
+    m.t_cru = m.d_cru / m.vc * clock_hz_;
+    m.t_dec = (m.vc - m.v1) / m.b * clock_hz_;
+    clock_ = m.start + m.ticks();
+    speed2_ = end2;
+  }
+};
+
+}  // namespace passo

@@ -1,0 +1,45 @@
+// What a plan adds up to: times by kind, limit, layer and feature, distances, filament.
+#pragma once
+#include <cmath>
+#include <vector>
+
+#include "machine.hpp"
+#include "move.hpp"
+
+namespace passo {
+
+struct PlanStatistics {
+  int64_t moves = 0;
+  double move_s = 0, dwell_s = 0, travel_mm = 0, print_mm = 0;
+  std::vector<double> filament_mm;                    // net, by extruder
+  std::vector<double> limit_s, layer_s, feature_s;    // by LimitId, layer, feature
+
+  // sign -1 takes back what a replan revokes.
+  void add(const Move& m, double hz, int sign) {
+    double per_tick = sign / hz, seconds = m.ticks() * per_tick;
+    grow(layer_s, m.layer) += seconds;
+    grow(feature_s, m.feature) += seconds;
+    if (m.kind == MoveKind::dwell) {
+      dwell_s += seconds;
+      return;
+    }
+    if (!m.inner) moves += sign;
+    move_s += seconds;
+    bool slow = m.vc * m.vc < m.vn2 * (1 - 1e-9);
+    grow(limit_s, slow ? LimitId(kJunction) : m.speed_limit) += m.t_cru * per_tick;
+    grow(limit_s, m.accel_limit) += (m.t_acc + m.t_dec) * per_tick;
+    if (m.cartesian) {
+      double dx = m.p1[0] - m.p0[0], dy = m.p1[1] - m.p0[1], dz = m.p1[2] - m.p0[2];
+      (m.kind == MoveKind::print ? print_mm : travel_mm) += sign * std::sqrt(dx * dx + dy * dy + dz * dz);
+    }
+    if (m.extruder < 4096) grow(filament_mm, m.extruder) += sign * (m.p1[kE] - m.p0[kE]);
+  }
+
+ private:
+  static double& grow(std::vector<double>& v, size_t i) {
+    if (i >= v.size()) v.resize(i + 1, 0.0);
+    return v[i];
+  }
+};
+
+}  // namespace passo

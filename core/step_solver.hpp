@@ -1,0 +1,174 @@
+// The ideal time of every step of one motor, from planned moves. Times are ticks since the start of
+// the job, unrounded.
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "machine.hpp"
+#include "move.hpp"
+#include "simd.hpp"
+
+namespace passo {
+
+// Steps in order of time. A run is a stretch of one direction.
+struct Steps {
+  struct Run {
+    size_t first;  // index in `ticks`
+    int dir;       // +1 or -1
+  };
+  std::vector<double> ticks;
+  std::vector<Run> runs;
+};
+
+// t[j] = base + sign * sqrt(c0 + c1 * j)
+PASSO_SIMD inline void fill_root(double* __restrict t, int n, double c0, double c1, double base, double sign) {
+  for (int j = 0; j < n; ++j) t[j] = base + sign * std::sqrt(std::max(0.0, c0 + c1 * j));
+}
+PASSO_SIMD inline void fill_line(double* __restrict t, int n, double c0, double c1) {
+  for (int j = 0; j < n; ++j) t[j] = c0 + c1 * j;
+}
+// The same for path positions s[j] that are not evenly spaced.
+PASSO_SIMD inline void fill_root_at(double* __restrict t, const double* __restrict s, int n, double c0,
+                                    double c1, double base, double sign) {
+  for (int j = 0; j < n; ++j) t[j] = base + sign * std::sqrt(std::max(0.0, c0 + c1 * s[j]));
+}
+PASSO_SIMD inline void fill_line_at(double* __restrict t, const double* __restrict s, int n, double c0, double c1) {
+  for (int j = 0; j < n; ++j) t[j] = c0 + c1 * s[j];
+}
+
+// Time law of a move as t(s): in each phase base + sign*sqrt(c0 + c1*s), or a line while cruising.
+struct TimeLaw {
+  double base0, sign0, c00, c01;  // first phase, s < s1
+  double line0, line1;            // cruise, s < s2
+  double base2, c20, c21;         // last phase, measured from the end so that v → 0 is harmless
+  double s1, s2;
+
+  TimeLaw(const Move& m, double hz) {
+    double w0 = hz / m.a, w2 = hz / m.b;
+    base0 = m.start - m.v0 * w0;
+    sign0 = m.a > 0 ? 1 : -1;
+    c00 = (m.v0 * w0) * (m.v0 * w0);
+    c01 = 2 * w0 * hz;
+    if (m.a < 0) c01 = -2 * std::fabs(w0) * hz;
+    s1 = m.d_acc;
+    s2 = m.d_acc + m.d_cru;
+    double per = m.vc > 0 ? hz / m.vc : 0;
+    line1 = per;
+    line0 = m.start + m.t_acc - m.d_acc * per;
+    base2 = m.end() + m.v1 * w2;
+    c20 = (m.v1 * w2) * (m.v1 * w2) + 2 * w2 * hz * m.d;
+    c21 = -2 * w2 * hz;
+  }
+
+  // n evenly spaced positions s0 + ds*j, ascending.
+  void even(double s0, double ds, int n, double* t) const {
+    int n1 = below(s1, s0, ds, n), n2 = below(s2, s0, ds, n);
+    if (n1 > 0) fill_root(t, n1, c00 + c01 * s0, c01 * ds, base0, sign0);
+    if (n2 > n1) fill_line(t + n1, n2 - n1, line0 + line1 * (s0 + n1 * ds), line1 * ds);
+    if (n > n2) fill_root(t + n2, n - n2, c20 + c21 * (s0 + n2 * ds), c21 * ds, base2, -1);
+  }
+  // n ascending positions.
+  void at(const double* s, int n, double* t) const {
+    int n1 = int(std::lower_bound(s, s + n, s1) - s);
+    int n2 = int(std::lower_bound(s + n1, s + n, std::max(s1, s2)) - s);
+    if (n1 > 0) fill_root_at(t, s, n1, c00, c01, base0, sign0);
+    if (n2 > n1) fill_line_at(t + n1, s + n1, n2 - n1, line0, line1);
+    if (n > n2) fill_root_at(t + n2, s + n2, n - n2, c20, c21, base2, -1);
+  }
+
+ private:
+  static int below(double limit, double s0, double ds, int n) {
+    double k = (limit - s0) / ds;
+    return k <= 0 ? 0 : k >= n ? n : int(std::ceil(k));
+  }
+};
+
+class StepSolver {
+ public:
+  StepSolver(const Machine& machine, const StepperSpec& spec) : machine_(machine), spec_(spec), hz_(machine.clock_hz) {
+    for (double& c : c_) c = 0;
+    linear_ = true;
+    if (spec.drive == Drive::extruder) {
+      axis_ = kE;
+    } else if (spec.drive == Drive::axis) {
+      axis_ = slot_of_axis(spec.index);
+    } else {
+      linear_ = machine.geometry->linear(spec.index, c_);
+      for (int j = 0; j < 3; ++j)
+        if (linear_ && c_[j] == 1 && c_[0] + c_[1] + c_[2] == 1 && c_[(j + 1) % 3] == 0) axis_ = j;
+    }
+  }
+
+  int64_t count() const { return count_; }  // steps from the origin, after the moves solved so far
+  void set_count(int64_t count) { count_ = count; }
+
+  // Step count at a position: the target of every move is rounded from the absolute position.
+  int64_t count_at(const double* p) const { return int64_t(std::floor(position(p) + 0.5)); }
+
+  // Appends the steps of the move.
+  void solve(const Move& m, Steps& out) {
+    if (spec_.drive == Drive::extruder && m.extruder != spec_.index) return;
+    if (m.kind == MoveKind::dwell) return;
+    if (linear_)
+      solve_linear(m, out);
+    else
+      solve_path(m, out);
+  }
+
+ private:
+  const Machine& machine_;
+  const StepperSpec& spec_;
+  double hz_;
+  bool linear_;
+  int axis_ = -1;   // ≥ 0: this axis alone drives the motor
+  double c_[3];
+  int64_t count_ = 0;
+  Crossings crossings_;
+
+  double position(const double* p) const {
+    if (axis_ >= 0) return p[axis_] * spec_.steps_per_unit;
+    if (linear_) return (c_[0] * p[0] + c_[1] * p[1] + c_[2] * p[2]) * spec_.steps_per_unit;
+    return machine_.geometry->inverse(spec_.index, p) * spec_.steps_per_unit;
+  }
+
+  static double* extend(Steps& out, size_t n, int dir) {
+    size_t first = out.ticks.size();
+    if (out.runs.empty() || out.runs.back().dir != dir) out.runs.push_back({first, dir});
+    out.ticks.resize(first + n);
+    return out.ticks.data() + first;
+  }
+
+  void solve_linear(const Move& m, Steps& out) {
+    double from = position(m.p0), to = position(m.p1);
+    int64_t target = int64_t(std::floor(to + 0.5)), n = target - count_;
+    if (n == 0) return;
+    double dir = n > 0 ? 1 : -1;
+    n = n > 0 ? n : -n;
+    double per_step = from == to ? 0 : m.d / std::fabs(to - from);
+    double s0 = (double(count_) + 0.5 * dir - from) * dir * per_step;
+    double* t = extend(out, size_t(n), int(dir));
+    TimeLaw(m, hz_).even(std::clamp(s0, 0.0, m.d), std::max(per_step, 1e-12), int(n), t);
+    count_ = target;
+  }
+
+  void solve_path(const Move& m, Steps& out) {
+    Path path{{m.p0[0], m.p0[1], m.p0[2]}, {m.p1[0], m.p1[1], m.p1[2]}, m.d};
+    if (!m.cartesian) return;
+    machine_.geometry->crossings(spec_.index, path, spec_.steps_per_unit, crossings_);
+    TimeLaw law(m, hz_);
+    const int64_t start = int64_t(std::floor(position(m.p0) + 0.5));
+    int64_t ahead = count_ - start;  // after a cut: steps done before their ideal time, or still owed
+    for (size_t r = 0; r < crossings_.runs.size(); ++r) {
+      size_t first = size_t(crossings_.runs[r].first);
+      size_t last = r + 1 < crossings_.runs.size() ? size_t(crossings_.runs[r + 1].first) : crossings_.s.size();
+      int dir = crossings_.runs[r].dir;
+      while (ahead != 0 && first < last && (ahead > 0) == (dir > 0)) ++first, ahead -= dir;
+      if (first == last) continue;
+      law.at(crossings_.s.data() + first, int(last - first), extend(out, last - first, dir));
+      count_ += dir * int64_t(last - first);
+    }
+  }
+};
+
+}  // namespace passo

@@ -1,0 +1,70 @@
+"""Machine dicts for motion tests: plain numbers, as the configuration hands them to the core."""
+
+from __future__ import annotations
+
+from math import inf
+from typing import Any
+
+
+def axis(letter: str, **limits: float) -> dict[str, Any]:
+    values = {"min": -1000.0, "max": 1000.0, "speed": 300.0, "accel": 3000.0, "jerk": 10.0}
+    return {"letter": letter, "name": letter.lower(), "cornering_steps": 40.0} | values | limits
+
+
+def stepper(name: str, drive: str, index: int, steps: float, **values: float) -> dict[str, Any]:
+    return {
+        "name": name,
+        "drive": drive,
+        "index": index,
+        "steps_per_unit": steps,
+        "invert": False,
+        "pulse_s": 1e-6,
+        "dir_setup_s": 2e-7,
+        "dir_hold_s": 2e-7,
+        "max_rate_hz": 500000.0,
+        "speed": inf,
+        "accel": inf,
+        "min": -inf,
+        "max": inf,
+    } | values
+
+
+def cartesian(**limits: Any) -> dict[str, Any]:
+    """80/80/400/95.5 steps per mm, 16 MHz, junction deviation 0.02 mm."""
+    return {
+        "name": "test",
+        "clock_hz": 16_000_000,
+        "tolerance_s": 2e-6,
+        "axes": [axis("X"), axis("Y"), axis("Z", speed=12.0, accel=100.0)],
+        "extruders": [{"name": "e", "speed": 100.0, "accel": 5000.0, "jerk": 1.0}],
+        "tools": [{"extruder": 0, "offset": [0.0, 0.0, 0.0]}],
+        "geometry": {"kind": "cartesian"},
+        "steppers": [
+            stepper("x", "actuator", 0, 80.0),
+            stepper("y", "actuator", 1, 80.0),
+            stepper("z", "actuator", 2, 400.0),
+            stepper("e", "extruder", 0, 95.5),
+        ],
+        "limits": {
+            "print_accel": 3000.0,
+            "travel_accel": 3000.0,
+            "retract_accel": 3000.0,
+            "speed": inf,
+            "junction": "deviation",
+            "junction_deviation": 0.02,
+            "minimum_cruise_ratio": 0.0,
+        }
+        | limits,
+    }
+
+
+def aprinter() -> dict[str, Any]:
+    """The machine of the golden times: 80 steps/mm, 300 mm/s, 1500 mm/s², cornering distance 40."""
+    spec = cartesian(
+        print_accel=inf, travel_accel=inf, retract_accel=inf, junction="cornering_distance"
+    )
+    spec["axes"] = [axis(letter, accel=1500.0) for letter in "XYZ"]
+    spec["extruders"] = [{"name": "e", "speed": 300.0, "accel": 250.0, "jerk": 1.0}]
+    spec["steppers"][2]["steps_per_unit"] = 80.0
+    spec["steppers"][3]["steps_per_unit"] = 100.0
+    return spec

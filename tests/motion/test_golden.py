@@ -1,0 +1,90 @@
+"""Published speeds and times: StuFW's junction speeds, APrinter's measured batch times."""
+
+from __future__ import annotations
+
+from math import cos, pi, radians, sin
+
+import pytest
+
+from passo._core import Motion
+
+from .machines import aprinter, cartesian
+
+HZ = 16e6
+
+
+def planned(spec, moves, feed=100.0):
+    motion = Motion(spec, False)
+    for move in moves:
+        motion.push(**({"feed_mm_s": feed} | move))
+    motion.flush()
+    return motion.take_moves(), motion.clock / HZ
+
+
+@pytest.mark.parametrize(
+    ("deflection", "accel", "deviation", "speed"),
+    [
+        (45, 3000.0, 0.02, 26.99),
+        (90, 3000.0, 0.02, 12.035),
+        (135, 3000.0, 0.02, 6.10),
+        (45, 800.0, 0.1, 31.16),
+        (90, 800.0, 0.1, 13.897),
+        (135, 800.0, 0.1, 7.04),
+    ],
+)
+def test_junction_deviation(deflection, accel, deviation, speed):
+    spec = cartesian(print_accel=accel, travel_accel=accel, junction_deviation=deviation)
+    a = radians(deflection)
+    end = [50 + 50 * cos(a), 50 * sin(a), 0, 0]
+    moves, _ = planned(spec, [{"target": [50, 0, 0, 0]}, {"target": end}])
+    assert moves[1].start_cap == pytest.approx(speed, abs=0.01)
+    assert moves[0].end_speed == moves[1].start_speed == pytest.approx(speed, abs=0.01)
+
+
+TIMES = {
+    "90 degrees": ([[10, 0], [10, 10]], 0.3018),
+    "straight": ([[10, 0], [20, 0]], 0.2667),
+    "reversal": ([[10, 0], [0, 0]], 0.3100),
+    "45 degrees": ([[10, 0], [17.071, 7.071]], 0.2833),
+}
+
+
+@pytest.mark.parametrize("name", TIMES)
+def test_cornering_distance_times(name):
+    points, seconds = TIMES[name]
+    _, total = planned(aprinter(), [{"target": [*p, 0, 0]} for p in points])
+    assert total == pytest.approx(seconds, abs=1e-3)
+
+
+def test_a_dwell_between_moves_stops_the_machine():
+    moves = [
+        {"target": [10, 0, 0, 0]},
+        {"target": [10, 0, 0, 0], "kind": "dwell", "duration_s": 0.2},
+        {"target": [20, 0, 0, 0]},
+    ]
+    assert planned(aprinter(), moves)[1] == pytest.approx(0.5333, abs=1e-3)
+
+
+def test_a_slower_move_follows():
+    moves = [{"target": [10, 0, 0, 0]}, {"target": [20, 0, 0, 0], "feed_mm_s": 20.0}]
+    assert planned(aprinter(), moves)[1] == pytest.approx(0.6616, abs=1e-3)
+
+
+def test_the_extruder_limits_acceleration_and_corner():
+    moves = [{"target": [10, 0, 0, 0]}, {"target": [20, 0, 0, 1], "kind": "print"}]
+    assert planned(aprinter(), moves)[1] == pytest.approx(0.2948, abs=1e-3)
+
+
+def test_a_polygon_of_36_corners():
+    points = [[20 * cos(2 * pi * i / 36), 20 * sin(2 * pi * i / 36)] for i in range(1, 37)]
+    moves = [{"target": [20, 0, 0, 0], "feed_mm_s": 1000.0}]
+    moves += [{"target": [*p, 0, 0]} for p in points]
+    spec = aprinter()
+    start = planned(spec, moves[:1])[1]
+    motion = Motion(spec, False)
+    motion.push(**moves[0])
+    motion.flush()
+    for move in moves[1:]:
+        motion.push(**({"feed_mm_s": 100.0} | move))
+    motion.flush()
+    assert motion.clock / HZ - start == pytest.approx(1.5671, abs=2e-3)
