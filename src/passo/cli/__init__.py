@@ -1,0 +1,1 @@
+"""The passo command: one module a subcommand."""

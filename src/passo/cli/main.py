@@ -1,0 +1,61 @@
+"""The passo command: runs the subcommand and turns errors into sentences and exit statuses.
+
+Only the chosen subcommand's module is imported, so that `passo --help` starts at once. Such a
+module offers `add_arguments(parser)` and `run(arguments) -> int`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import os
+import sys
+from collections.abc import Sequence
+
+import passo
+from passo.errors import ExitStatus, PassoError
+
+COMMANDS: dict[str, str] = {
+    "machines": "list the machines that come with Passo",
+    "check": "check a machine file and report everything that is wrong with it",
+}
+
+
+def _parser(name: str | None) -> argparse.ArgumentParser:
+    """The whole command line, with the arguments of subcommand `name` filled in."""
+    parser = argparse.ArgumentParser(
+        prog="passo", description="Passo: G-code in, exact step times out.", allow_abbrev=False
+    )
+    parser.add_argument("--version", action="version", version=f"passo {passo.__version__}")
+    subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    for command, summary in COMMANDS.items():
+        subparser = subparsers.add_parser(
+            command, help=summary, description=summary.capitalize() + ".", allow_abbrev=False
+        )
+        if command == name:
+            importlib.import_module(f"passo.cli.{command}").add_arguments(subparser)
+    return parser
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Runs `passo argv…` and returns its exit status: 0 done, 2 usage, 3 bad machine file,
+    4 bad input, 5 machine fault, 130 interrupted. Errors go to stderr, one line each."""
+    words = list(sys.argv[1:] if argv is None else argv)
+    name = next((word for word in words if not word.startswith("-")), None)
+    try:
+        arguments = _parser(name).parse_args(words)
+        status: int = importlib.import_module(f"passo.cli.{arguments.command}").run(arguments)
+        sys.stdout.flush()
+    except PassoError as error:
+        for problem in error.problems:
+            print(problem, file=sys.stderr)
+        return error.status
+    except SystemExit as exit_:  # argparse: help and version (0), usage (2)
+        return ExitStatus.USAGE if exit_.code else ExitStatus.DONE
+    except KeyboardInterrupt:
+        print("Interrupted.", file=sys.stderr)
+        return 130
+    except BrokenPipeError:  # the reader, `head` say, has gone: nothing is left to tell it
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return ExitStatus.DONE
+    return status

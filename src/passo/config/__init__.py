@@ -1,0 +1,9 @@
+"""What a printer is: typed machine files in TOML, checked as a whole.
+
+`load` takes the name of a shipped machine or a path and returns a `MachineConfig`.
+"""
+
+from passo.config.load import load, load_text, shipped_boards, shipped_machines
+from passo.config.machine import MachineConfig
+
+__all__ = ["MachineConfig", "load", "load_text", "shipped_boards", "shipped_machines"]

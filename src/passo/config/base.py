@@ -1,0 +1,37 @@
+"""Number types and the base of all configuration models."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field
+
+
+class Model(BaseModel):
+    """A table of a machine file: strict types, no unknown keys, no change after loading."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+
+# What a text must look like, in words: a pattern says nothing to most people.
+PATTERNS = {
+    r"^[a-z][a-z0-9_-]*$": "a name of lower-case letters, digits, - and _",
+    r"^[!^~]*[A-Za-z][A-Za-z0-9_.-]*$": "a pin such as PB4, !PD7 or a name in board.pins",
+    r"^[A-Z]$": "one capital letter",
+    r"^[xyzabcuvw]$": "an axis: x, y, z, a, b, c, u, v or w",
+    r"^e[0-9]*$": "an extruder: e, e1, e2, …",
+    r"^[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}$": "a UUID such as `uuidgen` prints",
+}
+NAME, PIN, LETTER, AXIS, EXTRUDER, UUID = PATTERNS
+
+Positive = Annotated[float, Field(gt=0)]
+NotNegative = Annotated[float, Field(ge=0)]
+Fraction = Annotated[float, Field(ge=0, le=1)]
+Name = Annotated[str, Field(pattern=NAME)]
+Pin = Annotated[str, Field(pattern=PIN)]
+Letter = Annotated[str, Field(pattern=LETTER)]
+AxisName = Annotated[str, Field(pattern=AXIS)]
+ExtruderName = Annotated[str, Field(pattern=EXTRUDER)]
+Uuid = Annotated[str, Field(pattern=UUID)]
+Point = Annotated[list[float], Field(min_length=3, max_length=3)]
+Pair = Annotated[list[float], Field(min_length=2, max_length=2)]

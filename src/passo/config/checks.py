@@ -1,0 +1,169 @@
+"""Checks between the parts of a machine file.
+
+They read the raw tables, not the models, so that one wrong number elsewhere never hides them:
+whatever has the wrong type is skipped here and reported by the models.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+from passo.config.drives import Drivable, Driven, axis_order
+from passo.config.findings import Finding, did_you_mean, number, table, tables
+
+Raw = Mapping[str, Any]
+
+_MAX_FURTHER_AXES = 4
+_PER_MM = ("steps_per_mm", "rotation_distance_mm")
+_LIMIT_KEYS = ("speed_{}_s", "accel_{}_s2", "min_{}", "max_{}")
+
+
+def check_axes(data: Raw, actuators: tuple[str, ...]) -> Iterator[Finding]:
+    """X, Y and Z are there, further axes are few and named apart, and ranges are ranges."""
+    axes = table(data, "axes")
+    for name in "xyz":
+        if name not in axes:
+            yield Finding("config.missing-key", ("axes", name), None, "a table with its limits")
+    further = axis_order(axes)[3:]
+    if len(further) > _MAX_FURTHER_AXES:
+        limit = f"at most {_MAX_FURTHER_AXES} axes besides x, y, z"
+        yield Finding("config.value", ("axes",), ", ".join(further), limit)
+    for name in further:
+        if name in actuators:
+            limit = "a letter that is not an actuator of the geometry"
+            yield Finding("config.conflict", ("axes", name), name, limit)
+    for name, axis in tables(data, "axes"):
+        yield from _check_range(("axes", name), axis, "mm")
+        home, low, high = number(axis, "home_mm"), number(axis, "min_mm"), number(axis, "max_mm")
+        if home is not None and high is not None and not (low or 0) <= home <= high:
+            limit = f"a position between {low or 0:g} and {high:g}"
+            yield Finding("config.value", ("axes", name, "home_mm"), home, limit)
+
+
+def _check_range(path: tuple[str, ...], content: Raw, unit: str) -> Iterator[Finding]:
+    low, high = number(content, f"min_{unit}"), number(content, f"max_{unit}")
+    if low is not None and high is not None and low >= high:
+        limit = f"more than min_{unit}, which is {low:g}"
+        yield Finding("config.value", (*path, f"max_{unit}"), high, limit)
+
+
+def check_steppers(
+    data: Raw, actuators: tuple[str, ...], rotary: tuple[str, ...]
+) -> Iterator[Finding]:
+    """Each motor drives something, in the right unit; each thing that moves has a motor."""
+    drivable = Drivable(actuators, axis_order(table(data, "axes")), table(data, "extruders"))
+    driven_names: set[Driven] = set()
+    for name, stepper in tables(data, "steppers"):
+        path = ("steppers", name)
+        driven = drivable.of(name, stepper.get("drives"))
+        if driven is None:
+            word = stepper.get("drives", name)
+            hint = did_you_mean(word, drivable.by_name)
+            limit = "the name of an actuator, axis or extruder"
+            yield Finding("config.value", (*path, "drives"), word, limit, hint)
+            continue
+        driven_names.add(driven)
+        turns = driven.drive == "actuator" and actuators[driven.index] in rotary
+        yield from _check_scale(path, stepper, turns)
+        yield from _check_range(path, stepper, "deg" if turns else "mm")
+    for name, driven in drivable.by_name.items():
+        if driven not in driven_names:
+            limit = f"a motor that drives {driven.drive} {name}"
+            yield Finding("config.missing-key", ("steppers", name), None, limit)
+
+
+def _check_scale(path: tuple[str, ...], stepper: Raw, turns: bool) -> Iterator[Finding]:
+    given = [key for key in (*_PER_MM, "steps_per_degree") if key in stepper]
+    right = ("steps_per_degree",) if turns else _PER_MM
+    wanted = "steps_per_degree or gear_ratio" if turns else " or ".join(_PER_MM)
+    geared = turns and "gear_ratio" in stepper
+    for key in given:
+        if key not in right:
+            limit = f"{wanted} for a {'turning' if turns else 'linear'} motor"
+            yield Finding("config.conflict", (*path, key), stepper[key], limit)
+    if not given and not geared:
+        yield Finding("config.missing-key", (*path, right[0]), None, wanted)
+    elif len([key for key in given if key in right]) + geared > 1:
+        yield Finding("config.conflict", (*path, given[-1]), stepper[given[-1]], f"only {wanted}")
+    wrong, unit = ("mm", "deg") if turns else ("deg", "mm")
+    for pattern in _LIMIT_KEYS:
+        key = pattern.format(wrong)
+        if key in stepper:
+            limit = f"{pattern.format(unit)} here"
+            yield Finding("config.conflict", (*path, key), stepper[key], limit)
+
+
+def check_references(data: Raw) -> Iterator[Finding]:
+    """Tools name extruders and heaters that exist; heaters have sane ranges; fans are distinct."""
+    tools = data.get("tools")
+    for index, tool in enumerate(tools if isinstance(tools, list) else []):
+        for key, known in (
+            ("extruder", table(data, "extruders")),
+            ("heater", table(data, "heaters")),
+        ):
+            word = table(tool).get(key)
+            if isinstance(word, str) and word not in known:
+                limit = f"the name of one of the {key}s"
+                yield Finding(
+                    "config.value", ("tools", index, key), word, limit, did_you_mean(word, known)
+                )
+    for name, heater in tables(data, "heaters"):
+        low, high = number(heater, "min_c"), number(heater, "max_c")
+        if high is not None and high <= (5.0 if low is None else low):
+            limit = "a temperature above min_c"
+            yield Finding("config.value", ("heaters", name, "max_c"), high, limit)
+    numbers: dict[object, str] = {}
+    for name, fan in tables(data, "fans"):
+        owner = numbers.setdefault(fan.get("number", 0), name)
+        if owner != name:
+            limit = f"a number of its own: it belongs to fans.{owner}"
+            yield Finding("config.conflict", ("fans", name, "number"), fan.get("number", 0), limit)
+
+
+def check_pins(data: Raw) -> Iterator[Finding]:
+    """Sockets exist, and each pin of the microcontroller has one owner (motors share enable)."""
+    sockets, aliases = table(data, "board", "sockets"), table(data, "board", "pins")
+    owners: dict[str, str] = {}
+
+    def claim(path: tuple[str, ...], pin: object) -> Iterator[Finding]:
+        if not isinstance(pin, str):
+            return
+        bare = pin.lstrip("!^~")
+        real = aliases.get(bare, bare)
+        owner = owners.setdefault(real, ".".join(path))
+        if owner != ".".join(path):
+            limit = f"a pin of its own: {real} belongs to {owner}"
+            yield Finding("config.conflict", path, pin, limit)
+
+    for name, stepper in tables(data, "steppers"):
+        path = ("steppers", name)
+        if "socket" in stepper:
+            socket = stepper["socket"]
+            if socket not in sockets:
+                hint = did_you_mean(socket, sockets)
+                limit = "a socket of the board"
+                yield Finding("config.value", (*path, "socket"), socket, limit, hint)
+                continue
+            for key in ("step", "direction"):
+                yield from claim((*path, "socket"), table(sockets, socket).get(key))
+        for key in ("step_pin", "direction_pin"):
+            yield from claim((*path, key), stepper.get(key))
+            if "socket" not in stepper and key not in stepper:
+                limit = "a pin, or the key socket"
+                yield Finding("config.missing-key", (*path, key), None, limit)
+    for part in ("heaters", "fans"):
+        for name, content in tables(data, part):
+            yield from claim((part, name, "pin"), content.get("pin"))
+            yield from claim((part, name, "sensor_pin"), content.get("sensor_pin"))
+    yield from claim(("laser", "pin"), table(data, "laser").get("pin"))
+
+
+def check_all(data: Raw, actuators: tuple[str, ...], rotary: tuple[str, ...]) -> Iterator[Finding]:
+    """All checks; those that need the geometry are skipped where it is not known."""
+    parts: list[Callable[[Raw], Iterator[Finding]]] = [check_references, check_pins]
+    yield from check_axes(data, actuators)
+    if actuators:
+        yield from check_steppers(data, actuators, rotary)
+    for check in parts:
+        yield from check(data)

@@ -1,0 +1,50 @@
+"""Which stepper drives what, worked out the same way for checks and for the core."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Literal, NamedTuple
+
+Drive = Literal["actuator", "axis", "extruder"]
+
+
+class Driven(NamedTuple):
+    """What a motor drives, and its index among its kind."""
+
+    drive: Drive
+    index: int
+
+
+class Drivable:
+    """All that a motor of this machine may drive, by name.
+
+    `actuators` are the geometry's, `axes` all axes in the order of the core (x, y, z first).
+    """
+
+    def __init__(
+        self, actuators: Iterable[str], axes: Iterable[str], extruders: Iterable[str]
+    ) -> None:
+        self.by_name: dict[str, Driven] = {}
+        for index, name in enumerate(extruders):
+            self.by_name[name] = Driven("extruder", index)
+        for index, name in enumerate(axes):
+            if index >= 3:
+                self.by_name[name] = Driven("axis", index)
+        for index, name in enumerate(actuators):
+            self.by_name[name] = Driven("actuator", index)
+
+    def of(self, stepper: str, drives: object) -> Driven | None:
+        """What the motor called `stepper` drives; None if its `drives` or its name says nothing."""
+        if drives is not None:
+            return self.by_name.get(drives) if isinstance(drives, str) else None
+        return self.by_name.get(stepper) or self.by_name.get(stepper.rstrip("0123456789"))
+
+    def order(self, driven: Driven) -> tuple[int, int]:
+        """Sort key: actuators, then further axes, then extruders, each in their own order."""
+        return (("actuator", "axis", "extruder").index(driven.drive), driven.index)
+
+
+def axis_order(names: Iterable[str]) -> list[str]:
+    """x, y, z, then the others as they stand in the file."""
+    first = ["x", "y", "z"]
+    return first + [name for name in names if name not in first]

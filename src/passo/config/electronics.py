@@ -1,0 +1,96 @@
+"""The board and what is wired to it besides motors: heaters, fans, a laser."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from passo.config.base import Fraction, Letter, Model, Name, Pin, Positive
+
+_Celsius = Annotated[float, Field(ge=-100, le=1200)]
+
+
+class Thermistor(Model):
+    """An NTC resistor to ground under a pull-up resistor: R(T) = R25·exp(β·(1/T - 1/298.15 K))."""
+
+    kind: Literal["thermistor"] = "thermistor"
+    r25_ohm: Positive = 100_000.0
+    beta_k: Positive = 3950.0
+    pullup_ohm: Positive = 4700.0
+
+
+class SimulatedHeat(Model):
+    """How the heater behaves on a simulated printer: a first-order body under a first-order sensor.
+
+    At full power it ends `full_power_rise_c` above the room, and it comes 63 % nearer to its end in
+    each `time_constant_s`; the sensor follows with `sensor_time_constant_s`.
+    """
+
+    full_power_rise_c: Positive
+    time_constant_s: Positive
+    sensor_time_constant_s: Positive = 2.0
+
+
+class Heater(Model):
+    """A heater with its sensor; outside `min_c`…`max_c` it is a fault. `kind` says which commands
+    mean it: M104 and M109 a hotend, M140 and M190 the bed, M141 and M191 a chamber."""
+
+    kind: Literal["hotend", "bed", "chamber"]
+    pin: Pin
+    sensor_pin: Pin
+    sensor: Thermistor = Thermistor()
+    max_power: Fraction = 1.0
+    min_c: _Celsius = 5.0
+    max_c: _Celsius
+    simulated: SimulatedHeat
+
+
+class Fan(Model):
+    """A fan; `number` is the P of M106 and M107."""
+
+    pin: Pin
+    number: Annotated[int, Field(ge=0, le=255)] = 0
+    max_power: Fraction = 1.0
+
+
+class Laser(Model):
+    """A laser or a spindle. S of M3 and M4 at full power is `full_scale`. The two letters are
+    APrinter's words of a G1 (energy in W·s, density in W·s/mm); only if given do they belong to a
+    move."""
+
+    pin: Pin
+    full_scale: Positive = 255.0
+    energy_letter: Letter | None = None
+    density_letter: Letter | None = None
+
+
+class Socket(Model):
+    """The pins of a board's place for a stepper driver."""
+
+    step: Pin
+    direction: Pin
+    enable: Pin
+
+
+class Board(Model):
+    """A controller board. `base` names a shipped board whose values hold unless given here.
+
+    Tools that wire a machine speak of `sockets` and of the names in `pins`; both lead to pins of
+    the microcontroller. `compression_tolerance_us` bounds how far a step may be from its ideal
+    time; `move_count` is the number of commands that the board can hold.
+    """
+
+    base: str | None = None
+    name: str
+    mcu: str
+    link: Literal["simulated"] = "simulated"
+    clock_hz: Annotated[int, Field(ge=1_000_000, le=1_000_000_000)]
+    move_count: Annotated[int, Field(ge=16, le=65_535)]
+    compression_tolerance_us: Annotated[float, Field(gt=0, le=25)] = 2.0
+    sockets: dict[str, Socket] = {}
+    pins: dict[str, Pin] = {}
+
+
+Heaters = dict[Name, Heater]
+Fans = dict[Name, Fan]

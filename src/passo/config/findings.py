@@ -1,0 +1,59 @@
+"""What the checks of a machine file find, before it has a file and a line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import Any, cast
+
+from passo.config.lines import Path
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """`path` leads to the key; `limit` says what was expected there."""
+
+    code: str
+    path: Path
+    value: object = None
+    limit: str = ""
+    hint: str = ""
+
+    @property
+    def key(self) -> str:
+        """The path as a person writes it: `tools[1].extruder`."""
+        text = ""
+        for part in self.path:
+            text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else part
+        return text
+
+
+def did_you_mean(word: object, known: Iterable[str]) -> str:
+    """A hint naming the closest known word, or all of them if few; empty if neither helps."""
+    names = sorted(known)
+    close = get_close_matches(str(word), names, n=1, cutoff=0.6)
+    if close:
+        return f"Did you mean {close[0]!r}?"
+    return f"Known here: {', '.join(names)}" if 0 < len(names) <= 16 else ""
+
+
+def table(data: object, *keys: str) -> Mapping[str, Any]:
+    """The table at `keys`, empty if it is missing or is no table: type errors are reported once,
+    by the models, and must not hide what else is wrong."""
+    for key in keys:
+        data = cast("Mapping[str, Any]", data).get(key) if isinstance(data, Mapping) else None
+    return cast("Mapping[str, Any]", data) if isinstance(data, Mapping) else {}
+
+
+def tables(data: Mapping[str, Any], key: str) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    """Name and content of each table inside the table `key`."""
+    for name, content in table(data, key).items():
+        if isinstance(content, Mapping):
+            yield name, cast("Mapping[str, Any]", content)
+
+
+def number(content: Mapping[str, Any], key: str) -> float | None:
+    """The number at `key`, None if it is missing or is no number."""
+    value = content.get(key)
+    return value if isinstance(value, int | float) and not isinstance(value, bool) else None

@@ -1,0 +1,125 @@
+"""Loads machine files: shipped ones by name, others by path."""
+
+from __future__ import annotations
+
+import os
+import re
+import tomllib
+from collections.abc import Iterable
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from passo.config.checks import check_all
+from passo.config.findings import Finding, did_you_mean, table
+from passo.config.lines import key_lines, line_of
+from passo.config.machine import MachineConfig
+from passo.errors import ConfigError, Problem
+from passo.geometry.registry import GEOMETRIES
+
+_HERE = Path(__file__).parent
+_SYNTAX_PLACE = re.compile(r"^(.*?)\s*\(at (?:line (\d+), column \d+|end of document)\)$")
+
+
+def shipped_machines() -> list[str]:
+    """Names of the machines that come with Passo, sorted."""
+    return sorted(path.stem for path in (_HERE / "machines").glob("*.toml"))
+
+
+def shipped_boards() -> list[str]:
+    """Names of the boards that come with Passo, sorted."""
+    return sorted(path.stem for path in (_HERE / "boards").glob("*.toml"))
+
+
+def load(name_or_path: str | os.PathLike[str]) -> MachineConfig:
+    """The machine of that name, or of that TOML file.
+
+    A word without a path separator and without the ending .toml is the name of a shipped machine.
+    Raises ConfigError with *every* problem of the file, each with its line.
+    """
+    text = os.fspath(name_or_path)
+    if text.endswith(".toml") or os.sep in text:
+        return _load_file(Path(text))
+    if text in shipped_machines():
+        return _load_file(_HERE / "machines" / f"{text}.toml")
+    hint = did_you_mean(text, shipped_machines())
+    raise ConfigError([Problem("config.unknown-machine", values={"value": text}, hint=hint)])
+
+
+def _load_file(path: Path) -> MachineConfig:
+    try:
+        text = path.read_bytes().decode()
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise ConfigError(
+            [Problem("config.unreadable", str(path), None, {"value": reason})]
+        ) from None
+    except UnicodeDecodeError as error:
+        reason = f"byte {error.start} is not UTF-8"
+        raise ConfigError(
+            [Problem("config.unreadable", str(path), None, {"value": reason})]
+        ) from None
+    return load_text(text, str(path))
+
+
+def load_text(text: str, file: str = "<text>") -> MachineConfig:
+    """The machine that a TOML text describes; `file` names it in messages. Raises ConfigError."""
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        place = _SYNTAX_PLACE.match(str(error))
+        message, line = (place[1], place[2]) if place else (str(error), None)
+        at = int(line) if line else text.rstrip("\n").count("\n") + 1
+        raise ConfigError([Problem("config.syntax", file, at, {"value": message})]) from None
+    findings = list(_with_board(data))
+    machine = None
+    try:
+        machine = MachineConfig.model_validate(data)
+    except ValidationError as error:
+        from passo.config.model_findings import model_findings
+
+        findings += model_findings(error)
+    geometry = table(data, "geometry").get("kind")
+    model = next((model for model in GEOMETRIES if geometry in _kinds(model)), None)
+    actuators = model.actuators if model else ()
+    rotary = model.rotary if model else ()
+    findings += check_all(data, actuators, rotary)
+    if findings or machine is None:
+        raise ConfigError(_problems(findings, text, file))
+    return machine
+
+
+def _kinds(model: Any) -> tuple[object, ...]:
+    return model.model_fields["kind"].annotation.__args__
+
+
+def _with_board(data: dict[str, Any]) -> Iterable[Finding]:
+    """Puts the values of the shipped board under those that the file gives itself."""
+    own = table(data, "board")
+    base = own.get("base")
+    if base is None:
+        return
+    if base not in shipped_boards():
+        hint = did_you_mean(base, shipped_boards())
+        yield Finding("config.value", ("board", "base"), base, "the name of a shipped board", hint)
+        # Any board lets the other checks go on without reporting its own keys as missing.
+        base = next(iter(get_close_matches(str(base), shipped_boards(), 1)), "ramps")
+    shipped = tomllib.loads((_HERE / "boards" / f"{base}.toml").read_text())
+    merged = shipped | own
+    for key in ("sockets", "pins"):
+        if isinstance(merged.get(key), dict):
+            merged[key] = shipped.get(key, {}) | merged[key]
+    data["board"] = merged
+
+
+def _problems(findings: Iterable[Finding], text: str, file: str) -> list[Problem]:
+    """Problems in the order of the lines, each path once."""
+    lines = key_lines(text)
+    problems: dict[tuple[object, ...], Problem] = {}
+    for finding in findings:
+        values = {"key": finding.key, "value": finding.value, "limit": finding.limit}
+        at = line_of(lines, finding.path)
+        problems.setdefault(finding.path, Problem(finding.code, file, at, values, finding.hint))
+    return sorted(problems.values(), key=lambda problem: problem.line or 0)

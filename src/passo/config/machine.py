@@ -1,0 +1,160 @@
+"""The whole machine: `MachineConfig`, and the plain numbers that the core takes of it."""
+
+from __future__ import annotations
+
+from math import inf
+from typing import Any
+
+from passo.config.base import AxisName, ExtruderName, Model, Name, Pair, Uuid
+from passo.config.drives import Drivable, axis_order
+from passo.config.electronics import Board, Fans, Heaters, Laser
+from passo.config.motion import Axis, Extruder, Limits, Stepper, Steppers, Tool
+from passo.geometry.registry import AnyGeometry
+
+
+class Bed(Model):
+    """The printable area, centred on `center_mm`; a round bed gives its diameter twice."""
+
+    round: bool = False
+    size_mm: Pair
+    center_mm: Pair
+
+
+class MachineConfig(Model):
+    """A printer as its machine file describes it. Made by `passo.config.load`."""
+
+    name: Name
+    uuid: Uuid
+    author: str
+    description: str = ""
+    geometry: AnyGeometry
+    axes: dict[AxisName, Axis]
+    steppers: Steppers
+    extruders: dict[ExtruderName, Extruder] = {}
+    tools: list[Tool] = []
+    limits: Limits = Limits()
+    bed: Bed | None = None
+    heaters: Heaters = {}
+    fans: Fans = {}
+    laser: Laser | None = None
+    board: Board
+
+    @property
+    def size_mm(self) -> tuple[float, float, float]:
+        """Travel in X, Y, Z between the soft limits."""
+        x, y, z = (self.axes[name].max_mm - self.axes[name].min_mm for name in "xyz")
+        return x, y, z
+
+    @property
+    def drivable(self) -> Drivable:
+        """What the motors of this machine may drive."""
+        return Drivable(self.geometry.actuators, axis_order(self.axes), self.extruders)
+
+    def core_spec(self) -> dict[str, Any]:
+        """The machine for `passo._core`: all defaults filled in, times in s, other units kept."""
+        return {
+            "name": self.name,
+            "clock_hz": self.board.clock_hz,
+            "tolerance_s": self.board.compression_tolerance_us / 1e6,
+            "axes": [self._axis_spec(name) for name in axis_order(self.axes)],
+            "extruders": [
+                {
+                    "name": name,
+                    "speed": extruder.speed_mm_s,
+                    "accel": extruder.accel_mm_s2,
+                    "jerk": extruder.jerk_mm_s,
+                }
+                for name, extruder in self.extruders.items()
+            ],
+            "tools": self._tools_spec(),
+            "geometry": self.geometry.spec(),
+            "steppers": self._steppers_spec(),
+            "limits": self._limits_spec(),
+            "laser": self._laser_spec(),
+        }
+
+    def _axis_spec(self, name: str) -> dict[str, Any]:
+        axis = self.axes[name]
+        return {
+            "letter": name.upper(),
+            "name": name,
+            "min": axis.min_mm,
+            "max": axis.max_mm,
+            "home": axis.min_mm if axis.home_mm is None else axis.home_mm,
+            "speed": axis.speed_mm_s,
+            "accel": axis.accel_mm_s2,
+            "jerk": axis.jerk_mm_s,
+            "cornering_steps": axis.cornering_distance_steps,
+        }
+
+    def _tools_spec(self) -> list[dict[str, Any]]:
+        order = list(self.extruders)
+        tools = self.tools or [Tool(extruder=name) for name in order]
+        return [
+            {
+                "extruder": -1 if tool.extruder is None else order.index(tool.extruder),
+                "offset": list(tool.offset_mm),
+            }
+            for tool in tools
+        ]
+
+    def _steppers_spec(self) -> list[dict[str, Any]]:
+        drivable = self.drivable
+        specs: list[tuple[tuple[int, int], dict[str, Any]]] = []
+        for name, stepper in self.steppers.items():
+            driven = drivable.of(name, stepper.drives)
+            if driven is None:
+                raise ValueError(f"stepper {name} drives nothing: load() would have said so")
+            spec = {"name": name, "drive": driven.drive, "index": driven.index}
+            specs.append((drivable.order(driven), spec | _stepper_numbers(stepper)))
+        return [spec for _, spec in sorted(specs, key=lambda item: item[0])]
+
+    def _laser_spec(self) -> dict[str, str] | None:
+        laser = self.laser
+        if laser is None or not (laser.density_letter or laser.energy_letter):
+            return None
+        return {
+            "density_letter": laser.density_letter or "",
+            "energy_letter": laser.energy_letter or "",
+        }
+
+    def _limits_spec(self) -> dict[str, Any]:
+        limits = self.limits
+        plane = min(self.axes["x"].accel_mm_s2, self.axes["y"].accel_mm_s2)
+        fastest = max((extruder.accel_mm_s2 for extruder in self.extruders.values()), default=plane)
+        return {
+            "print_accel": limits.print_accel_mm_s2 or plane,
+            "travel_accel": limits.travel_accel_mm_s2 or plane,
+            "retract_accel": limits.retract_accel_mm_s2 or fastest,
+            "speed": limits.speed_mm_s or inf,
+            "junction": limits.junction,
+            "junction_deviation": limits.junction_deviation_mm,
+            "minimum_cruise_ratio": limits.minimum_cruise_ratio,
+        }
+
+
+def _first(*values: float | None, default: float) -> float:
+    return float(next((value for value in values if value is not None), default))
+
+
+def _seconds(microseconds: float) -> float:
+    """Seconds, rounded to whole nanoseconds so that 0.2 µs is the double nearest to 2e-7."""
+    return round(microseconds * 1e3) / 1e9
+
+
+def _stepper_numbers(stepper: Stepper) -> dict[str, Any]:
+    times = stepper.times
+    setup = _first(stepper.direction_setup_us, default=times.direction_us)
+    hold = _first(stepper.direction_hold_us, default=times.direction_us)
+    return {
+        "steps_per_unit": stepper.steps_per_unit,
+        "invert": stepper.invert,
+        "pulse_s": _seconds(_first(stepper.pulse_us, default=times.pulse_us)),
+        "dir_setup_s": _seconds(setup),
+        "dir_hold_s": _seconds(hold),
+        "max_rate_hz": _first(stepper.max_rate_hz, default=times.max_rate_hz),
+        "speed": _first(stepper.speed_mm_s, stepper.speed_deg_s, default=inf),
+        "accel": _first(stepper.accel_mm_s2, stepper.accel_deg_s2, default=inf),
+        "min": _first(stepper.min_mm, stepper.min_deg, default=-inf),
+        "max": _first(stepper.max_mm, stepper.max_deg, default=inf),
+    }

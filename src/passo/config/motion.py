@@ -1,0 +1,117 @@
+"""What moves: axes, steppers, extruders, tools and the limits of motion."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from passo.config.base import Fraction, Model, Name, NotNegative, Pin, Point, Positive
+from passo.config.drivers import DRIVERS, DriverName, DriverTimes
+
+
+class Axis(Model):
+    """A direction of the nozzle, X, Y or Z, or a further linear axis with motors of its own.
+
+    `min_mm` and `max_mm` are the soft limits; `home_mm` is the position after homing (`min_mm` if
+    not given). `jerk_mm_s` and `cornering_distance_steps` belong to the junction laws of those
+    names.
+    """
+
+    min_mm: float = 0.0
+    max_mm: float
+    home_mm: float | None = None
+    speed_mm_s: Positive
+    accel_mm_s2: Positive
+    jerk_mm_s: NotNegative = 10.0
+    cornering_distance_steps: Positive = 40.0
+
+
+class Extruder(Model):
+    """A filament motor. `jerk_mm_s` is the speed change that it may make at once at a junction."""
+
+    speed_mm_s: Positive
+    accel_mm_s2: Positive
+    jerk_mm_s: NotNegative = 1.0
+
+
+class Tool(Model):
+    """What T0, T1, … select, in order. Several tools may share an extruder, and a spindle's or a
+    laser's tool has none. `offset_mm` is the nozzle's place relative to the first tool's."""
+
+    extruder: str | None = None
+    offset_mm: Point = [0.0, 0.0, 0.0]
+    heater: str | None = None
+
+
+class Stepper(Model):
+    """A motor with its driver.
+
+    It drives the actuator, axis or extruder called `drives`; without that key, the one that has the
+    motor's own name, or the name without its number (`z1` is a second motor of `z`). The scale is
+    given as `steps_per_mm` (`steps_per_degree` on arms), or by the parts it comes from:
+    full steps per rotation × microsteps × gear ratio / rotation distance (or / 360°).
+    Limits hold for the motor's own position: a tower's carriage, an arm's angle.
+    """
+
+    drives: str | None = None
+    steps_per_mm: Positive | None = None
+    steps_per_degree: Positive | None = None
+    rotation_distance_mm: Positive | None = None
+    full_steps_per_rotation: Annotated[int, Field(gt=0)] = 200
+    microsteps: Literal[1, 2, 4, 8, 16, 32, 64, 128, 256] = 16
+    gear_ratio: Positive = 1.0
+    invert: bool = False
+    driver: DriverName = "A4988"
+    pulse_us: NotNegative | None = None
+    direction_setup_us: NotNegative | None = None
+    direction_hold_us: NotNegative | None = None
+    max_rate_hz: Positive | None = None
+    socket: str | None = None
+    step_pin: Pin | None = None
+    direction_pin: Pin | None = None
+    enable_pin: Pin | None = None
+    speed_mm_s: Positive | None = None
+    accel_mm_s2: Positive | None = None
+    min_mm: float | None = None
+    max_mm: float | None = None
+    speed_deg_s: Positive | None = None
+    accel_deg_s2: Positive | None = None
+    min_deg: float | None = None
+    max_deg: float | None = None
+
+    @property
+    def steps_per_unit(self) -> float:
+        """Microsteps per mm, or per degree of an arm."""
+        if self.steps_per_mm is not None:
+            return self.steps_per_mm
+        if self.steps_per_degree is not None:
+            return self.steps_per_degree
+        per_rotation = self.full_steps_per_rotation * self.microsteps * self.gear_ratio
+        return per_rotation / (self.rotation_distance_mm or 360.0)
+
+    @property
+    def times(self) -> DriverTimes:
+        """The driver's own times; single values of this motor may override them."""
+        return DRIVERS[self.driver]
+
+
+class Limits(Model):
+    """Limits along the path, and the law of the speed at a junction.
+
+    The accelerations are those of M204 (P, T, R); without a value the slower of X and Y counts for
+    prints and travels, and the fastest extruder for retractions. Laws: `deviation` is grbl's circle
+    that leaves the corner by at most `junction_deviation_mm`; `cornering_distance` is APrinter's,
+    in steps of each axis; `jerk` is the classic instant speed change of each axis.
+    """
+
+    print_accel_mm_s2: Positive | None = None
+    travel_accel_mm_s2: Positive | None = None
+    retract_accel_mm_s2: Positive | None = None
+    speed_mm_s: Positive | None = None
+    junction: Literal["deviation", "cornering_distance", "jerk"] = "deviation"
+    junction_deviation_mm: Positive = 0.02
+    minimum_cruise_ratio: Fraction = 0.0
+
+
+Steppers = Annotated[dict[Name, Stepper], Field(min_length=1)]
