@@ -195,7 +195,8 @@ class Planner {
     double braking = m.a;
     if (start2 - end2 > reach) {
       braking = std::min(m.b, (start2 - end2) / (2 * m.d));
-      end2 = std::max(end2, start2 - 2 * braking * m.d);
+      double least2 = start2 - 2 * braking * m.d;
+      if (least2 > end2 + 1e-9 * start2 + 1e-10) end2 = least2;  // beyond rounding: cannot brake that hard
     }
     double peak2;
     if (start2 > m.vn2) {  // too fast already: brake to the nominal speed first

@@ -1,0 +1,115 @@
+"""Cuts at random clocks: nothing lost, nothing doubled, no limit broken."""
+
+from __future__ import annotations
+
+from math import floor
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from passo._core import Motion
+from tests.oracles import motion as oracle
+
+from .machines import cartesian
+from .test_steps import STEPS_PER_MM, paths
+
+
+def push_all(motion, path):
+    at = [0.0, 0.0, 0.0, 0.0]
+    for dx, dy, dz, de, feed in path:
+        at = [a + d for a, d in zip(at, (dx, dy, dz, de / 20), strict=True)]
+        motion.push(at, float(feed), "print" if dx or dy or dz else "extrude")
+    return at
+
+
+def assert_arrived(motion, messages, end):
+    clocks = [m[2] for m in messages]
+    assert clocks == sorted(clocks)
+    for axis, per_mm in STEPS_PER_MM.items():
+        steps = oracle.executed_ticks(messages, axis)
+        assert sum(d for _, d in steps) == floor(end[axis] * per_mm + 0.5)
+        times = [t for t, _ in steps]
+        assert times == sorted(times)
+        assert len(set(times)) == len(times)
+
+
+@given(paths, st.floats(0, 1), st.floats(0, 1), st.floats(0.2, 3), st.floats(500, 6000))
+@settings(max_examples=60, deadline=None)
+def test_a_new_feed_rate_from_any_clock(path, sent, where, factor, accel):
+    motion = Motion(cartesian(), True)
+    end = push_all(motion, path)
+    motion.flush()
+    total = motion.clock
+    motion.take_moves()
+    messages = motion.take_messages(before=total * sent)
+    motion.set_speed_factor(factor)
+    motion.set_accel(accel)
+    cut = motion.replan_from(total * where)
+    assert cut >= min(total * where, total) - 1
+    motion.flush()
+    after = motion.take_moves()
+    for m in after:
+        assert m.start_ticks >= cut - 1e-3
+    for before, following in zip(after, after[1:], strict=False):
+        assert abs(before.end_speed - following.start_speed) < 1e-6
+    assert_arrived(motion, messages + motion.take_messages(), end)
+
+
+@given(paths, st.floats(0, 1), st.floats(0, 1))
+@settings(max_examples=60, deadline=None)
+def test_hold_and_release(path, sent, where):
+    motion = Motion(cartesian(), True)
+    end = push_all(motion, path)
+    motion.flush()
+    total = motion.clock
+    moves = motion.take_moves()
+    messages = motion.take_messages(before=total * sent)
+    cut = motion.hold_from(total * where)
+    stopped = motion.clock
+    longest = max([m.cruise_speed / m.deceleration for m in moves], default=0) * oracle.HZ
+    assert stopped <= max(cut + longest * len(moves), total) + 1
+    messages += motion.take_messages()
+    braking = motion.take_moves()
+    if braking:
+        assert braking[-1].end_speed < 1e-6
+    held_at = {axis: sum(d for _, d in oracle.executed_ticks(messages, axis)) for axis in range(4)}
+    motion.wait_until(stopped + oracle.HZ)
+    motion.release()
+    motion.flush()
+    rest = motion.take_messages()
+    assert all(m[2] >= stopped - 0.021 * oracle.HZ for m in rest)
+    assert_arrived(motion, messages + rest, end)
+    for axis, per_mm in STEPS_PER_MM.items():
+        moved = sum(d for _, d in oracle.executed_ticks(messages + rest, axis)) - held_at[axis]
+        assert moved == floor(end[axis] * per_mm + 0.5) - held_at[axis]
+
+
+def test_the_new_limit_holds_after_braking():
+    motion = Motion(cartesian(), True)
+    motion.push([200, 0, 0, 0], 100.0)
+    motion.flush()
+    motion.take_moves()
+    motion.set_speed_factor(0.25)
+    motion.replan_from(1.0 * oracle.HZ)
+    motion.flush()
+    (move,) = motion.take_moves()
+    assert move.start_speed == 100.0
+    assert move.cruise_speed == 25.0
+    assert move.acceleration == -3000.0
+    assert move.accelerate_ticks / oracle.HZ == 75.0 / 3000.0
+    assert move.end_speed == 0.0
+
+
+def test_a_record_that_is_revoked_comes_again():
+    motion = Motion(cartesian(), True)
+    motion.push([100, 0, 0, 0], 50.0)
+    motion.record(2, 7)
+    motion.push([150, 0, 0, 0], 50.0)
+    motion.flush()
+    motion.take_moves()
+    motion.set_speed_factor(0.5)
+    motion.replan_from(0.5 * oracle.HZ)
+    motion.flush()
+    moves = motion.take_moves()
+    pins = [(m[2], m[4]) for m in motion.take_messages() if m[0] == "pin"]
+    assert pins == [(round(moves[1].start_ticks), 7)]

@@ -1,0 +1,141 @@
+"""Properties of plans and of what the board executes, against the plain oracle."""
+
+from __future__ import annotations
+
+from math import floor
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from passo._core import Motion
+from tests.oracles import motion as oracle
+
+from .machines import cartesian
+
+STEPS_PER_MM = {0: 80.0, 1: 80.0, 2: 400.0, 3: 95.5}
+
+coordinate = st.integers(-4000, 4000).map(lambda n: n / 1000)
+step = st.tuples(
+    coordinate, coordinate, st.sampled_from([0, 0, 0, 0.2, -0.1]), coordinate, st.integers(1, 200)
+)
+paths = st.lists(step, min_size=1, max_size=12)
+
+
+def run(path, spec=None, with_steps=True):
+    motion = Motion(spec or cartesian(), with_steps)
+    at = [0.0, 0.0, 0.0, 0.0]
+    for dx, dy, dz, de, feed in path:
+        at = [a + d for a, d in zip(at, (dx, dy, dz, de / 20), strict=True)]
+        kind = "print" if dx or dy or dz else "extrude"
+        motion.push(at, float(feed), kind)
+    motion.flush()
+    return motion, motion.take_moves(), at
+
+
+@given(paths)
+@settings(max_examples=60, deadline=None)
+def test_plans_obey_every_limit(path):
+    spec = cartesian()
+    _, moves, _ = run(path, with_steps=False)
+    oracle.assert_trapezoids(moves)
+    for m in moves:
+        for slot, row in [(0, spec["axes"][0]), (1, spec["axes"][1]), (2, spec["axes"][2])] + [
+            (3, spec["extruders"][0])
+        ]:
+            part = abs(m.end_mm[slot] - m.start_mm[slot]) / m.length
+            assert part * m.cruise_speed <= row["speed"] * (1 + 1e-9)
+            assert part * max(abs(m.acceleration), m.deceleration) <= row["accel"] * (1 + 1e-9)
+    for before, after in zip(moves, moves[1:], strict=False):
+        if before.kind == after.kind == "print" and after.start_cap > 0:
+            accel = min(before.deceleration, after.deceleration)
+            cap = oracle.junction_deviation_cap(before, after, accel, 0.02)
+            change = abs(slope(after) - slope(before))
+            if change > 1e-12:
+                cap = min(cap, 1.0 / change)
+            assert abs(after.start_cap - cap) < 1e-6 * max(cap, 1.0)
+
+
+def slope(move):
+    return (move.end_mm[3] - move.start_mm[3]) / move.length
+
+
+@given(paths)
+@settings(max_examples=40, deadline=None)
+def test_every_step_is_within_the_bound(path):
+    motion, moves, end = run(path)
+    messages = motion.take_messages()
+    clocks = [m[2] for m in messages]
+    assert clocks == sorted(clocks)
+    for axis, per_mm in STEPS_PER_MM.items():
+        ideal = [step for m in moves for step in oracle.crossing_ticks(m, axis, per_mm)]
+        for _ in range(motion.dropped_pairs(axis)):
+            drop_closest_reversal(ideal)
+        executed = oracle.executed_ticks(messages, axis)
+        oracle.assert_within_bound(executed, ideal)
+        assert sum(d for _, d in executed) == floor(end[axis] * per_mm + 0.5)
+        assert motion.counts()[axis] == floor(end[axis] * per_mm + 0.5)
+
+
+def drop_closest_reversal(steps):
+    gaps = [
+        (b[0] - a[0], i)
+        for i, (a, b) in enumerate(zip(steps, steps[1:], strict=False))
+        if a[1] != b[1]
+    ]
+    gap, i = min(gaps)
+    assert gap < 1.4e-6 * oracle.HZ + 3
+    del steps[i : i + 2]
+
+
+def test_a_reversal_too_close_for_the_driver_is_removed_in_pairs():
+    motion = Motion(cartesian(junction="jerk"), True)
+    motion.push([0.00626, 0, 0, 0], 100.0)
+    motion.push([0.0, 0, 0, 0], 100.0)
+    motion.flush()
+    moves = motion.take_moves()
+    ideal = [t for m in moves for t in oracle.crossing_ticks(m, 0, 80.0)]
+    executed = oracle.executed_ticks(motion.take_messages(), 0)
+    assert len(ideal) - len(executed) == 2 * motion.dropped_pairs(0)
+    assert sum(d for _, d in executed) == 0
+
+
+def test_long_gaps_set_the_clock_anew():
+    motion = Motion(cartesian(), True)
+    motion.push([1, 0, 0, 0], 50.0)
+    motion.push([1, 0, 0, 0], 50.0, "dwell", duration_s=300.0)
+    motion.push([2, 0, 0, 0], 50.0)
+    motion.flush()
+    messages = motion.take_messages()
+    assert [m[0] for m in messages].count("reset_clock") == 1
+    executed = oracle.executed_ticks(messages, 0)
+    ideal = [t for m in motion.take_moves() for t in oracle.crossing_ticks(m, 0, 80.0)]
+    oracle.assert_within_bound(executed, ideal)
+
+
+def test_records_stand_at_their_boundary():
+    motion = Motion(cartesian(), True)
+    motion.push([10, 0, 0, 0], 50.0)
+    motion.record(3, 128)
+    motion.push([20, 0, 0, 0], 50.0)
+    motion.record(3, 0)
+    motion.flush()
+    moves = motion.take_moves()
+    pins = [(m[2], m[4]) for m in motion.take_messages() if m[0] == "pin"]
+    assert pins == [(round(moves[1].start_ticks), 128), (round(moves[1].end_ticks), 0)]
+    assert moves[0].end_speed == moves[1].start_speed == 50.0
+
+
+@given(paths, st.integers(1, 5))
+@settings(max_examples=20, deadline=None)
+def test_the_stream_does_not_depend_on_when_messages_are_taken(path, every):
+    whole, _, _ = run(path * 8)
+    expected = whole.take_messages()
+    motion = Motion(cartesian(), True)
+    got, at = [], [0.0, 0.0, 0.0, 0.0]
+    for i, (dx, dy, dz, de, feed) in enumerate(path * 8):
+        at = [a + d for a, d in zip(at, (dx, dy, dz, de / 20), strict=True)]
+        motion.push(at, float(feed), "print" if dx or dy or dz else "extrude")
+        if i % every == 0:
+            got += motion.take_messages()
+    motion.flush()
+    assert got + motion.take_messages() == expected
