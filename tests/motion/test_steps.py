@@ -47,8 +47,7 @@ def test_plans_obey_every_limit(path):
             assert part * max(abs(m.acceleration), m.deceleration) <= row["accel"] * (1 + 1e-9)
     for before, after in zip(moves, moves[1:], strict=False):
         if before.kind == after.kind == "print" and after.start_cap > 0:
-            accel = min(before.deceleration, after.deceleration)
-            cap = oracle.junction_deviation_cap(before, after, accel, 0.02)
+            cap = oracle.junction_deviation_cap(before, after, 0.02)
             change = abs(slope(after) - slope(before))
             if change > 1e-12:
                 cap = min(cap, 1.0 / change)

@@ -91,7 +91,7 @@ def assert_trapezoids(moves):
         assert abs(position_at(m, m.end_ticks) - m.length) < 1e-6 * max(1.0, m.length)
 
 
-def junction_deviation_cap(before, after, accel, deviation):
+def junction_deviation_cap(before, after, deviation):
     """v at a corner: v² = a δ s / (1 - s), s = sin(half the enclosed angle); and the circle's tangent
     points lie within half of each move."""
     u = [b - a for a, b in zip(before.start_mm, before.end_mm, strict=True)][:3]
@@ -100,8 +100,9 @@ def junction_deviation_cap(before, after, accel, deviation):
     cosine = min(max(cosine, -1.0), 1.0)
     s, c = sqrt((1 - cosine) / 2), sqrt((1 + cosine) / 2)
     caps = [before.speed_cap, after.speed_cap]
+    a, b = before.deceleration, after.deceleration
     if s < 1 - 1e-12:
-        caps.append(sqrt(accel * deviation * s / (1 - s)))
+        caps.append(sqrt(min(a, b) * deviation * s / (1 - s)))
     if c > 1e-9:
-        caps.append(sqrt(0.5 * accel * min(before.length, after.length) * s / c))
+        caps.append(sqrt(0.5 * min(a * before.length, b * after.length) * s / c))
     return min(caps)
