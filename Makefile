@@ -1,0 +1,83 @@
+# make demo   print an example on the simulated printer
+# make test   every test             make check  linters, types, layers, formatting
+# make bench  speed and size         make fuzz   fuzzers, FUZZ_SECONDS each
+# make corpus DIR=...                print a folder of real files
+# Each sets up what it needs: .venv, the build, and what must come from Debian.
+
+PYTHON ?= python3
+FUZZ_SECONDS ?= 60
+DEMO ?= demo
+
+BIN := .venv/bin
+CORE := $(shell find core -name '*.cpp' -o -name '*.hpp')
+FUZZERS := $(patsubst tests/fuzz/%.cpp,build/fuzz/%,$(wildcard tests/fuzz/fuzz_*.cpp))
+PYTHON_HEADERS = $(shell $(PYTHON) -c "import os, sysconfig; \
+  print(os.path.exists(sysconfig.get_path('include') + '/Python.h'))")
+
+.PHONY: demo test check bench fuzz corpus format clean
+.DELETE_ON_ERROR:
+
+demo: .venv/.built build/$(DEMO).gcode
+	$(BIN)/passo print build/$(DEMO).gcode --machine i3
+
+test: .venv/.built .venv/.dev
+	$(BIN)/python -m pytest
+
+check: .venv/.built .venv/.dev
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/pyright --pythonpath $(BIN)/python
+	$(BIN)/lint-imports
+	$(BIN)/clang-format --dry-run --Werror $(CORE) $(wildcard tests/fuzz/*.cpp)
+
+format: .venv/.dev
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+	$(BIN)/clang-format -i $(CORE) $(wildcard tests/fuzz/*.cpp)
+
+bench: .venv/.built
+	$(BIN)/python bench/run.py
+
+corpus: .venv/.built
+	@test -d "$(DIR)" || { echo "Say where the files are: make corpus DIR=..." >&2; exit 2; }
+	$(BIN)/python bench/corpus.py "$(DIR)"
+
+fuzz: $(FUZZERS)
+	@for fuzzer in $^; do \
+	  echo "$$fuzzer: $(FUZZ_SECONDS) s"; \
+	  mkdir -p $$fuzzer.corpus; \
+	  $$fuzzer -max_total_time=$(FUZZ_SECONDS) -verbosity=0 -print_final_stats=1 \
+	    -artifact_prefix=$$fuzzer. $$fuzzer.corpus $$(ls -d tests/fuzz/seeds/$$(basename $$fuzzer) \
+	    2>/dev/null) || exit 1; \
+	done
+
+build/fuzz/%: tests/fuzz/%.cpp $(CORE)
+	tools/debian.sh clang libclang-rt-14-dev
+	@mkdir -p $(@D)
+	clang++ -std=c++20 -O1 -g -ffp-contract=off -fsanitize=fuzzer,address,undefined \
+	  -fno-sanitize-recover=all -Icore $< -o $@
+
+build/%.gcode: examples/%.gcode.xz
+	@mkdir -p $(@D)
+	$(PYTHON) -c "import lzma, shutil, sys; \
+	  shutil.copyfileobj(lzma.open(sys.argv[1]), open(sys.argv[2], 'wb'))" $< $@
+
+.venv/.run: requirements/run.lock
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+	  { echo "Passo needs Python 3.11 or newer: make PYTHON=python3.11" >&2; exit 1; }
+	tools/debian.sh $(if $(shell command -v c++),,g++) $(if $(filter False,$(PYTHON_HEADERS)),python3-dev)
+	$(PYTHON) -m venv .venv
+	$(BIN)/pip install -q --disable-pip-version-check --require-hashes -r $<
+	@touch $@
+
+.venv/.dev: requirements/dev.lock .venv/.run
+	$(BIN)/pip install -q --disable-pip-version-check --require-hashes -r $<
+	@touch $@
+
+.venv/.built: .venv/.run pyproject.toml CMakeLists.txt $(CORE)
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/pip install -q --disable-pip-version-check --no-deps \
+	  --no-build-isolation -e .
+	@touch $@
+
+clean:
+	rm -rf .venv build

@@ -1,0 +1,84 @@
+"""`passo machines`, `passo check`, and what the passo command does with wrong words."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from passo import config
+from passo.cli.main import COMMANDS, main
+
+
+def test_machines_prints_a_row_a_machine(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["machines"]) == 0
+    head, *rows = capsys.readouterr().out.splitlines()
+    assert head.split() == ["NAME", "GEOMETRY", "SIZE", "MM", "STEPPERS", "BOARD"]
+    assert [row.split()[0] for row in rows] == config.shipped_machines()
+    (i3,) = (row for row in rows if row.startswith("i3 "))
+    assert i3.split("  ")[0] == "i3"
+    assert "cartesian" in i3
+    assert "250 x 220 x 250" in i3
+    assert "x y z e " in i3
+    assert i3.endswith("RAMPS 1.4")
+
+
+def test_machines_as_json(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["machines", "--json"]) == 0
+    rows = {row["name"]: row for row in json.loads(capsys.readouterr().out)}
+    assert rows["big-fish-i3"]["steppers"] == ["x", "y", "z", "z1", "e"]
+    assert rows["delta"]["size_mm"] == [150.2, 150.2, 180.0]
+
+
+def test_check_of_a_good_file(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", "scara"]) == 0
+    out, err = capsys.readouterr()
+    assert out == "scara: ok: scara, scara, 3 axes, 4 steppers, RAMPS 1.4\n"
+    assert err == ""
+
+
+def test_check_of_a_bad_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "bad.toml"
+    path.write_text("name = 5\nuuid = 'x'\n")
+    assert main(["check", str(path)]) == 3
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert f"{path}:1: name is 5: expected a text in quotes. Correct the value.\n" in err
+    assert f"{path}:2: uuid is 'x': expected a UUID" in err
+
+
+def test_check_of_a_bad_file_as_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "bad.toml"
+    path.write_text("name = 'x'\nname = 'y'\n")
+    assert main(["check", "--json", str(path)]) == 3
+    out, err = capsys.readouterr()
+    report = json.loads(out)
+    assert report["ok"] is False
+    assert [(p["code"], p["line"]) for p in report["problems"]] == [("config.syntax", 2)]
+    assert err == ""
+
+
+@pytest.mark.parametrize("words", [[], ["prnit"], ["machines", "--yaml"], ["check"]])
+def test_usage_errors(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(words) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("usage: passo")
+
+
+def test_help_names_every_command(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--help"]) == 0
+    out = capsys.readouterr().out
+    for command in COMMANDS:
+        assert f"\n    {command} " in out
+
+
+def test_help_imports_nothing_heavy() -> None:
+    code = (
+        "import sys; from passo.cli.main import main; main(['--help']); "
+        "heavy = {'pydantic', 'rich', 'passo._core', 'numpy', 'tomllib'} & set(sys.modules); "
+        "print(sorted(heavy), file=sys.stderr)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stderr == "[]\n"

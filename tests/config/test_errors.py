@@ -1,0 +1,165 @@
+"""Wrong machine files: every problem at once, each with line, key, value and what was expected."""
+
+from pathlib import Path
+
+import pytest
+
+from passo import config
+from passo.errors import ConfigError, Problem
+
+MANY_ERRORS = """\
+name = "many"
+uuid = "18f717cd-3177-5839-85a4-a9cc721823f1"
+author = "nobody"
+colour = "red"
+
+[geometry]
+kind = "cartesian"
+
+[axes.x]
+max_mm = 200
+speed_mms = 300
+speed_mm_s = 300
+accel_mm_s2 = -3000
+
+[axes.y]
+min_mm = 10
+max_mm = 5
+speed_mm_s = "fast"
+accel_mm_s2 = 3000
+
+[axes.z]
+max_mm = 200
+speed_mm_s = 12
+
+[steppers]
+x = { steps_per_mm = 80, socket = "X", driver = "A4989" }
+y = { steps_per_mm = 80, socket = "Y", rotation_distance_mm = 40 }
+z = { steps_per_mm = 400, socket = "X" }
+
+[[tools]]
+extruder = "e"
+
+[board]
+base = "rampz"
+"""
+
+
+def problems_of(text: str) -> tuple[Problem, ...]:
+    with pytest.raises(ConfigError) as caught:
+        config.load_text(text, "many.toml")
+    return caught.value.problems
+
+
+def test_eleven_errors_are_reported_at_once_in_order() -> None:
+    found = [(p.line, p.code, p.values["key"], p.values["value"]) for p in problems_of(MANY_ERRORS)]
+    assert found == [
+        (4, "config.unknown-key", "colour", "red"),
+        (11, "config.unknown-key", "axes.x.speed_mms", 300),
+        (13, "config.value", "axes.x.accel_mm_s2", -3000),
+        (17, "config.value", "axes.y.max_mm", 5),
+        (18, "config.value", "axes.y.speed_mm_s", "fast"),
+        (21, "config.missing-key", "axes.z.accel_mm_s2", None),
+        (26, "config.value", "steppers.x.driver", "A4989"),
+        (27, "config.conflict", "steppers.y.rotation_distance_mm", 40),
+        (28, "config.conflict", "steppers.z.socket", "PF0"),
+        (31, "config.value", "tools[0].extruder", "e"),
+        (34, "config.value", "board.base", "rampz"),
+    ]
+
+
+def test_a_problem_reads_as_a_sentence() -> None:
+    sentences = {p.line: str(p) for p in problems_of(MANY_ERRORS)}
+    assert sentences[11] == (
+        "many.toml:11: axes.x.speed_mms is not a known key. Did you mean 'speed_mm_s'?"
+    )
+    assert sentences[13] == (
+        "many.toml:13: axes.x.accel_mm_s2 is -3000: expected a number greater than 0. "
+        "Correct the value."
+    )
+    assert sentences[18] == (
+        "many.toml:18: axes.y.speed_mm_s is 'fast': expected a number. Correct the value."
+    )
+    assert sentences[21] == (
+        "many.toml:21: axes.z.accel_mm_s2 is missing: expected a number. Add the key."
+    )
+    assert sentences[28] == (
+        "many.toml:28: steppers.z.socket is 'PF0': expected a pin of its own: PF0 belongs to "
+        "steppers.x.socket. Change or remove it."
+    )
+    assert sentences[34].endswith("Did you mean 'ramps'?")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "key", "expected"),
+    [
+        ('"cartesian"', '"cartesain"', "geometry.kind", "Did you mean 'cartesian'?"),
+        ('kind = "cartesian"', "", "geometry.kind", "is missing: expected one of"),
+        ('kind = "cartesian"', 'kind = "cartesian"\nrods = [1]', "geometry.rods", "not a known"),
+        ('"cartesian"', '"corexy"', "steppers.x.drives", "expected the name of an actuator"),
+        ("[steppers.z]", "[steppers.q]", "steppers.q.drives", "Known here: e, x, y, z."),
+        ("[steppers.z]", "[steppers.x1]", "steppers.z", "a motor that drives actuator z"),
+        ('socket = "Z"', 'socket = "W"', "steppers.z.socket", "expected a socket of the board"),
+        ('socket = "Z"', 'step_pin = "PA0"', "steppers.z.direction_pin", "a pin, or the key"),
+        ('pin = "D9"', 'pin = "D10"', "fans.part.pin", "PB4 belongs to heaters.hotend.pin"),
+        ('sensor_pin = "T1"', 'sensor_pin = "T0"', "heaters.bed.sensor_pin", "PK5 belongs to"),
+        ('pin = "D9"', 'pin = "9"', "fans.part.pin", "expected a pin such as PB4"),
+        ("max_c = 285.0", "max_c = 2", "heaters.hotend.max_c", "a temperature above min_c"),
+        ("max_c = 285.0", "max_c = true", "heaters.hotend.max_c", "expected a number"),
+        ("steps_per_mm = 400.0\n", "", "steppers.z.steps_per_mm", "or rotation_distance_mm"),
+        ("steps_per_mm = 400.0", "steps_per_degree = 4", "steppers.z.steps_per_degree", "linear"),
+        ("steps_per_mm = 400.0", "steps_per_mm = 400\nmin_deg = 1", "steppers.z.min_deg", "min_mm"),
+        ("steps_per_mm = 400.0", "steps_per_mm = inf", "steppers.z.steps_per_mm", "a finite"),
+        ("jerk_mm_s = 0.4", "home_mm = 300", "axes.z.home_mm", "a position between 0 and 250"),
+        ('name = "i3"', 'name = "I 3"', "name", "a name of lower-case letters"),
+        ('name = "i3"', "name = 3", "name", "expected a text in quotes"),
+        ("[axes.z]", "[axes.q]", "axes.z", "expected a table with its limits"),
+        ("[axes.z]", "[axes.q]", "axes.q", "an axis: x, y, z, a, b, c, u, v or w"),
+        ('junction = "deviation"', 'junction = "jrek"', "limits.junction", "Did you mean 'jerk'?"),
+        ('base = "ramps"', 'base = "ramps"\nclock_hz = 1', "board.clock_hz", "at least 1000000"),
+        ("[fans.part]", "[fans.a]\npin = 'D4'\n[fans.part]", "fans.part.number", "fans.a"),
+        ("[fans.part]", "[fans]\npart = 3\n[fans.b]", "fans.part", "expected a table"),
+    ],
+)
+def test_one_wrong_place(i3_text: str, old: str, new: str, key: str, expected: str) -> None:
+    assert old in i3_text
+    found = [str(p) for p in problems_of(i3_text.replace(old, new, 1)) if p.values["key"] == key]
+    assert len(found) == 1
+    assert expected in found[0]
+
+
+def test_five_further_axes_are_one_too_many(i3_text: str) -> None:
+    axes = "".join(
+        f"[axes.{name}]\nmax_mm = 1\nspeed_mm_s = 1\naccel_mm_s2 = 1\n" for name in "abcuv"
+    )
+    messages = [str(problem) for problem in problems_of(i3_text + axes)]
+    assert any("axes is 'a, b, c, u, v': expected at most 4 axes" in text for text in messages)
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "words"),
+    [
+        ("name = \n", 1, "Invalid value"),
+        ("name = 'x'\n[board\n", 2, "Expected ']'"),
+        ("a = 1\na = 2\n", 2, "Cannot overwrite a value"),
+        ("a = 1\nb = [1,\n2", 3, "Unclosed array"),
+    ],
+)
+def test_syntax_errors_have_a_line(text: str, line: int, words: str) -> None:
+    (problem,) = problems_of(text)
+    assert (problem.code, problem.line) == ("config.syntax", line)
+    assert words in str(problem)
+
+
+def test_an_empty_file_lacks_every_table() -> None:
+    missing = {problem.values["key"] for problem in problems_of("")}
+    assert missing == {"name", "uuid", "author", "geometry", "axes", "steppers", "board"} | {
+        f"axes.{name}" for name in "xyz"
+    }
+
+
+def test_bytes_that_are_no_text(tmp_path: Path) -> None:
+    path = tmp_path / "binary.toml"
+    path.write_bytes(b"name = '\xff'")
+    with pytest.raises(ConfigError, match=r"byte 8 is not UTF-8"):
+        config.load(path)

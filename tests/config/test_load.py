@@ -1,0 +1,190 @@
+"""Loading: shipped machines, boards beneath machines, and what the core is told."""
+
+from math import inf
+from pathlib import Path
+
+import pytest
+
+from passo import config
+from passo.errors import ConfigError, ExitStatus
+
+REQUIRED = {
+    "i3",
+    "big-fish-i3",
+    "corexy",
+    "delta",
+    "rotary-delta",
+    "scara",
+    "dual-extruder",
+    "multi-material",
+}
+
+
+def test_all_required_machines_are_shipped() -> None:
+    assert set(config.shipped_machines()) >= REQUIRED
+
+
+@pytest.mark.parametrize("name", config.shipped_machines())
+def test_shipped_machine_loads_under_its_own_name(name: str) -> None:
+    machine = config.load(name)
+    assert machine.name == name
+    assert machine.board.clock_hz == 16_000_000
+    spec = machine.core_spec()
+    assert len(spec["steppers"]) == len(machine.steppers)
+    assert [axis["letter"] for axis in spec["axes"]] == ["X", "Y", "Z"]
+
+
+def test_uuids_differ() -> None:
+    uuids = [config.load(name).uuid for name in config.shipped_machines()]
+    assert len(set(uuids)) == len(uuids)
+
+
+def test_i3_for_the_core() -> None:
+    spec = config.load("i3").core_spec()
+    assert spec["clock_hz"] == 16_000_000
+    assert spec["tolerance_s"] == 2e-6
+    assert [(a["min"], a["max"], a["speed"], a["accel"], a["jerk"]) for a in spec["axes"]] == [
+        (0.0, 250.0, 300.0, 3000.0, 10.0),
+        (0.0, 220.0, 300.0, 3000.0, 10.0),
+        (0.0, 250.0, 12.0, 100.0, 0.4),
+    ]
+    assert spec["axes"][0]["cornering_steps"] == 40.0
+    assert spec["extruders"] == [{"name": "e", "speed": 100.0, "accel": 5000.0, "jerk": 1.0}]
+    assert spec["tools"] == [{"extruder": 0, "offset": [0.0, 0.0, 0.0]}]
+    assert spec["geometry"]["kind"] == "cartesian"
+    assert spec["laser"] is None
+    assert spec["limits"] == {
+        "print_accel": 3000.0,
+        "travel_accel": 3000.0,
+        "retract_accel": 5000.0,
+        "speed": inf,
+        "junction": "deviation",
+        "junction_deviation": 0.02,
+        "minimum_cruise_ratio": 0.0,
+    }
+    assert spec["steppers"][3] == {
+        "name": "e",
+        "drive": "extruder",
+        "index": 0,
+        "steps_per_unit": 95.5,
+        "invert": False,
+        "pulse_s": 1e-6,
+        "dir_setup_s": 2e-7,
+        "dir_hold_s": 2e-7,
+        "max_rate_hz": 500_000.0,
+        "speed": inf,
+        "accel": inf,
+        "min": -inf,
+        "max": inf,
+    }
+    assert [s["steps_per_unit"] for s in spec["steppers"]] == [80.0, 80.0, 400.0, 95.5]
+
+
+def test_big_fish_lifts_with_two_motors_of_reversed_direction() -> None:
+    steppers = config.load("big-fish-i3").core_spec()["steppers"]
+    assert [(s["name"], s["drive"], s["index"], s["invert"]) for s in steppers] == [
+        ("x", "actuator", 0, False),
+        ("y", "actuator", 1, False),
+        ("z", "actuator", 2, True),
+        ("z1", "actuator", 2, True),
+        ("e", "extruder", 0, True),
+    ]
+    assert [s["max_rate_hz"] for s in steppers] == [4e5, 4e5, 5e5, 5e5, 4e5]
+
+
+def test_fisher_towers() -> None:
+    spec = config.load("delta").core_spec()
+    assert spec["geometry"]["radius"] == 81.0
+    assert spec["geometry"]["rods"] == [160.0, 160.0, 160.0]
+    assert spec["geometry"]["limit_radius"] == 75.1
+    tower = spec["steppers"][0]
+    assert (tower["steps_per_unit"], tower["speed"], tower["accel"]) == (87.489, 250.0, 4000.0)
+    assert (tower["min"], tower["max"]) == (30.0, 318.0)
+    assert [axis["home"] for axis in spec["axes"]] == [0.0, 0.0, 180.0]
+
+
+def test_arms_count_in_degrees() -> None:
+    arm = config.load("rotary-delta").core_spec()["steppers"][2]
+    assert arm["name"] == "c"
+    assert (arm["steps_per_unit"], arm["min"], arm["max"]) == (218.18, -30.0, 80.0)
+    assert (arm["speed"], arm["accel"]) == (220.0, 1100.0)
+
+
+def test_five_tools_share_one_extruder() -> None:
+    tools = config.load("multi-material").core_spec()["tools"]
+    assert [tool["extruder"] for tool in tools] == [0] * 5
+
+
+def test_two_extruders_have_two_motors_and_an_offset() -> None:
+    spec = config.load("dual-extruder").core_spec()
+    assert [tool["extruder"] for tool in spec["tools"]] == [0, 1]
+    assert spec["tools"][1]["offset"] == [25.0, 0.0, 0.0]
+    assert [(s["name"], s["index"]) for s in spec["steppers"][3:]] == [("e", 0), ("e1", 1)]
+
+
+def test_a_path_loads_like_a_name(tmp_path: Path, i3_text: str) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(i3_text.replace('name = "i3"', 'name = "mine"'))
+    assert config.load(path).core_spec()["steppers"] == config.load("i3").core_spec()["steppers"]
+
+
+def test_a_machine_overrides_its_board(i3_text: str) -> None:
+    text = i3_text + "clock_hz = 20_000_000\ncompression_tolerance_us = 5\n"
+    machine = config.load_text(text)
+    assert machine.core_spec()["clock_hz"] == 20_000_000
+    assert machine.core_spec()["tolerance_s"] == 5e-6
+    assert machine.board.mcu == "atmega2560"
+    assert machine.board.sockets["X"].step == "PF0"
+
+
+def test_further_axes_come_after_z_and_before_extruders(i3_text: str) -> None:
+    text = i3_text + (
+        "[axes.u]\nmax_mm = 60\nspeed_mm_s = 20\naccel_mm_s2 = 200\n"
+        "[steppers.u]\nsteps_per_mm = 160\nsocket = 'E1'\n"
+    )
+    spec = config.load_text(text).core_spec()
+    assert [axis["letter"] for axis in spec["axes"]] == ["X", "Y", "Z", "U"]
+    assert [(s["name"], s["drive"], s["index"]) for s in spec["steppers"][3:]] == [
+        ("u", "axis", 3),
+        ("e", "extruder", 0),
+    ]
+
+
+def test_steps_from_rotation_distance_and_gears(i3_text: str) -> None:
+    scale = "rotation_distance_mm = 8\nmicrosteps = 32\nfull_steps_per_rotation = 400\n"
+    text = i3_text.replace("steps_per_mm = 400.0\n", scale + "gear_ratio = 2\n")
+    stepper = config.load_text(text).core_spec()["steppers"][2]
+    assert stepper["steps_per_unit"] == 400 * 32 * 2 / 8
+
+
+def test_single_times_override_the_drivers(i3_text: str) -> None:
+    times = "pulse_us = 1.9\ndirection_setup_us = 20\ndirection_hold_us = 0.65\n"
+    text = i3_text.replace("[steppers.x]\n", f"[steppers.x]\n{times}driver = 'TB6560'\n")
+    stepper = config.load_text(text).core_spec()["steppers"][0]
+    assert stepper["pulse_s"] == 1.9e-6
+    assert stepper["dir_setup_s"] == 20e-6
+    assert stepper["dir_hold_s"] == 6.5e-7
+    assert stepper["max_rate_hz"] == 15_000.0
+
+
+def test_laser_letters_reach_the_core_only_if_given(i3_text: str) -> None:
+    laser = i3_text + "[laser]\npin = 'D4'\n"
+    assert config.load_text(laser).core_spec()["laser"] is None
+    letters = laser + "energy_letter = 'L'\ndensity_letter = 'M'\n"
+    spec = config.load_text(letters).core_spec()["laser"]
+    assert spec == {"density_letter": "M", "energy_letter": "L"}
+
+
+def test_unknown_machine_names_the_close_one() -> None:
+    with pytest.raises(ConfigError) as caught:
+        config.load("corexz")
+    assert caught.value.status == ExitStatus.BAD_CONFIG
+    assert str(caught.value) == "there is no machine called 'corexz'. Did you mean 'corexy'?"
+
+
+def test_missing_file_and_directory(tmp_path: Path) -> None:
+    for path in (tmp_path / "none.toml", tmp_path):
+        with pytest.raises(ConfigError) as caught:
+            config.load(path)
+        assert [problem.code for problem in caught.value.problems] == ["config.unreadable"]
+        assert caught.value.problems[0].file == str(path)
