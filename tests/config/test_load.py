@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from passo import config
+from passo.config.drivers import DRIVERS
 from passo.errors import ConfigError, ExitStatus
 
 REQUIRED = {
@@ -188,3 +189,29 @@ def test_missing_file_and_directory(tmp_path: Path) -> None:
             config.load(path)
         assert [problem.code for problem in caught.value.problems] == ["config.unreadable"]
         assert caught.value.problems[0].file == str(path)
+
+
+def test_the_documented_driver_table_is_the_one_in_use() -> None:
+    text = (Path(__file__).parents[2] / "docs" / "machine-files.md").read_text()
+    rows = [line.strip("|").split("|") for line in text.splitlines() if " µs |" in line]
+    table = {
+        name.strip(): (
+            float(pulse.replace("µs", "")),
+            float(direction.replace("µs", "")),
+            float(rate.replace(" ", "")),
+        )
+        for name, pulse, direction, rate in rows
+    }
+    tmc = table.pop("TMC2100 ... TMC5160")
+    for driver, times in DRIVERS.items():
+        assert tuple(times) == (tmc if driver.startswith("TMC") else table.pop(driver))
+    assert not table
+
+
+def test_the_documented_machine_is_right_but_for_the_rest_of_it() -> None:
+    text = (Path(__file__).parents[2] / "docs" / "machine-files.md").read_text()
+    example = text.split("```toml\n")[1].split("```")[0]
+    with pytest.raises(ConfigError) as caught:
+        config.load_text(example)
+    missing = {problem.values["key"] for problem in caught.value.problems}
+    assert missing == {"axes.y", "axes.z", "steppers.x", "steppers.y", "steppers.e"}

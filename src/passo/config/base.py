@@ -10,7 +10,10 @@ from pydantic import BaseModel, ConfigDict, Field
 class Model(BaseModel):
     """A table of a machine file: strict types, no unknown keys, no change after loading."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+    # Validators are built once, for the whole machine, not again for each table in it.
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, strict=True, allow_inf_nan=False, defer_build=True
+    )
 
 
 # What a text must look like, in words: a pattern says nothing to most people.

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from passo.config.drives import Drivable, Driven, axis_order
-from passo.config.findings import Finding, did_you_mean, number, table, tables
+from passo.config.findings import Finding, array, did_you_mean, number, table, tables
 
 Raw = Mapping[str, Any]
 
@@ -96,29 +96,25 @@ def _check_scale(path: tuple[str, ...], stepper: Raw, turns: bool) -> Iterator[F
 
 def check_references(data: Raw) -> Iterator[Finding]:
     """Tools name extruders and heaters that exist; heaters have sane ranges; fans are distinct."""
-    tools = data.get("tools")
-    for index, tool in enumerate(tools if isinstance(tools, list) else []):
-        for key, known in (
-            ("extruder", table(data, "extruders")),
-            ("heater", table(data, "heaters")),
-        ):
-            word = table(tool).get(key)
+    for index, tool in enumerate(array(data, "tools")):
+        for key in ("extruder", "heater"):
+            word, known = table(tool).get(key), table(data, f"{key}s")
             if isinstance(word, str) and word not in known:
+                path, hint = ("tools", index, key), did_you_mean(word, known)
                 limit = f"the name of one of the {key}s"
-                yield Finding(
-                    "config.value", ("tools", index, key), word, limit, did_you_mean(word, known)
-                )
+                yield Finding("config.value", path, word, limit, hint)
     for name, heater in tables(data, "heaters"):
         low, high = number(heater, "min_c"), number(heater, "max_c")
         if high is not None and high <= (5.0 if low is None else low):
             limit = "a temperature above min_c"
             yield Finding("config.value", ("heaters", name, "max_c"), high, limit)
-    numbers: dict[object, str] = {}
+    owners: dict[float, str] = {}
     for name, fan in tables(data, "fans"):
-        owner = numbers.setdefault(fan.get("number", 0), name)
+        own = number(fan, "number") or 0
+        owner = owners.setdefault(own, name)
         if owner != name:
             limit = f"a number of its own: it belongs to fans.{owner}"
-            yield Finding("config.conflict", ("fans", name, "number"), fan.get("number", 0), limit)
+            yield Finding("config.conflict", ("fans", name, "number"), own, limit)
 
 
 def check_pins(data: Raw) -> Iterator[Finding]:
@@ -130,7 +126,7 @@ def check_pins(data: Raw) -> Iterator[Finding]:
         if not isinstance(pin, str):
             return
         bare = pin.lstrip("!^~")
-        real = aliases.get(bare, bare)
+        real = str(aliases.get(bare, bare))
         owner = owners.setdefault(real, ".".join(path))
         if owner != ".".join(path):
             limit = f"a pin of its own: {real} belongs to {owner}"
@@ -140,6 +136,8 @@ def check_pins(data: Raw) -> Iterator[Finding]:
         path = ("steppers", name)
         if "socket" in stepper:
             socket = stepper["socket"]
+            if not isinstance(socket, str):
+                continue
             if socket not in sockets:
                 hint = did_you_mean(socket, sockets)
                 limit = "a socket of the board"

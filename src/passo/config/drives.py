@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Literal, NamedTuple
+from dataclasses import dataclass
+from typing import Literal
 
 Drive = Literal["actuator", "axis", "extruder"]
 
 
-class Driven(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class Driven:
     """What a motor drives, and its index among its kind."""
 
     drive: Drive

@@ -39,7 +39,7 @@ class Heater(Model):
     kind: Literal["hotend", "bed", "chamber"]
     pin: Pin
     sensor_pin: Pin
-    sensor: Thermistor = Thermistor()
+    sensor: Thermistor = Field(default_factory=Thermistor)
     max_power: Fraction = 1.0
     min_c: _Celsius = 5.0
     max_c: _Celsius

@@ -53,6 +53,12 @@ def tables(data: Mapping[str, Any], key: str) -> Iterator[tuple[str, Mapping[str
             yield name, cast("Mapping[str, Any]", content)
 
 
+def array(data: Mapping[str, Any], key: str) -> list[object]:
+    """The array at `key`, empty if it is missing or is no array."""
+    value = data.get(key)
+    return cast("list[object]", value) if isinstance(value, list) else []
+
+
 def number(content: Mapping[str, Any], key: str) -> float | None:
     """The number at `key`, None if it is missing or is no number."""
     value = content.get(key)

@@ -14,10 +14,10 @@ from pydantic import ValidationError
 
 from passo.config.checks import check_all
 from passo.config.findings import Finding, did_you_mean, table
+from passo.config.kinds import KINDS
 from passo.config.lines import key_lines, line_of
 from passo.config.machine import MachineConfig
 from passo.errors import ConfigError, Problem
-from passo.geometry.registry import GEOMETRIES
 
 _HERE = Path(__file__).parent
 _SYNTAX_PLACE = re.compile(r"^(.*?)\s*\(at (?:line (\d+), column \d+|end of document)\)$")
@@ -31,6 +31,11 @@ def shipped_machines() -> list[str]:
 def shipped_boards() -> list[str]:
     """Names of the boards that come with Passo, sorted."""
     return sorted(path.stem for path in (_HERE / "boards").glob("*.toml"))
+
+
+def shipped_text(name: str) -> str:
+    """The machine file of a shipped machine, a start for one's own."""
+    return (_HERE / "machines" / f"{name}.toml").read_text()
 
 
 def load(name_or_path: str | os.PathLike[str]) -> MachineConfig:
@@ -81,18 +86,12 @@ def load_text(text: str, file: str = "<text>") -> MachineConfig:
         from passo.config.model_findings import model_findings
 
         findings += model_findings(error)
-    geometry = table(data, "geometry").get("kind")
-    model = next((model for model in GEOMETRIES if geometry in _kinds(model)), None)
-    actuators = model.actuators if model else ()
-    rotary = model.rotary if model else ()
-    findings += check_all(data, actuators, rotary)
+    kind = table(data, "geometry").get("kind")
+    model = KINDS.get(kind) if isinstance(kind, str) else None
+    findings += check_all(data, model.actuators if model else (), model.rotary if model else ())
     if findings or machine is None:
         raise ConfigError(_problems(findings, text, file))
     return machine
-
-
-def _kinds(model: Any) -> tuple[object, ...]:
-    return model.model_fields["kind"].annotation.__args__
 
 
 def _with_board(data: dict[str, Any]) -> Iterable[Finding]:
@@ -107,10 +106,10 @@ def _with_board(data: dict[str, Any]) -> Iterable[Finding]:
         # Any board lets the other checks go on without reporting its own keys as missing.
         base = next(iter(get_close_matches(str(base), shipped_boards(), 1)), "ramps")
     shipped = tomllib.loads((_HERE / "boards" / f"{base}.toml").read_text())
-    merged = shipped | own
+    merged = {**shipped, **own}
     for key in ("sockets", "pins"):
-        if isinstance(merged.get(key), dict):
-            merged[key] = shipped.get(key, {}) | merged[key]
+        if isinstance(merged[key], dict):
+            merged[key] = {**table(shipped, key), **table(own, key)}
     data["board"] = merged
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from math import inf
 from typing import Any
 
+from pydantic import Field
+
 from passo.config.base import AxisName, ExtruderName, Model, Name, Pair, Uuid
 from passo.config.drives import Drivable, axis_order
 from passo.config.electronics import Board, Fans, Heaters, Laser
@@ -32,7 +34,7 @@ class MachineConfig(Model):
     steppers: Steppers
     extruders: dict[ExtruderName, Extruder] = {}
     tools: list[Tool] = []
-    limits: Limits = Limits()
+    limits: Limits = Field(default_factory=Limits)
     bed: Bed | None = None
     heaters: Heaters = {}
     fans: Fans = {}

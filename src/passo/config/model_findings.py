@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from passo.config.base import PATTERNS
 from passo.config.findings import Finding, did_you_mean
+from passo.config.kinds import KINDS
 from passo.config.lines import Path
 from passo.config.machine import MachineConfig
-from passo.geometry.registry import GEOMETRIES
 
 _EXPECTED: dict[str, Callable[[dict[str, Any]], str]] = {
     "float_type": lambda _: "a number",
@@ -36,25 +36,19 @@ _EXPECTED: dict[str, Callable[[dict[str, Any]], str]] = {
 
 _QUOTED = re.compile(r"'([^']*)'")
 
-_KINDS: dict[str, type[BaseModel]] = {
-    kind: model
-    for model in GEOMETRIES
-    for kind in model.model_fields["kind"].annotation.__args__  # type: ignore[union-attr]
-}
-
 
 def _models_below(annotation: Any) -> Iterator[type[BaseModel]]:
     """Models that an annotation may hold, through dicts, lists, unions and Annotated."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         yield annotation
-    for argument in getattr(annotation, "__args__", ()):
+    for argument in get_args(annotation):
         yield from _models_below(argument)
 
 
 def _model_at(path: Path) -> type[BaseModel] | None:
     """The model of the table at `path`; None where no model can be told."""
     if path[:1] == ("geometry",):  # pydantic puts the kind behind it
-        return _KINDS.get(str(path[1])) if len(path) > 1 else None
+        return KINDS.get(str(path[1])) if len(path) > 1 else None
     model: type[BaseModel] = MachineConfig
     for part in path:
         field = model.model_fields.get(str(part))
@@ -82,10 +76,10 @@ def _finding(error: ErrorDetails) -> Finding:
     if kind == "missing":
         return Finding("config.missing-key", path, None, _missing(model, key))
     if kind == "union_tag_not_found":
-        return Finding("config.missing-key", (*path, "kind"), None, f"one of {', '.join(_KINDS)}")
+        return Finding("config.missing-key", (*path, "kind"), None, f"one of {', '.join(KINDS)}")
     if kind == "union_tag_invalid":
-        kinds, tag = ", ".join(_KINDS), context["tag"]
-        hint = did_you_mean(tag, _KINDS)
+        kinds, tag = ", ".join(KINDS), context["tag"]
+        hint = did_you_mean(tag, KINDS)
         return Finding("config.value", (*path, "kind"), tag, f"one of {kinds}", hint)
     hint = (
         did_you_mean(value, _QUOTED.findall(context["expected"])) if kind == "literal_error" else ""
