@@ -50,7 +50,8 @@ class BoardMotor {
     run.end = run.at(n);
     Ticks first = last_ + int64_t(interval);
     if (last_ <= now) {  // nothing is under way: the first step must still be ahead
-      if (first < now) throw Shutdown{now - first > late_ ? Fault::step_too_late : Fault::timer_too_close};
+      if (first < now)
+        throw Shutdown{now - first > late_ ? Fault::step_too_late : Fault::timer_too_close};
     }
     if (int64_t(interval) + add * (n - 1) < 0) throw Shutdown{Fault::step_too_late};
     if (tail_ - head_ == ring_.size()) {
@@ -117,8 +118,8 @@ class BoardMotor {
  private:
   std::vector<StepRun> ring_;  // size is a power of two
   size_t head_ = 0, tail_ = 0;
-  Ticks last_ = 0;   // clock of the last step queued
-  Ticks late_ = 0;   // later than this is "too far in past"
+  Ticks last_ = 0;  // clock of the last step queued
+  Ticks late_ = 0;  // later than this is "too far in past"
   int64_t net_ = 0, steps_ = 0;
   int8_t next_dir_ = -1;
   bool stopped_ = false;
@@ -132,7 +133,8 @@ class BoardMotor {
   }
   void grow() {
     std::vector<StepRun> bigger(ring_.size() * 2);
-    for (size_t i = head_; i != tail_; ++i) bigger[i & (bigger.size() - 1)] = ring_[i & (ring_.size() - 1)];
+    for (size_t i = head_; i != tail_; ++i)
+      bigger[i & (bigger.size() - 1)] = ring_[i & (ring_.size() - 1)];
     ring_.swap(bigger);
   }
 };

@@ -8,10 +8,9 @@
 
 namespace passo::wire {
 
-// Host time is counted in ticks of the nominal frequency; board clocks are 64 bits, unwrapped
-// from the 32 that the board sends.
-
-
+// Host time is counted in ticks of the nominal frequency; board clocks are 64 bits, unwrapped from
+// the 32 that the board sends.
+//
 // Exponentially weighted linear regression (decay 1/30) of clock on the time at which the question
 // left, moved by half the shortest round trip: the answer was made that much later.
 class ClockSync {

@@ -48,7 +48,8 @@ struct Format {
   // Appends id and values. Throws std::invalid_argument when they do not match the declaration.
   void encode(const std::vector<Value>& values, Bytes& out) const {
     if (values.size() != parameters.size())
-      throw std::invalid_argument(name + ": expected " + std::to_string(parameters.size()) + " values");
+      throw std::invalid_argument(name + ": expected " + std::to_string(parameters.size()) +
+                                  " values");
     put(out, uint32_t(id));
     for (size_t i = 0; i < values.size(); ++i) {
       const auto* number = std::get_if<int64_t>(&values[i]);

@@ -40,7 +40,8 @@ class Crc16 {
       t[0][i] = uint16_t(crc);
     }
     for (size_t k = 1; k < 8; ++k)
-      for (size_t i = 0; i < 256; ++i) t[k][i] = uint16_t((t[k - 1][i] >> 8) ^ t[0][t[k - 1][i] & 0xff]);
+      for (size_t i = 0; i < 256; ++i)
+        t[k][i] = uint16_t((t[k - 1][i] >> 8) ^ t[0][t[k - 1][i] & 0xff]);
     return t;
   }
   static const Tables& tables() {

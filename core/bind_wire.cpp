@@ -1,0 +1,470 @@
+// Python's view of frames, the link, the virtual board and the pump between them.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/variant.h>
+#include <nanobind/stl/vector.h>
+
+#include "message_queue.hpp"
+#include "wire/pump.hpp"
+#include "wire/virtual_board.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+using namespace passo;
+using namespace passo::wire;
+
+namespace {
+
+using FormatList = std::vector<std::pair<int32_t, std::string>>;
+using Points = std::vector<std::pair<double, double>>;
+using NameValue = std::pair<std::string, nb::dict>;
+
+const uint8_t* data_of(const nb::bytes& b) { return reinterpret_cast<const uint8_t*>(b.c_str()); }
+nb::bytes to_bytes(const void* data, size_t size) {
+  return nb::bytes(static_cast<const char*>(data), size);
+}
+Bytes from_bytes(const nb::bytes& b) { return Bytes(data_of(b), data_of(b) + b.size()); }
+
+Formats make_formats(const FormatList& list) {
+  Formats formats;
+  for (const auto& [id, text] : list) formats.add(id, text);
+  return formats;
+}
+std::vector<Value> to_values(const nb::list& list) {
+  std::vector<Value> values;
+  for (nb::handle item : list) {
+    if (nb::isinstance<nb::bytes>(item)) {
+      auto blob = nb::cast<nb::bytes>(item);
+      values.emplace_back(std::string(blob.c_str(), blob.size()));
+    } else {
+      values.emplace_back(nb::cast<int64_t>(item));
+    }
+  }
+  return values;
+}
+nb::dict to_dict(const Format& format, const std::vector<Value>& values) {
+  nb::dict dict;
+  for (size_t i = 0; i < values.size(); ++i) {
+    const auto& name = format.parameters[i].name;
+    if (const auto* number = std::get_if<int64_t>(&values[i]))
+      dict[name.c_str()] = *number;
+    else
+      dict[name.c_str()] = to_bytes(std::get<std::string>(values[i]).data(),
+                                    std::get<std::string>(values[i]).size());
+  }
+  return dict;
+}
+
+FormatList declarations(const Declaration* begin, const Declaration* end) {
+  FormatList list;
+  for (; begin != end; ++begin) list.emplace_back(begin->id, begin->text);
+  return list;
+}
+
+nb::bytes vlq(int64_t value) {
+  uint8_t buffer[kVlqMax];
+  return to_bytes(buffer, size_t(put_vlq(buffer, uint32_t(value)) - buffer));
+}
+std::pair<int64_t, size_t> read_vlq(const nb::bytes& data) {
+  Reader in{data_of(data), data_of(data) + data.size()};
+  uint32_t value = in.vlq();
+  if (!in.ok) throw nb::value_error("no complete variable length quantity");
+  return {int64_t(int32_t(value)), size_t(in.p - data_of(data))};
+}
+nb::bytes make_frame(const nb::bytes& payload, uint64_t sequence) {
+  if (payload.size() > kPayloadMax) throw nb::value_error("a payload has at most 59 bytes");
+  Bytes out;
+  append_frame(out, data_of(payload), payload.size(), sequence);
+  return to_bytes(out.data(), out.size());
+}
+nb::list scan(Scanner& scanner, const nb::bytes& data) {
+  nb::list frames;
+  scanner.feed(
+      data_of(data), data.size(),
+      [&](uint8_t sequence, const uint8_t* payload, size_t size) {
+        frames.append(nb::make_tuple(int(sequence), to_bytes(payload, size)));
+      },
+      [&] { frames.append(nb::none()); });
+  return frames;
+}
+nb::list decode_payload(const Formats& formats, const nb::bytes& payload) {
+  nb::list messages;
+  Reader in{data_of(payload), data_of(payload) + payload.size()};
+  while (in.more()) {
+    const Format* format = formats.find(int32_t(in.vlq()));
+    if (!format) throw nb::value_error("unknown message id");
+    std::vector<Value> values;
+    format->decode(in, values);
+    if (!in.ok) throw nb::value_error("message cut short");
+    messages.append(nb::make_tuple(format->name, to_dict(*format, values)));
+  }
+  return messages;
+}
+
+void bind_frames(nb::module_& m) {
+  m.def(
+      "crc16", [](const nb::bytes& data) { return Crc16::of(data_of(data), data.size()); },
+      "data"_a, "CRC-16/MCRF4XX of the bytes.");
+  m.def("encode_vlq", &vlq, "value"_a, "Encodes a 32-bit value (modulo 2^32) in 1 to 5 bytes.");
+  m.def("decode_vlq", &read_vlq, "data"_a,
+        "Returns (signed value, bytes used). ValueError if cut short.");
+  m.def("make_frame", &make_frame, "payload"_a, "sequence"_a);
+  m.def("board_commands", [] { return declarations(std::begin(kCommands), std::end(kCommands)); });
+  m.def("board_reports", [] { return declarations(std::begin(kReports), std::end(kReports)); });
+  m.def(
+      "board_faults",
+      [] { return std::vector<std::string>(std::begin(kFaults), std::end(kFaults)); },
+      "Texts of the virtual board's shutdown reasons, by static_string_id.");
+  nb::class_<Scanner>(m, "FrameScanner", "Finds frames in bytes cut anywhere.")
+      .def(nb::init<>())
+      .def("feed", &scan, "data"_a,
+           "List of (sequence, payload) for each good frame and None for each stretch that is "
+           "none.");
+  nb::class_<Formats>(m, "Formats",
+                      "Messages of one direction, as a data dictionary declares them.")
+      .def(
+          "__init__",
+          [](Formats* self, const FormatList& list) { new (self) Formats(make_formats(list)); },
+          "formats"_a)
+      .def(
+          "parameters",
+          [](const Formats& f, const std::string& name) {
+            std::vector<std::pair<std::string, bool>> list;
+            for (const Parameter& p : f.at(name).parameters)
+              list.emplace_back(p.name, p.type == Type::blob);
+            return list;
+          },
+          "name"_a, "List of (parameter, is a blob). ValueError for an unknown message.")
+      .def("names",
+           [](const Formats& f) {
+             std::vector<std::string> names;
+             for (const Format& format : f.all()) names.push_back(format.name);
+             return names;
+           })
+      .def(
+          "encode",
+          [](const Formats& f, const std::string& name, const nb::list& values) {
+            Bytes out;
+            f.at(name).encode(to_values(values), out);
+            return to_bytes(out.data(), out.size());
+          },
+          "name"_a, "values"_a)
+      .def("decode", &decode_payload, "payload"_a,
+           "List of (name, values) of a frame's payload. ValueError if it is malformed.");
+}
+
+void bind_link(nb::module_& m) {
+  nb::enum_<MessageKind>(m, "MessageKind")
+      .value("QUEUE_STEP", MessageKind::queue_step)
+      .value("SET_DIR", MessageKind::set_dir)
+      .value("RESET_CLOCK", MessageKind::reset_clock)
+      .value("PIN", MessageKind::pin);
+  nb::class_<MessageQueue>(m, "MessageQueue",
+                           "Planned messages of one board, in the order of their clocks.")
+      .def(nb::init<>())
+      .def(
+          "push",
+          [](MessageQueue& q, MessageKind kind, uint16_t target, int64_t clock, int64_t end_clock,
+             uint32_t interval, uint16_t count, int16_t add, bool dir) {
+            q.push({clock, end_clock, interval, count, add, target, kind, uint8_t(dir)});
+          },
+          "kind"_a, "target"_a, "clock"_a, "end_clock"_a = 0, "interval"_a = 0, "count"_a = 0,
+          "add"_a = 0, "dir"_a = false)
+      .def("clear", &MessageQueue::clear)
+      .def("__len__", &MessageQueue::size);
+  nb::enum_<PinKind>(m, "PinKind").value("DIGITAL", PinKind::digital).value("PWM", PinKind::pwm);
+  nb::class_<Heater>(m, "Heater", "A heater loop beside the link.")
+      .def_prop_ro("celsius", &Heater::celsius)
+      .def_prop_rw("target", &Heater::target, &Heater::set_target)
+      .def_prop_ro("power", &Heater::power)
+      .def_prop_ro("reached", &Heater::reached);
+  nb::class_<Link>(m, "Link", "The host's end of a board's wire; times in ticks.")
+      .def(nb::init<double>(), "clock_hz"_a)
+      .def(
+          "set_dictionary",
+          [](Link& l, const FormatList& commands, const FormatList& reports,
+             size_t receive_window) {
+            l.set_dictionary(make_formats(commands), make_formats(reports), receive_window);
+          },
+          "commands"_a, "reports"_a, "receive_window"_a)
+      .def(
+          "send",
+          [](Link& l, const std::string& name, const nb::list& values) {
+            l.send(name, to_values(values));
+          },
+          "name"_a, "values"_a)
+      .def("take_responses",
+           [](Link& l) {
+             nb::list list;
+             for (const Response& r : l.inbox())
+               list.append(nb::make_tuple(r.format->name, to_dict(*r.format, r.values)));
+             l.inbox().clear();
+             return list;
+           })
+      .def("follow_clock", &Link::follow_clock, "now"_a)
+      .def_prop_ro("synchronous", &Link::synchronous)
+      .def_prop_ro("lost", &Link::lost)
+      .def(
+          "clock_at", [](const Link& l, Ticks host) { return l.clock().clock_at(host); },
+          "host_ticks"_a)
+      .def(
+          "host_at", [](const Link& l, Ticks clock) { return l.clock().host_at(clock); }, "clock"_a)
+      .def_prop_ro("clock_rate", [](const Link& l) { return l.clock().rate(); })
+      .def(
+          "add_stepper",
+          [](Link& l, const std::string& name, uint32_t oid, bool invert) {
+            l.job().add_stepper(l.commands(), name, oid, invert);
+          },
+          "name"_a, "oid"_a, "invert"_a)
+      .def(
+          "add_pin",
+          [](Link& l, const std::string& name, uint32_t oid, PinKind kind) {
+            l.job().add_pin(l.commands(), name, oid, kind);
+          },
+          "name"_a, "oid"_a, "kind"_a)
+      .def(
+          "set_slots", [](Link& l, size_t slots) { l.job().set_slots(slots); }, "slots"_a)
+      .def(
+          "set_queue", [](Link& l, MessageQueue* q) { l.job().set_queue(q); }, "queue"_a.none(),
+          nb::keep_alive<1, 2>())
+      .def("start_job", &Link::start_job, "base_clock"_a)
+      .def("stop_job", [](Link& l) { l.job().stop(); })
+      .def(
+          "add_heater",
+          [](Link& l, uint32_t sensor_oid, uint32_t output_oid, bool pwm, uint32_t full,
+             uint32_t adc_full, double max_power, double kp, double ki, double kd,
+             double hysteresis_c, double tolerance_c, const Points& celsius) -> Heater& {
+            return l.add_heater({sensor_oid, output_oid, pwm, full, adc_full, max_power, kp, ki, kd,
+                                 hysteresis_c, tolerance_c, Curve(celsius)});
+          },
+          "sensor_oid"_a, "output_oid"_a, "pwm"_a, "full"_a, "adc_full"_a, "max_power"_a, "kp"_a,
+          "ki"_a, "kd"_a, "hysteresis_c"_a, "tolerance_c"_a, "celsius"_a,
+          nb::rv_policy::reference_internal)
+      .def_prop_ro("shut_down", &Link::shut_down)
+      .def_prop_ro("shutdown_reason", &Link::shutdown_reason)
+      .def("forget_shutdown", &Link::forget_shutdown)
+      .def_prop_ro("wire_bytes", &Link::wire_bytes)
+      .def_prop_ro("frames", &Link::frames)
+      .def_prop_ro("retransmitted_bytes", &Link::retransmitted_bytes)
+      .def_prop_ro("bad_frames", &Link::bad_frames)
+      .def_prop_ro("queue_steps", [](Link& l) { return l.job().queue_steps(); })
+      .def_prop_ro("messages", [](Link& l) { return l.job().messages(); })
+      .def_prop_ro("stream_hash", [](Link& l) { return l.job().hash(); })
+      .def(
+          "feed",
+          [](Link& l, const nb::bytes& data, Ticks now) {
+            l.feed(data_of(data), data.size(), now);
+          },
+          "data"_a, "now"_a)
+      .def(
+          "poll",
+          [](Link& l, Ticks now) {
+            Bytes out;
+            Ticks next = l.poll(now, out);
+            return nb::make_tuple(to_bytes(out.data(), out.size()), next);
+          },
+          "now"_a, "(bytes to send, host time of the next call)");
+}
+
+nb::bytes runs_of(std::vector<StepRun>& runs) {
+  std::vector<int64_t> words;
+  for (const StepRun& r : runs) {
+    words.push_back(r.start);
+    words.push_back(r.interval);
+    words.push_back(r.count);
+    words.push_back(r.add);
+    words.push_back(r.dir);
+  }
+  runs.clear();
+  return to_bytes(words.data(), words.size() * sizeof(int64_t));
+}
+nb::bytes steps_of(const nb::bytes& packed, Ticks from, Ticks to, int sign) {
+  std::vector<int64_t> ticks;
+  std::vector<int8_t> dirs;
+  const auto* w = reinterpret_cast<const int64_t*>(packed.c_str());
+  for (size_t i = 0; i + 5 <= packed.size() / sizeof(int64_t); i += 5) {
+    StepRun run{
+        w[i], 0, uint32_t(w[i + 1]), uint16_t(w[i + 2]), int16_t(w[i + 3]), int8_t(w[i + 4])};
+    for (int64_t k = 1; k <= run.count; ++k) {
+      Ticks at = run.at(k);
+      if (at < from || at >= to) continue;
+      if (sign != 0)
+        dirs.push_back(int8_t(run.dir * sign));
+      else
+        ticks.push_back(at);
+    }
+  }
+  return sign != 0 ? to_bytes(dirs.data(), dirs.size())
+                   : to_bytes(ticks.data(), ticks.size() * sizeof(int64_t));
+}
+
+BoardMotor& motor_of(VirtualBoard& b, uint32_t pin) {
+  BoardMotor* motor = b.motor(pin);
+  if (!motor) throw nb::key_error("no stepper is configured on this pin");
+  return *motor;
+}
+BoardOutput& output_of(VirtualBoard& b, uint32_t pin) {
+  BoardOutput* output = b.output(pin);
+  if (!output) throw nb::key_error("no output is configured on this pin");
+  return *output;
+}
+
+void bind_board(nb::module_& m) {
+  nb::class_<Device>(m, "Device", "The far end of a link, in virtual time.")
+      .def(
+          "feed",
+          [](Device& d, const nb::bytes& data, Ticks now) {
+            d.feed(data_of(data), data.size(), now);
+          },
+          "data"_a, "now"_a)
+      .def(
+          "poll",
+          [](Device& d, Ticks now) {
+            Bytes out;
+            d.poll(now, out);
+            return to_bytes(out.data(), out.size());
+          },
+          "now"_a)
+      .def_prop_ro("next_deadline", &Device::next_deadline)
+      .def_prop_ro("stopped", &Device::stopped);
+  nb::class_<VirtualBoard, Device>(m, "VirtualBoard",
+                                   "A complete board in virtual time; pins by number.")
+      .def(
+          "__init__",
+          [](VirtualBoard* self, double clock_hz, uint32_t move_count, uint32_t adc_max,
+             uint32_t pwm_max, const nb::bytes& identify, Ticks start) {
+            new (self)
+                VirtualBoard({clock_hz, move_count, adc_max, pwm_max, from_bytes(identify), start});
+          },
+          "clock_hz"_a, "move_count"_a, "adc_max"_a, "pwm_max"_a, "identify"_a, "start"_a = 0)
+      .def(
+          "add_actuator",
+          [](VirtualBoard& b, uint32_t step_pin, double start, double per_step) {
+            b.plant().actuators.push_back({step_pin, start, per_step});
+          },
+          "step_pin"_a, "start"_a, "per_step"_a)
+      .def(
+          "add_switch",
+          [](VirtualBoard& b, uint32_t pin, uint32_t step_pin, double position, bool at_maximum,
+             bool pressed_level) {
+            b.plant().switches.push_back({pin, step_pin, position, at_maximum, pressed_level});
+          },
+          "pin"_a, "step_pin"_a, "position"_a, "at_maximum"_a, "pressed_level"_a)
+      .def(
+          "add_body",
+          [](VirtualBoard& b, uint32_t heater_pin, uint32_t sensor_pin, double ambient_c,
+             double rise_c, double time_constant_s, double sensor_time_constant_s,
+             const Points& adc_ratio) {
+            HeatedBody body{heater_pin,      sensor_pin,      ambient_c,
+                            rise_c,          time_constant_s, sensor_time_constant_s,
+                            Curve(adc_ratio)};
+            b.plant().add_body(std::move(body));
+          },
+          "heater_pin"_a, "sensor_pin"_a, "ambient_c"_a, "rise_c"_a, "time_constant_s"_a,
+          "sensor_time_constant_s"_a, "adc_ratio"_a)
+      .def(
+          "force_adc",
+          [](VirtualBoard& b, uint32_t sensor_pin, double ratio) {
+            for (HeatedBody& body : b.plant().bodies)
+              if (body.sensor_pin == sensor_pin) body.forced_ratio = ratio;
+          },
+          "sensor_pin"_a, "ratio"_a,
+          "A fault: the ADC sees this share of full scale; negative ends it.")
+      .def(
+          "temperature",
+          [](VirtualBoard& b, uint32_t sensor_pin) {
+            b.plant().run_until(b.now());
+            for (const HeatedBody& body : b.plant().bodies)
+              if (body.sensor_pin == sensor_pin) return body.body_c;
+            throw nb::key_error("no body has this sensor");
+          },
+          "sensor_pin"_a)
+      .def(
+          "net_steps",
+          [](VirtualBoard& b, uint32_t pin) { return motor_of(b, pin).net_at(b.now()); },
+          "step_pin"_a)
+      .def(
+          "steps",
+          [](VirtualBoard& b, uint32_t pin) {
+            motor_of(b, pin).retire(b.now());
+            return motor_of(b, pin).steps();
+          },
+          "step_pin"_a)
+      .def(
+          "last_step", [](VirtualBoard& b, uint32_t pin) { return motor_of(b, pin).last_clock(); },
+          "step_pin"_a)
+      .def("position", &VirtualBoard::position, "step_pin"_a)
+      .def(
+          "trace_steps",
+          [](VirtualBoard& b, uint32_t pin, Ticks from, Ticks to) {
+            motor_of(b, pin).trace(from, to);
+          },
+          "step_pin"_a, "from_clock"_a, "to_clock"_a)
+      .def(
+          "take_steps",
+          [](VirtualBoard& b, uint32_t pin) {
+            motor_of(b, pin).retire(b.now());
+            return runs_of(motor_of(b, pin).traced());
+          },
+          "step_pin"_a,
+          "Traced commands done so far, as int64 rows (start, interval, count, add, direction).")
+      .def(
+          "output_value", [](VirtualBoard& b, uint32_t pin) { return output_of(b, pin).value(); },
+          "pin"_a)
+      .def(
+          "trace_output", [](VirtualBoard& b, uint32_t pin) { output_of(b, pin).trace(); }, "pin"_a)
+      .def(
+          "take_changes",
+          [](VirtualBoard& b, uint32_t pin) {
+            std::vector<std::pair<int64_t, uint32_t>> changes;
+            for (const PinChange& c : output_of(b, pin).traced())
+              changes.emplace_back(c.clock, c.value);
+            output_of(b, pin).traced().clear();
+            return changes;
+          },
+          "pin"_a, "List of (clock, value) since the last call.")
+      .def_prop_ro("fault",
+                   [](const VirtualBoard& b) { return std::string(kFaults[size_t(b.fault())]); })
+      .def_prop_ro("now", &VirtualBoard::now)
+      .def_prop_ro("peak_slots", &VirtualBoard::peak_slots)
+      .def_prop_ro("frames", &VirtualBoard::frames)
+      .def_prop_ro("naks", &VirtualBoard::naks);
+  m.def(
+      "expand_steps",
+      [](const nb::bytes& rows, Ticks from, Ticks to) { return steps_of(rows, from, to, 0); },
+      "rows"_a, "from_clock"_a, "to_clock"_a,
+      "int64 clocks of all steps of take_steps() within from…to.");
+  m.def(
+      "expand_directions",
+      [](const nb::bytes& rows, Ticks from, Ticks to, int sign) {
+        return steps_of(rows, from, to, sign);
+      },
+      "rows"_a, "from_clock"_a, "to_clock"_a, "sign"_a,
+      "int8 directions of the steps of expand_steps(), times sign (+1 or -1).");
+  nb::enum_<Pump::Stop>(m, "PumpStop")
+      .value("TIME", Pump::Stop::time)
+      .value("SHUTDOWN", Pump::Stop::shutdown)
+      .value("HEATERS", Pump::Stop::heaters);
+  nb::class_<Pump>(m, "Pump", "Runs a link and a device in virtual time.")
+      .def(nb::init<Link&, Device&, Ticks>(), "link"_a, "device"_a, "start"_a = 0,
+           nb::keep_alive<1, 2>(), nb::keep_alive<1, 3>())
+      .def_prop_ro("now", &Pump::now)
+      .def("record", &Pump::record, "on"_a)
+      .def("take_recorded",
+           [](Pump& p) {
+             nb::bytes all = to_bytes(p.recorded().data(), p.recorded().size());
+             p.recorded().clear();
+             return all;
+           })
+      .def("run", &Pump::run, "until"_a, "until_heaters"_a = false,
+           nb::call_guard<nb::gil_scoped_release>());
+}
+
+}  // namespace
+
+void bind_wire(nb::module_& m) {
+  bind_frames(m);
+  bind_link(m);
+  bind_board(m);
+}

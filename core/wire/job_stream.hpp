@@ -1,0 +1,180 @@
+// Planned messages → commands of one board: which id and oid they get, when they may leave, and how
+// many move slots they hold.
+#pragma once
+#include <algorithm>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "device.hpp"
+#include "dictionary.hpp"
+#include "frame.hpp"
+#include "message_queue.hpp"
+#include "stream_hash.hpp"
+
+namespace passo::wire {
+
+enum class PinKind : uint8_t { digital, pwm };
+
+class JobStream {
+ public:
+  // A message leaves at most this long before its clock, and at least kHorizon - kQuantum unless it
+  // was planned later: in between it waits for others to fill a frame.
+  static constexpr double kHorizonSeconds = 0.150, kQuantumSeconds = 0.025;
+  static constexpr size_t kLongestCommand = 2 + 2 + 5 + 3 + 3;
+
+  explicit JobStream(double clock_hz)
+      : horizon_(Ticks(kHorizonSeconds * clock_hz)),
+        quantum_(Ticks(kQuantumSeconds * clock_hz)),
+        margin_(Ticks(kMarginSeconds * clock_hz)) {}
+
+  // Targets in the order of Message::target. Throws std::invalid_argument if the board lacks a
+  // command.
+  void add_stepper(const Formats& commands, const std::string& name, uint32_t oid, bool invert) {
+    steppers_.push_back(
+        {prefix(commands, "queue_step", oid), prefix(commands, "set_next_step_dir", oid),
+         prefix(commands, "reset_step_clock", oid), StreamHash::of_name(name), invert});
+  }
+  void add_pin(const Formats& commands, const std::string& name, uint32_t oid, PinKind kind) {
+    pins_.push_back(
+        {prefix(commands, kind == PinKind::pwm ? "queue_pwm_out" : "queue_digital_out", oid),
+         StreamHash::of_name(name)});
+  }
+  // Slots of the board that this stream may hold at once.
+  void set_slots(size_t slots) {
+    slots_ = slots;
+    ends_.reserve(slots);
+  }
+  void set_queue(MessageQueue* queue) { queue_ = queue; }
+
+  // Clock 0 of the job is `base` of the board.
+  void start(Ticks base) {
+    base_ = base;
+    hash_ = StreamHash();
+    queue_steps_ = messages_ = 0;
+    running_ = true;
+  }
+  void stop() { running_ = false; }
+  bool running() const { return running_; }
+  Ticks base() const { return base_; }
+  uint64_t hash() const { return hash_.value(); }
+  uint64_t queue_steps() const { return queue_steps_; }
+  uint64_t messages() const { return messages_; }
+  size_t steppers() const { return steppers_.size(); }
+  // The reset_step_clock that every motor needs before its first step.
+  void put_reset(size_t stepper, Ticks clock, Bytes& out) const {
+    uint8_t buffer[kLongestCommand];
+    uint8_t* p = put_vlq(put(buffer, steppers_[stepper].reset_clock), uint32_t(clock));
+    out.assign(buffer, p);
+  }
+
+  enum class Fill : uint8_t { dry, full };
+  // Appends commands that may leave at board clock `now` to a payload of `size` bytes (room for
+  // kPayloadMax + kLongestCommand). full: the next one did not fit. `first` becomes the clock of
+  // the most urgent message in the frame.
+  Fill fill(uint8_t* payload, size_t& size, Ticks& first, Ticks now) {
+    slot_wait_ = kNever;
+    if (!running_ || !queue_) return Fill::dry;
+    const Ticks limit = now + horizon_ - base_;
+    while (!queue_->empty()) {
+      const Message& m = queue_->front();
+      if (m.clock > limit) break;
+      bool slot = m.kind == MessageKind::queue_step || m.kind == MessageKind::pin;
+      if (slot && ends_.size() >= slots_ && !free_slots(now)) break;
+      uint8_t* end = encode(m, payload + size);
+      if (size_t(end - payload) > kPayloadMax) return Fill::full;
+      size = size_t(end - payload);
+      first = std::min(first, m.clock + base_);
+      if (slot) ends_.push_back((m.kind == MessageKind::pin ? m.clock : m.end_clock) + base_);
+      queue_steps_ += m.kind == MessageKind::queue_step;
+      ++messages_;
+      hash_.add(m, m.kind == MessageKind::pin ? pins_[m.target].name : steppers_[m.target].name);
+      queue_->pop();
+    }
+    return Fill::dry;
+  }
+
+  // A frame whose most urgent message is due at `first` must leave at this board clock at the
+  // latest.
+  Ticks must_leave(Ticks first) const { return first - horizon_ + quantum_; }
+  // Board clock at which fill() is worth calling again.
+  Ticks wake() const {
+    if (!running_ || !queue_ || queue_->empty()) return kNever;
+    Ticks due = must_leave(queue_->front().clock + base_);
+    return slot_wait_ == kNever ? due : std::max(due, slot_wait_);
+  }
+
+ private:
+  static constexpr double kMarginSeconds =
+      0.001;  // how wrong the estimate of the board's clock may be
+  struct Prefix {
+    uint8_t bytes[7], size;
+  };
+  struct Stepper {
+    Prefix queue_step, set_dir, reset_clock;
+    uint64_t name;
+    bool invert;
+  };
+  struct Pin {
+    Prefix update;
+    uint64_t name;
+  };
+
+  Ticks horizon_, quantum_, margin_;
+  std::vector<Stepper> steppers_;
+  std::vector<Pin> pins_;
+  std::vector<Ticks> ends_;  // board clocks at which slots in use are free again; unordered
+  size_t slots_ = 0;
+  Ticks slot_wait_ = kNever;
+  MessageQueue* queue_ = nullptr;
+  bool running_ = false;
+  Ticks base_ = 0;
+  StreamHash hash_;
+  uint64_t queue_steps_ = 0, messages_ = 0;
+
+  static Prefix prefix(const Formats& commands, const std::string& name, uint32_t oid) {
+    Prefix prefix{};
+    uint8_t buffer[2 * kVlqMax];
+    uint8_t* end = put_vlq(put_vlq(buffer, uint32_t(commands.at(name).id)), oid);
+    prefix.size = uint8_t(end - buffer);
+    if (prefix.size > 4) throw std::invalid_argument("oid out of range: " + std::to_string(oid));
+    std::copy(buffer, end, prefix.bytes);
+    return prefix;
+  }
+  static uint8_t* put(uint8_t* p, const Prefix& prefix) {
+    std::memcpy(p, prefix.bytes, 4);
+    return p + prefix.size;
+  }
+  uint8_t* encode(const Message& m, uint8_t* p) const {
+    switch (m.kind) {
+      case MessageKind::queue_step:
+        p = put_vlq(put(p, steppers_[m.target].queue_step), m.interval);
+        return put_vlq(put_vlq(p, m.count), uint32_t(int32_t(m.add)));
+      case MessageKind::set_dir:
+        return put_vlq(put(p, steppers_[m.target].set_dir),
+                       uint32_t(m.dir != 0) ^ uint32_t(steppers_[m.target].invert));
+      case MessageKind::reset_clock:
+        return put_vlq(put(p, steppers_[m.target].reset_clock), uint32_t(m.clock + base_));
+      case MessageKind::pin:
+        return put_vlq(put_vlq(put(p, pins_[m.target].update), uint32_t(m.clock + base_)),
+                       m.interval);
+    }
+    return p;
+  }
+  // Forgets the slots that are free by now; false if there is none.
+  bool free_slots(Ticks now) {
+    Ticks passed = now - margin_, next = kNever;
+    size_t kept = 0;
+    for (Ticks end : ends_) {
+      if (end <= passed) continue;
+      ends_[kept++] = end;
+      next = std::min(next, end);
+    }
+    ends_.resize(kept);
+    if (kept < slots_) return true;
+    slot_wait_ = next + margin_;
+    return false;
+  }
+};
+
+}  // namespace passo::wire

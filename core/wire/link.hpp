@@ -1,0 +1,277 @@
+// The host's end of a board's wire. No input, output, thread or clock of its own: the caller brings
+// bytes and host time (ticks of the nominal frequency) and takes bytes and the next deadline.
+#pragma once
+#include <algorithm>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "clock_sync.hpp"
+#include "device.hpp"
+#include "dictionary.hpp"
+#include "frame.hpp"
+#include "heater.hpp"
+#include "job_stream.hpp"
+#include "window.hpp"
+
+namespace passo::wire {
+
+struct Response {
+  const Format* format;
+  std::vector<Value> values;
+};
+
+class Link {
+ public:
+  explicit Link(double clock_hz)
+      : hz_(clock_hz), window_(clock_hz), sync_(clock_hz), job_(clock_hz) {
+    reports_.add(0, "identify_response offset=%u data=%.*s");
+    commands_.add(1, "identify offset=%u count=%c");
+  }
+  Link(const Link&) = delete;
+  Link& operator=(const Link&) = delete;
+
+  // Replaces the two messages that every board knows by all of its dictionary.
+  void set_dictionary(Formats commands, Formats reports, size_t receive_window) {
+    inbox_.clear();
+    commands_ = std::move(commands);
+    reports_ = std::move(reports);
+    window_.set_receive_window(receive_window);
+    clock_id_ = id_of("clock");
+    uptime_id_ = id_of("uptime");
+    analog_id_ = id_of("analog_in_state");
+    shutdown_id_ = id_of("shutdown");
+    is_shutdown_id_ = id_of("is_shutdown");
+  }
+  const Formats& commands() const { return commands_; }
+
+  // Queues one command to be sent at once, before any of the job.
+  void send(const std::string& name, const std::vector<Value>& values) {
+    Bytes payload;
+    commands_.at(name).encode(values, payload);
+    if (payload.size() > kPayloadMax) throw std::invalid_argument(name + ": too long for a frame");
+    now_queue_.push_back({std::move(payload), false});
+  }
+  // Messages of the board that nobody in the core has use for, oldest first.
+  std::deque<Response>& inbox() { return inbox_; }
+
+  // Starts to follow the board's clock; its first answer makes synchronous() true.
+  void follow_clock(Ticks now) {
+    following_ = true;
+    next_sync_ = now;
+    samples_ = 0;
+    unanswered_ = 0;
+  }
+  bool synchronous() const { return sync_.ready(); }
+  const ClockSync& clock() const { return sync_; }
+  // True when the board left more than four questions unanswered.
+  bool lost() const { return unanswered_ > kLostAfter; }
+
+  JobStream& job() { return job_; }
+  // Starts the job at board clock `base`: every motor's clock is set, then messages flow.
+  void start_job(Ticks base) {
+    for (size_t i = 0; i < job_.steppers(); ++i) {
+      Bytes payload;
+      job_.put_reset(i, base, payload);
+      now_queue_.push_back({std::move(payload), false});
+    }
+    job_.start(base);
+  }
+
+  Heater& add_heater(HeaterOptions options) {
+    commands_.at(options.pwm ? "queue_pwm_out" : "queue_digital_out");
+    heaters_.push_back(std::make_unique<Heater>(std::move(options)));
+    heater_clock_.push_back(0);
+    return *heaters_.back();
+  }
+  const std::vector<std::unique_ptr<Heater>>& heaters() const { return heaters_; }
+
+  // The board said that it stopped; its static_string_id tells why.
+  bool shut_down() const { return shut_down_; }
+  uint32_t shutdown_reason() const { return shutdown_reason_; }
+  // After clear_shutdown or reset.
+  void forget_shutdown() { shut_down_ = false; }
+
+  uint64_t wire_bytes() const { return wire_bytes_; }
+  uint64_t frames() const { return frames_; }
+  uint64_t retransmitted_bytes() const { return window_.retransmitted_bytes(); }
+  uint64_t bad_frames() const { return bad_frames_; }
+
+  void feed(const uint8_t* data, size_t n, Ticks now) {
+    scanner_.feed(
+        data, n,
+        [&](uint8_t sequence, const uint8_t* payload, size_t size) {
+          if (!window_.acknowledge(sequence, size == 0, now))
+            ++bad_frames_;
+          else if (size > 0)
+            receive(payload, size, now);
+        },
+        [&] { ++bad_frames_; });
+  }
+
+  // Appends what is to be sent now; returns the host time of the next call that has any use, if no
+  // bytes come before.
+  Ticks poll(Ticks now, Bytes& out) {
+    size_t before = out.size();
+    window_.poll(now, out);
+    if (following_ && now >= next_sync_) ask_clock(now);
+    Ticks clock = sync_.ready() ? sync_.clock_at(now) : 0;
+    while (window_.room(kPayloadMax) && fill_frame(clock)) {
+      if (holds_question_) question_ = window_.next();
+      holds_question_ = holds_command_ = false;
+      window_.seal(open_size_, now, out);
+      ++frames_;
+      open_size_ = 0;
+      open_first_ = kNever;
+    }
+    wire_bytes_ += out.size() - before;
+    return deadline(now);
+  }
+
+ private:
+  static constexpr uint32_t kLostAfter = 4;
+  static constexpr int kQuickSamples = 8;
+  static constexpr double kQuickSeconds = 0.05, kSyncSeconds = 0.9839;
+  static constexpr double kHeaterLeadSeconds =
+      0.1;  // from a report to the change of power it causes
+  static constexpr size_t kInboxMax = 4096;
+
+  double hz_;
+  Formats commands_, reports_;
+  Scanner scanner_;
+  Window window_;
+  ClockSync sync_;
+  JobStream job_;
+  std::deque<std::pair<Bytes, bool>> now_queue_;  // commands; true: a question for the clock
+  std::deque<Response> inbox_;
+  std::vector<std::unique_ptr<Heater>> heaters_;
+  std::vector<Ticks> heater_clock_;  // of the last update sent
+
+  // The frame under construction lies in the window's next block.
+  size_t open_size_ = 0;
+  Ticks open_first_ = kNever;
+  bool holds_question_ = false, holds_command_ = false;
+
+  bool following_ = false, asked_ = false;
+  Ticks next_sync_ = kNever;
+  uint64_t question_ = 0;  // number of the frame that carries the last question for the clock
+  int samples_ = 0;
+  uint32_t unanswered_ = 0;
+  int32_t clock_id_ = -1000, uptime_id_ = -1000, analog_id_ = -1000, shutdown_id_ = -1000,
+          is_shutdown_id_ = -1000;
+  bool shut_down_ = false;
+  uint32_t shutdown_reason_ = 0;
+  uint64_t wire_bytes_ = 0, frames_ = 0, bad_frames_ = 0;
+
+  int32_t id_of(const std::string& name) const {
+    const Format* format = reports_.find(name);
+    return format ? format->id : -1000;
+  }
+
+  // Puts into the open frame what may go; true if it is to leave now.
+  bool fill_frame(Ticks clock) {
+    uint8_t* payload = window_.payload();
+    while (!now_queue_.empty()) {
+      const auto& [command, question] = now_queue_.front();
+      if (open_size_ + command.size() > kPayloadMax) return true;
+      std::copy(command.begin(), command.end(), payload + open_size_);
+      open_size_ += command.size();
+      holds_command_ = true;
+      holds_question_ |= question;
+      now_queue_.pop_front();
+    }
+    if (sync_.ready() && !shut_down_)
+      if (job_.fill(payload, open_size_, open_first_, clock) == JobStream::Fill::full) return true;
+    if (open_size_ == 0) return false;
+    return holds_command_ || job_.must_leave(open_first_) <= clock;
+  }
+
+  void ask_clock(Ticks now) {
+    if (asked_) ++unanswered_;
+    Bytes payload;
+    commands_.at(sync_.ready() ? "get_clock" : "get_uptime").encode({}, payload);
+    now_queue_.push_back({std::move(payload), true});
+    asked_ = true;
+    question_ = 0;
+    next_sync_ = now + Ticks((samples_ < kQuickSamples ? kQuickSeconds : kSyncSeconds) * hz_);
+  }
+
+  Ticks deadline(Ticks now) const {
+    Ticks next = std::min(window_.deadline(), following_ ? next_sync_ : kNever);
+    if (sync_.ready() && !shut_down_ && window_.room(kPayloadMax)) {
+      Ticks wake = open_size_ > 0 ? job_.must_leave(open_first_) : job_.wake();
+      if (wake != kNever) next = std::min(next, sync_.host_at(wake));
+    }
+    return std::max(next, now + 1);
+  }
+
+  void receive(const uint8_t* payload, size_t size, Ticks now) {
+    Reader in{payload, payload + size};
+    int32_t id = int32_t(in.vlq());
+    const Format* format = reports_.find(id);
+    if (!in.ok || !format) {
+      ++bad_frames_;
+      return;
+    }
+    std::vector<Value> values;
+    format->decode(in, values);
+    if (!in.ok) {
+      ++bad_frames_;
+      return;
+    }
+    if (id == clock_id_ || id == uptime_id_) {
+      take_clock(id == uptime_id_, values, now);
+    } else if (id == analog_id_ && take_temperature(values, now)) {
+      return;
+    } else {
+      if (id == shutdown_id_ || id == is_shutdown_id_) {
+        shut_down_ = true;
+        shutdown_reason_ = uint32_t(std::get<int64_t>(values.back()));
+        job_.stop();
+      }
+      if (inbox_.size() == kInboxMax) inbox_.pop_front();
+      inbox_.push_back({format, std::move(values)});
+    }
+  }
+  void take_clock(bool uptime, const std::vector<Value>& values, Ticks now) {
+    if (!asked_ || question_ == 0) return;
+    asked_ = false;
+    unanswered_ = 0;
+    if (!window_.sent_once(question_)) return;  // it is not known which copy was answered
+    Ticks sent = window_.sent_at(question_);
+    if (uptime)
+      sync_.start(std::get<int64_t>(values[0]) << 32 | std::get<int64_t>(values[1]), sent, now);
+    else if (sync_.ready())
+      sync_.add(uint32_t(std::get<int64_t>(values[0])), sent, now);
+    ++samples_;
+  }
+  // analog_in_state oid next_clock values: the newest of the values (16 bits each) counts.
+  bool take_temperature(const std::vector<Value>& values, Ticks now) {
+    if (values.size() != 3) return false;
+    bool taken = false;
+    for (size_t i = 0; i < heaters_.size(); ++i) {
+      Heater& heater = *heaters_[i];
+      if (int64_t(heater.options().sensor_oid) != std::get<int64_t>(values[0])) continue;
+      const auto& data = std::get<std::string>(values[2]);
+      if (data.size() < 2 || !sync_.ready()) return true;
+      taken = true;
+      uint32_t sum = uint8_t(data[data.size() - 2]) | uint32_t(uint8_t(data[data.size() - 1])) << 8,
+               value;
+      Ticks clock = sync_.unwrap(uint32_t(std::get<int64_t>(values[1])));
+      if (heater.report(sum, clock, hz_, value)) set_power(i, value, now);
+    }
+    return taken;
+  }
+  void set_power(size_t i, uint32_t value, Ticks now) {
+    const HeaterOptions& o = heaters_[i]->options();
+    Ticks due = sync_.clock_at(now) + Ticks(kHeaterLeadSeconds * hz_);
+    heater_clock_[i] = std::max(due, heater_clock_[i] + 1);
+    send(o.pwm ? "queue_pwm_out" : "queue_digital_out",
+         {int64_t(o.output_oid), int64_t(uint32_t(heater_clock_[i])), int64_t(value)});
+  }
+};
+
+}  // namespace passo::wire

@@ -1,0 +1,70 @@
+// A link and a device in one process, in virtual time: from deadline to deadline, as fast as it
+// goes.
+#pragma once
+#include <algorithm>
+
+#include "device.hpp"
+#include "link.hpp"
+
+namespace passo::wire {
+
+class Pump {
+ public:
+  enum class Stop : uint8_t { time, shutdown, heaters };
+
+  // Host time equals the device's clock and begins at `start`.
+  Pump(Link& link, Device& device, Ticks start) : link_(link), device_(device), now_(start) {}
+
+  Ticks now() const { return now_; }
+  // Bytes that the host sent, frames and all, from now on.
+  void record(bool on) {
+    recording_ = on;
+    recorded_.clear();
+  }
+  Bytes& recorded() { return recorded_; }
+
+  // Runs until virtual time reaches `until`, until the board stops, or, if asked, until no heater
+  // is on its way to its target. The queue of the job must already hold all messages whose clock is
+  // below `until` plus the horizon.
+  Stop run(Ticks until, bool until_heaters) {
+    for (;;) {
+      Ticks next = exchange();
+      if (link_.shut_down()) return Stop::shutdown;
+      if (until_heaters && all_reached()) return Stop::heaters;
+      next = std::min(next, device_.next_deadline());
+      if (next > until) {
+        now_ = std::max(now_, until);
+        return Stop::time;
+      }
+      now_ = std::max(next, now_);
+    }
+  }
+
+ private:
+  Link& link_;
+  Device& device_;
+  Ticks now_;
+  Bytes down_, up_, recorded_;
+  bool recording_ = false;
+
+  // Carries bytes both ways until none move.
+  Ticks exchange() {
+    for (;;) {
+      down_.clear();
+      up_.clear();
+      Ticks next = link_.poll(now_, down_);
+      if (recording_) recorded_.insert(recorded_.end(), down_.begin(), down_.end());
+      if (!down_.empty()) device_.feed(down_.data(), down_.size(), now_);
+      device_.poll(now_, up_);
+      if (up_.empty()) return next;
+      link_.feed(up_.data(), up_.size(), now_);
+    }
+  }
+  bool all_reached() const {
+    for (const auto& heater : link_.heaters())
+      if (heater->target() > 0 && !heater->reached()) return false;
+    return true;
+  }
+};
+
+}  // namespace passo::wire

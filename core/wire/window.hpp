@@ -1,0 +1,147 @@
+// Frames on their way to the board: numbered, kept until acknowledged, sent again when lost.
+#pragma once
+#include <algorithm>
+#include <cstdint>
+
+#include "device.hpp"
+#include "frame.hpp"
+
+namespace passo::wire {
+
+// The retransmission timer follows RFC 6298 with bounds of 25 ms and 5 s.
+class Window {
+ public:
+  static constexpr uint64_t kBlocks = 12;
+  static constexpr size_t kOverrun =
+      16;  // a frame under construction may overrun its end by a command
+
+  explicit Window(double clock_hz)
+      : rto_min_(Ticks(0.025 * clock_hz)),
+        rto_max_(Ticks(5 * clock_hz)),
+        rto_(Ticks(0.1 * clock_hz)) {}
+
+  // Bytes that the board can take in before it has worked; 0: no such limit.
+  void set_receive_window(size_t bytes) { receive_window_ = bytes; }
+
+  bool room(size_t payload) const {
+    if (next_ - acked_ >= (synchronous_ ? kBlocks : 1)) return false;
+    return receive_window_ == 0 || bytes_ == 0 || bytes_ + kFrameMin + payload <= receive_window_;
+  }
+  bool idle() const { return next_ == acked_; }
+  uint64_t next() const { return next_; }
+  uint64_t acked() const { return acked_; }
+  uint64_t retransmitted_bytes() const { return retransmitted_bytes_; }
+  // Payload of the next frame, to be filled before seal(): kPayloadMax + kOverrun bytes.
+  uint8_t* payload() { return block(next_).data + kHeader; }
+
+  // Completes the next frame and sends it.
+  void seal(size_t payload, Ticks now, Bytes& out) {
+    Block& b = block(next_);
+    b.length = uint8_t(seal_frame(b.data, payload, next_));
+    b.sent = now;
+    b.again = false;
+    if (idle()) deadline_ = now + rto_;
+    bytes_ += b.length;
+    ++next_;
+    out.insert(out.end(), b.data, b.data + b.length);
+  }
+
+  // A good frame came from the board. `empty`: an acknowledgement that says nothing else; the
+  // second of its kind is a refusal. False if the number cannot be (the frame is to be ignored).
+  bool acknowledge(uint8_t sequence, bool empty, Ticks now) {
+    uint64_t number = acked_ + ((sequence - acked_) & kSequenceMask);
+    if (!synchronous_) {
+      if (idle()) return true;
+      synchronous_ = true;
+      if (number !=
+          next_) {  // the board counts from elsewhere: number the first frame as it expects
+        renumber(number);
+        return true;
+      }
+    }
+    if (number > next_) return false;
+    if (number > acked_) {
+      const Block& last = block(number - 1);
+      if (!last.again) measure(now - last.sent);
+      for (; acked_ < number; ++acked_) bytes_ -= block(acked_).length;
+      deadline_ = now + rto_;
+    }
+    if (!empty) return true;
+    if (number > last_ack_) {
+      last_ack_ = number;
+    } else if (!idle() && number > ignored_) {
+      resend_ = true;
+    }
+    return true;
+  }
+
+  // Sends again what is due. Call before anything new is sealed.
+  void poll(Ticks now, Bytes& out) {
+    if (idle()) return;
+    bool late = now >= deadline_;
+    if (!late && !resend_) return;
+    if (late) rto_ = std::min(rto_ * 2, rto_max_);
+    resend_ = false;
+    // Copies of what did arrive will be refused: those refusals mean nothing.
+    ignored_ = next_;
+    size_t before = out.size();
+    out.push_back(kSync);
+    for (uint64_t i = acked_; i < next_; ++i) {
+      Block& b = block(i);
+      b.again = true;
+      out.insert(out.end(), b.data, b.data + b.length);
+    }
+    retransmitted_bytes_ += out.size() - before;
+    deadline_ = now + rto_;
+  }
+  Ticks deadline() const { return idle() ? kNever : deadline_; }
+  // False if the frame had to be sent again, or is long gone.
+  bool sent_once(uint64_t number) const {
+    return number + kSequenceMask >= next_ && !blocks_[number & kSequenceMask].again;
+  }
+  Ticks sent_at(uint64_t number) const { return blocks_[number & kSequenceMask].sent; }
+
+ private:
+  struct Block {
+    uint8_t data[kFrameMax + kOverrun];
+    uint8_t length;
+    bool again;
+    Ticks sent;
+  };
+
+  Block blocks_[kSequenceMask + 1];
+  uint64_t next_ = 1, acked_ = 1;  // of the next frame; of the oldest one not acknowledged
+  uint64_t last_ack_ = 1, ignored_ = 0;
+  size_t bytes_ = 0, receive_window_ = 0;
+  bool synchronous_ = false, resend_ = false, measured_ = false;
+  Ticks rto_min_, rto_max_, rto_, deadline_ = kNever;
+  Ticks smooth_ = 0, variation_ = 0;
+  uint64_t retransmitted_bytes_ = 0;
+
+  Block& block(uint64_t number) { return blocks_[number & kSequenceMask]; }
+
+  void renumber(uint64_t number) {
+    Block only = block(acked_);
+    size_t payload = only.length - kFrameMin;
+    number += kSequenceMask + 1;  // above all numbers used so far
+    only.length = uint8_t(seal_frame(only.data, payload, number));
+    acked_ = last_ack_ = number;
+    next_ = number + 1;
+    block(number) = only;
+    resend_ = true;
+  }
+  void measure(Ticks trip) {
+    if (!measured_) {
+      measured_ = true;
+      smooth_ = trip;
+      variation_ = trip / 2;
+    } else {
+      Ticks error = trip > smooth_ ? trip - smooth_ : smooth_ - trip;
+      variation_ += (error - variation_) / 4;
+      smooth_ += (trip - smooth_) / 8;
+    }
+    rto_ = std::clamp(smooth_ + 4 * variation_, rto_min_, rto_max_);
+  }
+};
+
+}  // namespace passo::wire

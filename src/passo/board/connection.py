@@ -1,0 +1,225 @@
+"""A connection to one board: identify, configure, run a job, ask how it is."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TypeAlias
+
+from passo import _core
+from passo.board.configuration import (
+    SENSOR_SAMPLES,
+    Oids,
+    checksum,
+    commands,
+    full_scale,
+    queries,
+)
+from passo.board.description import BoardDescription, inverted
+from passo.board.dictionary import Dictionary
+from passo.errors import MachineError, Problem
+
+Values: TypeAlias = dict[str, int | bytes]
+
+_CHUNK = 40
+_STEP_S = 0.01
+_PATIENCE_S = 0.5
+_TRIES = 5
+_LEAD_S = 0.25
+_SLOTS_BY_HEATER = 4
+
+
+class BoardSilentError(MachineError):
+    """The board does not answer."""
+
+    def __init__(self, question: str) -> None:
+        problem = Problem("machine.shutdown", values={"value": f"it does not answer {question}"})
+        super().__init__([problem])
+
+
+class Connection:
+    """The host's side of a board that runs in this process, in virtual time.
+
+    All times are ticks of the board's clock. Not thread-safe; `run` releases the interpreter lock.
+    Every method that lets time pass raises MachineError when the board shuts down and
+    BoardSilentError when it no longer answers.
+    """
+
+    def __init__(self, board: BoardDescription, device: _core.Device, start_clock: int = 0) -> None:
+        self.board = board
+        self.link = _core.Link(float(board.clock_hz))
+        self.pump = _core.Pump(self.link, device, start_clock)
+        self.dictionary = Dictionary((), (), {}, {})
+        self.move_count = 0
+        self.heaters: dict[str, _core.Heater] = {}
+        self._oids = Oids.of(board)
+        self._responses: list[tuple[str, Values]] = []
+
+    @property
+    def now(self) -> int:
+        """The virtual clock."""
+        return self.pump.now
+
+    def connect(self) -> None:
+        """Identifies and configures the board, follows its clock and starts its sensors.
+
+        A board that is configured otherwise, or is shut down, is reset first.
+        """
+        self._identify()
+        self._follow_clock()
+        self._configure()
+        self._prepare()
+        for line in queries(self.board, self.dictionary, self.now + self._ticks(_LEAD_S)):
+            self.command(line)
+        self.run(self.now)
+
+    def command(self, text: str) -> None:
+        """Queues a command, as `name parameter=value …`; it leaves when time next passes.
+
+        Raises DictionaryError if the board does not know it.
+        """
+        self.link.send(*self.dictionary.values(text))
+
+    def ask(self, text: str, answer: str) -> Values:
+        """Sends a command and returns the values of the report `answer`.
+
+        Reports are not repeated by the board, so the question is.
+        """
+        name, values = self.dictionary.values(text)
+        return self._ask(name, values, answer)
+
+    def take_responses(self) -> list[tuple[str, Values]]:
+        """All reports since the last call that nobody asked for, oldest first."""
+        self._collect()
+        taken, self._responses = self._responses, []
+        return taken
+
+    def start_job(self, messages: _core.MessageQueue, base_clock: int | None = None) -> int:
+        """Sends `messages` from now on, their clocks counted from `base_clock` (default: a quarter
+        of a second from now). Returns that clock."""
+        base = self.now + self._ticks(_LEAD_S) if base_clock is None else base_clock
+        self.link.set_queue(messages)
+        self.link.start_job(base)
+        return base
+
+    def run(self, until_clock: int, *, until_heaters: bool = False) -> bool:
+        """Lets virtual time pass until `until_clock`, or until no heater is on its way any more.
+
+        Returns False if it came to `until_clock`, True if the heaters were first.
+        """
+        stop = self.pump.run(until_clock, until_heaters)
+        if stop == _core.PumpStop.SHUTDOWN:
+            raise self._shutdown()
+        if self.link.lost:
+            raise BoardSilentError("get_clock")
+        return stop == _core.PumpStop.HEATERS
+
+    def set_target(self, heater: str, celsius: float) -> None:
+        """Sets a heater's target; 0 turns it off. KeyError if there is no such heater."""
+        self.heaters[heater].target = celsius
+
+    def full_scale(self, output: str) -> int:
+        """The value of an output that means fully on."""
+        return full_scale(next(o for o in self.board.outputs if o.name == output), self.dictionary)
+
+    def _ticks(self, seconds: float) -> int:
+        return int(seconds * self.board.clock_hz)
+
+    def _identify(self) -> None:
+        data = b""
+        while True:
+            answer = self._ask("identify", [len(data), _CHUNK], "identify_response")
+            part = answer["data"]
+            if answer["offset"] != len(data) or not isinstance(part, bytes):
+                continue
+            if not part:
+                break
+            data += part
+        self.dictionary = Dictionary.parse(data)
+        self.link.set_dictionary(
+            list(self.dictionary.commands),
+            list(self.dictionary.reports),
+            self.dictionary.number("RECEIVE_WINDOW"),
+        )
+
+    def _follow_clock(self) -> None:
+        self.link.follow_clock(self.now)
+        for _ in range(int(_PATIENCE_S * _TRIES / _STEP_S)):
+            self.run(self.now)
+            if self.link.synchronous:
+                return
+            self.run(self.now + self._ticks(_STEP_S))
+        raise BoardSilentError("get_uptime")
+
+    def _configure(self) -> None:
+        lines = commands(self.board, self.dictionary)
+        crc = checksum(lines)
+        state = self.ask("get_config", "config")
+        if state["is_shutdown"] or (state["is_config"] and state["crc"] != crc):
+            self.ask("reset", "starting")
+            self.link.forget_shutdown()
+            state = self.ask("get_config", "config")
+        if not state["is_config"]:
+            for line in [*lines, f"finalize_config crc={crc}"]:
+                self.command(line)
+            state = self.ask("get_config", "config")
+        self.move_count = int(state["move_count"])
+
+    def _prepare(self) -> None:
+        slots = self.move_count - _SLOTS_BY_HEATER * len(self.board.heaters)
+        self.link.set_slots(slots)
+        for s in self.board.steppers:
+            turned = s.invert != inverted(s.dir_pin)
+            self.link.add_stepper(s.name, self._oids.steppers[s.name], turned)
+        for o in self.board.outputs:
+            kind = _core.PinKind.PWM if o.kind == "pwm" else _core.PinKind.DIGITAL
+            self.link.add_pin(o.name, self._oids.outputs[o.name], kind)
+        outputs = {o.name: o for o in self.board.outputs}
+        sensors = {s.name: s for s in self.board.sensors}
+        for h in self.board.heaters:
+            table = sorted((ratio, celsius) for celsius, ratio in sensors[h.sensor].table)
+            self.heaters[h.name] = self.link.add_heater(
+                sensor_oid=self._oids.sensors[h.sensor],
+                output_oid=self._oids.outputs[h.output],
+                pwm=outputs[h.output].kind == "pwm",
+                full=full_scale(outputs[h.output], self.dictionary),
+                adc_full=self.dictionary.number("ADC_MAX", 1023) * SENSOR_SAMPLES,
+                max_power=h.max_power,
+                kp=h.kp,
+                ki=h.ki,
+                kd=h.kd,
+                hysteresis_c=h.hysteresis_c,
+                tolerance_c=h.tolerance_c,
+                celsius=table,
+            )
+
+    def _ask(self, name: str, values: Sequence[int | bytes], answer: str) -> Values:
+        for _ in range(_TRIES):
+            self._collect()
+            self.link.send(name, list(values))
+            end = self.now + self._ticks(_PATIENCE_S)
+            until = self.now
+            while until <= end:
+                # A board that is shut down may still be asked.
+                self.pump.run(until)
+                found = self._find(answer)
+                if found is not None:
+                    return found
+                until += self._ticks(_STEP_S)
+        raise BoardSilentError(name)
+
+    def _find(self, answer: str) -> Values | None:
+        fresh: list[tuple[str, Values]] = self.link.take_responses()
+        found = None
+        for name, values in fresh:
+            if name == answer and found is None:
+                found = values
+            else:
+                self._responses.append((name, values))
+        return found
+
+    def _collect(self) -> None:
+        self._responses += self.link.take_responses()
+
+    def _shutdown(self) -> MachineError:
+        reason = self.dictionary.name_of("static_string_id", self.link.shutdown_reason)
+        return MachineError([Problem("machine.shutdown", values={"value": reason})])

@@ -1,0 +1,149 @@
+"""What is wired to a board, as plain data: all that the host must know to configure and to drive it.
+
+Pins are names of the board's dictionary; `!` in front inverts a pin, `^` asks for its pull-up.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Literal
+
+
+@dataclass(frozen=True, slots=True)
+class Stepper:
+    """A motor driver. `invert` (or `!` before the direction pin) turns the motor around."""
+
+    name: str
+    step_pin: str
+    dir_pin: str
+    invert: bool = False
+    pulse_ticks: int = 32
+
+
+@dataclass(frozen=True, slots=True)
+class Output:
+    """A pin that is switched.
+
+    `digital` with `cycle_ticks` 0 is on or off (values 0 and 1); with a cycle it is pulsed by the
+    board's software, its value being the ticks on of each cycle. `pwm` is pulsed by hardware, its
+    value 0 to PWM_MAX. While on, it must be renewed within `max_duration_ticks` (0: never), or the
+    board shuts down; then, as at the start, it is fully on or off as `default_on` says.
+    """
+
+    name: str
+    pin: str
+    kind: Literal["digital", "pwm"] = "digital"
+    cycle_ticks: int = 0
+    max_duration_ticks: int = 0
+    default_on: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Sensor:
+    """A temperature sensor on an analog input.
+
+    `table` holds (°C, share of the ADC's full scale) by ascending °C, the share strictly rising or
+    falling. Outside `min_ratio`…`max_ratio` the board shuts down.
+    """
+
+    name: str
+    pin: str
+    table: tuple[tuple[float, float], ...]
+    min_ratio: float = 0.0
+    max_ratio: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Heater:
+    """An output that heats what a sensor measures.
+
+    Control is PID with `kp` (share of full power by °C), `ki` (by °C·s) and `kd` (by °C/s), or on/off
+    within `hysteresis_c` if `kp` is 0. A target is reached within `tolerance_c`.
+    """
+
+    name: str
+    output: str
+    sensor: str
+    max_power: float = 1.0
+    kp: float = 0.0
+    ki: float = 0.0
+    kd: float = 0.0
+    hysteresis_c: float = 1.0
+    tolerance_c: float = 2.0
+
+
+@dataclass(frozen=True, slots=True)
+class Endstop:
+    """A switch on an input pin."""
+
+    name: str
+    pin: str
+
+
+@dataclass(frozen=True, slots=True)
+class BoardDescription:
+    """A board and its wiring. The order of `steppers` and of `outputs` is that of message targets.
+
+    `clock_hz` is the nominal frequency of the board's clock; `move_count` the number of commands
+    that it can hold (a simulated board has as many, a real one reports its own).
+    """
+
+    clock_hz: int
+    steppers: tuple[Stepper, ...] = ()
+    outputs: tuple[Output, ...] = ()
+    sensors: tuple[Sensor, ...] = ()
+    heaters: tuple[Heater, ...] = ()
+    endstops: tuple[Endstop, ...] = ()
+    move_count: int = 1024
+    mcu: str = "atmega2560"
+
+    def __post_init__(self) -> None:
+        """Raises ValueError for what no board could be wired like."""
+        for part, names in (
+            ("stepper", [s.name for s in self.steppers]),
+            ("output", [o.name for o in self.outputs]),
+            ("sensor", [s.name for s in self.sensors]),
+            ("heater", [h.name for h in self.heaters]),
+            ("endstop", [e.name for e in self.endstops]),
+        ):
+            _unique(f"{part} name", names)
+        _unique("pin", [bare(pin) for pin in self.pins])
+        for output in self.outputs:
+            if output.pin.startswith("!"):
+                raise ValueError(f"output {output.name}: an inverted output pin is not supported")
+        outputs = {o.name: o for o in self.outputs}
+        sensors = {s.name for s in self.sensors}
+        for heater in self.heaters:
+            if heater.output not in outputs or heater.sensor not in sensors:
+                raise ValueError(f"heater {heater.name}: its output or sensor is not described")
+            if outputs[heater.output].max_duration_ticks <= 0:
+                raise ValueError(f"heater {heater.name}: its output needs a maximum duration")
+
+    @property
+    def pins(self) -> tuple[str, ...]:
+        """All pins in use, as written."""
+        return (
+            *(pin for s in self.steppers for pin in (s.step_pin, s.dir_pin)),
+            *(o.pin for o in self.outputs),
+            *(s.pin for s in self.sensors),
+            *(e.pin for e in self.endstops),
+        )
+
+
+def bare(pin: str) -> str:
+    """The pin's name without `!`, `^` and `~`."""
+    return pin.lstrip("!^~")
+
+
+def inverted(pin: str) -> bool:
+    """Whether `!` stands before the pin's name."""
+    return "!" in pin
+
+
+def _unique(what: str, names: Iterable[str]) -> None:
+    seen: set[str] = set()
+    for name in names:
+        if name in seen:
+            raise ValueError(f"{what} {name} is used twice")
+        seen.add(name)

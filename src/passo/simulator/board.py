@@ -1,0 +1,116 @@
+"""The simulated board by names: built from descriptions, observed as on a bench."""
+
+from __future__ import annotations
+
+from passo import _core
+from passo.board.description import BoardDescription, bare, inverted
+from passo.simulator.dictionary import ADC_MAX, PWM_MAX, compressed_dictionary, pin_numbers
+from passo.simulator.plant import PlantDescription
+
+
+class SimulatedBoard:
+    """A virtual board with the plant around it. `device` is what a connection talks to; all else only
+    looks, or makes faults. Clocks are board ticks."""
+
+    def __init__(
+        self,
+        board: BoardDescription,
+        plant: PlantDescription | None = None,
+        start_clock: int = 0,
+    ) -> None:
+        plant = plant or PlantDescription()
+        self.board = board
+        self._pins = pin_numbers(board)
+        self._steppers = {s.name: s for s in board.steppers}
+        self._outputs = {o.name: self._pins[bare(o.pin)] for o in board.outputs}
+        self._sensors = {s.name: self._pins[bare(s.pin)] for s in board.sensors}
+        self.device = _core.VirtualBoard(
+            clock_hz=float(board.clock_hz),
+            move_count=board.move_count,
+            adc_max=ADC_MAX,
+            pwm_max=PWM_MAX,
+            identify=compressed_dictionary(board),
+            start=start_clock,
+        )
+        self._add_plant(plant)
+
+    def _add_plant(self, plant: PlantDescription) -> None:
+        for a in plant.actuators:
+            per_step = self._sign(a.stepper) / a.steps_per_unit
+            self.device.add_actuator(self._step_pin(a.stepper), a.start, per_step)
+        endstops = {e.name: e for e in self.board.endstops}
+        for s in plant.switches:
+            pin = endstops[s.endstop].pin
+            self.device.add_switch(
+                self._pins[bare(pin)],
+                self._step_pin(s.stepper),
+                s.position,
+                s.at_maximum,
+                not inverted(pin),
+            )
+        heaters = {h.name: h for h in self.board.heaters}
+        tables = {s.name: s.table for s in self.board.sensors}
+        for b in plant.bodies:
+            heater = heaters[b.heater]
+            self.device.add_body(
+                self._outputs[heater.output],
+                self._sensors[heater.sensor],
+                b.ambient_c,
+                b.rise_c,
+                b.time_constant_s,
+                b.sensor_time_constant_s,
+                list(tables[heater.sensor]),
+            )
+
+    def net_steps(self, stepper: str) -> int:
+        """Steps executed so far, forward minus backward. KeyError before the board is configured."""
+        return self._sign(stepper) * self.device.net_steps(self._step_pin(stepper))
+
+    def steps(self, stepper: str) -> int:
+        """Number of steps executed so far, both ways."""
+        return self.device.steps(self._step_pin(stepper))
+
+    def position(self, stepper: str) -> float:
+        """Where the stepper's actuator is now, mm or degrees."""
+        return self.device.position(self._step_pin(stepper))
+
+    def temperature(self, sensor: str) -> float:
+        """Temperature of the body that the sensor belongs to, °C."""
+        return self.device.temperature(self._sensors[sensor])
+
+    def force_sensor(self, sensor: str, ratio: float | None) -> None:
+        """A fault: the ADC sees this share of its full scale whatever the temperature; None ends it."""
+        self.device.force_adc(self._sensors[sensor], -1.0 if ratio is None else ratio)
+
+    def trace_steps(self, stepper: str, from_clock: int, to_clock: int) -> None:
+        """From now on keeps the commands that touch from_clock…to_clock, for `take_steps`."""
+        self.device.trace_steps(self._step_pin(stepper), from_clock, to_clock)
+
+    def take_steps(self, stepper: str, from_clock: int, to_clock: int) -> tuple[bytes, bytes]:
+        """Clocks (int64) and directions (int8, +1 forward) of the traced steps executed since the
+        last call and within from_clock ≤ clock < to_clock."""
+        rows = self.device.take_steps(self._step_pin(stepper))
+        sign = self._sign(stepper)
+        return (
+            _core.expand_steps(rows, from_clock, to_clock),
+            _core.expand_directions(rows, from_clock, to_clock, sign),
+        )
+
+    def trace_output(self, output: str) -> None:
+        """From now on keeps the changes of an output, for `take_changes`."""
+        self.device.trace_output(self._outputs[output])
+
+    def take_changes(self, output: str) -> list[tuple[int, int]]:
+        """(clock, value) of each change since the last call."""
+        return self.device.take_changes(self._outputs[output])
+
+    def output_value(self, output: str) -> int:
+        """The output's value now."""
+        return self.device.output_value(self._outputs[output])
+
+    def _step_pin(self, stepper: str) -> int:
+        return self._pins[bare(self._steppers[stepper].step_pin)]
+
+    def _sign(self, stepper: str) -> int:
+        s = self._steppers[stepper]
+        return -1 if s.invert != inverted(s.dir_pin) else 1
