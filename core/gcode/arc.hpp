@@ -1,0 +1,67 @@
+// G2 and G3 as chords.
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "numbers.hpp"
+#include "types.hpp"
+
+namespace passo {
+
+// Chords whose middle is at most kChordError inside the circle: the angle between points is
+// 2 acos(1 - kChordError/r), and acos(1 - x) ≥ sqrt(2x). A helix and the extruder go along in proportion.
+class Arc {
+ public:
+  static constexpr double kChordError = 0.0045;  // mm
+  static constexpr double kFullTurn = 6.283185307179586;
+
+  bool active() const { return done_ < chords_; }
+
+  // From `start` to `end` in the plane of slots u, v, about a centre; `turns` further full circles.
+  void begin(const double* start, const double* end, int u, int v, double cu, double cv, bool clockwise, int turns) {
+    std::memcpy(start_, start, sizeof start_);
+    std::memcpy(end_, end, sizeof end_);
+    u_ = u;
+    v_ = v;
+    cu_ = cu;
+    cv_ = cv;
+    double au = start[u] - cu, av = start[v] - cv, bu = end[u] - cu, bv = end[v] - cv;
+    radius0_ = std::sqrt(au * au + av * av);
+    radius1_ = std::sqrt(bu * bu + bv * bv);
+    angle_ = atan2(av, au);
+    sweep_ = atan2(au * bv - av * bu, au * bu + av * bv);
+    if (clockwise && sweep_ >= -1e-9) sweep_ -= kFullTurn;
+    if (!clockwise && sweep_ <= 1e-9) sweep_ += kFullTurn;
+    sweep_ += (clockwise ? -1 : 1) * kFullTurn * turns;
+    double r = std::max(radius0_, radius1_);
+    double step = 2 * std::sqrt(2 * std::min(kChordError / std::max(r, 1e-6), 0.1));
+    chords_ = std::max(1, int(std::ceil(std::fabs(sweep_) / step)));
+    done_ = 0;
+  }
+  double radius() const { return std::max(radius0_, radius1_); }
+  bool first() const { return done_ == 1; }
+
+  // The end of the next chord.
+  void next(double* point) {
+    ++done_;
+    if (done_ == chords_) {
+      std::memcpy(point, end_, sizeof end_);
+      return;
+    }
+    double part = double(done_) / chords_, s, c;
+    sincos(angle_ + sweep_ * part, s, c);
+    double r = radius0_ + (radius1_ - radius0_) * part;
+    for (int j = 0; j < kAxes; ++j) point[j] = start_[j] + (end_[j] - start_[j]) * part;
+    point[u_] = cu_ + r * c;
+    point[v_] = cv_ + r * s;
+  }
+
+ private:
+  double start_[kAxes], end_[kAxes];
+  int u_ = 0, v_ = 1;
+  double cu_ = 0, cv_ = 0, radius0_ = 0, radius1_ = 0, angle_ = 0, sweep_ = 0;
+  int chords_ = 0, done_ = 0;
+};
+
+}  // namespace passo

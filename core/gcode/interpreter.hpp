@@ -1,0 +1,292 @@
+// The motion state of a G-code program: lines in, moves and events out, in order.
+#pragma once
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdint>
+#include <deque>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "gcode/arc.hpp"
+#include "gcode/lexer.hpp"
+#include "gcode/words.hpp"
+#include "machine.hpp"
+#include "types.hpp"
+
+namespace passo {
+
+enum class Found : uint8_t { move, event, error, need_input, end };
+
+// A command that the caller must handle before it asks for more.
+struct Event {
+  uint32_t line = 0;
+  char letter = 0;    // 'G', 'M', 'T', 'S' (laser power of a move), or 0: extended command
+  int number = 0, minor = 0;
+  std::string name;   // of an extended command, upper case
+  std::string text;   // what follows the command, comment removed
+};
+
+enum class Fault : uint8_t { number, word, checksum, line_too_long, feedrate, arc, out_of_range, missing_tool, garbage };
+
+struct GcodeError {
+  uint32_t line = 0;
+  Fault fault = Fault::word;
+  std::string word;   // the offending word, or the axis
+  double value = 0, limit = 0;
+};
+
+class Interpreter {
+ public:
+  bool clamp = false;         // targets out of range go to the limit
+  bool ignore_tools = false;  // a missing tool is left alone
+  double flow = 1;            // M221
+
+  Interpreter(const Machine& machine, std::vector<double> home, bool laser)
+      : machine_(machine), home_(std::move(home)), laser_(laser), extruder_(machine.extruders.size(), 0.0) {
+    std::fill(std::begin(letter_slot_), std::end(letter_slot_), int8_t(-1));
+    for (size_t i = 0; i < machine.axes.size(); ++i) letter_slot_[machine.axes[i].letter - 'A'] = int8_t(slot_of_axis(int(i)));
+    if (!machine.extruders.empty()) letter_slot_['E' - 'A'] = kE;
+    for (int j = 0; j < kAxes; ++j) low_[j] = -kInfinity, high_[j] = kInfinity;
+    for (size_t i = 0; i < machine.axes.size(); ++i) {
+      low_[slot_of_axis(int(i))] = machine.axes[i].min;
+      high_[slot_of_axis(int(i))] = machine.axes[i].max;
+    }
+    features_.push_back("");
+  }
+
+  void feed(const char* data, size_t n) { lines_.feed(data, n); }
+  void finish() { lines_.finish(); finished_ = true; }
+  const MoveRequest& move() const { return move_; }
+  const Event& event() const { return event_; }
+  const GcodeError& error() const { return error_; }
+  uint32_t line() const { return lines_.number(); }
+  uint64_t arcs() const { return arcs_; }
+  uint64_t clamped() const { return clamped_; }
+  int layers() const { return marked_layers_ > 0 ? marked_layers_ : int(risen_layers_); }
+  const std::vector<std::string>& features() const { return features_; }
+  const double* position() const { return position_; }
+  size_t extruder() const { return active_; }
+  size_t tool() const { return tool_; }
+
+  Found next() {
+    for (;;) {
+      if (!pending_.empty()) {
+        Item item = std::move(pending_.front());
+        pending_.pop_front();
+        if (item.found == Found::move) {
+          if (take(item.move)) return Found::move;
+          continue;
+        }
+        if (item.found == Found::event) event_ = std::move(item.event);
+        if (item.found == Found::error) error_ = std::move(item.error);
+        return item.found;
+      }
+      if (arc_.active()) {
+        if (next_chord()) return Found::move;
+        continue;
+      }
+      const char *p, *end;
+      if (!lines_.next(p, end)) return finished_ ? Found::end : Found::need_input;
+      if (lines_.too_long()) {
+        fail(Fault::line_too_long, "", 0, 0);
+        continue;
+      }
+      if (end - p > 3 && (p[0] == 'G') && (p[1] == '1' || p[1] == '0') && p[2] == ' ') {
+        Found found = fast_move(p + 3, end, p[1] == '0');
+        if (found == Found::move) return found;
+        if (found == Found::end) continue;
+      }
+      run_line(p, end);
+    }
+  }
+
+  // Homing: the axes named (all if none) are at home now, their offsets are gone.
+  void home(const std::string& letters) {
+    for (size_t i = 0; i < machine_.axes.size(); ++i) {
+      int j = slot_of_axis(int(i));
+      if (!letters.empty() && letters.find(machine_.axes[i].letter) == std::string::npos) continue;
+      position_[j] = home_[i];
+      origin_[j] = j < 3 ? tool_offset(j) : 0;
+    }
+    hop_ = 0;
+  }
+
+ private:
+  struct Item {
+    Found found;
+    MoveRequest move;
+    Event event;
+    GcodeError error;
+  };
+  const Machine& machine_;
+  std::vector<double> home_;
+  bool laser_;
+  Lines lines_;
+  bool finished_ = false;
+  MoveRequest move_{};
+  Event event_;
+  GcodeError error_;
+  std::deque<Item> pending_;
+  int8_t letter_slot_[26];
+  double low_[kAxes], high_[kAxes];
+
+  double position_[kAxes] = {};  // machine position of the last target, mm; [kE]: of the active extruder
+  double origin_[kAxes] = {};    // machine position of the program's zero
+  double logical_e_ = 0;         // the program's E
+  std::vector<double> extruder_; // machine position of each extruder
+  size_t tool_ = 0, active_ = 0;
+  double unit_ = 1, feed_ = kInfinity;
+  bool absolute_ = true, absolute_e_ = true;
+  int motion_ = -1;              // modal G0…G3; -1: none given yet
+  int plane_ = 17;
+  bool retracted_ = false;
+  double hop_ = 0;
+  double retract_mm_ = 3, retract_feed_ = 45, retract_hop_ = 0, recover_mm_ = 0, recover_feed_ = 0;
+  int marked_layers_ = 0;
+  uint32_t risen_layers_ = 0;
+  double highest_ = -kInfinity;
+  uint16_t feature_ = 0;
+  std::vector<std::string> features_;
+  uint64_t arcs_ = 0, clamped_ = 0;
+  Arc arc_;
+  std::vector<Word> words_;
+
+  double tool_offset(int j) const { return machine_.tools.empty() ? 0 : machine_.tools[tool_].offset[j]; }
+
+  void fail(Fault fault, const std::string& word, double value, double limit) {
+    Item item{};
+    item.found = Found::error;
+    item.error = {lines_.number(), fault, word, value, limit};
+    pending_.push_back(std::move(item));
+  }
+  void emit(char letter, int number, int minor, std::string name, std::string text) {
+    Item item{};
+    item.found = Found::event;
+    item.event = {lines_.number(), letter, number, minor, std::move(name), std::move(text)};
+    pending_.push_back(std::move(item));
+  }
+
+  // The common line: upper case axis letters, E and F, each with a number. Found::end: done, no move;
+  // Found::error: the line needs the general way.
+  Found fast_move(const char* p, const char* end, bool rapid) {
+    double value[26];
+    uint32_t have = 0;
+    for (;;) {
+      while (p < end && (*p == ' ' || *p == '\r' || *p == '\t')) ++p;
+      if (p == end || *p == ';') break;
+      unsigned k = unsigned(*p - 'A');
+      if (k >= 26 || (letter_slot_[k] < 0 && k != 5)) return Found::error;
+      ++p;
+      if (!read_number(p, end, value[k])) return Found::error;
+      if (std::fabs(value[k]) > kLargestWord || (have >> k & 1)) return Found::error;
+      have |= 1u << k;
+    }
+    if (have >> 5 & 1) {
+      if (!(value[5] > 0)) return Found::error;
+      feed_ = value[5] * unit_ / 60;
+    }
+    motion_ = rapid ? 0 : 1;
+    return straight(value, have & ~(1u << 5), feed_, 0, rapid) ? Found::move : Found::end;
+  }
+
+  // Resolves the target of the letters in `have`; false if nothing moves. `move_` is the result.
+  bool straight(const double* value, uint32_t have, double feed, double duration, bool rapid) {
+    if (!target(value, have, absolute_, absolute_ && absolute_e_)) return false;
+    move_.feed_mm_s = feed;
+    move_.duration_s = duration;
+    move_.radius_mm = kInfinity;
+    move_.arc_inner = false;
+    move_.rapid = rapid;
+    return ready();
+  }
+
+  bool target(const double* value, uint32_t have, bool absolute, bool absolute_e) {
+    std::copy(position_, position_ + kAxes, move_.target);
+    uint8_t moved = 0;
+    for (uint32_t left = have; left; left &= left - 1) {
+      int k = __builtin_ctz(left), j = letter_slot_[k];
+      moved |= uint8_t(1u << j);
+      double v = value[k] * unit_;
+      if (j == kE) {
+        double delta = absolute_e ? v - logical_e_ : v;
+        logical_e_ = absolute_e ? v : logical_e_ + v;
+        move_.target[kE] = position_[kE] + delta * flow;
+        continue;
+      }
+      double t = (absolute ? v + origin_[j] : position_[j] + v);
+      if (absolute && j == kZ) t += hop_;
+      if (t < low_[j] - 1e-6 || t > high_[j] + 1e-6) {
+        double limit = t < low_[j] ? low_[j] : high_[j];
+        if (!clamp) {
+          fail(Fault::out_of_range, machine_.axes[size_t(j < 3 ? j : j - kExtra + 3)].name, t, limit);
+          return false;
+        }
+        ++clamped_;
+        t = limit;
+      }
+      move_.target[j] = t;
+    }
+    move_.moved = moved;
+    return true;
+  }
+
+  // Fills what does not depend on the command and takes the move; false if it goes nowhere.
+  bool ready() {
+    move_.line = lines_.number();
+    return take(move_);
+  }
+  bool take(MoveRequest& m) {
+    if (m.kind == MoveKind::dwell && m.duration_s > 0) {
+      std::copy(position_, position_ + kAxes, m.target);
+      m.extruder = uint16_t(active_);
+      move_ = m;
+      move_.kind = MoveKind::dwell;
+      return true;
+    }
+    bool travels = false;
+    for (int j = 0; j < kAxes; ++j) travels |= j != kE && m.target[j] != position_[j];
+    double e = m.target[kE] - position_[kE];
+    if (!travels && e == 0) return false;
+    m.kind = !travels ? MoveKind::extrude : e > 0 ? MoveKind::print : MoveKind::travel;
+    if (m.kind == MoveKind::print && m.target[kZ] > highest_ + 1e-6) {
+      highest_ = m.target[kZ];
+      ++risen_layers_;
+    }
+    m.layer = uint16_t(std::min(marked_layers_ > 0 ? uint32_t(marked_layers_) : risen_layers_, 65535u));
+    m.feature = feature_;
+    m.extruder = uint16_t(active_);
+    std::copy(m.target, m.target + kAxes, position_);
+    if (!extruder_.empty()) extruder_[active_] = position_[kE];
+    if (&m != &move_) move_ = m;
+    move_.kind = m.kind;
+    return true;
+  }
+
+  void comment(std::string_view text) {
+    auto starts = [&](std::string_view s) { return text.substr(0, s.size()) == s; };
+    if (starts("LAYER:") || starts("LAYER_CHANGE") || starts(" layer ") || starts("BEFORE_LAYER_CHANGE")) {
+      if (!starts("BEFORE_LAYER_CHANGE")) ++marked_layers_;
+    } else if (starts("TYPE:")) {
+      text.remove_prefix(5);
+      while (!text.empty() && std::isspace(uint8_t(text.back()))) text.remove_suffix(1);
+      auto at = std::find(features_.begin(), features_.end(), text);
+      if (at == features_.end() && features_.size() < 1000) at = features_.insert(at, std::string(text));
+      feature_ = at == features_.end() ? 0 : uint16_t(at - features_.begin());
+    }
+  }
+
+  void run_line(const char* p, const char* end);
+  void run_words(const std::vector<Word>& words, std::string_view text);
+  void run_command(const Word& command, const Word* first, const Word* last, std::string_view text);
+  void run_motion(int code, const Word* first, const Word* last);
+  void run_arc(bool clockwise, const double* value, uint32_t have, int turns);
+  void run_retract(bool in);
+  void select_tool(const Word& word);
+  bool next_chord();
+};
+
+}  // namespace passo
+
+#include "gcode/interpreter_run.hpp"

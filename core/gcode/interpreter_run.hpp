@@ -1,0 +1,368 @@
+// The general way of a line: every dialect, every command that belongs to the motion state.
+#pragma once
+#include "gcode/interpreter.hpp"
+
+namespace passo {
+
+inline bool text_command(const Word& w) {  // its argument is free text, not words
+  if (w.letter != 'M' || !w.number) return false;
+  int n = int(w.value);
+  return n == 16 || n == 20 || n == 23 || n == 28 || n == 30 || n == 32 || n == 36 || n == 38 || n == 98 || n == 115 ||
+         n == 117 || n == 118 || n == 486 || n == 550 || n == 587 || n == 600 || n == 862 || n == 928;
+}
+
+inline void Interpreter::run_line(const char* p, const char* end) {
+  while (p < end && std::isspace(uint8_t(*p))) ++p;
+  while (end > p && std::isspace(uint8_t(end[-1]))) --end;
+  if (p == end || *p == '%') return;
+  if (*p == ';') return comment(std::string_view(p + 1, size_t(end - p - 1)));
+  std::string text(p, end), note;
+  size_t printable = 0;
+  for (char c : text) printable += uint8_t(c) >= 32 || c == '\t';
+  if (printable != text.size()) return fail(Fault::garbage, "", 0, 0);
+  const char* q = text.data();
+  if ((*q == 'N' || *q == 'n') && text.size() > 1) {  // line number and checksum of a console
+    double number;
+    const char* after = q + 1;
+    if (read_number(after, q + text.size(), number)) {
+      size_t star = text.find('*');
+      if (star != std::string::npos) {
+        uint8_t sum = 0;
+        for (size_t i = 0; i < star; ++i) sum ^= uint8_t(text[i]);
+        const char* s = text.data() + star + 1;
+        double given;
+        if (!read_number(s, text.data() + text.size(), given) || given != sum)
+          return fail(Fault::checksum, text.substr(star), sum, 0);
+        text.resize(star);
+        q = text.data();
+        after = q + 1;
+        read_number(after, q + text.size(), number);
+      }
+      text.erase(0, size_t(after - q));
+      while (!text.empty() && std::isspace(uint8_t(text[0]))) text.erase(0, 1);
+    }
+  }
+  strip_comments(text, note);
+  if (!note.empty() && text.empty()) return comment(note);
+  if (text.empty()) return;
+  if (text.size() > 1 && std::isalpha(uint8_t(text[0])) != 0 && (std::isalpha(uint8_t(text[1])) || text[1] == '_')) {
+    size_t stop = 0;
+    while (stop < text.size() && (std::isalnum(uint8_t(text[stop])) || text[stop] == '_' || text[stop] == '.')) ++stop;
+    std::string name = text.substr(0, stop);
+    for (char& c : name) c = char(std::toupper(uint8_t(c)));
+    return emit(0, 0, 0, name, text.substr(std::min(stop + 1, text.size())));
+  }
+  if (text[0] == '_') {
+    size_t stop = text.find(' ');
+    return emit(0, 0, 0, text.substr(0, stop), stop == std::string::npos ? "" : text.substr(stop + 1));
+  }
+  split_words(text, words_);
+  std::vector<Word> words(words_);
+  run_words(words, text);
+}
+
+// Commands of one line: each G or M word with the words up to the next one; a T word that stands before
+// any other command is one; words before the first command belong to it, unless they name axes or F: then they
+// are a move in the modal way.
+inline void Interpreter::run_words(const std::vector<Word>& words, std::string_view text) {
+  const Word *w = words.data(), *end = w + words.size();
+  if (!std::isalpha(uint8_t(w->letter))) return fail(Fault::garbage, std::string(text.substr(0, 20)), 0, 0);
+  auto starts = [&](const Word& x) {
+    return (x.letter == 'G' || x.letter == 'M') && x.number;
+  };
+  auto tool = [&](const Word& x) { return x.letter == 'T' && x.whole(); };
+  const Word* first = w;
+  if (!starts(*w) && !tool(*w)) {
+    const Word* next = w;
+    bool moves = false;
+    while (next < end && !starts(*next)) {
+      moves |= next->letter == 'F' || next->letter == 'I' || next->letter == 'J' || (next->letter >= 'A' && next->letter <= 'Z' && letter_slot_[next->letter - 'A'] >= 0);
+      ++next;
+    }
+    if (moves || next == end) {
+      if (!moves) {
+        if (w->letter == 'S' && w->number) return emit('S', 0, 0, "", std::string(text));
+        return fail(Fault::word, std::string(text.substr(w->begin, w->end - w->begin)), 0, 0);
+      }
+      if (motion_ < 0) motion_ = 1;
+      run_motion(motion_, w, next);
+      if (next == end) return;
+      w = next;
+      first = w;
+    } else {
+      w = next;  // S12000 M3: the words before belong to the command
+    }
+  }
+  while (w < end) {
+    if (tool(*w)) {
+      select_tool(*w++);
+      first = w;
+      continue;
+    }
+    if (text_command(*w)) return run_command(*w, w + 1, w + 1, text.substr(w->end));
+    bool motion = w->letter == 'G' && w->value >= 0 && w->value <= 3 && w->whole();
+    const Word* next = w + 1;
+    for (; next < end; ++next) {
+      if (starts(*next) && !(motion && next->letter == 'M' && (!next->whole() || laser_))) break;
+      if (motion && tool(*next) && (next->value >= 0 && next->value < double(machine_.tools.size()))) break;
+    }
+    size_t to = next < end ? next->begin : text.size();
+    size_t from = first < w ? first->begin : w->end;
+    std::string args(first < w ? std::string(text.substr(from, w->begin - from)) + std::string(text.substr(w->end, to - w->end))
+                               : std::string(text.substr(from, to - from)));
+    run_command(*w, w + 1, next, args);
+    w = next;
+    first = w;
+  }
+}
+
+inline void Interpreter::run_command(const Word& command, const Word* w, const Word* end, std::string_view text) {
+  int code = int(command.value), minor = int(std::lround((command.value - code) * 10));
+  while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
+  auto value_of = [&](char letter, double otherwise) {
+    for (const Word* x = w; x < end; ++x)
+      if (x->letter == letter && x->number) return x->value;
+    return otherwise;
+  };
+  auto has = [&](char letter) { return std::any_of(w, end, [&](const Word& x) { return x.letter == letter; }); };
+  if (command.letter == 'G' && minor == 0) {
+    switch (code) {
+      case 0: case 1: case 2: case 3:
+        motion_ = code;
+        return run_motion(code, w, end);
+      case 4: {
+        MoveRequest m{};
+        m.kind = MoveKind::dwell;
+        m.duration_s = has('S') ? value_of('S', 0) : value_of('P', 0) / 1000;
+        m.line = lines_.number();
+        m.layer = uint16_t(marked_layers_ > 0 ? marked_layers_ : int(risen_layers_));
+        m.feature = feature_;
+        m.radius_mm = m.feed_mm_s = kInfinity;
+        if (m.duration_s > 0 && m.duration_s < 1e6) {
+          Item item{};
+          item.found = Found::move;
+          item.move = m;
+          pending_.push_back(item);
+        }
+        return;
+      }
+      case 10: if (has('P')) break; run_retract(true); return;
+      case 11: run_retract(false); return;
+      case 17: case 18: case 19: plane_ = code; return;
+      case 20: unit_ = 25.4; return;
+      case 21: unit_ = 1; return;
+      case 28: {
+        std::string letters;
+        for (const Word* x = w; x < end; ++x)
+          if (x->letter >= 'A' && x->letter <= 'Z' && letter_slot_[x->letter - 'A'] >= 0 && x->letter != 'E') letters += x->letter;
+        home(letters);
+        return emit('G', 28, 0, "", letters);
+      }
+      case 90: absolute_ = true; return;
+      case 91: absolute_ = false; return;
+      case 92: {
+        bool any = false;
+        for (const Word* x = w; x < end; ++x) {
+          int j = x->letter >= 'A' && x->letter <= 'Z' ? letter_slot_[x->letter - 'A'] : -1;
+          if (j < 0) continue;
+          any = true;
+          if (!x->number) return fail(Fault::number, std::string(1, x->letter), 0, 0);
+          if (j == kE) logical_e_ = x->value * unit_;
+          else origin_[j] = position_[j] - x->value * unit_;
+        }
+        if (!any) {
+          for (int j = 0; j < kAxes; ++j) origin_[j] = position_[j];
+          logical_e_ = 0;
+        }
+        return;
+      }
+      default: break;
+    }
+  }
+  if (command.letter == 'M' && minor == 0) {
+    switch (code) {
+      case 82: absolute_e_ = true; return;
+      case 83: absolute_e_ = false; return;
+      case 207:
+        retract_mm_ = value_of('S', retract_mm_);
+        retract_feed_ = has('F') ? value_of('F', 0) / 60 : retract_feed_;
+        retract_hop_ = value_of('Z', retract_hop_);
+        recover_mm_ = value_of('R', recover_mm_);
+        return;
+      case 208:
+        recover_mm_ = value_of('S', recover_mm_);
+        recover_feed_ = has('F') ? value_of('F', 0) / 60 : recover_feed_;
+        return;
+      case 221: if (has('S')) flow = std::clamp(value_of('S', 100) / 100, 0.01, 10.0); return;
+      default: break;
+    }
+  }
+  emit(command.letter, code, minor, "", std::string(text));
+}
+
+inline void Interpreter::run_motion(int code, const Word* w, const Word* end) {
+  double value[26] = {}, feed = feed_, duration = 0, laser = 0;
+  uint32_t have = 0;
+  bool absolute = absolute_, absolute_e = absolute_ && absolute_e_, keeps_feed = true, has_laser = false;
+  int turns = 0;
+  for (const Word* x = w; x < end; ++x) {
+    std::string shown(1, x->letter);
+    int slot = x->letter >= 'A' && x->letter <= 'Z' ? letter_slot_[x->letter - 'A'] : -1;
+    if (x->letter == 'R' && code < 2) {  // these axes, or all that are not named: the other way round
+      if (x->number) continue;
+      absolute = absolute_e = true;
+      keeps_feed = false;
+      continue;
+    }
+    if (!x->number) return fail(Fault::number, shown, 0, 0);
+    if (std::fabs(x->value) > kLargestWord) return fail(Fault::number, shown, x->value, kLargestWord);
+    if (slot >= 0) {
+      value[x->letter - 'A'] = x->value;
+      have |= 1u << (x->letter - 'A');
+    } else if (x->letter == 'F') {
+      if (!(x->value > 0)) return fail(Fault::feedrate, "F", x->value, 0);
+      feed = x->value * unit_ / 60;
+    } else if (x->letter == 'T') {
+      duration = x->value;
+    } else if (x->letter == 'S') {
+      laser = x->value;
+      has_laser = true;
+    } else if (code >= 2 && (x->letter == 'I' || x->letter == 'J' || x->letter == 'K' || x->letter == 'R')) {
+      value[x->letter - 'A'] = x->value;
+      have |= 1u << (x->letter - 'A');
+    } else if (code >= 2 && x->letter == 'P') {
+      turns = std::max(0, int(x->value) - 1);
+    }
+  }
+  if (keeps_feed) feed_ = feed;
+  if (has_laser) {
+    char text[40];
+    std::snprintf(text, sizeof text, "S%.6g", laser);
+    emit('S', 0, 0, "", text);
+  }
+  uint32_t axes = 0;
+  for (int k = 0; k < 26; ++k)
+    if ((have >> k & 1) && letter_slot_[k] >= 0) axes |= 1u << k;
+  if (code >= 2) {
+    move_.feed_mm_s = feed;
+    return run_arc(code == 2, value, have, turns);
+  }
+  if (!target(value, axes, absolute, absolute_e)) return;
+  move_.feed_mm_s = feed;
+  move_.duration_s = duration;
+  move_.radius_mm = kInfinity;
+  move_.arc_inner = false;
+  move_.rapid = code == 0;
+  move_.line = lines_.number();
+  Item item{};
+  item.found = Found::move;
+  item.move = move_;
+  item.move.kind = MoveKind::travel;
+  pending_.push_back(std::move(item));
+}
+
+inline void Interpreter::run_arc(bool clockwise, const double* value, uint32_t have, int turns) {
+  double radius = (have >> ('R' - 'A') & 1) ? value['R' - 'A'] * unit_ : 0;
+  static constexpr int kPlane[3][2] = {{0, 1}, {2, 0}, {1, 2}};  // G17 XY, G18 ZX, G19 YZ
+  static constexpr char kCentre[3][2] = {{'I', 'J'}, {'K', 'I'}, {'J', 'K'}};
+  int u = kPlane[plane_ - 17][0], v = kPlane[plane_ - 17][1];
+  uint32_t axes = 0;
+  for (int k = 0; k < 26; ++k)
+    if ((have >> k & 1) && letter_slot_[k] >= 0) axes |= 1u << k;
+  double feed = move_.feed_mm_s, start[kAxes];
+  std::copy(position_, position_ + kAxes, start);
+  if (!target(value, axes, absolute_, absolute_ && absolute_e_)) return;
+  double end[kAxes];
+  std::copy(move_.target, move_.target + kAxes, end);
+  double du = end[u] - start[u], dv = end[v] - start[v], cu, cv;
+  if (radius != 0) {
+    double d2 = du * du + dv * dv, h2 = radius * radius - d2 / 4;
+    if (d2 == 0 || h2 < -1e-3 * radius * radius) return fail(Fault::arc, "R", radius, std::sqrt(d2) / 2);
+    double h = std::sqrt(std::max(0.0, h2) / d2) * ((clockwise == (radius > 0)) ? 1 : -1);
+    cu = start[u] + du / 2 + dv * h;
+    cv = start[v] + dv / 2 - du * h;
+  } else {
+    auto centre = [&](char letter) { return (have >> (letter - 'A') & 1) ? value[letter - 'A'] * unit_ : 0.0; };
+    double i = centre(kCentre[plane_ - 17][0]), j = centre(kCentre[plane_ - 17][1]);
+    if (i == 0 && j == 0) return fail(Fault::arc, std::string(1, kCentre[plane_ - 17][0]), 0, 0);
+    cu = start[u] + i;
+    cv = start[v] + j;
+  }
+  arc_.begin(start, end, u, v, cu, cv, clockwise, turns);
+  ++arcs_;
+  move_.feed_mm_s = feed;
+  move_.duration_s = 0;
+  move_.rapid = false;
+}
+
+inline bool Interpreter::next_chord() {
+  arc_.next(move_.target);
+  for (int j = 0; j < 3; ++j)
+    if (move_.target[j] < low_[j] - 1e-6 || move_.target[j] > high_[j] + 1e-6) {
+      double limit = move_.target[j] < low_[j] ? low_[j] : high_[j];
+      if (!clamp) {
+        fail(Fault::out_of_range, machine_.axes[size_t(j)].name, move_.target[j], limit);
+        arc_ = Arc();
+        return false;
+      }
+      ++clamped_;
+      move_.target[j] = limit;
+    }
+  move_.radius_mm = arc_.radius();
+  move_.arc_inner = !arc_.first();
+  return ready();
+}
+
+// Firmware retraction (G10, G11): filament first, then the hop; back in the reverse order.
+inline void Interpreter::run_retract(bool in) {
+  if (in == retracted_ || machine_.extruders.empty()) return;
+  retracted_ = in;
+  auto step = [&](int j, double by, double feed) {
+    if (by == 0) return;
+    Item item{};
+    item.found = Found::move;
+    MoveRequest& m = item.move;
+    const MoveRequest* last = nullptr;
+    for (const Item& x : pending_)
+      if (x.found == Found::move) last = &x.move;
+    std::copy(last ? last->target : position_, (last ? last->target : position_) + kAxes, m.target);
+    m.target[j] += by;
+    m.feed_mm_s = feed;
+    m.radius_mm = kInfinity;
+    m.line = lines_.number();
+    m.kind = MoveKind::travel;
+    m.moved = uint8_t(1u << j);
+    pending_.push_back(std::move(item));
+  };
+  if (in) {
+    step(kE, -retract_mm_, retract_feed_);
+    hop_ = retract_hop_;
+    step(kZ, hop_, kInfinity);
+  } else {
+    step(kZ, -hop_, kInfinity);
+    hop_ = 0;
+    step(kE, retract_mm_ + recover_mm_, recover_feed_ > 0 ? recover_feed_ : retract_feed_);
+  }
+}
+
+inline void Interpreter::select_tool(const Word& word) {
+  int tool = int(word.value);
+  if (tool >= 0) {
+    if (size_t(tool) >= machine_.tools.size() || machine_.tools[size_t(tool)].extruder < 0) {
+      if (size_t(tool) >= machine_.tools.size()) {
+        if (!ignore_tools) fail(Fault::missing_tool, "T", tool, double(machine_.tools.size()));
+        else emit('T', tool, 1, "", "");
+        return;
+      }
+    } else {
+      for (int j = 0; j < 3; ++j)
+        origin_[j] += machine_.tools[size_t(tool)].offset[j] - tool_offset(j);
+      tool_ = size_t(tool);
+      active_ = size_t(machine_.tools[tool_].extruder);
+      position_[kE] = extruder_[active_];
+    }
+  }
+  emit('T', tool, 0, "", "");
+}
+
+}  // namespace passo

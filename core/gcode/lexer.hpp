@@ -1,0 +1,112 @@
+// Text → lines → words. One lexer for files, consoles and single lines; memory is bounded by the
+// longest line that is not a comment.
+#pragma once
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace passo {
+
+inline constexpr double kPowersOfTen[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
+                                          1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+inline constexpr double kLargestWord = 1e9;
+
+// Reads a decimal number without exponent. False if there is none; then p stays.
+inline bool read_number(const char*& p, const char* end, double& value) {
+  const char* q = p;
+  bool negative = false;
+  if (q < end && (*q == '-' || *q == '+')) negative = *q++ == '-';
+  uint64_t mantissa = 0;
+  int digits = 0, decimals = 0;
+  const char* first = q;
+  for (; q < end && uint8_t(*q - '0') < 10; ++q)
+    if (digits < 18) {
+      mantissa = mantissa * 10 + uint64_t(*q - '0');
+      digits += mantissa != 0;
+    } else {
+      --decimals;
+    }
+  size_t seen = size_t(q - first);
+  if (q < end && *q == '.') {
+    ++q;
+    const char* fraction = q;
+    for (; q < end && uint8_t(*q - '0') < 10; ++q)
+      if (digits < 18) {
+        mantissa = mantissa * 10 + uint64_t(*q - '0');
+        digits += mantissa != 0;
+        ++decimals;
+      }
+    seen += size_t(q - fraction);
+  }
+  if (seen == 0) return false;
+  value = double(mantissa);
+  if (decimals > 0) value /= kPowersOfTen[decimals < 22 ? decimals : 22];
+  for (; decimals < 0 && value < 1e300; ++decimals) value *= 10;
+  if (negative) value = -value;
+  p = q;
+  return true;
+}
+
+// Cuts a stream of bytes into lines.
+class Lines {
+ public:
+  static constexpr size_t kLongest = 65536;  // bytes of a line, comment not counted
+
+  void feed(const char* data, size_t n) {
+    if (at_ > 0) {
+      buffer_.erase(0, at_);
+      at_ = 0;
+      scanned_ = 0;
+    }
+    buffer_.append(data, n);
+  }
+  void finish() { finished_ = true; }
+  uint32_t number() const { return number_; }
+  bool too_long() const { return too_long_; }
+
+  // The next line without its end. False: more input is needed, or all is read.
+  bool next(const char*& begin, const char*& end) {
+    for (;;) {
+      const char* from = buffer_.data() + at_;
+      const char* stop = buffer_.data() + buffer_.size();
+      const char* newline = static_cast<const char*>(std::memchr(from + scanned_, '\n', size_t(stop - from) - scanned_));
+      if (!newline && !finished_) {
+        shorten(from, stop);
+        return false;
+      }
+      if (!newline && from == stop && !cut_) return false;
+      begin = from;
+      end = newline ? newline : stop;
+      at_ = size_t((newline ? newline + 1 : stop) - buffer_.data());
+      scanned_ = 0;
+      ++number_;
+      too_long_ = dropped_;
+      dropped_ = cut_ = false;
+      return true;
+    }
+  }
+
+ private:
+  std::string buffer_;
+  size_t at_ = 0, scanned_ = 0;
+  uint32_t number_ = 0;
+  bool finished_ = false, dropped_ = false, too_long_ = false, cut_ = false;
+
+  // Bounds the memory of a line whose end is not in sight: the rest of a comment goes at once.
+  void shorten(const char* from, const char* stop) {
+    size_t length = size_t(stop - from);
+    scanned_ = length;
+    if (length <= kLongest) return;
+    const void* comment = std::memchr(from, ';', kLongest);
+    size_t keep = comment ? size_t(static_cast<const char*>(comment) - from) + 1 : 0;
+    dropped_ = dropped_ || !comment;
+    cut_ = true;
+    buffer_.resize(at_ + keep);
+    scanned_ = keep;
+  }
+};
+
+}  // namespace passo

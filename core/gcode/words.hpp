@@ -1,0 +1,63 @@
+// A line's words: letter and number, with the place in the text.
+#pragma once
+#include <cctype>
+#include <cmath>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "gcode/lexer.hpp"
+
+namespace passo {
+
+struct Word {
+  char letter;         // upper case
+  double value;
+  bool number;         // false: a letter alone, or followed by something that is no number
+  size_t begin, end;   // in the text
+  bool whole() const { return number && value == std::floor(value); }
+};
+
+enum class WordFault : uint8_t { none, garbage, number, too_large };
+
+// Comments in parentheses become blanks, what follows ';' goes. `comment` is the text behind ';'.
+inline void strip_comments(std::string& text, std::string& comment) {
+  comment.clear();
+  size_t depth = 0;
+  for (size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == ';' && depth == 0) {
+      comment = text.substr(i + 1);
+      text.resize(i);
+      break;
+    }
+    if (text[i] == '(') ++depth;
+    bool hide = depth > 0;
+    if (text[i] == ')' && depth > 0) --depth;
+    if (hide) text[i] = ' ';
+  }
+  while (!text.empty() && std::isspace(uint8_t(text.back()))) text.pop_back();
+}
+
+// Splits into words. A word is a letter and a decimal number, blanks between them allowed.
+inline void split_words(std::string_view text, std::vector<Word>& words) {
+  words.clear();
+  const char *begin = text.data(), *p = begin, *end = begin + text.size();
+  while (p < end) {
+    if (std::isspace(uint8_t(*p))) {
+      ++p;
+      continue;
+    }
+    Word word{};
+    word.begin = size_t(p - begin);
+    word.letter = char(std::toupper(uint8_t(*p)));
+    ++p;
+    const char* q = p;
+    while (q < end && (*q == ' ' || *q == '\t')) ++q;
+    word.number = read_number(q, end, word.value);
+    if (word.number) p = q;
+    word.end = size_t(p - begin);
+    words.push_back(word);
+  }
+}
+
+}  // namespace passo

@@ -1,0 +1,11 @@
+// One actuator an axis.
+#pragma once
+#include "linear.hpp"
+
+namespace passo {
+
+inline LinearGeometry cartesian() {
+  return LinearGeometry({{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
+}
+
+}  // namespace passo

@@ -1,0 +1,176 @@
+// The condition that all nonlinear geometries here share: a point that goes along with the nozzle
+// stays at a given distance from a centre that the actuator moves,
+//
+//   |P(s) - C(q)|² = R²(q)
+//
+// (delta: C on the tower; arms: C is the elbow on its circle). For a given q it is a quadratic in the
+// path position s, so a step's place needs no search: s = (-B ± sqrt(B² - λ(|P0 - C|² - R²))) / λ with
+// λ = u·u, B = u·(P0 - C), and the sign of (P - C)·u, which changes only where the actuator turns.
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "geometry.hpp"
+#include "numbers.hpp"
+#include "simd.hpp"
+
+namespace passo {
+
+// The moving centre, R², and their first and second derivatives by q.
+struct Centre {
+  double c[3], d[3], dd[3];
+  double r2, r2d, r2dd;
+};
+
+PASSO_SIMD inline void sphere_roots(double* __restrict s, const double* __restrict cx, const double* __restrict cy,
+                                    const double* __restrict cz, const double* __restrict r2, int n, double x,
+                                    double y, double z, double ux, double uy, double uz, double sign, double lo,
+                                    double hi) {
+  double lambda = ux * ux + uy * uy + uz * uz, inverse = 1 / lambda;
+  for (int j = 0; j < n; ++j) {
+    double dx = x - cx[j], dy = y - cy[j], dz = z - cz[j];
+    double b = ux * dx + uy * dy + uz * dz;
+    double root = b * b - lambda * (dx * dx + dy * dy + dz * dz - r2[j]);
+    root = root > 0 ? root : 0;
+    double v = (sign * std::sqrt(root) - b) * inverse;
+    v = v > lo ? v : lo;
+    s[j] = v < hi ? v : hi;
+  }
+}
+
+// Kernel: void local(const double p[3], double out[3]), the point that goes along, affine in p;
+// double value(const double local[3]), q or NaN; Centre centre(double q);
+// void centres(double q, double dq, int n, cx, cy, cz, r2), C and R² at n even positions;
+// double sample_mm, the distance within which the actuator turns at most once.
+template <class Kernel>
+class SphereSolver {
+ public:
+  static double value(const Kernel& k, const double p[3]) {
+    double local[3];
+    k.local(p, local);
+    return k.value(local);
+  }
+
+  static void slopes(const Kernel& k, const Path& path, double s, double& d1, double& d2) {
+    Line line(k, path);
+    double p[3], q = line.at(k, s, p);
+    Centre c = k.centre(q);
+    double fs = 0, fq = -c.r2d, fss = 0, fsq = 0, fqq = -c.r2dd;
+    for (int j = 0; j < 3; ++j) {
+      double w = p[j] - c.c[j];
+      fs += 2 * w * line.u[j];
+      fq -= 2 * w * c.d[j];
+      fss += 2 * line.u[j] * line.u[j];
+      fsq -= 2 * line.u[j] * c.d[j];
+      fqq += 2 * (c.d[j] * c.d[j] - w * c.dd[j]);
+    }
+    d1 = -fs / fq;
+    d2 = -(fss + 2 * fsq * d1 + fqq * d1 * d1) / fq;
+  }
+
+  static void crossings(const Kernel& k, const Path& path, double per_unit, Crossings& out) {
+    out.clear();
+    Line line(k, path);
+    int n = std::clamp(int(std::ceil(path.length / k.sample_mm)), 1, 4096);
+    double from = 0, before = line.turn(k, 0), p[3], q = line.at(k, 0, p);
+    for (int i = 1; i <= n; ++i) {
+      double s = i == n ? path.length : path.length * i / n, after = line.turn(k, s);
+      if (before * after < 0) {
+        double turn = bracketed(k, line, path.length * (i - 1) / n, s, before, after);
+        q = piece(k, line, from, turn, q, line.at(k, turn, p), before, per_unit, out);
+        from = turn;
+      }
+      if (after != 0) before = after;
+      if (i == n) piece(k, line, from, s, q, line.at(k, s, p), before, per_unit, out);
+    }
+  }
+
+ private:
+  struct Line {
+    double p0[3], u[3], length;
+    Line(const Kernel& k, const Path& path) : length(path.length) {
+      double p1[3];
+      k.local(path.p0, p0);
+      k.local(path.p1, p1);
+      for (int j = 0; j < 3; ++j) u[j] = (p1[j] - p0[j]) / length;
+    }
+    double at(const Kernel& k, double s, double p[3]) const {
+      for (int j = 0; j < 3; ++j) p[j] = p0[j] + u[j] * s;
+      return k.value(p);
+    }
+    // (P - C)·u: its sign says which root applies; it is 0 where the actuator turns.
+    double turn(const Kernel& k, double s) const {
+      double p[3], q = at(k, s, p);
+      Centre c = k.centre(q);
+      return (p[0] - c.c[0]) * u[0] + (p[1] - c.c[1]) * u[1] + (p[2] - c.c[2]) * u[2];
+    }
+  };
+
+  // Illinois method: keeps the root between both ends.
+  static double bracketed(const Kernel& k, const Line& line, double a, double b, double fa, double fb) {
+    for (int i = 0; i < 60 && b - a > 1e-10; ++i) {
+      double x = (a * fb - b * fa) / (fb - fa);
+      if (!(x > a && x < b)) x = 0.5 * (a + b);
+      double f = line.turn(k, x);
+      if (f == 0) return x;
+      if (f * fb < 0) {
+        a = b;
+        fa = fb;
+      } else {
+        fa *= 0.5;
+      }
+      b = x;
+      fb = f;
+      if (a > b) {
+        std::swap(a, b);
+        std::swap(fa, fb);
+      }
+    }
+    return 0.5 * (a + b);
+  }
+
+  // One stretch without a turn, from q0 to q1; returns q1.
+  static double piece(const Kernel& k, const Line& line, double lo, double hi, double q0, double q1, double side,
+                      double per_unit, Crossings& out) {
+    if (!(std::fabs(q0) < 1e9 && std::fabs(q1) < 1e9)) return q1;
+    int64_t k0 = round_count(q0 * per_unit), k1 = round_count(q1 * per_unit), steps = k1 - k0;
+    if (steps == 0) return q1;
+    int dir = steps > 0 ? 1 : -1;
+    size_t n = size_t(steps * dir), first = out.s.size();
+    if (out.runs.empty() || out.runs.back().dir != dir) out.runs.push_back({int32_t(first), dir});
+    out.s.resize(first + n);
+    static thread_local std::vector<double> buffer;
+    buffer.resize(4 * n);
+    double *cx = buffer.data(), *cy = cx + n, *cz = cy + n, *r2 = cz + n;
+    k.centres((double(k0) + 0.5 * dir) / per_unit, dir / per_unit, int(n), cx, cy, cz, r2);
+    double* s = out.s.data() + first;
+    sphere_roots(s, cx, cy, cz, r2, int(n), line.p0[0], line.p0[1], line.p0[2], line.u[0], line.u[1], line.u[2],
+                 side > 0 ? 1 : -1, lo, hi);
+    for (size_t j = 1; j < n; ++j) s[j] = std::max(s[j], s[j - 1]);
+    return q1;
+  }
+};
+
+// Lower intersection of three spheres of radii r about c.
+inline bool trilaterate(const double c[3][3], const double r[3], double p[3]) {
+  double ex[3], ey[3], ez[3], v[3], u = 0, i = 0, j = 0;
+  for (int k = 0; k < 3; ++k) u += (c[1][k] - c[0][k]) * (c[1][k] - c[0][k]);
+  u = std::sqrt(u);
+  for (int k = 0; k < 3; ++k) ex[k] = (c[1][k] - c[0][k]) / u;
+  for (int k = 0; k < 3; ++k) i += ex[k] * (c[2][k] - c[0][k]);
+  for (int k = 0; k < 3; ++k) v[k] = c[2][k] - c[0][k] - i * ex[k];
+  for (int k = 0; k < 3; ++k) j += v[k] * v[k];
+  j = std::sqrt(j);
+  for (int k = 0; k < 3; ++k) ey[k] = v[k] / j;
+  for (int k = 0; k < 3; ++k) ez[k] = ex[(k + 1) % 3] * ey[(k + 2) % 3] - ex[(k + 2) % 3] * ey[(k + 1) % 3];
+  double x = (r[0] * r[0] - r[1] * r[1] + u * u) / (2 * u);
+  double y = (r[0] * r[0] - r[2] * r[2] + i * i + j * j - 2 * i * x) / (2 * j);
+  double z2 = r[0] * r[0] - x * x - y * y;
+  if (!(z2 >= 0)) return false;
+  double z = (ez[2] > 0 ? -1 : 1) * std::sqrt(z2);
+  for (int k = 0; k < 3; ++k) p[k] = c[0][k] + x * ex[k] + y * ey[k] + z * ez[k];
+  return true;
+}
+
+}  // namespace passo

@@ -1,0 +1,63 @@
+"""What every geometry model has in common."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+from pydantic import BaseModel, ConfigDict
+
+Point = tuple[float, float, float]
+
+
+class Unreachable(ValueError):
+    """The geometry has no position of its motors for this point, or no point for these positions."""
+
+
+class GeometryModel(BaseModel):
+    """Parameters of a geometry. `actuators` are the names of its motors, `rotary` those in degrees."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+    actuators: ClassVar[tuple[str, ...]]
+    rotary: ClassVar[tuple[str, ...]] = ()
+
+    def spec(self) -> dict[str, Any]:
+        """Kind and parameters as plain numbers, for the core."""
+        return self.model_dump()
+
+    def inverse(self, point: Point) -> Point:
+        """Positions of the actuators (mm or degrees) with the nozzle at `point` (mm).
+
+        Raises Unreachable.
+        """
+        raise Unreachable(f"{type(self).__name__} reaches no point such as {point}")
+
+    def forward(self, actuators: Point) -> Point:
+        """The nozzle's position (mm) for these actuator positions. Raises Unreachable."""
+        raise Unreachable(f"{type(self).__name__} has no point for {actuators}")
+
+
+def trilaterate(centres: tuple[Point, Point, Point], radii: Point) -> Point:
+    """The lower of the two points at `radii` from three centres. Raises Unreachable.
+
+    In a frame with the first centre as origin, the second on its x axis and the third in its plane:
+    x = (r1² - r2² + u²) / 2u, y = (r1² - r3² + i² + j² - 2ix) / 2j, z² = r1² - x² - y².
+    """
+    a, b, c = centres
+    ab = [q - p for p, q in zip(a, b, strict=True)]
+    ac = [q - p for p, q in zip(a, c, strict=True)]
+    u = sum(v * v for v in ab) ** 0.5
+    ex = [v / u for v in ab]
+    i = sum(p * q for p, q in zip(ex, ac, strict=True))
+    across = [q - i * p for p, q in zip(ex, ac, strict=True)]
+    j = sum(v * v for v in across) ** 0.5
+    ey = [v / j for v in across]
+    ez = [ex[k - 2] * ey[k - 1] - ex[k - 1] * ey[k - 2] for k in range(3)]
+    r1, r2, r3 = radii
+    x = (r1**2 - r2**2 + u**2) / (2 * u)
+    y = (r1**2 - r3**2 + i**2 + j**2 - 2 * i * x) / (2 * j)
+    square = r1**2 - x**2 - y**2
+    if square < 0:
+        raise Unreachable(f"the rods do not meet: {-square:.3f} mm² are missing")
+    z = square**0.5 * (-1 if ez[2] > 0 else 1)
+    px, py, pz = (a[k] + x * ex[k] + y * ey[k] + z * ez[k] for k in range(3))
+    return px, py, pz

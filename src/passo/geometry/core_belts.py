@@ -1,0 +1,52 @@
+"""CoreXY, CoreXZ, CoreYZ: two motors move two axes together, A = u + v and B = u - v."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from passo.geometry.base import GeometryModel, Point
+
+
+class CoreXY(GeometryModel):
+    """A = X + Y, B = X - Y."""
+
+    actuators = ("a", "b", "z")
+    kind: Literal["corexy"]
+
+    def inverse(self, point: Point) -> Point:
+        x, y, z = point
+        return x + y, x - y, z
+
+    def forward(self, actuators: Point) -> Point:
+        a, b, z = actuators
+        return (a + b) / 2, (a - b) / 2, z
+
+
+class CoreXZ(GeometryModel):
+    """A = X + Z, B = X - Z."""
+
+    actuators = ("a", "y", "b")
+    kind: Literal["corexz"]
+
+    def inverse(self, point: Point) -> Point:
+        x, y, z = point
+        return x + z, y, x - z
+
+    def forward(self, actuators: Point) -> Point:
+        a, y, b = actuators
+        return (a + b) / 2, y, (a - b) / 2
+
+
+class CoreYZ(GeometryModel):
+    """A = Y + Z, B = Y - Z."""
+
+    actuators = ("x", "a", "b")
+    kind: Literal["coreyz"]
+
+    def inverse(self, point: Point) -> Point:
+        x, y, z = point
+        return x, y + z, y - z
+
+    def forward(self, actuators: Point) -> Point:
+        x, a, b = actuators
+        return x, (a + b) / 2, (a - b) / 2

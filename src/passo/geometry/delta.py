@@ -1,0 +1,50 @@
+"""Linear delta: three carriages on vertical towers, rods of fixed length to the effector."""
+
+from __future__ import annotations
+
+from math import cos, radians, sin, sqrt
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from passo.geometry.base import GeometryModel, Point, Unreachable, trilaterate
+
+Positive = Annotated[float, Field(gt=0, le=1e4)]
+Three = Annotated[list[float], Field(min_length=3, max_length=3)]
+
+
+class Delta(GeometryModel):
+    """Lengths in mm. `radius` is tower to middle, less the joints' offsets on effector and carriage."""
+
+    actuators = ("a", "b", "c")
+    kind: Literal["delta"]
+    radius: Positive
+    rods: Annotated[list[Positive], Field(min_length=3, max_length=3)]
+    angles: Three = [210.0, 330.0, 90.0]
+    limit_radius: Positive
+
+    @property
+    def towers(self) -> list[tuple[float, float]]:
+        """X, Y of the towers, mm."""
+        return [
+            (self.radius * cos(radians(angle)), self.radius * sin(radians(angle)))
+            for angle in self.angles
+        ]
+
+    def inverse(self, point: Point) -> Point:
+        """Height of carriage i: z + √(rod_i² - (tower_x - x)² - (tower_y - y)²)."""
+        x, y, z = point
+        if x * x + y * y > self.limit_radius**2:
+            raise Unreachable(f"{sqrt(x * x + y * y):.3f} mm from the middle, of {self.limit_radius}")
+        heights: list[float] = []
+        for (tx, ty), rod in zip(self.towers, self.rods, strict=True):
+            square = rod**2 - (tx - x) ** 2 - (ty - y) ** 2
+            if square < 0:
+                raise Unreachable("a rod is too short")
+            heights.append(z + sqrt(square))
+        return heights[0], heights[1], heights[2]
+
+    def forward(self, actuators: Point) -> Point:
+        """The lower point at rod length from the three carriages."""
+        a, b, c = ((*tower, q) for tower, q in zip(self.towers, actuators, strict=True))
+        return trilaterate((a, b, c), (self.rods[0], self.rods[1], self.rods[2]))

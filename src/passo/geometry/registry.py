@@ -1,0 +1,21 @@
+"""Every geometry, by the `kind` in a machine file. A new one is one file and one entry here."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from passo.geometry.cartesian import Cartesian
+from passo.geometry.core_belts import CoreXY, CoreXZ, CoreYZ
+from passo.geometry.delta import Delta
+from passo.geometry.dual_scara import DualScara
+from passo.geometry.rotary_delta import RotaryDelta
+from passo.geometry.scara import Scara
+
+GEOMETRIES = (Cartesian, CoreXY, CoreXZ, CoreYZ, Delta, RotaryDelta, Scara, DualScara)
+
+AnyGeometry = Annotated[
+    Cartesian | CoreXY | CoreXZ | CoreYZ | Delta | RotaryDelta | Scara | DualScara,
+    Field(discriminator="kind"),
+]

@@ -1,0 +1,56 @@
+"""Rotational delta: three arms turn on the base, rods hang the effector from their elbows."""
+
+from __future__ import annotations
+
+from math import acos, atan2, cos, degrees, hypot, pi, radians, sin, sqrt
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from passo.geometry.base import GeometryModel, Point, Unreachable, trilaterate
+
+Positive = Annotated[float, Field(gt=0, le=1e4)]
+
+
+class RotaryDelta(GeometryModel):
+    """Lengths in mm: side of effector and base triangle, rods, arms, height of the base above Z 0."""
+
+    actuators = ("a", "b", "c")
+    rotary = ("a", "b", "c")
+    kind: Literal["rotary_delta"]
+    effector_length: Positive = 30.0
+    base_length: Positive = 40.0
+    rod_length: Positive = 130.0
+    arm_length: Positive = 80.0
+    z_offset: float = 200.0
+
+    def inverse(self, point: Point) -> Point:
+        """Degrees below the horizon of the arms at 0, +120 and -120 degrees about Z."""
+        a, b, c = (self._arm(point, radians(turn)) for turn in (0, 120, -120))
+        return a, b, c
+
+    def _arm(self, point: Point, turn: float) -> float:
+        """The elbow lies at arm length from the shoulder and at rod length from the joint; of the two
+        crossings of these circles it is the outer one."""
+        px, py, pz = point
+        x = px * cos(turn) + py * sin(turn)
+        y = py * cos(turn) - px * sin(turn) + (self.base_length - self.effector_length) / (2 * sqrt(3))
+        z = pz - self.z_offset
+        reach = hypot(y, z)
+        cosine = (reach**2 + self.arm_length**2 - self.rod_length**2 + x**2) / (
+            2 * self.arm_length * reach
+        )
+        if abs(cosine) > 1:
+            raise Unreachable("an arm and its rod do not meet")
+        angle = atan2(z, y) - acos(cosine) + pi
+        return degrees(angle - 2 * pi if angle > pi else angle + 2 * pi if angle <= -pi else angle)
+
+    def forward(self, actuators: Point) -> Point:
+        """The lower point at rod length from the elbows, each moved inward by the effector's size."""
+        centres: list[Point] = []
+        inward = (self.effector_length - self.base_length) / (2 * sqrt(3))
+        for turn, q in zip((0, 120, -120), actuators, strict=True):
+            y = inward - self.arm_length * cos(radians(q))
+            z = self.z_offset - self.arm_length * sin(radians(q))
+            centres.append((-y * sin(radians(turn)), y * cos(radians(turn)), z))
+        return trilaterate((centres[0], centres[1], centres[2]), (self.rod_length,) * 3)
