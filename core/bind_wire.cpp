@@ -119,6 +119,7 @@ void bind_frames(nb::module_& m) {
   nb::class_<Scanner>(m, "FrameScanner", "Finds frames in bytes cut anywhere.")
       .def(nb::init<>())
       .def("feed", &scan, "data"_a,
+           nb::sig("def feed(self, data: bytes) -> list[tuple[int, bytes] | None]"),
            "List of (sequence, payload) for each good frame and None for each stretch that is "
            "none.");
   nb::class_<Formats>(m, "Formats",
@@ -149,8 +150,10 @@ void bind_frames(nb::module_& m) {
             f.at(name).encode(to_values(values), out);
             return to_bytes(out.data(), out.size());
           },
-          "name"_a, "values"_a)
+          "name"_a, "values"_a,
+          nb::sig("def encode(self, name: str, values: list[int | bytes]) -> bytes"))
       .def("decode", &decode_payload, "payload"_a,
+           nb::sig("def decode(self, payload: bytes) -> list[tuple[str, dict[str, int | bytes]]]"),
            "List of (name, values) of a frame's payload. ValueError if it is malformed.");
 }
 
@@ -193,15 +196,18 @@ void bind_link(nb::module_& m) {
           [](Link& l, const std::string& name, const nb::list& values) {
             l.send(name, to_values(values));
           },
-          "name"_a, "values"_a)
-      .def("take_responses",
-           [](Link& l) {
-             nb::list list;
-             for (const Response& r : l.inbox())
-               list.append(nb::make_tuple(r.format->name, to_dict(*r.format, r.values)));
-             l.inbox().clear();
-             return list;
-           })
+          "name"_a, "values"_a,
+          nb::sig("def send(self, name: str, values: list[int | bytes]) -> None"))
+      .def(
+          "take_responses",
+          [](Link& l) {
+            nb::list list;
+            for (const Response& r : l.inbox())
+              list.append(nb::make_tuple(r.format->name, to_dict(*r.format, r.values)));
+            l.inbox().clear();
+            return list;
+          },
+          nb::sig("def take_responses(self) -> list[tuple[str, dict[str, int | bytes]]]"))
       .def("follow_clock", &Link::follow_clock, "now"_a)
       .def_prop_ro("synchronous", &Link::synchronous)
       .def_prop_ro("lost", &Link::lost)
@@ -243,7 +249,9 @@ void bind_link(nb::module_& m) {
           nb::rv_policy::reference_internal)
       .def_prop_ro("shut_down", &Link::shut_down)
       .def_prop_ro("shutdown_reason", &Link::shutdown_reason)
-      .def("forget_shutdown", &Link::forget_shutdown)
+      .def(
+          "restart", &Link::restart,
+          "The board begins anew: what was on its way is forgotten, its numbering is learnt again.")
       .def_prop_ro("wire_bytes", &Link::wire_bytes)
       .def_prop_ro("frames", &Link::frames)
       .def_prop_ro("retransmitted_bytes", &Link::retransmitted_bytes)
@@ -264,7 +272,8 @@ void bind_link(nb::module_& m) {
             Ticks next = l.poll(now, out);
             return nb::make_tuple(to_bytes(out.data(), out.size()), next);
           },
-          "now"_a, "(bytes to send, host time of the next call)");
+          nb::sig("def poll(self, now: int) -> tuple[bytes, int]"), "now"_a,
+          "(bytes to send, host time of the next call)");
 }
 
 nb::bytes runs_of(std::vector<StepRun>& runs) {

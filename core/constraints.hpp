@@ -39,13 +39,34 @@ struct Constraints {
   std::vector<Row> extruders;      // one per extruder
   std::vector<Row> actuators;      // nonlinear geometries: limits of each actuator, c unused
 
+  // Soft limits of the axes do not bound the actuators: lines must be checked.
+  bool checks_reach() const { return checks_reach_; }
+
+  // Lowers or restores the speed or acceleration of an axis or extruder, within the machine's own.
+  void set(const Machine& m, const std::string& axis, bool speed, double value) {
+    Constraints own(m);
+    auto apply = [&](std::vector<Row>& mine, const std::vector<Row>& original, size_t i) {
+      if (speed)
+        mine[i].speed = std::min(value, original[i].speed);
+      else
+        mine[i].accel = std::min(value, original[i].accel);
+    };
+    for (size_t i = 0; i < m.axes.size(); ++i)
+      if (m.axes[i].name == axis) apply(rows, own.rows, i);
+    for (size_t i = 0; i < m.extruders.size(); ++i)
+      if (m.extruders[i].name == axis) apply(extruders, own.extruders, i);
+  }
+
   explicit Constraints(const Machine& m) {
+    for (const StepperSpec& s : m.steppers)
+      checks_reach_ |= s.drive == Drive::actuator && (s.min > -kInfinity || s.max < kInfinity);
     for (size_t i = 0; i < m.axes.size(); ++i)
       rows.push_back(single(slot_of_axis(int(i)), m.axes[i].name, m.axes[i].speed, m.axes[i].accel));
     for (const Extruder& e : m.extruders) extruders.push_back(single(kE, e.name, e.speed, e.accel));
     bool linear = true;
     double c[3];
     for (int i = 0; i < m.geometry->actuators(); ++i) linear = linear && m.geometry->linear(i, c);
+    checks_reach_ |= !linear;
     if (!linear) {
       for (int i = 0; i < m.geometry->actuators(); ++i)
         actuators.push_back(Row{{}, -1, kInfinity, kInfinity, 0, 0});
@@ -54,6 +75,8 @@ struct Constraints {
   }
 
  private:
+  bool checks_reach_ = false;
+
   Row single(int axis, const std::string& name, double speed, double accel) {
     Row row{{}, axis, speed, accel, add_name(name + " speed"), add_name(name + " acceleration")};
     row.c[axis] = 1;

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include <cstdio>
 #include "gcode/arc.hpp"
 #include "gcode/lexer.hpp"
 #include "gcode/words.hpp"
@@ -28,13 +29,14 @@ struct Event {
   std::string text;   // what follows the command, comment removed
 };
 
-enum class Fault : uint8_t { number, word, checksum, line_too_long, feedrate, arc, out_of_range, missing_tool, garbage };
+enum class Fault : uint8_t { number, word, checksum, line_too_long, feedrate, arc, out_of_range, missing_tool, garbage, unreachable, actuator };
 
 struct GcodeError {
   uint32_t line = 0;
   Fault fault = Fault::word;
   std::string word;   // the offending word, or the axis
   double value = 0, limit = 0;
+  double point[3] = {0, 0, 0};  // of what cannot be reached, mm
 };
 
 class Interpreter {
@@ -158,7 +160,7 @@ class Interpreter {
   void fail(Fault fault, const std::string& word, double value, double limit) {
     Item item{};
     item.found = Found::error;
-    item.error = {lines_.number(), fault, word, value, limit};
+    item.error = {lines_.number(), fault, word, value, limit, {0, 0, 0}};
     pending_.push_back(std::move(item));
   }
   void emit(char letter, int number, int minor, std::string name, std::string text) {

@@ -1,7 +1,7 @@
 // The messages of the virtual board: the ids are its own, the declarations are those of the field.
 #pragma once
-#include <array>
 #include <cstdint>
+#include <iterator>
 
 namespace passo::wire {
 
@@ -50,7 +50,6 @@ enum class Report : int32_t {
   starting,
   is_shutdown,
   shutdown,
-  stats,
   pong,
   stepper_position,
   endstop_state,
@@ -117,7 +116,6 @@ inline constexpr Declaration kReports[] = {
     {int(Report::starting), "starting"},
     {int(Report::is_shutdown), "is_shutdown static_string_id=%hu"},
     {int(Report::shutdown), "shutdown clock=%u static_string_id=%hu"},
-    {int(Report::stats), "stats count=%u sum=%u sumsq=%u"},
     {int(Report::pong), "pong data=%*s"},
     {int(Report::stepper_position), "stepper_position oid=%c pos=%i"},
     {int(Report::endstop_state), "endstop_state oid=%c homing=%c next_clock=%u pin_value=%c"},
@@ -143,7 +141,7 @@ enum class Fault : uint16_t {
   missed_digital,
   missed_pwm,
   output_queue_busy,
-  endstop_samples,
+  period_too_short,
 };
 inline constexpr const char* kFaults[] = {
     "",
@@ -162,9 +160,9 @@ inline constexpr const char* kFaults[] = {
     "Missed scheduling of next digital out event",
     "Missed scheduling of next hard pwm event",
     "Output updated while its queue holds commands",
-    "Endstop without a trsync",
+    "Period too short for this board",
 };
-static_assert(std::size(kFaults) == size_t(Fault::endstop_samples) + 1);
+static_assert(std::size(kFaults) == size_t(Fault::period_too_short) + 1);
 
 // Thrown by the parts of the board; the board stops all motion and outputs.
 struct Shutdown {

@@ -92,8 +92,16 @@ class Link {
   // The board said that it stopped; its static_string_id tells why.
   bool shut_down() const { return shut_down_; }
   uint32_t shutdown_reason() const { return shutdown_reason_; }
-  // After clear_shutdown or reset.
-  void forget_shutdown() { shut_down_ = false; }
+  // The board begins anew, after a reset or a power cycle: whatever was on its way is forgotten.
+  void restart() {
+    window_.restart();
+    scanner_.reset();
+    now_queue_.clear();
+    job_.stop();
+    open_size_ = 0;
+    open_first_ = kNever;
+    holds_question_ = holds_command_ = asked_ = shut_down_ = false;
+  }
 
   uint64_t wire_bytes() const { return wire_bytes_; }
   uint64_t frames() const { return frames_; }

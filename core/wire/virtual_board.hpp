@@ -96,6 +96,7 @@ class VirtualBoard : public Device {
 
  private:
   using Part = std::variant<BoardMotor, BoardOutput, BoardAnalogIn, BoardEndstop, BoardTrsync>;
+  static constexpr uint32_t kShortestPeriod = 100;
   struct Shape {
     bool known, in_shutdown;
     uint8_t parameters;
@@ -328,7 +329,7 @@ class VirtualBoard : public Device {
         BoardAnalogIn& in = get<BoardAnalogIn>(a[0]);
         in.begin = a[3] == 0 ? kNever : unwrap(a[1]);
         if (a[3] != 0 && in.begin < now_) throw Shutdown{Fault::timer_too_close};
-        if (a[3] != 0 && a[4] == 0) throw Shutdown{Fault::bad_command};
+        if (a[3] != 0) check_period(a[4]);
         in.sample = a[2];
         in.count = a[3];
         in.rest = a[4];
@@ -347,7 +348,8 @@ class VirtualBoard : public Device {
         get<BoardTrsync>(a[6]);
         e.next_sample = unwrap(a[1]);
         if (e.next_sample < now_) throw Shutdown{Fault::timer_too_close};
-        if (a[4] == 0) throw Shutdown{Fault::bad_command};
+        check_period(a[4]);
+        if (a[3] > 1) check_period(a[2]);
         e.sample = a[2];
         e.count = a[3];
         e.rest = a[4];
@@ -365,6 +367,7 @@ class VirtualBoard : public Device {
       }
       case Command::trsync_start: {
         BoardTrsync& group = get<BoardTrsync>(a[0]);
+        if (a[2] != 0) check_period(a[2]);
         for (size_t motor : group.motors) get<BoardMotor>(uint32_t(motor)).trsync = -1;
         group = BoardTrsync();
         group.armed = true;
@@ -434,6 +437,10 @@ class VirtualBoard : public Device {
     }
     ++slots_;
   }
+  // A real board would do nothing else, or miss its own timers.
+  static void check_period(uint32_t ticks) {
+    if (ticks < kShortestPeriod) throw Shutdown{Fault::period_too_short};
+  }
   void trigger(uint32_t oid, uint32_t reason) {
     BoardTrsync& group = get<BoardTrsync>(oid);
     if (!group.armed) return;
@@ -483,6 +490,7 @@ class VirtualBoard : public Device {
     crc_ = 0;
     fault_ = Fault::none;
     slots_ = 0;
+    sequence_ = 0;
     report(Report::starting, {});
   }
   void identify(uint32_t offset, uint32_t count) {

@@ -18,10 +18,19 @@ class Window {
   explicit Window(double clock_hz)
       : rto_min_(Ticks(0.025 * clock_hz)),
         rto_max_(Ticks(5 * clock_hz)),
-        rto_(Ticks(0.1 * clock_hz)) {}
+        rto_start_(Ticks(0.1 * clock_hz)),
+        rto_(rto_start_) {}
 
   // Bytes that the board can take in before it has worked; 0: no such limit.
   void set_receive_window(size_t bytes) { receive_window_ = bytes; }
+
+  // Forgets what is unanswered: the board begins anew and may count from anywhere.
+  void restart() {
+    acked_ = last_ack_ = next_;
+    bytes_ = 0;
+    synchronous_ = resend_ = measured_ = false;
+    rto_ = rto_start_;
+  }
 
   bool room(size_t payload) const {
     if (next_ - acked_ >= (synchronous_ ? kBlocks : 1)) return false;
@@ -114,7 +123,7 @@ class Window {
   uint64_t last_ack_ = 1, ignored_ = 0;
   size_t bytes_ = 0, receive_window_ = 0;
   bool synchronous_ = false, resend_ = false, measured_ = false;
-  Ticks rto_min_, rto_max_, rto_, deadline_ = kNever;
+  Ticks rto_min_, rto_max_, rto_start_, rto_, deadline_ = kNever;
   Ticks smooth_ = 0, variation_ = 0;
   uint64_t retransmitted_bytes_ = 0;
 

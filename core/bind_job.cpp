@@ -1,0 +1,195 @@
+// passo._core.Job: whole programs through one machine.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+#include <sys/resource.h>
+
+#include <ctime>
+#include <tuple>
+
+#include "bind_machine.hpp"
+#include "job.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+using namespace passo;
+
+namespace {
+
+// Processor time of this thread: what the stages cost, never what time it is.
+double thread_cpu_s() {
+  timespec t;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
+}
+
+struct JobView {
+  Job job;
+  std::vector<Move> moves;
+  JobView(const Machine& machine, std::vector<double> home, bool laser, bool with_steps)
+      : job(machine, std::move(home), laser, with_steps, thread_cpu_s) {}
+};
+
+nb::dict cpu(const JobView& self) {
+  const Job& job = self.job;
+  nb::dict d;
+  d["parse"] = job.cpu_parse;
+  d["plan"] = job.cpu_plan;
+  d["steps"] = job.motion.cpu().steps;
+  d["compress"] = job.motion.cpu().compress;
+  return d;
+}
+
+nb::dict statistics(JobView& self) {
+  Job& job = self.job;
+  const PlanStatistics& plan = job.motion.plan();
+  const Machine& machine = job.motion.machine();
+  nb::dict d, limits, features;
+  d["lines"] = job.interpreter.line();
+  d["moves"] = plan.moves;
+  d["arcs"] = job.interpreter.arcs();
+  d["clamped"] = job.interpreter.clamped() + job.unreachable_skipped;
+  d["move_s"] = plan.move_s;
+  d["dwell_s"] = plan.dwell_s;
+  d["travel_mm"] = plan.travel_mm;
+  d["print_mm"] = plan.print_mm;
+  d["filament_mm"] = plan.filament_mm;
+  d["layers"] = job.interpreter.layers();
+  d["layer_s"] = plan.layer_s;
+  const auto& names = job.motion.planner().constraints().names;
+  for (size_t i = 0; i < plan.limit_s.size(); ++i)
+    if (plan.limit_s[i] > 0) limits[names[i].c_str()] = plan.limit_s[i];
+  d["limit_s"] = limits;
+  for (size_t i = 0; i < plan.feature_s.size(); ++i) {
+    if (plan.feature_s[i] <= 0) continue;
+    const std::string& name = job.interpreter.features()[i];
+    features[name.empty() ? "other" : name.c_str()] = plan.feature_s[i];
+  }
+  d["feature_s"] = features;
+  std::vector<double> position;
+  for (size_t i = 0; i < machine.axes.size(); ++i) position.push_back(job.interpreter.position()[slot_of_axis(int(i))]);
+  for (size_t i = 0; i < machine.extruders.size(); ++i) position.push_back(job.motion.planner().extruder_position(i));
+  d["position_mm"] = position;
+  return d;
+}
+
+nb::list steppers(JobView& self) {
+  nb::list list;
+  Motion& motion = self.job.motion;
+  for (size_t i = 0; i < motion.machine().steppers.size(); ++i) {
+    const StepStatistics& s = motion.steps(i);
+    nb::dict d;
+    d["name"] = motion.machine().steppers[i].name;
+    d["steps"] = s.steps;
+    d["net"] = s.net;
+    d["count"] = motion.count(i);
+    d["commands"] = s.commands;
+    d["dropped_pairs"] = s.dropped_pairs;
+    d["error_max_ticks"] = s.error_max;
+    d["error_square_ticks2"] = s.error_square;
+    list.append(d);
+  }
+  return list;
+}
+
+}  // namespace
+
+void bind_job(nb::module_& m) {
+  nb::enum_<Job::Status>(m, "JobStatus")
+      .value("NEED_INPUT", Job::Status::need_input)
+      .value("EVENT", Job::Status::event)
+      .value("ERROR", Job::Status::error)
+      .value("FULL", Job::Status::full)
+      .value("END", Job::Status::end);
+  nb::enum_<Fault>(m, "Fault")
+      .value("NUMBER", Fault::number)
+      .value("WORD", Fault::word)
+      .value("CHECKSUM", Fault::checksum)
+      .value("LINE_TOO_LONG", Fault::line_too_long)
+      .value("FEEDRATE", Fault::feedrate)
+      .value("ARC", Fault::arc)
+      .value("OUT_OF_RANGE", Fault::out_of_range)
+      .value("MISSING_TOOL", Fault::missing_tool)
+      .value("GARBAGE", Fault::garbage)
+      .value("UNREACHABLE", Fault::unreachable)
+      .value("ACTUATOR", Fault::actuator);
+  nb::class_<JobView>(m, "Job", "A G-code program through one machine. Not thread-safe.")
+      .def("__init__",
+           [](JobView* self, const nb::dict& spec, bool with_steps, bool clamp, bool ignore_tools) {
+             std::vector<double> home;
+             for (nb::handle axis : spec["axes"]) home.push_back(get<double>(axis, "home"));
+             new (self) JobView(machine_of(spec), std::move(home), !nb::object(spec["laser"]).is_none(), with_steps);
+             self->job.interpreter.clamp = clamp;
+             self->job.interpreter.ignore_tools = ignore_tools;
+           },
+           "spec"_a, "with_steps"_a = true, "clamp"_a = false, "ignore_tools"_a = false)
+      .def("feed", [](JobView& self, const nb::bytes& data) { self.job.interpreter.feed(data.c_str(), data.size()); }, "data"_a)
+      .def("finish", [](JobView& self) { self.job.interpreter.finish(); }, "No more input will come.")
+      .def("advance",
+           [](JobView& self, double horizon, size_t most) {
+             nb::gil_scoped_release released;
+             return self.job.advance(horizon, most);
+           },
+           "horizon"_a = kInfinity, "most"_a = size_t(1) << 20,
+           "Reads on until something wants the caller, or the plan reaches a clock or a number of messages.")
+      .def_prop_ro("event",
+                   [](const JobView& self) {
+                     const Event& e = self.job.interpreter.event();
+                     return nb::make_tuple(e.line, e.letter ? std::string(1, e.letter) : std::string(), e.number, e.minor, e.name, e.text);
+                   },
+                   "(line, letter, number, minor, name, text) of the event that advance stopped at.")
+      .def_prop_ro("error",
+                   [](const JobView& self) {
+                     const GcodeError& e = self.job.error();
+                     return nb::make_tuple(e.line, e.fault, e.word, e.value, e.limit, nb::make_tuple(e.point[0], e.point[1], e.point[2]));
+                   },
+                   "(line, fault, word, value, limit, point) of the error that advance stopped at.")
+      .def("record", [](JobView& self, uint16_t target, uint32_t value) { self.job.motion.record(target, value); }, "target"_a, "value"_a,
+           "A timed record for output `target`, due between the moves before and after.")
+      .def("flush", [](JobView& self) { nb::gil_scoped_release released; self.job.motion.flush(); }, "Settles all for a stop.")
+      .def("settle_position", [](JobView& self) { self.job.settle_position(); }, "After homing: stop, and be where the program says.")
+      .def("wait_until", [](JobView& self, double ticks) { self.job.motion.wait_until(ticks); }, "ticks"_a, "The machine stands until then; only after flush.")
+      .def("replan_from", [](JobView& self, double ticks) { return self.job.motion.replan_from(ticks); }, "ticks"_a)
+      .def("hold_from", [](JobView& self, double ticks) { return self.job.motion.hold_from(ticks); }, "ticks"_a)
+      .def("release", [](JobView& self) { self.job.motion.release(); })
+      .def_prop_ro("clock", [](JobView& self) { return self.job.motion.planner().clock(); }, "End of the settled plan, ticks.")
+      .def_prop_ro("line", [](JobView& self) { return self.job.interpreter.line(); })
+      .def_prop_ro("layer", [](JobView& self) { return self.job.interpreter.layers(); })
+      .def_prop_ro("tool", [](JobView& self) { return self.job.interpreter.tool(); })
+      .def_prop_rw("speed_factor", [](JobView& self) { return self.job.motion.planner().speed_factor; },
+                   [](JobView& self, double factor) { self.job.motion.planner().speed_factor = factor; })
+      .def("set_limit",
+           [](JobView& self, const std::string& name, double value) {
+             Limits& l = self.job.motion.planner().limits();
+             double* places[] = {&l.print_accel, &l.travel_accel, &l.retract_accel, &l.speed, &l.junction_deviation, &l.minimum_cruise_ratio};
+             const char* names[] = {"print_accel", "travel_accel", "retract_accel", "speed", "junction_deviation", "minimum_cruise_ratio"};
+             for (size_t i = 0; i < 6; ++i)
+               if (name == names[i]) {
+                 *places[i] = value;
+                 return;
+               }
+             throw nb::key_error(name.c_str());
+           },
+           "name"_a, "value"_a, "Changes a limit of the moves that follow.")
+      .def("set_axis_limit",
+           [](JobView& self, const std::string& axis, const std::string& what, double value) {
+             self.job.motion.planner().constraints().set(self.job.motion.machine(), axis, what == "speed", value);
+           },
+           "axis"_a, "what"_a, "value"_a, "Changes an axis' `speed` or `accel`, never beyond the machine's own.")
+      .def_prop_ro("messages", [](JobView& self) -> MessageQueue& { return self.job.motion.messages(); }, nb::rv_policy::reference_internal)
+      .def("keep_moves",
+           [](JobView& self, bool on) {
+             if (on)
+               self.job.motion.on_move = [&self](const Move& move) { self.moves.push_back(move); };
+             else
+               self.job.motion.on_move = nullptr;
+           },
+           "on"_a)
+      .def("take_moves", [](JobView& self) { return std::exchange(self.moves, {}); })
+      .def_prop_ro("limit_names", [](JobView& self) { return self.job.motion.planner().constraints().names; })
+      .def_prop_ro("feature_names", [](JobView& self) { return self.job.interpreter.features(); })
+      .def("statistics", &statistics)
+      .def("steppers", &steppers)
+      .def("cpu", &cpu);
+}

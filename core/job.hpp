@@ -1,0 +1,106 @@
+// A G-code program on its way through one machine: text in, planned motion out. It stops at whatever
+// needs the caller, and goes on from there.
+#pragma once
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "gcode/interpreter.hpp"
+#include "motion.hpp"
+
+namespace passo {
+
+class Job {
+ public:
+  enum class Status : uint8_t { need_input, event, error, full, end };
+
+  Job(const Machine& machine, std::vector<double> home, bool laser, bool with_steps, double (*cpu_clock)())
+      : motion(machine, with_steps, cpu_clock), interpreter(motion.machine(), std::move(home), laser), cpu_clock_(cpu_clock) {
+    batch_.reserve(Planner::kBatch);
+    motion.set_position(interpreter.position(), interpreter.extruder());
+  }
+
+  Motion motion;
+  Interpreter interpreter;
+  double cpu_parse = 0, cpu_plan = 0;
+  uint64_t unreachable_skipped = 0;
+
+  const GcodeError& error() const { return error_; }
+
+  // Reads on until input, an event or an error wants the caller, or until the plan reaches `horizon`
+  // (ticks) or more than `most` messages wait to be taken.
+  Status advance(double horizon, size_t most) {
+    for (;;) {
+      if (motion.planner().clock() >= horizon || motion.messages().size() >= most) return Status::full;
+      double start = now();
+      Found found = Found::move;
+      batch_.clear();
+      while (batch_.size() < Planner::kBatch && (found = interpreter.next()) == Found::move) batch_.push_back(interpreter.move());
+      double parsed = now();
+      cpu_parse += parsed - start;
+      double before = motion.cpu().steps + motion.cpu().compress;
+      bool reachable = push_batch();
+      cpu_plan += now() - parsed - (motion.cpu().steps + motion.cpu().compress - before);
+      if (!reachable) return Status::error;
+      switch (found) {
+        case Found::move: continue;
+        case Found::event: return Status::event;
+        case Found::error: error_ = interpreter.error(); return Status::error;
+        case Found::need_input: return Status::need_input;
+        case Found::end: return Status::end;
+      }
+    }
+  }
+
+  // After homing: the machine is where the program says.
+  void settle_position() {
+    motion.flush();
+    motion.set_position(interpreter.position(), interpreter.extruder());
+  }
+
+ private:
+  static constexpr double kCheckEvery = 2;  // mm along lines of nonlinear machines
+
+  double (*cpu_clock_)();
+  std::vector<MoveRequest> batch_;
+  GcodeError error_;
+
+  double now() const { return cpu_clock_ ? cpu_clock_() : 0; }
+
+  bool push_batch() {
+    for (const MoveRequest& m : batch_) {
+      if (motion.planner().constraints().checks_reach() && m.kind != MoveKind::dwell && m.kind != MoveKind::extrude && !reach(m)) {
+        if (!interpreter.clamp) return false;
+        ++unreachable_skipped;
+        continue;
+      }
+      motion.push(m);
+    }
+    return true;
+  }
+
+  // Whether every actuator reaches the whole line; else fills error_.
+  bool reach(const MoveRequest& m) {
+    const Machine& machine = motion.machine();
+    const double* from = motion.planner().position();
+    double length = 0, p[3];
+    for (int j = 0; j < 3; ++j) length += (m.target[j] - from[j]) * (m.target[j] - from[j]);
+    int n = std::min(1 + int(std::sqrt(length) / kCheckEvery), 4096);
+    for (int i = 1; i <= n; ++i) {
+      for (int j = 0; j < 3; ++j) p[j] = i == n ? m.target[j] : from[j] + (m.target[j] - from[j]) * i / n;
+      for (const StepperSpec& s : machine.steppers) {
+        if (s.drive != Drive::actuator) continue;
+        double q = machine.geometry->inverse(s.index, p);
+        if (q >= s.min - 1e-6 && q <= s.max + 1e-6) continue;
+        bool nowhere = !(std::fabs(q) < 1e12);
+        error_ = {m.line, nowhere ? Fault::unreachable : Fault::actuator, nowhere ? "" : s.name,
+                  nowhere ? 0 : q, q < s.min ? s.min : s.max, {0, 0, 0}};
+        for (int j = 0; j < 3; ++j) error_.point[j] = p[j];
+        return false;
+      }
+    }
+    return true;
+  }
+};
+
+}  // namespace passo
