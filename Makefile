@@ -9,12 +9,13 @@ FUZZ_SECONDS ?= 60
 DEMO ?= demo
 
 BIN := .venv/bin
+STUB := $(BIN)/python -m nanobind.stubgen -q -m passo._core -o
 CORE := $(shell find core -name '*.cpp' -o -name '*.hpp')
 FUZZERS := $(patsubst tests/fuzz/%.cpp,build/fuzz/%,$(wildcard tests/fuzz/fuzz_*.cpp))
 PYTHON_HEADERS = $(shell $(PYTHON) -c "import os, sysconfig; \
   print(os.path.exists(sysconfig.get_path('include') + '/Python.h'))")
 
-.PHONY: demo test check bench fuzz corpus format clean
+.PHONY: demo test check bench fuzz corpus stub format clean
 .DELETE_ON_ERROR:
 
 demo: .venv/.built build/$(DEMO).gcode
@@ -28,7 +29,12 @@ check: .venv/.built .venv/.dev
 	$(BIN)/ruff format --check .
 	$(BIN)/pyright --pythonpath $(BIN)/python
 	$(BIN)/lint-imports
+	$(STUB) build/_core.pyi && diff src/passo/_core.pyi build/_core.pyi
 	$(BIN)/clang-format --dry-run --Werror $(CORE) $(wildcard tests/fuzz/*.cpp)
+
+# The types of the native core, for editors and pyright; run it after changing a binding.
+stub: .venv/.built
+	$(STUB) src/passo/_core.pyi
 
 format: .venv/.dev
 	$(BIN)/ruff check --fix .

@@ -1,5 +1,6 @@
 """Loading: shipped machines, boards beneath machines, and what the core is told."""
 
+from itertools import product
 from math import inf
 from pathlib import Path
 
@@ -215,3 +216,22 @@ def test_the_documented_machine_is_right_but_for_the_rest_of_it() -> None:
         config.load_text(example)
     missing = {problem.values["key"] for problem in caught.value.problems}
     assert missing == {"axes.y", "axes.z", "steppers.x", "steppers.y", "steppers.e"}
+
+
+@pytest.mark.parametrize("name", ["rotary-delta", "scara"])
+def test_arms_reach_all_that_the_soft_limits_allow(name: str) -> None:
+    machine = config.load(name)
+    spec = machine.core_spec()
+    spans = [(axis["min"], (axis["min"] + axis["max"]) / 2, axis["max"]) for axis in spec["axes"]]
+    for point in product(*spans):
+        angles = machine.geometry.inverse(point)
+        for stepper, angle in zip(spec["steppers"], angles, strict=False):
+            assert stepper["min"] <= angle <= stepper["max"], (point, stepper["name"])
+
+
+def test_fisher_carriages_stay_on_their_towers() -> None:
+    machine = config.load("delta")
+    for z in (0.0, 180.0):
+        carriages = machine.geometry.inverse((0.0, 0.0, z))
+        assert carriages == pytest.approx([z + 137.982] * 3, abs=1e-3)
+        assert all(30 <= carriage <= 318 for carriage in carriages)

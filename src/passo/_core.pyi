@@ -1,0 +1,562 @@
+"""
+Native core of Passo: parse, plan, solve step times, compress, frame, virtual board.
+"""
+
+from collections.abc import Sequence
+import enum
+
+
+def crc16(data: bytes) -> int:
+    """CRC-16/MCRF4XX of the bytes."""
+
+def encode_vlq(value: int) -> bytes:
+    """Encodes a 32-bit value (modulo 2^32) in 1 to 5 bytes."""
+
+def decode_vlq(data: bytes) -> tuple[int, int]:
+    """Returns (signed value, bytes used). ValueError if cut short."""
+
+def make_frame(payload: bytes, sequence: int) -> bytes: ...
+
+def board_commands() -> list[tuple[int, str]]: ...
+
+def board_reports() -> list[tuple[int, str]]: ...
+
+def board_faults() -> list[str]:
+    """Texts of the virtual board's shutdown reasons, by static_string_id."""
+
+class FrameScanner:
+    """Finds frames in bytes cut anywhere."""
+
+    def __init__(self) -> None: ...
+
+    def feed(self, data: bytes) -> list[tuple[int, bytes] | None]:
+        """
+        List of (sequence, payload) for each good frame and None for each stretch that is none.
+        """
+
+class Formats:
+    """Messages of one direction, as a data dictionary declares them."""
+
+    def __init__(self, formats: Sequence[tuple[int, str]]) -> None: ...
+
+    def parameters(self, name: str) -> list[tuple[str, bool]]:
+        """List of (parameter, is a blob). ValueError for an unknown message."""
+
+    def names(self) -> list[str]: ...
+
+    def encode(self, name: str, values: list[int | bytes]) -> bytes: ...
+
+    def decode(self, payload: bytes) -> list[tuple[str, dict[str, int | bytes]]]:
+        """
+        List of (name, values) of a frame's payload. ValueError if it is malformed.
+        """
+
+class MessageKind(enum.Enum):
+    QUEUE_STEP = 0
+
+    SET_DIR = 1
+
+    RESET_CLOCK = 2
+
+    PIN = 3
+
+class MessageQueue:
+    """Planned messages of one board, in the order of their clocks."""
+
+    def __init__(self) -> None: ...
+
+    def push(self, kind: MessageKind, target: int, clock: int, end_clock: int = 0, interval: int = 0, count: int = 0, add: int = 0, dir: bool = False) -> None: ...
+
+    def clear(self) -> None: ...
+
+    def __len__(self) -> int: ...
+
+class PinKind(enum.Enum):
+    DIGITAL = 0
+
+    PWM = 1
+
+class Heater:
+    """A heater loop beside the link."""
+
+    @property
+    def celsius(self) -> float: ...
+
+    @property
+    def target(self) -> float: ...
+
+    @target.setter
+    def target(self, arg: float, /) -> None: ...
+
+    @property
+    def power(self) -> float: ...
+
+    @property
+    def reached(self) -> bool: ...
+
+class Link:
+    """The host's end of a board's wire; times in ticks."""
+
+    def __init__(self, clock_hz: float) -> None: ...
+
+    def set_dictionary(self, commands: Sequence[tuple[int, str]], reports: Sequence[tuple[int, str]], receive_window: int) -> None: ...
+
+    def send(self, name: str, values: list[int | bytes]) -> None: ...
+
+    def take_responses(self) -> list[tuple[str, dict[str, int | bytes]]]: ...
+
+    def follow_clock(self, now: int) -> None: ...
+
+    @property
+    def synchronous(self) -> bool: ...
+
+    @property
+    def lost(self) -> bool: ...
+
+    def clock_at(self, host_ticks: int) -> int: ...
+
+    def host_at(self, clock: int) -> int: ...
+
+    @property
+    def clock_rate(self) -> float: ...
+
+    def add_stepper(self, name: str, oid: int, invert: bool) -> None: ...
+
+    def add_pin(self, name: str, oid: int, kind: PinKind) -> None: ...
+
+    def set_slots(self, slots: int) -> None: ...
+
+    def set_queue(self, queue: MessageQueue | None) -> None: ...
+
+    def start_job(self, base_clock: int) -> None: ...
+
+    def stop_job(self) -> None: ...
+
+    def add_heater(self, sensor_oid: int, output_oid: int, pwm: bool, full: int, adc_full: int, max_power: float, kp: float, ki: float, kd: float, hysteresis_c: float, tolerance_c: float, celsius: Sequence[tuple[float, float]]) -> Heater: ...
+
+    @property
+    def shut_down(self) -> bool: ...
+
+    @property
+    def shutdown_reason(self) -> int: ...
+
+    def restart(self) -> None:
+        """
+        The board begins anew: what was on its way is forgotten, its numbering is learnt again.
+        """
+
+    @property
+    def wire_bytes(self) -> int: ...
+
+    @property
+    def frames(self) -> int: ...
+
+    @property
+    def retransmitted_bytes(self) -> int: ...
+
+    @property
+    def bad_frames(self) -> int: ...
+
+    @property
+    def queue_steps(self) -> int: ...
+
+    @property
+    def messages(self) -> int: ...
+
+    @property
+    def stream_hash(self) -> int: ...
+
+    def feed(self, data: bytes, now: int) -> None: ...
+
+    def poll(self, now: int) -> tuple[bytes, int]:
+        """(bytes to send, host time of the next call)"""
+
+class Device:
+    """The far end of a link, in virtual time."""
+
+    def feed(self, data: bytes, now: int) -> None: ...
+
+    def poll(self, now: int) -> bytes: ...
+
+    @property
+    def next_deadline(self) -> int: ...
+
+    @property
+    def stopped(self) -> bool: ...
+
+class VirtualBoard(Device):
+    """A complete board in virtual time; pins by number."""
+
+    def __init__(self, clock_hz: float, move_count: int, adc_max: int, pwm_max: int, identify: bytes, start: int = 0) -> None: ...
+
+    def add_actuator(self, step_pin: int, start: float, per_step: float) -> None: ...
+
+    def add_switch(self, pin: int, step_pin: int, position: float, at_maximum: bool, pressed_level: bool) -> None: ...
+
+    def add_body(self, heater_pin: int, sensor_pin: int, ambient_c: float, rise_c: float, time_constant_s: float, sensor_time_constant_s: float, adc_ratio: Sequence[tuple[float, float]]) -> None: ...
+
+    def force_adc(self, sensor_pin: int, ratio: float) -> None:
+        """A fault: the ADC sees this share of full scale; negative ends it."""
+
+    def temperature(self, sensor_pin: int) -> float: ...
+
+    def net_steps(self, step_pin: int) -> int: ...
+
+    def steps(self, step_pin: int) -> int: ...
+
+    def last_step(self, step_pin: int) -> int: ...
+
+    def position(self, step_pin: int) -> float: ...
+
+    def trace_steps(self, step_pin: int, from_clock: int, to_clock: int) -> None: ...
+
+    def take_steps(self, step_pin: int) -> bytes:
+        """
+        Traced commands done so far, as int64 rows (start, interval, count, add, direction).
+        """
+
+    def output_value(self, pin: int) -> int: ...
+
+    def trace_output(self, pin: int) -> None: ...
+
+    def take_changes(self, pin: int) -> list[tuple[int, int]]:
+        """List of (clock, value) since the last call."""
+
+    @property
+    def fault(self) -> str: ...
+
+    @property
+    def now(self) -> int: ...
+
+    @property
+    def peak_slots(self) -> int: ...
+
+    @property
+    def frames(self) -> int: ...
+
+    @property
+    def naks(self) -> int: ...
+
+def expand_steps(rows: bytes, from_clock: int, to_clock: int) -> bytes:
+    """int64 clocks of all steps of take_steps() within from…to."""
+
+def expand_directions(rows: bytes, from_clock: int, to_clock: int, sign: int) -> bytes:
+    """int8 directions of the steps of expand_steps(), times sign (+1 or -1)."""
+
+class PumpStop(enum.Enum):
+    TIME = 0
+
+    SHUTDOWN = 1
+
+    HEATERS = 2
+
+class Pump:
+    """Runs a link and a device in virtual time."""
+
+    def __init__(self, link: Link, device: Device, start: int = 0) -> None: ...
+
+    @property
+    def now(self) -> int: ...
+
+    def record(self, on: bool) -> None: ...
+
+    def take_recorded(self) -> bytes: ...
+
+    def run(self, until: int, until_heaters: bool = False) -> PumpStop: ...
+
+def sincos(x: float) -> tuple[float, float]: ...
+
+def atan2(y: float, x: float) -> float: ...
+
+class Geometry:
+    """A geometry kernel: Cartesian mm to actuator mm or degrees, and back."""
+
+    def __init__(self, spec: dict) -> None: ...
+
+    @property
+    def actuators(self) -> int: ...
+
+    def inverse(self, actuator: int, point: tuple[float, float, float]) -> float:
+        """Position of an actuator; NaN where it cannot reach."""
+
+    def forward(self, positions: tuple[float, float, float]) -> tuple[float, float, float]:
+        """Nozzle position. Raises ValueError where there is none."""
+
+    def slopes(self, actuator: int, start: tuple[float, float, float], end: tuple[float, float, float], s: float) -> tuple[float, float]:
+        """First and second derivative by path length at s mm."""
+
+    def crossings(self, actuator: int, start: tuple[float, float, float], end: tuple[float, float, float], steps_per_unit: float) -> tuple[list[float], list[int]]:
+        """
+        Path positions and directions of all steps of a nonlinear actuator along a line.
+        """
+
+class Move:
+    """
+    A planned move: a line with a trapezoid of speed. Speeds are of the path measure.
+    """
+
+    @property
+    def start_mm(self) -> tuple:
+        """X, Y, Z, E and further axes"""
+
+    @property
+    def end_mm(self) -> tuple: ...
+
+    @property
+    def length(self) -> float:
+        """path measure, usually mm"""
+
+    @property
+    def start_speed(self) -> float: ...
+
+    @property
+    def cruise_speed(self) -> float: ...
+
+    @property
+    def end_speed(self) -> float: ...
+
+    @property
+    def acceleration(self) -> float:
+        """of the first phase, signed"""
+
+    @property
+    def deceleration(self) -> float:
+        """of the last phase, positive"""
+
+    @property
+    def speed_cap(self) -> float: ...
+
+    @property
+    def start_cap(self) -> float:
+        """junction's speed limit"""
+
+    @property
+    def accelerate_length(self) -> float: ...
+
+    @property
+    def cruise_length(self) -> float: ...
+
+    @property
+    def start_ticks(self) -> float: ...
+
+    @property
+    def accelerate_ticks(self) -> float: ...
+
+    @property
+    def cruise_ticks(self) -> float: ...
+
+    @property
+    def decelerate_ticks(self) -> float: ...
+
+    @property
+    def end_ticks(self) -> float: ...
+
+    @property
+    def line(self) -> int: ...
+
+    @property
+    def layer(self) -> int: ...
+
+    @property
+    def feature(self) -> int: ...
+
+    @property
+    def extruder(self) -> int: ...
+
+    @property
+    def inner(self) -> bool:
+        """continues the path of the move before it"""
+
+    @property
+    def speed_limit(self) -> int:
+        """index in the names of limits"""
+
+    @property
+    def accel_limit(self) -> int: ...
+
+    @property
+    def kind(self) -> str: ...
+
+class Motion:
+    """Plans moves, solves and compresses their steps. Not thread-safe."""
+
+    def __init__(self, spec: dict, with_steps: bool = True) -> None: ...
+
+    def push(self, target: Sequence[float], feed_mm_s: float, kind: str = 'travel', extruder: int = 0, duration_s: float = 0.0, radius_mm: float = float('inf'), inner: bool = False, line: int = 0) -> None:
+        """
+        Adds a move to the absolute target: one number an axis, then E. Raises ValueError.
+        """
+
+    def record(self, target: int, value: int) -> None:
+        """A timed record, due when the moves pushed so far are done."""
+
+    def flush(self) -> None:
+        """Settles all for a stop at the end."""
+
+    def wait_until(self, ticks: float) -> None: ...
+
+    def replan_from(self, ticks: float) -> float:
+        """
+        Plans anew from this clock on with the limits of now; returns the clock of the cut.
+        """
+
+    def hold_from(self, ticks: float) -> float:
+        """
+        Brakes to a stop on the path from this clock on; returns the clock of the cut.
+        """
+
+    def release(self) -> None:
+        """Goes on with what hold_from left."""
+
+    def set_speed_factor(self, arg: float, /) -> None: ...
+
+    def set_accel(self, arg: float, /) -> None: ...
+
+    @property
+    def clock(self) -> float:
+        """End of the last settled move, ticks."""
+
+    def take_moves(self) -> list[Move]:
+        """Moves settled since the last call, in order."""
+
+    def take_messages(self, before: float = float('inf')) -> list[tuple[str, int, int, int, int, int, int, int]]:
+        """
+        Takes (kind, target, clock, end_clock, interval, count, add, dir) of all messages due before a clock.
+        """
+
+    def counts(self) -> list[int]:
+        """Step count of every motor after all that was solved."""
+
+    def dropped_pairs(self, arg: int, /) -> int: ...
+
+    def ideal_ticks(self, move: Move, stepper: int, count: int) -> tuple[list[float], int]:
+        """Unrounded step times of one motor in one move, and its count after it."""
+
+class JobStatus(enum.Enum):
+    NEED_INPUT = 0
+
+    EVENT = 1
+
+    ERROR = 2
+
+    FULL = 3
+
+    END = 4
+
+class Fault(enum.Enum):
+    NUMBER = 0
+
+    WORD = 1
+
+    CHECKSUM = 2
+
+    LINE_TOO_LONG = 3
+
+    FEEDRATE = 4
+
+    ARC = 5
+
+    OUT_OF_RANGE = 6
+
+    MISSING_TOOL = 7
+
+    GARBAGE = 8
+
+    UNREACHABLE = 9
+
+    ACTUATOR = 10
+
+class Job:
+    """A G-code program through one machine. Not thread-safe."""
+
+    def __init__(self, spec: dict, with_steps: bool = True, clamp: bool = False, ignore_tools: bool = False) -> None: ...
+
+    def feed(self, data: bytes) -> None: ...
+
+    def finish(self) -> None:
+        """No more input will come."""
+
+    def advance(self, horizon: float = float('inf'), most: int = 1048576) -> JobStatus:
+        """
+        Reads on until something wants the caller, or the plan reaches a clock or a number of messages.
+        """
+
+    @property
+    def event(self) -> tuple:
+        """
+        (line, letter, number, minor, name, text) of the event that advance stopped at.
+        """
+
+    @property
+    def error(self) -> tuple:
+        """
+        (line, fault, word, value, limit, point) of the error that advance stopped at.
+        """
+
+    def record(self, target: int, value: int) -> None:
+        """
+        A timed record for output `target`, due between the moves before and after.
+        """
+
+    def flush(self) -> None:
+        """Settles all for a stop."""
+
+    def settle_position(self) -> None:
+        """After homing: stop, and be where the program says."""
+
+    def wait_until(self, ticks: float) -> None:
+        """The machine stands until then; only after flush."""
+
+    def replan_from(self, ticks: float) -> float: ...
+
+    def hold_from(self, ticks: float) -> float: ...
+
+    def release(self) -> None: ...
+
+    @property
+    def clock(self) -> float:
+        """End of the settled plan, ticks."""
+
+    @property
+    def handed_out(self) -> int:
+        """Clock of the last message, ticks."""
+
+    @property
+    def line(self) -> int: ...
+
+    @property
+    def layer(self) -> int: ...
+
+    @property
+    def tool(self) -> int: ...
+
+    @property
+    def speed_factor(self) -> float: ...
+
+    @speed_factor.setter
+    def speed_factor(self, arg: float, /) -> None: ...
+
+    def set_limit(self, name: str, value: float) -> None:
+        """Changes a limit of the moves that follow."""
+
+    def set_axis_limit(self, axis: str, what: str, value: float) -> None:
+        """Changes an axis' `speed` or `accel`, never beyond the machine's own."""
+
+    @property
+    def messages(self) -> MessageQueue: ...
+
+    def keep_moves(self, on: bool) -> None: ...
+
+    def take_moves(self) -> list[Move]: ...
+
+    @property
+    def limit_names(self) -> list[str]: ...
+
+    @property
+    def feature_names(self) -> list[str]: ...
+
+    def statistics(self) -> dict: ...
+
+    def steppers(self) -> list: ...
+
+    def cpu(self) -> dict: ...
