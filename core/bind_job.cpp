@@ -3,12 +3,11 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
-#include <sys/resource.h>
 
-#include <ctime>
 #include <tuple>
 
 #include "bind_machine.hpp"
+#include "cpu_clock.hpp"
 #include "job.hpp"
 
 namespace nb = nanobind;
@@ -16,13 +15,6 @@ using namespace nb::literals;
 using namespace passo;
 
 namespace {
-
-// Processor time of this thread: what the stages cost, never what time it is.
-double thread_cpu_s() {
-  timespec t;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
-}
 
 struct JobView {
   Job job;
@@ -84,6 +76,7 @@ nb::list steppers(JobView& self) {
     d["steps"] = s.steps;
     d["net"] = s.net;
     d["count"] = motion.count(i);
+    d["expected_net"] = motion.expected_net(i);
     d["commands"] = s.commands;
     d["dropped_pairs"] = s.dropped_pairs;
     d["error_max_ticks"] = s.error_max;
@@ -147,6 +140,16 @@ void bind_job(nb::module_& m) {
                    "(line, fault, word, value, limit, point) of the error that advance stopped at.")
       .def("record", [](JobView& self, uint16_t target, uint32_t value) { self.job.motion.record(target, value); }, "target"_a, "value"_a,
            "A timed record for output `target`, due between the moves before and after.")
+      .def("mark", [](JobView& self, uint16_t target, uint32_t value) { self.job.motion.record(uint16_t(Motion::kMark + target), value); }, "target"_a, "value"_a,
+           "A timed record for the host itself, see take_marks.")
+      .def("take_marks",
+           [](JobView& self) {
+             nb::list list;
+             for (auto& r : self.job.motion.marks()) list.append(nb::make_tuple(r.clock, r.target - Motion::kMark, r.value));
+             self.job.motion.marks().clear();
+             return list;
+           },
+           "(clock, target, value) of the marks whose clock is known by now, in order.")
       .def("flush", [](JobView& self) { nb::gil_scoped_release released; self.job.motion.flush(); }, "Settles all for a stop.")
       .def("settle_position", [](JobView& self) { self.job.settle_position(); }, "After homing: stop, and be where the program says.")
       .def("wait_until", [](JobView& self, double ticks) { self.job.motion.wait_until(ticks); }, "ticks"_a, "The machine stands until then; only after flush.")
@@ -154,6 +157,7 @@ void bind_job(nb::module_& m) {
       .def("hold_from", [](JobView& self, double ticks) { return self.job.motion.hold_from(ticks); }, "ticks"_a)
       .def("release", [](JobView& self) { self.job.motion.release(); })
       .def_prop_ro("clock", [](JobView& self) { return self.job.motion.planner().clock(); }, "End of the settled plan, ticks.")
+      .def_prop_ro("handed_out", [](JobView& self) { return self.job.motion.handed_out(); }, "Clock of the last message, ticks.")
       .def_prop_ro("line", [](JobView& self) { return self.job.interpreter.line(); })
       .def_prop_ro("layer", [](JobView& self) { return self.job.interpreter.layers(); })
       .def_prop_ro("tool", [](JobView& self) { return self.job.interpreter.tool(); })

@@ -5,6 +5,7 @@
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
+#include "cpu_clock.hpp"
 #include "message_queue.hpp"
 #include "wire/pump.hpp"
 #include "wire/virtual_board.hpp"
@@ -456,9 +457,14 @@ void bind_board(nb::module_& m) {
       .value("SHUTDOWN", Pump::Stop::shutdown)
       .value("HEATERS", Pump::Stop::heaters);
   nb::class_<Pump>(m, "Pump", "Runs a link and a device in virtual time.")
-      .def(nb::init<Link&, Device&, Ticks>(), "link"_a, "device"_a, "start"_a = 0,
-           nb::keep_alive<1, 2>(), nb::keep_alive<1, 3>())
+      .def(
+          "__init__",
+          [](Pump* self, Link& link, Device& device, Ticks start) {
+            new (self) Pump(link, device, start, thread_cpu_s);
+          },
+          "link"_a, "device"_a, "start"_a = 0, nb::keep_alive<1, 2>(), nb::keep_alive<1, 3>())
       .def_prop_ro("now", &Pump::now)
+      .def_prop_ro("device_cpu_s", &Pump::device_cpu)
       .def("record", &Pump::record, "on"_a)
       .def("take_recorded",
            [](Pump& p) {

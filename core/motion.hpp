@@ -31,6 +31,7 @@ class Motion {
       solvers_.emplace_back(machine_, machine_.steppers[i]);
       compressors_.emplace_back(machine_, machine_.steppers[i], uint16_t(i));
     }
+    set_apart_.resize(solvers_.size());
     plan_.filament_mm.resize(machine_.extruders.size());
   }
   Motion(const Motion&) = delete;
@@ -43,6 +44,16 @@ class Motion {
   MessageQueue& messages() { return messages_; }
   const StepStatistics& steps(size_t i) const { return compressors_[i].statistics(); }
   int64_t count(size_t i) const { return solvers_[i].count(); }
+  int64_t handed_out() const { return handed_out_; }  // clock of the last of messages(), so far
+  // A timed record. Targets from kMark on are the host's own: they come out of marks(), in the order of
+  // their clocks, and are not sent.
+  static constexpr uint16_t kMark = 0x8000;
+  struct Record {
+    uint16_t target;
+    uint32_t value;
+    int64_t clock;
+  };
+  std::deque<Record>& marks() { return marks_; }
   // Called with each settled move, before its steps are solved.
   std::function<void(const Move&)> on_move;
 
@@ -72,9 +83,14 @@ class Motion {
     planner_.set_position(position, extruder);
     for (size_t i = 0; i < solvers_.size(); ++i) {
       const StepperSpec& s = machine_.steppers[i];
-      if (s.drive != Drive::extruder || size_t(s.index) == extruder) solvers_[i].set_count(solvers_[i].count_at(position));
+      if (s.drive == Drive::extruder && size_t(s.index) != extruder) continue;
+      int64_t count = solvers_[i].count_at(position);
+      set_apart_[i] += count - solvers_[i].count();
+      solvers_[i].set_count(count);
     }
   }
+  // Net steps that motor i was to make: its rounded targets, less what positions were set without motion.
+  int64_t expected_net(size_t i) const { return solvers_[i].count() - set_apart_[i]; }
 
   // Cuts every stepper at the first clock ≥ `ticks` that is not bound by a command already taken from
   // messages(), and goes on from the speed that the machine has there, with the limits and the speed
@@ -134,12 +150,6 @@ class Motion {
   size_t held() const { return held_.size(); }
 
  private:
-  struct Record {
-    uint16_t target;
-    uint32_t value;
-    int64_t clock;
-  };
-
   const Machine machine_;
   Planner planner_;
   bool with_steps_;
@@ -147,9 +157,10 @@ class Motion {
   Cpu cpu_;
   PlanStatistics plan_;
   std::vector<StepSolver> solvers_;
+  std::vector<int64_t> set_apart_;  // steps by which positions were set without motion
   std::deque<Compressor> compressors_;
   MessageQueue messages_, pins_;
-  std::deque<Record> records_, placed_;
+  std::deque<Record> records_, placed_, marks_;
   std::deque<Move> history_;
   std::vector<Move> held_;
   uint16_t unattached_ = 0;  // last records_ that wait for a move to follow
@@ -189,7 +200,10 @@ class Motion {
       Record r = records_.front();
       records_.pop_front();
       r.clock = std::max(int64_t(std::floor(ticks + 0.5)), handed_out_);
-      pins_.push({r.clock, r.clock, r.value, 0, 0, r.target, MessageKind::pin, 0});
+      if (r.target >= kMark)
+        marks_.push_back(r);
+      else
+        pins_.push({r.clock, r.clock, r.value, 0, 0, r.target, MessageKind::pin, 0});
       placed_.push_back(r);
     }
   }
@@ -231,6 +245,7 @@ class Motion {
       records_.push_front(placed_.back());
       placed_.pop_back();
     }
+    while (!marks_.empty() && marks_.back().clock > at) marks_.pop_back();
     size_t first = history_.size();
     while (first > 0 && history_[first - 1].end() > ticks_of_cut_) --first;
     for (size_t i = first; i < history_.size(); ++i) {

@@ -13,9 +13,13 @@ class Pump {
   enum class Stop : uint8_t { time, shutdown, heaters };
 
   // Host time equals the device's clock and begins at `start`.
-  Pump(Link& link, Device& device, Ticks start) : link_(link), device_(device), now_(start) {}
+  // `cpu_clock` gives CPU seconds, or is null.
+  Pump(Link& link, Device& device, Ticks start, double (*cpu_clock)() = nullptr)
+      : link_(link), device_(device), now_(start), cpu_clock_(cpu_clock) {}
 
   Ticks now() const { return now_; }
+  // CPU seconds of the device, from a sample of one exchange in kSample.
+  double device_cpu() const { return device_cpu_; }
   // Bytes that the host sent, frames and all, from now on.
   void record(bool on) {
     recording_ = on;
@@ -46,6 +50,10 @@ class Pump {
   Ticks now_;
   Bytes down_, up_, recorded_;
   bool recording_ = false;
+  static constexpr unsigned kSample = 61;
+  double (*cpu_clock_)();
+  unsigned exchanges_ = 0;
+  double device_cpu_ = 0;
 
   // Carries bytes both ways until none move.
   Ticks exchange() {
@@ -54,8 +62,11 @@ class Pump {
       up_.clear();
       Ticks next = link_.poll(now_, down_);
       if (recording_) recorded_.insert(recorded_.end(), down_.begin(), down_.end());
+      bool sampled = cpu_clock_ && exchanges_++ % kSample == 0;
+      double before = sampled ? cpu_clock_() : 0;
       if (!down_.empty()) device_.feed(down_.data(), down_.size(), now_);
       device_.poll(now_, up_);
+      if (sampled) device_cpu_ += kSample * (cpu_clock_() - before);
       if (up_.empty()) return next;
       link_.feed(up_.data(), up_.size(), now_);
     }

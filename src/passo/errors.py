@@ -67,14 +67,38 @@ CATALOGUE: Mapping[str, Entry] = {
         "Move the model on the bed, choose the right machine, or allow --out-of-range clamp",
     ),
     "input.unreachable": _input(
-        "motion",
-        "{axis} {value:.3f} mm cannot be reached by this geometry (limit {limit:.3f})",
-        "Move the model on the bed or choose the right machine",
+        "geometry",
+        "the point {value} mm cannot be reached by this machine",
+        "Move the model on the bed, choose the right machine, or allow --out-of-range clamp",
+    ),
+    "input.actuator": _input(
+        "geometry",
+        "motor {axis} would go to {value:.3f}, beyond its limit of {limit:.3f}",
+        "Move the model on the bed, choose the right machine, or allow --out-of-range clamp",
+    ),
+    "input.feedrate": _input(
+        "gcode", "the feed rate F{value:g} must be above 0", "Give the speed in mm per minute"
+    ),
+    "input.arc": _input(
+        "gcode",
+        "the arc has no circle: {value} does not fit its end",
+        "Give I and J, or an R of at least half the distance",
+    ),
+    "input.checksum": _input(
+        "gcode",
+        "the checksum {value} is wrong: the line's is *{limit}",
+        "Send the line again",
     ),
     "input.missing-tool": _input(
         "printer",
         "tool T{value} does not exist: the machine has {limit} tool(s)",
         "Choose a machine with this tool, or allow --missing-tool ignore",
+    ),
+    "machine.slow-heater": Entry(
+        "heat",
+        "heater {axis} has reached only {value:.1f} °C of {limit:.1f} °C in an hour",
+        "Check its cartridge, its supply and its sensor's place",
+        ExitStatus.MACHINE_FAULT,
     ),
     "machine.shutdown": Entry(
         "board",

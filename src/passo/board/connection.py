@@ -155,8 +155,9 @@ class Connection:
         crc = checksum(lines)
         state = self.ask("get_config", "config")
         if state["is_shutdown"] or (state["is_config"] and state["crc"] != crc):
-            self.ask("reset", "starting")
-            self.link.forget_shutdown()
+            self.command("reset")
+            self.pump.run(self.now)
+            self.link.restart()
             state = self.ask("get_config", "config")
         if not state["is_config"]:
             for line in [*lines, f"finalize_config crc={crc}"]:

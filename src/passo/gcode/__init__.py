@@ -1,0 +1,1 @@
+"""The language: which commands there are."""

@@ -1,0 +1,1 @@
+"""Jobs: whole programs, from the file to the result."""

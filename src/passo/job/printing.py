@@ -1,0 +1,210 @@
+"""A whole print: the file through the plan, the wire and the board, in virtual time."""
+
+from __future__ import annotations
+
+import os
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from passo import _core
+from passo.errors import InputError, MachineError, Problem
+from passo.job.result import PrintResult, cpu_s, peak_rss_mb
+from passo.job.source import chunks, open_source, problem_of
+from passo.printer.commands import Commands
+from passo.printer.wiring import connect
+from passo.printer.words import Command
+
+if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
+
+_LEAD_S = 0.25  # what is planned after a wait starts this much later
+_HORIZON_S = 0.2  # the board is sent commands less than this before they are due
+_MOST_MESSAGES = 1 << 15
+_SLICE_S = 0.5  # temperatures are looked at this often while waiting
+_PATIENCE_S = 3600.0  # a heater that takes longer is broken
+
+
+@dataclass(frozen=True, slots=True)
+class Policy:
+    """What to do with moves out of range and tools that are missing; False: stop."""
+
+    clamp: bool = False
+    ignore_tools: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """Where a print is: share of the file read, layer, print time, temperatures."""
+
+    share: float
+    layer: int
+    print_s: float
+    celsius: dict[str, float]
+
+
+class Print:
+    """One print on the board that the machine file names. Runs once; not thread-safe."""
+
+    def __init__(
+        self,
+        machine: MachineConfig,
+        policy: Policy | None = None,
+        progress: Callable[[Progress], None] | None = None,
+    ) -> None:
+        self._machine = machine
+        self._policy = policy or Policy()
+        self._progress = progress
+        self._hz = machine.board.clock_hz
+        self._heaters = list(machine.heaters)
+        self._marks: deque[tuple[int, int, int]] = deque()
+        self.connection, self.board = connect(machine)
+        outputs = self.connection.board.outputs
+        self.job = _core.Job(
+            machine.core_spec(), True, self._policy.clamp, self._policy.ignore_tools
+        )
+        full = [self.connection.full_scale(output.name) for output in outputs]
+        self._commands = Commands(machine, self.job, self, full)
+        self._base = 0
+        self._wire_cpu_s = 0.0
+        self._heat_s = 0.0
+        self._share = 0.0
+        self.temperatures: dict[str, list[tuple[float, float]]] = {n: [] for n in self._heaters}
+
+    def set_target(self, heater: str, celsius: float) -> None:
+        """Sets a heater's target when the moves so far are done."""
+        self.job.mark(self._heaters.index(heater), round(celsius * 100))
+
+    def wait_for(self, heaters: list[str]) -> None:
+        """Stops the machine and lets time pass until these heaters have reached their targets.
+
+        Raises MachineError if one takes longer than an hour.
+        """
+        self.job.flush()
+        start = self.job.clock
+        self._run_to(start)
+        self._apply_marks(float("inf"))
+        waited = 0.0
+        while any(self._on_its_way(name) for name in heaters):
+            if waited >= _PATIENCE_S:
+                raise self._too_slow(heaters)
+            self._run(self.connection.now + round(_SLICE_S * self._hz))
+            waited += _SLICE_S
+        ready = self.connection.now - self._base + round(_LEAD_S * self._hz)
+        if waited > 0:
+            self.job.wait_until(ready)
+            self._heat_s += (self.job.clock - start) / self._hz
+
+    def run(self, path: str | os.PathLike[str]) -> PrintResult:
+        """Prints the file to its end. Raises InputError or MachineError."""
+        name = str(path)
+        result = PrintResult(file=name, machine=self._machine.name)
+        status = _core.JobStatus
+        with open_source(path) as source:
+            size = max(os.fstat(source.fileno()).st_size, 1)
+            pieces = chunks(source, name)
+            self._base = self.connection.start_job(self.job.messages)
+            while not self._commands.ended:
+                found = self.job.advance(most=_MOST_MESSAGES)
+                if found == status.EVENT:
+                    self._commands.run(Command(*self.job.event))
+                elif found == status.NEED_INPUT:
+                    data = next(pieces, b"")
+                    if data:
+                        self.job.feed(data)
+                        self._share = min(source.tell() / size, 1.0)
+                    else:
+                        self.job.finish()
+                elif found == status.FULL:
+                    self._run_to(self.job.handed_out - _HORIZON_S * self._hz)
+                elif found == status.ERROR:
+                    raise InputError([problem_of(self.job, name)])
+                else:
+                    break
+        self.job.flush()
+        self._run_to(self.job.clock)
+        self._apply_marks(float("inf"))
+        self._run(self.connection.now + round(_LEAD_S * self._hz))
+        self._fill(result, name)
+        return result
+
+    def _run_to(self, job_clock: float) -> None:
+        """Lets the board work up to a clock of the job, setting heaters at their marks on the way."""
+        self._marks.extend(self.job.take_marks())
+        while self._marks and self._marks[0][0] <= job_clock:
+            self._run(self._base + self._marks[0][0])
+            self._apply_marks(self._marks[0][0])
+        self._run(self._base + round(job_clock))
+
+    def _apply_marks(self, until: float) -> None:
+        self._marks.extend(self.job.take_marks())
+        while self._marks and self._marks[0][0] <= until:
+            _, heater, centi = self._marks.popleft()
+            self.connection.set_target(self._heaters[heater], centi / 100)
+
+    def _run(self, clock: int) -> None:
+        before = cpu_s()
+        self.connection.run(clock)
+        self._wire_cpu_s += cpu_s() - before
+        now_s = (self.connection.now - self._base) / self._hz
+        celsius = {name: self.connection.heaters[name].celsius for name in self._heaters}
+        for name, value in celsius.items():
+            self.temperatures[name].append((now_s, value))
+        if self._progress:
+            self._progress(Progress(self._share, self.job.layer, now_s, celsius))
+
+    def _on_its_way(self, name: str) -> bool:
+        heater = self.connection.heaters[name]
+        return heater.target > 0 and not heater.reached and heater.celsius < heater.target
+
+    def _too_slow(self, heaters: list[str]) -> MachineError:
+        name = next(name for name in heaters if self._on_its_way(name))
+        heater = self.connection.heaters[name]
+        values = {"axis": name, "value": heater.celsius, "limit": heater.target}
+        return MachineError([Problem("machine.slow-heater", values=values)])
+
+    def _fill(self, result: PrintResult, name: str) -> None:
+        machine, job, link = self._machine, self.job, self.connection.link
+        spec = machine.core_spec()
+        result.heat_time_s = self._heat_s
+        axes, extruders = ([row["name"] for row in spec[key]] for key in ("axes", "extruders"))
+        result.take_plan(job, axes, extruders)
+        result.take_steps(job, self._hz)
+        steppers = [row["name"] for row in spec["steppers"]]
+        result.steps = {s: self.board.steps(s) for s in steppers}
+        result.final_steps = {s: self.board.net_steps(s) for s in steppers}
+        result.queue_step_commands = link.queue_steps
+        result.wire_bytes = link.wire_bytes
+        result.stream_hash = f"{link.stream_hash:016x}"
+        result.warnings = self._warnings(name, job.statistics()["clamped"])
+        result.errors = [
+            f"stepper {s}: the board made {result.final_steps[s]} net steps, expected {wanted}"
+            for s, wanted in result.net_steps_expected.items()
+            if result.final_steps[s] != wanted
+        ]
+        board = self.connection.pump.device_cpu_s
+        result.cpu_s = job.cpu() | {
+            "wire": max(self._wire_cpu_s - board, 0.0),
+            "board": board,
+            "total": cpu_s(),
+        }
+        result.peak_rss_mb = peak_rss_mb()
+
+    def _warnings(self, name: str, clamped: int) -> list[str]:
+        commands = self._commands
+        warnings = [
+            f"{name}:{line}: {code} is unknown and was skipped ({times} times)"
+            for code, (line, times) in commands.unknown.items()
+        ]
+        warnings += [
+            f"{name}:{line}: {code} waits for a person; nobody is here, so it took no time ({times} times)"
+            for code, (line, times) in commands.waits.items()
+        ]
+        warnings += [
+            f"{name}:{line}: tool {code} does not exist and was ignored ({times} times)"
+            for code, (line, times) in commands.missing_tools.items()
+        ]
+        if clamped:
+            warnings.append(f"{name}: {clamped} targets out of range were moved to the limit")
+        return warnings

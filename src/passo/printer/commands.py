@@ -1,0 +1,206 @@
+"""What the commands outside of the motion state do to the printer and to the plan."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import sqrt
+from typing import TYPE_CHECKING, Protocol
+
+from passo.gcode.dialect import BY_CODE, Kind
+from passo.printer.words import Command
+
+if TYPE_CHECKING:
+    from passo import _core
+    from passo.config.machine import MachineConfig
+
+
+class Heat(Protocol):
+    """Where temperatures are set and waited for."""
+
+    def set_target(self, heater: str, celsius: float) -> None:
+        """Sets a heater's target when the moves so far are done; 0 is off."""
+
+    def wait_for(self, heaters: list[str]) -> None:
+        """Lets time pass until these heaters have reached their targets."""
+
+
+class Commands:
+    """Carries out what the job's interpreter hands out. One object a job; not thread-safe.
+
+    `unknown` and `waits` count the codes that mean nothing here and those that wait for a person:
+    code → (first line, times).
+    """
+
+    def __init__(self, machine: MachineConfig, job: _core.Job, heat: Heat, full_scale: list[int]) -> None:
+        self._machine, self._job, self._heat = machine, job, heat
+        self.unknown: dict[str, tuple[int, int]] = {}
+        self.waits: dict[str, tuple[int, int]] = {}
+        self.missing_tools: dict[str, tuple[int, int]] = {}
+        names = [*machine.heaters, *machine.fans, *(["laser"] if machine.laser else [])]
+        self._outputs = {name: (i, full_scale[i]) for i, name in enumerate(names)}
+        self._spindle = 0.0
+        self._spindle_on = False
+        self.ended = False
+        self._handlers: dict[str, Callable[[Command], None]] = {
+            "G28": lambda _: self._job.settle_position(),
+            "M2": self._end,
+            "M30": self._end,
+            "M3": self._spindle_start,
+            "M4": self._spindle_start,
+            "M5": self._spindle_stop,
+            "S": self._spindle_power,
+            "M18": lambda _: self._job.flush(),
+            "M84": lambda _: self._job.flush(),
+            "M400": lambda _: self._job.flush(),
+            "M104": lambda c: self._temperature(c, "hotend", wait=False),
+            "M109": lambda c: self._temperature(c, "hotend", wait=True),
+            "M140": lambda c: self._temperature(c, "bed", wait=False),
+            "M190": lambda c: self._temperature(c, "bed", wait=True),
+            "M141": lambda c: self._temperature(c, "chamber", wait=False),
+            "M191": lambda c: self._temperature(c, "chamber", wait=True),
+            "M116": lambda _: self._heat.wait_for(list(self._machine.heaters)),
+            "M106": self._fan_on,
+            "M107": self._fan_off,
+            "M201": lambda c: self._axis_limits(c, "accel"),
+            "M203": lambda c: self._axis_limits(c, "speed"),
+            "M204": self._accelerations,
+            "M205": self._junction,
+            "M220": self._speed,
+            "G10": self._tool_temperatures,
+            "SET_VELOCITY_LIMIT": self._velocity_limit,
+        }
+
+    def run(self, command: Command) -> None:
+        """Carries one command out, or counts it as unknown."""
+        if command.letter == "T":
+            if command.minor:
+                _count(self.missing_tools, f"T{command.number}", command.line)
+            return
+        code = "S" if command.letter == "S" else command.code
+        handler = self._handlers.get(code)
+        if handler is not None:
+            handler(command)
+            return
+        row = BY_CODE.get(code) or BY_CODE.get(code.partition(".")[0])
+        if row is None:
+            _count(self.unknown, code, command.line)
+        elif row.kind is Kind.PERSON:
+            self._job.flush()
+            _count(self.waits, code, command.line)
+
+    def _end(self, _: Command) -> None:
+        self._job.flush()
+        self.ended = True
+
+    def _set(self, output: str, share: float) -> None:
+        index, full = self._outputs[output]
+        self._job.record(index, round(min(max(share, 0.0), 1.0) * full))
+
+    def _spindle_start(self, command: Command) -> None:
+        self._spindle = command.words().get("S", self._spindle)
+        self._spindle_on = True
+        self._laser()
+
+    def _spindle_stop(self, _: Command) -> None:
+        self._spindle_on = False
+        self._laser()
+
+    def _spindle_power(self, command: Command) -> None:
+        self._spindle = command.words().get("S", self._spindle)
+        self._laser()
+
+    def _laser(self) -> None:
+        if self._machine.laser:
+            share = self._spindle / self._machine.laser.full_scale if self._spindle_on else 0.0
+            self._set("laser", share)
+
+    def _heater(self, kind: str, tool: int) -> str | None:
+        names = [name for name, heater in self._machine.heaters.items() if heater.kind == kind]
+        if not names:
+            return None
+        return names[tool] if 0 <= tool < len(names) else names[0]
+
+    def _temperature(self, command: Command, kind: str, *, wait: bool) -> None:
+        words = command.words()
+        heater = self._heater(kind, int(words.get("T", self._job.tool)))
+        if heater is None:
+            return
+        target = words.get("S", words.get("R"))
+        if target is not None:
+            limit = self._machine.heaters[heater].max_c
+            self._heat.set_target(heater, min(max(target, 0.0), limit))
+        if wait:
+            self._heat.wait_for([heater])
+
+    def _tool_temperatures(self, command: Command) -> None:
+        words = command.words()
+        heater = self._heater("hotend", int(words.get("P", self._job.tool)))
+        target = words.get("S", words.get("R"))
+        if heater is not None and target is not None:
+            self._heat.set_target(heater, max(target, 0.0))
+
+    def _fan(self, command: Command) -> str | None:
+        number = int(command.words().get("P", 0))
+        return next((n for n, fan in self._machine.fans.items() if fan.number == number), None)
+
+    def _fan_on(self, command: Command) -> None:
+        fan = self._fan(command)
+        if fan is not None:
+            self._set(fan, command.words().get("S", 255) / 255 * self._machine.fans[fan].max_power)
+
+    def _fan_off(self, command: Command) -> None:
+        fan = self._fan(command)
+        if fan is not None:
+            self._set(fan, 0.0)
+
+    def _axis_limits(self, command: Command, what: str) -> None:
+        for letter, value in command.words().items():
+            if value > 0:
+                self._job.set_axis_limit(letter.lower(), what, value)
+
+    def _accelerations(self, command: Command) -> None:
+        words = command.words()
+        for letter, names in (
+            ("S", ("print_accel", "travel_accel")),
+            ("P", ("print_accel",)),
+            ("T", ("travel_accel",)),
+            ("R", ("retract_accel",)),
+        ):
+            if words.get(letter, 0) > 0:
+                for name in names:
+                    self._job.set_limit(name, words[letter])
+
+    def _junction(self, command: Command) -> None:
+        deviation = command.words().get("J", 0)
+        if deviation > 0:
+            self._job.set_limit("junction_deviation", deviation)
+
+    def _speed(self, command: Command) -> None:
+        percent = command.words().get("S", 0)
+        if percent > 0:
+            self._job.speed_factor = min(max(percent, 10.0), 1000.0) / 100
+
+    def _velocity_limit(self, command: Command) -> None:
+        values: dict[str, float] = {}
+        for key, text in command.pairs().items():
+            try:
+                values[key] = float(text)
+            except ValueError:
+                _count(self.unknown, f"{command.code} {key}={text}", command.line)
+        if values.get("VELOCITY", 0) > 0:
+            self._job.set_limit("speed", values["VELOCITY"])
+        accel = values.get("ACCEL", 0.0)
+        if accel > 0:
+            self._job.set_limit("print_accel", accel)
+            self._job.set_limit("travel_accel", accel)
+        if 0 <= values.get("MINIMUM_CRUISE_RATIO", -1) < 1:
+            self._job.set_limit("minimum_cruise_ratio", values["MINIMUM_CRUISE_RATIO"])
+        corner = values.get("SQUARE_CORNER_VELOCITY", 0.0)
+        if corner > 0 and accel > 0:
+            # A right angle: v² = a δ s/(1 - s) with s = √½, so δ = v² (√2 - 1) / a.
+            self._job.set_limit("junction_deviation", corner**2 * (sqrt(2) - 1) / accel)
+
+
+def _count(table: dict[str, tuple[int, int]], code: str, line: int) -> None:
+    first, times = table.get(code, (line, 0))
+    table[code] = (first, times + 1)

@@ -1,0 +1,105 @@
+"""From a machine file to what is wired to its board."""
+
+from __future__ import annotations
+
+from math import ceil
+from typing import TYPE_CHECKING
+
+from passo.board.connection import Connection
+from passo.board.description import BoardDescription, Heater, Output, Sensor, Stepper
+from passo.heat.thermistor import ratio_at, ratio_table
+
+if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
+    from passo.simulator import SimulatedBoard
+
+_PWM_PERIOD_S = 0.1
+_MAX_DURATION_S = 3.0
+
+
+def board_description(machine: MachineConfig) -> BoardDescription:
+    """The board with all motors, heaters, fans and the laser. Message targets count the steppers in
+    the order of `core_spec()`, the outputs in the order of `output_names`."""
+    clock_hz = machine.board.clock_hz
+    spec = machine.core_spec()
+    steppers = tuple(
+        Stepper(
+            s["name"],
+            *_driver_pins(machine, s["name"]),
+            invert=s["invert"],
+            pulse_ticks=max(1, ceil(s["pulse_s"] * clock_hz)),
+        )
+        for s in spec["steppers"]
+    )
+    outputs: list[Output] = []
+    sensors: list[Sensor] = []
+    heaters: list[Heater] = []
+    for name, heater in machine.heaters.items():
+        cycle = round(_PWM_PERIOD_S * clock_hz)
+        longest = round(_MAX_DURATION_S * clock_hz)
+        outputs.append(Output(name, _pin(machine, heater.pin), "digital", cycle, longest))
+        table = ratio_table(heater.sensor.r25_ohm, heater.sensor.beta_k, heater.sensor.pullup_ohm)
+        ends = sorted((ratio_at(table, heater.min_c), ratio_at(table, heater.max_c)))
+        sensors.append(Sensor(name, _pin(machine, heater.sensor_pin), table, ends[0], ends[1]))
+        heat = heater.simulated
+        kp = 1.5 * heat.time_constant_s / heat.full_power_rise_c / (4 * heat.sensor_time_constant_s)
+        ki = kp / (4 * heat.time_constant_s)
+        heaters.append(Heater(name, name, name, heater.max_power, kp, ki, kp * 2.0))
+    for name, fan in machine.fans.items():
+        outputs.append(Output(name, _pin(machine, fan.pin), "digital", round(_PWM_PERIOD_S * clock_hz)))
+    if machine.laser:
+        outputs.append(Output("laser", _pin(machine, machine.laser.pin), "pwm", round(0.001 * clock_hz)))
+    return BoardDescription(
+        clock_hz=clock_hz,
+        steppers=steppers,
+        outputs=tuple(outputs),
+        sensors=tuple(sensors),
+        heaters=tuple(heaters),
+        move_count=machine.board.move_count,
+        mcu=machine.board.mcu,
+    )
+
+
+def _pin(machine: MachineConfig, name: str) -> str:
+    """The microcontroller's pin behind a name printed on the board."""
+    return machine.board.pins.get(name, name)
+
+
+def _driver_pins(machine: MachineConfig, name: str) -> tuple[str, str]:
+    """Step and direction pin of a motor."""
+    stepper = machine.steppers[name]
+    socket = machine.board.sockets[stepper.socket] if stepper.socket else None
+    step = stepper.step_pin or (socket.step if socket else f"{name}_step")
+    direction = stepper.direction_pin or (socket.direction if socket else f"{name}_dir")
+    return step, direction
+
+
+def simulated_board(machine: MachineConfig, board: BoardDescription) -> SimulatedBoard:
+    """The simulated board that a machine file names, with mechanics and heat around it."""
+    from passo.simulator import Actuator, Body, PlantDescription, SimulatedBoard
+
+    plant = PlantDescription(
+        actuators=tuple(
+            Actuator(s["name"], s["steps_per_unit"]) for s in machine.core_spec()["steppers"]
+        ),
+        bodies=tuple(
+            Body(
+                name,
+                heater.simulated.full_power_rise_c,
+                heater.simulated.time_constant_s,
+                heater.simulated.sensor_time_constant_s,
+            )
+            for name, heater in machine.heaters.items()
+        ),
+    )
+    return SimulatedBoard(board, plant)
+
+
+def connect(machine: MachineConfig) -> tuple[Connection, SimulatedBoard]:
+    """A connection to the board that the machine file names, identified and configured, and the
+    simulated board itself, to look at. Raises MachineError."""
+    board = board_description(machine)
+    simulated = simulated_board(machine, board)
+    connection = Connection(board, simulated.device)
+    connection.connect()
+    return connection, simulated
