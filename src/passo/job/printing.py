@@ -177,7 +177,7 @@ class Print:
         result.queue_step_commands = link.queue_steps
         result.wire_bytes = link.wire_bytes
         result.stream_hash = f"{link.stream_hash:016x}"
-        result.warnings = self._warnings(name, job.statistics()["clamped"])
+        result.warnings = self._commands.warnings(name, job.statistics()["clamped"])
         result.errors = [
             f"stepper {s}: the board made {result.final_steps[s]} net steps, expected {wanted}"
             for s, wanted in result.net_steps_expected.items()
@@ -190,21 +190,3 @@ class Print:
             "total": cpu_s(),
         }
         result.peak_rss_mb = peak_rss_mb()
-
-    def _warnings(self, name: str, clamped: int) -> list[str]:
-        commands = self._commands
-        warnings = [
-            f"{name}:{line}: {code} is unknown and was skipped ({times} times)"
-            for code, (line, times) in commands.unknown.items()
-        ]
-        warnings += [
-            f"{name}:{line}: {code} waits for a person; nobody is here, so it took no time ({times} times)"
-            for code, (line, times) in commands.waits.items()
-        ]
-        warnings += [
-            f"{name}:{line}: tool {code} does not exist and was ignored ({times} times)"
-            for code, (line, times) in commands.missing_tools.items()
-        ]
-        if clamped:
-            warnings.append(f"{name}: {clamped} targets out of range were moved to the limit")
-        return warnings

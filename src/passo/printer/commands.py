@@ -88,6 +88,22 @@ class Commands:
             self._job.flush()
             _count(self.waits, code, command.line)
 
+    def warnings(self, file: str, clamped: int) -> list[str]:
+        """One sentence for each code that meant nothing, waited for nobody, or was ignored."""
+        sentences = (
+            (self.unknown, "{} is unknown and was skipped"),
+            (self.waits, "{} waits for a person; nobody is here, so it took no time"),
+            (self.missing_tools, "tool {} does not exist and was ignored"),
+        )
+        lines = [
+            f"{file}:{line}: {text.format(code)} ({times} {'time' if times == 1 else 'times'})"
+            for table, text in sentences
+            for code, (line, times) in table.items()
+        ]
+        if clamped:
+            lines.append(f"{file}: {clamped} targets out of range were moved to the limit")
+        return lines
+
     def _end(self, _: Command) -> None:
         self._job.flush()
         self.ended = True

@@ -1,0 +1,44 @@
+"""Options that several subcommands share."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from passo.job.printing import Policy
+
+
+def add_machine(parser: argparse.ArgumentParser) -> None:
+    """`--machine NAME|FILE.toml`."""
+    parser.add_argument(
+        "--machine",
+        default="i3",
+        metavar="NAME|FILE.toml",
+        help="a shipped machine (see `passo machines`) or a machine file; default: i3",
+    )
+
+
+def add_policy(parser: argparse.ArgumentParser) -> None:
+    """`--out-of-range` and `--missing-tool`."""
+    parser.add_argument(
+        "--out-of-range",
+        choices=("stop", "clamp"),
+        default="stop",
+        help="moves beyond the machine's limits: stop (default), or go to the limit",
+    )
+    parser.add_argument(
+        "--missing-tool",
+        choices=("stop", "ignore"),
+        default="stop",
+        help="tools that the machine lacks: stop (default), or go on with the tool in place",
+    )
+
+
+def policy_of(arguments: argparse.Namespace) -> Policy:
+    """The policy that these options ask for."""
+    from passo.job.printing import Policy
+
+    return Policy(
+        clamp=arguments.out_of_range == "clamp", ignore_tools=arguments.missing_tool == "ignore"
+    )

@@ -1,0 +1,50 @@
+"""`passo print`: a file, to its end, on the machine's board."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+
+from passo.cli.clock import Pace, add_clock
+from passo.cli.machine_option import add_machine, add_policy, policy_of
+from passo.errors import ExitStatus, PassoError
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declares the options of `passo print`."""
+    parser.add_argument("file", help="the G-code file")
+    add_machine(parser)
+    add_clock(parser)
+    add_policy(parser)
+    parser.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Prints the file; a table at the end, or one JSON object. Warnings go to stderr."""
+    from passo import config
+    from passo.cli.progress import ProgressBar
+    from passo.job.printing import Print
+    from passo.job.result import PrintResult
+
+    machine = config.load(arguments.machine)
+    pace = Pace(arguments.clock)
+    try:
+        with ProgressBar(quiet=arguments.json) as bar:
+            job = Print(machine, policy_of(arguments), lambda p: (pace.keep(p.print_s), bar.show(p)))
+            result = job.run(arguments.file)
+    except PassoError as error:
+        if arguments.json:
+            failed = PrintResult(file=arguments.file, machine=machine.name)
+            failed.errors = [str(problem) for problem in error.problems]
+            print(json.dumps(failed.as_dict()))
+        raise
+    for line in result.warnings + result.errors:
+        print(line, file=sys.stderr)
+    if arguments.json:
+        print(json.dumps(result.as_dict()))
+    else:
+        from passo.cli.tables import print_table
+
+        print(print_table(result))
+    return ExitStatus.MACHINE_FAULT if result.errors else ExitStatus.DONE

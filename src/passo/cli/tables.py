@@ -1,0 +1,103 @@
+"""Short tables in plain text."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from passo.job.estimate import Estimate
+    from passo.job.result import PrintResult
+
+
+def duration(seconds: float) -> str:
+    """`1 h 02 min 03 s`, without what is zero in front; tenths below a minute."""
+    if seconds < 60:
+        return f"{seconds:.1f} s"
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours} h {minutes:02} min {rest:02} s" if hours else f"{minutes} min {rest:02} s"
+
+
+def rows(pairs: Sequence[tuple[str, str]]) -> str:
+    """Two columns, the first as wide as its longest name."""
+    width = max(len(name) for name, _ in pairs)
+    return "\n".join(f"{name:<{width}}  {text}" for name, text in pairs)
+
+
+def shares(parts: Mapping[str, float], most: int = 12) -> list[tuple[str, str]]:
+    """The largest parts with their time and their share of all."""
+    total = sum(parts.values()) or 1.0
+    largest = sorted(parts.items(), key=lambda item: -item[1])[:most]
+    return [
+        (f"  {name}", f"{duration(seconds):>17}  {seconds / total:6.1%}")
+        for name, seconds in largest
+        if seconds / total >= 0.0005
+    ]
+
+
+def _lengths(parts: Mapping[str, float]) -> str:
+    return ", ".join(f"{name} {mm:.1f} mm" for name, mm in parts.items()) or "none"
+
+
+def print_table(result: PrintResult) -> str:
+    """What a print came to."""
+    total = sum(result.steps.values())
+    right = result.final_steps == result.net_steps_expected
+    pairs = [
+        ("file", result.file),
+        ("machine", result.machine),
+        ("lines, moves, arcs", f"{result.lines:,}, {result.moves:,}, {result.arcs:,}"),
+        ("layers", f"{result.layers:,}"),
+        ("print time", duration(result.print_time_s)),
+        (
+            "  moving, heating, waiting",
+            ", ".join(
+                duration(seconds)
+                for seconds in (result.move_time_s, result.heat_time_s, result.dwell_time_s)
+            ),
+        ),
+        ("filament", _lengths(result.filament_mm)),
+        ("end position", _lengths(result.final_position_mm)),
+        ("motor steps", f"{total:,} in {result.queue_step_commands:,} commands"),
+        (
+            "net steps at the end",
+            "as expected on every motor" if right else "WRONG: " + "; ".join(result.errors),
+        ),
+        (
+            "step time error",
+            f"{result.step_error_us['max']:.2f} µs at most, {result.step_error_us['rms']:.2f} µs rms",
+        ),
+        ("bytes on the wire", f"{result.wire_bytes:,}"),
+        ("stream", result.stream_hash),
+        ("time by limit", ""),
+        *shares(result.limits, 6),
+        (
+            "computer time",
+            f"{result.cpu_s['total']:.2f} s, {result.peak_rss_mb:.0f} MB"
+            f" ({result.print_time_s / max(result.cpu_s['total'], 1e-9):,.0f} times real time)",
+        ),
+    ]
+    return rows(pairs)
+
+
+def estimate_table(estimate: Estimate) -> str:
+    """Time and filament of a file, by layer, feature and limit."""
+    layers = [seconds for seconds in estimate.layers_s if seconds > 0]
+    pairs = [
+        ("file", estimate.file),
+        ("machine", estimate.machine),
+        ("time", duration(estimate.total_s)),
+        ("  moving, waiting", f"{duration(estimate.move_s)}, {duration(estimate.dwell_s)}"),
+        ("filament", _lengths(estimate.filament_mm)),
+        ("moves, layers", f"{estimate.moves:,}, {estimate.layers:,}"),
+        (
+            "layer time",
+            f"{duration(min(layers))} to {duration(max(layers))}" if layers else "none",
+        ),
+        ("by feature", ""),
+        *shares(estimate.features_s),
+        ("by limit", ""),
+        *shares(estimate.limits_s),
+    ]
+    return rows(pairs)
