@@ -395,11 +395,7 @@ void bind_board(nb::module_& m) {
           [](VirtualBoard& b, uint32_t pin) { return motor_of(b, pin).net_at(b.now()); },
           "step_pin"_a)
       .def(
-          "steps",
-          [](VirtualBoard& b, uint32_t pin) {
-            motor_of(b, pin).retire(b.now());
-            return motor_of(b, pin).steps();
-          },
+          "steps", [](VirtualBoard& b, uint32_t pin) { return motor_of(b, pin).steps_at(b.now()); },
           "step_pin"_a)
       .def(
           "last_step", [](VirtualBoard& b, uint32_t pin) { return motor_of(b, pin).last_clock(); },

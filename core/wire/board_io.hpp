@@ -21,11 +21,7 @@ class BoardOutput {
  public:
   BoardOutput(uint32_t pin, bool pwm, uint32_t full, uint32_t value, uint32_t default_value,
               Ticks max_duration)
-      : pin_(pin),
-        pwm_(pwm),
-        full_(full),
-        default_(default_value),
-        max_duration_(max_duration),
+      : pin_(pin), pwm_(pwm), full_(full), default_(default_value), max_duration_(max_duration),
         value_(value) {}
 
   uint32_t pin() const { return pin_; }
@@ -95,7 +91,7 @@ struct BoardAnalogIn {
 
   explicit BoardAnalogIn(uint32_t pin_) : pin(pin_) {}
   Ticks next() const { return begin == kNever ? kNever : begin + sample * (count - 1); }
-  // True if `values` is to be reported and cleared.
+  // Adds a sum to `values`; true if it is the last of too many outside the range.
   bool run(Plant& plant) {
     uint32_t sum = count * plant.adc(pin, next());
     begin += rest;
@@ -103,11 +99,11 @@ struct BoardAnalogIn {
     values.push_back(uint8_t(sum >> 8));
     if (sum >= minimum && sum <= maximum) {
       outside = 0;
-    } else if (++outside >= range_checks && range_checks > 0) {
-      outside = 0;
-      throw Shutdown{Fault::adc_range};
+      return false;
     }
-    return values.size() >= report_size;
+    if (range_checks == 0 || ++outside < range_checks) return false;
+    outside = 0;
+    return true;
   }
 };
 

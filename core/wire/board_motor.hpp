@@ -103,7 +103,11 @@ class BoardMotor {
     const StepRun& run = ring_[head_ & (ring_.size() - 1)];
     return net_ + run.dir * run.done(clock);
   }
-  int64_t steps() const { return steps_; }
+  // Steps both ways, likewise.
+  int64_t steps_at(Ticks clock) {
+    retire(clock);
+    return steps_ + (head_ == tail_ ? 0 : ring_[head_ & (ring_.size() - 1)].done(clock));
+  }
   Ticks last_clock() const { return last_; }
 
   // Keeps the commands that are executed within from…to.

@@ -24,8 +24,7 @@ class JobStream {
   static constexpr size_t kLongestCommand = 2 + 2 + 5 + 3 + 3;
 
   explicit JobStream(double clock_hz)
-      : horizon_(Ticks(kHorizonSeconds * clock_hz)),
-        quantum_(Ticks(kQuantumSeconds * clock_hz)),
+      : horizon_(Ticks(kHorizonSeconds * clock_hz)), quantum_(Ticks(kQuantumSeconds * clock_hz)),
         margin_(Ticks(kMarginSeconds * clock_hz)) {}
 
   // Targets in the order of Message::target. Throws std::invalid_argument if the board lacks a

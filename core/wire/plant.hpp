@@ -62,9 +62,7 @@ class Plant {
   std::vector<HeatedBody> bodies;
 
   Plant(double clock_hz, uint32_t adc_max, Ticks start)
-      : step_s_(kStepSeconds),
-        step_ticks_(Ticks(kStepSeconds * clock_hz)),
-        adc_max_(adc_max),
+      : step_s_(kStepSeconds), step_ticks_(Ticks(kStepSeconds * clock_hz)), adc_max_(adc_max),
         done_(start) {}
 
   void add_body(HeatedBody body) {

@@ -38,6 +38,7 @@ class Pump {
       next = std::min(next, device_.next_deadline());
       if (next > until) {
         now_ = std::max(now_, until);
+        device_.poll(now_, up_);  // nothing is due, but it learns the time
         return Stop::time;
       }
       now_ = std::max(next, now_);

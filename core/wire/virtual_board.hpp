@@ -29,8 +29,7 @@ class VirtualBoard : public Device {
   };
 
   explicit VirtualBoard(Options options)
-      : options_(std::move(options)),
-        plant_(options_.clock_hz, options_.adc_max, options_.start),
+      : options_(std::move(options)), plant_(options_.clock_hz, options_.adc_max, options_.start),
         now_(options_.start) {
     for (const Declaration& d : kCommands) {
       Format format(d.id, d.text);
@@ -154,10 +153,12 @@ class VirtualBoard : public Device {
     if (auto* output = std::get_if<BoardOutput>(&part)) {
       output->run(now_, plant_);
     } else if (auto* analog = std::get_if<BoardAnalogIn>(&part)) {
-      if (analog->run(plant_)) {
+      bool fault = analog->run(plant_);
+      if (analog->values.size() >= analog->report_size) {
         report(Report::analog_in_state, {oid, uint32_t(analog->begin)}, &analog->values);
         analog->values.clear();
       }
+      if (fault) throw Shutdown{Fault::adc_range};
     } else if (auto* endstop = std::get_if<BoardEndstop>(&part)) {
       if (endstop->run(level(endstop->pin))) trigger(endstop->trsync, endstop->reason);
     } else if (auto* group = std::get_if<BoardTrsync>(&part)) {
@@ -327,9 +328,12 @@ class VirtualBoard : public Device {
         break;
       case Command::query_analog_in: {
         BoardAnalogIn& in = get<BoardAnalogIn>(a[0]);
-        in.begin = a[3] == 0 ? kNever : unwrap(a[1]);
-        if (a[3] != 0 && in.begin < now_) throw Shutdown{Fault::timer_too_close};
-        if (a[3] != 0) check_period(a[4]);
+        Ticks begin = kNever;
+        if (a[3] != 0) {
+          check_period(a[4]);
+          begin = ahead(a[1]);
+        }
+        in.begin = begin;
         in.sample = a[2];
         in.count = a[3];
         in.rest = a[4];
@@ -343,13 +347,13 @@ class VirtualBoard : public Device {
       }
       case Command::endstop_home: {
         BoardEndstop& e = get<BoardEndstop>(a[0]);
-        e.armed = a[3] != 0;
-        if (!e.armed) break;
+        e.armed = false;
+        if (a[3] == 0) break;
         get<BoardTrsync>(a[6]);
-        e.next_sample = unwrap(a[1]);
-        if (e.next_sample < now_) throw Shutdown{Fault::timer_too_close};
         check_period(a[4]);
         if (a[3] > 1) check_period(a[2]);
+        e.next_sample = ahead(a[1]);
+        e.armed = true;
         e.sample = a[2];
         e.count = a[3];
         e.rest = a[4];
@@ -367,18 +371,22 @@ class VirtualBoard : public Device {
       }
       case Command::trsync_start: {
         BoardTrsync& group = get<BoardTrsync>(a[0]);
-        if (a[2] != 0) check_period(a[2]);
+        Ticks report = kNever;
+        if (a[2] != 0) {
+          check_period(a[2]);
+          report = ahead(a[1]);
+        }
         for (size_t motor : group.motors) get<BoardMotor>(uint32_t(motor)).trsync = -1;
         group = BoardTrsync();
+        group.report = report;
         group.armed = true;
-        group.report = a[2] == 0 ? kNever : unwrap(a[1]);
         group.report_ticks = a[2];
         group.expire_reason = a[3];
         break;
       }
       case Command::trsync_set_timeout: {
         BoardTrsync& group = get<BoardTrsync>(a[0]);
-        if (group.armed) group.timeout = unwrap(a[1]);
+        if (group.armed) group.timeout = ahead(a[1]);
         break;
       }
       case Command::trsync_trigger: {
@@ -436,6 +444,12 @@ class VirtualBoard : public Device {
       if (slots_ >= options_.move_count) throw Shutdown{Fault::slots_exhausted};
     }
     ++slots_;
+  }
+  // A timer cannot be set in the past.
+  Ticks ahead(uint32_t clock) const {
+    Ticks at = unwrap(clock);
+    if (at < now_) throw Shutdown{Fault::timer_too_close};
+    return at;
   }
   // A real board would do nothing else, or miss its own timers.
   static void check_period(uint32_t ticks) {

@@ -16,10 +16,8 @@ class Window {
       16;  // a frame under construction may overrun its end by a command
 
   explicit Window(double clock_hz)
-      : rto_min_(Ticks(0.025 * clock_hz)),
-        rto_max_(Ticks(5 * clock_hz)),
-        rto_start_(Ticks(0.1 * clock_hz)),
-        rto_(rto_start_) {}
+      : rto_min_(Ticks(0.025 * clock_hz)), rto_max_(Ticks(5 * clock_hz)),
+        rto_start_(Ticks(0.1 * clock_hz)), rto_(rto_start_) {}
 
   // Bytes that the board can take in before it has worked; 0: no such limit.
   void set_receive_window(size_t bytes) { receive_window_ = bytes; }

@@ -1,4 +1,4 @@
-"""What is wired to a board, as plain data: all that the host must know to configure and to drive it.
+"""What is wired to a board, as plain data: what the host must know to configure and drive it.
 
 Pins are names of the board's dictionary; `!` in front inverts a pin, `^` asks for its pull-up.
 """
@@ -58,8 +58,8 @@ class Sensor:
 class Heater:
     """An output that heats what a sensor measures.
 
-    Control is PID with `kp` (share of full power by °C), `ki` (by °C·s) and `kd` (by °C/s), or on/off
-    within `hysteresis_c` if `kp` is 0. A target is reached within `tolerance_c`.
+    Control is PID with `kp` (share of full power by °C), `ki` (by °C·s) and `kd` (by °C/s), or
+    on/off within `hysteresis_c` if `kp` is 0. A target is reached within `tolerance_c`.
     """
 
     name: str

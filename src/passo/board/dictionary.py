@@ -18,8 +18,8 @@ class DictionaryError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Dictionary:
-    """`commands` and `reports` are (id, declaration) pairs; `enumerations` map a parameter's kind and
-    a name to its number; `constants` are the board's own figures (`CLOCK_FREQ`, `ADC_MAX`, …)."""
+    """`commands` and `reports` are (id, declaration) pairs; `enumerations` map a parameter's kind
+    and a name to its number; `constants` are the board's figures (`CLOCK_FREQ`, `ADC_MAX`, …)."""
 
     commands: tuple[tuple[int, str], ...]
     reports: tuple[tuple[int, str], ...]

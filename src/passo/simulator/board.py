@@ -9,8 +9,8 @@ from passo.simulator.plant import PlantDescription
 
 
 class SimulatedBoard:
-    """A virtual board with the plant around it. `device` is what a connection talks to; all else only
-    looks, or makes faults. Clocks are board ticks."""
+    """A virtual board with the plant around it. `device` is what a connection talks to; all else
+    only looks, or makes faults. Clocks are board ticks."""
 
     def __init__(
         self,
@@ -63,7 +63,7 @@ class SimulatedBoard:
             )
 
     def net_steps(self, stepper: str) -> int:
-        """Steps executed so far, forward minus backward. KeyError before the board is configured."""
+        """Steps executed so far, forward minus backward. KeyError if not yet configured."""
         return self._sign(stepper) * self.device.net_steps(self._step_pin(stepper))
 
     def steps(self, stepper: str) -> int:
@@ -79,7 +79,7 @@ class SimulatedBoard:
         return self.device.temperature(self._sensors[sensor])
 
     def force_sensor(self, sensor: str, ratio: float | None) -> None:
-        """A fault: the ADC sees this share of its full scale whatever the temperature; None ends it."""
+        """A fault: the ADC sees this share of full scale whatever the heat; None ends it."""
         self.device.force_adc(self._sensors[sensor], -1.0 if ratio is None else ratio)
 
     def trace_steps(self, stepper: str, from_clock: int, to_clock: int) -> None:

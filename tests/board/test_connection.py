@@ -1,0 +1,133 @@
+"""A whole session: identify, configure, run, reconnect, fail."""
+
+from __future__ import annotations
+
+import pytest
+
+from passo import _core
+from passo.board import Connection, Dictionary, decode
+from passo.board.connection import BoardSilentError
+from passo.errors import MachineError
+from passo.simulator import SimulatedBoard
+from passo.simulator.dictionary import compressed_dictionary
+
+from .bench import HZ, PLANT, START, Bench, Planner, description, executed
+
+
+def test_connect_identifies_configures_and_follows_the_clock():
+    bench = Bench()
+    c = bench.connection
+    assert c.move_count == 1024
+    assert c.dictionary.number("CLOCK_FREQ") == HZ
+    bench.run(10.0)
+    assert c.link.clock_rate == 1.0
+    assert c.link.clock_at(c.now) == c.now == START + 10 * HZ
+    state = c.ask("get_config", "config")
+    assert (state["is_config"], state["is_shutdown"]) == (1, 0)
+
+
+def test_a_job_is_executed_to_the_tick():
+    bench = Bench()
+    plan = Planner()
+    plan.steps(0, True, 40_000, 100, 5)
+    plan.steps(1, True, 1_000_000, 3)
+    plan.steps(0, False, 30_000, 250, -7)
+    plan.pin(0, 3_000_000, 80_000)
+    plan.steps(1, False, 65_536, 65, 12)
+    for name in ("x", "y"):
+        bench.simulated.trace_steps(name, 0, 2**62)
+    bench.simulated.trace_output("fan")
+    base = bench.connection.start_job(plan.queue)
+    bench.run(5.0)
+    assert executed(bench, "x", base) == (plan.clocks[0], plan.directions[0])
+    assert executed(bench, "y", base) == (plan.clocks[1], plan.directions[1])
+    assert bench.simulated.net_steps("x") == -150
+    assert bench.simulated.net_steps("y") == -62
+    assert bench.simulated.steps("x") == 350
+    assert bench.simulated.position("x") == 10.0 - 150 / 80
+    assert bench.simulated.position("y") == -62 / 80
+    assert bench.simulated.take_changes("fan") == [(base + 3_000_000, 80_000)]
+    assert bench.link.queue_steps == 4
+    assert bench.link.messages == 9
+    assert len(plan.queue) == 0
+
+
+def test_all_bytes_of_a_session_can_be_read():
+    bench = Bench()
+    bench.connection.pump.record(True)
+    before = bench.link.wire_bytes
+    plan = Planner()
+    plan.steps(0, True, 1234, 10, -3, lead=0)
+    bench.connection.start_job(plan.queue)
+    bench.run(0.3)
+    recorded = bench.connection.pump.take_recorded()
+    assert len(recorded) == bench.link.wire_bytes - before
+    lines = decode(recorded, bench.connection.dictionary)
+    assert "queue_step oid=0 interval=1234 count=10 add=-3" in lines
+    assert "set_next_step_dir oid=0 dir=1" in lines
+
+
+def test_a_board_that_is_configured_alike_is_taken_as_it_is():
+    bench = Bench()
+    second = Connection(bench.board, bench.device, bench.connection.now)
+    second.pump.record(True)
+    second.connect()
+    lines = decode(second.pump.take_recorded(), second.dictionary)
+    assert not [line for line in lines if line.startswith(("allocate", "config", "finalize"))]
+    assert second.move_count == 1024
+
+
+def test_a_board_that_is_configured_otherwise_is_reset():
+    simulated = SimulatedBoard(description(), PLANT, START)
+    first = Connection(description(), simulated.device, START)
+    first.connect()
+    plan = Planner()
+    plan.steps(0, True, 4000, 400)
+    first.start_job(plan.queue)
+    first.run(first.now + HZ)
+    assert simulated.net_steps("x") == 400
+    second = Connection(description(pwm=True), simulated.device, first.now)
+    second.connect()
+    assert simulated.net_steps("x") == 0
+    assert simulated.position("x") == 15.0, "the actuator stays where it was"
+    assert second.ask("get_config", "config")["is_config"] == 1
+
+
+def test_a_board_that_is_shut_down_is_reset():
+    bench = Bench()
+    bench.connection.command("emergency_stop")
+    with pytest.raises(MachineError, match="Command request"):
+        bench.run(1.0)
+    Connection(bench.board, bench.device, bench.connection.now).connect()
+    assert bench.device.fault == ""
+
+
+def test_a_board_without_a_dictionary_is_refused():
+    empty = _core.VirtualBoard(16e6, 16, 1023, 255, b"", 0)
+    connection = Connection(description(), empty, 0)
+    with pytest.raises(ValueError, match="damaged"):
+        connection.connect()
+
+
+def test_an_unanswered_question_is_named():
+    bench = Bench()
+    with pytest.raises(BoardSilentError, match="debug_nop"):
+        bench.connection.ask("debug_nop", "pong")
+    assert bench.connection.ask("debug_ping data=0a7e0b", "pong") == {"data": b"\x0a\x7e\x0b"}
+
+
+def test_reports_that_nobody_asked_for_are_kept_in_order():
+    bench = Bench()
+    bench.connection.command("debug_ping data=01")
+    bench.connection.command("debug_ping data=02")
+    bench.run(0.001)
+    bench.connection.ask("get_config", "config")
+    taken = [v for name, v in bench.connection.take_responses() if name == "pong"]
+    assert taken == [{"data": b"\x01"}, {"data": b"\x02"}]
+    assert bench.connection.take_responses() == []
+
+
+def test_dictionary_of_the_wire_is_the_simulators():
+    bench = Bench()
+    assert bench.connection.dictionary == Dictionary.parse(compressed_dictionary(bench.board))
+    assert bench.connection.dictionary.name_of("static_string_id", 2) == "Timer too close"

@@ -1,0 +1,98 @@
+"""Heater loops beside the link, over the wire, on simulated heat."""
+
+from __future__ import annotations
+
+import pytest
+
+from passo.errors import MachineError
+
+from .bench import HZ, Bench, description
+
+
+@pytest.mark.parametrize("pwm", [False, True])
+def test_pid_reaches_and_holds_its_target(pwm):
+    bench = Bench(description(pwm=pwm))
+    c = bench.connection
+    c.set_target("hotend", 200.0)
+    before = c.now
+    assert c.run(before + 600 * HZ, until_heaters=True)
+    assert 60 < (c.now - before) / HZ < 150
+    assert bench.simulated.temperature("hotend") == pytest.approx(200, abs=4)
+    bench.run(120.0)
+    for _ in range(20):
+        bench.run(5.0)
+        assert bench.simulated.temperature("hotend") == pytest.approx(200, abs=1)
+        assert c.heaters["hotend"].celsius == pytest.approx(200, abs=1)
+    assert c.heaters["hotend"].power == pytest.approx(175 / 300, abs=0.03)
+
+
+def test_on_off_control_stays_around_its_target():
+    bench = Bench(description(kp=0.0))
+    c = bench.connection
+    c.set_target("hotend", 150.0)
+    assert c.run(c.now + 600 * HZ, until_heaters=True)
+    bench.run(60.0)
+    seen = []
+    for _ in range(100):
+        bench.run(1.0)
+        seen.append(c.heaters["hotend"].celsius)
+        assert c.heaters["hotend"].power in (0.0, 1.0)
+    assert 140 < min(seen) < 149.5 < 150.5 < max(seen) < 160
+
+
+def test_a_target_of_zero_turns_the_output_off():
+    bench = Bench()
+    c = bench.connection
+    c.set_target("hotend", 100.0)
+    bench.run(5.0)
+    assert bench.simulated.output_value("hotend") == HZ // 10
+    c.set_target("hotend", 0.0)
+    bench.run(1.0)
+    assert bench.simulated.output_value("hotend") == 0
+    assert c.heaters["hotend"].power == 0.0
+    assert not c.heaters["hotend"].reached
+
+
+def test_a_new_target_is_not_reached_yet():
+    bench = Bench()
+    c = bench.connection
+    c.set_target("hotend", 60.0)
+    assert c.run(c.now + 100 * HZ, until_heaters=True)
+    c.set_target("hotend", 80.0)
+    assert not c.heaters["hotend"].reached
+    assert not c.run(c.now + HZ, until_heaters=True)
+
+
+def test_a_wait_without_targets_ends_at_once():
+    bench = Bench()
+    before = bench.connection.now
+    assert bench.connection.run(before + HZ, until_heaters=True)
+    assert bench.connection.now == before
+
+
+@pytest.mark.parametrize("ratio", [0.0, 1.0])
+def test_a_broken_thermistor_shuts_the_board_down(ratio):
+    bench = Bench()
+    bench.connection.set_target("hotend", 200.0)
+    bench.run(10.0)
+    assert bench.simulated.output_value("hotend") > 0
+    bench.simulated.force_sensor("hotend", ratio)
+    before = bench.connection.now
+    with pytest.raises(MachineError, match="ADC out of range"):
+        bench.run(5.0)
+    assert bench.connection.now - before < 1.1 * HZ
+    assert bench.simulated.output_value("hotend") == 0
+
+
+def test_a_board_that_hears_nothing_cuts_its_heater_off():
+    bench = Bench()
+    bench.connection.set_target("hotend", 200.0)
+    bench.run(10.0)
+    silence = bench.connection.now
+    assert bench.simulated.output_value("hotend") > 0
+    bench.device.poll(silence + 4 * HZ)
+    assert bench.device.fault == "Missed scheduling of next digital out event"
+    assert bench.simulated.output_value("hotend") == 0
+    hot = bench.simulated.temperature("hotend")
+    bench.device.poll(silence + 104 * HZ)
+    assert bench.simulated.temperature("hotend") == pytest.approx(25 + (hot - 25) / 2.718, abs=1)

@@ -1,0 +1,290 @@
+"""The link over a bad wire: lost, spoilt, doubled and swapped bytes; its timing; its promises."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable
+from itertools import pairwise
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from passo import _core
+from passo.board import decode
+
+from .bench import HZ, MS, Bench, Planner, description, executed
+
+Noise = Callable[[bytes, random.Random], bytes]
+
+
+def drop(data: bytes, rng: random.Random) -> bytes:
+    at = rng.randrange(len(data))
+    return data[:at] + data[at + rng.randint(1, 3) :]
+
+
+def flip(data: bytes, rng: random.Random) -> bytes:
+    spoilt = bytearray(data)
+    spoilt[rng.randrange(len(data))] ^= 1 << rng.randrange(8)
+    return bytes(spoilt)
+
+
+def double(data: bytes, rng: random.Random) -> bytes:
+    return data + data
+
+
+def swap(data: bytes, rng: random.Random) -> bytes:
+    at = rng.randrange(len(data))
+    return data[at:] + data[:at]
+
+
+def insert(data: bytes, rng: random.Random) -> bytes:
+    at = rng.randrange(len(data))
+    return data[:at] + bytes(rng.randrange(256) for _ in range(4)) + data[at:]
+
+
+NOISES: list[Noise] = [drop, flip, double, swap, insert]
+
+
+class Wire:
+    """Carries bytes between a bench's link and its board in virtual time, one way trip of `delay`
+    ticks; `spoil` is asked for each delivery. The board's clock may run at another rate."""
+
+    def __init__(self, bench: Bench, delay: int = 0, rate: float = 1.0) -> None:
+        self.bench = bench
+        self.start = self.now = bench.connection.now
+        self.delay = delay
+        self.rate = rate
+        self.flying: list[tuple[int, bool, bytes]] = []
+        self.sent: list[tuple[int, bytes]] = []
+        self.spoil: Callable[[bytes], bytes] = lambda data: data
+
+    def board_time(self, host: int) -> int:
+        return self.start + int((host - self.start) * self.rate)
+
+    def host_time(self, board: int) -> int:
+        if board > 2**62:
+            return board
+        return self.start + int((board - self.start) / self.rate) + 1
+
+    def run(self, until: int) -> None:
+        link, device = self.bench.link, self.bench.device
+        while self.now <= until:
+            arrived = [f for f in self.flying if f[0] <= self.now]
+            self.flying = [f for f in self.flying if f[0] > self.now]
+            for _, down, data in arrived:
+                if down:
+                    device.feed(data, self.board_time(self.now))
+                else:
+                    link.feed(data, self.now)
+            up = device.poll(self.board_time(self.now))
+            down, wake = link.poll(self.now)
+            for to_board, data in ((True, down), (False, up)):
+                if data:
+                    if to_board:
+                        self.sent.append((self.now, data))
+                    data = self.spoil(data)
+                    self.flying.append((self.now + self.delay, to_board, data))
+            times = [wake, self.host_time(device.next_deadline), *(f[0] for f in self.flying)]
+            self.now = max(min(times), self.now if self.flying or down else self.now + 1)
+
+
+def busy_plan(seed: int, commands: int) -> Planner:
+    rng = random.Random(seed)
+    plan = Planner()
+    pending = [(0, 0), (0, 1)]
+    for _ in range(commands):
+        # The motor that is behind comes next, so that messages are in the order of their clocks.
+        target = min(pending)[1]
+        interval, count = rng.randint(900, 4000), rng.randint(1, 40)
+        if target in plan.clocks:
+            plan.steps(target, rng.random() < 0.5, interval, count, rng.randint(-9, 9))
+        else:
+            plan.steps(target, True, HZ // 10, 1)
+        pending[target] = (plan.clocks[target][-1], target)
+    return plan
+
+
+def start(bench: Bench, plan: Planner) -> int:
+    for name in ("x", "y"):
+        bench.simulated.trace_steps(name, 0, 2**62)
+    return bench.connection.start_job(plan.queue)
+
+
+def assert_executed(bench: Bench, plan: Planner, base: int) -> None:
+    for target, name in enumerate(("x", "y")):
+        expected = plan.clocks.get(target, []), plan.directions.get(target, [])
+        assert executed(bench, name, base) == expected
+
+
+@pytest.mark.parametrize("noise", NOISES, ids=lambda n: n.__name__)
+@pytest.mark.parametrize("way", ["to the board", "to the host", "both"])
+def test_a_job_arrives_exactly_over_a_bad_wire(noise, way):
+    bench = Bench()
+    plan = busy_plan(7, 4000)
+    wire = Wire(bench, delay=MS // 4)
+    rng = random.Random(f"{noise.__name__} {way}")
+    spoilt = 0
+
+    def spoil(data: bytes) -> bytes:
+        nonlocal spoilt
+        to_board = len(wire.sent) > 0 and wire.sent[-1][1] is data
+        if rng.random() > 0.05 or way == ("to the host" if to_board else "to the board"):
+            return data
+        spoilt += 1
+        return noise(data, rng)
+
+    wire.spoil = spoil
+    base = start(bench, plan)
+    wire.run(base + plan.clocks[0][-1] + HZ)
+    assert bench.device.fault == ""
+    assert spoilt >= 10
+    assert_executed(bench, plan, base)
+    if way != "to the host" and noise is not double:
+        assert bench.link.retransmitted_bytes > 0
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.integers(0, 2**32), st.sampled_from(NOISES), st.floats(0.0, 0.08))
+def test_whatever_the_noise_the_job_arrives_exactly(seed, noise, share):
+    bench = Bench()
+    plan = busy_plan(seed, 40)
+    wire = Wire(bench, delay=MS // 2)
+    rng = random.Random(seed)
+    wire.spoil = lambda data: noise(data, rng) if rng.random() < share else data
+    base = start(bench, plan)
+    wire.run(base + max(plan.clocks[0][-1], plan.clocks[1][-1]) + HZ)
+    # So much noise may make a command late; then the board says so and nothing wrong is executed.
+    if bench.device.fault:
+        assert bench.device.fault in ("Timer too close", "Stepper too far in past")
+    else:
+        assert_executed(bench, plan, base)
+
+
+def test_nothing_leaves_before_its_horizon_nor_much_after():
+    bench = Bench()
+    plan = busy_plan(1, 300)
+    base = start(bench, plan)
+    wire = Wire(bench)
+    wire.run(base + plan.clocks[0][-1] + HZ)
+    done = {0: 0, 1: 0}
+    commands = 0
+    early, late = 0, -HZ
+    for at, data in wire.sent:
+        for line in decode(data, bench.connection.dictionary):
+            if not line.startswith("queue_step"):
+                continue
+            values = dict(w.split("=") for w in line.split()[1:])
+            target, count = int(values["oid"]), int(values["count"])
+            before = plan.clocks[target][done[target] - 1] if done[target] else None
+            first = plan.clocks[target][done[target]]
+            due = max(before if before is not None else 0, first - 20 * MS)
+            early = max(early, base + due - at)
+            late = max(late, at - (base + due))
+            done[target] += count
+            commands += 1
+    assert commands == 300
+    assert 149 * MS < early <= 150 * MS
+    assert late <= -125 * MS
+
+
+def test_frames_are_filled():
+    bench = Bench()
+    plan = busy_plan(2, 400)
+    base = start(bench, plan)
+    bytes_before, frames_before = bench.link.wire_bytes, bench.link.frames
+    bench.connection.run(base + plan.clocks[0][-1])
+    frames = bench.link.frames - frames_before
+    assert (bench.link.wire_bytes - bytes_before) / frames > 50
+
+
+def test_move_slots_of_a_small_board_are_never_exceeded():
+    bench = Bench(description(move_count=24))
+    plan = Planner()
+    pending = [(0, 0), (0, 1)]
+    for _ in range(600):
+        target = min(pending)[1]
+        plan.steps(target, True, 8_000, 10)
+        pending[target] = (plan.clocks[target][-1], target)
+    base = start(bench, plan)
+    bench.run(4.0)
+    assert_executed(bench, plan, base)
+    assert 10 <= bench.device.peak_slots <= 24
+
+
+def test_the_clock_of_a_board_that_runs_fast_is_followed():
+    bench = Bench()
+    plan = Planner()
+    plan.steps(0, True, 20 * HZ, 1)
+    plan.steps(0, True, 50_000, 1000)
+    wire = Wire(bench, delay=MS // 3, rate=1 + 200e-6)
+    d = bench.connection.dictionary
+    bench.link = bench.connection.link = _core.Link(HZ)
+    bench.link.set_dictionary(d.commands, d.reports, d.number("RECEIVE_WINDOW"))
+    bench.connection._prepare()
+    bench.link.follow_clock(wire.now)
+    wire.run(wire.now + HZ // 10)
+    base = start(bench, plan)
+    wire.run(base + 30 * HZ)
+    assert bench.link.clock_rate == pytest.approx(1 + 200e-6, abs=2e-6)
+    estimate = bench.link.clock_at(wire.now)
+    assert abs(estimate - wire.board_time(wire.now)) < MS // 20
+    assert abs(bench.link.host_at(estimate) - wire.now) <= 2
+    assert_executed(bench, plan, base)
+
+
+def test_a_silent_board_is_reported_and_asked_with_growing_patience():
+    bench = Bench()
+    wire = Wire(bench)
+    wire.spoil = lambda data: b""
+    wire.run(wire.now + 20 * HZ)
+    assert bench.link.lost
+    copies = [at for at, data in wire.sent if data[:1] == b"\x7e"]
+    gaps = [b - a for a, b in pairwise(copies)]
+    assert gaps[0] == 50 * MS
+    assert all(b == 2 * a for a, b in pairwise(gaps[:7]))
+    assert max(gaps) == 5 * HZ
+
+
+def test_messages_not_yet_sent_can_be_revoked():
+    bench = Bench()
+    plan = Planner()
+    plan.steps(0, True, HZ // 2, 1)
+    plan.steps(0, True, 16_000, 500)
+    plan.steps(0, True, HZ, 1)
+    plan.steps(0, True, 16_000, 500)
+    base = start(bench, plan)
+    bench.connection.run(base + HZ)
+    assert len(plan.queue) == 4
+    plan.queue.clear()
+    bench.run(3.0)
+    assert bench.simulated.net_steps("x") == 501
+
+
+def hash_of(messages: list[tuple[int, int, int, int]], chunk: int) -> int:
+    """Stream hash of (target, interval, count, add) commands, given `chunk` at a time."""
+    bench = Bench()
+    queue = _core.MessageQueue()
+    bench.connection.start_job(queue)
+    clock = 0
+    for i, (target, interval, count, add) in enumerate(messages):
+        queue.push(_core.MessageKind.QUEUE_STEP, target, clock, clock + 1, interval, count, add)
+        if i % chunk == chunk - 1:
+            bench.link.poll(bench.connection.now + HZ)
+    bench.link.poll(bench.connection.now + 2 * HZ)
+    assert bench.link.messages == len(messages)
+    return bench.link.stream_hash
+
+
+def test_the_stream_hash_knows_content_and_order_only():
+    messages = [(0, 1000, 10, 0), (1, 1000, 10, 0), (0, 70_000, 3, -5)]
+    value = hash_of(messages, 3)
+    assert value == hash_of(messages, 1) == 3854692376553383795
+    others = [
+        [messages[1], messages[0], messages[2]],
+        [(0, 1001, 10, 0), *messages[1:]],
+        [(0, 1000, 11, 0), *messages[1:]],
+        [*messages[:2], (0, 70_000, 3, 5)],
+        messages[:2],
+    ]
+    assert len({value, *(hash_of(m, 2) for m in others)}) == 6
