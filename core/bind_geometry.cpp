@@ -40,40 +40,60 @@ Path path_of(const Point& from, const Point& to) {
 }  // namespace
 
 void bind_geometry(nb::module_& m) {
-  m.def("sincos", [](double x) { double s, c; sincos(x, s, c); return std::make_tuple(s, c); }, "x"_a);
+  m.def(
+      "sincos",
+      [](double x) {
+        double s, c;
+        sincos(x, s, c);
+        return std::make_tuple(s, c);
+      },
+      "x"_a);
   m.def("atan2", [](double y, double x) { return passo::atan2(y, x); }, "y"_a, "x"_a);
-  nb::class_<GeometryView>(m, "Geometry", "A geometry kernel: Cartesian mm to actuator mm or degrees, and back.")
-      .def("__init__",
-           [](GeometryView* self, const nb::dict& spec) {
-             new (self) GeometryView{make_geometry(get<std::string>(spec, "kind"), geometry_params(spec))};
-           },
-           "spec"_a)
+  nb::class_<GeometryView>(m, "Geometry",
+                           "A geometry kernel: Cartesian mm to actuator mm or degrees, and back.")
+      .def(
+          "__init__",
+          [](GeometryView* self, const nb::dict& spec) {
+            new (self)
+                GeometryView{make_geometry(get<std::string>(spec, "kind"), geometry_params(spec))};
+          },
+          "spec"_a)
       .def_prop_ro("actuators", [](const GeometryView& self) { return self.geometry->actuators(); })
-      .def("inverse", [](const GeometryView& self, int i, const Point& p) { return self.geometry->inverse(checked(self, i), Array(p).p); },
-           "actuator"_a, "point"_a, "Position of an actuator; NaN where it cannot reach.")
-      .def("forward",
-           [](const GeometryView& self, const Point& q) {
-             double p[3];
-             if (!self.geometry->forward(Array(q).p, p)) throw nb::value_error("no nozzle position belongs to these");
-             return Point(p[0], p[1], p[2]);
-           },
-           "positions"_a, "Nozzle position. Raises ValueError where there is none.")
-      .def("slopes",
-           [](const GeometryView& self, int i, const Point& from, const Point& to, double s) {
-             double d1, d2;
-             self.geometry->slopes(checked(self, i), path_of(from, to), s, d1, d2);
-             return std::make_tuple(d1, d2);
-           },
-           "actuator"_a, "start"_a, "end"_a, "s"_a, "First and second derivative by path length at s mm.")
-      .def("crossings",
-           [](const GeometryView& self, int i, const Point& from, const Point& to, double per_unit) {
-             Crossings out;
-             self.geometry->crossings(checked(self, i), path_of(from, to), per_unit, out);
-             std::vector<int> dirs(out.s.size());
-             for (size_t r = 0; r < out.runs.size(); ++r)
-               for (size_t k = size_t(out.runs[r].first); k < dirs.size(); ++k) dirs[k] = out.runs[r].dir;
-             return std::make_tuple(out.s, dirs);
-           },
-           "actuator"_a, "start"_a, "end"_a, "steps_per_unit"_a,
-           "Path positions and directions of all steps of a nonlinear actuator along a line.");
+      .def(
+          "inverse",
+          [](const GeometryView& self, int i, const Point& p) {
+            return self.geometry->inverse(checked(self, i), Array(p).p);
+          },
+          "actuator"_a, "point"_a, "Position of an actuator; NaN where it cannot reach.")
+      .def(
+          "forward",
+          [](const GeometryView& self, const Point& q) {
+            double p[3];
+            if (!self.geometry->forward(Array(q).p, p))
+              throw nb::value_error("no nozzle position belongs to these");
+            return Point(p[0], p[1], p[2]);
+          },
+          "positions"_a, "Nozzle position. Raises ValueError where there is none.")
+      .def(
+          "slopes",
+          [](const GeometryView& self, int i, const Point& from, const Point& to, double s) {
+            double d1, d2;
+            self.geometry->slopes(checked(self, i), path_of(from, to), s, d1, d2);
+            return std::make_tuple(d1, d2);
+          },
+          "actuator"_a, "start"_a, "end"_a, "s"_a,
+          "First and second derivative by path length at s mm.")
+      .def(
+          "crossings",
+          [](const GeometryView& self, int i, const Point& from, const Point& to, double per_unit) {
+            Crossings out;
+            self.geometry->crossings(checked(self, i), path_of(from, to), per_unit, out);
+            std::vector<int> dirs(out.s.size());
+            for (size_t r = 0; r < out.runs.size(); ++r)
+              for (size_t k = size_t(out.runs[r].first); k < dirs.size(); ++k)
+                dirs[k] = out.runs[r].dir;
+            return std::make_tuple(out.s, dirs);
+          },
+          "actuator"_a, "start"_a, "end"_a, "steps_per_unit"_a,
+          "Path positions and directions of all steps of a nonlinear actuator along a line.");
 }

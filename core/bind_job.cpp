@@ -23,17 +23,19 @@ struct JobView {
       : job(machine, std::move(home), laser, with_steps, thread_cpu_s) {}
 };
 
-nb::dict cpu(const JobView& self) {
+using Table = nb::typed<nb::dict, nb::str, nb::any>;
+
+nb::typed<nb::dict, nb::str, nb::float_> cpu(const JobView& self) {
   const Job& job = self.job;
   nb::dict d;
   d["parse"] = job.cpu_parse;
   d["plan"] = job.cpu_plan;
   d["steps"] = job.motion.cpu().steps;
   d["compress"] = job.motion.cpu().compress;
-  return d;
+  return nb::typed<nb::dict, nb::str, nb::float_>(d);
 }
 
-nb::dict statistics(JobView& self) {
+Table statistics(JobView& self) {
   Job& job = self.job;
   const PlanStatistics& plan = job.motion.plan();
   const Machine& machine = job.motion.machine();
@@ -60,14 +62,16 @@ nb::dict statistics(JobView& self) {
   }
   d["feature_s"] = features;
   std::vector<double> position;
-  for (size_t i = 0; i < machine.axes.size(); ++i) position.push_back(job.interpreter.position()[slot_of_axis(int(i))]);
-  for (size_t i = 0; i < machine.extruders.size(); ++i) position.push_back(job.motion.planner().extruder_position(i));
+  for (size_t i = 0; i < machine.axes.size(); ++i)
+    position.push_back(job.interpreter.position()[slot_of_axis(int(i))]);
+  for (size_t i = 0; i < machine.extruders.size(); ++i)
+    position.push_back(job.motion.planner().extruder_position(i));
   d["position_mm"] = position;
-  return d;
+  return Table(d);
 }
 
-nb::list steppers(JobView& self) {
-  nb::list list;
+nb::typed<nb::list, Table> steppers(JobView& self) {
+  nb::typed<nb::list, Table> list;
   Motion& motion = self.job.motion;
   for (size_t i = 0; i < motion.machine().steppers.size(); ++i) {
     const StepStatistics& s = motion.steps(i);
@@ -108,90 +112,145 @@ void bind_job(nb::module_& m) {
       .value("UNREACHABLE", Fault::unreachable)
       .value("ACTUATOR", Fault::actuator);
   nb::class_<JobView>(m, "Job", "A G-code program through one machine. Not thread-safe.")
-      .def("__init__",
-           [](JobView* self, const nb::dict& spec, bool with_steps, bool clamp, bool ignore_tools) {
-             std::vector<double> home;
-             for (nb::handle axis : spec["axes"]) home.push_back(get<double>(axis, "home"));
-             new (self) JobView(machine_of(spec), std::move(home), !nb::object(spec["laser"]).is_none(), with_steps);
-             self->job.interpreter.clamp = clamp;
-             self->job.interpreter.ignore_tools = ignore_tools;
-           },
-           "spec"_a, "with_steps"_a = true, "clamp"_a = false, "ignore_tools"_a = false)
-      .def("feed", [](JobView& self, const nb::bytes& data) { self.job.interpreter.feed(data.c_str(), data.size()); }, "data"_a)
-      .def("finish", [](JobView& self) { self.job.interpreter.finish(); }, "No more input will come.")
-      .def("advance",
-           [](JobView& self, double horizon, size_t most) {
-             nb::gil_scoped_release released;
-             return self.job.advance(horizon, most);
-           },
-           "horizon"_a = kInfinity, "most"_a = size_t(1) << 20,
-           "Reads on until something wants the caller, or the plan reaches a clock or a number of messages.")
-      .def_prop_ro("event",
-                   [](const JobView& self) {
-                     const Event& e = self.job.interpreter.event();
-                     return nb::make_tuple(e.line, e.letter ? std::string(1, e.letter) : std::string(), e.number, e.minor, e.name, e.text);
-                   },
-                   "(line, letter, number, minor, name, text) of the event that advance stopped at.")
-      .def_prop_ro("error",
-                   [](const JobView& self) {
-                     const GcodeError& e = self.job.error();
-                     return nb::make_tuple(e.line, e.fault, e.word, e.value, e.limit, nb::make_tuple(e.point[0], e.point[1], e.point[2]));
-                   },
-                   "(line, fault, word, value, limit, point) of the error that advance stopped at.")
-      .def("record", [](JobView& self, uint16_t target, uint32_t value) { self.job.motion.record(target, value); }, "target"_a, "value"_a,
-           "A timed record for output `target`, due between the moves before and after.")
-      .def("mark", [](JobView& self, uint16_t target, uint32_t value) { self.job.motion.record(uint16_t(Motion::kMark + target), value); }, "target"_a, "value"_a,
-           "A timed record for the host itself, see take_marks.")
-      .def("take_marks",
-           [](JobView& self) {
-             nb::list list;
-             for (auto& r : self.job.motion.marks()) list.append(nb::make_tuple(r.clock, r.target - Motion::kMark, r.value));
-             self.job.motion.marks().clear();
-             return list;
-           },
-           "(clock, target, value) of the marks whose clock is known by now, in order.")
-      .def("flush", [](JobView& self) { nb::gil_scoped_release released; self.job.motion.flush(); }, "Settles all for a stop.")
-      .def("settle_position", [](JobView& self) { self.job.settle_position(); }, "After homing: stop, and be where the program says.")
-      .def("wait_until", [](JobView& self, double ticks) { self.job.motion.wait_until(ticks); }, "ticks"_a, "The machine stands until then; only after flush.")
-      .def("replan_from", [](JobView& self, double ticks) { return self.job.motion.replan_from(ticks); }, "ticks"_a)
-      .def("hold_from", [](JobView& self, double ticks) { return self.job.motion.hold_from(ticks); }, "ticks"_a)
+      .def(
+          "__init__",
+          [](JobView* self, const nb::dict& spec, bool with_steps, bool clamp, bool ignore_tools) {
+            std::vector<double> home;
+            for (nb::handle axis : spec["axes"]) home.push_back(get<double>(axis, "home"));
+            new (self) JobView(machine_of(spec), std::move(home),
+                               !nb::object(spec["laser"]).is_none(), with_steps);
+            self->job.interpreter.clamp = clamp;
+            self->job.interpreter.ignore_tools = ignore_tools;
+          },
+          "spec"_a, "with_steps"_a = true, "clamp"_a = false, "ignore_tools"_a = false)
+      .def(
+          "feed",
+          [](JobView& self, const nb::bytes& data) {
+            self.job.interpreter.feed(data.c_str(), data.size());
+          },
+          "data"_a)
+      .def(
+          "finish", [](JobView& self) { self.job.interpreter.finish(); },
+          "No more input will come.")
+      .def(
+          "advance",
+          [](JobView& self, double horizon, size_t most) {
+            nb::gil_scoped_release released;
+            return self.job.advance(horizon, most);
+          },
+          "horizon"_a = kInfinity, "most"_a = size_t(1) << 20,
+          "Reads on until something wants the caller, or the plan reaches a clock or a number of "
+          "messages.")
+      .def_prop_ro(
+          "event",
+          [](const JobView& self) {
+            const Event& e = self.job.interpreter.event();
+            return std::make_tuple(e.line, e.letter ? std::string(1, e.letter) : std::string(),
+                                   e.number, e.minor, e.name, e.text);
+          },
+          "(line, letter, number, minor, name, text) of the event that advance stopped at.")
+      .def_prop_ro(
+          "error",
+          [](const JobView& self) {
+            const GcodeError& e = self.job.error();
+            return std::make_tuple(e.line, e.fault, e.word, e.value, e.limit,
+                                   std::make_tuple(e.point[0], e.point[1], e.point[2]));
+          },
+          "(line, fault, word, value, limit, point) of the error that advance stopped at.")
+      .def(
+          "record",
+          [](JobView& self, uint16_t target, uint32_t value) {
+            self.job.motion.record(target, value);
+          },
+          "target"_a, "value"_a,
+          "A timed record for output `target`, due between the moves before and after.")
+      .def(
+          "mark",
+          [](JobView& self, uint16_t target, uint32_t value) {
+            self.job.motion.record(uint16_t(Motion::kMark + target), value);
+          },
+          "target"_a, "value"_a, "A timed record for the host itself, see take_marks.")
+      .def(
+          "take_marks",
+          [](JobView& self) {
+            std::vector<std::tuple<int64_t, int, uint32_t>> list;
+            for (auto& r : self.job.motion.marks())
+              list.emplace_back(r.clock, r.target - Motion::kMark, r.value);
+            self.job.motion.marks().clear();
+            return list;
+          },
+          "(clock, target, value) of the marks whose clock is known by now, in order.")
+      .def(
+          "flush",
+          [](JobView& self) {
+            nb::gil_scoped_release released;
+            self.job.motion.flush();
+          },
+          "Settles all for a stop.")
+      .def(
+          "settle_position", [](JobView& self) { self.job.settle_position(); },
+          "After homing: stop, and be where the program says.")
+      .def(
+          "wait_until", [](JobView& self, double ticks) { self.job.motion.wait_until(ticks); },
+          "ticks"_a, "The machine stands until then; only after flush.")
+      .def(
+          "replan_from",
+          [](JobView& self, double ticks) { return self.job.motion.replan_from(ticks); }, "ticks"_a)
+      .def(
+          "hold_from", [](JobView& self, double ticks) { return self.job.motion.hold_from(ticks); },
+          "ticks"_a)
       .def("release", [](JobView& self) { self.job.motion.release(); })
-      .def_prop_ro("clock", [](JobView& self) { return self.job.motion.planner().clock(); }, "End of the settled plan, ticks.")
-      .def_prop_ro("handed_out", [](JobView& self) { return self.job.motion.handed_out(); }, "Clock of the last message, ticks.")
+      .def_prop_ro(
+          "clock", [](JobView& self) { return self.job.motion.planner().clock(); },
+          "End of the settled plan, ticks.")
+      .def_prop_ro(
+          "handed_out", [](JobView& self) { return self.job.motion.handed_out(); },
+          "Clock of the last message, ticks.")
       .def_prop_ro("line", [](JobView& self) { return self.job.interpreter.line(); })
       .def_prop_ro("layer", [](JobView& self) { return self.job.interpreter.layers(); })
       .def_prop_ro("tool", [](JobView& self) { return self.job.interpreter.tool(); })
-      .def_prop_rw("speed_factor", [](JobView& self) { return self.job.motion.planner().speed_factor; },
-                   [](JobView& self, double factor) { self.job.motion.planner().speed_factor = factor; })
-      .def("set_limit",
-           [](JobView& self, const std::string& name, double value) {
-             Limits& l = self.job.motion.planner().limits();
-             double* places[] = {&l.print_accel, &l.travel_accel, &l.retract_accel, &l.speed, &l.junction_deviation, &l.minimum_cruise_ratio};
-             const char* names[] = {"print_accel", "travel_accel", "retract_accel", "speed", "junction_deviation", "minimum_cruise_ratio"};
-             for (size_t i = 0; i < 6; ++i)
-               if (name == names[i]) {
-                 *places[i] = value;
-                 return;
-               }
-             throw nb::key_error(name.c_str());
-           },
-           "name"_a, "value"_a, "Changes a limit of the moves that follow.")
-      .def("set_axis_limit",
-           [](JobView& self, const std::string& axis, const std::string& what, double value) {
-             self.job.motion.planner().constraints().set(self.job.motion.machine(), axis, what == "speed", value);
-           },
-           "axis"_a, "what"_a, "value"_a, "Changes an axis' `speed` or `accel`, never beyond the machine's own.")
-      .def_prop_ro("messages", [](JobView& self) -> MessageQueue& { return self.job.motion.messages(); }, nb::rv_policy::reference_internal)
-      .def("keep_moves",
-           [](JobView& self, bool on) {
-             if (on)
-               self.job.motion.on_move = [&self](const Move& move) { self.moves.push_back(move); };
-             else
-               self.job.motion.on_move = nullptr;
-           },
-           "on"_a)
+      .def_prop_rw(
+          "speed_factor", [](JobView& self) { return self.job.motion.planner().speed_factor; },
+          [](JobView& self, double factor) { self.job.motion.planner().speed_factor = factor; })
+      .def(
+          "set_limit",
+          [](JobView& self, const std::string& name, double value) {
+            Limits& l = self.job.motion.planner().limits();
+            double* places[] = {&l.print_accel, &l.travel_accel,       &l.retract_accel,
+                                &l.speed,       &l.junction_deviation, &l.minimum_cruise_ratio};
+            const char* names[] = {"print_accel", "travel_accel",       "retract_accel",
+                                   "speed",       "junction_deviation", "minimum_cruise_ratio"};
+            for (size_t i = 0; i < 6; ++i)
+              if (name == names[i]) {
+                *places[i] = value;
+                return;
+              }
+            throw nb::key_error(name.c_str());
+          },
+          "name"_a, "value"_a, "Changes a limit of the moves that follow.")
+      .def(
+          "set_axis_limit",
+          [](JobView& self, const std::string& axis, const std::string& what, double value) {
+            self.job.motion.planner().constraints().set(self.job.motion.machine(), axis,
+                                                        what == "speed", value);
+          },
+          "axis"_a, "what"_a, "value"_a,
+          "Changes an axis' `speed` or `accel`, never beyond the machine's own.")
+      .def_prop_ro(
+          "messages", [](JobView& self) -> MessageQueue& { return self.job.motion.messages(); },
+          nb::rv_policy::reference_internal)
+      .def(
+          "keep_moves",
+          [](JobView& self, bool on) {
+            if (on)
+              self.job.motion.on_move = [&self](const Move& move) { self.moves.push_back(move); };
+            else
+              self.job.motion.on_move = nullptr;
+          },
+          "on"_a)
       .def("take_moves", [](JobView& self) { return std::exchange(self.moves, {}); })
-      .def_prop_ro("limit_names", [](JobView& self) { return self.job.motion.planner().constraints().names; })
+      .def_prop_ro("limit_names",
+                   [](JobView& self) { return self.job.motion.planner().constraints().names; })
       .def_prop_ro("feature_names", [](JobView& self) { return self.job.interpreter.features(); })
       .def("statistics", &statistics)
       .def("steppers", &steppers)

@@ -1,5 +1,5 @@
-// The machine dict of passo.config → Machine. Missing keys raise KeyError, wrong types TypeError: the
-// configuration has validated all values before.
+// The machine dict of passo.config → Machine. Missing keys raise KeyError, wrong types TypeError:
+// the configuration has validated all values before.
 #pragma once
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
@@ -47,12 +47,13 @@ inline Machine machine_of(const nb::dict& spec) {
   m.clock_hz = get<double>(spec, "clock_hz");
   m.tolerance = get<double>(spec, "tolerance_s") * m.clock_hz;
   for (nb::handle a : spec["axes"])
-    m.axes.push_back({get<std::string>(a, "name"), get<std::string>(a, "letter").at(0), get<double>(a, "min"),
-                      get<double>(a, "max"), get<double>(a, "speed"), get<double>(a, "accel"),
-                      get<double>(a, "jerk"), get<double>(a, "cornering_steps")});
+    m.axes.push_back({get<std::string>(a, "name"), get<std::string>(a, "letter").at(0),
+                      get<double>(a, "min"), get<double>(a, "max"), get<double>(a, "speed"),
+                      get<double>(a, "accel"), get<double>(a, "jerk"),
+                      get<double>(a, "cornering_steps")});
   for (nb::handle e : spec["extruders"])
-    m.extruders.push_back({get<std::string>(e, "name"), get<double>(e, "speed"), get<double>(e, "accel"),
-                           get<double>(e, "jerk")});
+    m.extruders.push_back({get<std::string>(e, "name"), get<double>(e, "speed"),
+                           get<double>(e, "accel"), get<double>(e, "jerk")});
   for (nb::handle t : spec["tools"]) {
     auto offset = get<std::vector<double>>(t, "offset");
     m.tools.push_back({get<int>(t, "extruder"), {offset.at(0), offset.at(1), offset.at(2)}});
@@ -61,18 +62,25 @@ inline Machine machine_of(const nb::dict& spec) {
   m.geometry = make_geometry(get<std::string>(geometry, "kind"), geometry_params(geometry));
   for (nb::handle s : spec["steppers"]) {
     std::string drive = get<std::string>(s, "drive");
-    auto ticks = [&](const char* key) { return int64_t(std::ceil(get<double>(s, key) * m.clock_hz - 1e-6)); };
+    auto ticks = [&](const char* key) {
+      return int64_t(std::ceil(get<double>(s, key) * m.clock_hz - 1e-6));
+    };
     m.steppers.push_back({get<std::string>(s, "name"),
-                          drive == "actuator" ? Drive::actuator : drive == "axis" ? Drive::axis : Drive::extruder,
+                          drive == "actuator" ? Drive::actuator
+                          : drive == "axis"   ? Drive::axis
+                                              : Drive::extruder,
                           get<int>(s, "index"), get<double>(s, "steps_per_unit"), ticks("pulse_s"),
                           ticks("dir_setup_s"), ticks("dir_hold_s"), get<double>(s, "max_rate_hz"),
                           get<double>(s, "speed"), get<double>(s, "accel"), get<double>(s, "min"),
                           get<double>(s, "max")});
   }
   nb::dict limits = get<nb::dict>(spec, "limits");
-  m.limits = {get<double>(limits, "print_accel"),   get<double>(limits, "travel_accel"),
-              get<double>(limits, "retract_accel"), get<double>(limits, "speed"),
-              junction_law(get<std::string>(limits, "junction")), get<double>(limits, "junction_deviation"),
+  m.limits = {get<double>(limits, "print_accel"),
+              get<double>(limits, "travel_accel"),
+              get<double>(limits, "retract_accel"),
+              get<double>(limits, "speed"),
+              junction_law(get<std::string>(limits, "junction")),
+              get<double>(limits, "junction_deviation"),
               get<double>(limits, "minimum_cruise_ratio")};
   return m;
 }

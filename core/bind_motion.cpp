@@ -1,5 +1,7 @@
-// passo._core: Motion, Move, Message. The plan of moves given one by one, for tests, tools and lessons;
-// whole files go through Job.
+// passo._core: Motion, Move, Message. The plan of moves given one by one, for tests, tools and
+// lessons; whole files go through Job.
+#include "bind_motion.hpp"
+
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
@@ -10,7 +12,6 @@
 #include <tuple>
 
 #include "bind_machine.hpp"
-#include "bind_motion.hpp"
 #include "motion.hpp"
 
 namespace nb = nanobind;
@@ -28,10 +29,12 @@ struct RecordedMotion {
   }
 };
 
-void push(RecordedMotion& self, const std::vector<double>& target, double feed, const std::string& kind,
-          int extruder, double duration, double radius, bool inner, uint32_t line) {
+void push(RecordedMotion& self, const std::vector<double>& target, double feed,
+          const std::string& kind, int extruder, double duration, double radius, bool inner,
+          uint32_t line) {
   const Machine& machine = self.motion.machine();
-  if (target.size() != machine.axes.size() + 1) throw nb::value_error("target needs one number an axis, then E");
+  if (target.size() != machine.axes.size() + 1)
+    throw nb::value_error("target needs one number an axis, then E");
   if (extruder < 0 || (size_t(extruder) >= machine.extruders.size() && !machine.extruders.empty()))
     throw nb::value_error("no such extruder");
   MoveRequest r{};
@@ -57,63 +60,94 @@ void push(RecordedMotion& self, const std::vector<double>& target, double feed, 
 
 void bind_motion(nb::module_& m) {
   bind_move(m);
-  nb::class_<RecordedMotion>(m, "Motion", "Plans moves, solves and compresses their steps. Not thread-safe.")
-      .def("__init__",
-           [](RecordedMotion* self, const nb::dict& spec, bool with_steps) {
-             new (self) RecordedMotion(machine_of(spec), with_steps);
-           },
-           "spec"_a, "with_steps"_a = true)
-      .def("push", &push, "target"_a, "feed_mm_s"_a, "kind"_a = "travel", "extruder"_a = 0, "duration_s"_a = 0.0,
-           "radius_mm"_a = kInfinity, "inner"_a = false, "line"_a = 0,
+  nb::class_<RecordedMotion>(m, "Motion",
+                             "Plans moves, solves and compresses their steps. Not thread-safe.")
+      .def(
+          "__init__",
+          [](RecordedMotion* self, const nb::dict& spec, bool with_steps) {
+            new (self) RecordedMotion(machine_of(spec), with_steps);
+          },
+          "spec"_a, "with_steps"_a = true)
+      .def("push", &push, "target"_a, "feed_mm_s"_a, "kind"_a = "travel", "extruder"_a = 0,
+           "duration_s"_a = 0.0, "radius_mm"_a = kInfinity, "inner"_a = false, "line"_a = 0,
            "Adds a move to the absolute target: one number an axis, then E. Raises ValueError.")
-      .def("record", [](RecordedMotion& self, uint16_t target, uint32_t value) { self.motion.record(target, value); },
-           "target"_a, "value"_a, "A timed record, due when the moves pushed so far are done.")
-      .def("flush", [](RecordedMotion& self) { self.motion.flush(); }, "Settles all for a stop at the end.")
-      .def("wait_until", [](RecordedMotion& self, double ticks) { self.motion.wait_until(ticks); }, "ticks"_a)
-      .def("replan_from", [](RecordedMotion& self, double ticks) { return self.motion.replan_from(ticks); }, "ticks"_a,
-           "Plans anew from this clock on with the limits of now; returns the clock of the cut.")
-      .def("hold_from", [](RecordedMotion& self, double ticks) { return self.motion.hold_from(ticks); }, "ticks"_a,
-           "Brakes to a stop on the path from this clock on; returns the clock of the cut.")
-      .def("release", [](RecordedMotion& self) { self.motion.release(); }, "Goes on with what hold_from left.")
-      .def("set_speed_factor", [](RecordedMotion& self, double factor) { self.motion.planner().speed_factor = factor; })
-      .def("set_accel", [](RecordedMotion& self, double accel) {
-        Limits& l = self.motion.planner().limits();
-        l.print_accel = l.travel_accel = l.retract_accel = accel;
-      })
-      .def_prop_ro("clock", [](RecordedMotion& self) { return self.motion.planner().clock(); },
-                   "End of the last settled move, ticks.")
-      .def("take_moves", [](RecordedMotion& self) { return std::exchange(self.moves, {}); },
-           "Moves settled since the last call, in order.")
-      .def("take_messages",
-           [](RecordedMotion& self, double before) {
-             std::vector<std::tuple<std::string, int, int64_t, int64_t, uint32_t, int, int, int>> out;
-             MessageQueue& queue = self.motion.messages();
-             while (!queue.empty() && double(queue.front().clock) < before) {
-               const Message& g = queue.front();
-               const char* names[] = {"queue_step", "set_dir", "reset_clock", "pin"};
-               out.emplace_back(names[int(g.kind)], g.target, g.clock, g.end_clock, g.interval, g.count, g.add, g.dir);
-               queue.pop();
-             }
-             return out;
-           },
-           "before"_a = kInfinity,
-           "Takes (kind, target, clock, end_clock, interval, count, add, dir) of all messages due before a clock.")
-      .def("counts",
-           [](RecordedMotion& self) {
-             std::vector<int64_t> out;
-             for (size_t i = 0; i < self.motion.machine().steppers.size(); ++i) out.push_back(self.motion.count(i));
-             return out;
-           },
-           "Step count of every motor after all that was solved.")
-      .def("dropped_pairs", [](RecordedMotion& self, size_t i) { return self.motion.steps(i).dropped_pairs; })
-      .def("ideal_ticks",
-           [](RecordedMotion& self, const Move& move, size_t stepper, int64_t count) {
-             const Machine& machine = self.motion.machine();
-             StepSolver solver(machine, machine.steppers.at(stepper));
-             solver.set_count(count);
-             Steps steps;
-             solver.solve(move, steps);
-             return std::make_tuple(steps.ticks, solver.count());
-           },
-           "move"_a, "stepper"_a, "count"_a, "Unrounded step times of one motor in one move, and its count after it.");
+      .def(
+          "record",
+          [](RecordedMotion& self, uint16_t target, uint32_t value) {
+            self.motion.record(target, value);
+          },
+          "target"_a, "value"_a, "A timed record, due when the moves pushed so far are done.")
+      .def(
+          "flush", [](RecordedMotion& self) { self.motion.flush(); },
+          "Settles all for a stop at the end.")
+      .def(
+          "wait_until", [](RecordedMotion& self, double ticks) { self.motion.wait_until(ticks); },
+          "ticks"_a)
+      .def(
+          "replan_from",
+          [](RecordedMotion& self, double ticks) { return self.motion.replan_from(ticks); },
+          "ticks"_a,
+          "Plans anew from this clock on with the limits of now; returns the clock of the cut.")
+      .def(
+          "hold_from",
+          [](RecordedMotion& self, double ticks) { return self.motion.hold_from(ticks); },
+          "ticks"_a,
+          "Brakes to a stop on the path from this clock on; returns the clock of the cut.")
+      .def(
+          "release", [](RecordedMotion& self) { self.motion.release(); },
+          "Goes on with what hold_from left.")
+      .def("set_speed_factor",
+           [](RecordedMotion& self, double factor) { self.motion.planner().speed_factor = factor; })
+      .def("set_accel",
+           [](RecordedMotion& self, double accel) {
+             Limits& l = self.motion.planner().limits();
+             l.print_accel = l.travel_accel = l.retract_accel = accel;
+           })
+      .def_prop_ro(
+          "clock", [](RecordedMotion& self) { return self.motion.planner().clock(); },
+          "End of the last settled move, ticks.")
+      .def(
+          "take_moves", [](RecordedMotion& self) { return std::exchange(self.moves, {}); },
+          "Moves settled since the last call, in order.")
+      .def(
+          "take_messages",
+          [](RecordedMotion& self, double before) {
+            std::vector<std::tuple<std::string, int, int64_t, int64_t, uint32_t, int, int, int>>
+                out;
+            MessageQueue& queue = self.motion.messages();
+            while (!queue.empty() && double(queue.front().clock) < before) {
+              const Message& g = queue.front();
+              const char* names[] = {"queue_step", "set_dir", "reset_clock", "pin"};
+              out.emplace_back(names[int(g.kind)], g.target, g.clock, g.end_clock, g.interval,
+                               g.count, g.add, g.dir);
+              queue.pop();
+            }
+            return out;
+          },
+          "before"_a = kInfinity,
+          "Takes (kind, target, clock, end_clock, interval, count, add, dir) of all messages due "
+          "before a clock.")
+      .def(
+          "counts",
+          [](RecordedMotion& self) {
+            std::vector<int64_t> out;
+            for (size_t i = 0; i < self.motion.machine().steppers.size(); ++i)
+              out.push_back(self.motion.count(i));
+            return out;
+          },
+          "Step count of every motor after all that was solved.")
+      .def("dropped_pairs",
+           [](RecordedMotion& self, size_t i) { return self.motion.steps(i).dropped_pairs; })
+      .def(
+          "ideal_ticks",
+          [](RecordedMotion& self, const Move& move, size_t stepper, int64_t count) {
+            const Machine& machine = self.motion.machine();
+            StepSolver solver(machine, machine.steppers.at(stepper));
+            solver.set_count(count);
+            Steps steps;
+            solver.solve(move, steps);
+            return std::make_tuple(steps.ticks, solver.count());
+          },
+          "move"_a, "stepper"_a, "count"_a,
+          "Unrounded step times of one motor in one move, and its count after it.");
 }

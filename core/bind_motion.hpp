@@ -1,6 +1,9 @@
 // Python's view of a planned move.
 #pragma once
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/tuple.h>
+
+#include <tuple>
 
 #include "move.hpp"
 
@@ -8,9 +11,14 @@ namespace passo {
 
 inline void bind_move(nanobind::module_& m) {
   namespace nb = nanobind;
-  auto positions = [](const double* p) { return nb::make_tuple(p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7]); };
-  nb::class_<Move>(m, "Move", "A planned move: a line with a trapezoid of speed. Speeds are of the path measure.")
-      .def_prop_ro("start_mm", [=](const Move& x) { return positions(x.p0); }, "X, Y, Z, E and further axes")
+  auto positions = [](const double* p) {
+    return std::make_tuple(p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7]);
+  };
+  nb::class_<Move>(
+      m, "Move",
+      "A planned move: a line with a trapezoid of speed. Speeds are of the path measure.")
+      .def_prop_ro(
+          "start_mm", [=](const Move& x) { return positions(x.p0); }, "X, Y, Z, E and further axes")
       .def_prop_ro("end_mm", [=](const Move& x) { return positions(x.p1); })
       .def_ro("length", &Move::d, "path measure, usually mm")
       .def_ro("start_speed", &Move::v0)
@@ -19,7 +27,8 @@ inline void bind_move(nanobind::module_& m) {
       .def_ro("acceleration", &Move::a, "of the first phase, signed")
       .def_ro("deceleration", &Move::b, "of the last phase, positive")
       .def_prop_ro("speed_cap", [](const Move& x) { return std::sqrt(x.vn2); })
-      .def_prop_ro("start_cap", [](const Move& x) { return std::sqrt(x.vj2); }, "junction's speed limit")
+      .def_prop_ro(
+          "start_cap", [](const Move& x) { return std::sqrt(x.vj2); }, "junction's speed limit")
       .def_ro("accelerate_length", &Move::d_acc)
       .def_ro("cruise_length", &Move::d_cru)
       .def_ro("start_ticks", &Move::start)

@@ -55,7 +55,8 @@ class Bounds {
     LimitId speed_id = kFeedrate;
     if (m.duration > 0 && m.d < v * m.duration / m.speed_factor)
       v = m.d * m.speed_factor / m.duration, speed_id = kDuration;
-    if (m.cartesian && v > limits_.speed * per_mm) v = limits_.speed * per_mm, speed_id = kPathSpeed;
+    if (m.cartesian && v > limits_.speed * per_mm)
+      v = limits_.speed * per_mm, speed_id = kPathSpeed;
     double a = per_mm * (accel_id == kPrintAccel     ? limits_.print_accel
                          : accel_id == kRetractAccel ? limits_.retract_accel
                                                      : limits_.travel_accel);
@@ -84,8 +85,8 @@ class Bounds {
   }
 
   // Nonlinear geometries: tightens vn2 and a by the actuators' limits along the way, curvature
-  // included, and splits the move where these differ much, so that a narrow place does not slow down
-  // the whole line. With q', q'' the derivatives of an actuator by path length: |q'| v ≤ V and
+  // included, and splits the move where these differ much, so that a narrow place does not slow
+  // down the whole line. With q', q'' the derivatives of an actuator by path length: |q'| v ≤ V and
   // |q''| v² + |q'| a ≤ A; half of A at most goes to curvature.
   void split(const Move& m, std::vector<Move>& parts) {
     parts.clear();
@@ -131,7 +132,7 @@ class Bounds {
   static constexpr double kHighestAccel = 1e7;   // mm/s²
   static constexpr double kSampleEvery = 2;      // mm
   static constexpr int kMostSamples = 256;
-  static constexpr double kAlike = 0.7;          // caps within this ratio share a part
+  static constexpr double kAlike = 0.7;  // caps within this ratio share a part
 
   struct Sample {
     double v, a;
@@ -163,7 +164,8 @@ class Bounds {
       q2[i] = std::fabs(q2[i]);
       const Row& row = constraints_.actuators[size_t(i)];
       if (q1[i] * v > row.speed) v = row.speed / q1[i], speed_id = row.speed_id;
-      if (q2[i] * v * v > 0.5 * row.accel) v = std::sqrt(0.5 * row.accel / q2[i]), speed_id = row.accel_id;
+      if (q2[i] * v * v > 0.5 * row.accel)
+        v = std::sqrt(0.5 * row.accel / q2[i]), speed_id = row.accel_id;
     }
     for (int i = 0; i < n; ++i) {
       const Row& row = constraints_.actuators[size_t(i)];

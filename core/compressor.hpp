@@ -21,11 +21,11 @@ struct StepStatistics {
   double error_max = 0, error_square = 0;  // ticks, ticks²: executed against ideal
 };
 
-// half[k] = half the window of step k: a quarter of the smaller gap to its neighbours, `tolerance` at
-// most, and so that executed steps keep `least` ticks apart; plus half a tick, so that it always holds
-// an integer. t[-1] and t[n] are read.
-PASSO_SIMD inline void windows(const double* __restrict t, double* __restrict lo, double* __restrict hi,
-                               int n, double tolerance, double least) {
+// half[k] = half the window of step k: a quarter of the smaller gap to its neighbours, `tolerance`
+// at most, and so that executed steps keep `least` ticks apart; plus half a tick, so that it always
+// holds an integer. t[-1] and t[n] are read.
+PASSO_SIMD inline void windows(const double* __restrict t, double* __restrict lo,
+                               double* __restrict hi, int n, double tolerance, double least) {
   for (int k = 0; k < n; ++k) {
     double before = t[k] - t[k - 1], after = t[k + 1] - t[k];
     double gap = before < after ? before : after;
@@ -39,8 +39,9 @@ PASSO_SIMD inline void windows(const double* __restrict t, double* __restrict lo
 }
 
 // Largest and summed squared error of the executed steps; `worst` > 0 if one leaves its window.
-PASSO_SIMD inline void check(const double* __restrict lo, const double* __restrict hi, int n, double last,
-                             double interval, double add, double& largest, double& square, double& worst) {
+PASSO_SIMD inline void check(const double* __restrict lo, const double* __restrict hi, int n,
+                             double last, double interval, double add, double& largest,
+                             double& square, double& worst) {
   double big = 0, sum = 0, out = -1;
   for (int m = 0; m < n; ++m) {
     double k = m, at = last + interval * (k + 1) + 0.5 * add * (k * (k + 1));
@@ -58,7 +59,8 @@ PASSO_SIMD inline void check(const double* __restrict lo, const double* __restri
 class Compressor {
  public:
   Compressor(const Machine& machine, const StepperSpec& spec, uint16_t target)
-      : tolerance_(machine.tolerance), reversal_(double(spec.pulse + spec.dir_hold + spec.dir_setup) + 2),
+      : tolerance_(machine.tolerance),
+        reversal_(double(spec.pulse + spec.dir_hold + spec.dir_setup) + 2),
         least_(std::max(2.0 * double(spec.pulse), std::ceil(machine.clock_hz / spec.max_rate))),
         longest_(kLongestSeconds * machine.clock_hz), lead_(kLeadSeconds * machine.clock_hz),
         margin_(std::max(reversal_, 4 * tolerance_) + 1), target_(target) {
@@ -108,8 +110,8 @@ class Compressor {
     return net;
   }
 
-  // A cut: the motor's last step is executed at `last`, what is pending is forgotten and `revoked` is
-  // taken back from the statistics. Steps that follow are set apart from that step.
+  // A cut: the motor's last step is executed at `last`, what is pending is forgotten and `revoked`
+  // is taken back from the statistics. Steps that follow are set apart from that step.
   void restart(int64_t last, const StepStatistics& revoked) {
     steps_.ticks.assign(1, double(last));
     steps_.runs.clear();
@@ -123,14 +125,15 @@ class Compressor {
   }
 
  private:
-  static constexpr double kLongestSeconds = 0.1;  // span of a command: bounds what waits for more steps
-  static constexpr double kLeadSeconds = 0.02;    // a command is due this long before its first step
-  static constexpr size_t kLook = 64;             // steps looked at first: most commands are shorter
-  static constexpr double kIdle = 268435456;      // ticks: after a longer gap the clock is set anew
+  static constexpr double kLongestSeconds =
+      0.1;  // span of a command: bounds what waits for more steps
+  static constexpr double kLeadSeconds = 0.02;  // a command is due this long before its first step
+  static constexpr size_t kLook = 64;           // steps looked at first: most commands are shorter
+  static constexpr double kIdle = 268435456;    // ticks: after a longer gap the clock is set anew
 
   double tolerance_, reversal_, least_, longest_, lead_, margin_;
   uint16_t target_;
-  Steps steps_;  // ticks[0] is the step before the first pending one
+  Steps steps_;        // ticks[0] is the step before the first pending one
   size_t joined_ = 0;  // runs before this one are checked for close reversals
   std::vector<double> lo_, hi_;
   Stabbing stabbing_;
@@ -145,7 +148,8 @@ class Compressor {
   void drop_close_reversals() {
     auto& runs = steps_.runs;
     for (size_t r = std::max<size_t>(joined_, 1); r < runs.size();) {
-      size_t at = runs[r].first, end = r + 1 < runs.size() ? runs[r + 1].first : steps_.ticks.size();
+      size_t at = runs[r].first,
+             end = r + 1 < runs.size() ? runs[r + 1].first : steps_.ticks.size();
       size_t begin = runs[r - 1].first, pairs = 0;
       while (at + pairs < end && at - pairs > begin &&
              steps_.ticks[at + pairs] - steps_.ticks[at - pairs - 1] < reversal_)
@@ -155,7 +159,8 @@ class Compressor {
         continue;
       }
       statistics_.dropped_pairs += int64_t(pairs);
-      steps_.ticks.erase(steps_.ticks.begin() + long(at - pairs), steps_.ticks.begin() + long(at + pairs));
+      steps_.ticks.erase(steps_.ticks.begin() + long(at - pairs),
+                         steps_.ticks.begin() + long(at + pairs));
       for (size_t q = r; q < runs.size(); ++q) runs[q].first -= q == r ? pairs : 2 * pairs;
       remove_empty(r);
       r = std::max<size_t>(r > 1 ? r - 1 : 1, 1);
@@ -182,7 +187,8 @@ class Compressor {
   void set_apart() {
     crowded_ = false;
     double apart = std::max(reversal_, least_);
-    for (size_t k = 1; k < steps_.ticks.size() && steps_.ticks[k] < steps_.ticks[k - 1] + apart; ++k)
+    for (size_t k = 1; k < steps_.ticks.size() && steps_.ticks[k] < steps_.ticks[k - 1] + apart;
+         ++k)
       steps_.ticks[k] = steps_.ticks[k - 1] + apart;
   }
 
@@ -190,7 +196,8 @@ class Compressor {
     lo_.resize(n);
     hi_.resize(n);
     steps_.ticks.push_back(1e18);
-    windows(steps_.ticks.data() + 1, lo_.data() + 1, hi_.data() + 1, int(n) - 1, tolerance_, least_);
+    windows(steps_.ticks.data() + 1, lo_.data() + 1, hi_.data() + 1, int(n) - 1, tolerance_,
+            least_);
     steps_.ticks.pop_back();
     for (const Steps::Run& run : steps_.runs) {
       if (run.first < 2) continue;
@@ -235,7 +242,9 @@ class Compressor {
     return i;
   }
 
-  int64_t due(double first) const { return std::max({last_, floor_, int64_t(std::floor(first - lead_))}); }
+  int64_t due(double first) const {
+    return std::max({last_, floor_, int64_t(std::floor(first - lead_))});
+  }
 
   void reset_clock(double first) {
     last_ = due(first);
@@ -248,12 +257,14 @@ class Compressor {
     int64_t interval = int64_t(c.interval), add = int64_t(c.add), count = c.count;
     if (worst > 1e-3 || interval < 1 || interval + add * (count - 1) < 1 || interval > 0x7fffffff)
       throw std::logic_error("a command left the window of its steps");
-    int64_t clock = due(steps_.ticks[i]), end = last_ + interval * count + add * (count * (count - 1) / 2);
+    int64_t clock = due(steps_.ticks[i]),
+            end = last_ + interval * count + add * (count * (count - 1) / 2);
     if (dir != dir_) {
       messages_.push({clock, clock, 0, 0, 0, target_, MessageKind::set_dir, uint8_t(dir > 0)});
       dir_ = dir;
     }
-    messages_.push({clock, end, uint32_t(interval), uint16_t(count), int16_t(add), target_, MessageKind::queue_step, uint8_t(dir > 0)});
+    messages_.push({clock, end, uint32_t(interval), uint16_t(count), int16_t(add), target_,
+                    MessageKind::queue_step, uint8_t(dir > 0)});
     last_ = end;
     statistics_.steps += count;
     statistics_.net += dir * count;

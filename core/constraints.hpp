@@ -24,20 +24,24 @@ enum FixedLimit : LimitId {
 };
 
 struct Row {
-  double c[kAxes];       // position of the limited part by axis position
-  int axis;              // ≥ 0: c is 1 there and 0 elsewhere
-  double speed, accel;   // units/s, units/s²
+  double c[kAxes];      // position of the limited part by axis position
+  int axis;             // ≥ 0: c is 1 there and 0 elsewhere
+  double speed, accel;  // units/s, units/s²
   LimitId speed_id, accel_id;
 };
 
 struct Constraints {
-  std::vector<std::string> names{"feedrate",           "duration",
-                                 "arc",                "path speed",
-                                 "print acceleration", "travel acceleration",
-                                 "retract acceleration", "junction"};
-  std::vector<Row> rows;           // for XYZ and further axes
-  std::vector<Row> extruders;      // one per extruder
-  std::vector<Row> actuators;      // nonlinear geometries: limits of each actuator, c unused
+  std::vector<std::string> names{"feedrate",
+                                 "duration",
+                                 "arc",
+                                 "path speed",
+                                 "print acceleration",
+                                 "travel acceleration",
+                                 "retract acceleration",
+                                 "junction"};
+  std::vector<Row> rows;       // for XYZ and further axes
+  std::vector<Row> extruders;  // one per extruder
+  std::vector<Row> actuators;  // nonlinear geometries: limits of each actuator, c unused
 
   // Soft limits of the axes do not bound the actuators: lines must be checked.
   bool checks_reach() const { return checks_reach_; }
@@ -61,7 +65,8 @@ struct Constraints {
     for (const StepperSpec& s : m.steppers)
       checks_reach_ |= s.drive == Drive::actuator && (s.min > -kInfinity || s.max < kInfinity);
     for (size_t i = 0; i < m.axes.size(); ++i)
-      rows.push_back(single(slot_of_axis(int(i)), m.axes[i].name, m.axes[i].speed, m.axes[i].accel));
+      rows.push_back(
+          single(slot_of_axis(int(i)), m.axes[i].name, m.axes[i].speed, m.axes[i].accel));
     for (const Extruder& e : m.extruders) extruders.push_back(single(kE, e.name, e.speed, e.accel));
     bool linear = true;
     double c[3];

@@ -1,5 +1,5 @@
-// A G-code program on its way through one machine: text in, planned motion out. It stops at whatever
-// needs the caller, and goes on from there.
+// A G-code program on its way through one machine: text in, planned motion out. It stops at
+// whatever needs the caller, and goes on from there.
 #pragma once
 #include <cmath>
 #include <string>
@@ -14,8 +14,10 @@ class Job {
  public:
   enum class Status : uint8_t { need_input, event, error, full, end };
 
-  Job(const Machine& machine, std::vector<double> home, bool laser, bool with_steps, double (*cpu_clock)())
-      : motion(machine, with_steps, cpu_clock), interpreter(motion.machine(), std::move(home), laser), cpu_clock_(cpu_clock) {
+  Job(const Machine& machine, std::vector<double> home, bool laser, bool with_steps,
+      double (*cpu_clock)())
+      : motion(machine, with_steps, cpu_clock),
+        interpreter(motion.machine(), std::move(home), laser), cpu_clock_(cpu_clock) {
     batch_.reserve(Planner::kBatch);
     motion.set_position(interpreter.position(), interpreter.extruder());
   }
@@ -27,15 +29,17 @@ class Job {
 
   const GcodeError& error() const { return error_; }
 
-  // Reads on until input, an event or an error wants the caller, or until the plan reaches `horizon`
-  // (ticks) or more than `most` messages wait to be taken.
+  // Reads on until input, an event or an error wants the caller, or until the plan reaches
+  // `horizon` (ticks) or more than `most` messages wait to be taken.
   Status advance(double horizon, size_t most) {
     for (;;) {
-      if (motion.planner().clock() >= horizon || motion.messages().size() >= most) return Status::full;
+      if (motion.planner().clock() >= horizon || motion.messages().size() >= most)
+        return Status::full;
       double start = now();
       Found found = Found::move;
       batch_.clear();
-      while (batch_.size() < Planner::kBatch && (found = interpreter.next()) == Found::move) batch_.push_back(interpreter.move());
+      while (batch_.size() < Planner::kBatch && (found = interpreter.next()) == Found::move)
+        batch_.push_back(interpreter.move());
       double parsed = now();
       cpu_parse += parsed - start;
       double before = motion.cpu().steps + motion.cpu().compress;
@@ -43,11 +47,17 @@ class Job {
       cpu_plan += now() - parsed - (motion.cpu().steps + motion.cpu().compress - before);
       if (!reachable) return Status::error;
       switch (found) {
-        case Found::move: continue;
-        case Found::event: return Status::event;
-        case Found::error: error_ = interpreter.error(); return Status::error;
-        case Found::need_input: return Status::need_input;
-        case Found::end: return Status::end;
+        case Found::move:
+          continue;
+        case Found::event:
+          return Status::event;
+        case Found::error:
+          error_ = interpreter.error();
+          return Status::error;
+        case Found::need_input:
+          return Status::need_input;
+        case Found::end:
+          return Status::end;
       }
     }
   }
@@ -69,7 +79,8 @@ class Job {
 
   bool push_batch() {
     for (const MoveRequest& m : batch_) {
-      if (motion.planner().constraints().checks_reach() && m.kind != MoveKind::dwell && m.kind != MoveKind::extrude && !reach(m)) {
+      if (motion.planner().constraints().checks_reach() && m.kind != MoveKind::dwell &&
+          m.kind != MoveKind::extrude && !reach(m)) {
         if (!interpreter.clamp) return false;
         ++unreachable_skipped;
         continue;
@@ -87,14 +98,19 @@ class Job {
     for (int j = 0; j < 3; ++j) length += (m.target[j] - from[j]) * (m.target[j] - from[j]);
     int n = std::min(1 + int(std::sqrt(length) / kCheckEvery), 4096);
     for (int i = 1; i <= n; ++i) {
-      for (int j = 0; j < 3; ++j) p[j] = i == n ? m.target[j] : from[j] + (m.target[j] - from[j]) * i / n;
+      for (int j = 0; j < 3; ++j)
+        p[j] = i == n ? m.target[j] : from[j] + (m.target[j] - from[j]) * i / n;
       for (const StepperSpec& s : machine.steppers) {
         if (s.drive != Drive::actuator) continue;
         double q = machine.geometry->inverse(s.index, p);
         if (q >= s.min - 1e-6 && q <= s.max + 1e-6) continue;
         bool nowhere = !(std::fabs(q) < 1e12);
-        error_ = {m.line, nowhere ? Fault::unreachable : Fault::actuator, nowhere ? "" : s.name,
-                  nowhere ? 0 : q, q < s.min ? s.min : s.max, {0, 0, 0}};
+        error_ = {m.line,
+                  nowhere ? Fault::unreachable : Fault::actuator,
+                  nowhere ? "" : s.name,
+                  nowhere ? 0 : q,
+                  q < s.min ? s.min : s.max,
+                  {0, 0, 0}};
         for (int j = 0; j < 3; ++j) error_.point[j] = p[j];
         return false;
       }

@@ -37,7 +37,8 @@ class JunctionRule {
     if (before.cartesian != m.cartesian) return 0;
     if (!m.cartesian) return alongside(before, m) ? cap : 0;
     return limits.junction == JunctionLaw::deviation
-               ? deviation(before, m, std::min(cap, extruder_cap(before, m)), limits.junction_deviation)
+               ? deviation(before, m, std::min(cap, extruder_cap(before, m)),
+                           limits.junction_deviation)
                : jerk(before, m, cap);
   }
 
@@ -75,14 +76,15 @@ class JunctionRule {
     return cap;
   }
 
-  // Junction deviation (S. Jeon, 2011, as in grbl): the corner is a circle that passes at most δ from
-  // it, v² = a δ s / (1 - s) with s = sin(θ/2), θ the angle enclosed by the two moves. The circle's
-  // tangent points must lie on the inner half of either move: v² ≤ ½ a d tan(θ/2).
+  // Junction deviation (S. Jeon, 2011, as in grbl): the corner is a circle that passes at most δ
+  // from it, v² = a δ s / (1 - s) with s = sin(θ/2), θ the angle enclosed by the two moves. The
+  // circle's tangent points must lie on the inner half of either move: v² ≤ ½ a d tan(θ/2).
   double deviation(const Move& before, const Move& m, double cap, double delta) const {
     double inverse = 1 / (before.d * m.d);
     double cosine = -((m.p1[0] - m.p0[0]) * (before.p1[0] - before.p0[0]) +
                       (m.p1[1] - m.p0[1]) * (before.p1[1] - before.p0[1]) +
-                      (m.p1[2] - m.p0[2]) * (before.p1[2] - before.p0[2])) * inverse;
+                      (m.p1[2] - m.p0[2]) * (before.p1[2] - before.p0[2])) *
+                    inverse;
     cosine = std::max(cosine, -1.0);
     double s = std::sqrt(std::max(0.0, 0.5 * (1 - cosine)));
     double c = std::sqrt(std::max(0.0, 0.5 * (1 + cosine)));
@@ -100,11 +102,13 @@ class JunctionRule {
     };
     auto limit = [&](int j, double change, double accel, double distance) {
       double per_mm = j == kE ? extruder_steps(m) : steps_per_mm_[j];
-      if (std::fabs(change) > 1e-12) cap = std::min(cap, accel * per_mm * distance / std::fabs(change));
+      if (std::fabs(change) > 1e-12)
+        cap = std::min(cap, accel * per_mm * distance / std::fabs(change));
     };
     for (size_t i = 0; i < machine_.axes.size(); ++i) {
       int j = slot_of_axis(int(i));
-      limit(j, ratio(m, j) - ratio(before, j), machine_.axes[i].accel, machine_.axes[i].cornering_steps);
+      limit(j, ratio(m, j) - ratio(before, j), machine_.axes[i].accel,
+            machine_.axes[i].cornering_steps);
     }
     if (before.extruder != m.extruder) return 0;
     const Extruder& e = machine_.extruders[m.extruder];
@@ -118,8 +122,8 @@ class JunctionRule {
     return 0;
   }
 
-  // Classic jerk: at the lesser nominal speed, no axis may change its speed by more than its jerk; on
-  // a reversal of the axis the larger of the two speeds counts.
+  // Classic jerk: at the lesser nominal speed, no axis may change its speed by more than its jerk;
+  // on a reversal of the axis the larger of the two speeds counts.
   double jerk(const Move& before, const Move& m, double cap) const {
     double v = std::sqrt(cap), factor = 1;
     auto limit = [&](int j, double allowed) {
@@ -127,7 +131,8 @@ class JunctionRule {
       double change = out * in < 0 ? std::max(std::fabs(out), std::fabs(in)) : std::fabs(out - in);
       if (change * factor > allowed) factor = allowed / change;
     };
-    for (size_t i = 0; i < machine_.axes.size(); ++i) limit(slot_of_axis(int(i)), machine_.axes[i].jerk);
+    for (size_t i = 0; i < machine_.axes.size(); ++i)
+      limit(slot_of_axis(int(i)), machine_.axes[i].jerk);
     if (before.extruder == m.extruder && !machine_.extruders.empty())
       limit(kE, machine_.extruders[m.extruder].jerk);
     return cap * factor * factor;

@@ -20,10 +20,10 @@ enum class JunctionLaw : uint8_t { deviation, cornering_distance, jerk };
 struct Axis {  // X, Y, Z and further linear axes
   std::string name;
   char letter;
-  double min, max;           // mm
-  double speed, accel;       // mm/s, mm/s²
-  double jerk;               // mm/s, change of speed allowed at a junction (law `jerk`)
-  double cornering_steps;    // law `cornering_distance`
+  double min, max;         // mm
+  double speed, accel;     // mm/s, mm/s²
+  double jerk;             // mm/s, change of speed allowed at a junction (law `jerk`)
+  double cornering_steps;  // law `cornering_distance`
 };
 
 struct Extruder {  // one motor that pushes filament
@@ -42,11 +42,11 @@ enum class Drive : uint8_t { actuator, axis, extruder };
 struct StepperSpec {
   std::string name;
   Drive drive;
-  int index;                                  // of the actuator, the axis or the extruder
-  double steps_per_unit;                      // unit: mm, or degree on rotary actuators
-  int64_t pulse, dir_setup, dir_hold;         // ticks
-  double max_rate;                            // steps per second
-  double speed, accel, min, max;              // units; infinite where there is no limit
+  int index;                           // of the actuator, the axis or the extruder
+  double steps_per_unit;               // unit: mm, or degree on rotary actuators
+  int64_t pulse, dir_setup, dir_hold;  // ticks
+  double max_rate;                     // steps per second
+  double speed, accel, min, max;       // units; infinite where there is no limit
 };
 
 struct Limits {

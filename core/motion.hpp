@@ -45,8 +45,8 @@ class Motion {
   const StepStatistics& steps(size_t i) const { return compressors_[i].statistics(); }
   int64_t count(size_t i) const { return solvers_[i].count(); }
   int64_t handed_out() const { return handed_out_; }  // clock of the last of messages(), so far
-  // A timed record. Targets from kMark on are the host's own: they come out of marks(), in the order of
-  // their clocks, and are not sent.
+  // A timed record. Targets from kMark on are the host's own: they come out of marks(), in the
+  // order of their clocks, and are not sent.
   static constexpr uint16_t kMark = 0x8000;
   struct Record {
     uint16_t target;
@@ -89,12 +89,13 @@ class Motion {
       solvers_[i].set_count(count);
     }
   }
-  // Net steps that motor i was to make: its rounded targets, less what positions were set without motion.
+  // Net steps that motor i was to make: its rounded targets, less what positions were set without
+  // motion.
   int64_t expected_net(size_t i) const { return solvers_[i].count() - set_apart_[i]; }
 
-  // Cuts every stepper at the first clock ≥ `ticks` that is not bound by a command already taken from
-  // messages(), and goes on from the speed that the machine has there, with the limits and the speed
-  // factor of now. Returns that clock.
+  // Cuts every stepper at the first clock ≥ `ticks` that is not bound by a command already taken
+  // from messages(), and goes on from the speed that the machine has there, with the limits and the
+  // speed factor of now. Returns that clock.
   double replan_from(double ticks) {
     std::vector<Move> rest;
     double speed2 = cut(ticks, rest);
@@ -164,7 +165,7 @@ class Motion {
   std::deque<Move> history_;
   std::vector<Move> held_;
   uint16_t unattached_ = 0;  // last records_ that wait for a move to follow
-  int64_t handed_out_ = 0;  // clock of the last message merged
+  int64_t handed_out_ = 0;   // clock of the last message merged
   double ticks_of_cut_ = 0;
 
   double now() const { return cpu_clock_ ? cpu_clock_() : 0; }
@@ -222,7 +223,8 @@ class Motion {
     for (;;) {
       MessageQueue* first = pins_.empty() ? nullptr : &pins_;
       for (Compressor& c : compressors_)
-        if (!c.messages().empty() && (!first || c.messages().front().clock < first->front().clock)) first = &c.messages();
+        if (!c.messages().empty() && (!first || c.messages().front().clock < first->front().clock))
+          first = &c.messages();
       if (!first || (!all && double(first->front().clock) >= limit)) break;
       messages_.push(first->front());
       first->pop();
@@ -232,8 +234,8 @@ class Motion {
       for (Compressor& c : compressors_) c.not_before(handed_out_);
   }
 
-  // Revokes steps, messages and moves from a clock ≥ `ticks` on; that clock goes to ticks_of_cut_, the
-  // revoked moves to `rest`. Returns the speed² at the cut.
+  // Revokes steps, messages and moves from a clock ≥ `ticks` on; that clock goes to ticks_of_cut_,
+  // the revoked moves to `rest`. Returns the speed² at the cut.
   double cut(double ticks, std::vector<Move>& rest) {
     merge(true);
     int64_t at = std::max(int64_t(std::ceil(ticks)), messages_.taken_until());
@@ -253,8 +255,10 @@ class Motion {
       rest.push_back(history_[i]);
     }
     history_.resize(first);
-    if (!rest.empty() && rest[0].start < ticks_of_cut_) speed2 = cut_move(rest);
-    else if (!rest.empty()) speed2 = rest[0].v0 * rest[0].v0;
+    if (!rest.empty() && rest[0].start < ticks_of_cut_)
+      speed2 = cut_move(rest);
+    else if (!rest.empty())
+      speed2 = rest[0].v0 * rest[0].v0;
     return speed2;
   }
 
@@ -269,9 +273,11 @@ class Motion {
       return 0;
     }
     double hz = machine_.clock_hz, v, s;
-    double t0 = std::min(tau, done.t_acc) / hz, t1 = std::clamp(tau - done.t_acc, 0.0, done.t_cru) / hz;
+    double t0 = std::min(tau, done.t_acc) / hz,
+           t1 = std::clamp(tau - done.t_acc, 0.0, done.t_cru) / hz;
     double t2 = std::max(0.0, tau - done.t_acc - done.t_cru) / hz;
-    s = done.v0 * t0 + 0.5 * done.a * t0 * t0 + done.vc * t1 + done.vc * t2 - 0.5 * done.b * t2 * t2;
+    s = done.v0 * t0 + 0.5 * done.a * t0 * t0 + done.vc * t1 + done.vc * t2 -
+        0.5 * done.b * t2 * t2;
     v = t2 > 0 ? done.vc - done.b * t2 : tau > done.t_acc ? done.vc : done.v0 + done.a * t0;
     s = std::clamp(s, 0.0, done.d);
     double part = s / done.d;
@@ -294,7 +300,8 @@ class Motion {
     history_.push_back(done);
   }
 
-  // Keeps of messages_ what is executed up to `at`, and sets every motor back to its last step kept.
+  // Keeps of messages_ what is executed up to `at`, and sets every motor back to its last step
+  // kept.
   void revoke_messages(int64_t at) {
     size_t n = compressors_.size();
     std::vector<StepStatistics> revoked(n);

@@ -7,26 +7,26 @@
 
 namespace passo {
 
-// Path measure `d`: Euclidean mm of X, Y, Z where these move, else the longest axis in mm; under the
-// law `cornering_distance` the longest axis in steps, as APrinter plans. All speeds and accelerations
-// below are of that measure, per second. The time law over the path position s:
+// Path measure `d`: Euclidean mm of X, Y, Z where these move, else the longest axis in mm; under
+// the law `cornering_distance` the longest axis in steps, as APrinter plans. All speeds and
+// accelerations below are of that measure, per second. The time law over the path position s:
 //   s0 ≤ s: d_acc at acceleration a, d_cru at speed vc, the rest of d at deceleration b.
 struct Move {
-  double p0[kAxes], p1[kAxes];        // ends, mm
-  double d;                           // path measure
-  double v0, vc, v1, a, b;            // speeds at start, in cruise, at end; a, b > 0
-  double d_acc, d_cru;                // lengths of the phases
-  double start;                       // ticks since the start of the job
-  double t_acc, t_cru, t_dec;         // ticks
-  double vn2, vj2;                    // caps of v²: within the move; at its start
+  double p0[kAxes], p1[kAxes];                  // ends, mm
+  double d;                                     // path measure
+  double v0, vc, v1, a, b;                      // speeds at start, in cruise, at end; a, b > 0
+  double d_acc, d_cru;                          // lengths of the phases
+  double start;                                 // ticks since the start of the job
+  double t_acc, t_cru, t_dec;                   // ticks
+  double vn2, vj2;                              // caps of v²: within the move; at its start
   double feed, duration, radius, speed_factor;  // as requested, kept for replanning
   uint32_t line;
   uint16_t layer, feature, extruder;
-  uint16_t records;   // timed records that are due at its start
+  uint16_t records;  // timed records that are due at its start
   LimitId speed_limit, accel_limit;
   MoveKind kind;
   uint8_t moved;
-  bool inner;      // continues the same path: chord of an arc, split or cut move; no junction law
+  bool inner;  // continues the same path: chord of an arc, split or cut move; no junction law
   bool rapid;
   bool cartesian;  // X, Y or Z moves
 

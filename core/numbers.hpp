@@ -1,8 +1,8 @@
 // Sine, cosine and arctangent, the same bits on every CPU: made of + - * / and sqrt only.
 //
 // Polynomials: the minimax coefficients that Sun published with fdlibm (1993) for sin and cos on
-// |x| ≤ π/4 and for atan on |x| ≤ 7/16; reduction in the manner of Cody and Waite. Errors stay below
-// 1 ulp for |x| < 1e6 (tests/core/test_numbers.py measures them).
+// |x| ≤ π/4 and for atan on |x| ≤ 7/16; reduction in the manner of Cody and Waite. Errors stay
+// below 1 ulp for |x| < 1e6 (tests/core/test_numbers.py measures them).
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -26,11 +26,12 @@ inline double sin_kernel(double x, double y) {
 }
 inline double cos_kernel(double x, double y) {
   double z = x * x;
-  double r = z * (4.16666666666666019037e-02 +
-                  z * (-1.38888888888741095749e-03 +
-                       z * (2.48015872894767294178e-05 +
-                            z * (-2.75573143513906633035e-07 +
-                                 z * (2.08757232129817482790e-09 + z * -1.13596475577881948265e-11)))));
+  double r =
+      z * (4.16666666666666019037e-02 +
+           z * (-1.38888888888741095749e-03 +
+                z * (2.48015872894767294178e-05 +
+                     z * (-2.75573143513906633035e-07 +
+                          z * (2.08757232129817482790e-09 + z * -1.13596475577881948265e-11)))));
   double half = 0.5 * z, w = 1.0 - half;
   return w + (((1.0 - w) - half) + (z * r - x * y));
 }
@@ -48,37 +49,56 @@ inline void sincos(double x, double& s, double& c) {
   double y0 = r + tail, y1 = (r - y0) + tail;
   double sine = detail::sin_kernel(y0, y1), cosine = detail::cos_kernel(y0, y1);
   switch (int64_t(n) & 3) {
-    case 0: s = sine; c = cosine; break;
-    case 1: s = cosine; c = -sine; break;
-    case 2: s = -sine; c = -cosine; break;
-    default: s = -cosine; c = sine; break;
+    case 0:
+      s = sine;
+      c = cosine;
+      break;
+    case 1:
+      s = cosine;
+      c = -sine;
+      break;
+    case 2:
+      s = -sine;
+      c = -cosine;
+      break;
+    default:
+      s = -cosine;
+      c = sine;
+      break;
   }
 }
 
 inline double atan(double x) {
-  constexpr double kHigh[] = {4.63647609000806093515e-01, 7.85398163397448278999e-01, 9.82793723247329054082e-01,
-                              1.57079632679489655800e+00};
-  constexpr double kLow[] = {2.26987774529616870924e-17, 3.06161699786838301793e-17, 1.39033110312309984516e-17,
-                             6.12323399573676603587e-17};
+  constexpr double kHigh[] = {4.63647609000806093515e-01, 7.85398163397448278999e-01,
+                              9.82793723247329054082e-01, 1.57079632679489655800e+00};
+  constexpr double kLow[] = {2.26987774529616870924e-17, 3.06161699786838301793e-17,
+                             1.39033110312309984516e-17, 6.12323399573676603587e-17};
   double a = std::fabs(x);
   int piece = -1;
   if (a >= 0.4375) {
-    if (a < 0.6875) piece = 0, a = (2.0 * a - 1.0) / (2.0 + a);
-    else if (a < 1.1875) piece = 1, a = (a - 1.0) / (a + 1.0);
-    else if (a < 2.4375) piece = 2, a = (a - 1.5) / (1.0 + 1.5 * a);
-    else piece = 3, a = -1.0 / a;
+    if (a < 0.6875)
+      piece = 0, a = (2.0 * a - 1.0) / (2.0 + a);
+    else if (a < 1.1875)
+      piece = 1, a = (a - 1.0) / (a + 1.0);
+    else if (a < 2.4375)
+      piece = 2, a = (a - 1.5) / (1.0 + 1.5 * a);
+    else
+      piece = 3, a = -1.0 / a;
   }
   double z = a * a, w = z * z;
-  double even = z * (3.33333333333329318027e-01 +
-                     w * (1.42857142725034663711e-01 +
-                          w * (9.09088713343650656196e-02 +
-                               w * (6.66107313738753120669e-02 +
-                                    w * (4.97687799461593236017e-02 + w * 1.62858201153657823623e-02)))));
-  double odd = w * (-1.99999999998764832476e-01 +
-                    w * (-1.11111104054623557880e-01 +
-                         w * (-7.69187620504482999495e-02 +
-                              w * (-5.83357013379057348645e-02 + w * -3.65315727442169155270e-02))));
-  double result = piece < 0 ? a - a * (even + odd) : kHigh[piece] - ((a * (even + odd) - kLow[piece]) - a);
+  double even =
+      z * (3.33333333333329318027e-01 +
+           w * (1.42857142725034663711e-01 +
+                w * (9.09088713343650656196e-02 +
+                     w * (6.66107313738753120669e-02 +
+                          w * (4.97687799461593236017e-02 + w * 1.62858201153657823623e-02)))));
+  double odd =
+      w * (-1.99999999998764832476e-01 +
+           w * (-1.11111104054623557880e-01 +
+                w * (-7.69187620504482999495e-02 +
+                     w * (-5.83357013379057348645e-02 + w * -3.65315727442169155270e-02))));
+  double result =
+      piece < 0 ? a - a * (even + odd) : kHigh[piece] - ((a * (even + odd) - kLow[piece]) - a);
   return x < 0 ? -result : result;
 }
 

@@ -32,7 +32,7 @@ class Planner {
   // Settled moves that the caller has not taken yet; it clears the vector.
   std::vector<Move>& settled() { return settled_; }
   size_t queued() const { return queue_.size() - head_; }
-  double clock() const { return clock_; }  // end of the last settled move, ticks
+  double clock() const { return clock_; }    // end of the last settled move, ticks
   double speed2() const { return speed2_; }  // its end speed, squared
 
   const double* position() const { return position_; }  // end of the last move pushed
@@ -45,8 +45,8 @@ class Planner {
   // Time passes with the machine at rest. Only while nothing is queued.
   void wait_until(double ticks) { clock_ = std::max(clock_, ticks); }
 
-  // Takes a move from where the last one ended, with `records` timed records due at its start. False
-  // if it covers no distance and is dropped.
+  // Takes a move from where the last one ended, with `records` timed records due at its start.
+  // False if it covers no distance and is dropped.
   bool push(const MoveRequest& r, uint16_t records) {
     Move m = move_of(r);
     m.records = records;
@@ -60,9 +60,9 @@ class Planner {
   // Settles all that is queued, for a stop at its end.
   void flush() { settle(true); }
 
-  // Goes on at `clock` with speed² `speed2` in the midst of rest[0]: these moves, settled before, and
-  // all that is queued are planned anew with the limits of now. Where the new limits ask for less
-  // speed than the machine has, it brakes as the old plan could.
+  // Goes on at `clock` with speed² `speed2` in the midst of rest[0]: these moves, settled before,
+  // and all that is queued are planned anew with the limits of now. Where the new limits ask for
+  // less speed than the machine has, it brakes as the old plan could.
   void resume(std::vector<Move> rest, double speed2, double clock) {
     rest.insert(rest.end(), queue_.begin() + long(head_), queue_.end());
     stand(clock);
@@ -180,8 +180,8 @@ class Planner {
     }
   }
 
-  // From the speed that the machine has to at most `end2`; slower than that if the way is too short to
-  // accelerate, faster if it is too short to brake (after a replan only).
+  // From the speed that the machine has to at most `end2`; slower than that if the way is too short
+  // to accelerate, faster if it is too short to brake (after a replan only).
   void trapezoid(Move& m, double end2) {
     double start2 = speed2_, reach = 2 * m.a * m.d;
     m.start = clock_;
@@ -196,7 +196,8 @@ class Planner {
     if (start2 - end2 > reach) {
       braking = std::min(m.b, (start2 - end2) / (2 * m.d));
       double least2 = start2 - 2 * braking * m.d;
-      if (least2 > end2 + 1e-9 * start2 + 1e-10) end2 = least2;  // beyond rounding: cannot brake that hard
+      if (least2 > end2 + 1e-9 * start2 + 1e-10)
+        end2 = least2;  // beyond rounding: cannot brake that hard
     }
     double peak2;
     if (start2 > m.vn2) {  // too fast already: brake to the nominal speed first

@@ -1,11 +1,11 @@
 // The longest (interval, count, add) that keeps every step inside its window.
 //
 // Step m (0-based) of a command is executed (m+1) I + m(m+1)/2 A ticks after the step before the
-// command. Divided by m+1 that is the line I + A x at x = m/2, which must stab the vertical segments
-// [lo_m, hi_m] / (m+1): the stabbing-line problem (O'Rourke, "An on-line algorithm for fitting
-// straight lines between data ranges", 1981). Over the first steps the range of possible slopes is
-// kept exactly, from all pairs of segments and without branches; when it holds but few integers,
-// each of these is tried to its end.
+// command. Divided by m+1 that is the line I + A x at x = m/2, which must stab the vertical
+// segments [lo_m, hi_m] / (m+1): the stabbing-line problem (O'Rourke, "An on-line algorithm for
+// fitting straight lines between data ranges", 1981). Over the first steps the range of possible
+// slopes is kept exactly, from all pairs of segments and without branches; when it holds but few
+// integers, each of these is tried to its end.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -29,8 +29,8 @@ class Stabbing {
     for (int j = 0; j < kPairs; ++j) descending_[j] = 1.0 / (kPairs - j);
   }
 
-  // lo[m] ≤ time of step m ≤ hi[m], each window holding an integer; `last` is the integer time of the
-  // step before. Returns a command of 1 ≤ count ≤ n; neither `lo` nor `hi` is read beyond n.
+  // lo[m] ≤ time of step m ≤ hi[m], each window holding an integer; `last` is the integer time of
+  // the step before. Returns a command of 1 ≤ count ≤ n; neither `lo` nor `hi` is read beyond n.
   PASSO_SIMD Command longest(const double* lo, const double* hi, int n, double last) {
     n = std::min(n, kLongest);
     if (n == 1) return single(lo, hi, last);
@@ -52,8 +52,8 @@ class Stabbing {
   static constexpr double kLeastAdd = -32768, kMostAdd = 32767;
 
   double reciprocal_[kLongest + 1];
-  double descending_[kPairs];                  // 1/kPairs … 1
-  double low_[kPairs], high_[kPairs];          // the segments
+  double descending_[kPairs];                    // 1/kPairs … 1
+  double low_[kPairs], high_[kPairs];            // the segments
   double least_[kPairs + 1], most_[kPairs + 1];  // slopes per segment, for each count
 
   static Command single(const double* lo, const double* hi, double last) {
@@ -93,7 +93,8 @@ class Stabbing {
   struct Candidates {
     double first, last, middle;
     PASSO_INLINE Candidates(double least, double most)
-        : first(std::max(ceil_fast(2 * least), kLeastAdd)), last(std::min(floor_fast(2 * most), kMostAdd)),
+        : first(std::max(ceil_fast(2 * least), kLeastAdd)),
+          last(std::min(floor_fast(2 * most), kMostAdd)),
           middle(std::min(std::max(round_even(least + most), first), last)) {}
   };
 
@@ -120,7 +121,8 @@ class Stabbing {
   }
 
   // Number of steps that hold with this add, and the range of the interval.
-  PASSO_INLINE int reach(const double* lo, const double* hi, int n, double last, double add, double& low, double& high) const {
+  PASSO_INLINE int reach(const double* lo, const double* hi, int n, double last, double add,
+                         double& low, double& high) const {
     double l = -1e15, h = 1e15;
     int m = 0;
     for (; m < n; ++m) {
@@ -147,16 +149,19 @@ class Stabbing {
         l = std::max(l, low_[m] - x);
         h = std::min(h, high_[m] - x);
       }
-      if (ceil_fast(l - kSlack) <= floor_fast(h + kSlack)) return centred(lo, hi, last, count, add, l, h);
+      if (ceil_fast(l - kSlack) <= floor_fast(h + kSlack))
+        return centred(lo, hi, last, count, add, l, h);
     }
     return {0, 0, 0};
   }
 
   // Of the possible intervals, the one whose last step is nearest to its ideal.
-  PASSO_INLINE Command centred(const double* lo, const double* hi, double last, int count, double add, double low, double high) const {
+  PASSO_INLINE Command centred(const double* lo, const double* hi, double last, int count,
+                               double add, double low, double high) const {
     double ideal = (lo[count - 1] + hi[count - 1]) * 0.5 - last - 0.5 * count * (count - 1.0) * add;
     double interval = round_even(ideal * reciprocal_[count]);
-    return {count, std::min(std::max(interval, ceil_fast(low - kSlack)), floor_fast(high + kSlack)), add};
+    return {count, std::min(std::max(interval, ceil_fast(low - kSlack)), floor_fast(high + kSlack)),
+            add};
   }
 };
 

@@ -11,8 +11,8 @@ namespace passo {
 struct PlanStatistics {
   int64_t moves = 0;
   double move_s = 0, dwell_s = 0, travel_mm = 0, print_mm = 0;
-  std::vector<double> filament_mm;                    // net, by extruder
-  std::vector<double> limit_s, layer_s, feature_s;    // by LimitId, layer, feature
+  std::vector<double> filament_mm;                  // net, by extruder
+  std::vector<double> limit_s, layer_s, feature_s;  // by LimitId, layer, feature
 
   // sign -1 takes back what a replan revokes.
   void add(const Move& m, double hz, int sign) {
@@ -30,7 +30,8 @@ struct PlanStatistics {
     grow(limit_s, m.accel_limit) += (m.t_acc + m.t_dec) * per_tick;
     if (m.cartesian) {
       double dx = m.p1[0] - m.p0[0], dy = m.p1[1] - m.p0[1], dz = m.p1[2] - m.p0[2];
-      (m.kind == MoveKind::print ? print_mm : travel_mm) += sign * std::sqrt(dx * dx + dy * dy + dz * dz);
+      (m.kind == MoveKind::print ? print_mm : travel_mm) +=
+          sign * std::sqrt(dx * dx + dy * dy + dz * dz);
     }
     if (m.extruder < 4096) grow(filament_mm, m.extruder) += sign * (m.p1[kE] - m.p0[kE]);
   }

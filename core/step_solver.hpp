@@ -22,18 +22,20 @@ struct Steps {
 };
 
 // t[j] = base + sign * sqrt(c0 + c1 * j)
-PASSO_SIMD inline void fill_root(double* __restrict t, int n, double c0, double c1, double base, double sign) {
+PASSO_SIMD inline void fill_root(double* __restrict t, int n, double c0, double c1, double base,
+                                 double sign) {
   for (int j = 0; j < n; ++j) t[j] = base + sign * std::sqrt(std::max(0.0, c0 + c1 * j));
 }
 PASSO_SIMD inline void fill_line(double* __restrict t, int n, double c0, double c1) {
   for (int j = 0; j < n; ++j) t[j] = c0 + c1 * j;
 }
 // The same for path positions s[j] that are not evenly spaced.
-PASSO_SIMD inline void fill_root_at(double* __restrict t, const double* __restrict s, int n, double c0,
-                                    double c1, double base, double sign) {
+PASSO_SIMD inline void fill_root_at(double* __restrict t, const double* __restrict s, int n,
+                                    double c0, double c1, double base, double sign) {
   for (int j = 0; j < n; ++j) t[j] = base + sign * std::sqrt(std::max(0.0, c0 + c1 * s[j]));
 }
-PASSO_SIMD inline void fill_line_at(double* __restrict t, const double* __restrict s, int n, double c0, double c1) {
+PASSO_SIMD inline void fill_line_at(double* __restrict t, const double* __restrict s, int n,
+                                    double c0, double c1) {
   for (int j = 0; j < n; ++j) t[j] = c0 + c1 * s[j];
 }
 
@@ -86,7 +88,8 @@ struct TimeLaw {
 
 class StepSolver {
  public:
-  StepSolver(const Machine& machine, const StepperSpec& spec) : machine_(machine), spec_(spec), hz_(machine.clock_hz) {
+  StepSolver(const Machine& machine, const StepperSpec& spec)
+      : machine_(machine), spec_(spec), hz_(machine.clock_hz) {
     for (double& c : c_) c = 0;
     linear_ = true;
     if (spec.drive == Drive::extruder) {
@@ -121,7 +124,7 @@ class StepSolver {
   const StepperSpec& spec_;
   double hz_;
   bool linear_;
-  int axis_ = -1;   // ≥ 0: this axis alone drives the motor
+  int axis_ = -1;  // ≥ 0: this axis alone drives the motor
   double c_[3];
   int64_t count_ = 0;
   Crossings crossings_;
@@ -158,10 +161,12 @@ class StepSolver {
     machine_.geometry->crossings(spec_.index, path, spec_.steps_per_unit, crossings_);
     TimeLaw law(m, hz_);
     const int64_t start = int64_t(std::floor(position(m.p0) + 0.5));
-    int64_t ahead = count_ - start;  // after a cut: steps done before their ideal time, or still owed
+    int64_t ahead =
+        count_ - start;  // after a cut: steps done before their ideal time, or still owed
     for (size_t r = 0; r < crossings_.runs.size(); ++r) {
       size_t first = size_t(crossings_.runs[r].first);
-      size_t last = r + 1 < crossings_.runs.size() ? size_t(crossings_.runs[r + 1].first) : crossings_.s.size();
+      size_t last = r + 1 < crossings_.runs.size() ? size_t(crossings_.runs[r + 1].first)
+                                                   : crossings_.s.size();
       int dir = crossings_.runs[r].dir;
       while (ahead != 0 && first < last && (ahead > 0) == (dir > 0)) ++first, ahead -= dir;
       if (first == last) continue;

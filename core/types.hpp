@@ -6,12 +6,17 @@
 
 namespace passo {
 
-// A move carries X, Y, Z, the position of the *active* extruder, and up to four further linear axes.
-// An extruder that is not active never moves, so any number of extruders fits.
+// A move carries X, Y, Z, the position of the *active* extruder, and up to four further linear
+// axes. An extruder that is not active never moves, so any number of extruders fits.
 inline constexpr int kAxes = 8;
 inline constexpr int kX = 0, kY = 1, kZ = 2, kE = 3, kExtra = 4;
 
-enum class MoveKind : uint8_t { travel, print, extrude, dwell };  // extrude: E alone (retract, prime)
+enum class MoveKind : uint8_t {
+  travel,
+  print,
+  extrude,
+  dwell
+};  // extrude: E alone (retract, prime)
 
 // What the interpreter hands to the planner for each G0, G1, chord of an arc, retraction or dwell.
 // The start of a move is the end of the one before it.
@@ -19,16 +24,16 @@ struct MoveRequest {
   double target[kAxes];  // absolute machine position, mm
   double feed_mm_s;      // F; infinity when none was ever given
   double duration_s;     // APrinter's T: at least this long; of a dwell: exactly; else 0
-  double speed_cap2;     // (mm/s)²: v²/r ≤ a on arcs is applied as radius_mm below; infinity if none
-  double radius_mm;      // arc radius; infinity on straight moves
-  uint32_t line;         // 1-based line of the source
-  uint16_t layer;        // slicer's layer, 0 before the first
-  uint16_t feature;      // index in the interpreter's table of feature names, 0 = none
-  uint16_t extruder;     // active extruder
+  double speed_cap2;  // (mm/s)²: v²/r ≤ a on arcs is applied as radius_mm below; infinity if none
+  double radius_mm;   // arc radius; infinity on straight moves
+  uint32_t line;      // 1-based line of the source
+  uint16_t layer;     // slicer's layer, 0 before the first
+  uint16_t feature;   // index in the interpreter's table of feature names, 0 = none
+  uint16_t extruder;  // active extruder
   MoveKind kind;
-  uint8_t moved;         // bit per axis: the letter stood in the command
-  bool arc_inner;        // joins the chord before it on the same arc: no junction limit
-  bool rapid;            // G0
+  uint8_t moved;   // bit per axis: the letter stood in the command
+  bool arc_inner;  // joins the chord before it on the same arc: no junction limit
+  bool rapid;      // G0
 };
 
 // One command for the board. Commands of a board are queued in the order of `clock`.
@@ -41,7 +46,7 @@ struct Message {
   int16_t add;        // queue_step: change of the interval after each step
   uint16_t target;    // index of the stepper, or of the output pin
   MessageKind kind;
-  uint8_t dir;        // set_dir: 1 forward
+  uint8_t dir;  // set_dir: 1 forward
 };
 static_assert(sizeof(Message) == 32);
 

@@ -10,7 +10,8 @@
 namespace passo {
 
 // Chords whose middle is at most kChordError inside the circle: the angle between points is
-// 2 acos(1 - kChordError/r), and acos(1 - x) ≥ sqrt(2x). A helix and the extruder go along in proportion.
+// 2 acos(1 - kChordError/r), and acos(1 - x) ≥ sqrt(2x). A helix and the extruder go along in
+// proportion.
 class Arc {
  public:
   static constexpr double kChordError = 0.0045;  // mm
@@ -19,7 +20,8 @@ class Arc {
   bool active() const { return done_ < chords_; }
 
   // From `start` to `end` in the plane of slots u, v, about a centre; `turns` further full circles.
-  void begin(const double* start, const double* end, int u, int v, double cu, double cv, bool clockwise, int turns) {
+  void begin(const double* start, const double* end, int u, int v, double cu, double cv,
+             bool clockwise, int turns) {
     std::memcpy(start_, start, sizeof start_);
     std::memcpy(end_, end, sizeof end_);
     u_ = u;

@@ -4,12 +4,12 @@
 #include <cctype>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <deque>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include <cstdio>
 #include "gcode/arc.hpp"
 #include "gcode/lexer.hpp"
 #include "gcode/words.hpp"
@@ -23,18 +23,30 @@ enum class Found : uint8_t { move, event, error, need_input, end };
 // A command that the caller must handle before it asks for more.
 struct Event {
   uint32_t line = 0;
-  char letter = 0;    // 'G', 'M', 'T', 'S' (laser power of a move), or 0: extended command
+  char letter = 0;  // 'G', 'M', 'T', 'S' (laser power of a move), or 0: extended command
   int number = 0, minor = 0;
-  std::string name;   // of an extended command, upper case
-  std::string text;   // what follows the command, comment removed
+  std::string name;  // of an extended command, upper case
+  std::string text;  // what follows the command, comment removed
 };
 
-enum class Fault : uint8_t { number, word, checksum, line_too_long, feedrate, arc, out_of_range, missing_tool, garbage, unreachable, actuator };
+enum class Fault : uint8_t {
+  number,
+  word,
+  checksum,
+  line_too_long,
+  feedrate,
+  arc,
+  out_of_range,
+  missing_tool,
+  garbage,
+  unreachable,
+  actuator
+};
 
 struct GcodeError {
   uint32_t line = 0;
   Fault fault = Fault::word;
-  std::string word;   // the offending word, or the axis
+  std::string word;  // the offending word, or the axis
   double value = 0, limit = 0;
   double point[3] = {0, 0, 0};  // of what cannot be reached, mm
 };
@@ -46,9 +58,11 @@ class Interpreter {
   double flow = 1;            // M221
 
   Interpreter(const Machine& machine, std::vector<double> home, bool laser)
-      : machine_(machine), home_(std::move(home)), laser_(laser), extruder_(machine.extruders.size(), 0.0) {
+      : machine_(machine), home_(std::move(home)), laser_(laser),
+        extruder_(machine.extruders.size(), 0.0) {
     std::fill(std::begin(letter_slot_), std::end(letter_slot_), int8_t(-1));
-    for (size_t i = 0; i < machine.axes.size(); ++i) letter_slot_[machine.axes[i].letter - 'A'] = int8_t(slot_of_axis(int(i)));
+    for (size_t i = 0; i < machine.axes.size(); ++i)
+      letter_slot_[machine.axes[i].letter - 'A'] = int8_t(slot_of_axis(int(i)));
     if (!machine.extruders.empty()) letter_slot_['E' - 'A'] = kE;
     for (int j = 0; j < kAxes; ++j) low_[j] = -kInfinity, high_[j] = kInfinity;
     for (size_t i = 0; i < machine.axes.size(); ++i) {
@@ -59,7 +73,10 @@ class Interpreter {
   }
 
   void feed(const char* data, size_t n) { lines_.feed(data, n); }
-  void finish() { lines_.finish(); finished_ = true; }
+  void finish() {
+    lines_.finish();
+    finished_ = true;
+  }
   const MoveRequest& move() const { return move_; }
   const Event& event() const { return event_; }
   const GcodeError& error() const { return error_; }
@@ -134,14 +151,15 @@ class Interpreter {
   int8_t letter_slot_[26];
   double low_[kAxes], high_[kAxes];
 
-  double position_[kAxes] = {};  // machine position of the last target, mm; [kE]: of the active extruder
-  double origin_[kAxes] = {};    // machine position of the program's zero
-  double logical_e_ = 0;         // the program's E
-  std::vector<double> extruder_; // machine position of each extruder
+  double position_[kAxes] =
+      {};  // machine position of the last target, mm; [kE]: of the active extruder
+  double origin_[kAxes] = {};     // machine position of the program's zero
+  double logical_e_ = 0;          // the program's E
+  std::vector<double> extruder_;  // machine position of each extruder
   size_t tool_ = 0, active_ = 0;
   double unit_ = 1, feed_ = kInfinity;
   bool absolute_ = true, absolute_e_ = true;
-  int motion_ = -1;              // modal G0…G3; -1: none given yet
+  int motion_ = -1;  // modal G0…G3; -1: none given yet
   int plane_ = 17;
   bool retracted_ = false;
   double hop_ = 0;
@@ -155,7 +173,9 @@ class Interpreter {
   Arc arc_;
   std::vector<Word> words_;
 
-  double tool_offset(int j) const { return machine_.tools.empty() ? 0 : machine_.tools[tool_].offset[j]; }
+  double tool_offset(int j) const {
+    return machine_.tools.empty() ? 0 : machine_.tools[tool_].offset[j];
+  }
 
   void fail(Fault fault, const std::string& word, double value, double limit) {
     Item item{};
@@ -170,8 +190,8 @@ class Interpreter {
     pending_.push_back(std::move(item));
   }
 
-  // The common line: upper case axis letters, E and F, each with a number. Found::end: done, no move;
-  // Found::error: the line needs the general way.
+  // The common line: upper case axis letters, E and F, each with a number. Found::end: done, no
+  // move; Found::error: the line needs the general way.
   Found fast_move(const char* p, const char* end, bool rapid) {
     double value[26];
     uint32_t have = 0;
@@ -222,7 +242,8 @@ class Interpreter {
       if (t < low_[j] - 1e-6 || t > high_[j] + 1e-6) {
         double limit = t < low_[j] ? low_[j] : high_[j];
         if (!clamp) {
-          fail(Fault::out_of_range, machine_.axes[size_t(j < 3 ? j : j - kExtra + 3)].name, t, limit);
+          fail(Fault::out_of_range, machine_.axes[size_t(j < 3 ? j : j - kExtra + 3)].name, t,
+               limit);
           return false;
         }
         ++clamped_;
@@ -256,7 +277,8 @@ class Interpreter {
       highest_ = m.target[kZ];
       ++risen_layers_;
     }
-    m.layer = uint16_t(std::min(marked_layers_ > 0 ? uint32_t(marked_layers_) : risen_layers_, 65535u));
+    m.layer =
+        uint16_t(std::min(marked_layers_ > 0 ? uint32_t(marked_layers_) : risen_layers_, 65535u));
     m.feature = feature_;
     m.extruder = uint16_t(active_);
     std::copy(m.target, m.target + kAxes, position_);
@@ -268,13 +290,15 @@ class Interpreter {
 
   void comment(std::string_view text) {
     auto starts = [&](std::string_view s) { return text.substr(0, s.size()) == s; };
-    if (starts("LAYER:") || starts("LAYER_CHANGE") || starts(" layer ") || starts("BEFORE_LAYER_CHANGE")) {
+    if (starts("LAYER:") || starts("LAYER_CHANGE") || starts(" layer ") ||
+        starts("BEFORE_LAYER_CHANGE")) {
       if (!starts("BEFORE_LAYER_CHANGE")) ++marked_layers_;
     } else if (starts("TYPE:")) {
       text.remove_prefix(5);
       while (!text.empty() && std::isspace(uint8_t(text.back()))) text.remove_suffix(1);
       auto at = std::find(features_.begin(), features_.end(), text);
-      if (at == features_.end() && features_.size() < 1000) at = features_.insert(at, std::string(text));
+      if (at == features_.end() && features_.size() < 1000)
+        at = features_.insert(at, std::string(text));
       feature_ = at == features_.end() ? 0 : uint16_t(at - features_.begin());
     }
   }

@@ -7,8 +7,9 @@ namespace passo {
 inline bool text_command(const Word& w) {  // its argument is free text, not words
   if (w.letter != 'M' || !w.number) return false;
   int n = int(w.value);
-  return n == 16 || n == 20 || n == 23 || n == 28 || n == 30 || n == 32 || n == 36 || n == 38 || n == 98 || n == 115 ||
-         n == 117 || n == 118 || n == 486 || n == 550 || n == 587 || n == 600 || n == 862 || n == 928;
+  return n == 16 || n == 20 || n == 23 || n == 28 || n == 30 || n == 32 || n == 36 || n == 38 ||
+         n == 98 || n == 115 || n == 117 || n == 118 || n == 486 || n == 550 || n == 587 ||
+         n == 600 || n == 862 || n == 928;
 }
 
 inline void Interpreter::run_line(const char* p, const char* end) {
@@ -45,38 +46,43 @@ inline void Interpreter::run_line(const char* p, const char* end) {
   strip_comments(text, note);
   if (!note.empty() && text.empty()) return comment(note);
   if (text.empty()) return;
-  if (text.size() > 1 && std::isalpha(uint8_t(text[0])) != 0 && (std::isalpha(uint8_t(text[1])) || text[1] == '_')) {
+  if (text.size() > 1 && std::isalpha(uint8_t(text[0])) != 0 &&
+      (std::isalpha(uint8_t(text[1])) || text[1] == '_')) {
     size_t stop = 0;
-    while (stop < text.size() && (std::isalnum(uint8_t(text[stop])) || text[stop] == '_' || text[stop] == '.')) ++stop;
+    while (stop < text.size() &&
+           (std::isalnum(uint8_t(text[stop])) || text[stop] == '_' || text[stop] == '.'))
+      ++stop;
     std::string name = text.substr(0, stop);
     for (char& c : name) c = char(std::toupper(uint8_t(c)));
     return emit(0, 0, 0, name, text.substr(std::min(stop + 1, text.size())));
   }
   if (text[0] == '_') {
     size_t stop = text.find(' ');
-    return emit(0, 0, 0, text.substr(0, stop), stop == std::string::npos ? "" : text.substr(stop + 1));
+    return emit(0, 0, 0, text.substr(0, stop),
+                stop == std::string::npos ? "" : text.substr(stop + 1));
   }
   split_words(text, words_);
   std::vector<Word> words(words_);
   run_words(words, text);
 }
 
-// Commands of one line: each G or M word with the words up to the next one; a T word that stands before
-// any other command is one; words before the first command belong to it, unless they name axes or F: then they
-// are a move in the modal way.
+// Commands of one line: each G or M word with the words up to the next one; a T word that stands
+// before any other command is one; words before the first command belong to it, unless they name
+// axes or F: then they are a move in the modal way.
 inline void Interpreter::run_words(const std::vector<Word>& words, std::string_view text) {
   const Word *w = words.data(), *end = w + words.size();
-  if (!std::isalpha(uint8_t(w->letter))) return fail(Fault::garbage, std::string(text.substr(0, 20)), 0, 0);
-  auto starts = [&](const Word& x) {
-    return (x.letter == 'G' || x.letter == 'M') && x.number;
-  };
+  if (!std::isalpha(uint8_t(w->letter)))
+    return fail(Fault::garbage, std::string(text.substr(0, 20)), 0, 0);
+  auto starts = [&](const Word& x) { return (x.letter == 'G' || x.letter == 'M') && x.number; };
   auto tool = [&](const Word& x) { return x.letter == 'T' && x.whole(); };
   const Word* first = w;
   if (!starts(*w) && !tool(*w)) {
     const Word* next = w;
     bool moves = false;
     while (next < end && !starts(*next)) {
-      moves |= next->letter == 'F' || next->letter == 'I' || next->letter == 'J' || (next->letter >= 'A' && next->letter <= 'Z' && letter_slot_[next->letter - 'A'] >= 0);
+      moves |=
+          next->letter == 'F' || next->letter == 'I' || next->letter == 'J' ||
+          (next->letter >= 'A' && next->letter <= 'Z' && letter_slot_[next->letter - 'A'] >= 0);
       ++next;
     }
     if (moves || next == end) {
@@ -104,11 +110,14 @@ inline void Interpreter::run_words(const std::vector<Word>& words, std::string_v
     const Word* next = w + 1;
     for (; next < end; ++next) {
       if (starts(*next) && !(motion && next->letter == 'M' && (!next->whole() || laser_))) break;
-      if (motion && tool(*next) && (next->value >= 0 && next->value < double(machine_.tools.size()))) break;
+      if (motion && tool(*next) &&
+          (next->value >= 0 && next->value < double(machine_.tools.size())))
+        break;
     }
     size_t to = next < end ? next->begin : text.size();
     size_t from = first < w ? first->begin : w->end;
-    std::string args(first < w ? std::string(text.substr(from, w->begin - from)) + std::string(text.substr(w->end, to - w->end))
+    std::string args(first < w ? std::string(text.substr(from, w->begin - from)) +
+                                     std::string(text.substr(w->end, to - w->end))
                                : std::string(text.substr(from, to - from)));
     run_command(*w, w + 1, next, args);
     w = next;
@@ -116,7 +125,8 @@ inline void Interpreter::run_words(const std::vector<Word>& words, std::string_v
   }
 }
 
-inline void Interpreter::run_command(const Word& command, const Word* w, const Word* end, std::string_view text) {
+inline void Interpreter::run_command(const Word& command, const Word* w, const Word* end,
+                                     std::string_view text) {
   int code = int(command.value), minor = int(std::lround((command.value - code) * 10));
   while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
   auto value_of = [&](char letter, double otherwise) {
@@ -124,10 +134,15 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
       if (x->letter == letter && x->number) return x->value;
     return otherwise;
   };
-  auto has = [&](char letter) { return std::any_of(w, end, [&](const Word& x) { return x.letter == letter; }); };
+  auto has = [&](char letter) {
+    return std::any_of(w, end, [&](const Word& x) { return x.letter == letter; });
+  };
   if (command.letter == 'G' && minor == 0) {
     switch (code) {
-      case 0: case 1: case 2: case 3:
+      case 0:
+      case 1:
+      case 2:
+      case 3:
         motion_ = code;
         return run_motion(code, w, end);
       case 4: {
@@ -146,20 +161,39 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
         }
         return;
       }
-      case 10: if (has('P')) break; run_retract(true); return;
-      case 11: run_retract(false); return;
-      case 17: case 18: case 19: plane_ = code; return;
-      case 20: unit_ = 25.4; return;
-      case 21: unit_ = 1; return;
+      case 10:
+        if (has('P')) break;
+        run_retract(true);
+        return;
+      case 11:
+        run_retract(false);
+        return;
+      case 17:
+      case 18:
+      case 19:
+        plane_ = code;
+        return;
+      case 20:
+        unit_ = 25.4;
+        return;
+      case 21:
+        unit_ = 1;
+        return;
       case 28: {
         std::string letters;
         for (const Word* x = w; x < end; ++x)
-          if (x->letter >= 'A' && x->letter <= 'Z' && letter_slot_[x->letter - 'A'] >= 0 && x->letter != 'E') letters += x->letter;
+          if (x->letter >= 'A' && x->letter <= 'Z' && letter_slot_[x->letter - 'A'] >= 0 &&
+              x->letter != 'E')
+            letters += x->letter;
         home(letters);
         return emit('G', 28, 0, "", letters);
       }
-      case 90: absolute_ = true; return;
-      case 91: absolute_ = false; return;
+      case 90:
+        absolute_ = true;
+        return;
+      case 91:
+        absolute_ = false;
+        return;
       case 92: {
         bool any = false;
         for (const Word* x = w; x < end; ++x) {
@@ -167,8 +201,10 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
           if (j < 0) continue;
           any = true;
           if (!x->number) return fail(Fault::number, std::string(1, x->letter), 0, 0);
-          if (j == kE) logical_e_ = x->value * unit_;
-          else origin_[j] = position_[j] - x->value * unit_;
+          if (j == kE)
+            logical_e_ = x->value * unit_;
+          else
+            origin_[j] = position_[j] - x->value * unit_;
         }
         if (!any) {
           for (int j = 0; j < kAxes; ++j) origin_[j] = position_[j];
@@ -176,13 +212,18 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
         }
         return;
       }
-      default: break;
+      default:
+        break;
     }
   }
   if (command.letter == 'M' && minor == 0) {
     switch (code) {
-      case 82: absolute_e_ = true; return;
-      case 83: absolute_e_ = false; return;
+      case 82:
+        absolute_e_ = true;
+        return;
+      case 83:
+        absolute_e_ = false;
+        return;
       case 207:
         retract_mm_ = value_of('S', retract_mm_);
         retract_feed_ = has('F') ? value_of('F', 0) / 60 : retract_feed_;
@@ -193,8 +234,11 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
         recover_mm_ = value_of('S', recover_mm_);
         recover_feed_ = has('F') ? value_of('F', 0) / 60 : recover_feed_;
         return;
-      case 221: if (has('S')) flow = std::clamp(value_of('S', 100) / 100, 0.01, 10.0); return;
-      default: break;
+      case 221:
+        if (has('S')) flow = std::clamp(value_of('S', 100) / 100, 0.01, 10.0);
+        return;
+      default:
+        break;
     }
   }
   emit(command.letter, code, minor, "", std::string(text));
@@ -203,19 +247,22 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
 inline void Interpreter::run_motion(int code, const Word* w, const Word* end) {
   double value[26] = {}, feed = feed_, duration = 0, laser = 0;
   uint32_t have = 0;
-  bool absolute = absolute_, absolute_e = absolute_ && absolute_e_, keeps_feed = true, has_laser = false;
+  bool absolute = absolute_, absolute_e = absolute_ && absolute_e_, keeps_feed = true,
+       has_laser = false;
   int turns = 0;
   for (const Word* x = w; x < end; ++x) {
     std::string shown(1, x->letter);
     int slot = x->letter >= 'A' && x->letter <= 'Z' ? letter_slot_[x->letter - 'A'] : -1;
-    if (x->letter == 'R' && code < 2) {  // these axes, or all that are not named: the other way round
+    if (x->letter == 'R' &&
+        code < 2) {  // these axes, or all that are not named: the other way round
       if (x->number) continue;
       absolute = absolute_e = true;
       keeps_feed = false;
       continue;
     }
     if (!x->number) return fail(Fault::number, shown, 0, 0);
-    if (std::fabs(x->value) > kLargestWord) return fail(Fault::number, shown, x->value, kLargestWord);
+    if (std::fabs(x->value) > kLargestWord)
+      return fail(Fault::number, shown, x->value, kLargestWord);
     if (slot >= 0) {
       value[x->letter - 'A'] = x->value;
       have |= 1u << (x->letter - 'A');
@@ -227,7 +274,8 @@ inline void Interpreter::run_motion(int code, const Word* w, const Word* end) {
     } else if (x->letter == 'S') {
       laser = x->value;
       has_laser = true;
-    } else if (code >= 2 && (x->letter == 'I' || x->letter == 'J' || x->letter == 'K' || x->letter == 'R')) {
+    } else if (code >= 2 &&
+               (x->letter == 'I' || x->letter == 'J' || x->letter == 'K' || x->letter == 'R')) {
       value[x->letter - 'A'] = x->value;
       have |= 1u << (x->letter - 'A');
     } else if (code >= 2 && x->letter == 'P') {
@@ -277,12 +325,15 @@ inline void Interpreter::run_arc(bool clockwise, const double* value, uint32_t h
   double du = end[u] - start[u], dv = end[v] - start[v], cu, cv;
   if (radius != 0) {
     double d2 = du * du + dv * dv, h2 = radius * radius - d2 / 4;
-    if (d2 == 0 || h2 < -1e-3 * radius * radius) return fail(Fault::arc, "R", radius, std::sqrt(d2) / 2);
+    if (d2 == 0 || h2 < -1e-3 * radius * radius)
+      return fail(Fault::arc, "R", radius, std::sqrt(d2) / 2);
     double h = std::sqrt(std::max(0.0, h2) / d2) * ((clockwise == (radius > 0)) ? 1 : -1);
     cu = start[u] + du / 2 + dv * h;
     cv = start[v] + dv / 2 - du * h;
   } else {
-    auto centre = [&](char letter) { return (have >> (letter - 'A') & 1) ? value[letter - 'A'] * unit_ : 0.0; };
+    auto centre = [&](char letter) {
+      return (have >> (letter - 'A') & 1) ? value[letter - 'A'] * unit_ : 0.0;
+    };
     double i = centre(kCentre[plane_ - 17][0]), j = centre(kCentre[plane_ - 17][1]);
     if (i == 0 && j == 0) return fail(Fault::arc, std::string(1, kCentre[plane_ - 17][0]), 0, 0);
     cu = start[u] + i;
@@ -350,8 +401,10 @@ inline void Interpreter::select_tool(const Word& word) {
   if (tool >= 0) {
     if (size_t(tool) >= machine_.tools.size() || machine_.tools[size_t(tool)].extruder < 0) {
       if (size_t(tool) >= machine_.tools.size()) {
-        if (!ignore_tools) fail(Fault::missing_tool, "T", tool, double(machine_.tools.size()));
-        else emit('T', tool, 1, "", "");
+        if (!ignore_tools)
+          fail(Fault::missing_tool, "T", tool, double(machine_.tools.size()));
+        else
+          emit('T', tool, 1, "", "");
         return;
       }
     } else {

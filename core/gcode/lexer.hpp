@@ -10,8 +10,9 @@
 
 namespace passo {
 
-inline constexpr double kPowersOfTen[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
-                                          1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+inline constexpr double kPowersOfTen[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                                          1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
+                                          1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
 inline constexpr double kLargestWord = 1e9;
 
 // Reads a decimal number without exponent. False if there is none; then p stays.
@@ -72,7 +73,8 @@ class Lines {
     for (;;) {
       const char* from = buffer_.data() + at_;
       const char* stop = buffer_.data() + buffer_.size();
-      const char* newline = static_cast<const char*>(std::memchr(from + scanned_, '\n', size_t(stop - from) - scanned_));
+      const char* newline = static_cast<const char*>(
+          std::memchr(from + scanned_, '\n', size_t(stop - from) - scanned_));
       if (!newline && !finished_) {
         shorten(from, stop);
         return false;

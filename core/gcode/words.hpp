@@ -11,10 +11,10 @@
 namespace passo {
 
 struct Word {
-  char letter;         // upper case
+  char letter;  // upper case
   double value;
-  bool number;         // false: a letter alone, or followed by something that is no number
-  size_t begin, end;   // in the text
+  bool number;        // false: a letter alone, or followed by something that is no number
+  size_t begin, end;  // in the text
   bool whole() const { return number && value == std::floor(value); }
 };
 

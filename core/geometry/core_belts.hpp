@@ -5,13 +5,16 @@
 namespace passo {
 
 inline LinearGeometry core_xy() {
-  return LinearGeometry({{1, 1, 0}, {1, -1, 0}, {0, 0, 1}}, {{0.5, 0.5, 0}, {0.5, -0.5, 0}, {0, 0, 1}});
+  return LinearGeometry({{1, 1, 0}, {1, -1, 0}, {0, 0, 1}},
+                        {{0.5, 0.5, 0}, {0.5, -0.5, 0}, {0, 0, 1}});
 }
 inline LinearGeometry core_xz() {
-  return LinearGeometry({{1, 0, 1}, {0, 1, 0}, {1, 0, -1}}, {{0.5, 0, 0.5}, {0, 1, 0}, {0.5, 0, -0.5}});
+  return LinearGeometry({{1, 0, 1}, {0, 1, 0}, {1, 0, -1}},
+                        {{0.5, 0, 0.5}, {0, 1, 0}, {0.5, 0, -0.5}});
 }
 inline LinearGeometry core_yz() {
-  return LinearGeometry({{1, 0, 0}, {0, 1, 1}, {0, 1, -1}}, {{1, 0, 0}, {0, 0.5, 0.5}, {0, 0.5, -0.5}});
+  return LinearGeometry({{1, 0, 0}, {0, 1, 1}, {0, 1, -1}},
+                        {{1, 0, 0}, {0, 0.5, 0.5}, {0, 0.5, -0.5}});
 }
 
 }  // namespace passo

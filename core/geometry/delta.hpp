@@ -11,7 +11,9 @@ class Delta : public Geometry {
   struct Tower {
     double x, y, rod2;
     double sample_mm = 1e9;  // a carriage's height is concave along a line: at most one turn
-    void local(const double p[3], double out[3]) const { out[0] = p[0], out[1] = p[1], out[2] = p[2]; }
+    void local(const double p[3], double out[3]) const {
+      out[0] = p[0], out[1] = p[1], out[2] = p[2];
+    }
     double value(const double p[3]) const {
       double dx = x - p[0], dy = y - p[1];
       return p[2] + std::sqrt(rod2 - dx * dx - dy * dy);
@@ -23,7 +25,8 @@ class Delta : public Geometry {
   };
 
   // Towers at `radius` from the middle and at `angles` (degrees, counter-clockwise from +X).
-  Delta(double radius, const std::vector<double>& rods, const std::vector<double>& angles, double limit_radius)
+  Delta(double radius, const std::vector<double>& rods, const std::vector<double>& angles,
+        double limit_radius)
       : limit2_(limit_radius * limit_radius) {
     for (size_t i = 0; i < 3; ++i) {
       double s, c;

@@ -13,7 +13,9 @@ class DualScara : public Geometry {
     double shoulder, proximal, distal, x_offset, y_offset;
     int outside;  // -1: left arm, elbow to the left; +1: right arm
     double sample_mm = 0.5;
-    void local(const double p[3], double out[3]) const { out[0] = p[0] - x_offset, out[1] = p[1] - y_offset, out[2] = 0; }
+    void local(const double p[3], double out[3]) const {
+      out[0] = p[0] - x_offset, out[1] = p[1] - y_offset, out[2] = 0;
+    }
     double value(const double p[3]) const {
       double dx = p[0] - shoulder, dy = p[1], r2 = dx * dx + dy * dy;
       double cosine = (r2 + proximal * proximal - distal * distal) / (2 * proximal * std::sqrt(r2));
@@ -23,8 +25,12 @@ class DualScara : public Geometry {
     Centre centre(double q) const {
       double s, c, k = kPi / 180;
       sincos(q * k, s, c);
-      return {{shoulder + proximal * s, proximal * c, 0}, {proximal * c * k, -proximal * s * k, 0},
-              {-proximal * s * k * k, -proximal * c * k * k, 0}, distal * distal, 0, 0};
+      return {{shoulder + proximal * s, proximal * c, 0},
+              {proximal * c * k, -proximal * s * k, 0},
+              {-proximal * s * k * k, -proximal * c * k * k, 0},
+              distal * distal,
+              0,
+              0};
     }
     void centres(double q, double dq, int n, double* cx, double* cy, double* cz, double* r2) const {
       for (int j = 0; j < n; ++j) {
@@ -35,9 +41,10 @@ class DualScara : public Geometry {
     }
   };
 
-  DualScara(double shoulder1, double shoulder2, double proximal1, double proximal2, double distal1, double distal2,
-            double x_offset, double y_offset)
-      : arms_{Arm{shoulder1, proximal1, distal1, x_offset, y_offset, -1}, Arm{shoulder2, proximal2, distal2, x_offset, y_offset, 1}} {}
+  DualScara(double shoulder1, double shoulder2, double proximal1, double proximal2, double distal1,
+            double distal2, double x_offset, double y_offset)
+      : arms_{Arm{shoulder1, proximal1, distal1, x_offset, y_offset, -1},
+              Arm{shoulder2, proximal2, distal2, x_offset, y_offset, 1}} {}
   int actuators() const override { return 3; }
   bool linear(int i, double c[3]) const override {
     c[0] = c[1] = 0;
@@ -50,7 +57,8 @@ class DualScara : public Geometry {
     arms_[0].local(p, local);
     for (size_t k = 0; k < 2; ++k) q[k] = arms_[k].value(local);
     if (!(std::fabs(q[0]) < 1e9 && std::fabs(q[1]) < 1e9)) return std::nan("");
-    Centre a = arms_[0].centre(q[0]), b = arms_[1].centre(q[1]);  // the distal joint must stay convex
+    Centre a = arms_[0].centre(q[0]),
+           b = arms_[1].centre(q[1]);  // the distal joint must stay convex
     double bend = (b.c[0] - a.c[0]) * (local[1] - a.c[1]) - (b.c[1] - a.c[1]) * (local[0] - a.c[0]);
     return bend > 0 ? q[i] : std::nan("");
   }

@@ -34,8 +34,8 @@ class Geometry {
   virtual ~Geometry() = default;
   // Number of actuators that move the nozzle in X, Y, Z.
   virtual int actuators() const = 0;
-  // True if actuator i is linear, position = c·(x, y, z): the solver then has a closed form of its own
-  // and calls neither slopes nor crossings.
+  // True if actuator i is linear, position = c·(x, y, z): the solver then has a closed form of its
+  // own and calls neither slopes nor crossings.
   virtual bool linear(int i, double c[3]) const = 0;
   // Position of actuator i (mm or degrees) at p, NaN where it cannot reach.
   virtual double inverse(int i, const double p[3]) const = 0;

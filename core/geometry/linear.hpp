@@ -20,7 +20,8 @@ class LinearGeometry : public Geometry {
     return matrix_[i][0] * p[0] + matrix_[i][1] * p[1] + matrix_[i][2] * p[2];
   }
   bool forward(const double* q, double p[3]) const override {
-    for (int i = 0; i < 3; ++i) p[i] = inverse_[i][0] * q[0] + inverse_[i][1] * q[1] + inverse_[i][2] * q[2];
+    for (int i = 0; i < 3; ++i)
+      p[i] = inverse_[i][0] * q[0] + inverse_[i][1] * q[1] + inverse_[i][2] * q[2];
     return true;
   }
   void slopes(int i, const Path& path, double, double& d1, double& d2) const override {

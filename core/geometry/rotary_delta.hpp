@@ -9,9 +9,10 @@ namespace passo {
 class RotaryDelta : public Geometry {
  public:
   // In the arm's own frame the arm swings in the plane x = 0 about (0, shoulder): its elbow is at
-  // (0, shoulder - arm cos θ, -arm sin θ); the effector's joint is `effector` nearer to the base's edge.
+  // (0, shoulder - arm cos θ, -arm sin θ); the effector's joint is `effector` nearer to the base's
+  // edge.
   struct Arm {
-    double sine, cosine;       // of the arm's place about Z
+    double sine, cosine;  // of the arm's place about Z
     double shoulder, effector, arm, rod2, z_offset;
     double sample_mm = 0.5;
     void local(const double p[3], double out[3]) const {
@@ -36,7 +37,9 @@ class RotaryDelta : public Geometry {
       return {{0, shoulder - arm * c, -arm * s},
               {0, arm * s * k, -arm * c * k},
               {0, arm * c * k * k, arm * s * k * k},
-              rod2, 0, 0};
+              rod2,
+              0,
+              0};
     }
     void centres(double q, double dq, int n, double* cx, double* cy, double* cz, double* r2) const {
       for (int j = 0; j < n; ++j) {
@@ -49,19 +52,25 @@ class RotaryDelta : public Geometry {
 
   RotaryDelta(double effector_length, double base_length, double rod, double arm, double z_offset) {
     const double kHalfTan30 = 0.28867513459481287;
-    const double sines[] = {0, 0.86602540378443864676, -0.86602540378443864676}, cosines[] = {1, -0.5, -0.5};
+    const double sines[] = {0, 0.86602540378443864676, -0.86602540378443864676},
+                 cosines[] = {1, -0.5, -0.5};
     for (size_t i = 0; i < 3; ++i)
-      arms_[i] = Arm{sines[i], cosines[i], -base_length * kHalfTan30, effector_length * kHalfTan30, arm, rod * rod, z_offset};
+      arms_[i] =
+          Arm{sines[i],  cosines[i], -base_length * kHalfTan30, effector_length * kHalfTan30, arm,
+              rod * rod, z_offset};
   }
   int actuators() const override { return 3; }
   bool linear(int, double*) const override { return false; }
-  double inverse(int i, const double p[3]) const override { return SphereSolver<Arm>::value(arms_[size_t(i)], p); }
+  double inverse(int i, const double p[3]) const override {
+    return SphereSolver<Arm>::value(arms_[size_t(i)], p);
+  }
   bool forward(const double* q, double p[3]) const override {
     double c[3][3], r[3];
     for (size_t i = 0; i < 3; ++i) {
       const Arm& a = arms_[i];
       Centre e = a.centre(q[i]);
-      double y = e.c[1] + a.effector;  // the elbow moved so that the rod ends in the effector's middle
+      double y =
+          e.c[1] + a.effector;  // the elbow moved so that the rod ends in the effector's middle
       c[i][0] = -y * a.sine, c[i][1] = y * a.cosine, c[i][2] = e.c[2] + a.z_offset;
       r[i] = std::sqrt(a.rod2);
     }

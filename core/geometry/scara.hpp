@@ -6,15 +6,17 @@ namespace passo {
 
 class Scara : public Geometry {
  public:
-  // The nozzle is `far` from the end of the part that this motor turns, which is `near` long: for the
-  // shoulder the elbow; for an elbow motor that keeps the forearm's absolute angle the opposite corner
-  // of the parallelogram.
+  // The nozzle is `far` from the end of the part that this motor turns, which is `near` long: for
+  // the shoulder the elbow; for an elbow motor that keeps the forearm's absolute angle the opposite
+  // corner of the parallelogram.
   struct Arm {
     double near, far;
     bool forearm;
     double x_offset, y_offset;
     double sample_mm = 0.5;
-    void local(const double p[3], double out[3]) const { out[0] = p[0] - x_offset, out[1] = p[1] - y_offset, out[2] = 0; }
+    void local(const double p[3], double out[3]) const {
+      out[0] = p[0] - x_offset, out[1] = p[1] - y_offset, out[2] = 0;
+    }
     double value(const double p[3]) const {
       double r2 = p[0] * p[0] + p[1] * p[1];
       double cosine = (r2 + near * near - far * far) / (2 * near * std::sqrt(r2));
@@ -25,7 +27,12 @@ class Scara : public Geometry {
     Centre centre(double q) const {
       double s, c, k = kPi / 180;
       sincos(q * k, s, c);
-      return {{near * c, near * s, 0}, {-near * s * k, near * c * k, 0}, {-near * c * k * k, -near * s * k * k, 0}, far * far, 0, 0};
+      return {{near * c, near * s, 0},
+              {-near * s * k, near * c * k, 0},
+              {-near * c * k * k, -near * s * k * k, 0},
+              far * far,
+              0,
+              0};
     }
     void centres(double q, double dq, int n, double* cx, double* cy, double* cz, double* r2) const {
       for (int j = 0; j < n; ++j) {
@@ -35,12 +42,14 @@ class Scara : public Geometry {
       }
     }
   };
-  // An elbow motor on the upper arm: its angle E alone gives the nozzle's distance from the shoulder,
-  // |P|² = arm1² + arm2² + 2 arm1 arm2 cos E.
+  // An elbow motor on the upper arm: its angle E alone gives the nozzle's distance from the
+  // shoulder, |P|² = arm1² + arm2² + 2 arm1 arm2 cos E.
   struct Elbow {
     double arm1, arm2, x_offset, y_offset;
     double sample_mm = 0.5;
-    void local(const double p[3], double out[3]) const { out[0] = p[0] - x_offset, out[1] = p[1] - y_offset, out[2] = 0; }
+    void local(const double p[3], double out[3]) const {
+      out[0] = p[0] - x_offset, out[1] = p[1] - y_offset, out[2] = 0;
+    }
     double value(const double p[3]) const {
       double cosine = (p[0] * p[0] + p[1] * p[1] - arm1 * arm1 - arm2 * arm2) / (2 * arm1 * arm2);
       return std::fabs(cosine) <= 1 ? acos(cosine) * (180 / kPi) : std::nan("");
@@ -48,7 +57,8 @@ class Scara : public Geometry {
     Centre centre(double q) const {
       double s, c, k = kPi / 180, both = 2 * arm1 * arm2;
       sincos(q * k, s, c);
-      return {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, arm1 * arm1 + arm2 * arm2 + both * c, -both * s * k, -both * c * k * k};
+      return {{0, 0, 0},     {0, 0, 0},        {0, 0, 0}, arm1 * arm1 + arm2 * arm2 + both * c,
+              -both * s * k, -both * c * k * k};
     }
     void centres(double q, double dq, int n, double* cx, double* cy, double* cz, double* r2) const {
       for (int j = 0; j < n; ++j) {
@@ -62,8 +72,8 @@ class Scara : public Geometry {
 
   Scara(double arm1, double arm2, bool external_motor, double x_offset, double y_offset)
       : external_(external_motor), arm1_(arm1), arm2_(arm2), x_(x_offset), y_(y_offset),
-        shoulder_{arm1, arm2, false, x_offset, y_offset}, forearm_{arm2, arm1, true, x_offset, y_offset},
-        elbow_{arm1, arm2, x_offset, y_offset} {}
+        shoulder_{arm1, arm2, false, x_offset, y_offset},
+        forearm_{arm2, arm1, true, x_offset, y_offset}, elbow_{arm1, arm2, x_offset, y_offset} {}
   int actuators() const override { return 3; }
   bool linear(int i, double c[3]) const override {
     c[0] = c[1] = 0;
@@ -73,7 +83,8 @@ class Scara : public Geometry {
   double inverse(int i, const double p[3]) const override {
     if (i == 2) return p[2];
     if (i == 0) return SphereSolver<Arm>::value(shoulder_, p);
-    return external_ ? SphereSolver<Arm>::value(forearm_, p) : SphereSolver<Elbow>::value(elbow_, p);
+    return external_ ? SphereSolver<Arm>::value(forearm_, p)
+                     : SphereSolver<Elbow>::value(elbow_, p);
   }
   bool forward(const double* q, double p[3]) const override {
     double s1, c1, s2, c2;

@@ -3,9 +3,10 @@
 //
 //   |P(s) - C(q)|² = R²(q)
 //
-// (delta: C on the tower; arms: C is the elbow on its circle). For a given q it is a quadratic in the
-// path position s, so a step's place needs no search: s = (-B ± sqrt(B² - λ(|P0 - C|² - R²))) / λ with
-// λ = u·u, B = u·(P0 - C), and the sign of (P - C)·u, which changes only where the actuator turns.
+// (delta: C on the tower; arms: C is the elbow on its circle). For a given q it is a quadratic in
+// the path position s, so a step's place needs no search: s = (-B ± sqrt(B² - λ(|P0 - C|² - R²))) /
+// λ with λ = u·u, B = u·(P0 - C), and the sign of (P - C)·u, which changes only where the actuator
+// turns.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -23,10 +24,11 @@ struct Centre {
   double r2, r2d, r2dd;
 };
 
-PASSO_SIMD inline void sphere_roots(double* __restrict s, const double* __restrict cx, const double* __restrict cy,
-                                    const double* __restrict cz, const double* __restrict r2, int n, double x,
-                                    double y, double z, double ux, double uy, double uz, double sign, double lo,
-                                    double hi) {
+PASSO_SIMD inline void sphere_roots(double* __restrict s, const double* __restrict cx,
+                                    const double* __restrict cy, const double* __restrict cz,
+                                    const double* __restrict r2, int n, double x, double y,
+                                    double z, double ux, double uy, double uz, double sign,
+                                    double lo, double hi) {
   double lambda = ux * ux + uy * uy + uz * uz, inverse = 1 / lambda;
   for (int j = 0; j < n; ++j) {
     double dx = x - cx[j], dy = y - cy[j], dz = z - cz[j];
@@ -108,7 +110,8 @@ class SphereSolver {
   };
 
   // Illinois method: keeps the root between both ends.
-  static double bracketed(const Kernel& k, const Line& line, double a, double b, double fa, double fb) {
+  static double bracketed(const Kernel& k, const Line& line, double a, double b, double fa,
+                          double fb) {
     for (int i = 0; i < 60 && b - a > 1e-10; ++i) {
       double x = (a * fb - b * fa) / (fb - fa);
       if (!(x > a && x < b)) x = 0.5 * (a + b);
@@ -131,8 +134,8 @@ class SphereSolver {
   }
 
   // One stretch without a turn, from q0 to q1; returns q1.
-  static double piece(const Kernel& k, const Line& line, double lo, double hi, double q0, double q1, double side,
-                      double per_unit, Crossings& out) {
+  static double piece(const Kernel& k, const Line& line, double lo, double hi, double q0, double q1,
+                      double side, double per_unit, Crossings& out) {
     if (!(std::fabs(q0) < 1e9 && std::fabs(q1) < 1e9)) return q1;
     int64_t k0 = round_count(q0 * per_unit), k1 = round_count(q1 * per_unit), steps = k1 - k0;
     if (steps == 0) return q1;
@@ -145,8 +148,8 @@ class SphereSolver {
     double *cx = buffer.data(), *cy = cx + n, *cz = cy + n, *r2 = cz + n;
     k.centres((double(k0) + 0.5 * dir) / per_unit, dir / per_unit, int(n), cx, cy, cz, r2);
     double* s = out.s.data() + first;
-    sphere_roots(s, cx, cy, cz, r2, int(n), line.p0[0], line.p0[1], line.p0[2], line.u[0], line.u[1], line.u[2],
-                 side > 0 ? 1 : -1, lo, hi);
+    sphere_roots(s, cx, cy, cz, r2, int(n), line.p0[0], line.p0[1], line.p0[2], line.u[0],
+                 line.u[1], line.u[2], side > 0 ? 1 : -1, lo, hi);
     for (size_t j = 1; j < n; ++j) s[j] = std::max(s[j], s[j - 1]);
     return q1;
   }
@@ -163,7 +166,8 @@ inline bool trilaterate(const double c[3][3], const double r[3], double p[3]) {
   for (int k = 0; k < 3; ++k) j += v[k] * v[k];
   j = std::sqrt(j);
   for (int k = 0; k < 3; ++k) ey[k] = v[k] / j;
-  for (int k = 0; k < 3; ++k) ez[k] = ex[(k + 1) % 3] * ey[(k + 2) % 3] - ex[(k + 2) % 3] * ey[(k + 1) % 3];
+  for (int k = 0; k < 3; ++k)
+    ez[k] = ex[(k + 1) % 3] * ey[(k + 2) % 3] - ex[(k + 2) % 3] * ey[(k + 1) % 3];
   double x = (r[0] * r[0] - r[1] * r[1] + u * u) / (2 * u);
   double y = (r[0] * r[0] - r[2] * r[2] + i * i + j * j - 2 * i * x) / (2 * j);
   double z2 = r[0] * r[0] - x * x - y * y;

@@ -4,6 +4,7 @@ Native core of Passo: parse, plan, solve step times, compress, frame, virtual bo
 
 from collections.abc import Sequence
 import enum
+from typing import Any
 
 
 def crc16(data: bytes) -> int:
@@ -258,6 +259,9 @@ class Pump:
     @property
     def now(self) -> int: ...
 
+    @property
+    def device_cpu_s(self) -> float: ...
+
     def record(self, on: bool) -> None: ...
 
     def take_recorded(self) -> bytes: ...
@@ -296,11 +300,11 @@ class Move:
     """
 
     @property
-    def start_mm(self) -> tuple:
+    def start_mm(self) -> tuple[float, float, float, float, float, float, float, float]:
         """X, Y, Z, E and further axes"""
 
     @property
-    def end_mm(self) -> tuple: ...
+    def end_mm(self) -> tuple[float, float, float, float, float, float, float, float]: ...
 
     @property
     def length(self) -> float:
@@ -482,13 +486,13 @@ class Job:
         """
 
     @property
-    def event(self) -> tuple:
+    def event(self) -> tuple[int, str, int, int, str, str]:
         """
         (line, letter, number, minor, name, text) of the event that advance stopped at.
         """
 
     @property
-    def error(self) -> tuple:
+    def error(self) -> tuple[int, Fault, str, float, float, tuple[float, float, float]]:
         """
         (line, fault, word, value, limit, point) of the error that advance stopped at.
         """
@@ -496,6 +500,14 @@ class Job:
     def record(self, target: int, value: int) -> None:
         """
         A timed record for output `target`, due between the moves before and after.
+        """
+
+    def mark(self, target: int, value: int) -> None:
+        """A timed record for the host itself, see take_marks."""
+
+    def take_marks(self) -> list[tuple[int, int, int]]:
+        """
+        (clock, target, value) of the marks whose clock is known by now, in order.
         """
 
     def flush(self) -> None:
@@ -555,8 +567,8 @@ class Job:
     @property
     def feature_names(self) -> list[str]: ...
 
-    def statistics(self) -> dict: ...
+    def statistics(self) -> dict[str, Any]: ...
 
-    def steppers(self) -> list: ...
+    def steppers(self) -> list[dict[str, Any]]: ...
 
-    def cpu(self) -> dict: ...
+    def cpu(self) -> dict[str, float]: ...

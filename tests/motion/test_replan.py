@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
 from math import floor
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.oracles import motion as oracle
 
 from passo._core import Motion
-from tests.oracles import motion as oracle
 
 from .machines import cartesian
 from .test_steps import STEPS_PER_MM, paths
@@ -50,7 +51,7 @@ def test_a_new_feed_rate_from_any_clock(path, sent, where, factor, accel):
     after = motion.take_moves()
     for m in after:
         assert m.start_ticks >= cut - 1e-3
-    for before, following in zip(after, after[1:], strict=False):
+    for before, following in itertools.pairwise(after):
         assert abs(before.end_speed - following.start_speed) < 1e-6
     assert_arrived(motion, messages + motion.take_messages(), end)
 

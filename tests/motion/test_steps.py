@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
 from math import floor
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.oracles import motion as oracle
 
 from passo._core import Motion
-from tests.oracles import motion as oracle
 
 from .machines import cartesian
 
@@ -39,13 +40,16 @@ def test_plans_obey_every_limit(path):
     _, moves, _ = run(path, with_steps=False)
     oracle.assert_trapezoids(moves)
     for m in moves:
-        for slot, row in [(0, spec["axes"][0]), (1, spec["axes"][1]), (2, spec["axes"][2])] + [
-            (3, spec["extruders"][0])
+        for slot, row in [
+            (0, spec["axes"][0]),
+            (1, spec["axes"][1]),
+            (2, spec["axes"][2]),
+            (3, spec["extruders"][0]),
         ]:
             part = abs(m.end_mm[slot] - m.start_mm[slot]) / m.length
             assert part * m.cruise_speed <= row["speed"] * (1 + 1e-9)
             assert part * max(abs(m.acceleration), m.deceleration) <= row["accel"] * (1 + 1e-9)
-    for before, after in zip(moves, moves[1:], strict=False):
+    for before, after in itertools.pairwise(moves):
         if before.kind == after.kind == "print" and after.start_cap > 0:
             cap = oracle.junction_deviation_cap(before, after, 0.02)
             change = abs(slope(after) - slope(before))
@@ -76,11 +80,7 @@ def test_every_step_is_within_the_bound(path):
 
 
 def drop_closest_reversal(steps):
-    gaps = [
-        (b[0] - a[0], i)
-        for i, (a, b) in enumerate(zip(steps, steps[1:], strict=False))
-        if a[1] != b[1]
-    ]
+    gaps = [(b[0] - a[0], i) for i, (a, b) in enumerate(itertools.pairwise(steps)) if a[1] != b[1]]
     gap, i = min(gaps)
     assert gap < 1.4e-6 * oracle.HZ + 3
     del steps[i : i + 2]

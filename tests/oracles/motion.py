@@ -1,7 +1,8 @@
-"""The motion rules in plain Python, slow and plain: what planned moves and board messages must obey."""
+"""The motion rules in plain Python: what planned moves and board messages must obey."""
 
 from __future__ import annotations
 
+import itertools
 from math import floor, hypot, sqrt
 
 HZ = 16e6
@@ -60,7 +61,7 @@ def executed_ticks(messages, target):
 
 
 def assert_within_bound(executed, ideal, tolerance_ticks=32.0):
-    """|executed - ideal| ≤ min(tolerance, ¼ of the smaller neighbouring gap) + ½ tick, every step."""
+    """|executed - ideal| ≤ min(tolerance, ¼ of the smaller gap) + ½ tick, every step."""
     assert len(executed) == len(ideal)
     times = [t for t, _ in ideal]
     for i, ((done, went), (wanted, goes)) in enumerate(zip(executed, ideal, strict=True)):
@@ -75,7 +76,7 @@ def assert_within_bound(executed, ideal, tolerance_ticks=32.0):
 
 def assert_trapezoids(moves):
     """Speeds join, phases add up to the length and to the time, caps hold."""
-    for before, after in zip(moves, moves[1:], strict=False):
+    for before, after in itertools.pairwise(moves):
         assert abs(before.end_speed - after.start_speed) < 1e-9
         assert abs(before.end_ticks - after.start_ticks) < 1e-3
         assert after.start_speed <= after.start_cap + 1e-9
@@ -86,14 +87,16 @@ def assert_trapezoids(moves):
         assert slow > -1e-9
         peak2 = m.start_speed**2 + 2 * m.acceleration * m.accelerate_length
         assert abs(peak2 - m.cruise_speed**2) < 1e-6 * max(1.0, peak2)
-        assert abs(m.cruise_speed**2 - 2 * m.deceleration * slow - m.end_speed**2) < 1e-6 * max(1, peak2)
+        assert abs(m.cruise_speed**2 - 2 * m.deceleration * slow - m.end_speed**2) < 1e-6 * max(
+            1, peak2
+        )
         assert m.cruise_speed <= max(m.speed_cap, m.start_speed) + 1e-9
         assert abs(position_at(m, m.end_ticks) - m.length) < 1e-6 * max(1.0, m.length)
 
 
 def junction_deviation_cap(before, after, deviation):
-    """v at a corner: v² = a δ s / (1 - s), s = sin(half the enclosed angle); and the circle's tangent
-    points lie within half of each move."""
+    """v at a corner: v² = a δ s / (1 - s), s = sin(half the enclosed angle); and the circle's
+    tangent points lie within half of each move."""
     u = [b - a for a, b in zip(before.start_mm, before.end_mm, strict=True)][:3]
     w = [b - a for a, b in zip(after.start_mm, after.end_mm, strict=True)][:3]
     cosine = -sum(a * b for a, b in zip(u, w, strict=True)) / (hypot(*u) * hypot(*w))

@@ -17,22 +17,28 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_machine(parser)
     add_clock(parser)
     add_policy(parser)
-    parser.add_argument("--json", action="store_true", help="print one JSON object and nothing else")
+    parser.add_argument(
+        "--json", action="store_true", help="print one JSON object and nothing else"
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Prints the file; a table at the end, or one JSON object. Warnings go to stderr."""
     from passo import config
     from passo.cli.progress import ProgressBar
-    from passo.job.printing import Print
+    from passo.job.printing import Print, Progress
     from passo.job.result import PrintResult
 
     machine = config.load(arguments.machine)
     pace = Pace(arguments.clock)
     try:
         with ProgressBar(quiet=arguments.json) as bar:
-            job = Print(machine, policy_of(arguments), lambda p: (pace.keep(p.print_s), bar.show(p)))
-            result = job.run(arguments.file)
+
+            def show(at: Progress) -> None:
+                pace.keep(at.print_s)
+                bar.show(at)
+
+            result = Print(machine, policy_of(arguments), show).run(arguments.file)
     except PassoError as error:
         if arguments.json:
             failed = PrintResult(file=arguments.file, machine=machine.name)

@@ -66,7 +66,7 @@ def print_table(result: PrintResult) -> str:
         ),
         (
             "step time error",
-            f"{result.step_error_us['max']:.2f} µs at most, {result.step_error_us['rms']:.2f} µs rms",
+            "{max:.2f} µs at most, {rms:.2f} µs rms".format(**result.step_error_us),
         ),
         ("bytes on the wire", f"{result.wire_bytes:,}"),
         ("stream", result.stream_hash),

@@ -75,8 +75,12 @@ TABLE: tuple[Row, ...] = (
     Row("M400", _P, "", "Waits until the machine is still."),
     Row("M600", _H, "", "Waits for a person to change the filament."),
     Row("T", _M, "", "Selects a tool."),
-    Row("SET_VELOCITY_LIMIT", _P, "VELOCITY ACCEL MINIMUM_CRUISE_RATIO SQUARE_CORNER_VELOCITY",
-        "Sets limits of speed, acceleration and corners."),
+    Row(
+        "SET_VELOCITY_LIMIT",
+        _P,
+        "VELOCITY ACCEL MINIMUM_CRUISE_RATIO SQUARE_CORNER_VELOCITY",
+        "Sets limits of speed, acceleration and corners.",
+    ),
     *(
         Row(code, _Q, "", text)
         for code, text in (

@@ -10,11 +10,11 @@ Point = tuple[float, float, float]
 
 
 class Unreachable(ValueError):
-    """The geometry has no position of its motors for this point, or no point for these positions."""
+    """No motor positions lead to this point, or these positions lead to no point."""
 
 
 class GeometryModel(BaseModel):
-    """Parameters of a geometry. `actuators` are the names of its motors, `rotary` those in degrees."""
+    """Parameters of a geometry. `actuators` names its motors, `rotary` those in degrees."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
     actuators: ClassVar[tuple[str, ...]]

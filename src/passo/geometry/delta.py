@@ -14,7 +14,7 @@ Three = Annotated[list[float], Field(min_length=3, max_length=3)]
 
 
 class Delta(GeometryModel):
-    """Lengths in mm. `radius` is tower to middle, less the joints' offsets on effector and carriage."""
+    """Lengths in mm. `radius`: tower to middle, less the offsets of effector and carriage."""
 
     actuators = ("a", "b", "c")
     kind: Literal["delta"]
@@ -35,7 +35,9 @@ class Delta(GeometryModel):
         """Height of carriage i: z + √(rod_i² - (tower_x - x)² - (tower_y - y)²)."""
         x, y, z = point
         if x * x + y * y > self.limit_radius**2:
-            raise Unreachable(f"{sqrt(x * x + y * y):.3f} mm from the middle, of {self.limit_radius}")
+            raise Unreachable(
+                f"{sqrt(x * x + y * y):.3f} mm from the middle, of {self.limit_radius}"
+            )
         heights: list[float] = []
         for (tx, ty), rod in zip(self.towers, self.rods, strict=True):
             square = rod**2 - (tx - x) ** 2 - (ty - y) ** 2

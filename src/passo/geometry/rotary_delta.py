@@ -13,7 +13,7 @@ Positive = Annotated[float, Field(gt=0, le=1e4)]
 
 
 class RotaryDelta(GeometryModel):
-    """Lengths in mm: side of effector and base triangle, rods, arms, height of the base above Z 0."""
+    """Lengths in mm: sides of effector and base, rods, arms, height of the base above Z 0."""
 
     actuators = ("a", "b", "c")
     rotary = ("a", "b", "c")
@@ -30,11 +30,15 @@ class RotaryDelta(GeometryModel):
         return a, b, c
 
     def _arm(self, point: Point, turn: float) -> float:
-        """The elbow lies at arm length from the shoulder and at rod length from the joint; of the two
+        """The elbow is at arm length from the shoulder and at rod length from the joint; of the two
         crossings of these circles it is the outer one."""
         px, py, pz = point
         x = px * cos(turn) + py * sin(turn)
-        y = py * cos(turn) - px * sin(turn) + (self.base_length - self.effector_length) / (2 * sqrt(3))
+        y = (
+            py * cos(turn)
+            - px * sin(turn)
+            + (self.base_length - self.effector_length) / (2 * sqrt(3))
+        )
         z = pz - self.z_offset
         reach = hypot(y, z)
         cosine = (reach**2 + self.arm_length**2 - self.rod_length**2 + x**2) / (
@@ -46,11 +50,14 @@ class RotaryDelta(GeometryModel):
         return degrees(angle - 2 * pi if angle > pi else angle + 2 * pi if angle <= -pi else angle)
 
     def forward(self, actuators: Point) -> Point:
-        """The lower point at rod length from the elbows, each moved inward by the effector's size."""
+        """The lower point at rod length from the elbows, moved inward by the effector's size."""
         centres: list[Point] = []
         inward = (self.effector_length - self.base_length) / (2 * sqrt(3))
         for turn, q in zip((0, 120, -120), actuators, strict=True):
             y = inward - self.arm_length * cos(radians(q))
             z = self.z_offset - self.arm_length * sin(radians(q))
             centres.append((-y * sin(radians(turn)), y * cos(radians(turn)), z))
-        return trilaterate((centres[0], centres[1], centres[2]), (self.rod_length,) * 3)
+        return trilaterate(
+            (centres[0], centres[1], centres[2]),
+            (self.rod_length, self.rod_length, self.rod_length),
+        )

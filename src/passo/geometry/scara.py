@@ -26,8 +26,8 @@ class Scara(GeometryModel):
     y_offset: float = 0.0
 
     def inverse(self, point: Point) -> Point:
-        """Law of cosines: cos E = (d² - arm1² - arm2²) / (2 arm1 arm2), the shoulder less by the angle
-        between upper arm and d."""
+        """Law of cosines: cos E = (d² - arm1² - arm2²) / (2 arm1 arm2), and the shoulder is less
+        than d's direction by the angle between upper arm and d."""
         x, y = point[0] - self.x_offset, point[1] - self.y_offset
         d = hypot(x, y)
         cosine = (d**2 - self.arm1**2 - self.arm2**2) / (2 * self.arm1 * self.arm2)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from math import exp
 
 ZERO_C = 273.15
@@ -13,8 +14,10 @@ def resistance_ohm(celsius: float, r25_ohm: float, beta_k: float) -> float:
     return r25_ohm * exp(beta_k * (1 / (celsius + ZERO_C) - 1 / (25 + ZERO_C)))
 
 
-def ratio_table(r25_ohm: float, beta_k: float, pullup_ohm: float) -> tuple[tuple[float, float], ...]:
-    """(°C, share of full scale) every 5 °C from -20 to 400: the thermistor to ground under a pull-up.
+def ratio_table(
+    r25_ohm: float, beta_k: float, pullup_ohm: float
+) -> tuple[tuple[float, float], ...]:
+    """(°C, share of full scale) every 5 °C from -20 to 400, the thermistor to ground.
 
     Rounded to 1e-9, so that the table is the same on every computer.
     """
@@ -29,7 +32,7 @@ def ratio_at(table: tuple[tuple[float, float], ...], celsius: float) -> float:
     """The table's value at a temperature, straight between its rows, constant beyond its ends."""
     if celsius <= table[0][0]:
         return table[0][1]
-    for (c0, r0), (c1, r1) in zip(table, table[1:], strict=False):
+    for (c0, r0), (c1, r1) in itertools.pairwise(table):
         if celsius <= c1:
             return r0 + (r1 - r0) * (celsius - c0) / (c1 - c0)
     return table[-1][1]

@@ -130,7 +130,7 @@ class Print:
         return result
 
     def _run_to(self, job_clock: float) -> None:
-        """Lets the board work up to a clock of the job, setting heaters at their marks on the way."""
+        """Lets the board work up to a clock of the job; heaters are set at their marks."""
         self._marks.extend(self.job.take_marks())
         while self._marks and self._marks[0][0] <= job_clock:
             self._run(self._base + self._marks[0][0])

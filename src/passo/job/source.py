@@ -16,18 +16,11 @@ CHUNK = 1 << 16
 def open_source(path: str | os.PathLike[str]) -> BinaryIO:
     """The file, open for reading. Raises InputError if it cannot be read or holds nothing."""
     try:
-        source = Path(path).open("rb")
+        if Path(path).stat().st_size == 0:
+            raise InputError([Problem("input.empty", str(path))])
+        return Path(path).open("rb")
     except OSError as error:
         raise _unreadable(path, error.strerror or str(error)) from None
-    try:
-        first = source.peek(1)[:1]
-    except OSError as error:
-        source.close()
-        raise _unreadable(path, error.strerror or str(error)) from None
-    if not first:
-        source.close()
-        raise InputError([Problem("input.empty", str(path))])
-    return source
 
 
 def chunks(source: BinaryIO, path: str) -> Iterator[bytes]:
@@ -61,7 +54,9 @@ def problem_of(job: _core.Job, path: str) -> Problem:
     if fault == faults.MISSING_TOOL:
         return Problem("input.missing-tool", path, line, {"value": int(value), "limit": int(limit)})
     if fault == faults.NUMBER:
-        return Problem("input.number", path, line, {"value": word + (f"{value:g}" if value else "")})
+        return Problem(
+            "input.number", path, line, {"value": word + (f"{value:g}" if value else "")}
+        )
     if fault == faults.FEEDRATE:
         return Problem("input.feedrate", path, line, {"value": value})
     if fault == faults.ARC:

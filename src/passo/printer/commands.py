@@ -31,7 +31,9 @@ class Commands:
     code → (first line, times).
     """
 
-    def __init__(self, machine: MachineConfig, job: _core.Job, heat: Heat, full_scale: list[int]) -> None:
+    def __init__(
+        self, machine: MachineConfig, job: _core.Job, heat: Heat, full_scale: list[int]
+    ) -> None:
         self._machine, self._job, self._heat = machine, job, heat
         self.unknown: dict[str, tuple[int, int]] = {}
         self.waits: dict[str, tuple[int, int]] = {}

@@ -46,9 +46,13 @@ def board_description(machine: MachineConfig) -> BoardDescription:
         ki = kp / (4 * heat.time_constant_s)
         heaters.append(Heater(name, name, name, heater.max_power, kp, ki, kp * 2.0))
     for name, fan in machine.fans.items():
-        outputs.append(Output(name, _pin(machine, fan.pin), "digital", round(_PWM_PERIOD_S * clock_hz)))
+        outputs.append(
+            Output(name, _pin(machine, fan.pin), "digital", round(_PWM_PERIOD_S * clock_hz))
+        )
     if machine.laser:
-        outputs.append(Output("laser", _pin(machine, machine.laser.pin), "pwm", round(0.001 * clock_hz)))
+        outputs.append(
+            Output("laser", _pin(machine, machine.laser.pin), "pwm", round(0.001 * clock_hz))
+        )
     return BoardDescription(
         clock_hz=clock_hz,
         steppers=steppers,
