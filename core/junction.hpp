@@ -63,7 +63,9 @@ class JunctionRule {
       if (change > 1e-12) cap = std::min(cap, (jerk / change) * (jerk / change));
     };
     double e0 = unit(before, kE), e1 = unit(m, kE);
-    if (before.extruder == m.extruder) {
+    if (machine_.extruders.empty()) {
+      // a laser or a mill
+    } else if (before.extruder == m.extruder) {
       limit(std::fabs(e1 - e0), machine_.extruders[m.extruder].jerk);
     } else {
       limit(std::fabs(e0), machine_.extruders[before.extruder].jerk);
@@ -110,6 +112,7 @@ class JunctionRule {
       limit(j, ratio(m, j) - ratio(before, j), machine_.axes[i].accel,
             machine_.axes[i].cornering_steps);
     }
+    if (machine_.extruders.empty()) return cap;
     if (before.extruder != m.extruder) return 0;
     const Extruder& e = machine_.extruders[m.extruder];
     limit(kE, ratio(m, kE) - ratio(before, kE), e.accel, e.cornering_steps);

@@ -33,7 +33,7 @@ struct PlanStatistics {
       (m.kind == MoveKind::print ? print_mm : travel_mm) +=
           sign * std::sqrt(dx * dx + dy * dy + dz * dz);
     }
-    if (m.extruder < 4096) grow(filament_mm, m.extruder) += sign * (m.p1[kE] - m.p0[kE]);
+    if (m.extruder < filament_mm.size()) filament_mm[m.extruder] += sign * (m.p1[kE] - m.p0[kE]);
   }
 
  private:

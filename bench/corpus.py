@@ -1,0 +1,81 @@
+"""Prints every file of a folder of real G-code and compares the filament with the folder's index.
+
+Usage: python bench/corpus.py DIR. Writes a table to stdout; exit status 1 if a file fails, if a motor
+ends elsewhere than planned, or if the filament differs from `net_e_mm` by more than 0.1 mm where the
+file's rules allow the comparison.
+"""
+
+from __future__ import annotations
+
+import csv
+import sys
+from pathlib import Path
+
+from passo.config import load
+from passo.errors import PassoError
+from passo.job.printing import Policy, Print
+
+# Which machine a file was sliced for; others go to the first that holds it.
+MACHINES = {
+    "p01": "mk3s",
+    "p07": "mk3s",
+    "p08": "mk3s",
+    "p11": "mk3s",
+    "p09": "multi-material",
+    "p10": "dual-extruder",
+    "p22": "dual-extruder",
+    "p14": "mini",
+    "p03": "corexy",
+    "p12": "corexy",
+    "p23": "i3",
+    "p24": "laser",
+    "p25": "cnc",
+}
+OTHER = "ender3"
+
+# Why the filament that comes out is not the sum of the file's E words.
+EXCUSES = {
+    "p01": "M221 S95",
+    "p07": "M221 S95",
+    "p08": "M221 S95",
+    "p09": "M221 S95",
+    "p11": "M221 S95",
+    "p14": "M221 S95",
+    "p05": "ends retracted by G10",
+    "p21": "ends retracted by G10",
+}
+TOLERANCE_MM = 0.1
+
+
+def main(folder: Path) -> int:
+    """Prints all files of the folder; returns the exit status."""
+    index = folder / "index.csv"
+    rows = {row["file"]: row for row in csv.DictReader(index.open())} if index.exists() else {}
+    failed = 0
+    print(f"{'file':32} {'machine':15} {'moves':>7} {'time s':>8} {'E mm':>9} {'index':>9}  result")
+    for path in sorted(folder.glob("*.gcode")):
+        key = path.name[:3]
+        machine = load(MACHINES.get(key, OTHER))
+        try:
+            result = Print(machine, Policy()).run(path)
+        except PassoError as error:
+            print(f"{path.name:32} {machine.name:15} FAILED: {error}")
+            failed += 1
+            continue
+        filament = sum(result.filament_mm.values())
+        wanted = rows.get(path.name, {}).get("net_e_mm", "")
+        verdict = "ok"
+        if result.errors:
+            verdict = "FAILED: " + "; ".join(result.errors)
+        elif wanted and abs(filament - float(wanted)) > TOLERANCE_MM:
+            verdict = f"ok, filament: {EXCUSES[key]}" if key in EXCUSES else "FAILED: filament"
+        failed += verdict.startswith("FAILED")
+        print(
+            f"{path.name:32} {machine.name:15} {result.moves:7} {result.print_time_s:8.0f}"
+            f" {filament:9.1f} {wanted:>9}  {verdict}"
+        )
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(Path(sys.argv[1])))
