@@ -10,6 +10,7 @@ from passo.board.description import BoardDescription, Heater, Output, Sensor, St
 from passo.heat.thermistor import ratio_at, ratio_table
 
 if TYPE_CHECKING:
+    from passo.config.electronics import Heater as HeaterConfig
     from passo.config.machine import MachineConfig
     from passo.simulator import SimulatedBoard
 
@@ -41,10 +42,7 @@ def board_description(machine: MachineConfig) -> BoardDescription:
         table = ratio_table(heater.sensor.r25_ohm, heater.sensor.beta_k, heater.sensor.pullup_ohm)
         ends = sorted((ratio_at(table, heater.min_c), ratio_at(table, heater.max_c)))
         sensors.append(Sensor(name, _pin(machine, heater.sensor_pin), table, ends[0], ends[1]))
-        heat = heater.simulated
-        kp = 1.5 * heat.time_constant_s / heat.full_power_rise_c / (4 * heat.sensor_time_constant_s)
-        ki = kp / (4 * heat.time_constant_s)
-        heaters.append(Heater(name, name, name, heater.max_power, kp, ki, kp * 2.0))
+        heaters.append(_heater(name, heater))
     for name, fan in machine.fans.items():
         outputs.append(
             Output(name, _pin(machine, fan.pin), "digital", round(_PWM_PERIOD_S * clock_hz))
@@ -62,6 +60,15 @@ def board_description(machine: MachineConfig) -> BoardDescription:
         move_count=machine.board.move_count,
         mcu=machine.board.mcu,
     )
+
+
+def _heater(name: str, heater: HeaterConfig) -> Heater:
+    """PI control tuned to the heater's own figures by the SIMC rules (S. Skogestad, 2003), with the
+    sensor's lag as dead time θ and as the wanted time constant: Kc = τ / (k 2θ), τI = 8θ."""
+    heat = heater.simulated
+    lag = heat.sensor_time_constant_s
+    kp = heat.time_constant_s / heat.full_power_rise_c / (2 * lag)
+    return Heater(name, name, name, heater.max_power, kp, kp / (8 * lag), 0.0)
 
 
 def _pin(machine: MachineConfig, name: str) -> str:
