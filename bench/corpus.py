@@ -1,8 +1,8 @@
-"""Prints every file of a folder of real G-code and compares the filament with the folder's index.
+"""Prints every file of a folder of real G-code and compares the filament with its index.
 
-Usage: python bench/corpus.py DIR. Writes a table to stdout; exit status 1 if a file fails, if a motor
-ends elsewhere than planned, or if the filament differs from `net_e_mm` by more than 0.1 mm where the
-file's rules allow the comparison.
+Usage: python bench/corpus.py DIR. Writes a table to stdout; exit status 1 if a file fails, if a
+motor ends elsewhere than planned, or if the filament differs from `net_e_mm` by more than 0.1 mm
+where the file's rules allow the comparison.
 """
 
 from __future__ import annotations

@@ -249,6 +249,25 @@ void bind_job(nb::module_& m) {
           },
           "on"_a)
       .def("take_moves", [](JobView& self) { return std::exchange(self.moves, {}); })
+      .def(
+          "keep_ideal",
+          [](JobView& self, bool on) {
+            for (size_t i = 0; i < self.job.motion.machine().steppers.size(); ++i)
+              self.job.motion.compressor(i).keep_ideal(on);
+          },
+          "on"_a, "From now on keeps the ideal time of every step, see take_ideal.")
+      .def(
+          "take_ideal",
+          [](JobView& self, size_t stepper) {
+            if (stepper >= self.job.motion.machine().steppers.size())
+              throw nb::index_error("no such stepper");
+            std::vector<double>& ideal = self.job.motion.compressor(stepper).ideal();
+            nb::bytes bytes(reinterpret_cast<const char*>(ideal.data()),
+                            ideal.size() * sizeof(double));
+            ideal.clear();
+            return bytes;
+          },
+          "stepper"_a, "Ideal ticks (float64) of the steps made into commands since the last call.")
       .def_prop_ro("limit_names",
                    [](JobView& self) { return self.job.motion.planner().constraints().names; })
       .def_prop_ro("feature_names", [](JobView& self) { return self.job.interpreter.features(); })

@@ -71,6 +71,9 @@ class Compressor {
   Steps& steps() { return steps_; }
   MessageQueue& messages() { return messages_; }
   const StepStatistics& statistics() const { return statistics_; }
+  // Ideal ticks of the steps made into commands since the caller last cleared it, if asked for.
+  std::vector<double>& ideal() { return ideal_; }
+  void keep_ideal(bool on) { keeps_ideal_ = on; }
   int64_t last() const { return last_; }
 
   // Makes commands of all steps that can no longer change, all steps before `frontier` being known;
@@ -142,7 +145,8 @@ class Compressor {
   int64_t last_ = 0;  // executed clock of the last step compressed
   int dir_ = 0;
   int64_t floor_ = 0;
-  bool crowded_ = false;
+  bool crowded_ = false, keeps_ideal_ = false;
+  std::vector<double> ideal_;
 
   // Where the motor turns, opposite steps that are too close for the driver cancel each other.
   void drop_close_reversals() {
@@ -266,6 +270,9 @@ class Compressor {
     messages_.push({clock, end, uint32_t(interval), uint16_t(count), int16_t(add), target_,
                     MessageKind::queue_step, uint8_t(dir > 0)});
     last_ = end;
+    if (keeps_ideal_)
+      ideal_.insert(ideal_.end(), steps_.ticks.begin() + long(i),
+                    steps_.ticks.begin() + long(i) + count);
     statistics_.steps += count;
     statistics_.net += dir * count;
     ++statistics_.commands;

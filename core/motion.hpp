@@ -43,6 +43,7 @@ class Motion {
   const Cpu& cpu() const { return cpu_; }
   MessageQueue& messages() { return messages_; }
   const StepStatistics& steps(size_t i) const { return compressors_[i].statistics(); }
+  Compressor& compressor(size_t i) { return compressors_[i]; }
   int64_t count(size_t i) const { return solvers_[i].count(); }
   int64_t handed_out() const { return handed_out_; }  // clock of the last of messages(), so far
   // A timed record. Targets from kMark on are the host's own: they come out of marks(), in the

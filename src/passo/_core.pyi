@@ -561,6 +561,14 @@ class Job:
 
     def take_moves(self) -> list[Move]: ...
 
+    def keep_ideal(self, on: bool) -> None:
+        """From now on keeps the ideal time of every step, see take_ideal."""
+
+    def take_ideal(self, stepper: int) -> bytes:
+        """
+        Ideal ticks (float64) of the steps made into commands since the last call.
+        """
+
     @property
     def limit_names(self) -> list[str]: ...
 

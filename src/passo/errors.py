@@ -89,10 +89,16 @@ CATALOGUE: Mapping[str, Entry] = {
         "the checksum {value} is wrong: the line's is *{limit}",
         "Send the line again",
     ),
+    "input.no-line": _input(
+        "file", "there is no line {value}: the file has {limit}", "Name a line of the file"
+    ),
     "input.missing-tool": _input(
         "printer",
         "tool T{value} does not exist: the machine has {limit} tool(s)",
         "Choose a machine with this tool, or allow --missing-tool ignore",
+    ),
+    "output.unwritable": _input(
+        "file", "cannot be written: {value}", "Check the path, its permissions and the free space"
     ),
     "machine.slow-heater": Entry(
         "heat",

@@ -18,6 +18,8 @@ from passo.errors import ExitStatus, PassoError
 COMMANDS: dict[str, str] = {
     "print": "print a file on the machine's board, to the end, and say what came out",
     "estimate": "say how long a file takes, by layer, feature and limit",
+    "steps": "write every step of every motor, as the board executed it",
+    "explain": "show what one line of a file becomes: plan, steps, bytes",
     "machines": "list the machines that come with Passo",
     "check": "check a machine file and report everything that is wrong with it",
 }

@@ -7,10 +7,9 @@ from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from passo import _core
-from passo.errors import InputError
-from passo.job.source import chunks, open_source, problem_of
+from passo.job.program import run_program
 from passo.printer.commands import Commands
-from passo.printer.words import Command
+from passo.printer.wiring import output_count
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -48,34 +47,6 @@ class NoHeat:
         """Nothing waits in an estimate."""
 
 
-def plan_file(
-    machine: MachineConfig, path: str | os.PathLike[str], job: _core.Job
-) -> tuple[Commands, list[str]]:
-    """Runs a file through a job that makes no steps. Raises InputError."""
-    name = str(path)
-    outputs = len(machine.heaters) + len(machine.fans) + 1
-    commands = Commands(machine, job, NoHeat(), [1] * outputs)
-    status = _core.JobStatus
-    with open_source(path) as source:
-        pieces = chunks(source, name)
-        while not commands.ended:
-            found = job.advance()
-            if found == status.EVENT:
-                commands.run(Command(*job.event))
-            elif found == status.NEED_INPUT:
-                data = next(pieces, b"")
-                if data:
-                    job.feed(data)
-                else:
-                    job.finish()
-            elif found == status.ERROR:
-                raise InputError([problem_of(job, name)])
-            else:
-                break
-    job.flush()
-    return commands, commands.warnings(name, job.statistics()["clamped"])
-
-
 def estimate(
     machine: MachineConfig,
     path: str | os.PathLike[str],
@@ -86,7 +57,9 @@ def estimate(
     """Plans the file on the machine. Raises InputError."""
     spec = machine.core_spec()
     job = _core.Job(spec, False, clamp, ignore_tools)
-    _, warnings = plan_file(machine, path, job)
+    commands = Commands(machine, job, NoHeat(), [1] * output_count(machine))
+    for _ in run_program(job, commands, path):
+        pass
     plan = job.statistics()
     return Estimate(
         file=str(path),
@@ -102,5 +75,5 @@ def estimate(
         layers_s=plan["layer_s"],
         features_s=plan["feature_s"],
         limits_s=plan["limit_s"],
-        warnings=warnings,
+        warnings=commands.warnings(str(path), plan["clamped"]),
     )

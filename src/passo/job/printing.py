@@ -9,19 +9,17 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from passo import _core
-from passo.errors import InputError, MachineError, Problem
+from passo.errors import MachineError, Problem
+from passo.job.program import run_program
 from passo.job.result import PrintResult, cpu_s, peak_rss_mb
-from passo.job.source import chunks, open_source, problem_of
 from passo.printer.commands import Commands
 from passo.printer.wiring import connect
-from passo.printer.words import Command
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
 
 _LEAD_S = 0.25  # what is planned after a wait starts this much later
 _HORIZON_S = 0.2  # the board is sent commands less than this before they are due
-_MOST_MESSAGES = 1 << 15
 _SLICE_S = 0.5  # temperatures are looked at this often while waiting
 _PATIENCE_S = 3600.0  # a heater that takes longer is broken
 
@@ -66,15 +64,25 @@ class Print:
         )
         full = [self.connection.full_scale(output.name) for output in outputs]
         self._commands = Commands(machine, self.job, self, full)
-        self._base = 0
+        self.base = 0  # board clock at which the job begins
         self._wire_cpu_s = 0.0
         self._heat_s = 0.0
         self._share = 0.0
+        self._watch: Callable[[], None] = lambda: None
+        self._trace_s = 0.0
         self.temperatures: dict[str, list[tuple[float, float]]] = {n: [] for n in self._heaters}
 
     def set_target(self, heater: str, celsius: float) -> None:
         """Sets a heater's target when the moves so far are done."""
         self.job.mark(self._heaters.index(heater), round(celsius * 100))
+
+    def watch(self, watcher: Callable[[], None]) -> None:
+        """Before `run`: a function to call whenever the plan has grown."""
+        self._watch = watcher
+
+    def trace_until(self, seconds: float) -> None:
+        """Before `run`: lets the simulated board keep its steps up to this print time."""
+        self._trace_s = seconds
 
     def wait_for(self, heaters: list[str]) -> None:
         """Stops the machine and lets time pass until these heaters have reached their targets.
@@ -91,51 +99,35 @@ class Print:
                 raise self._too_slow(heaters)
             self._run(self.connection.now + round(_SLICE_S * self._hz))
             waited += _SLICE_S
-        ready = self.connection.now - self._base + round(_LEAD_S * self._hz)
+        ready = self.connection.now - self.base + round(_LEAD_S * self._hz)
         if waited > 0:
             self.job.wait_until(ready)
             self._heat_s += (self.job.clock - start) / self._hz
 
     def run(self, path: str | os.PathLike[str]) -> PrintResult:
         """Prints the file to its end. Raises InputError or MachineError."""
-        name = str(path)
-        result = PrintResult(file=name, machine=self._machine.name)
-        status = _core.JobStatus
-        with open_source(path) as source:
-            size = max(os.fstat(source.fileno()).st_size, 1)
-            pieces = chunks(source, name)
-            self._base = self.connection.start_job(self.job.messages)
-            while not self._commands.ended:
-                found = self.job.advance(most=_MOST_MESSAGES)
-                if found == status.EVENT:
-                    self._commands.run(Command(*self.job.event))
-                elif found == status.NEED_INPUT:
-                    data = next(pieces, b"")
-                    if data:
-                        self.job.feed(data)
-                        self._share = min(source.tell() / size, 1.0)
-                    else:
-                        self.job.finish()
-                elif found == status.FULL:
-                    self._run_to(self.job.handed_out - _HORIZON_S * self._hz)
-                elif found == status.ERROR:
-                    raise InputError([problem_of(self.job, name)])
-                else:
-                    break
-        self.job.flush()
+        result = PrintResult(file=str(path), machine=self._machine.name)
+        self.base = self.connection.start_job(self.job.messages)
+        if self._trace_s > 0:
+            for stepper in self.connection.board.steppers:
+                self.board.trace_steps(stepper.name, 0, self.base + round(self._trace_s * self._hz))
+        for share in run_program(self.job, self._commands, path):
+            self._share = share
+            self._watch()
+            self._run_to(self.job.handed_out - _HORIZON_S * self._hz)
         self._run_to(self.job.clock)
         self._apply_marks(float("inf"))
         self._run(self.connection.now + round(_LEAD_S * self._hz))
-        self._fill(result, name)
+        self._fill(result, str(path))
         return result
 
     def _run_to(self, job_clock: float) -> None:
         """Lets the board work up to a clock of the job; heaters are set at their marks."""
         self._marks.extend(self.job.take_marks())
         while self._marks and self._marks[0][0] <= job_clock:
-            self._run(self._base + self._marks[0][0])
+            self._run(self.base + self._marks[0][0])
             self._apply_marks(self._marks[0][0])
-        self._run(self._base + round(job_clock))
+        self._run(self.base + round(job_clock))
 
     def _apply_marks(self, until: float) -> None:
         self._marks.extend(self.job.take_marks())
@@ -144,10 +136,12 @@ class Print:
             self.connection.set_target(self._heaters[heater], centi / 100)
 
     def _run(self, clock: int) -> None:
+        if clock <= self.connection.now:
+            return
         before = cpu_s()
         self.connection.run(clock)
         self._wire_cpu_s += cpu_s() - before
-        now_s = (self.connection.now - self._base) / self._hz
+        now_s = (self.connection.now - self.base) / self._hz
         celsius = {name: self.connection.heaters[name].celsius for name in self._heaters}
         for name, value in celsius.items():
             self.temperatures[name].append((now_s, value))

@@ -85,6 +85,11 @@ def _driver_pins(machine: MachineConfig, name: str) -> tuple[str, str]:
     return step, direction
 
 
+def output_count(machine: MachineConfig) -> int:
+    """Number of outputs on the timeline: heaters, fans, the laser."""
+    return len(machine.heaters) + len(machine.fans) + (machine.laser is not None)
+
+
 def simulated_board(machine: MachineConfig, board: BoardDescription) -> SimulatedBoard:
     """The simulated board that a machine file names, with mechanics and heat around it."""
     from passo.simulator import Actuator, Body, PlantDescription, SimulatedBoard

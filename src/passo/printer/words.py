@@ -37,3 +37,8 @@ class Command(NamedTuple):
     def pairs(self) -> dict[str, str]:
         """KEY=VALUE parameters of an extended command, keys in upper case."""
         return {match[1].upper(): match[2].strip('"') for match in _PAIR.finditer(self.text)}
+
+
+def words_of(text: str) -> list[tuple[str, float]]:
+    """All words of a line with a number, in order: (letter, number)."""
+    return [(m[1].upper(), float(m[2])) for m in _WORD.finditer(text) if m[2] is not None]

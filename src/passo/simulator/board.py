@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from array import array
+
 from passo import _core
 from passo.board.description import BoardDescription, bare, inverted
 from passo.simulator.dictionary import ADC_MAX, PWM_MAX, compressed_dictionary, pin_numbers
@@ -95,6 +97,16 @@ class SimulatedBoard:
             _core.expand_steps(rows, from_clock, to_clock),
             _core.expand_directions(rows, from_clock, to_clock, sign),
         )
+
+    def take_commands(self, stepper: str) -> list[tuple[int, int, int, int, int]]:
+        """(start clock, interval, count, add, direction ±1) of the traced commands executed since the
+        last call; the first step comes `interval` after the start."""
+        rows = array("q", self.device.take_steps(self._step_pin(stepper)))
+        sign = self._sign(stepper)
+        return [
+            (rows[i], rows[i + 1], rows[i + 2], rows[i + 3], sign * rows[i + 4])
+            for i in range(0, len(rows), 5)
+        ]
 
     def trace_output(self, output: str) -> None:
         """From now on keeps the changes of an output, for `take_changes`."""

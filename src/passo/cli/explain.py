@@ -1,0 +1,32 @@
+"""`passo explain`: what one line of a file becomes, for people who want to see how it works."""
+
+from __future__ import annotations
+
+import argparse
+
+from passo.cli.machine_option import add_machine, add_policy, policy_of
+from passo.errors import ExitStatus
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declares the options of `passo explain`."""
+    parser.add_argument("place", type=_place, metavar="FILE:LINE", help="a line of a G-code file")
+    add_machine(parser)
+    add_policy(parser)
+
+
+def _place(text: str) -> tuple[str, int]:
+    file, _, line = text.rpartition(":")
+    if not file or not line.isdecimal() or int(line) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} is not FILE:LINE")
+    return file, int(line)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Prints the explanation."""
+    from passo import config
+    from passo.learn.explain import explain
+
+    file, line = arguments.place
+    print(explain(config.load(arguments.machine), file, line, policy_of(arguments)))
+    return ExitStatus.DONE

@@ -1,0 +1,53 @@
+"""`passo steps`: every step of every motor, as the board executed it."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+from passo.cli.machine_option import add_machine, add_policy, policy_of
+from passo.errors import ExitStatus, InputError, Problem
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declares the options of `passo steps`."""
+    parser.add_argument("file", help="the G-code file")
+    parser.add_argument("--output", required=True, metavar="OUT.npz|OUT.vcd", help="file to write")
+    add_machine(parser)
+    parser.add_argument("--from", dest="from_s", type=_seconds, default=0.0, metavar="S")
+    parser.add_argument("--to", dest="to_s", type=_seconds, default=None, metavar="S")
+    parser.add_argument("--ideal", action="store_true", help="add the ideal times, in seconds")
+    add_policy(parser)
+
+
+def _seconds(text: str) -> float:
+    value = float(text)
+    if not 0 <= value < 1e8:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a time in seconds")
+    return value
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Prints the file on the board and writes its steps."""
+    from passo import config
+    from passo.job.steps import trace_steps, write_steps
+
+    if not arguments.output.lower().endswith((".npz", ".vcd")):
+        print(f"{arguments.output}: the ending must be .npz or .vcd.", file=sys.stderr)
+        return ExitStatus.USAGE
+    trace = trace_steps(
+        config.load(arguments.machine),
+        arguments.file,
+        policy_of(arguments),
+        from_s=arguments.from_s,
+        to_s=arguments.to_s,
+        ideal=arguments.ideal,
+    )
+    try:
+        write_steps(arguments.output, trace)
+    except OSError as error:
+        values = {"value": error.strerror or str(error)}
+        raise InputError([Problem("output.unwritable", arguments.output, None, values)]) from None
+    steps = ", ".join(f"{name} {len(ticks):,}" for name, ticks in trace.ticks.items())
+    print(f"{arguments.output}: steps {steps}", file=sys.stderr)
+    return ExitStatus.DONE

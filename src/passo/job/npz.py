@@ -1,0 +1,44 @@
+"""Arrays in NumPy's .npz format, written without NumPy.
+
+A .npz is a zip of .npy files; a .npy is a magic, a version, a header dict and the raw values
+(NumPy enhancement proposal 1).
+"""
+
+from __future__ import annotations
+
+import os
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+
+from passo.job.atomic import replaced
+
+INT64, INT8, FLOAT64 = "<i8", "|i1", "<f8"
+_SIZES = {INT64: 8, INT8: 1, FLOAT64: 8}
+
+
+def npy_header(kind: str, count: int) -> bytes:
+    """Everything of a one-dimensional .npy file before its values; padded to 64 bytes."""
+    text = f"{{'descr': '{kind}', 'fortran_order': False, 'shape': ({count},), }}"
+    room = -(10 + len(text) + 1) % 64
+    text += " " * room + "\n"
+    return b"\x93NUMPY\x01\x00" + len(text).to_bytes(2, "little") + text.encode("latin-1")
+
+
+def write_npz(
+    path: str | os.PathLike[str], arrays: Mapping[str, tuple[str, bytes | bytearray]]
+) -> None:
+    """Writes name → (kind, raw little-endian values); the file appears whole or not at all.
+
+    Raises OSError.
+    """
+    with (
+        replaced(Path(path)) as temporary,
+        zipfile.ZipFile(temporary, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive,
+    ):
+        for name, (kind, data) in arrays.items():
+            entry = zipfile.ZipInfo(f"{name}.npy", (1980, 1, 1, 0, 0, 0))
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            with archive.open(entry, "w", force_zip64=True) as member:
+                member.write(npy_header(kind, len(data) // _SIZES[kind]))
+                member.write(data)

@@ -1,0 +1,199 @@
+"""What one line of a file becomes: words, planned moves, step times, bytes on the wire."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, field
+from math import acos, degrees, sqrt
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from passo import _core
+from passo.errors import InputError, Problem
+from passo.gcode.dialect import BY_CODE
+from passo.job.printing import Policy, Print
+from passo.job.source import open_source
+from passo.printer.words import Command, words_of
+
+if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
+
+_MOST_COMMANDS = 12
+LAWS = {
+    "deviation": "junction deviation: v² = a·δ·s/(1-s), s = sin of half the angle between the moves",
+    "cornering_distance": "cornering distance: no axis changes its share of the speed too fast",
+    "jerk": "jerk: no axis changes its speed by more than its jerk",
+}
+
+
+@dataclass(slots=True)
+class _Seen:
+    """The moves of the line, with the one before and the one after."""
+
+    before: _core.Move | None = None
+    moves: list[_core.Move] = field(default_factory=list[_core.Move])
+    after: _core.Move | None = None
+
+    def take(self, moves: list[_core.Move], line: int) -> None:
+        for move in moves:
+            if move.line < line:
+                self.before = move
+            elif move.line == line:
+                self.moves.append(move)
+            elif self.after is None:
+                self.after = move
+
+
+def explain(machine: MachineConfig, path: str | os.PathLike[str], line: int, policy: Policy) -> str:
+    """Prints the file on the simulated board and tells what became of one line.
+
+    Raises InputError (no such line, or the file is bad) or MachineError.
+    """
+    text = _line(path, line)
+    job = Print(machine, policy)
+    seen = _Seen()
+    job.job.keep_moves(True)
+    job.watch(lambda: seen.take(job.job.take_moves(), line))
+    job.trace_until(1e9)
+    job.run(path)
+    parts = [f"{path}:{line}: {text}", _words(text)]
+    if not seen.moves:
+        parts.append("This line moves nothing, so there is no plan and no step of its own.")
+        return "\n\n".join(parts)
+    hz = machine.board.clock_hz
+    names = job.job.limit_names
+    shown = seen.moves if len(seen.moves) <= 3 else [seen.moves[0], seen.moves[-1]]
+    if len(shown) < len(seen.moves):
+        parts.append(f"The line became {len(seen.moves)} planned moves; the first and the last:")
+    parts += [_move(move, hz, names) for move in shown]
+    parts.append(_junction("before", seen.before, seen.moves[0], machine))
+    parts.append(_junction("after", seen.moves[-1], seen.after, machine))
+    begin, end = seen.moves[0].start_ticks, seen.moves[-1].end_ticks
+    runs = _runs(job, begin, end)
+    parts.append(_steps(job, runs, hz))
+    parts.append(_wire(runs, hz))
+    return "\n\n".join(parts)
+
+
+def _line(path: str | os.PathLike[str], line: int) -> str:
+    with open_source(path) as source:
+        for number, raw in enumerate(source, 1):
+            if number == line:
+                return raw.decode("utf-8", "replace").strip()
+    last = sum(1 for _ in Path(path).open("rb"))
+    raise InputError([Problem("input.no-line", str(path), line, {"value": line, "limit": last})])
+
+
+def _words(text: str) -> str:
+    words = words_of(text.partition(";")[0])
+    if not words:
+        return "There is no command on this line."
+    rows = [f"  {letter}{number:g}" for letter, number in words]
+    code = Command(0, words[0][0], int(words[0][1]), 0, "", "").code
+    row = BY_CODE.get(code)
+    meaning = f"{code}: {row.text}" if row else "A move in the way of the command before."
+    return "Words:\n" + "\n".join(rows) + f"\n{meaning}"
+
+
+def _move(move: _core.Move, hz: int, names: list[str]) -> str:
+    if move.kind == "dwell":
+        return f"Planned: the machine waits {move.cruise_ticks / hz:.3f} s."
+    ends = (move.start_mm, move.end_mm)
+    start, end = (", ".join(f"{a} {p[i]:.3f}" for i, a in enumerate("XYZE")) for p in ends)
+    shape = "trapezoid" if move.cruise_length > 1e-9 else "triangle"
+    slow = move.length - move.accelerate_length - move.cruise_length
+    return "\n".join(
+        (
+            f"Planned: a {move.kind} move of {move.length:.3f} mm, from {start} to {end}",
+            f"  {shape}: starts at {move.start_speed:.2f} mm/s, reaches {move.cruise_speed:.2f}"
+            f" (at most {move.speed_cap:.2f}), ends at {move.end_speed:.2f}",
+            f"  speeds up over {move.accelerate_length:.3f} mm"
+            f" in {move.accelerate_ticks / hz * 1e3:.2f} ms"
+            f", cruises {move.cruise_length:.3f} mm in {move.cruise_ticks / hz * 1e3:.2f} ms"
+            f", slows down over {slow:.3f} mm in {move.decelerate_ticks / hz * 1e3:.2f} ms",
+            f"  from {move.start_ticks / hz:.6f} s to {move.end_ticks / hz:.6f} s of print time",
+            f"  speed is bound by: {names[move.speed_limit]}"
+            f"; acceleration {abs(move.acceleration):.0f} mm/s² by: {names[move.accel_limit]}",
+        )
+    )
+
+
+def _junction(
+    where: str, a: _core.Move | None, b: _core.Move | None, machine: MachineConfig
+) -> str:
+    if a is None or b is None:
+        return f"Junction {where}: the machine stands still."
+    cap = f"at most {b.start_cap:.2f} mm/s, taken at {b.start_speed:.2f} mm/s"
+    if b.inner:
+        return f"Junction {where}: the same path goes on, {cap}."
+    u, v = ([e - s for s, e in zip(m.start_mm, m.end_mm, strict=True)][:3] for m in (a, b))
+    lengths = sqrt(sum(x * x for x in u)) * sqrt(sum(x * x for x in v))
+    law = LAWS[machine.limits.junction]
+    if lengths == 0:
+        return f"Junction {where}: one of the moves has no X, Y or Z, {cap}."
+    cosine = sum(p * q for p, q in zip(u, v, strict=True)) / lengths
+    angle = degrees(acos(min(max(cosine, -1.0), 1.0)))
+    return f"Junction {where}: the path turns by {angle:.1f}°, {cap}\n  {law}"
+
+
+@dataclass(frozen=True, slots=True)
+class _Run:
+    """A command that the board executed, and the clocks of its steps within the moves."""
+
+    stepper: str
+    clock: int
+    text: str
+    payload: bytes
+    steps: list[int]
+
+
+def _runs(job: Print, begin: float, end: float) -> list[_Run]:
+    """The step commands with steps between two ticks of the job, in the order of their clocks."""
+    dictionary = job.connection.dictionary
+    number = next(i for i, text in dictionary.commands if text.startswith("queue_step "))
+    runs: list[_Run] = []
+    for oid, stepper in enumerate(job.connection.board.steppers):
+        for start, interval, count, add, _ in job.board.take_commands(stepper.name):
+            clock = start - job.base
+            if clock >= end or clock + interval * count + add * count * (count - 1) // 2 < begin:
+                continue
+            clocks = [clock + interval * (k + 1) + add * k * (k + 1) // 2 for k in range(count)]
+            inside = [tick for tick in clocks if begin <= tick < end]
+            if not inside:
+                continue
+            values = (number, oid, interval, count, add)
+            payload = b"".join(_core.encode_vlq(value) for value in values)
+            text = f"queue_step oid={oid} interval={interval} count={count} add={add}"
+            runs.append(_Run(stepper.name, clock, text, payload, inside))
+    return sorted(runs, key=lambda run: run.clock)
+
+
+def _steps(job: Print, runs: list[_Run], hz: int) -> str:
+    rows = ["Steps, as the board executed them (print time):"]
+    for stepper in job.connection.board.steppers:
+        ticks = [tick for run in runs if run.stepper == stepper.name for tick in run.steps]
+        rows.append(
+            f"  {stepper.name}: {len(ticks)}, the first at {ticks[0] / hz:.6f} s,"
+            f" the last at {ticks[-1] / hz:.6f} s"
+            if ticks
+            else f"  {stepper.name}: none"
+        )
+    return "\n".join(rows)
+
+
+def _wire(runs: list[_Run], hz: int) -> str:
+    if not runs:
+        return "On the wire: nothing of this line."
+    rows = [
+        "On the wire: an interval is the ticks to the first step, `count` the steps, `add` what the",
+        f"interval grows by after each; a tick is {1e9 / hz:.1f} ns. {len(runs)} commands:",
+    ]
+    for run in runs[:_MOST_COMMANDS]:
+        rows.append(f"  {run.payload.hex(' '):<30} {run.stepper}: {run.text}")
+    if len(runs) > _MOST_COMMANDS:
+        rows.append(f"  and {len(runs) - _MOST_COMMANDS} more")
+    first = runs[0]
+    frame = _core.make_frame(first.payload, 1)
+    rows.append("A frame with the first of them alone (length, sequence, payload, CRC, 7e):")
+    rows.append(f"  {frame.hex(' ')}")
+    return "\n".join(rows)
