@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass, field
 from math import acos, degrees, sqrt
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from passo import _core
@@ -20,7 +19,7 @@ if TYPE_CHECKING:
 
 _MOST_COMMANDS = 12
 LAWS = {
-    "deviation": "junction deviation: v² = a·δ·s/(1-s), s = sin of half the angle between the moves",
+    "deviation": "junction deviation: v² = a·δ·s/(1-s), s = sin(half the angle between the moves)",
     "cornering_distance": "cornering distance: no axis changes its share of the speed too fast",
     "jerk": "jerk: no axis changes its speed by more than its jerk",
 }
@@ -76,12 +75,12 @@ def explain(machine: MachineConfig, path: str | os.PathLike[str], line: int, pol
 
 
 def _line(path: str | os.PathLike[str], line: int) -> str:
+    number = 0
     with open_source(path) as source:
         for number, raw in enumerate(source, 1):
             if number == line:
                 return raw.decode("utf-8", "replace").strip()
-    last = sum(1 for _ in Path(path).open("rb"))
-    raise InputError([Problem("input.no-line", str(path), line, {"value": line, "limit": last})])
+    raise InputError([Problem("input.no-line", str(path), line, {"value": line, "limit": number})])
 
 
 def _words(text: str) -> str:
@@ -185,8 +184,8 @@ def _wire(runs: list[_Run], hz: int) -> str:
     if not runs:
         return "On the wire: nothing of this line."
     rows = [
-        "On the wire: an interval is the ticks to the first step, `count` the steps, `add` what the",
-        f"interval grows by after each; a tick is {1e9 / hz:.1f} ns. {len(runs)} commands:",
+        "On the wire: an interval is the ticks to the first step, `count` the steps, `add` what",
+        f"the interval grows by after each; a tick is {1e9 / hz:.1f} ns. {len(runs)} commands:",
     ]
     for run in runs[:_MOST_COMMANDS]:
         rows.append(f"  {run.payload.hex(' '):<30} {run.stepper}: {run.text}")

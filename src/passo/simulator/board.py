@@ -99,8 +99,8 @@ class SimulatedBoard:
         )
 
     def take_commands(self, stepper: str) -> list[tuple[int, int, int, int, int]]:
-        """(start clock, interval, count, add, direction ±1) of the traced commands executed since the
-        last call; the first step comes `interval` after the start."""
+        """(start clock, interval, count, add, direction ±1) of the traced commands executed since
+        the last call; the first step comes `interval` after the start."""
         rows = array("q", self.device.take_steps(self._step_pin(stepper)))
         sign = self._sign(stepper)
         return [

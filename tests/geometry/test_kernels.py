@@ -1,0 +1,175 @@
+"""The core's kernels against the Python models, and both against brute force."""
+
+from __future__ import annotations
+
+import itertools
+from math import dist, isnan
+
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from pydantic import TypeAdapter
+from tests.oracles.geometry import crossings, line
+
+from passo._core import Geometry
+from passo.geometry.base import Unreachable
+from passo.geometry.registry import GEOMETRIES, AnyGeometry
+
+# Parameters, and the corners of a box that the machine reaches all of.
+CASES = {
+    "cartesian": ({"kind": "cartesian"}, (-100.0, -100.0, 0.0), (100.0, 100.0, 100.0)),
+    "corexy": ({"kind": "corexy"}, (-100.0, -100.0, 0.0), (100.0, 100.0, 100.0)),
+    "corexz": ({"kind": "corexz"}, (-100.0, -100.0, 0.0), (100.0, 100.0, 100.0)),
+    "coreyz": ({"kind": "coreyz"}, (-100.0, -100.0, 0.0), (100.0, 100.0, 100.0)),
+    "delta": (
+        {"kind": "delta", "radius": 81.0, "rods": [160.0, 160.0, 160.0], "limit_radius": 75.1},
+        (-53.0, -53.0, 0.0),
+        (53.0, 53.0, 150.0),
+    ),
+    "uneven delta": (
+        {
+            "kind": "delta",
+            "radius": 81.0,
+            "rods": [160.0, 161.5, 158.0],
+            "angles": [209.0, 331.5, 90.5],
+            "limit_radius": 75.1,
+        },
+        (-53.0, -53.0, 0.0),
+        (53.0, 53.0, 150.0),
+    ),
+    "rotary_delta": ({"kind": "rotary_delta"}, (-45.0, -45.0, 40.0), (45.0, 45.0, 90.0)),
+    "scara": (
+        {"kind": "scara", "x_offset": -100.0, "y_offset": -20.0},
+        (-80.0, 0.0, 0.0),
+        (80.0, 180.0, 100.0),
+    ),
+    "scara with the elbow motor on the arm": (
+        {"kind": "scara", "arm1": 150.0, "arm2": 120.0, "external_motor": False},
+        (40.0, -150.0, 0.0),
+        (180.0, 150.0, 100.0),
+    ),
+    "dual_scara": ({"kind": "dual_scara"}, (-30.0, 62.0, 0.0), (30.0, 95.0, 50.0)),
+}
+NONLINEAR = [name for name, case in CASES.items() if "core" not in name and name != "cartesian"]
+
+
+def machine(name):
+    parameters, low, high = CASES[name]
+    model = TypeAdapter(AnyGeometry).validate_python(parameters)
+    return model, Geometry(model.spec()), low, high
+
+
+def grid(low, high, n=7):
+    sides = ([a + (b - a) * i / (n - 1) for i in range(n)] for a, b in zip(low, high, strict=True))
+    return list(itertools.product(*sides))
+
+
+def close(a, b, tolerance=1e-9):
+    return all(abs(p - q) <= tolerance for p, q in zip(a, b, strict=True))
+
+
+def test_every_geometry_is_here():
+    kinds = {case[0]["kind"] for case in CASES.values()}
+    names = {model.model_fields["kind"].annotation.__args__[0] for model in GEOMETRIES}
+    assert kinds == names
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_core_and_model_agree_and_forward_undoes_inverse(name):
+    model, core, low, high = machine(name)
+    assert core.actuators == 3
+    for point in grid(low, high):
+        positions = model.inverse(point)
+        assert close([core.inverse(i, point) for i in range(3)], positions), point
+        assert close(model.forward(positions), point), point
+        assert close(core.forward(positions), point), point
+
+
+@pytest.mark.parametrize("name", NONLINEAR)
+def test_core_and_model_reach_the_same_points(name):
+    model, core, low, high = machine(name)
+    wide = [
+        [c + (v - c) * 3 for v, c in zip(p, ((a + b) / 2 for a, b in zip(low, high)))]
+        for p in (low, high)
+    ]
+    reached = 0
+    points = grid(*wide, n=12)
+    for point in points:
+        in_core = not any(isnan(core.inverse(i, point)) for i in range(3))
+        try:
+            model.inverse(point)
+        except Unreachable:
+            assert not in_core, point
+        else:
+            assert in_core, point
+            reached += 1
+    assert 0 < reached < len(points)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_slopes_are_the_derivatives(name):
+    model, core, low, high = machine(name)
+    middle = tuple((a + b) / 2 for a, b in zip(low, high, strict=True))
+    for end in grid(low, high, n=3):
+        if end == middle:
+            continue
+        point, length = line(middle, end)
+        s, h = 0.4 * length, 1e-3
+        for i in range(3):
+            before, here, after = (model.inverse(point(s + k * h))[i] for k in (-1, 0, 1))
+            first, second = core.slopes(i, middle, end, s)
+            assert first == pytest.approx((after - before) / (2 * h), abs=1e-7)
+            assert second == pytest.approx((after - 2 * here + before) / h**2, abs=2e-6)
+
+
+fractions = st.tuples(*[st.integers(0, 1000).map(lambda n: n / 1000)] * 3)
+
+
+@pytest.mark.parametrize("name", NONLINEAR)
+@settings(max_examples=25, derandomize=True, deadline=None)
+@given(data=st.data())
+def test_crossings_are_where_brute_force_finds_them(name, data):
+    model, core, low, high = machine(name)
+    start, end = (
+        tuple(a + (b - a) * f for a, b, f in zip(low, high, data.draw(fractions), strict=True))
+        for _ in range(2)
+    )
+    assume(dist(start, end) > 0.1)
+    actuator = data.draw(st.integers(0, 2))
+    assume(not (name.endswith("scara") or "elbow" in name) or actuator < 2)
+    point, length = line(start, end)
+    expected, margin = crossings(lambda s: model.inverse(point(s))[actuator], length, 8.0)
+    assume(margin > 1e-4)  # whether such a step exists is a matter of rounding
+    places, directions = core.crossings(actuator, start, end, 8.0)
+    assert directions == [direction for _, direction in expected]
+    for place, (s, _) in zip(places, expected, strict=True):
+        assert abs(place - s) <= 1e-6
+
+
+@pytest.mark.parametrize("name", NONLINEAR)
+def test_a_line_that_turns_an_actuator_twice_the_way_back_is_the_way_there(name):
+    _, core, low, high = machine(name)
+    length = dist(low, high)
+    for actuator in range(2):
+        there, up = core.crossings(actuator, low, high, 80.0)
+        back, down = core.crossings(actuator, high, low, 80.0)
+        assert [-d for d in reversed(down)] == up
+        assert close([length - s for s in reversed(back)], there, 1e-6)
+
+
+def test_golden_fisher_delta():
+    """RepRapPro's Fisher: all carriages at 200 mm put the nozzle over the middle."""
+    model, core, _, _ = machine("delta")
+    for forward in (model.forward, core.forward):
+        x, y, z = forward((200.0, 200.0, 200.0))
+        assert (x, y) == pytest.approx((0, 0), abs=1e-9)
+        assert z == pytest.approx(62.0181, abs=5e-5)
+
+
+@pytest.mark.parametrize("positions", [(0.0, 500.0, 0.0), (400.0, 0.0, 0.0)])
+def test_carriages_too_far_apart_have_no_point(positions):
+    model, core, _, _ = machine("delta")
+    with pytest.raises(ValueError, match="no nozzle position"):
+        core.forward(positions)
+    with pytest.raises(Unreachable):
+        model.forward(positions)
