@@ -147,7 +147,7 @@ def test_crossings_are_where_brute_force_finds_them(name, data):
 
 
 @pytest.mark.parametrize("name", NONLINEAR)
-def test_a_line_that_turns_an_actuator_twice_the_way_back_is_the_way_there(name):
+def test_the_way_back_crosses_where_the_way_there_did(name):
     _, core, low, high = machine(name)
     length = dist(low, high)
     for actuator in range(2):
