@@ -2,7 +2,7 @@
 //
 // Polynomials: the minimax coefficients that Sun published with fdlibm (1993) for sin and cos on
 // |x| ≤ π/4 and for atan on |x| ≤ 7/16; reduction in the manner of Cody and Waite. Errors stay
-// below 1 ulp for |x| < 1e6 (tests/core/test_numbers.py measures them).
+// below 1 ulp, of sin and cos for |x| < 1e6 (tests/core/test_numbers.py measures them).
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -68,22 +68,28 @@ inline void sincos(double x, double& s, double& c) {
   }
 }
 
-inline double atan(double x) {
+namespace detail {
+
+// atan(t + tail) = high + the value returned, t ≥ 0.
+inline double atan_parts(double t, double tail, double& high) {
   constexpr double kHigh[] = {4.63647609000806093515e-01, 7.85398163397448278999e-01,
                               9.82793723247329054082e-01, 1.57079632679489655800e+00};
   constexpr double kLow[] = {2.26987774529616870924e-17, 3.06161699786838301793e-17,
                              1.39033110312309984516e-17, 6.12323399573676603587e-17};
-  double a = std::fabs(x);
-  int piece = -1;
-  if (a >= 0.4375) {
-    if (a < 0.6875)
-      piece = 0, a = (2.0 * a - 1.0) / (2.0 + a);
-    else if (a < 1.1875)
-      piece = 1, a = (a - 1.0) / (a + 1.0);
-    else if (a < 2.4375)
-      piece = 2, a = (a - 1.5) / (1.0 + 1.5 * a);
+  double a = t, low = tail / (1 + t * t);
+  high = 0;
+  if (t >= 0.4375) {
+    int piece;
+    if (t < 0.6875)
+      piece = 0, a = (2.0 * t - 1.0) / (2.0 + t);
+    else if (t < 1.1875)
+      piece = 1, a = (t - 1.0) / (t + 1.0);
+    else if (t < 2.4375)
+      piece = 2, a = (t - 1.5) / (1.0 + 1.5 * t);
     else
-      piece = 3, a = -1.0 / a;
+      piece = 3, a = -1.0 / t;
+    high = kHigh[piece];
+    low += kLow[piece];
   }
   double z = a * a, w = z * z;
   double even =
@@ -97,17 +103,32 @@ inline double atan(double x) {
            w * (-1.11111104054623557880e-01 +
                 w * (-7.69187620504482999495e-02 +
                      w * (-5.83357013379057348645e-02 + w * -3.65315727442169155270e-02))));
-  double result =
-      piece < 0 ? a - a * (even + odd) : kHigh[piece] - ((a * (even + odd) - kLow[piece]) - a);
-  return x < 0 ? -result : result;
+  return a - (a * (even + odd) - low);
 }
+
+// a - b * c without the error of the product (Dekker), for |b|, |c| < 1e290.
+inline double remainder(double a, double b, double c) {
+  constexpr double kSplit = 134217729;  // 2^27 + 1
+  double bs = b * kSplit, cs = c * kSplit;
+  double b1 = bs - (bs - b), b2 = b - b1, c1 = cs - (cs - c), c2 = c - c1;
+  return (((a - b1 * c1) - b1 * c2) - b2 * c1) - b2 * c2;
+}
+
+}  // namespace detail
 
 inline double atan2(double y, double x) {
   constexpr double kPiLow = 1.2246467991473531772e-16;
   if (x == 0 && y == 0) return 0;
-  double a = x == 0 ? 0.5 * kPi : atan(std::fabs(y / x));
-  if (x < 0) a = kPi - (a - kPiLow);
-  return y < 0 ? -a : a;
+  double up = std::fabs(y), along = std::fabs(x), t = up / along;
+  double tail = t < 1e18 ? detail::remainder(up, t, along) / along : 0;
+  double high, rest = detail::atan_parts(t, tail, high);
+  if (x < 0) {
+    double acute = high;
+    high = kPi - acute;
+    rest = ((kPi - high) - acute + kPiLow) - rest;
+  }
+  double angle = high + rest;
+  return y < 0 ? -angle : angle;
 }
 
 // Arc cosine of |x| ≤ 1.

@@ -1,0 +1,35 @@
+"""`passo report`: one page with pictures of a print."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from passo.cli.machine_option import add_machine, add_policy, policy_of
+from passo.errors import ExitStatus, InputError, Problem
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declares the options of `passo report`."""
+    parser.add_argument("file", help="the G-code file")
+    parser.add_argument("--output", default="report.html", metavar="report.html")
+    add_machine(parser)
+    add_policy(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Prints the file on the board and writes the page."""
+    from passo import config
+    from passo.learn.report import write_report
+
+    machine, output = config.load(arguments.machine), Path(arguments.output)
+    try:
+        result = write_report(machine, arguments.file, output, policy_of(arguments))
+    except OSError as error:
+        values = {"value": error.strerror or str(error)}
+        raise InputError([Problem("output.unwritable", str(output), None, values)]) from None
+    for line in result.warnings:
+        print(line, file=sys.stderr)
+    print(f"{output}: {output.stat().st_size / 1e6:.1f} MB", file=sys.stderr)
+    return ExitStatus.DONE

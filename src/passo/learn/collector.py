@@ -1,0 +1,81 @@
+"""What a report shows of a print, gathered in bounded memory."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from passo import _core
+
+_MOST_PATHS = 120_000  # lines drawn at most, over all layers
+_BUCKETS = 1200  # columns of the charts over time
+
+
+@dataclass(slots=True)
+class Bucket:
+    """One column of the charts: the largest values within it."""
+
+    speed: float = 0.0
+    accel: float = 0.0
+    rates: dict[str, float] = field(default_factory=dict[str, float])
+
+
+class Collector:
+    """Takes planned moves in order. Lines are thinned by half whenever they get too many, and the
+    columns over time are joined in pairs, so that memory stays the same for any file."""
+
+    def __init__(self, clock_hz: int, steps_per_mm: dict[str, tuple[int, float]]) -> None:
+        self._hz = clock_hz
+        self._motors = steps_per_mm
+        self._every, self._count = 1, 0
+        self.bucket_s = 0.25
+        self.buckets: list[Bucket] = []
+        # (layer, x0, y0, x1, y1, speed, prints)
+        self.paths: list[tuple[int, float, float, float, float, float, bool]] = []
+
+    def take(self, moves: list[_core.Move]) -> None:
+        """Adds settled moves."""
+        for move in moves:
+            self._chart(move)
+            if move.kind in ("dwell", "extrude"):
+                continue
+            self._count += 1
+            if self._count % self._every == 0:
+                a, b = move.start_mm, move.end_mm
+                prints = move.kind == "print"
+                self.paths.append((move.layer, a[0], a[1], b[0], b[1], move.cruise_speed, prints))
+                if len(self.paths) > _MOST_PATHS:
+                    self.paths = self.paths[::2]
+                    self._every *= 2
+
+    def _chart(self, move: _core.Move) -> None:
+        first = int(move.start_ticks / self._hz / self.bucket_s)
+        last = int(move.end_ticks / self._hz / self.bucket_s)
+        while last >= 2 * _BUCKETS:
+            self._join()
+            first, last = first // 2, last // 2
+        while len(self.buckets) <= last:
+            self.buckets.append(Bucket())
+        if move.kind == "dwell":
+            return
+        accel = max(abs(move.acceleration), move.deceleration)
+        share = {
+            name: abs(move.end_mm[axis] - move.start_mm[axis]) / move.length * per_mm
+            for name, (axis, per_mm) in self._motors.items()
+        }
+        for bucket in self.buckets[first : last + 1]:
+            bucket.speed = max(bucket.speed, move.cruise_speed)
+            bucket.accel = max(bucket.accel, accel)
+            for name, rate in share.items():
+                bucket.rates[name] = max(bucket.rates.get(name, 0.0), rate * move.cruise_speed)
+
+    def _join(self) -> None:
+        pairs = [self.buckets[i : i + 2] for i in range(0, len(self.buckets), 2)]
+        self.buckets = [
+            Bucket(
+                max(b.speed for b in pair),
+                max(b.accel for b in pair),
+                {name: max(b.rates.get(name, 0.0) for b in pair) for name in self._motors},
+            )
+            for pair in pairs
+        ]
+        self.bucket_s *= 2
