@@ -88,10 +88,10 @@ def test_core_and_model_agree_and_forward_undoes_inverse(name):
 @pytest.mark.parametrize("name", NONLINEAR)
 def test_core_and_model_reach_the_same_points(name):
     model, core, low, high = machine(name)
-    wide = [
-        [c + (v - c) * 3 for v, c in zip(p, ((a + b) / 2 for a, b in zip(low, high)))]
-        for p in (low, high)
-    ]
+    wide = (
+        [2 * a - b for a, b in zip(low, high, strict=True)],
+        [2 * b - a for a, b in zip(low, high, strict=True)],
+    )
     reached = 0
     points = grid(*wide, n=12)
     for point in points:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import dist, floor
 
 SAMPLE_MM = 0.05
@@ -55,7 +56,7 @@ def crossings(position, length, steps_per_unit):
             cuts.append(_turn(q, knots[i - 1], knots[i + 1], 1 if here >= before else -1))
     cuts.append(length)
     steps = []
-    for a, b in zip(cuts, cuts[1:], strict=False):
+    for a, b in pairwise(cuts):
         margin = min(margin, abs(q(b) % 1 - 0.5))
         first, last = floor(q(a) + 0.5), floor(q(b) + 0.5)
         direction = 1 if last > first else -1
