@@ -78,6 +78,18 @@ void bind_motion(nb::module_& m) {
           },
           "target"_a, "value"_a, "A timed record, due when the moves pushed so far are done.")
       .def(
+          "set_position",
+          [](RecordedMotion& self, const std::vector<double>& position) {
+            const Machine& machine = self.motion.machine();
+            if (position.size() != machine.axes.size() + 1)
+              throw nb::value_error("a position needs one number an axis, then E");
+            double p[kAxes] = {};
+            for (size_t i = 0; i < machine.axes.size(); ++i) p[slot_of_axis(int(i))] = position[i];
+            p[kE] = position.back();
+            self.motion.set_position(p, 0);
+          },
+          "position"_a, "Sets where the machine is, without motion; only while nothing is queued.")
+      .def(
           "flush", [](RecordedMotion& self) { self.motion.flush(); },
           "Settles all for a stop at the end.")
       .def(

@@ -15,12 +15,14 @@ namespace passo {
 class Arc {
  public:
   static constexpr double kChordError = 0.0045;  // mm
+  static constexpr double kMostChords = 1e7;
   static constexpr double kFullTurn = 6.283185307179586;
 
   bool active() const { return done_ < chords_; }
 
   // From `start` to `end` in the plane of slots u, v, about a centre; `turns` further full circles.
-  void begin(const double* start, const double* end, int u, int v, double cu, double cv,
+  // False where that takes too many chords.
+  bool begin(const double* start, const double* end, int u, int v, double cu, double cv,
              bool clockwise, int turns) {
     std::memcpy(start_, start, sizeof start_);
     std::memcpy(end_, end, sizeof end_);
@@ -38,8 +40,11 @@ class Arc {
     sweep_ += (clockwise ? -1 : 1) * kFullTurn * turns;
     double r = std::max(radius0_, radius1_);
     double step = 2 * std::sqrt(2 * std::min(kChordError / std::max(r, 1e-6), 0.1));
-    chords_ = std::max(1, int(std::ceil(std::fabs(sweep_) / step)));
+    double chords = std::ceil(std::fabs(sweep_) / step);
+    if (chords > kMostChords) return false;
+    chords_ = std::max(1, int(chords));
     done_ = 0;
+    return true;
   }
   double radius() const { return std::max(radius0_, radius1_); }
   bool first() const { return done_ == 1; }

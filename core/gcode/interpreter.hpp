@@ -106,6 +106,10 @@ class Interpreter {
         if (next_chord()) return Found::move;
         continue;
       }
+      if (!rest_.empty()) {
+        run_rest();
+        continue;
+      }
       const char *p, *end;
       if (!lines_.next(p, end)) return finished_ ? Found::end : Found::need_input;
       if (lines_.too_long()) {
@@ -172,6 +176,7 @@ class Interpreter {
   uint64_t arcs_ = 0, clamped_ = 0;
   Arc arc_;
   std::vector<Word> words_;
+  std::string rest_;  // further commands of the line, which begin where the last move ends
 
   double tool_offset(int j) const {
     return machine_.tools.empty() ? 0 : machine_.tools[tool_].offset[j];
@@ -182,6 +187,11 @@ class Interpreter {
     item.found = Found::error;
     item.error = {lines_.number(), fault, word, value, limit, {0, 0, 0}};
     pending_.push_back(std::move(item));
+  }
+  bool sound(const Word& word) {
+    if (word.number && std::fabs(word.value) <= kLargestWord) return true;
+    fail(Fault::number, std::string(1, word.letter), word.value, word.number ? kLargestWord : 0);
+    return false;
   }
   void emit(char letter, int number, int minor, std::string name, std::string text) {
     Item item{};
@@ -304,8 +314,10 @@ class Interpreter {
   }
 
   void run_line(const char* p, const char* end);
-  void run_words(const std::vector<Word>& words, std::string_view text);
+  void run_rest();
+  void run_words(std::string_view text);
   void run_command(const Word& command, const Word* first, const Word* last, std::string_view text);
+  void run_modal(const Word* first, const Word* last);
   void run_motion(int code, const Word* first, const Word* last);
   void run_arc(bool clockwise, const double* value, uint32_t have, int turns);
   void run_retract(bool in);

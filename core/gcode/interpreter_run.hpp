@@ -5,7 +5,7 @@
 namespace passo {
 
 inline bool text_command(const Word& w) {  // its argument is free text, not words
-  if (w.letter != 'M' || !w.number) return false;
+  if (w.letter != 'M' || !w.whole() || std::fabs(w.value) > 1000) return false;
   int n = int(w.value);
   return n == 16 || n == 20 || n == 23 || n == 28 || n == 30 || n == 32 || n == 36 || n == 38 ||
          n == 98 || n == 115 || n == 117 || n == 118 || n == 486 || n == 550 || n == 587 ||
@@ -61,16 +61,26 @@ inline void Interpreter::run_line(const char* p, const char* end) {
     return emit(0, 0, 0, text.substr(0, stop),
                 stop == std::string::npos ? "" : text.substr(stop + 1));
   }
-  split_words(text, words_);
-  std::vector<Word> words(words_);
-  run_words(words, text);
+  run_words(text);
+}
+
+inline void Interpreter::run_rest() {
+  std::string text;
+  text.swap(rest_);
+  run_words(text);
 }
 
 // Commands of one line: each G or M word with the words up to the next one; a T word that stands
 // before any other command is one; words before the first command belong to it, unless they name
-// axes or F: then they are a move in the modal way.
-inline void Interpreter::run_words(const std::vector<Word>& words, std::string_view text) {
-  const Word *w = words.data(), *end = w + words.size();
+// axes or F: then they are a move in the modal way. What follows a move waits until that is taken.
+inline void Interpreter::run_words(std::string_view text) {
+  split_words(text, words_);
+  const Word *w = words_.data(), *end = w + words_.size();
+  auto waits = [&] {
+    if (pending_.empty() && !arc_.active()) return false;
+    rest_ = text.substr(w->begin);
+    return true;
+  };
   if (!std::isalpha(uint8_t(w->letter)))
     return fail(Fault::garbage, std::string(text.substr(0, 20)), 0, 0);
   auto starts = [&](const Word& x) { return (x.letter == 'G' || x.letter == 'M') && x.number; };
@@ -90,11 +100,11 @@ inline void Interpreter::run_words(const std::vector<Word>& words, std::string_v
         if (w->letter == 'S' && w->number) return emit('S', 0, 0, "", std::string(text));
         return fail(Fault::word, std::string(text.substr(w->begin, w->end - w->begin)), 0, 0);
       }
-      if (motion_ < 0) motion_ = 1;
-      run_motion(motion_, w, next);
+      run_modal(w, next);
       if (next == end) return;
       w = next;
       first = w;
+      if (waits()) return;
     } else {
       w = next;  // S12000 M3: the words before belong to the command
     }
@@ -103,6 +113,7 @@ inline void Interpreter::run_words(const std::vector<Word>& words, std::string_v
     if (tool(*w)) {
       select_tool(*w++);
       first = w;
+      if (w < end && waits()) return;
       continue;
     }
     if (text_command(*w)) return run_command(*w, w + 1, w + 1, text.substr(w->end));
@@ -122,11 +133,13 @@ inline void Interpreter::run_words(const std::vector<Word>& words, std::string_v
     run_command(*w, w + 1, next, args);
     w = next;
     first = w;
+    if (w < end && waits()) return;
   }
 }
 
 inline void Interpreter::run_command(const Word& command, const Word* w, const Word* end,
                                      std::string_view text) {
+  if (!sound(command)) return;
   int code = int(command.value), minor = int(std::lround((command.value - code) * 10));
   while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
   auto value_of = [&](char letter, double otherwise) {
@@ -137,6 +150,12 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
   auto has = [&](char letter) {
     return std::any_of(w, end, [&](const Word& x) { return x.letter == letter; });
   };
+  bool numbers = minor == 0 && (command.letter == 'G' ? code == 4 || code == 92
+                                                      : code == 207 || code == 208 || code == 221);
+  for (const Word* x = w; numbers && x < end; ++x) {
+    if (!sound(*x)) return;
+    if (x->letter == 'F' && !(x->value > 0)) return fail(Fault::feedrate, "F", x->value, 0);
+  }
   if (command.letter == 'G' && minor == 0) {
     switch (code) {
       case 0:
@@ -153,7 +172,9 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
         m.layer = uint16_t(marked_layers_ > 0 ? marked_layers_ : int(risen_layers_));
         m.feature = feature_;
         m.radius_mm = m.feed_mm_s = kInfinity;
-        if (m.duration_s > 0 && m.duration_s < 1e6) {
+        if (m.duration_s > kLongestDwell)
+          return fail(Fault::number, has('S') ? "S" : "P", m.duration_s, kLongestDwell);
+        if (m.duration_s > 0) {
           Item item{};
           item.found = Found::move;
           item.move = m;
@@ -172,13 +193,13 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
       case 18:
       case 19:
         plane_ = code;
-        return;
+        return run_modal(w, end);
       case 20:
         unit_ = 25.4;
-        return;
+        return run_modal(w, end);
       case 21:
         unit_ = 1;
-        return;
+        return run_modal(w, end);
       case 28: {
         std::string letters;
         for (const Word* x = w; x < end; ++x)
@@ -190,17 +211,16 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
       }
       case 90:
         absolute_ = true;
-        return;
+        return run_modal(w, end);
       case 91:
         absolute_ = false;
-        return;
+        return run_modal(w, end);
       case 92: {
         bool any = false;
         for (const Word* x = w; x < end; ++x) {
           int j = x->letter >= 'A' && x->letter <= 'Z' ? letter_slot_[x->letter - 'A'] : -1;
           if (j < 0) continue;
           any = true;
-          if (!x->number) return fail(Fault::number, std::string(1, x->letter), 0, 0);
           if (j == kE)
             logical_e_ = x->value * unit_;
           else
@@ -244,7 +264,14 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
   emit(command.letter, code, minor, "", std::string(text));
 }
 
+// Words without a motion command of their own.
+inline void Interpreter::run_modal(const Word* w, const Word* end) {
+  if (motion_ < 0) motion_ = 1;
+  run_motion(motion_, w, end);
+}
+
 inline void Interpreter::run_motion(int code, const Word* w, const Word* end) {
+  if (w == end) return;
   double value[26] = {}, feed = feed_, duration = 0, laser = 0;
   uint32_t have = 0;
   bool absolute = absolute_, absolute_e = absolute_ && absolute_e_, keeps_feed = true,
@@ -260,9 +287,8 @@ inline void Interpreter::run_motion(int code, const Word* w, const Word* end) {
       keeps_feed = false;
       continue;
     }
-    if (!x->number) return fail(Fault::number, shown, 0, 0);
-    if (std::fabs(x->value) > kLargestWord)
-      return fail(Fault::number, shown, x->value, kLargestWord);
+    if (x->letter < 'A' || x->letter > 'Z') return fail(Fault::word, shown, 0, 0);
+    if (!sound(*x)) return;
     if (slot >= 0) {
       value[x->letter - 'A'] = x->value;
       have |= 1u << (x->letter - 'A');
@@ -339,7 +365,8 @@ inline void Interpreter::run_arc(bool clockwise, const double* value, uint32_t h
     cu = start[u] + i;
     cv = start[v] + j;
   }
-  arc_.begin(start, end, u, v, cu, cv, clockwise, turns);
+  if (!arc_.begin(start, end, u, v, cu, cv, clockwise, turns))
+    return fail(Fault::arc, "P", turns, 0);
   ++arcs_;
   move_.feed_mm_s = feed;
   move_.duration_s = 0;
@@ -387,7 +414,7 @@ inline void Interpreter::run_retract(bool in) {
   };
   if (in) {
     step(kE, -retract_mm_, retract_feed_);
-    hop_ = retract_hop_;
+    hop_ = std::clamp(retract_hop_, 0.0, std::max(0.0, high_[kZ] - position_[kZ]));
     step(kZ, hop_, kInfinity);
   } else {
     step(kZ, -hop_, kInfinity);
@@ -397,6 +424,7 @@ inline void Interpreter::run_retract(bool in) {
 }
 
 inline void Interpreter::select_tool(const Word& word) {
+  if (!sound(word)) return;
   int tool = int(word.value);
   if (tool >= 0) {
     if (size_t(tool) >= machine_.tools.size() || machine_.tools[size_t(tool)].extruder < 0) {

@@ -394,6 +394,11 @@ class Motion:
     def record(self, target: int, value: int) -> None:
         """A timed record, due when the moves pushed so far are done."""
 
+    def set_position(self, position: Sequence[float]) -> None:
+        """
+        Sets where the machine is, without motion; only while nothing is queued.
+        """
+
     def flush(self) -> None:
         """Settles all for a stop at the end."""
 

@@ -144,7 +144,8 @@ class Print:
         now_s = (self.connection.now - self.base) / self._hz
         celsius = {name: self.connection.heaters[name].celsius for name in self._heaters}
         for name, value in celsius.items():
-            self.temperatures[name].append((now_s, value))
+            if value > 0:  # the sensor has spoken
+                self.temperatures[name].append((now_s, value))
         if self._progress:
             self._progress(Progress(self._share, self.job.layer, now_s, celsius))
 

@@ -1,0 +1,101 @@
+"""`passo steps`, `passo explain`, `passo report`: files that other programs read."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import vcd.reader
+
+from passo.cli.main import main
+
+SHORT = "G28\nM106 S255\nG1 X10 Y5 Z1 E1 F3000\nG1 X0 Y0\nG2 X4 Y0 I2 J0\n"
+
+
+@pytest.fixture
+def short(tmp_path):
+    path = tmp_path / "short.gcode"
+    path.write_text(SHORT)
+    return str(path)
+
+
+@pytest.mark.parametrize("machine", ["i3", "corexy", "big-fish-i3"])
+def test_npz_within_the_bound(short, tmp_path, machine):
+    output = tmp_path / "steps.npz"
+    assert main(["steps", short, "--output", str(output), "--ideal", "--machine", machine]) == 0
+    data = np.load(output)
+    (hz,) = data["clock_hz"]
+    for name in {key.rpartition("_")[0] for key in data if key.endswith("_ticks")}:
+        ticks, ideal = data[f"{name}_ticks"], data[f"{name}_ideal_s"] * hz
+        assert ticks.dtype == np.int64
+        assert data[f"{name}_dir"].dtype == np.int8
+        gaps = np.diff(ideal, prepend=-1e12, append=1e12)
+        bound = np.minimum(32, np.minimum(gaps[:-1], gaps[1:]) / 4) + 0.5
+        assert len(ticks) > 0
+        assert (np.abs(ticks - ideal) <= bound + 1e-2).all()
+        assert (np.diff(ticks) > 0).all()
+
+
+def test_a_cut_of_time(short, tmp_path):
+    whole, part = tmp_path / "whole.npz", tmp_path / "part.npz"
+    assert main(["steps", short, "--output", str(whole), "--ideal"]) == 0
+    words = ["--from", "0.1", "--to", "0.2", "--ideal"]
+    assert main(["steps", short, "--output", str(part), *words]) == 0
+    a, b = np.load(whole), np.load(part)
+    for name in "xyz":
+        ticks = a[f"{name}_ticks"]
+        inside = (ticks >= 1_600_000) & (ticks < 3_200_000)
+        assert (b[f"{name}_ticks"] == ticks[inside]).all()
+        assert (b[f"{name}_ideal_s"] == a[f"{name}_ideal_s"][inside]).all()
+
+
+def test_vcd_has_the_same_edges(short, tmp_path):
+    waves, arrays = tmp_path / "steps.vcd", tmp_path / "steps.npz"
+    assert main(["steps", short, "--output", str(waves)]) == 0
+    assert main(["steps", short, "--output", str(arrays)]) == 0
+    names, rises = {}, {}
+    now = 0
+    with waves.open("rb") as source:
+        for token in vcd.reader.tokenize(source):
+            kind = token.kind.name
+            if kind == "VAR":
+                names[token.var.id_code] = token.var.reference
+            elif kind == "CHANGE_TIME":
+                now = token.time_change
+            elif kind == "CHANGE_SCALAR" and token.scalar_change.value == "1":
+                rises.setdefault(names[token.scalar_change.id_code], []).append(now)
+    data = np.load(arrays)
+    for name in "xyze":
+        assert rises[f"{name}_step"] == [int(t) * 625 for t in data[f"{name}_ticks"]]
+
+
+def test_nothing_half_written(short, tmp_path):
+    assert main(["steps", short, "--output", str(tmp_path / "no" / "x.npz")]) == 4
+    assert main(["steps", short, "--output", str(tmp_path / "x.txt")]) == 2
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["short.gcode"]
+
+
+def test_explain(short, capsys):
+    assert main(["explain", f"{short}:4"]) == 0
+    out = capsys.readouterr().out
+    assert ":4: G1 X0 Y0" in out
+    assert "Planned: a travel move of 11.180 mm" in out
+    assert "reaches 50.00 (at most 50.00), ends at 0.00" in out
+    assert "speed is bound by: feedrate; acceleration 3000 mm/s²" in out
+    assert "  x: 800, the first at" in out
+    assert "queue_step oid=0 interval=" in out
+
+
+def test_explain_of_lines_without_a_move(short, capsys):
+    assert main(["explain", f"{short}:2"]) == 0
+    assert "M106: Sets a fan's speed." in capsys.readouterr().out
+    assert main(["explain", f"{short}:99"]) == 4
+    assert "there is no line 99: the file has 5" in capsys.readouterr().err
+
+
+def test_report_is_one_page(short, tmp_path):
+    page = tmp_path / "r.html"
+    assert main(["report", short, "--output", str(page)]) == 0
+    text = page.read_text(encoding="utf-8")
+    assert "short.gcode on i3" in text
+    assert "http" not in text
+    assert '"steps' not in text.partition("const data")[0]

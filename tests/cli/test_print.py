@@ -1,0 +1,155 @@
+"""`passo print` and `passo estimate`: figures, exit statuses, sentences."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+from passo.cli.main import main
+
+FIELDS = [
+    "file", "machine", "lines", "moves", "arcs", "print_time_s", "move_time_s", "heat_time_s",
+    "dwell_time_s", "filament_mm", "travel_mm", "layers", "final_position_mm", "steps",
+    "final_steps", "net_steps_expected", "reversal_pairs_dropped", "queue_step_commands",
+    "wire_bytes", "step_error_us", "limits", "stream_hash", "warnings", "errors", "cpu_s",
+    "peak_rss_mb",
+]  # fmt: skip
+
+
+def printed(capsys, *words):
+    assert main(["print", *words, "--json"]) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+def test_the_example_on_the_i3(capsys, unpacked):
+    result = printed(capsys, unpacked("demo"))
+    assert list(result) == FIELDS
+    assert result["lines"] == 32680
+    assert result["layers"] == 15
+    assert result["filament_mm"]["e"] == pytest.approx(413.966, abs=0.001)
+    assert result["final_steps"] == result["net_steps_expected"]
+    assert result["final_steps"] == {"x": 400, "y": 14592, "z": 60000, "e": 39534}
+    parts = result["move_time_s"] + result["heat_time_s"] + result["dwell_time_s"]
+    assert result["print_time_s"] == pytest.approx(parts)
+    assert result["dwell_time_s"] == 10.0
+    assert sum(result["limits"].values()) == pytest.approx(result["move_time_s"])
+    assert result["step_error_us"]["max"] <= 2.0 + 0.5 / 16 + 1e-3
+    assert result["warnings"] == result["errors"] == []
+    assert set(result["cpu_s"]) == {
+        "parse", "plan", "steps", "compress", "wire", "board", "total"
+    }  # fmt: skip
+
+
+GOLDEN = {
+    ("demo", "i3"): "dc5f9fd95a6f843d",
+    ("gear_arcs", "mk3s"): "b83fc80b1475ab5d",
+    ("plate_toolchanger", "dual-extruder"): "414204b77e11ecb6",
+}
+
+
+@pytest.mark.parametrize(("file", "machine"), GOLDEN)
+def test_golden_streams(capsys, unpacked, file, machine):
+    result = printed(capsys, unpacked(file), "--machine", machine)
+    assert result["stream_hash"] == GOLDEN[file, machine]
+    assert result["final_steps"] == result["net_steps_expected"]
+
+
+def test_arcs_and_warnings(capsys, unpacked):
+    result = printed(capsys, unpacked("gear_arcs"), "--machine", "mk3s")
+    assert result["arcs"] == 7241
+    assert [w.split(": ")[1] for w in result["warnings"]] == [
+        "G80 is unknown and was skipped (1 time)"
+    ]
+
+
+def test_two_extruders(capsys, unpacked):
+    result = printed(capsys, unpacked("plate_toolchanger"), "--machine", "dual-extruder")
+    assert sum(result["filament_mm"].values()) == pytest.approx(1662.9, abs=0.1)
+    assert result["filament_mm"]["e1"] == pytest.approx(215.4, abs=0.1)
+
+
+def test_the_table_says_that_the_steps_are_right(capsys, unpacked):
+    assert main(["print", unpacked("demo")]) == 0
+    out, err = capsys.readouterr()
+    assert "net steps at the end        as expected on every motor" in out
+    assert err == ""
+
+
+def test_an_estimate_agrees_with_the_print(capsys, unpacked):
+    result = printed(capsys, unpacked("demo"))
+    assert main(["estimate", unpacked("demo"), "--json"]) == 0
+    estimate = json.loads(capsys.readouterr().out)
+    assert estimate["move_s"] == pytest.approx(result["move_time_s"], rel=1e-9)
+    assert estimate["dwell_s"] == 10.0
+    assert estimate["filament_mm"] == result["filament_mm"]
+    assert sum(estimate["layers_s"]) == pytest.approx(estimate["total_s"])
+    assert sum(estimate["features_s"].values()) == pytest.approx(estimate["total_s"])
+
+
+BAD = {
+    "empty": (b"", [], 4, "holds no command"),
+    "noise": (bytes(range(256)) * 40, [], 4, ":1: is not G-code"),
+    "long line": (b"G1 X" + b"1" * 10_000_000, [], 4, "a line is longer than 64 KiB"),
+    "nan": (b"G28\nG1 XNaN\n", [], 4, ":2: the word 'X' has no valid number"),
+    "huge": (b"G28\nG1 X2000000000\n", [], 4, ":2: the word 'X2e+09'"),
+    "F0": (b"G1 X10 F0\n", [], 4, ":1: the feed rate F0 must be above 0"),
+    "out of range": (b"G1 X300 F3000\n", [], 4, ":1: X 300.000 mm is beyond the limit of 250.000"),
+    "tool": (b"T5\n", [], 4, ":1: tool T5 does not exist: the machine has 1 tool(s)"),
+    "delta": (b"G1 X70 Y70 Z10 F3000\n", ["--machine", "delta"], 4, "cannot be reached"),
+    "machine": (b"G1 X1\n", ["--machine", "nothing"], 3, "no machine called 'nothing'"),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_bad_input_is_one_sentence(capsys, tmp_path, name):
+    data, words, status, sentence = BAD[name]
+    path = tmp_path / "bad.gcode"
+    path.write_bytes(data)
+    assert main(["print", str(path), *words]) == status
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    assert sentence in err
+
+
+@pytest.mark.parametrize("path", ["missing.gcode", "."])
+def test_unreadable_paths(capsys, path):
+    assert main(["print", path]) == 4
+    assert "cannot be read" in capsys.readouterr().err
+
+
+def test_policies(capsys, tmp_path):
+    path = tmp_path / "p.gcode"
+    path.write_text("T5\nG1 X300 F3000\nM0\nM0\nG777\n")
+    words = ["--out-of-range", "clamp", "--missing-tool", "ignore"]
+    result = printed(capsys, str(path), *words)
+    assert result["final_position_mm"]["x"] == 250.0
+    assert [w.partition(": ")[2] for w in result["warnings"]] == [
+        "G777 is unknown and was skipped (1 time)",
+        "M0 waits for a person; nobody is here, so it took no time (2 times)",
+        "tool T5 does not exist and was ignored (1 time)",
+        "1 targets out of range were moved to the limit",
+    ]
+
+
+def test_json_errors_are_an_object(capsys, tmp_path):
+    path = tmp_path / "p.gcode"
+    path.write_text("G1 X300 F3000\n")
+    assert main(["print", str(path), "--json"]) == 4
+    assert "X 300.000 mm" in json.loads(capsys.readouterr().out)["errors"][0]
+
+
+def test_wrong_words_are_usage(capsys):
+    assert main(["print"]) == 2
+    assert main(["print", "x.gcode", "--clock", "fish"]) == 2
+    capsys.readouterr()
+
+
+def test_help_imports_nothing_heavy():
+    code = "import sys, passo.cli.main as m; m.main(['--help']); print(sorted(sys.modules))"
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert "pydantic" not in out.stdout
+    assert "passo._core" not in out.stdout

@@ -1,0 +1,65 @@
+"""Runs a program through the core's interpreter and keeps all that comes out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cache
+from typing import Any
+
+from passo import config
+from passo._core import Fault, Job, JobStatus
+
+
+@cache
+def spec(machine: str) -> dict[str, Any]:
+    return config.load(machine).core_spec()
+
+
+@dataclass
+class Outcome:
+    """Moves as planned; targets without a length are no moves."""
+
+    moves: list[Any] = field(default_factory=list)
+    events: list[tuple[int, str, int, int, str, str]] = field(default_factory=list)
+    errors: list[tuple[int, Fault, str, float, float]] = field(default_factory=list)
+    statistics: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def ends(self) -> list[tuple[float, float, float, float]]:
+        """X, Y, Z, E at the end of each move, mm."""
+        return [tuple(round(v, 9) for v in move.end_mm[:4]) for move in self.moves]
+
+    @property
+    def commands(self) -> list[str]:
+        """Events as code and text, such as `M104 S200`."""
+        names = [
+            name or f"{letter}{n}{f'.{minor}' if minor else ''}"
+            for _, letter, n, minor, name, _ in self.events
+        ]
+        return [f"{n} {e[5]}".strip() for n, e in zip(names, self.events, strict=True)]
+
+
+def run(text: str | bytes, machine: Any = "i3", chunk: int = 0, **policy: bool) -> Outcome:
+    """All of a program, in chunks of `chunk` bytes if that is not 0."""
+    data = text.encode() if isinstance(text, str) else text
+    job = Job(spec(machine) if isinstance(machine, str) else machine, False, **policy)
+    job.keep_moves(True)
+    out = Outcome()
+    pieces = [data[i : i + chunk] for i in range(0, len(data), chunk)] if chunk else [data]
+    for piece in pieces:
+        job.feed(piece)
+        _drain(job, out)
+    job.finish()
+    _drain(job, out)
+    job.flush()
+    out.moves = job.take_moves()
+    out.statistics = job.statistics()
+    return out
+
+
+def _drain(job: Job, out: Outcome) -> None:
+    while (status := job.advance()) not in (JobStatus.END, JobStatus.NEED_INPUT):
+        if status == JobStatus.EVENT:
+            out.events.append(job.event)
+        elif status == JobStatus.ERROR:
+            out.errors.append(job.error[:5])

@@ -1,0 +1,166 @@
+"""The motion state of a program: units, zero points, extruder rules, tools, limits."""
+
+from __future__ import annotations
+
+from math import inf
+
+import pytest
+
+from passo._core import Fault
+
+from .driver import run
+
+
+@pytest.mark.parametrize(
+    ("modes", "x", "e"),
+    [
+        ("G90 M82", 5, 2),
+        ("G90 M83", 5, 3),
+        ("G91 M82", 15, 3),
+        ("G91 M83", 15, 3),
+        ("M83 G90 M82", 5, 2),
+        ("M83 G91 G90", 5, 3),
+        ("G91 G90", 5, 2),
+    ],
+)
+def test_e_is_relative_while_g91_or_m83_is_in_force(modes, x, e):
+    out = run("G1 X10 E1\n" + "".join(f"{m}\n" for m in modes.split()) + "G1 X5 E2\n")
+    assert out.ends == [(10, 0, 0, 1), (x, 0, 0, e)]
+
+
+def test_the_extruder_axis_goes_on_where_relative_moves_left_it():
+    out = run("G1 X1 E5\nM83\nG1 X2 E1\nM82\nG1 X3 E7\n")
+    assert [end[3] for end in out.ends] == [5, 6, 7]
+
+
+def test_g92_moves_the_zero_and_not_the_machine():
+    out = run("G1 X10 Y10 E5\nG92 X0 E0\nG1 X5 Y12 E1\nG92\nG1 X1 Y1 E1\n")
+    assert out.ends == [(10, 10, 0, 5), (15, 12, 0, 6), (16, 13, 0, 7)]
+    assert run("G1 E10\nG92 E0\nG92 E3\nG1 E4\n").ends == [(0, 0, 0, 10), (0, 0, 0, 11)]
+
+
+def test_inches():
+    out = run("G20\nG1 X1 Y.5 E.1 F60\nG91\nG1 X1\nG21\nG1 X1\n")
+    assert out.ends == [(25.4, 12.7, 0, 2.54), (50.8, 12.7, 0, 2.54), (51.8, 12.7, 0, 2.54)]
+    assert out.moves[0].cruise_speed == pytest.approx(25.4)
+
+
+def test_homing_puts_the_named_axes_home():
+    out = run("G1 X10 Y10 Z5\nG28 X\nG1 X1 Y11\n")
+    assert out.commands == ["G28 X"]
+    assert out.statistics["position_mm"][:3] == [1, 11, 5]
+    assert run("G1 X10 Y10 Z5\nG28\n").statistics["position_mm"][:3] == [0, 0, 0]
+
+
+def test_feed_rates_stay_until_the_next_and_r_restores_them():
+    out = run("G1 X10 F600\nG1 X20\nF1200\nG1 X30\nG0 X40\n")
+    assert [m.cruise_speed for m in out.moves] == pytest.approx([10, 10, 20, 20])
+
+
+def test_dwell():
+    out = run("G1 X1\nG4 P1500\nG4 S2\nG4 S1 P9\nG4\nG4 P0\nG4 P-5\n")
+    assert [m.kind for m in out.moves] == ["travel", "dwell", "dwell", "dwell"]
+    assert out.statistics["dwell_s"] == 4.5
+
+
+def test_kinds_of_moves():
+    out = run("G1 X1\nG1 X2 E1\nG1 E0\nG1 X3 E-1\nG1 X3\n")
+    assert [m.kind for m in out.moves] == ["travel", "print", "extrude", "travel"]
+
+
+def test_firmware_retraction():
+    out = run("M207 S2 F1200 Z.4\nG1 X10 E5\nG10\nG10\nG1 X20\nG11\nG11\nG1 X30 E6\n")
+    assert out.ends == [
+        (10, 0, 0, 5),
+        (10, 0, 0, 3),
+        (10, 0, 0.4, 3),
+        (20, 0, 0.4, 3),
+        (20, 0, 0, 3),
+        (20, 0, 0, 5),
+        (30, 0, 0, 6),
+    ]
+    assert out.moves[1].cruise_speed == pytest.approx(20)
+
+
+def test_the_hop_goes_along_with_absolute_heights_and_stays_below_the_limit():
+    out = run("M207 S1 Z2\nG1 Z5\nG10\nG1 Z6\nG11\n")
+    assert [end[2] for end in out.ends] == [5, 5, 7, 8, 6, 6]
+    out = run("M207 S1 Z2\nG1 Z249\nG10\nG11\n")
+    assert [end[2] for end in out.ends] == [249, 249, 250, 249, 249]
+
+
+def test_recovery_with_extra_length():
+    out = run("M207 S2 F1200\nM208 S.1 F600\nG1 E5\nG10\nG11\n")
+    assert [end[3] for end in out.ends] == pytest.approx([5, 3, 5.1])
+    assert [m.cruise_speed for m in out.moves[1:]] == pytest.approx([20, 10])
+
+
+def test_g10_with_a_tool_number_sets_temperatures():
+    out = run("G10 P0 R140 S205\n")
+    assert out.commands == ["G10 P0 R140 S205"]
+    assert out.moves == []
+
+
+def test_flow():
+    out = run("M221 S50\nG1 X1 E2\nG1 X2 E4\nM221 S100\nG1 X3 E5\n")
+    assert [end[3] for end in out.ends] == [1, 2, 3]
+
+
+@pytest.mark.parametrize(
+    ("line", "axis", "value", "limit"),
+    [
+        ("G1 X251", "x", 251, 250),
+        ("G1 Y-.5 X10", "y", -0.5, 0),
+        ("G0 Z250.1", "z", 250.1, 250),
+        ("G91 G1 X-1", "x", -1, 0),
+    ],
+)
+def test_out_of_range_stops_or_is_clamped(line, axis, value, limit):
+    text = f"G4 P1\n{line}\nG90 G1 X5 Y5 Z5\n"
+    out = run(text)
+    assert out.errors == [(2, Fault.OUT_OF_RANGE, axis, value, limit)]
+    assert out.ends[-1] == (5, 5, 5, 0)
+    out = run("G1 Z1\n" + text, clamp=True)
+    assert out.errors == []
+    assert out.statistics["clamped"] == 1
+    assert out.moves[2].end_mm["xyz".index(axis)] == limit
+
+
+def test_tools():
+    out = run("G1 X10 E1\nT1\nG92 E0\nG1 X20 E2\nT0\nG92 E0\nG1 X30 E1\n", "dual-extruder")
+    assert out.errors == []
+    assert [m.extruder for m in out.moves if m.kind == "print"] == [0, 1, 0]
+    assert [c for c in out.commands if c[0] == "T"] == ["T1", "T0"]
+    assert out.statistics["position_mm"][3:] == [2, 2]
+
+
+def test_a_missing_tool_stops_or_is_ignored():
+    ((line, fault, word, value, limit),) = run("G4 P1\nT3\n").errors
+    assert (line, fault, word, value, limit) == (2, Fault.MISSING_TOOL, "T", 3, 1)
+    out = run("T3\nG1 X5 E1\n", ignore_tools=True)
+    assert out.errors == []
+    assert out.ends == [(5, 0, 0, 1)]
+
+
+def test_speed_of_a_move_of_the_extruder_alone():
+    out = run("G1 X0 E5 F60\n")
+    assert out.moves[0].cruise_speed == pytest.approx(1)
+
+
+def test_a_time_in_seconds_stretches_a_move():
+    out = run("G1 X10 T2\n")
+    (move,) = out.moves
+    assert (move.end_ticks - move.start_ticks) / 16e6 == pytest.approx(2, rel=0.2)
+
+
+def test_without_f_the_machine_is_the_limit():
+    assert run("G1 X200\n").moves[0].speed_cap == 300
+    assert inf not in [m.cruise_speed for m in run("G1 X200\nG1 E50\n").moves]
+
+
+def test_layers_and_features_of_slicers():
+    out = run(";LAYER:0\n;TYPE:WALL-OUTER\nG1 X1 E1\n;LAYER:1\n;TYPE:FILL\nG1 X2 Z.4 E2\n")
+    assert out.statistics["layers"] == 2
+    assert [m.layer for m in out.moves] == [1, 2]
+    assert set(out.statistics["feature_s"]) == {"WALL-OUTER", "FILL"}
+    assert run("G1 X1 Z.2 E1\nG1 X2 E2\nG1 Z2\nG1 Z.4\nG1 X1 E3\n").statistics["layers"] == 2

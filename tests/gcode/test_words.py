@@ -1,0 +1,202 @@
+"""Lines and words: every way that G-code is written, and what is no G-code."""
+
+from __future__ import annotations
+
+import pytest
+
+from passo._core import Fault
+
+from .driver import run
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "G1 X10 Y20 E1.5",
+        "g1 x10 y20 e1.5",
+        "G1X10Y20E1.5",
+        "G01 X10.000 Y+20. E1.50",
+        "G1 X 10 Y 20 E 1.5",
+        "\tG1\tX10\tY20\tE1.5 \r",
+        "G1 X10 Y20 E1.5;comment X99",
+        "G1 X10 (X99) Y20 (a; b) E1.5",
+        "(first) G1 X10 Y20 E1.5",
+        "N12 G1 X10 Y20 E1.5",
+        "N12G1X10Y20E1.5*86",
+        "G1 E1.5 Y20 X10",
+        "G1 X1E1 X10 Y20 E1.5",
+        "X10 Y20 E1.5",
+    ],
+)
+def test_dialects_of_one_move(line):
+    out = run(f"{line}\n")
+    assert out.errors == []
+    assert out.events == []
+    assert out.ends == [(10, 20, 0, 1.5)]
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\n\n", "\n%\n", "\n\r\n"])
+def test_line_ends(end):
+    assert run(end.join(["%", "G1 X1", "G1 X2", "G0 X3"])).ends == [
+        (1, 0, 0, 0),
+        (2, 0, 0, 0),
+        (3, 0, 0, 0),
+    ]
+
+
+def test_checksums():
+    good = "N3 T0*57\n"
+    assert run(good).errors == []
+    ((line, fault, word, value, _),) = run("G4 P1\nN3 T0*58\n").errors
+    assert (line, fault, word, value) == (2, Fault.CHECKSUM, "*58", 57)
+    assert run("N3 T0*58\n").events == []
+
+
+def test_lines_without_a_command_repeat_the_last_motion():
+    out = run("G0 X10\nY10\nG2 X20 I5\nX10 I-5\nG1 F600\nX0 Y0\n")
+    assert out.errors == []
+    assert out.statistics["arcs"] == 2
+    assert out.ends[-1] == (0, 0, 0, 0)
+
+
+def test_an_exponent_is_another_word():
+    assert run("G1 X1E5\n").ends == [(1, 0, 0, 5)]
+    assert run("G1 E-.5\n").ends == [(0, 0, 0, -0.5)]
+    assert run("G1 X.5Y5.\n").ends == [(0.5, 5, 0, 0)]
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("123.456", 123.456),
+        ("+0.1", 0.1),
+        ("000200.0000000", 200.0),
+        ("0.0001", 1e-4),
+        ("12.3456789012345678901234567890", 12.345678901234568),
+        ("1." + "0" * 400, 1.0),
+        ("0" * 400 + "7", 7.0),
+    ],
+)
+def test_numbers(text, value):
+    assert run(f"G1 X{text}\n").moves[0].end_mm[0] == value
+
+
+@pytest.mark.parametrize(
+    ("line", "word"),
+    [
+        ("G1 X", "X"),
+        ("G1 X Y5", "X"),
+        ("G1 X-", "X"),
+        ("G1 X.", "X"),
+        ("G1 X--1", "X"),
+        ("G1 Xnan", "X"),
+        ("G1 Y+inf", "Y"),
+        ("G1 F", "F"),
+        ("G92 X", "X"),
+        ("G2 X10 I", "I"),
+        ("X", "X"),
+        ("G4 P", "P"),
+        ("G4 S", "S"),
+        ("M207 S", "S"),
+    ],
+)
+def test_a_word_without_a_number_is_an_error_that_names_it(line, word):
+    out = run(f"G4 P1\n{line}\n")
+    assert [(e[0], e[1], e[2]) for e in out.errors] == [(2, Fault.NUMBER, word)]
+    assert [m.kind for m in out.moves] == ["dwell"]
+
+
+@pytest.mark.parametrize(
+    ("line", "word"),
+    [
+        ("G1 X1000000001", "X"),
+        ("G1 E-2000000000", "E"),
+        ("G1 F1" + "0" * 40, "F"),
+        ("G1 X1" + "0" * 400, "X"),
+        ("G92 E1000000001", "E"),
+        ("G2 X10 I9000000000", "I"),
+        ("G4 P1000000001", "P"),
+    ],
+)
+def test_a_word_beyond_1e9_is_an_error_that_names_it(line, word):
+    out = run(f"{line}\n")
+    assert [(e[1], e[2]) for e in out.errors] == [(Fault.NUMBER, word)]
+    assert out.errors[0][4] == 1e9
+    assert out.moves == []
+
+
+@pytest.mark.parametrize(
+    "line", ["G1 X5 X-", "G1 X1 Q", "G1 X5 #3", "G1 X[1+2]", "G1 X5 =", "#1=5", "*5", "G", "M"]
+)
+def test_what_is_no_word_is_an_error(line):
+    out = run(f"{line}\n")
+    assert len(out.errors) == 1
+    assert out.moves == []
+
+
+@pytest.mark.parametrize("line", ["S12000 M3", "M3 S12000", "M3S12000", "m3 S12000"])
+def test_words_before_a_command_belong_to_it(line):
+    assert run(line).commands == ["M3 S12000"]
+
+
+def test_a_tool_word_and_a_command_are_two():
+    assert run("T0 M6\n").commands == ["T0", "M6"]
+    out = run("T1 M6\n")
+    assert [(e[1], e[2], e[3]) for e in out.errors] == [(Fault.MISSING_TOOL, "T", 1)]
+    assert out.commands == ["M6"]
+
+
+def test_several_commands_on_a_line_run_in_order():
+    out = run("G91 G1 X5 G90 G1 X1 M104 S200\n")
+    assert out.ends == [(5, 0, 0, 0), (1, 0, 0, 0)]
+    assert out.commands == ["M104 S200"]
+
+
+def test_free_text_is_left_alone():
+    assert run("M117 G1 X100 Layer 5\nM118 E1 hello\n").commands == [
+        "M117 G1 X100 Layer 5",
+        "M118 E1 hello",
+    ]
+
+
+def test_extended_commands():
+    out = run("SET_VELOCITY_LIMIT ACCEL=500\nset_fan_speed FAN=a SPEED=.5 ; c\n_CUSTOM A=1\n")
+    assert out.commands == [
+        "SET_VELOCITY_LIMIT ACCEL=500",
+        "SET_FAN_SPEED FAN=a SPEED=.5",
+        "_CUSTOM A=1",
+    ]
+
+
+def test_unknown_codes_are_events_with_their_line():
+    assert run("\nM999 P1\nG12.1 X3\n").events == [
+        (2, "M", 999, 0, "", "P1"),
+        (3, "G", 12, 1, "", "X3"),
+    ]
+
+
+def test_each_command_of_a_line_begins_where_the_one_before_ended():
+    out = run("G91 G1 X5 G1 X5 G92 X0 G90 G1 X1 G2 X3 I1 G1 G91 X1\n")
+    assert out.errors == []
+    assert out.ends[:3] == [(5, 0, 0, 0), (10, 0, 0, 0), (11, 0, 0, 0)]
+    assert out.ends[-2:] == [(13, 0, 0, 0), (14, 0, 0, 0)]
+    assert {m.line for m in out.moves} == {1}
+
+
+@pytest.mark.parametrize(
+    ("line", "fault", "word"),
+    [
+        ("G1 F0", Fault.FEEDRATE, "F"),
+        ("G1 X1 F-5", Fault.FEEDRATE, "F"),
+        ("M207 F0", Fault.FEEDRATE, "F"),
+        ("G4 S1000001", Fault.NUMBER, "S"),
+        ("G2 X10 I5 P100000000", Fault.ARC, "P"),
+        ("M99999999999999999999", Fault.NUMBER, "M"),
+        ("G99999999999999999999 X1", Fault.NUMBER, "G"),
+        ("T99999999999999999999", Fault.NUMBER, "T"),
+    ],
+)
+def test_numbers_that_make_no_sense(line, fault, word):
+    out = run(f"G1 X1\nX5 Y5\n{line}\n")
+    assert [e[:3] for e in out.errors] == [(3, fault, word)]
+    assert len(out.moves) == 2

@@ -1,0 +1,95 @@
+"""Deltas and arms: each step where the plain inverse wants it, no motor beyond its limits."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from tests.oracles import motion as oracle
+
+from passo._core import Motion
+from passo.config import load
+
+REACH = {  # machine: middle and half sizes of a box that it reaches
+    "delta": ((0, 0, 60), (45, 45, 40)),
+    "rotary-delta": ((0, 0, 20), (40, 40, 15)),
+    "scara": ((100, 100, 50), (60, 60, 40)),
+}
+share = st.integers(-1000, 1000).map(lambda n: n / 1000)
+point = st.tuples(share, share, share)
+paths = st.lists(st.tuples(point, st.integers(5, 250)), min_size=1, max_size=5)
+
+
+def nozzle(move, tick):
+    s = oracle.position_at(move, tick) / move.length
+    return tuple(a + (b - a) * s for a, b in zip(move.start_mm[:3], move.end_mm[:3], strict=True))
+
+
+@pytest.mark.parametrize("name", REACH)
+@given(path=paths)
+@settings(max_examples=25, deadline=None)
+def test_steps_stand_where_the_inverse_says(name, path):
+    machine = load(name)
+    spec = machine.core_spec()
+    centre, _ = REACH[name]
+    motion = Motion(spec, True)
+    start = [*map(float, centre), 0.0]
+    motion.set_position(start)
+    begin = motion.counts()
+    _, half = REACH[name]
+    for where, feed in path:
+        target = [c + h * s for c, h, s in zip(centre, half, where, strict=True)]
+        motion.push([*target, 0.0], float(feed))
+    motion.flush()
+    moves = motion.take_moves()
+    messages = motion.take_messages()
+    geometry = machine.geometry
+    for i, row in enumerate(spec["steppers"][:3]):
+        per_unit = row["steps_per_unit"]
+        count = begin[i]
+        which = 0
+        for tick, direction in oracle.executed_ticks(messages, i):
+            while which + 1 < len(moves) and tick > moves[which].end_ticks:
+                which += 1
+            move = moves[which]
+            wanted = count + 0.5 * direction
+            true = geometry.inverse(nozzle(move, tick))[i] * per_unit
+            near = [geometry.inverse(nozzle(move, tick + d))[i] * per_unit for d in (-33, 33)]
+            slack = max(abs(near[0] - true), abs(near[1] - true)) + 1e-3
+            assert abs(true - wanted) <= slack, (name, row["name"], tick)
+            count += direction
+        if moves:
+            end = geometry.inverse(tuple(moves[-1].end_mm[:3]))[i] * per_unit
+            assert abs(count - end) <= 0.5 + 1e-6
+
+
+@pytest.mark.parametrize("name", REACH)
+@given(path=paths)
+@settings(max_examples=25, deadline=None)
+def test_no_motor_beyond_its_limits(name, path):
+    machine = load(name)
+    spec = machine.core_spec()
+    centre, half = REACH[name]
+    motion = Motion(spec, False)
+    motion.set_position([*map(float, centre), 0.0])
+    for where, feed in path:
+        target = [c + h * s for c, h, s in zip(centre, half, where, strict=True)]
+        motion.push([*target, 0.0], float(feed))
+    motion.flush()
+    h = 1e-3 * oracle.HZ
+    for move in motion.take_moves():
+        ticks = np.arange(move.start_ticks + h, move.end_ticks - h, h)
+        for i, row in enumerate(spec["steppers"][:3]):
+            for tick in ticks[:: max(1, len(ticks) // 40)]:
+                corner = any(
+                    abs(tick - edge) < 1.1 * h
+                    for edge in (
+                        move.start_ticks + move.accelerate_ticks,
+                        move.end_ticks - move.decelerate_ticks,
+                    )
+                )
+                q = [machine.geometry.inverse(nozzle(move, tick + d))[i] for d in (-h, 0, h)]
+                assert abs(q[2] - q[0]) / 2e-3 <= row["speed"] * 1.01
+                if not corner:
+                    assert abs(q[2] - 2 * q[1] + q[0]) / 1e-6 <= row["accel"] * 1.01 + 1e-3
