@@ -52,7 +52,7 @@ def test_homing_puts_the_named_axes_home():
     assert run("G1 X10 Y10 Z5\nG28\n").statistics["position_mm"][:3] == [0, 0, 0]
 
 
-def test_feed_rates_stay_until_the_next_and_r_restores_them():
+def test_feed_rates_stay_until_the_next():
     out = run("G1 X10 F600\nG1 X20\nF1200\nG1 X30\nG0 X40\n")
     assert [m.cruise_speed for m in out.moves] == pytest.approx([10, 10, 20, 20])
 
@@ -112,18 +112,18 @@ def test_flow():
         ("G1 X251", "x", 251, 250),
         ("G1 Y-.5 X10", "y", -0.5, 0),
         ("G0 Z250.1", "z", 250.1, 250),
-        ("G91 G1 X-1", "x", -1, 0),
+        ("G91 G1 X-6", "x", -1, 0),
     ],
 )
 def test_out_of_range_stops_or_is_clamped(line, axis, value, limit):
-    text = f"G4 P1\n{line}\nG90 G1 X5 Y5 Z5\n"
+    text = f"G1 X5 Y5 Z5\n{line}\nG90 G1 X6 Y6 Z6\n"
     out = run(text)
     assert out.errors == [(2, Fault.OUT_OF_RANGE, axis, value, limit)]
-    assert out.ends[-1] == (5, 5, 5, 0)
-    out = run("G1 Z1\n" + text, clamp=True)
+    assert out.ends[-1] == (6, 6, 6, 0)
+    out = run(text, clamp=True)
     assert out.errors == []
     assert out.statistics["clamped"] == 1
-    assert out.moves[2].end_mm["xyz".index(axis)] == limit
+    assert out.moves[1].end_mm["xyz".index(axis)] == limit
 
 
 def test_tools():
