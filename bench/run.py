@@ -1,0 +1,130 @@
+"""Speed and size: `make bench`. Usage: python bench/run.py [organic.gcode] [--runs N]
+
+Runs whole commands in processes of their own and prints medians of user CPU. Without a file it
+takes ../shared/bench/organic.gcode.xz, unpacked first, else the example repeated. With
+../shared/bench it compares with Klipper's figures there, carried to this machine by the yardstick
+of the same minute.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import lzma
+import os
+import resource
+import shutil
+import statistics
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+SHARED = ROOT.parent / "shared" / "bench"
+MACHINES = ROOT / "bench" / "machines"
+PIPELINE = """
+import json, sys
+from passo.config import load
+from passo.job.printing import Policy, Print
+result = Print(load(sys.argv[2]), Policy()).run(sys.argv[1])
+print(json.dumps(result.as_dict()))
+"""
+
+
+def user_s(words: list[str]) -> tuple[float, str]:
+    """User CPU seconds of a command, and what it printed."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+    done = subprocess.run(words, capture_output=True, text=True)
+    if done.returncode:
+        raise SystemExit(f"{' '.join(words)}\n{done.stderr}")
+    return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before, done.stdout
+
+
+def yardstick() -> float:
+    """CPU seconds of a fixed interpreter workload (the one of Klipper's figures)."""
+    base = min(user_s([sys.executable, "-c", "pass"])[0] for _ in range(3))
+    wrapped = "def f():\n s=0\n for i in range(12_000_000): s=(s*1103515245+i)&0xffffffff\nf()"
+    return statistics.median(user_s([sys.executable, "-c", wrapped])[0] for _ in range(3)) - base
+
+
+def unpacked(folder: str) -> Path:
+    """The file to print."""
+    target = Path(folder) / "organic.gcode"
+    packed = SHARED / "organic.gcode.xz"
+    if packed.exists():
+        with lzma.open(packed) as source, target.open("wb") as sink:
+            shutil.copyfileobj(source, sink)
+        return target
+    example = lzma.decompress((ROOT / "examples" / "demo.gcode.xz").read_bytes())
+    target.write_bytes(example * 10)
+    return target
+
+
+def figures(path: Path, machine: str, runs: int) -> tuple[float, float, dict]:
+    """Medians over runs: text → bytes on the wire, whole print; and the last result."""
+    wire: list[float] = []
+    whole: list[float] = []
+    result: dict = {}
+    for _ in range(runs):
+        seconds, out = user_s([sys.executable, "-c", PIPELINE, str(path), machine])
+        result = json.loads(out)
+        whole.append(seconds)
+        cpu = result["cpu_s"]
+        wire.append(sum(cpu[stage] for stage in ("parse", "plan", "steps", "compress", "wire")))
+    return statistics.median(wire), statistics.median(whole), result
+
+
+def main() -> None:
+    """Prints the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("file", nargs="?", type=Path)
+    parser.add_argument("--runs", type=int, default=3)
+    arguments = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        path = arguments.file or unpacked(folder)
+        peers = {}
+        if (SHARED / "klipper.json").exists():
+            peers = json.loads((SHARED / "klipper.json").read_text())
+        cal = yardstick()
+        commit = subprocess.run(
+            ["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, cwd=ROOT
+        ).stdout.strip()
+        print(f"commit {commit}, {os.cpu_count()} CPUs, yardstick {cal:.3f} s, {path.name}")
+        print(
+            f"{'machine':22}{'wire s':>8}{'print s':>8}{'moves/s':>9}{'Msteps/s':>9}{'ns/step':>8}"
+            f"{'steps/cmd':>10}{'B/cmd':>7}{'max us':>7}{'rms us':>7}{'MB':>5}"
+            f"{'x wire':>8}{'x print':>8}"
+        )
+        for file in sorted(MACHINES.glob("*.toml")):
+            wire, whole, r = figures(path, str(file), arguments.runs)
+            steps = sum(r["steps"].values())
+            peer = peers.get(f"organic {file.stem.removeprefix('yardstick-')}")
+            ratios = ["", ""]
+            if peer and path.name.startswith("organic"):
+                carried = peer["user_s"] / peer["cal_s"] * cal
+                ratios = [f"{carried / wire:.1f}", f"{carried / whole:.1f}"]
+            print(
+                f"{file.stem:22}{wire:8.2f}{whole:8.2f}{r['moves'] / wire:9.0f}"
+                f"{steps / wire / 1e6:9.1f}{wire / steps * 1e9:8.1f}"
+                f"{steps / r['queue_step_commands']:10.2f}"
+                f"{r['wire_bytes'] / r['queue_step_commands']:7.2f}"
+                f"{r['step_error_us']['max']:7.2f}{r['step_error_us']['rms']:7.2f}"
+                f"{r['peak_rss_mb']:5.0f}{ratios[0]:>8}{ratios[1]:>8}"
+            )
+            stages = {k: f"{v / steps * 1e9:.2f}" for k, v in r["cpu_s"].items() if k != "total"}
+            print("   ns a step by stage: " + ", ".join(f"{k} {v}" for k, v in stages.items()))
+        machine = str(MACHINES / "yardstick-cartesian.toml")
+        passo = [sys.executable, "-m", "passo"]
+        estimate = statistics.median(
+            user_s([*passo, "estimate", str(path), "--machine", machine])[0]
+            for _ in range(arguments.runs)
+        )
+        moves = r["moves"]
+        start = statistics.median(user_s([*passo, "--help"])[0] for _ in range(arguments.runs))
+        print(f"passo estimate: {estimate:.2f} s, {moves / estimate / 1e6:.2f} M moves/s")
+        print(f"passo --help: {start:.2f} s")
+
+
+if __name__ == "__main__":
+    main()
