@@ -1,0 +1,144 @@
+"""G2 and G3: chords near enough to the circle, with the end where the program says."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from math import acos, dist, hypot, pi
+
+import pytest
+
+from passo._core import Fault
+
+from .driver import run
+
+AXES = {"G17": (0, 1, 2), "G18": (2, 0, 1), "G19": (1, 2, 0)}
+
+
+def points(out, plane="G17"):
+    u, v, w = AXES[plane]
+    start = out.moves[0].start_mm
+    return [(p[u], p[v], p[w]) for p in [start, *(m.end_mm for m in out.moves)]]
+
+
+def arc(line, before="G1 X100 Y100 Z100 E0"):
+    """The chords of the one arc in `line`."""
+    out = run(f"{before}\n{line}\n")
+    assert out.errors == []
+    assert out.statistics["arcs"] == 1
+    out.moves = [m for m in out.moves if m.line == before.count("\n") + 2]
+    return out
+
+
+def sweep(path, centre):
+    """Angle that the chords turn by about the centre, counter-clockwise positive."""
+    angle = 0.0
+    for a, b in pairwise(path):
+        ax, ay, bx, by = a[0] - centre[0], a[1] - centre[1], b[0] - centre[0], b[1] - centre[1]
+        cross, dot = ax * by - ay * bx, ax * bx + ay * by
+        angle += acos(min(1, max(-1, dot / hypot(ax, ay) / hypot(bx, by)))) * (
+            1 if cross > 0 else -1
+        )
+    return angle
+
+
+def assert_chords(path, centre, radius, error=0.005):
+    for a, b in pairwise(path):
+        middle = ((a[0] + b[0]) / 2, (a[1] + b[1]) / 2)
+        assert dist(a[:2], centre) == pytest.approx(radius, abs=1e-9)
+        assert radius - error < dist(middle, centre) < radius
+
+
+@pytest.mark.parametrize(
+    ("line", "end", "centre", "turned"),
+    [
+        ("G2 X120 Y100 I10", (120, 100), (110, 100), -pi),
+        ("G3 X120 Y100 I10", (120, 100), (110, 100), pi),
+        ("G2 X110 Y110 I10 J0", (110, 110), (110, 100), -pi / 2),
+        ("G3 X110 Y110 I10", (110, 110), (110, 100), 3 * pi / 2),
+        ("G3 X110 Y110 J10", (110, 110), (100, 110), pi / 2),
+        ("G2 I20", (100, 100), (120, 100), -2 * pi),
+        ("G3 X100 Y100 J-7", (100, 100), (100, 93), 2 * pi),
+        ("G2 I5 P3", (100, 100), (105, 100), -6 * pi),
+        ("G3 X110 Y100 I5 P2", (110, 100), (105, 100), 3 * pi),
+        ("G2 X110 Y110 R10", (110, 110), (110, 100), -pi / 2),
+        ("G3 X110 Y110 R10", (110, 110), (100, 110), pi / 2),
+        ("G2 X110 Y110 R-10", (110, 110), (100, 110), -3 * pi / 2),
+        ("G3 X110 Y110 R-10", (110, 110), (110, 100), 3 * pi / 2),
+        ("G2 X120 Y100 R10", (120, 100), (110, 100), -pi),
+        ("G91 G2 X10 Y10 I10", (110, 110), (110, 100), -pi / 2),
+        ("G2 X100.02 Y100 I.01", (100.02, 100), (100.01, 100), -pi),
+    ],
+)
+def test_arcs_in_the_plane(line, end, centre, turned):
+    path = points(arc(line))
+    assert path[-1] == (*end, 100)
+    assert_chords(path, centre, dist((100, 100), centre))
+    assert sweep(path, centre) == pytest.approx(turned, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("plane", "line"),
+    [
+        ("G18", "G3 Z110 X110 K0 I10"),
+        ("G18", "G3 Z110 X110 R10"),
+        ("G19", "G3 Y110 Z110 J0 K10"),
+        ("G19", "G3 Y110 Z110 R10"),
+        ("G17", "G3 X110 Y110 I0 J10"),
+    ],
+)
+def test_planes(plane, line):
+    path = points(arc(line, f"G1 X100 Y100 Z100\n{plane}"), plane)
+    centre = (100, 110)
+    assert path[-1][:2] == (110, 110)
+    assert {p[2] for p in path} == {100}
+    assert_chords(path, centre, 10)
+    assert sweep(path, centre) == pytest.approx(pi / 2, abs=1e-6)
+
+
+def test_a_helix_rises_and_extrudes_in_proportion():
+    out = arc("G3 X100 Y100 I20 Z104 E8 P2")
+    n = len(out.moves)
+    for i, move in enumerate(out.moves, 1):
+        assert move.end_mm[2] == pytest.approx(100 + 4 * i / n, abs=1e-9)
+        assert move.end_mm[3] == pytest.approx(8 * i / n, abs=1e-9)
+    assert out.moves[-1].end_mm[:4] == (100, 100, 104, 8)
+    assert out.moves[0].kind == "print"
+
+
+def test_inches_and_modal_arcs():
+    out = run("G1 X100 Y100\nG20 G91\nG2 X1 I.5\nX-1 I-.5\n")
+    assert out.errors == []
+    assert [max(m.end_mm[0] for m in out.moves), out.moves[-1].end_mm[0]] == pytest.approx(
+        [125.4, 100]
+    )
+
+
+@pytest.mark.parametrize(
+    ("line", "word"),
+    [("G2 X10 Y10", "I"), ("G2 X10 Y10 R1", "R"), ("G2 R5", "R"), ("G2 X10 I0 J0", "I")],
+)
+def test_arcs_that_are_none(line, word):
+    out = run(f"G1 X5 Y5\n{line}\n")
+    assert [e[:3] for e in out.errors] == [(2, Fault.ARC, word)]
+    assert len(out.moves) == 1
+
+
+def test_an_arc_out_of_range_stops_or_is_clamped():
+    text = "G1 X5 Y5\nG2 X15 Y5 I5\nG3 X5 Y5 I-5\nG3 I-10\n"
+    out = run(text)
+    ((line, fault, axis, value, limit),) = out.errors
+    assert (line, fault, axis, limit) == (4, Fault.OUT_OF_RANGE, "x", 0)
+    assert value < 0
+    out = run(text, clamp=True)
+    assert out.errors == []
+    assert min(m.end_mm[0] for m in out.moves) == 0
+    assert out.ends[-1] == (5, 5, 0, 0)
+
+
+def test_speed_on_an_arc_is_bounded_by_curvature_and_feed():
+    out = arc("G2 I2 F18000")
+    speed = max(m.cruise_speed for m in out.moves)
+    assert speed == pytest.approx((3000 * 2) ** 0.5, rel=0.01)
+    assert max(m.cruise_speed for m in arc("G2 I50 F600").moves) == pytest.approx(10)
+    assert all(m.inner for m in out.moves[1:])
+    assert not out.moves[0].inner
