@@ -15,8 +15,13 @@ inline constexpr double kPi = 3.14159265358979311600e+00;
 
 namespace detail {
 
+inline constexpr double kTwoOverPi = 6.36619772367581382433e-01;
+inline constexpr double kHalfPi1 = 1.57079632673412561417e+00;  // first 33 bits of π/2
+inline constexpr double kHalfPi2 = 6.07710050630396597660e-11;  // next 33 bits
+inline constexpr double kHalfPi3 = 2.02226624879595063154e-21;  // the rest
+
 // sin(x + y) and cos(x + y) for |x| ≤ π/4, y the tail of x.
-inline double sin_kernel(double x, double y) {
+PASSO_INLINE double sin_kernel(double x, double y) {
   double z = x * x, v = z * x;
   double r = 8.33333333332248946124e-03 +
              z * (-1.98412698298579493134e-04 +
@@ -24,7 +29,7 @@ inline double sin_kernel(double x, double y) {
                        z * (-2.50507602534068634195e-08 + z * 1.58969099521155010221e-10)));
   return x - ((z * (0.5 * y - v * r) - y) - v * -1.66666666666666324348e-01);
 }
-inline double cos_kernel(double x, double y) {
+PASSO_INLINE double cos_kernel(double x, double y) {
   double z = x * x;
   double r =
       z * (4.16666666666666019037e-02 +
@@ -39,10 +44,7 @@ inline double cos_kernel(double x, double y) {
 }  // namespace detail
 
 inline void sincos(double x, double& s, double& c) {
-  constexpr double kTwoOverPi = 6.36619772367581382433e-01;
-  constexpr double kHalfPi1 = 1.57079632673412561417e+00;  // first 33 bits of π/2
-  constexpr double kHalfPi2 = 6.07710050630396597660e-11;  // next 33 bits
-  constexpr double kHalfPi3 = 2.02226624879595063154e-21;  // the rest
+  using namespace detail;
   double n = round_even(x * kTwoOverPi);
   double a = x - n * kHalfPi1, b = n * kHalfPi2, r = a - b;
   double tail = ((a - r) - b) - n * kHalfPi3;
@@ -65,6 +67,23 @@ inline void sincos(double x, double& s, double& c) {
       s = -cosine;
       c = sine;
       break;
+  }
+}
+
+// Sine and cosine of x0 + dx*j for j < n: the same bits as sincos, several lanes at a time.
+PASSO_SIMD inline void sincos_even(double x0, double dx, int n, double* __restrict sines,
+                                   double* __restrict cosines) {
+  for (int j = 0; j < n; ++j) {
+    double x = x0 + dx * j;
+    double shifted = x * detail::kTwoOverPi + kRoundMagic, count = shifted - kRoundMagic;
+    double a = x - count * detail::kHalfPi1, b = count * detail::kHalfPi2, r = a - b;
+    double tail = ((a - r) - b) - count * detail::kHalfPi3;
+    double y0 = r + tail, y1 = (r - y0) + tail;
+    double sine = detail::sin_kernel(y0, y1), cosine = detail::cos_kernel(y0, y1);
+    int64_t quarter = std::bit_cast<int64_t>(shifted);
+    double s = quarter & 1 ? cosine : sine, c = quarter & 1 ? sine : cosine;
+    sines[j] = quarter & 2 ? -s : s;
+    cosines[j] = (quarter + 1) & 2 ? -c : c;
   }
 }
 

@@ -160,9 +160,8 @@ class StepSolver {
     if (!m.cartesian) return;
     machine_.geometry->crossings(spec_.index, path, spec_.steps_per_unit, crossings_);
     TimeLaw law(m, hz_);
-    const int64_t start = int64_t(std::floor(position(m.p0) + 0.5));
-    int64_t ahead =
-        count_ - start;  // after a cut: steps done before their ideal time, or still owed
+    // After a cut: steps done before their ideal time, or still owed.
+    int64_t ahead = count_ - crossings_.k0;
     for (size_t r = 0; r < crossings_.runs.size(); ++r) {
       size_t first = size_t(crossings_.runs[r].first);
       size_t last = r + 1 < crossings_.runs.size() ? size_t(crossings_.runs[r + 1].first)

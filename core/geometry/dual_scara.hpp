@@ -12,7 +12,7 @@ class DualScara : public Geometry {
   struct Arm {
     double shoulder, proximal, distal, x_offset, y_offset;
     int outside;  // -1: left arm, elbow to the left; +1: right arm
-    double sample_mm = 0.5;
+    double sample_mm = 1;
     void local(const double p[3], double out[3]) const {
       out[0] = p[0] - x_offset, out[1] = p[1] - y_offset, out[2] = 0;
     }
@@ -33,9 +33,9 @@ class DualScara : public Geometry {
               0};
     }
     void centres(double q, double dq, int n, double* cx, double* cy, double* cz, double* r2) const {
+      sincos_even(q * (kPi / 180), dq * (kPi / 180), n, cx, cy);
       for (int j = 0; j < n; ++j) {
-        double s, c;
-        sincos((q + dq * j) * (kPi / 180), s, c);
+        double s = cx[j], c = cy[j];
         cx[j] = shoulder + proximal * s, cy[j] = proximal * c, cz[j] = 0, r2[j] = distal * distal;
       }
     }

@@ -21,9 +21,11 @@ struct Crossings {
     int32_t first;  // index in s of the first crossing of the run
     int32_t dir;    // +1 or -1
   };
+  int64_t k0 = 0;         // step count where the path begins
   std::vector<double> s;  // path positions, ascending within 0…length
   std::vector<Run> runs;  // maximal runs of one direction; empty if there is no step
   void clear() {
+    k0 = 0;
     s.clear();
     runs.clear();
   }

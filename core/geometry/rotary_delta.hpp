@@ -14,7 +14,7 @@ class RotaryDelta : public Geometry {
   struct Arm {
     double sine, cosine;  // of the arm's place about Z
     double shoulder, effector, arm, rod2, z_offset;
-    double sample_mm = 0.5;
+    double sample_mm = 1;
     void local(const double p[3], double out[3]) const {
       out[0] = p[0] * cosine + p[1] * sine;
       out[1] = p[1] * cosine - p[0] * sine - effector;
@@ -42,9 +42,9 @@ class RotaryDelta : public Geometry {
               0};
     }
     void centres(double q, double dq, int n, double* cx, double* cy, double* cz, double* r2) const {
+      sincos_even(q * (kPi / 180), dq * (kPi / 180), n, cz, cy);
       for (int j = 0; j < n; ++j) {
-        double s, c;
-        sincos((q + dq * j) * (kPi / 180), s, c);
+        double s = cz[j], c = cy[j];
         cx[j] = 0, cy[j] = shoulder - arm * c, cz[j] = -arm * s, r2[j] = rod2;
       }
     }

@@ -13,7 +13,7 @@ class Scara : public Geometry {
     double near, far;
     bool forearm;
     double x_offset, y_offset;
-    double sample_mm = 0.5;
+    double sample_mm = 1;
     void local(const double p[3], double out[3]) const {
       out[0] = p[0] - x_offset, out[1] = p[1] - y_offset, out[2] = 0;
     }
@@ -35,9 +35,9 @@ class Scara : public Geometry {
               0};
     }
     void centres(double q, double dq, int n, double* cx, double* cy, double* cz, double* r2) const {
+      sincos_even(q * (kPi / 180), dq * (kPi / 180), n, cy, cx);
       for (int j = 0; j < n; ++j) {
-        double s, c;
-        sincos((q + dq * j) * (kPi / 180), s, c);
+        double s = cy[j], c = cx[j];
         cx[j] = near * c, cy[j] = near * s, cz[j] = 0, r2[j] = far * far;
       }
     }
@@ -46,7 +46,7 @@ class Scara : public Geometry {
   // shoulder, |P|² = arm1² + arm2² + 2 arm1 arm2 cos E.
   struct Elbow {
     double arm1, arm2, x_offset, y_offset;
-    double sample_mm = 0.5;
+    double sample_mm = 1;
     void local(const double p[3], double out[3]) const {
       out[0] = p[0] - x_offset, out[1] = p[1] - y_offset, out[2] = 0;
     }
@@ -61,9 +61,9 @@ class Scara : public Geometry {
               -both * s * k, -both * c * k * k};
     }
     void centres(double q, double dq, int n, double* cx, double* cy, double* cz, double* r2) const {
+      sincos_even(q * (kPi / 180), dq * (kPi / 180), n, cy, cx);
       for (int j = 0; j < n; ++j) {
-        double s, c;
-        sincos((q + dq * j) * (kPi / 180), s, c);
+        double c = cx[j];
         cx[j] = cy[j] = cz[j] = 0;
         r2[j] = arm1 * arm1 + arm2 * arm2 + 2 * arm1 * arm2 * c;
       }

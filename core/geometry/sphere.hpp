@@ -75,16 +75,18 @@ class SphereSolver {
     out.clear();
     Line line(k, path);
     int n = std::clamp(int(std::ceil(path.length / k.sample_mm)), 1, 4096);
-    double from = 0, before = line.turn(k, 0), p[3], q = line.at(k, 0, p);
+    double from = 0, q, after_q, before = line.turn(k, 0, q);
+    out.k0 = std::fabs(q) < 1e9 ? round_count(q * per_unit) : 0;
     for (int i = 1; i <= n; ++i) {
-      double s = i == n ? path.length : path.length * i / n, after = line.turn(k, s);
+      double s = i == n ? path.length : path.length * i / n, after = line.turn(k, s, after_q);
       if (before * after < 0) {
-        double turn = bracketed(k, line, path.length * (i - 1) / n, s, before, after);
-        q = piece(k, line, from, turn, q, line.at(k, turn, p), before, per_unit, out);
+        double turn = bracketed(k, line, path.length * (i - 1) / n, s, before, after), turn_q;
+        line.turn(k, turn, turn_q);
+        q = piece(k, line, from, turn, q, turn_q, before, per_unit, out);
         from = turn;
       }
       if (after != 0) before = after;
-      if (i == n) piece(k, line, from, s, q, line.at(k, s, p), before, per_unit, out);
+      if (i == n) piece(k, line, from, s, q, after_q, before, per_unit, out);
     }
   }
 
@@ -101,9 +103,10 @@ class SphereSolver {
       for (int j = 0; j < 3; ++j) p[j] = p0[j] + u[j] * s;
       return k.value(p);
     }
-    // (P - C)·u: its sign says which root applies; it is 0 where the actuator turns.
-    double turn(const Kernel& k, double s) const {
-      double p[3], q = at(k, s, p);
+    // (P - C)·u: its sign says which root applies; it is 0 where the actuator turns. Also q at s.
+    double turn(const Kernel& k, double s, double& q) const {
+      double p[3];
+      q = at(k, s, p);
       Centre c = k.centre(q);
       return (p[0] - c.c[0]) * u[0] + (p[1] - c.c[1]) * u[1] + (p[2] - c.c[2]) * u[2];
     }
@@ -115,7 +118,7 @@ class SphereSolver {
     for (int i = 0; i < 60 && b - a > 1e-10; ++i) {
       double x = (a * fb - b * fa) / (fb - fa);
       if (!(x > a && x < b)) x = 0.5 * (a + b);
-      double f = line.turn(k, x);
+      double q, f = line.turn(k, x, q);
       if (f == 0) return x;
       if (f * fb < 0) {
         a = b;
