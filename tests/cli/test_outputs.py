@@ -79,7 +79,7 @@ def test_explain(short, capsys):
     out = capsys.readouterr().out
     assert ":4: G1 X0 Y0" in out
     assert "Planned: a travel move of 11.180 mm" in out
-    assert "reaches 50.00 (at most 50.00), ends at 0.00" in out
+    assert "starts at 1.02 mm/s, reaches 50.00 (at most 50.00), ends at 7.71" in out
     assert "speed is bound by: feedrate; acceleration 3000 mm/s²" in out
     assert "  x: 800, the first at" in out
     assert "queue_step oid=0 interval=" in out

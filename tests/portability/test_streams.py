@@ -1,0 +1,51 @@
+"""The same job gives the same stream on every CPU: builds for four of them, run here."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from .program import program
+
+ROOT = Path(__file__).parents[2]
+SOURCE = Path(__file__).with_name("stream.cpp")
+FLAGS = ["-std=c++20", "-O2", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math"]
+BUILDS = {
+    "x86-64 baseline": (["g++", "-DPASSO_NO_CLONES"], []),
+    "x86-64 with AVX2": (["g++", "-DPASSO_NO_CLONES", "-march=x86-64-v3"], []),
+    "AArch64": (["aarch64-linux-gnu-g++", "-static"], ["qemu-aarch64-static"]),
+    "32-bit ARM": (["arm-linux-gnueabihf-g++", "-static"], ["qemu-arm-static"]),
+    "address and undefined behaviour sanitizers": (
+        ["g++", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"],
+        [],
+    ),
+}
+EXPECTED = """\
+cartesian 20154 802449def1218db6
+corexy 22591 a823e87434a689ba
+delta 43348 e4d5a855a3478d33
+rotary_delta 38001 4e59e0f6243d0cc2
+scara 31118 7350952ad8051baa
+"""
+
+
+@pytest.fixture(scope="module")
+def source(tmp_path_factory):
+    path = tmp_path_factory.mktemp("portability") / "program.gcode"
+    path.write_text(program())
+    return path
+
+
+@pytest.mark.parametrize("name", BUILDS)
+def test_the_stream_is_the_same(name, source, tmp_path):
+    compiler, emulator = BUILDS[name]
+    assert shutil.which(compiler[0]), f"{compiler[0]} is missing: make test installs it"
+    binary = tmp_path / "stream"
+    words = [*compiler, *FLAGS, f"-I{ROOT / 'core'}", str(SOURCE), "-o", str(binary)]
+    subprocess.run(words, check=True)
+    words = [*emulator, str(binary), str(source)]
+    out = subprocess.run(words, check=True, capture_output=True, text=True).stdout
+    assert out == EXPECTED
