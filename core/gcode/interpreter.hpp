@@ -106,8 +106,8 @@ class Interpreter {
         if (next_chord()) return Found::move;
         continue;
       }
-      if (!rest_.empty()) {
-        run_rest();
+      if (next_word_ > 0) {
+        run_words();
         continue;
       }
       const char *p, *end;
@@ -175,8 +175,9 @@ class Interpreter {
   std::vector<std::string> features_;
   uint64_t arcs_ = 0, clamped_ = 0;
   Arc arc_;
+  std::string text_;  // of the line, comments removed
   std::vector<Word> words_;
-  std::string rest_;  // further commands of the line, which begin where the last move ends
+  size_t next_word_ = 0;  // not 0: from here on the line waits until its moves so far are taken
 
   double tool_offset(int j) const {
     return machine_.tools.empty() ? 0 : machine_.tools[tool_].offset[j];
@@ -185,7 +186,7 @@ class Interpreter {
   void fail(Fault fault, const std::string& word, double value, double limit) {
     Item item{};
     item.found = Found::error;
-    item.error = {lines_.number(), fault, word, value, limit, {0, 0, 0}};
+    item.error = {lines_.number(), fault, readable(word), value, limit, {0, 0, 0}};
     pending_.push_back(std::move(item));
   }
   bool sound(const Word& word) {
@@ -193,10 +194,10 @@ class Interpreter {
     fail(Fault::number, std::string(1, word.letter), word.value, word.number ? kLargestWord : 0);
     return false;
   }
-  void emit(char letter, int number, int minor, std::string name, std::string text) {
+  void emit(char letter, int number, int minor, std::string_view name, std::string_view text) {
     Item item{};
     item.found = Found::event;
-    item.event = {lines_.number(), letter, number, minor, std::move(name), std::move(text)};
+    item.event = {lines_.number(), letter, number, minor, readable(name), readable(text)};
     pending_.push_back(std::move(item));
   }
 
@@ -306,16 +307,15 @@ class Interpreter {
     } else if (starts("TYPE:")) {
       text.remove_prefix(5);
       while (!text.empty() && std::isspace(uint8_t(text.back()))) text.remove_suffix(1);
-      auto at = std::find(features_.begin(), features_.end(), text);
-      if (at == features_.end() && features_.size() < 1000)
-        at = features_.insert(at, std::string(text));
+      std::string name = readable(text);
+      auto at = std::find(features_.begin(), features_.end(), name);
+      if (at == features_.end() && features_.size() < 1000) at = features_.insert(at, name);
       feature_ = at == features_.end() ? 0 : uint16_t(at - features_.begin());
     }
   }
 
   void run_line(const char* p, const char* end);
-  void run_rest();
-  void run_words(std::string_view text);
+  void run_words();
   void run_command(const Word& command, const Word* first, const Word* last, std::string_view text);
   void run_modal(const Word* first, const Word* last);
   void run_motion(int code, const Word* first, const Word* last);

@@ -61,24 +61,22 @@ inline void Interpreter::run_line(const char* p, const char* end) {
     return emit(0, 0, 0, text.substr(0, stop),
                 stop == std::string::npos ? "" : text.substr(stop + 1));
   }
-  run_words(text);
-}
-
-inline void Interpreter::run_rest() {
-  std::string text;
-  text.swap(rest_);
-  run_words(text);
+  text_.swap(text);
+  split_words(text_, words_);
+  run_words();
 }
 
 // Commands of one line: each G or M word with the words up to the next one; a T word that stands
 // before any other command is one; words before the first command belong to it, unless they name
 // axes or F: then they are a move in the modal way. What follows a move waits until that is taken.
-inline void Interpreter::run_words(std::string_view text) {
-  split_words(text, words_);
-  const Word *w = words_.data(), *end = w + words_.size();
+inline void Interpreter::run_words() {
+  std::string_view text = text_;
+  const Word *w = words_.data() + next_word_, *end = words_.data() + words_.size();
+  bool begins = next_word_ == 0;
+  next_word_ = 0;
   auto waits = [&] {
     if (pending_.empty() && !arc_.active()) return false;
-    rest_ = text.substr(w->begin);
+    next_word_ = size_t(w - words_.data());
     return true;
   };
   if (!std::isalpha(uint8_t(w->letter)))
@@ -96,8 +94,9 @@ inline void Interpreter::run_words(std::string_view text) {
       ++next;
     }
     if (moves || next == end) {
+      if (!moves && !begins) return;  // further words of a tool
       if (!moves) {
-        if (w->letter == 'S' && w->number) return emit('S', 0, 0, "", std::string(text));
+        if (w->letter == 'S' && w->number) return emit('S', 0, 0, "", text);
         return fail(Fault::word, std::string(text.substr(w->begin, w->end - w->begin)), 0, 0);
       }
       run_modal(w, next);
@@ -112,9 +111,8 @@ inline void Interpreter::run_words(std::string_view text) {
   while (w < end) {
     if (tool(*w)) {
       select_tool(*w++);
-      first = w;
-      if (w < end && waits()) return;
-      continue;
+      next_word_ = w < end ? size_t(w - words_.data()) : 0;
+      return;
     }
     if (text_command(*w)) return run_command(*w, w + 1, w + 1, text.substr(w->end));
     bool motion = w->letter == 'G' && w->value >= 0 && w->value <= 3 && w->whole();
@@ -261,7 +259,7 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
         break;
     }
   }
-  emit(command.letter, code, minor, "", std::string(text));
+  emit(command.letter, code, minor, "", text);
 }
 
 // Words without a motion command of their own.

@@ -83,6 +83,7 @@ class Lines {
       if (!newline && from == stop && !cut_) return false;
       begin = from;
       end = newline ? newline : stop;
+      if (size_t(end - begin) > kLongest) shorten_whole(begin, end);
       at_ = size_t((newline ? newline + 1 : stop) - buffer_.data());
       scanned_ = 0;
       ++number_;
@@ -97,6 +98,13 @@ class Lines {
   size_t at_ = 0, scanned_ = 0;
   uint32_t number_ = 0;
   bool finished_ = false, dropped_ = false, too_long_ = false, cut_ = false;
+
+  // A long line in one piece, as if it had come in pieces.
+  void shorten_whole(const char* begin, const char*& end) {
+    const void* comment = std::memchr(begin, ';', kLongest);
+    dropped_ = dropped_ || !comment;
+    end = comment ? static_cast<const char*>(comment) + 1 : begin;
+  }
 
   // Bounds the memory of a line whose end is not in sight: the rest of a comment goes at once.
   void shorten(const char* from, const char* stop) {

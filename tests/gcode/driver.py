@@ -12,7 +12,12 @@ from passo._core import Fault, Job, JobStatus
 
 @cache
 def spec(machine: str) -> dict[str, Any]:
-    return config.load(machine).core_spec()
+    """A built-in machine; `unbounded` is the i3 without soft limits."""
+    if machine != "unbounded":
+        return config.load(machine).core_spec()
+    values = config.load("i3").core_spec()
+    axes = [axis | {"min": -1e6, "max": 1e6} for axis in values["axes"]]
+    return values | {"axes": axes}
 
 
 @dataclass

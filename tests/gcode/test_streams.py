@@ -1,0 +1,159 @@
+"""Whole streams: chunks, hostile bytes, and plain moves against an independent reader."""
+
+from __future__ import annotations
+
+import re
+from itertools import pairwise
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from passo._core import Fault
+
+from .driver import Outcome, run
+
+PROGRAM = """%
+; a comment
+N1 G21*45
+N1 G21*23
+G28
+M104 S200
+G1 X10 Y10 F3000 E1 ; words
+g1x20y20e2(x99)
+X30
+G2 X40 I5
+G4 P100
+SET_FAN_SPEED FAN=a SPEED=1
+M117 a text ; b
+G1 X1E5
+G1 X
+G1 X999
+G91 G1 X1 G1 X1
+T0
+G10
+G11
+G1 X5 Y5"""
+
+
+def summary(out: Outcome):
+    moves = [(m.line, m.start_mm, m.end_mm, m.start_ticks, m.end_ticks) for m in out.moves]
+    return moves, out.events, out.errors, out.statistics
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+@pytest.mark.parametrize("chunk", [1, 2, 3, 7, 64])
+def test_chunks_make_no_difference(end, chunk):
+    data = PROGRAM.replace("\n", end)
+    assert summary(run(data, chunk=chunk)) == summary(run(data))
+
+
+@settings(max_examples=60, derandomize=True, deadline=None)
+@given(data=st.binary(max_size=300), chunk=st.integers(1, 20))
+def test_any_bytes_in_any_chunks(data, chunk):
+    assert summary(run(data, chunk=chunk)) == summary(run(data))
+
+
+@settings(max_examples=300, derandomize=True, deadline=None)
+@given(st.lists(st.text("GMTXYZEFIJRPNS0123456789.-+ ;()*%#=gxn_\n\r\t", max_size=30), max_size=10))
+def test_any_line_leaves_the_machine_in_its_bounds(lines):
+    out = run("\n".join(lines), clamp=True, ignore_tools=True)
+    for move in out.moves:
+        x, y, z = move.end_mm[:3]
+        assert -1e-6 <= x <= 250 + 1e-6
+        assert -1e-6 <= y <= 220 + 1e-6
+        assert -1e-6 <= z <= 250 + 1e-6
+    for a, b in pairwise(out.moves):
+        assert a.end_mm[:3] == b.start_mm[:3]
+
+
+@pytest.mark.parametrize(
+    "line", [b"G1 X5\0", b"\0", b"G1\x01X5", b"\x7fELF\x02\x01\x01", b"\x89PNG\x1a", b"\0" * 100]
+)
+def test_control_characters_are_garbage(line):
+    out = run(b"G1 X1\n" + line + b"\nG1 X2\n")
+    assert [e[:2] for e in out.errors] == [(2, Fault.GARBAGE)]
+    assert out.ends == [(1, 0, 0, 0), (2, 0, 0, 0)]
+
+
+def test_text_beyond_ascii_is_allowed_in_comments_and_messages():
+    out = run("G1 X1 ; 30 °C\n(µm) G1 X2\nM117 schön\n;LAYER:0 ß\n")
+    assert out.errors == []
+    assert out.ends == [(1, 0, 0, 0), (2, 0, 0, 0)]
+    assert out.commands == ["M117 schön"]
+
+
+@pytest.mark.parametrize("chunk", [0, 50_000])
+def test_a_line_of_10_mb(chunk):
+    out = run(b"G1 X1\n" + b"G1 X2 " * 1_700_000 + b"\nG1 X3\n", chunk=chunk)
+    assert [e[:2] for e in out.errors] == [(2, Fault.LINE_TOO_LONG)]
+    assert out.ends == [(1, 0, 0, 0), (3, 0, 0, 0)]
+
+
+@pytest.mark.parametrize("chunk", [0, 50_000])
+def test_a_comment_of_10_mb(chunk):
+    out = run(b"G1 X1\nG1 X2 ;" + b"x" * 10_000_000 + b"\nG1 X3\n", chunk=chunk)
+    assert out.errors == []
+    assert out.ends == [(1, 0, 0, 0), (2, 0, 0, 0), (3, 0, 0, 0)]
+
+
+def test_nothing():
+    for text in ("", "\n", "\r\n\r\n", ";", "%", "()", "  \t"):
+        out = run(text)
+        assert (out.moves, out.events, out.errors) == ([], [], [])
+
+
+def test_a_last_line_without_an_end_counts():
+    assert run("G1 X1\nG1 X2").ends == [(1, 0, 0, 0), (2, 0, 0, 0)]
+    assert run("G1 X1\nG1 X2").statistics["lines"] == 2
+
+
+def read_plain(text):
+    """Ends of the moves of G0, G1, G90, G91, M82, M83 and G92, by regular expressions."""
+    at, origin, e_zero = dict.fromkeys("XYZE", 0.0), dict.fromkeys("XYZ", 0.0), 0.0
+    absolute = absolute_e = True
+    ends = []
+    for line in text.splitlines():
+        code, rest = re.match(r"([GM]\d+)(.*)", line).groups()
+        words = {w: float(v) for w, v in re.findall(r"([XYZE])(-?[\d.]+)", rest)}
+        if code in ("G90", "G91"):
+            absolute = code == "G90"
+        elif code in ("M82", "M83"):
+            absolute_e = code == "M82"
+        elif code == "G92":
+            for w, v in words.items():
+                if w == "E":
+                    e_zero = at["E"] - v
+                else:
+                    origin[w] = at[w] - v
+        else:
+            before = dict(at)
+            for w, v in words.items():
+                if w == "E":
+                    at["E"] = v + e_zero if absolute and absolute_e else at["E"] + v
+                else:
+                    at[w] = v + origin[w] if absolute else at[w] + v
+            if any(abs(at[w] - before[w]) > 1e-7 for w in at):
+                ends.append(tuple(at.values()))
+    return ends
+
+
+number = st.integers(-9999, 9999).map(lambda n: f"{n / 1000:.3f}")
+word = st.tuples(st.sampled_from("XYZE"), number).map("".join)
+words = st.lists(word, max_size=4, unique_by=lambda w: w[0]).map(" ".join)
+command = st.one_of(
+    st.tuples(st.sampled_from(["G0 ", "G1 ", "G1 F600 ", "G1", "G92 "]), words).map("".join),
+    st.sampled_from(["G90", "G91", "M82", "M83"]),
+)
+
+
+@settings(max_examples=300, derandomize=True, deadline=None)
+@given(st.lists(command, max_size=30).map("\n".join))
+def test_plain_moves_are_what_an_independent_reader_finds(text):
+    text = text.replace("G92 \n", "G90\n").removesuffix("G92 ")
+    out = run(text, "unbounded")
+    assert out.errors == []
+    expected = read_plain(text)
+    assert len(out.moves) == len(expected)
+    for move, end in zip(out.moves, expected, strict=True):
+        assert move.end_mm[:4] == pytest.approx(end, abs=1e-9)
