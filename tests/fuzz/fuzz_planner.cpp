@@ -1,0 +1,106 @@
+// Moves from bytes through planner, step solver and compressor: every command must be one that the
+// board accepts, and the steps must add up to the rounded targets. Lengths go down to nanometres
+// and feed rates from crawling to absurd.
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <vector>
+
+#include "geometry/cartesian.hpp"
+#include "geometry/delta.hpp"
+#include "motion.hpp"
+
+using namespace passo;
+
+namespace {
+
+Machine machine_of(JunctionLaw law, bool delta) {
+  Machine machine{};
+  machine.name = "fuzz";
+  machine.clock_hz = 16e6;
+  machine.tolerance = 32;
+  for (char letter : {'X', 'Y', 'Z'})
+    machine.axes.push_back({std::string(1, char(letter + 32)), letter, -50, 50, 300, 3000, 10, 40});
+  machine.extruders.push_back({"e", 100, 5000, 1});
+  machine.tools.push_back({0, {0, 0, 0}});
+  if (delta)
+    machine.geometry = std::make_shared<Delta>(81, std::vector<double>{160, 160, 160},
+                                               std::vector<double>{210, 330, 90}, 75.1);
+  else
+    machine.geometry = std::make_shared<LinearGeometry>(cartesian());
+  for (int i = 0; i < 4; ++i)
+    machine.steppers.push_back(
+        {std::string(1, "xyze"[i]), i < 3 ? Drive::actuator : Drive::extruder, i < 3 ? i : 0,
+         i == 2 ? 400.0 : 80.0, 16, 4, 4, 500000, kInfinity, kInfinity, -kInfinity, kInfinity});
+  machine.limits = {3000, 3000, 5000, kInfinity, law, 0.02, 0};
+  return machine;
+}
+
+struct Board {
+  int64_t net[4] = {}, clock[4] = {};
+  int direction[4] = {1, 1, 1, 1};
+  void take(const Message& m) {
+    if (m.target >= 4) std::abort();
+    if (m.kind == MessageKind::set_dir) direction[m.target] = m.dir ? 1 : -1;
+    if (m.kind == MessageKind::reset_clock) clock[m.target] = m.clock;
+    if (m.kind != MessageKind::queue_step) return;
+    int64_t interval = m.interval;
+    if (m.count == 0) std::abort();
+    for (int k = 0; k < m.count; ++k, interval += m.add) {
+      if (interval <= 0) std::abort();
+      clock[m.target] += interval;
+    }
+    net[m.target] += direction[m.target] * m.count;
+  }
+};
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  if (size < 1 || size > 1200) return 0;
+  Motion motion(machine_of(JunctionLaw(data[0] % 3), data[0] & 4), true, nullptr);
+  MoveRequest move{};
+  double at[kAxes] = {};
+  motion.set_position(at, 0);
+  Board board;
+  int64_t before[4];
+  for (size_t i = 0; i < 4; ++i) before[i] = motion.count(i);
+  for (size_t i = 1; i + 12 <= size; i += 12) {
+    const uint8_t* p = data + i;
+    bool travels = false;
+    for (int j = 0; j < 4; ++j) {
+      if (!(p[0] >> j & 1)) continue;
+      int16_t raw;
+      std::memcpy(&raw, p + 1 + 2 * j, 2);
+      double by = raw * std::pow(10.0, -3 - int(p[9] % 7));
+      double to = std::clamp(at[j] + by, j == kE ? -1e6 : -50.0, j == kE ? 1e6 : 50.0);
+      travels |= j < 3 && to != at[j];
+      move.target[j] = to;
+    }
+    if (std::equal(at, at + kAxes, move.target)) continue;
+    move.kind = !travels                   ? MoveKind::extrude
+                : move.target[kE] > at[kE] ? MoveKind::print
+                                           : MoveKind::travel;
+    std::copy(move.target, move.target + kAxes, at);
+    move.feed_mm_s = p[10] ? std::pow(1.2, p[10] - 64) + 0.05 : kInfinity;
+    move.radius_mm = p[0] & 16 ? 0.01 + p[11] : kInfinity;
+    move.arc_inner = p[0] & 32;
+    move.speed_cap2 = kInfinity;
+    move.moved = p[0] & 15;
+    move.line = uint32_t(i);
+    motion.push(move);
+    if (p[0] & 64) motion.flush();
+  }
+  motion.flush();
+  MessageQueue& queue = motion.messages();
+  for (; !queue.empty(); queue.pop()) board.take(queue.front());
+  for (size_t i = 0; i < 4; ++i) {
+    const StepStatistics& s = motion.steps(i);
+    if (board.net[i] != s.net || board.net[i] != motion.count(i) - before[i]) std::abort();
+    if (!(s.error_max <= 32.5 + 1e-6)) std::abort();  // the tolerance and half a tick
+  }
+  return 0;
+}
