@@ -6,6 +6,9 @@ import lzma
 import re
 from pathlib import Path
 
+import pytest
+
+import passo
 from passo.gcode.reference import reference
 
 ROOT = Path(__file__).parents[2]
@@ -13,6 +16,39 @@ ROOT = Path(__file__).parents[2]
 
 def test_the_reference_is_up_to_date():
     assert (ROOT / "docs/reference/gcode.md").read_text(encoding="utf-8") == reference()
+
+
+@pytest.mark.parametrize(
+    ("text", "x_mm", "least_s"),
+    [
+        ("X10 F6000", [10], 0.1),  # a move without a command
+        ("G1 X10 T4", [10], 4.0),  # i3 has no tool 4: seconds
+        ("G1 X10 T0", [10], 0.0),  # but it has a tool 0
+        ("G1 X10 M400", [10], 0.0),
+        ("G1 X10\nG91 X10", [10, 20], 0.0),
+        ("G1 X10 G1 X20", [10, 20], 0.0),
+        ("T0 G1 X10", [10], 0.0),
+        ("N7 G1 X5 (five) Y5 ; X6", [5], 0.0),
+        ("G1 X1E5", [1], 0.0),
+    ],
+)
+def test_words_belong_as_the_reference_says(tmp_path, text, x_mm, least_s):
+    path = tmp_path / "words.gcode"
+    path.write_text(f"G28\n{text}\n")
+    moves = list(passo.Machine.load("i3").plan(path))
+    assert [move.core.end_mm[0] for move in moves] == x_mm
+    assert moves[-1].end_s >= least_s
+
+
+def test_links_lead_somewhere():
+    pages = [*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md"), *ROOT.glob("examples/*.md")]
+    links = [
+        (page.relative_to(ROOT), target)
+        for page in pages
+        for target in re.findall(r"\]\(([^):#]+)\)", page.read_text(encoding="utf-8"))
+    ]
+    assert len(links) > 10
+    assert [link for link in links if not (ROOT / link[0].parent / link[1]).exists()] == []
 
 
 def test_the_code_of_the_readme_runs(tmp_path, monkeypatch, capsys):

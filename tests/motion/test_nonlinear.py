@@ -28,7 +28,7 @@ def nozzle(move, tick):
 
 @pytest.mark.parametrize("name", REACH)
 @given(path=paths)
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=10, deadline=None)
 def test_steps_stand_where_the_inverse_says(name, path):
     machine = load(name)
     spec = machine.core_spec()
@@ -66,7 +66,7 @@ def test_steps_stand_where_the_inverse_says(name, path):
 
 @pytest.mark.parametrize("name", REACH)
 @given(path=paths)
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=10, deadline=None)
 def test_no_motor_beyond_its_limits(name, path):
     machine = load(name)
     spec = machine.core_spec()

@@ -8,15 +8,28 @@ _HEAD = """# Commands
 
 Made from the dialect table (`passo.gcode.reference`). Letters may be lower case, blanks between
 words may be missing, `G01` is `G1`. Numbers are decimal, without exponent: `X1E5` is X1 and E5. A
-line may hold several commands.
+line may hold several commands; they run in order.
 
-Which words belong to a move: after G0 and G1 a `T` whole number that names a tool of the machine,
-and an `M` whole number, begin a command of their own; other `T` (seconds) and, on machines with
-such a laser, `L` and `M` belong to the move. Words that stand before the first command of a line
-belong to it (`S12000 M3`), unless they name an axis or F: then the line is a move in the way of
-the one before. A `T` word at the start of a line is a command (`T1 M6`).
+Comments stand in parentheses or behind `;`. A line number (`N12`) is skipped; the checksum that may
+end such a line (`*71`) is checked. Anything that is not listed below is skipped with one warning.
 
-Anything that is not listed is skipped with one warning.
+## Which words belong to which command
+
+A line is read from left to right.
+
+- A G or M word begins a command; the words up to the next command are its own.
+- G0 to G3 are more careful, because T is also a move's duration in seconds: a T behind them begins
+  a command if it is the number of a tool of the machine, otherwise it is the duration. An M behind
+  them begins a command (`G1 X10 M400`), except one that is no whole number, and except on machines
+  whose laser has an energy or a density letter: there it is a value of the move.
+- A T with a whole number that stands before all commands is a command of its own (`T1 M6`).
+- Words before the first command belong to it (`S12000 M3`). If one of them names an axis, F, I or
+  J, they are a move of the kind of the last one, G1 if there was none.
+- G17 to G21, G90 and G91 have no words of their own: what stands behind them is such a move
+  (`G90 X10`).
+- M117 and other commands whose argument is text, not words, take the rest of the line.
+- A name of two letters or more (`SET_VELOCITY_LIMIT ACCEL=500`) takes the whole line.
+
 """
 _TITLES = {
     Kind.MOTION: "Motion state",
