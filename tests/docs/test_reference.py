@@ -40,17 +40,6 @@ def test_words_belong_as_the_reference_says(tmp_path, text, x_mm, least_s):
     assert moves[-1].end_s >= least_s
 
 
-def test_links_lead_somewhere():
-    pages = [*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md"), *ROOT.glob("examples/*.md")]
-    links = [
-        (page.relative_to(ROOT), target)
-        for page in pages
-        for target in re.findall(r"\]\(([^):#]+)\)", page.read_text(encoding="utf-8"))
-    ]
-    assert len(links) > 10
-    assert [link for link in links if not (ROOT / link[0].parent / link[1]).exists()] == []
-
-
 def test_the_code_of_the_readme_runs(tmp_path, monkeypatch, capsys):
     (tmp_path / "build").mkdir()
     example = lzma.decompress((ROOT / "examples/demo.gcode.xz").read_bytes())
