@@ -1,4 +1,4 @@
-"""The committed reference is what the table says; the README's code runs."""
+"""The reference is what the table says and true; links lead somewhere; the README's code runs."""
 
 from __future__ import annotations
 
@@ -38,6 +38,17 @@ def test_words_belong_as_the_reference_says(tmp_path, text, x_mm, least_s):
     moves = list(passo.Machine.load("i3").plan(path))
     assert [move.core.end_mm[0] for move in moves] == x_mm
     assert moves[-1].end_s >= least_s
+
+
+def test_links_lead_somewhere():
+    pages = [*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md"), *ROOT.glob("examples/*.md")]
+    links = [
+        (page.relative_to(ROOT), target)
+        for page in pages
+        for target in re.findall(r"\]\(([^):#]+)\)", page.read_text(encoding="utf-8"))
+    ]
+    assert len(links) > 15
+    assert [link for link in links if not (ROOT / link[0].parent / link[1]).exists()] == []
 
 
 def test_the_code_of_the_readme_runs(tmp_path, monkeypatch, capsys):
