@@ -25,6 +25,13 @@ struct JobView {
 
 using Table = nb::typed<nb::dict, nb::str, nb::any>;
 
+// Whether M is a word of a move: only where it is one of the laser's own letters.
+bool uses_m(const nb::object& laser) {
+  if (laser.is_none()) return false;
+  return get<std::string>(laser, "density_letter") == "M" ||
+         get<std::string>(laser, "energy_letter") == "M";
+}
+
 nb::typed<nb::dict, nb::str, nb::float_> cpu(const JobView& self) {
   const Job& job = self.job;
   nb::dict d;
@@ -117,8 +124,8 @@ void bind_job(nb::module_& m) {
           [](JobView* self, const nb::dict& spec, bool with_steps, bool clamp, bool ignore_tools) {
             std::vector<double> home;
             for (nb::handle axis : spec["axes"]) home.push_back(get<double>(axis, "home"));
-            new (self) JobView(machine_of(spec), std::move(home),
-                               !nb::object(spec["laser"]).is_none(), with_steps);
+            new (self)
+                JobView(machine_of(spec), std::move(home), uses_m(spec["laser"]), with_steps);
             self->job.interpreter.clamp = clamp;
             self->job.interpreter.ignore_tools = ignore_tools;
           },
