@@ -259,7 +259,7 @@ class Compressor {
     double largest, square, worst;
     check(&lo_[i], &hi_[i], c.count, double(last_), c.interval, c.add, largest, square, worst);
     int64_t interval = int64_t(c.interval), add = int64_t(c.add), count = c.count;
-    if (worst > 1e-3 || interval < 1 || interval + add * (count - 1) < 1 || interval > 0x7fffffff)
+    if (worst > 1e-5 || interval < 1 || interval + add * (count - 1) < 1 || interval > 0x7fffffff)
       throw std::logic_error("a command left the window of its steps");
     int64_t clock = due(steps_.ticks[i]),
             end = last_ + interval * count + add * (count * (count - 1) / 2);

@@ -48,7 +48,8 @@ class Stabbing {
 
  private:
   static constexpr int kPairs = 24;
-  static constexpr double kSlack = 1e-7;  // ticks: rounding error of the divided bounds
+  static constexpr double kSlack =
+      1e-9;  // ticks: rounding of the divided bounds; × count, the most a step may be out
   static constexpr double kLeastAdd = -32768, kMostAdd = 32767;
 
   double reciprocal_[kLongest + 1];
