@@ -140,6 +140,35 @@ void bind_job(nb::module_& m) {
           "finish", [](JobView& self) { self.job.interpreter.finish(); },
           "No more input will come.")
       .def(
+          "select", [](JobView& self, bool console) { self.job.interpreter.select(console); },
+          "console"_a, "Reads on from the console's lines, or the program's; only at a boundary.")
+      .def_prop_ro(
+          "at_boundary", [](JobView& self) { return self.job.interpreter.at_boundary(); },
+          "No line is under way.")
+      .def(
+          "restart", [](JobView& self) { self.job.interpreter.restart(); },
+          "Forgets the unread text of the selected source.")
+      .def(
+          "abandon", [](JobView& self) { self.job.abandon(); },
+          "After an error: forgets the rest of the line and goes on from where the plan ends.")
+      .def_prop_ro(
+          "offset", [](JobView& self) { return self.job.interpreter.offset(); },
+          "Bytes of the selected source that were read.")
+      .def_prop_ro(
+          "queued", [](JobView& self) { return self.job.motion.planner().queued(); },
+          "Moves that are not settled.")
+      .def_prop_ro(
+          "program_position",
+          [](JobView& self) {
+            const Interpreter& i = self.job.interpreter;
+            std::vector<double> p;
+            for (size_t a = 0; a < self.job.motion.machine().axes.size(); ++a)
+              p.push_back(i.logical(slot_of_axis(int(a))));
+            p.push_back(i.logical(kE));
+            return p;
+          },
+          "Where the program is, in its own coordinates: the axes, then E.")
+      .def(
           "advance",
           [](JobView& self, double horizon, size_t most) {
             nb::gil_scoped_release released;
@@ -207,6 +236,61 @@ void bind_job(nb::module_& m) {
           "hold_from", [](JobView& self, double ticks) { return self.job.motion.hold_from(ticks); },
           "ticks"_a)
       .def("release", [](JobView& self) { self.job.motion.release(); })
+      .def(
+          "stop_from", [](JobView& self, double ticks) { return self.job.stop_from(ticks); },
+          "ticks"_a,
+          "Brakes to a stop from this clock on and forgets what was to follow; returns the clock "
+          "of "
+          "the cut.")
+      .def(
+          "suspend", [](JobView& self) { self.job.suspend(); },
+          "After hold_from: other moves may come before what is held.")
+      .def_prop_ro("suspended", [](JobView& self) { return self.job.motion.suspended(); })
+      .def_prop_ro(
+          "stop_position",
+          [](JobView& self) {
+            if (!self.job.motion.suspended()) throw nb::value_error("nothing is suspended");
+            const double* p = self.job.motion.stop_position();
+            return std::vector<double>(p, p + kAxes);
+          },
+          "Where a suspended job goes on: X, Y, Z, E and further axes, in machine mm.")
+      .def(
+          "resume",
+          [](JobView& self) {
+            if (!self.job.motion.suspended()) throw nb::value_error("nothing is suspended");
+            self.job.resume();
+          },
+          "Goes on with what was suspended; the machine must be back at stop_position.")
+      .def("forget_suspended", [](JobView& self) { self.job.forget_suspended(); })
+      .def_prop_ro(
+          "machine_position",
+          [](JobView& self) {
+            const double* p = self.job.motion.planner().position();
+            return std::vector<double>(p, p + kAxes);
+          },
+          "End of the plan: X, Y, Z, E and further axes, in machine mm.")
+      .def(
+          "move_to",
+          [](JobView& self, const std::vector<double>& target, double feed_mm_s) {
+            if (target.size() != kAxes) throw nb::value_error("eight positions");
+            return self.job.move_to(target.data(), feed_mm_s);
+          },
+          "target"_a, "feed_mm_s"_a,
+          "A straight move in machine coordinates (NaN: stay), outside of soft limits. False if an "
+          "actuator does not reach it.")
+      .def(
+          "set_axis",
+          [](JobView& self, int axis, double position) {
+            Job& job = self.job;
+            job.motion.flush();
+            double p[kAxes];
+            std::copy_n(job.motion.planner().position(), kAxes, p);
+            p[slot_of_axis(axis)] = position;
+            job.interpreter.set_axis(slot_of_axis(axis), position);
+            job.motion.set_position(p, job.interpreter.extruder());
+          },
+          "axis"_a, "position_mm"_a, "The axis of this number is here now, without motion.")
+      .def_prop_ro("held", [](JobView& self) { return self.job.motion.held(); })
       .def_prop_ro(
           "clock", [](JobView& self) { return self.job.motion.planner().clock(); },
           "End of the settled plan, ticks.")

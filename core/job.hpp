@@ -2,6 +2,7 @@
 // whatever needs the caller, and goes on from there.
 #pragma once
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -62,6 +63,59 @@ class Job {
     }
   }
 
+  // After an error or a stop: the program goes on from where the plan ends.
+  void abandon() {
+    double position[kAxes];
+    std::copy_n(motion.planner().position(), kAxes, position);
+    if (interpreter.extruder() < motion.machine().extruders.size())
+      position[kE] = motion.planner().extruder_position(interpreter.extruder());
+    interpreter.abandon(position);
+  }
+  // Brakes from `ticks` on and forgets all that was to follow.
+  double stop_from(double ticks) {
+    double cut = motion.stop_from(ticks);
+    abandon();
+    return cut;
+  }
+
+  // After motion.hold_from: other moves may come before the program goes on.
+  void suspend() {
+    motion.suspend();
+    aside_ = interpreter;
+    abandon();
+  }
+  void resume() {
+    interpreter.resume(*aside_);
+    aside_.reset();
+    motion.resume();
+  }
+  void forget_suspended() {
+    motion.forget_suspended();
+    aside_.reset();
+  }
+
+  // A straight move in machine coordinates, outside of any program and of soft limits. False if an
+  // actuator does not reach its way.
+  bool move_to(const double* target, double feed_mm_s) {
+    MoveRequest m{};
+    std::copy_n(motion.planner().position(), kAxes, m.target);
+    bool travels = false;
+    for (int j = 0; j < kAxes; ++j) {
+      if (std::isnan(target[j])) continue;
+      m.target[j] = target[j];
+      if (target[j] != motion.planner().position()[j]) m.moved |= uint8_t(1u << j);
+      travels |= j != kE && target[j] != motion.planner().position()[j];
+    }
+    m.kind = travels ? MoveKind::travel : MoveKind::extrude;
+    m.extruder = uint16_t(interpreter.extruder());
+    m.feed_mm_s = feed_mm_s;
+    m.radius_mm = kInfinity;
+    if (motion.planner().constraints().checks_reach() && !reach(m)) return false;
+    motion.push(m);
+    abandon();
+    return true;
+  }
+
   // After homing: the machine is where the program says.
   void settle_position() {
     motion.flush();
@@ -72,6 +126,7 @@ class Job {
   static constexpr double kCheckEvery = 2;  // mm along lines of nonlinear machines
 
   double (*cpu_clock_)();
+  std::optional<Interpreter> aside_;
   std::vector<MoveRequest> batch_;
   GcodeError error_;
 

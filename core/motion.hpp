@@ -5,6 +5,7 @@
 #include <cmath>
 #include <deque>
 #include <functional>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -150,6 +151,51 @@ class Motion {
     process(false);
   }
   size_t held() const { return held_.size(); }
+  // After hold_from: puts what is held aside, with its records, so that other moves may come first,
+  // from where the machine stands. `resume` takes it up again; the machine must be back there.
+  void suspend() {
+    Aside aside;
+    aside.records.swap(records_);
+    aside.moves.swap(held_);
+    aside.unattached = std::exchange(unattached_, 0);
+    std::copy_n(planner_.position(), kAxes, aside.end);
+    for (size_t i = 0; i < machine_.extruders.size(); ++i)
+      aside.extruders.push_back(planner_.extruder_position(i));
+    if (!aside.moves.empty())
+      planner_.set_position(aside.moves.front().p0, aside.moves.front().extruder);
+    std::copy_n(planner_.position(), kAxes, aside.stop);
+    aside_ = std::move(aside);
+  }
+  bool suspended() const { return aside_.has_value(); }
+  const double* stop_position() const { return aside_->stop; }
+  void resume() {
+    planner_.set_position(aside_->end, 0);
+    for (size_t i = 0; i < aside_->extruders.size(); ++i) {
+      double position[kAxes];
+      std::copy_n(aside_->end, kAxes, position);
+      position[kE] = aside_->extruders[i];
+      planner_.set_position(position, i);
+    }
+    planner_.set_position(aside_->end, machine_.extruders.size());
+    held_.swap(aside_->moves);
+    records_.swap(aside_->records);
+    unattached_ = aside_->unattached;
+    aside_.reset();
+    release();
+  }
+  // What is put aside will not be taken up again.
+  void forget_suspended() { aside_.reset(); }
+  // As hold_from, but what is left is forgotten, and its records with it.
+  double stop_from(double ticks) {
+    double cut = hold_from(ticks);
+    if (!held_.empty()) {
+      planner_.set_position(held_.front().p0, held_.front().extruder);
+      held_.clear();
+      records_.clear();
+      unattached_ = 0;
+    }
+    return cut;
+  }
 
  private:
   const Machine machine_;
@@ -165,6 +211,14 @@ class Motion {
   std::deque<Record> records_, placed_, marks_;
   std::deque<Move> history_;
   std::vector<Move> held_;
+  struct Aside {
+    std::vector<Move> moves;
+    std::deque<Record> records;
+    uint16_t unattached = 0;
+    double stop[kAxes], end[kAxes];
+    std::vector<double> extruders;
+  };
+  std::optional<Aside> aside_;
   uint16_t unattached_ = 0;  // last records_ that wait for a move to follow
   int64_t handed_out_ = 0;   // clock of the last message merged
   double ticks_of_cut_ = 0;

@@ -58,7 +58,7 @@ class Interpreter {
   double flow = 1;            // M221
 
   Interpreter(const Machine& machine, std::vector<double> home, bool laser)
-      : machine_(machine), home_(std::move(home)), laser_(laser),
+      : machine_(&machine), home_(std::move(home)), laser_(laser),
         extruder_(machine.extruders.size(), 0.0) {
     std::fill(std::begin(letter_slot_), std::end(letter_slot_), int8_t(-1));
     for (size_t i = 0; i < machine.axes.size(); ++i)
@@ -72,15 +72,44 @@ class Interpreter {
     features_.push_back("");
   }
 
-  void feed(const char* data, size_t n) { lines_.feed(data, n); }
-  void finish() {
-    lines_.finish();
-    finished_ = true;
+  // Lines come from a program and from a console; one modal state serves both. Each keeps its own
+  // unread text; the source may change only at a boundary between lines.
+  void select(bool console) { source_ = console; }
+  bool at_boundary() const { return pending_.empty() && !arc_.active() && next_word_ == 0; }
+  void feed(const char* data, size_t n) { lines().feed(data, n); }
+  void finish() { lines().finish(); }
+  // Forgets the unread text of the selected source; its lines count from 1 again.
+  void restart() { lines() = Lines(); }
+  uint64_t offset() const { return lines().offset(); }
+  // The machine is at `position` (the active extruder's in kE): what the program still meant to do
+  // in this line is forgotten, and its positions follow the machine's.
+  void abandon(const double* position) {
+    pending_.clear();
+    arc_ = Arc();
+    next_word_ = 0;
+    logical_e_ += (position[kE] - position_[kE]) / flow;
+    std::copy(position, position + kAxes, position_);
+    if (!extruder_.empty()) extruder_[active_] = position_[kE];
+  }
+  // Takes up the program again as `before` left it, except for what the console has not said yet.
+  void resume(const Interpreter& before) {
+    Lines console = std::move(sources_[1]);
+    *this = before;
+    sources_[1] = std::move(console);
+  }
+  // Axis slot j is at this machine position now; the program's zero stays where it was.
+  void set_axis(int j, double position) {
+    position_[j] = position;
+    if (j < 3) origin_[j] = tool_offset(j);
+  }
+  // The program's own coordinates of slot j.
+  double logical(int j) const {
+    return j == kE ? logical_e_ : position_[j] - origin_[j] - (j == kZ ? hop_ : 0);
   }
   const MoveRequest& move() const { return move_; }
   const Event& event() const { return event_; }
   const GcodeError& error() const { return error_; }
-  uint32_t line() const { return lines_.number(); }
+  uint32_t line() const { return lines().number(); }
   uint64_t arcs() const { return arcs_; }
   uint64_t clamped() const { return clamped_; }
   int layers() const { return marked_layers_ > 0 ? marked_layers_ : int(risen_layers_); }
@@ -111,8 +140,8 @@ class Interpreter {
         continue;
       }
       const char *p, *end;
-      if (!lines_.next(p, end)) return finished_ ? Found::end : Found::need_input;
-      if (lines_.too_long()) {
+      if (!lines().next(p, end)) return lines().finished() ? Found::end : Found::need_input;
+      if (lines().too_long()) {
         fail(Fault::line_too_long, "", 0, 0);
         continue;
       }
@@ -127,9 +156,9 @@ class Interpreter {
 
   // Homing: the axes named (all if none) are at home now, their offsets are gone.
   void home(const std::string& letters) {
-    for (size_t i = 0; i < machine_.axes.size(); ++i) {
+    for (size_t i = 0; i < machine_->axes.size(); ++i) {
       int j = slot_of_axis(int(i));
-      if (!letters.empty() && letters.find(machine_.axes[i].letter) == std::string::npos) continue;
+      if (!letters.empty() && letters.find(machine_->axes[i].letter) == std::string::npos) continue;
       position_[j] = home_[i];
       origin_[j] = j < 3 ? tool_offset(j) : 0;
     }
@@ -143,11 +172,11 @@ class Interpreter {
     Event event;
     GcodeError error;
   };
-  const Machine& machine_;
+  const Machine* machine_;
   std::vector<double> home_;
   bool laser_;
-  Lines lines_;
-  bool finished_ = false;
+  Lines sources_[2];  // the program, the console
+  bool source_ = false;
   MoveRequest move_{};
   Event event_;
   GcodeError error_;
@@ -179,14 +208,16 @@ class Interpreter {
   std::vector<Word> words_;
   size_t next_word_ = 0;  // not 0: from here on the line waits until its moves so far are taken
 
+  Lines& lines() { return sources_[source_]; }
+  const Lines& lines() const { return sources_[source_]; }
   double tool_offset(int j) const {
-    return machine_.tools.empty() ? 0 : machine_.tools[tool_].offset[j];
+    return machine_->tools.empty() ? 0 : machine_->tools[tool_].offset[j];
   }
 
   void fail(Fault fault, const std::string& word, double value, double limit) {
     Item item{};
     item.found = Found::error;
-    item.error = {lines_.number(), fault, readable(word), value, limit, {0, 0, 0}};
+    item.error = {lines().number(), fault, readable(word), value, limit, {0, 0, 0}};
     pending_.push_back(std::move(item));
   }
   bool sound(const Word& word) {
@@ -197,7 +228,7 @@ class Interpreter {
   void emit(char letter, int number, int minor, std::string_view name, std::string_view text) {
     Item item{};
     item.found = Found::event;
-    item.event = {lines_.number(), letter, number, minor, readable(name), readable(text)};
+    item.event = {lines().number(), letter, number, minor, readable(name), readable(text)};
     pending_.push_back(std::move(item));
   }
 
@@ -253,7 +284,7 @@ class Interpreter {
       if (t < low_[j] - 1e-6 || t > high_[j] + 1e-6) {
         double limit = t < low_[j] ? low_[j] : high_[j];
         if (!clamp) {
-          fail(Fault::out_of_range, machine_.axes[size_t(j < 3 ? j : j - kExtra + 3)].name, t,
+          fail(Fault::out_of_range, machine_->axes[size_t(j < 3 ? j : j - kExtra + 3)].name, t,
                limit);
           return false;
         }
@@ -268,7 +299,7 @@ class Interpreter {
 
   // Fills what does not depend on the command and takes the move; false if it goes nowhere.
   bool ready() {
-    move_.line = lines_.number();
+    move_.line = lines().number();
     return take(move_);
   }
   bool take(MoveRequest& m) {

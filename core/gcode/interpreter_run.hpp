@@ -120,7 +120,7 @@ inline void Interpreter::run_words() {
     for (; next < end; ++next) {
       if (starts(*next) && !(motion && next->letter == 'M' && (!next->whole() || laser_))) break;
       if (motion && tool(*next) &&
-          (next->value >= 0 && next->value < double(machine_.tools.size())))
+          (next->value >= 0 && next->value < double(machine_->tools.size())))
         break;
     }
     size_t to = next < end ? next->begin : text.size();
@@ -166,7 +166,7 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
         MoveRequest m{};
         m.kind = MoveKind::dwell;
         m.duration_s = has('S') ? value_of('S', 0) : value_of('P', 0) / 1000;
-        m.line = lines_.number();
+        m.line = lines().number();
         m.layer = uint16_t(marked_layers_ > 0 ? marked_layers_ : int(risen_layers_));
         m.feature = feature_;
         m.radius_mm = m.feed_mm_s = kInfinity;
@@ -325,7 +325,7 @@ inline void Interpreter::run_motion(int code, const Word* w, const Word* end) {
   move_.radius_mm = kInfinity;
   move_.arc_inner = false;
   move_.rapid = code == 0;
-  move_.line = lines_.number();
+  move_.line = lines().number();
   Item item{};
   item.found = Found::move;
   item.move = move_;
@@ -377,7 +377,7 @@ inline bool Interpreter::next_chord() {
     if (move_.target[j] < low_[j] - 1e-6 || move_.target[j] > high_[j] + 1e-6) {
       double limit = move_.target[j] < low_[j] ? low_[j] : high_[j];
       if (!clamp) {
-        fail(Fault::out_of_range, machine_.axes[size_t(j)].name, move_.target[j], limit);
+        fail(Fault::out_of_range, machine_->axes[size_t(j)].name, move_.target[j], limit);
         arc_ = Arc();
         return false;
       }
@@ -391,7 +391,7 @@ inline bool Interpreter::next_chord() {
 
 // Firmware retraction (G10, G11): filament first, then the hop; back in the reverse order.
 inline void Interpreter::run_retract(bool in) {
-  if (in == retracted_ || machine_.extruders.empty()) return;
+  if (in == retracted_ || machine_->extruders.empty()) return;
   retracted_ = in;
   auto step = [&](int j, double by, double feed) {
     if (by == 0) return;
@@ -405,7 +405,7 @@ inline void Interpreter::run_retract(bool in) {
     m.target[j] += by;
     m.feed_mm_s = feed;
     m.radius_mm = kInfinity;
-    m.line = lines_.number();
+    m.line = lines().number();
     m.kind = MoveKind::travel;
     m.moved = uint8_t(1u << j);
     pending_.push_back(std::move(item));
@@ -425,19 +425,19 @@ inline void Interpreter::select_tool(const Word& word) {
   if (!sound(word)) return;
   int tool = int(word.value);
   if (tool >= 0) {
-    if (size_t(tool) >= machine_.tools.size() || machine_.tools[size_t(tool)].extruder < 0) {
-      if (size_t(tool) >= machine_.tools.size()) {
+    if (size_t(tool) >= machine_->tools.size() || machine_->tools[size_t(tool)].extruder < 0) {
+      if (size_t(tool) >= machine_->tools.size()) {
         if (!ignore_tools)
-          fail(Fault::missing_tool, "T", tool, double(machine_.tools.size()));
+          fail(Fault::missing_tool, "T", tool, double(machine_->tools.size()));
         else
           emit('T', tool, 1, "", "");
         return;
       }
     } else {
       for (int j = 0; j < 3; ++j)
-        origin_[j] += machine_.tools[size_t(tool)].offset[j] - tool_offset(j);
+        origin_[j] += machine_->tools[size_t(tool)].offset[j] - tool_offset(j);
       tool_ = size_t(tool);
-      active_ = size_t(machine_.tools[tool_].extruder);
+      active_ = size_t(machine_->tools[tool_].extruder);
       position_[kE] = extruder_[active_];
     }
   }

@@ -64,9 +64,13 @@ class Lines {
       scanned_ = 0;
     }
     buffer_.append(data, n);
+    fed_ += n;
   }
   void finish() { finished_ = true; }
+  bool finished() const { return finished_; }
   uint32_t number() const { return number_; }
+  // Bytes fed that belong to the lines handed out so far.
+  uint64_t offset() const { return fed_ - (buffer_.size() - at_); }
   bool too_long() const { return too_long_; }
 
   // The next line without its end. False: more input is needed, or all is read.
@@ -96,6 +100,7 @@ class Lines {
  private:
   std::string buffer_;
   size_t at_ = 0, scanned_ = 0;
+  uint64_t fed_ = 0;
   uint32_t number_ = 0;
   bool finished_ = false, dropped_ = false, too_long_ = false, cut_ = false;
 

@@ -485,6 +485,35 @@ class Job:
     def finish(self) -> None:
         """No more input will come."""
 
+    def select(self, console: bool) -> None:
+        """
+        Reads on from the console's lines, or the program's; only at a boundary.
+        """
+
+    @property
+    def at_boundary(self) -> bool:
+        """No line is under way."""
+
+    def restart(self) -> None:
+        """Forgets the unread text of the selected source."""
+
+    def abandon(self) -> None:
+        """
+        After an error: forgets the rest of the line and goes on from where the plan ends.
+        """
+
+    @property
+    def offset(self) -> int:
+        """Bytes of the selected source that were read."""
+
+    @property
+    def queued(self) -> int:
+        """Moves that are not settled."""
+
+    @property
+    def program_position(self) -> list[float]:
+        """Where the program is, in its own coordinates: the axes, then E."""
+
     def advance(self, horizon: float = float('inf'), most: int = 1048576) -> JobStatus:
         """
         Reads on until something wants the caller, or the plan reaches a clock or a number of messages.
@@ -529,6 +558,45 @@ class Job:
     def hold_from(self, ticks: float) -> float: ...
 
     def release(self) -> None: ...
+
+    def stop_from(self, ticks: float) -> float:
+        """
+        Brakes to a stop from this clock on and forgets what was to follow; returns the clock of the cut.
+        """
+
+    def suspend(self) -> None:
+        """After hold_from: other moves may come before what is held."""
+
+    @property
+    def suspended(self) -> bool: ...
+
+    @property
+    def stop_position(self) -> list[float]:
+        """
+        Where a suspended job goes on: X, Y, Z, E and further axes, in machine mm.
+        """
+
+    def resume(self) -> None:
+        """
+        Goes on with what was suspended; the machine must be back at stop_position.
+        """
+
+    def forget_suspended(self) -> None: ...
+
+    @property
+    def machine_position(self) -> list[float]:
+        """End of the plan: X, Y, Z, E and further axes, in machine mm."""
+
+    def move_to(self, target: Sequence[float], feed_mm_s: float) -> bool:
+        """
+        A straight move in machine coordinates (NaN: stay), outside of soft limits. False if an actuator does not reach it.
+        """
+
+    def set_axis(self, axis: int, position_mm: float) -> None:
+        """The axis of this number is here now, without motion."""
+
+    @property
+    def held(self) -> int: ...
 
     @property
     def clock(self) -> float:

@@ -100,6 +100,12 @@ CATALOGUE: Mapping[str, Entry] = {
     "output.unwritable": _input(
         "file", "cannot be written: {value}", "Check the path, its permissions and the free space"
     ),
+    "console.unopened": Entry(
+        "console",
+        "{axis} cannot be opened: {value}",
+        "Check the name, its permissions, and that nobody else has it",
+        ExitStatus.USAGE,
+    ),
     "machine.slow-heater": Entry(
         "heat",
         "heater {axis} has reached only {value:.1f} °C of {limit:.1f} °C in an hour",

@@ -7,8 +7,9 @@ from collections.abc import Iterator
 
 from passo import _core
 from passo.errors import InputError
-from passo.job.source import chunks, open_source, problem_of
+from passo.job.source import chunks, open_source
 from passo.printer.commands import Commands
+from passo.printer.faults import problem_of
 from passo.printer.words import Command
 
 _MOST_MESSAGES = 1 << 15
@@ -32,7 +33,9 @@ def run_program(
         while not commands.ended:
             found = job.advance(most=_MOST_MESSAGES)
             if found == status.EVENT:
-                commands.run(Command(*job.event))
+                wait = commands.run(Command(*job.event))
+                if wait is not None:
+                    commands.settle(wait)
             elif found == status.NEED_INPUT:
                 data = next(pieces, b"")
                 if data:

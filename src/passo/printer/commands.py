@@ -7,6 +7,7 @@ from math import sqrt
 from typing import TYPE_CHECKING, Protocol
 
 from passo.gcode.dialect import BY_CODE, Kind
+from passo.printer.waits import Homing, Person, Still, Temperatures, Wait
 from passo.printer.words import Command
 
 if TYPE_CHECKING:
@@ -43,24 +44,24 @@ class Commands:
         self._spindle = 0.0
         self._spindle_on = False
         self.ended = False
-        self._handlers: dict[str, Callable[[Command], None]] = {
-            "G28": lambda _: self._job.settle_position(),
+        self._handlers: dict[str, Callable[[Command], Wait | None]] = {
+            "G28": lambda c: Homing(c.text),
             "M2": self._end,
             "M30": self._end,
             "M3": self._spindle_start,
             "M4": self._spindle_start,
             "M5": self._spindle_stop,
             "S": self._spindle_power,
-            "M18": lambda _: self._job.flush(),
-            "M84": lambda _: self._job.flush(),
-            "M400": lambda _: self._job.flush(),
+            "M18": lambda _: Still(),
+            "M84": lambda _: Still(),
+            "M400": lambda _: Still(),
             "M104": lambda c: self._temperature(c, "hotend", wait=False),
             "M109": lambda c: self._temperature(c, "hotend", wait=True),
             "M140": lambda c: self._temperature(c, "bed", wait=False),
             "M190": lambda c: self._temperature(c, "bed", wait=True),
             "M141": lambda c: self._temperature(c, "chamber", wait=False),
             "M191": lambda c: self._temperature(c, "chamber", wait=True),
-            "M116": lambda _: self._heat.wait_for(list(self._machine.heaters)),
+            "M116": lambda _: Temperatures(tuple(self._machine.heaters)),
             "M106": self._fan_on,
             "M107": self._fan_off,
             "M201": lambda c: self._axis_limits(c, "accel"),
@@ -72,23 +73,32 @@ class Commands:
             "SET_VELOCITY_LIMIT": self._velocity_limit,
         }
 
-    def run(self, command: Command) -> None:
-        """Carries one command out, or counts it as unknown."""
+    def run(self, command: Command) -> Wait | None:
+        """Carries one command out, or counts it as unknown; returns what it waits for."""
         if command.letter == "T":
             if command.minor:
                 _count(self.missing_tools, f"T{command.number}", command.line)
-            return
+            return None
         code = "S" if command.letter == "S" else command.code
         handler = self._handlers.get(code)
         if handler is not None:
-            handler(command)
-            return
+            return handler(command)
         row = BY_CODE.get(code) or BY_CODE.get(code.partition(".")[0])
         if row is None:
             _count(self.unknown, code, command.line)
         elif row.kind is Kind.PERSON:
-            self._job.flush()
             _count(self.waits, code, command.line)
+            return Person(row.text)
+        return None
+
+    def settle(self, wait: Wait) -> None:
+        """Waits in a print without a person: homing sets positions, a person takes no time."""
+        if isinstance(wait, Temperatures):
+            self._heat.wait_for(list(wait.heaters))
+        elif isinstance(wait, Homing):
+            self._job.settle_position()
+        else:
+            self._job.flush()
 
     def warnings(self, file: str, clamped: int) -> list[str]:
         """One sentence for each code that meant nothing, waited for nobody, or was ignored."""
@@ -106,9 +116,9 @@ class Commands:
             lines.append(f"{file}: {clamped} targets out of range were moved to the limit")
         return lines
 
-    def _end(self, _: Command) -> None:
-        self._job.flush()
+    def _end(self, _: Command) -> Wait:
         self.ended = True
+        return Still()
 
     def _set(self, output: str, share: float) -> None:
         index, full = self._outputs[output]
@@ -138,17 +148,16 @@ class Commands:
             return None
         return names[tool] if 0 <= tool < len(names) else names[0]
 
-    def _temperature(self, command: Command, kind: str, *, wait: bool) -> None:
+    def _temperature(self, command: Command, kind: str, *, wait: bool) -> Wait | None:
         words = command.words()
         heater = self._heater(kind, int(words.get("T", self._job.tool)))
         if heater is None:
-            return
+            return None
         target = words.get("S", words.get("R"))
         if target is not None:
             limit = self._machine.heaters[heater].max_c
             self._heat.set_target(heater, min(max(target, 0.0), limit))
-        if wait:
-            self._heat.wait_for([heater])
+        return Temperatures((heater,), cooling="R" in words) if wait else None
 
     def _tool_temperatures(self, command: Command) -> None:
         words = command.words()

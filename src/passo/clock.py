@@ -1,0 +1,76 @@
+"""Time for everything that waits. Host time is the event loop's own: `loop.time()`, in seconds.
+
+Three loops keep it: real; scaled (so many times as fast as real); and virtual, which jumps to the
+next deadline whenever all tasks wait, so that hours pass in moments and twice the same. Code that
+waits uses asyncio's own timers and never asks which loop it runs on.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import selectors
+import time
+from collections.abc import Callable
+from typing import Any
+
+
+class _Scaled(selectors.DefaultSelector):
+    """Waits a fraction of the time that it is told to."""
+
+    def __init__(self, scale: float) -> None:
+        super().__init__()
+        self._scale = scale
+
+    def select(self, timeout: float | None = None) -> Any:
+        return super().select(timeout if timeout is None else timeout / self._scale)
+
+
+class ScaledLoop(asyncio.SelectorEventLoop):
+    """An event loop whose seconds are `1/scale` of real ones."""
+
+    def __init__(self, scale: float) -> None:
+        if not scale > 0:
+            raise ValueError("the scale of time must be above 0")
+        self._factor = scale
+        self._start = time.monotonic()
+        super().__init__(_Scaled(scale))
+
+    def time(self) -> float:
+        return (time.monotonic() - self._start) * self._factor
+
+
+class _Jumping(selectors.DefaultSelector):
+    """Never waits: if nothing is ready, time goes on at once."""
+
+    def __init__(self, pass_time: Callable[[float], None]) -> None:
+        super().__init__()
+        self._pass_time = pass_time
+
+    def select(self, timeout: float | None = None) -> Any:
+        ready = super().select(0)
+        if not ready and timeout is None:
+            return super().select(None)  # only a signal or another thread can end this
+        if not ready and timeout:
+            self._pass_time(timeout)
+        return ready
+
+
+class VirtualLoop(asyncio.SelectorEventLoop):
+    """An event loop in virtual time, from 0 s on."""
+
+    def __init__(self) -> None:
+        self._virtual_s = 0.0
+        super().__init__(_Jumping(self._pass))
+
+    def _pass(self, seconds: float) -> None:
+        self._virtual_s += seconds
+
+    def time(self) -> float:
+        return self._virtual_s
+
+
+def new_loop(scale: float | None) -> asyncio.AbstractEventLoop:
+    """A loop in real time (scale 1), scaled time, or virtual time (scale None)."""
+    if scale is None:
+        return VirtualLoop()
+    return asyncio.SelectorEventLoop() if scale == 1 else ScaledLoop(scale)

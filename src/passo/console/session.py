@@ -1,0 +1,221 @@
+"""One console: its lines are carried out in order, one `ok` each, and it hears what happens."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+from collections import deque
+from typing import Protocol
+
+from passo.console.protocol import Line, LineProtocol, Refusal
+from passo.errors import MachineError
+from passo.printer.printer import Printer, Stopped
+from passo.printer.waits import Wait
+from passo.printer.words import Command
+
+BACKLOG = 256  # lines in hand before the sender is held up
+WAIT_S = 1.0  # an idle console says `wait` this often
+_HEAD = re.compile(r"\s*([A-Za-z])\s*(\d{1,9})(?:\.(\d))?\s*(.*)\Z", re.DOTALL)
+
+
+class Wire(Protocol):
+    """Where a console's text goes. Never blocks: what a slow reader leaves is dropped."""
+
+    def write(self, text: bytes, *, dispensable: bool = False) -> None:
+        """Sends bytes; dispensable ones only if there is room."""
+
+    def hold(self, held: bool) -> None:
+        """Stops or resumes reading."""
+
+
+def command_of(text: str) -> Command:
+    """The command that a line begins with; a name of its own if it has no letter and number."""
+    head = _HEAD.match(text)
+    if head is None:
+        name, _, rest = text.strip().partition(" ")
+        return Command(0, "", 0, 0, name.upper(), rest)
+    return Command(0, head[1].upper(), int(head[2]), int(head[3] or 0), "", head[4])
+
+
+class Session:
+    """A console at work. `receive` is called with what comes in; everything in one event loop."""
+
+    def __init__(self, printer: Printer, wire: Wire) -> None:
+        self._printer, self._wire = printer, wire
+        self._protocol = LineProtocol()
+        self._lines: deque[Line | Refusal] = deque()
+        self._loop = asyncio.get_running_loop()
+        self._task: asyncio.Task[None] | None = None
+        self._ok = ""
+        self._timers: dict[str, asyncio.TimerHandle] = {}
+        self._held = False
+        self.strict = False  # M932: after a failure nothing is carried out
+        self.failed = False
+        self.busy_s = 2.0  # M113
+        self.advanced_ok = False
+        self.closed = False
+        printer.listeners.append(self.hear)
+        self.every("wait", WAIT_S, self._say_wait)
+
+    # -- bytes ------------------------------------------------------------------------------------
+
+    def receive(self, data: bytes) -> None:
+        """Takes in what the host has sent."""
+        heard = self._protocol.feed(data)
+        for line in heard:
+            if isinstance(line, Line):
+                self._look_ahead(line)
+        self._lines.extend(heard)
+        if heard and self._task is None:
+            self._work()
+        if len(self._lines) > BACKLOG and not self._held:
+            self._held = True
+            self._wire.hold(True)
+
+    def close(self) -> None:
+        """The host has gone: its lines in hand are forgotten, its wait ends."""
+        self.closed = True
+        for timer in self._timers.values():
+            timer.cancel()
+        self._timers.clear()
+        self._lines.clear()
+        if self._task is not None:
+            self._task.cancel()
+        if self.hear in self._printer.listeners:
+            self._printer.listeners.remove(self.hear)
+
+    # -- answers ----------------------------------------------------------------------------------
+
+    def say(self, text: str) -> None:
+        """A line of answer."""
+        self._wire.write(text.encode("ascii", "replace") + b"\n")
+
+    def hear(self, text: str) -> None:
+        """A line that concerns everybody; a console that does not read may miss it."""
+        self._wire.write(text.encode("ascii", "replace") + b"\n", dispensable=True)
+
+    def with_ok(self, text: str) -> None:
+        """Text behind this command's `ok`."""
+        self._ok = text
+
+    def fail(self, text: str) -> None:
+        """A command that was not carried out. Not `Error:`, which makes hosts disconnect; a strict
+        console knows that word."""
+        self.failed = True
+        self.say(("Error:" if self.strict else "echo:") + text)
+
+    def every(self, name: str, seconds: float, action: object) -> None:
+        """Calls an action at an interval of host time, in place of the one of that name; 0: no
+        more."""
+        timer = self._timers.pop(name, None)
+        if timer is not None:
+            timer.cancel()
+        if seconds > 0 and callable(action) and not self.closed:
+            self._timers[name] = self._loop.call_later(seconds, self._again, name, seconds, action)
+
+    def _again(self, name: str, seconds: float, action: object) -> None:
+        self.every(name, seconds, action)
+        if callable(action):
+            action()
+
+    # -- work -------------------------------------------------------------------------------------
+
+    def _look_ahead(self, line: Line) -> None:
+        """What must not wait for the lines before it."""
+        code = command_of(line.text).code
+        if code == "M112":
+            self._printer.halt("emergency stop by M112")
+        elif code == "M108":
+            self._printer.go_on()
+        elif code == "M410":
+            self._printer.stop()
+
+    def _work(self) -> None:
+        """Carries out lines until one has to wait."""
+        printer = self._printer
+        while self._lines:
+            line = self._lines.popleft()
+            if isinstance(line, Refusal):
+                self.say(f"Error:{line.reason}")
+                self.say(f"Resend: {line.resend}")
+                self.say("ok")
+                continue
+            self._ok = ""
+            if self._refused(line):
+                self._acknowledge(line)
+                continue
+            command = command_of(line.text)
+            handler = printer.immediate.get(command.code)
+            if handler is not None:
+                handler(command, self)
+                self._acknowledge(line)
+            elif printer.has_room() and printer.turn.take():
+                wait = printer.take_line(line.text, self)
+                if wait is not None:
+                    self._begin(line, wait)
+                    return
+                printer.turn.give()
+                self._acknowledge(line)
+            else:
+                self._begin(line, None, queued=True)
+                return
+        if self._held:
+            self._held = False
+            self._wire.hold(False)
+
+    def _begin(self, line: Line, wait: Wait | None, *, queued: bool = False) -> None:
+        self._task = self._loop.create_task(self._carry_out(line, wait, queued=queued))
+
+    async def _carry_out(self, line: Line, wait: Wait | None, *, queued: bool) -> None:
+        """A line that waits: for its turn, for room, or for what its command waits for."""
+        printer = self._printer
+        self.every("busy", self.busy_s, self._say_busy)
+        has_turn = not queued
+        try:
+            if queued:
+                await printer.turn.wait()
+                has_turn = True
+                await printer.drive.until(lambda: printer.has_room() or bool(printer.halted))
+                if not self._refused(line):
+                    wait = printer.take_line(line.text, self)
+            await printer.finish(wait, self)
+        except (Stopped, MachineError) as error:
+            self.fail(str(error))
+        finally:
+            self.every("busy", 0, None)
+            if has_turn:
+                printer.turn.give()
+            self._task = None
+        if not self.closed:
+            self._acknowledge(line)
+            self._work()
+
+    def _refused(self, line: Line) -> bool:
+        code = command_of(line.text).code
+        if code in ("M112", "M108", "M410"):
+            return True  # done when the line came in
+        if self.strict and self.failed and code not in ("M932", "M933"):
+            self.say("Error:PreviousCommandFailed")
+            return True
+        if self._printer.halted and code not in self._printer.immediate:
+            self.fail(f"Printer stopped: {self._printer.halted}. Make it safe, then send M999")
+            return True
+        return False
+
+    def _acknowledge(self, line: Line) -> None:
+        text = "ok"
+        if self.advanced_ok:
+            number = f" N{line.number}" if line.number is not None else ""
+            free = max(0, 2048 - self._printer.job.queued)
+            text += f"{number} P{free} B{max(0, BACKLOG - len(self._lines))}"
+        self.say(f"{text} {self._ok}" if self._ok else text)
+        if "wait" in self._timers:
+            self.every("wait", WAIT_S, self._say_wait)
+
+    def _say_busy(self) -> None:
+        what = "heating" if self._printer.heating else "processing"
+        self.hear(f"echo:busy: {what}")
+
+    def _say_wait(self) -> None:
+        if self._task is None and not self._lines:
+            self.hear("wait")

@@ -1,0 +1,198 @@
+"""Print time, and what happens as it passes: the board is fed, plans are settled, waits end."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from passo import _core
+    from passo.board.connection import Connection
+
+TICK_S = 0.01  # host time between two looks at the board in real time
+HORIZON_S = 0.16  # of print time ahead that cannot be taken back: the board has it
+RUNNING_DRY_S = 0.3  # a plan that ends sooner is settled for a stop
+LEAD_S = 0.2  # from a command on a standing machine to its first step
+GATHER_S = 0.08  # host time in which a standing machine hopes for more moves to plan with
+BUFFER_S = 2.0  # of settled print time ahead; a console that brings more must wait
+MOST_QUEUED = 2048  # moves that wait for look-ahead
+_STRIDE_S = 0.25  # print time between two looks where time is free
+
+
+class Drive:
+    """Lets print time pass on one board and one plan. One task runs `run`; all else is called from
+    the same event loop.
+
+    Time is tied to the loop's, or `free`: then it passes, as fast as it goes, only while something
+    waits for it, or moves are left and no host has spoken for a moment.
+    """
+
+    def __init__(
+        self,
+        connection: Connection,
+        job: _core.Job,
+        *,
+        free: bool,
+        set_target: Callable[[int, float], None],
+    ) -> None:
+        self._connection, self._job, self._free = connection, job, free
+        self._set_target = set_target
+        self.hz = connection.board.clock_hz
+        self.base = connection.start_job(job.messages)
+        self._loop = asyncio.get_running_loop()
+        self._start_s = self._loop.time()
+        self._start_clock = connection.now
+        self._marks: deque[tuple[int, int, int]] = deque()
+        self._waiting: list[tuple[Callable[[], bool], asyncio.Future[None]]] = []
+        self._woken = asyncio.Event()
+        self._first_move_s: float | None = None
+        self._stop_clock = -1.0  # end of a plan that was settled only because it ran dry
+        self._heard_s = 0.0
+        self._dirty = False
+
+    @property
+    def now(self) -> int:
+        """Print time in ticks of the job's clock."""
+        if self._free:
+            return self._connection.now - self.base
+        passed = self._loop.time() - self._start_s
+        return self._start_clock + int(passed * self.hz) - self.base
+
+    @property
+    def now_s(self) -> float:
+        """Print time in seconds."""
+        return self.now / self.hz
+
+    @property
+    def standing(self) -> bool:
+        """All moves so far are done."""
+        return self._job.queued == 0 and self._job.clock <= self.now
+
+    @property
+    def full(self) -> bool:
+        """The plan reaches far enough ahead."""
+        ahead = self._job.clock - self.now
+        return ahead > BUFFER_S * self.hz or self._job.queued > MOST_QUEUED
+
+    def before_moves(self) -> None:
+        """Call before anything is added to the plan: on a machine that stands it starts anew."""
+        self._heard_s = self._loop.time()
+        job = self._job
+        if job.queued == 0 and job.clock <= self.now + LEAD_S / 2 * self.hz:
+            job.wait_until(self.now + LEAD_S * self.hz)
+            self._first_move_s = self._heard_s
+
+    def after_moves(self) -> None:
+        """Call when something was added to the plan."""
+        self._dirty = True
+        self._woken.set()
+
+    def replan(self) -> None:
+        """Plans anew, with the limits of now, what the board does not have yet."""
+        self._revoke(self._job.replan_from(self._earliest()))
+
+    def hold(self) -> None:
+        """Brakes to a stop on the path; what is left is held."""
+        self._revoke(self._job.hold_from(self._earliest()))
+
+    def stop(self) -> None:
+        """Brakes to a stop on the path; what is left is forgotten."""
+        self._revoke(self._job.stop_from(self._earliest()))
+
+    def _earliest(self) -> float:
+        return self.now + HORIZON_S * self.hz
+
+    def _revoke(self, cut: float) -> None:
+        while self._marks and self._marks[-1][0] > cut:
+            self._marks.pop()
+        self._dirty = True
+        self._woken.set()
+
+    async def until(self, condition: Callable[[], bool]) -> None:
+        """Waits until the condition holds; it is looked at as time passes."""
+        if condition():
+            return
+        future: asyncio.Future[None] = self._loop.create_future()
+        entry = (condition, future)
+        self._waiting.append(entry)
+        self._woken.set()
+        try:
+            await future
+        finally:
+            if entry in self._waiting:
+                self._waiting.remove(entry)
+
+    async def sleep(self, seconds: float) -> None:
+        """Waits for print time to pass."""
+        end = self.now + seconds * self.hz
+        await self.until(lambda: self.now >= end)
+
+    async def run(self) -> None:
+        """Lets time pass until cancelled. Raises MachineError when the board fails."""
+        while True:
+            if self._free:
+                await self._free_stride()
+            else:
+                self._pass(self.now)
+                self._woken.clear()
+                idle = not self._waiting and self.standing and not self._dirty
+                timeout = 10 * TICK_S if idle else TICK_S
+                await _either(self._woken, timeout) if idle else await asyncio.sleep(timeout)
+
+    async def _free_stride(self) -> None:
+        quiet_s = self._loop.time() - self._heard_s
+        moving = not self.standing or self._dirty
+        if self._waiting or (moving and quiet_s >= GATHER_S / 2):
+            self._pass(self.now + int(_STRIDE_S * self.hz))
+            await asyncio.sleep(0)
+            return
+        self._woken.clear()
+        await _either(self._woken, GATHER_S / 2 if moving else None)
+
+    def _pass(self, now: int) -> None:
+        self._settle(now)
+        self._marks.extend(self._job.take_marks())
+        while self._marks and self._marks[0][0] <= now:
+            clock, heater, centi = self._marks.popleft()
+            self._run(clock)
+            self._set_target(heater, centi / 100)
+        self._run(now)
+        self._end_waits()
+
+    def _run(self, job_clock: int) -> None:
+        until = self.base + job_clock
+        if until > self._connection.now:
+            self._connection.run(until)
+
+    def _settle(self, now: int) -> None:
+        """A plan that runs dry is settled for a stop; what came in since takes the stop back."""
+        job = self._job
+        self._dirty = False
+        if job.queued == 0:
+            return
+        if self._first_move_s is not None:
+            if not self._free and self._loop.time() < self._first_move_s + GATHER_S:
+                self._dirty = True
+                return
+            self._first_move_s = None
+        if job.clock == self._stop_clock and job.clock > self._earliest():
+            self.replan()
+        if job.clock - now < RUNNING_DRY_S * self.hz:
+            job.flush()
+            self._stop_clock = job.clock
+
+    def _end_waits(self) -> None:
+        for condition, future in list(self._waiting):
+            if not future.done() and condition():
+                future.set_result(None)
+
+
+async def _either(event: asyncio.Event, timeout: float | None) -> None:
+    """Until the event, or the time is over."""
+    try:
+        async with asyncio.timeout(timeout):
+            await event.wait()
+    except TimeoutError:
+        return

@@ -1,0 +1,37 @@
+"""What the interpreter found wrong, as a problem of the catalogue."""
+
+from __future__ import annotations
+
+from passo import _core
+from passo.errors import Problem
+
+
+def problem_of(job: _core.Job, path: str) -> Problem:
+    """The error that `job.advance` stopped at, as a problem of the catalogue."""
+    line, fault, word, value, limit, point = job.error
+    faults = _core.Fault
+    if fault == faults.OUT_OF_RANGE:
+        values = {"axis": word.upper(), "value": value, "limit": limit}
+        return Problem("input.out-of-range", path, line, values)
+    if fault == faults.ACTUATOR:
+        return Problem("input.actuator", path, line, {"axis": word, "value": value, "limit": limit})
+    if fault == faults.UNREACHABLE:
+        where = ", ".join(f"{letter} {x:.3f}" for letter, x in zip("XYZ", point, strict=True))
+        return Problem("input.unreachable", path, line, {"value": where})
+    if fault == faults.MISSING_TOOL:
+        return Problem("input.missing-tool", path, line, {"value": int(value), "limit": int(limit)})
+    if fault == faults.NUMBER:
+        return Problem(
+            "input.number", path, line, {"value": word + (f"{value:g}" if value else "")}
+        )
+    if fault == faults.FEEDRATE:
+        return Problem("input.feedrate", path, line, {"value": value})
+    if fault == faults.ARC:
+        return Problem("input.arc", path, line, {"value": word})
+    if fault == faults.CHECKSUM:
+        return Problem("input.checksum", path, line, {"value": word, "limit": int(value)})
+    if fault == faults.LINE_TOO_LONG:
+        return Problem("input.garbage", path, line, {"value": "a line is longer than 64 KiB"})
+    if fault == faults.WORD:
+        return Problem("input.garbage", path, line, {"value": f"{word!r} is no command"})
+    return Problem("input.garbage", path, line, {"value": "it holds bytes that are no text"})

@@ -1,0 +1,224 @@
+"""One printer: its board, its plan, its commands, and whose turn it is."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from passo import _core
+from passo.errors import MachineError, Problem
+from passo.printer.commands import Commands
+from passo.printer.drive import Drive
+from passo.printer.faults import problem_of
+from passo.printer.turn import Turn
+from passo.printer.waits import Handler, Homing, Person, Reply, Temperatures, Wait
+from passo.printer.wiring import connect
+from passo.printer.words import Command
+
+if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
+
+
+_FIRST_REPORTS_S = 0.6  # all sensors have spoken by then
+
+
+class Stopped(Exception):
+    """What was waited for will not come: somebody has stopped or cancelled it."""
+
+
+class Printer:
+    """A machine that takes commands from several sources. To be used within one event loop.
+
+    `immediate` are the commands that act at once, whoever moves the machine; `planned` take their
+    place on the timeline or wait for the machine. Both may be added to before the first command.
+    """
+
+    def __init__(self, machine: MachineConfig, *, free: bool = False) -> None:
+        self.machine = machine
+        self.connection, self.board = connect(machine)
+        self.connection.run(self.connection.now + int(_FIRST_REPORTS_S * machine.board.clock_hz))
+        self.job = _core.Job(machine.core_spec(), True, False, False)
+        full = [self.connection.full_scale(o.name) for o in self.connection.board.outputs]
+        self.commands = Commands(machine, self.job, self, full)
+        self.heaters = list(machine.heaters)
+        self.drive = Drive(self.connection, self.job, free=free, set_target=self._apply_target)
+        self.turn = Turn()
+        self.immediate: dict[str, Handler] = {}
+        self.planned: dict[str, Handler] = {}
+        self.listeners: list[Callable[[str], None]] = []
+        self.halted = ""  # why nothing moves or heats any more; M999 clears it
+        self.heating = False  # somebody waits for a temperature
+        self.homed: set[str] = set()
+        self._skip = asyncio.Event()
+        self._waiting = 0
+
+    # -- what others may ask ----------------------------------------------------------------------
+
+    def tell(self, text: str) -> None:
+        """A line to all who listen."""
+        for listener in list(self.listeners):
+            listener(text)
+
+    def set_target(self, heater: str, celsius: float) -> None:
+        """Sets a heater's target when the moves so far are done."""
+        self.drive.before_moves()
+        self.job.mark(self.heaters.index(heater), round(celsius * 100))
+        self.drive.after_moves()
+
+    def wait_for(self, heaters: list[str]) -> None:
+        """Not used: waits of a living printer are awaited."""
+        raise NotImplementedError
+
+    def set_target_now(self, heater: str, celsius: float) -> None:
+        """Sets a heater's target at once."""
+        self._apply_target(self.heaters.index(heater), celsius)
+
+    def go_on(self) -> None:
+        """M108: ends every wait for temperatures or a person."""
+        self._skip.set()
+
+    def halt(self, reason: str) -> None:
+        """M112: heaters, motors and everything else off at once, until M999."""
+        if self.halted:
+            return
+        self.halted = reason
+        for name in self.heaters:
+            self.connection.set_target(name, 0.0)
+        self.connection.command("emergency_stop")
+        self._skip.set()
+
+    def stop(self) -> None:
+        """M410: brakes to a stop on the path and forgets all moves that were planned."""
+        self.drive.stop()
+        self._skip.set()
+
+    # -- commands ---------------------------------------------------------------------------------
+
+    def act(self, command: Command, reply: Reply) -> bool:
+        """Carries out a command of the immediate kind; False if it is of another."""
+        handler = self.immediate.get(command.code)
+        if handler is None:
+            return False
+        handler(command, reply)
+        return True
+
+    def has_room(self) -> bool:
+        """A planned line can be taken in without a wait, by whoever has the turn."""
+        return self.job.at_boundary and not self.drive.full
+
+    def take_line(self, text: str, reply: Reply) -> Wait | None:
+        """Takes in one line of a console: all of it, or up to a command that waits; then `finish`
+        goes on. Only with the turn and with room."""
+        self.job.select(True)
+        self.job.feed(text.encode("ascii", "replace") + b"\n")
+        return self._go_on(reply)
+
+    async def finish(self, wait: Wait | None, reply: Reply) -> None:
+        """The rest of a line whose command waits. Raises Stopped or MachineError."""
+        while wait is not None:
+            await self.wait(wait, reply)
+            self.job.select(True)
+            wait = self._go_on(reply)
+
+    def run_command(self, command: Command, reply: Reply) -> Wait | None:
+        """Carries out a command that the interpreter handed out."""
+        self.drive.before_moves()
+        handler = self.planned.get(command.code) or self.immediate.get(command.code)
+        if handler is not None:
+            return handler(command, reply)
+        before = len(self.commands.unknown)
+        wait = self.commands.run(command)
+        if len(self.commands.unknown) > before:
+            reply.say(f'echo:Unknown command: "{command.code}"')
+        return wait
+
+    async def wait(self, wait: Wait, reply: Reply) -> None:
+        """Waits with the machine at rest. Raises Stopped when it was halted meanwhile."""
+        self._skip.clear()
+        self.job.flush()
+        self.drive.after_moves()
+        await self.drive.until(lambda: self.drive.standing or bool(self.halted))
+        self.raise_if_halted()
+        if isinstance(wait, Temperatures):
+            await self._reach(wait, reply)
+        elif isinstance(wait, Person):
+            await self._person(wait, reply)
+        elif isinstance(wait, Homing):
+            self.job.settle_position()
+            self.homed |= set(wait.letters.lower() or self.machine.axes)
+        self.raise_if_halted()
+
+    def raise_if_halted(self) -> None:
+        """Raises Stopped while the machine is halted."""
+        if self.halted:
+            raise Stopped(self.halted)
+
+    async def run(self) -> None:
+        """Keeps the printer alive until cancelled; a failed board halts it."""
+        while True:
+            try:
+                await self.drive.run()
+            except MachineError as error:
+                self.halted = self.halted or str(error)
+                for problem in error.problems:
+                    self.tell(f"Error:{problem}")
+                return
+
+    # -- within -----------------------------------------------------------------------------------
+
+    def _apply_target(self, heater: int, celsius: float) -> None:
+        self.connection.set_target(self.heaters[heater], celsius)
+
+    def _go_on(self, reply: Reply) -> Wait | None:
+        status = _core.JobStatus
+        self.drive.before_moves()
+        try:
+            while True:
+                found = self.job.advance()
+                if found == status.EVENT:
+                    wait = self.run_command(Command(*self.job.event), reply)
+                    if wait is not None:
+                        return wait
+                elif found == status.ERROR:
+                    self.fail(problem_of(self.job, ""), reply)
+                    self.job.abandon()
+                    return None
+                else:
+                    return None
+        finally:
+            self.drive.after_moves()
+
+    def fail(self, problem: Problem, reply: Reply) -> None:
+        """Says what is wrong with a line that was not carried out."""
+        reply.fail(str(problem))
+
+    async def _reach(self, wait: Temperatures, reply: Reply) -> None:
+        self.heating = True
+        heaters = [self.connection.heaters[name] for name in wait.heaters]
+
+        def there() -> bool:
+            return (
+                self._skip.is_set()
+                or bool(self.halted)
+                or all(
+                    h.target <= 0 or h.reached or (h.celsius >= h.target and not wait.cooling)
+                    for h in heaters
+                )
+            )
+
+        try:
+            await self.drive.until(there)
+        finally:
+            self.heating = False
+
+    async def _person(self, wait: Person, reply: Reply) -> None:
+        reply.say("echo:busy: paused for user")
+        end = self.drive.now + wait.seconds * self.drive.hz
+        await self.drive.until(
+            lambda: (
+                self._skip.is_set()
+                or bool(self.halted)
+                or (wait.seconds > 0 and self.drive.now >= end)
+            )
+        )

@@ -1,0 +1,101 @@
+"""Commands that say how the printer is: temperatures, position, firmware."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import passo
+from passo.printer.waits import Handler, Reply, Wait
+from passo.printer.words import Command
+
+if TYPE_CHECKING:
+    from passo.printer.printer import Printer
+
+_LETTERS = {"hotend": "T", "bed": "B", "chamber": "C"}
+CAPABILITIES = {
+    "EEPROM": False,
+    "AUTOREPORT_TEMP": True,
+    "AUTOREPORT_POS": True,
+    "AUTOREPORT_SD_STATUS": False,
+    "BUSY_PROTOCOL": True,
+    "EMERGENCY_PARSER": True,
+    "CHAMBER_TEMP": False,
+    "EXTENDED_M20": False,
+    "LFN_WRITE": False,
+    "PROMPT_SUPPORT": False,
+    "PROGRESS": False,
+}
+
+
+class Reports:
+    """Reports of one printer."""
+
+    def __init__(self, printer: Printer) -> None:
+        self._printer = printer
+        self._letters = [row["letter"] for row in printer.machine.core_spec()["axes"]]
+        self.handlers: dict[str, Handler] = {
+            "M105": self._temperatures,
+            "M114": self._position,
+            "M115": self._firmware,
+        }
+
+    def temperatures(self) -> str:
+        """`T:21.5 /0.0 B:21.0 /0.0 @:0 B@:0`: measured, target, power of 127."""
+        printer = self._printer
+        parts: list[str] = []
+        powers: list[str] = []
+        hotends = [n for n, h in printer.machine.heaters.items() if h.kind == "hotend"]
+        for name, config in printer.machine.heaters.items():
+            heater = printer.connection.heaters[name]
+            letter = _LETTERS[config.kind]
+            reading = f":{heater.celsius:.2f} /{heater.target:.2f}"
+            if config.kind == "hotend":
+                number = hotends.index(name)
+                if number == min(printer.job.tool, len(hotends) - 1):
+                    parts.insert(0, f"T{reading}")
+                    powers.insert(0, f"@:{round(heater.power * 127)}")
+                if len(hotends) > 1:
+                    parts.append(f"T{number}{reading}")
+                    powers.append(f"@{number}:{round(heater.power * 127)}")
+            else:
+                parts.append(f"{letter}{reading}")
+                powers.append(f"{letter}@:{round(heater.power * 127)}")
+        return " ".join(parts + powers)
+
+    def position(self) -> str:
+        """`X:0.00 Y:0.00 Z:0.00 E:0.00 Count X:0 Y:0 Z:0`: the program's target, motor steps."""
+        printer = self._printer
+        *axes, e = printer.job.program_position
+        text = " ".join(
+            f"{letter}:{at:.3f}" for letter, at in zip(self._letters, axes, strict=True)
+        )
+        counts = " ".join(
+            f"{row['name'].upper()}:{row['count']}"
+            for row in printer.job.steppers()
+            if not row["name"].startswith("e")
+        )
+        return f"{text} E:{e:.4f} Count {counts}"
+
+    def _temperatures(self, _: Command, reply: Reply) -> Wait | None:
+        reply.with_ok(self.temperatures())
+        return None
+
+    def _position(self, _: Command, reply: Reply) -> Wait | None:
+        reply.say(self.position())
+        return None
+
+    def _firmware(self, _: Command, reply: Reply) -> Wait | None:
+        machine = self._printer.machine
+        reply.say(
+            f"FIRMWARE_NAME:Passo {passo.__version__} PROTOCOL_VERSION:1.0"
+            f" MACHINE_TYPE:{machine.name} EXTRUDER_COUNT:{max(1, len(machine.tools))}"
+            f" UUID:{machine.uuid}"
+        )
+        for name, there in self.capabilities().items():
+            reply.say(f"Cap:{name}:{int(there)}")
+        return None
+
+    def capabilities(self) -> dict[str, bool]:
+        """What M115 announces."""
+        chamber = any(h.kind == "chamber" for h in self._printer.machine.heaters.values())
+        return CAPABILITIES | {"CHAMBER_TEMP": chamber}

@@ -1,0 +1,70 @@
+"""What a command may wait for, and where its answers go."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol, TypeAlias
+
+from passo.printer.words import Command
+
+
+@dataclass(frozen=True, slots=True)
+class Still:
+    """Until the machine has done all moves so far."""
+
+
+@dataclass(frozen=True, slots=True)
+class Temperatures:
+    """Until these heaters have reached their targets, the machine standing still; `cooling` waits
+    for a heater that is too hot as well."""
+
+    heaters: tuple[str, ...]
+    cooling: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Person:
+    """Until somebody says go on, or `seconds` (0: for ever) have passed."""
+
+    message: str
+    seconds: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Homing:
+    """Until these axes (letters; all if none) are at home."""
+
+    letters: str
+
+
+Wait: TypeAlias = Still | Temperatures | Person | Homing
+
+
+class Reply(Protocol):
+    """Where a command came from, and where its answers go."""
+
+    def say(self, text: str) -> None:
+        """A line of answer."""
+
+    def with_ok(self, text: str) -> None:
+        """Text that stands behind `ok` in the same line."""
+
+    def fail(self, text: str) -> None:
+        """The command was not carried out, and why."""
+
+
+Handler: TypeAlias = Callable[[Command, Reply], Wait | None]
+
+
+class Silence:
+    """Nobody listens: answers are dropped."""
+
+    def say(self, text: str) -> None:
+        """Drops the text."""
+
+    def with_ok(self, text: str) -> None:
+        """Drops the text."""
+
+    def fail(self, text: str) -> None:
+        """Drops the text."""
