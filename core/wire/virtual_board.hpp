@@ -95,6 +95,7 @@ class VirtualBoard : public Device {
 
  private:
   using Part = std::variant<BoardMotor, BoardOutput, BoardAnalogIn, BoardEndstop, BoardTrsync>;
+  static constexpr uint32_t kOidsMax = 255;
   static constexpr uint32_t kShortestPeriod = 100;
   struct Shape {
     bool known, in_shutdown;
@@ -230,7 +231,8 @@ class VirtualBoard : public Device {
                {finalized_, crc_, fault_ != Fault::none, finalized_ ? options_.move_count : 0});
         break;
       case Command::allocate_oids:
-        if (oids_) throw Shutdown{Fault::oid_taken};
+        // An oid is a byte on the wire: more of them would only be memory that a peer can ask for.
+        if (oids_ || a[0] > kOidsMax) throw Shutdown{Fault::oid_taken};
         oids_ = a[0];
         break;
       case Command::finalize_config:

@@ -72,6 +72,12 @@ def test_commands_before_the_configuration_are_refused():
     assert board.device.fault == "Command before finalize_config"
 
 
+def test_a_board_has_at_most_255_parts():
+    board = RawBoard()
+    board.tell("allocate_oids count=256")
+    assert board.device.fault == "Can't assign oid"
+
+
 def test_a_step_in_time_is_executed_whenever_it_comes(board):
     board.wait(1000)
     board.tell(FIRST)
