@@ -138,7 +138,9 @@ class Problem:
     @property
     def place(self) -> str:
         """`file:line`, as editors understand it; empty where there is no file."""
-        return self.file if self.line is None else f"{self.file}:{self.line}"
+        if not self.file or self.line is None:
+            return self.file
+        return f"{self.file}:{self.line}"
 
     def __str__(self) -> str:
         """One line: place, sentence, hint or next action."""

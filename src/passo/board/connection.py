@@ -46,6 +46,7 @@ class Connection:
 
     def __init__(self, board: BoardDescription, device: _core.Device, start_clock: int = 0) -> None:
         self.board = board
+        self.device = device
         self.link = _core.Link(float(board.clock_hz))
         self.pump = _core.Pump(self.link, device, start_clock)
         self.dictionary = Dictionary((), (), {}, {})

@@ -159,7 +159,7 @@ class Drive:
             self._run(clock)
             self._set_target(heater, centi / 100)
         self._run(now)
-        self._end_waits()
+        self.end_waits()
 
     def _run(self, job_clock: int) -> None:
         until = self.base + job_clock
@@ -183,7 +183,8 @@ class Drive:
             job.flush()
             self._stop_clock = job.clock
 
-    def _end_waits(self) -> None:
+    def end_waits(self) -> None:
+        """Ends the waits whose conditions hold."""
         for condition, future in list(self._waiting):
             if not future.done() and condition():
                 future.set_result(None)

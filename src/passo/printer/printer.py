@@ -13,10 +13,11 @@ from passo.printer.drive import Drive
 from passo.printer.faults import problem_of
 from passo.printer.turn import Turn
 from passo.printer.waits import Handler, Homing, Person, Reply, Temperatures, Wait
-from passo.printer.wiring import connect
+from passo.printer.wiring import connect, reconnected
 from passo.printer.words import Command
 
 if TYPE_CHECKING:
+    from passo.board.connection import Connection
     from passo.config.machine import MachineConfig
 
 
@@ -36,13 +37,10 @@ class Printer:
 
     def __init__(self, machine: MachineConfig, *, free: bool = False) -> None:
         self.machine = machine
-        self.connection, self.board = connect(machine)
-        self.connection.run(self.connection.now + int(_FIRST_REPORTS_S * machine.board.clock_hz))
-        self.job = _core.Job(machine.core_spec(), True, False, False)
-        full = [self.connection.full_scale(o.name) for o in self.connection.board.outputs]
-        self.commands = Commands(machine, self.job, self, full)
         self.heaters = list(machine.heaters)
-        self.drive = Drive(self.connection, self.job, free=free, set_target=self._apply_target)
+        self._free = free
+        connection, self.board = connect(machine)
+        self._begin(connection)
         self.turn = Turn()
         self.immediate: dict[str, Handler] = {}
         self.planned: dict[str, Handler] = {}
@@ -51,7 +49,17 @@ class Printer:
         self.heating = False  # somebody waits for a temperature
         self.homed: set[str] = set()
         self._skip = asyncio.Event()
-        self._waiting = 0
+        self._revived = asyncio.Event()
+
+    def _begin(self, connection: Connection) -> None:
+        """Starts from a board that has just been configured, with nothing planned."""
+        machine = self.machine
+        connection.run(connection.now + int(_FIRST_REPORTS_S * machine.board.clock_hz))
+        self.connection = connection
+        self.job = _core.Job(machine.core_spec(), True, False, False)
+        full = [connection.full_scale(o.name) for o in connection.board.outputs]
+        self.commands = Commands(machine, self.job, self, full)
+        self.drive = Drive(connection, self.job, free=self._free, set_target=self._apply_target)
 
     # -- what others may ask ----------------------------------------------------------------------
 
@@ -87,6 +95,11 @@ class Printer:
             self.connection.set_target(name, 0.0)
         self.connection.command("emergency_stop")
         self._skip.set()
+
+    def revive(self) -> None:
+        """M999: a halted printer begins anew, cold, and without knowing where it is."""
+        if self.halted:
+            self._revived.set()
 
     def stop(self) -> None:
         """M410: brakes to a stop on the path and forgets all moves that were planned."""
@@ -155,15 +168,20 @@ class Printer:
             raise Stopped(self.halted)
 
     async def run(self) -> None:
-        """Keeps the printer alive until cancelled; a failed board halts it."""
+        """Keeps the printer alive until cancelled. A failed board halts it, until it is revived."""
         while True:
             try:
                 await self.drive.run()
             except MachineError as error:
                 self.halted = self.halted or str(error)
-                for problem in error.problems:
-                    self.tell(f"Error:{problem}")
-                return
+                self.homed.clear()
+                self.tell(f"Error:Printer halted: {self.halted}. Make it safe, then send M999")
+                self.drive.end_waits()
+                await self._revived.wait()
+                self._revived.clear()
+                self._begin(reconnected(self.connection))
+                self.halted = ""
+                self.tell("echo:The printer is ready again. Home it before you move it")
 
     # -- within -----------------------------------------------------------------------------------
 

@@ -119,3 +119,10 @@ def connect(machine: MachineConfig) -> tuple[Connection, SimulatedBoard]:
     connection = Connection(board, simulated.device)
     connection.connect()
     return connection, simulated
+
+
+def reconnected(old: Connection) -> Connection:
+    """A new connection to the board of `old`, which is reset. Raises MachineError."""
+    connection = Connection(old.board, old.device, old.now)
+    connection.connect()
+    return connection
