@@ -115,6 +115,7 @@ void bind_job(nb::module_& m) {
       .value("ARC", Fault::arc)
       .value("OUT_OF_RANGE", Fault::out_of_range)
       .value("MISSING_TOOL", Fault::missing_tool)
+      .value("NOT_HOMED", Fault::not_homed)
       .value("GARBAGE", Fault::garbage)
       .value("UNREACHABLE", Fault::unreachable)
       .value("ACTUATOR", Fault::actuator);
@@ -271,13 +272,13 @@ void bind_job(nb::module_& m) {
           "End of the plan: X, Y, Z, E and further axes, in machine mm.")
       .def(
           "move_to",
-          [](JobView& self, const std::vector<double>& target, double feed_mm_s) {
+          [](JobView& self, const std::vector<double>& target, double feed_mm_s, bool limited) {
             if (target.size() != kAxes) throw nb::value_error("eight positions");
-            return self.job.move_to(target.data(), feed_mm_s);
+            return self.job.move_to(target.data(), feed_mm_s, limited);
           },
-          "target"_a, "feed_mm_s"_a,
+          "target"_a, "feed_mm_s"_a, "limited"_a = true,
           "A straight move in machine coordinates (NaN: stay), outside of soft limits. False if an "
-          "actuator does not reach it.")
+          "actuator does not reach it, unless its limits are not to count.")
       .def(
           "set_axis",
           [](JobView& self, int axis, double position) {
@@ -287,9 +288,37 @@ void bind_job(nb::module_& m) {
             std::copy_n(job.motion.planner().position(), kAxes, p);
             p[slot_of_axis(axis)] = position;
             job.interpreter.set_axis(slot_of_axis(axis), position);
+            job.interpreter.lock(slot_of_axis(axis), false);
             job.motion.set_position(p, job.interpreter.extruder());
           },
           "axis"_a, "position_mm"_a, "The axis of this number is here now, without motion.")
+      .def(
+          "renew_steppers",
+          [](JobView& self, const std::vector<size_t>& steppers) {
+            self.job.motion.flush();
+            for (size_t i : steppers) {
+              if (i >= self.job.motion.machine().steppers.size())
+                throw nb::index_error("no such stepper");
+              self.job.motion.renew(i);
+            }
+          },
+          "steppers"_a,
+          "An endstop has stopped these motors: their clocks are told anew before the next step.")
+      .def(
+          "lock_axis",
+          [](JobView& self, int axis, bool locked) {
+            self.job.interpreter.lock(slot_of_axis(axis), locked);
+          },
+          "axis"_a, "locked"_a,
+          "A locked axis does not know where it is: moves of it are errors, until it is set.")
+      .def_prop_ro("locked_axes",
+                   [](JobView& self) {
+                     std::vector<int> axes;
+                     for (size_t a = 0; a < self.job.motion.machine().axes.size(); ++a)
+                       if (self.job.interpreter.locked(slot_of_axis(int(a))))
+                         axes.push_back(int(a));
+                     return axes;
+                   })
       .def_prop_ro("held", [](JobView& self) { return self.job.motion.held(); })
       .def_prop_ro(
           "clock", [](JobView& self) { return self.job.motion.planner().clock(); },

@@ -103,6 +103,12 @@ class Compressor {
   // No command may be due before this clock: messages up to it are handed out already.
   void not_before(int64_t clock) { floor_ = clock; }
 
+  // The motor has stopped by itself: its clock and direction are told anew before its next step.
+  void renew() {
+    renew_ = true;
+    dir_ = 0;
+  }
+
   // Net steps that were solved but not made into commands.
   int64_t pending_net() const {
     int64_t net = 0;
@@ -145,7 +151,7 @@ class Compressor {
   int64_t last_ = 0;  // executed clock of the last step compressed
   int dir_ = 0;
   int64_t floor_ = 0;
-  bool crowded_ = false, keeps_ideal_ = false;
+  bool crowded_ = false, keeps_ideal_ = false, renew_ = false;
   std::vector<double> ideal_;
 
   // Where the motor turns, opposite steps that are too close for the driver cancel each other.
@@ -227,7 +233,7 @@ class Compressor {
       size_t end = std::min(run_end, known);
       bool open = !still && (last_run || run_end > known);
       while (i < end) {
-        if (t[i] - double(last_) > kIdle) reset_clock(t[i]);
+        if (renew_ || t[i] - double(last_) > kIdle) reset_clock(t[i]);
         Command c;
         size_t stop;
         for (size_t look : {kLook, size_t(Stabbing::kLongest)}) {
@@ -252,6 +258,7 @@ class Compressor {
 
   void reset_clock(double first) {
     last_ = due(first);
+    renew_ = false;
     messages_.push({last_, last_, 0, 0, 0, target_, MessageKind::reset_clock, 0});
   }
 

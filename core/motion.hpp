@@ -91,6 +91,9 @@ class Motion {
       solvers_[i].set_count(count);
     }
   }
+  // After an endstop has stopped motors on the board: the next step of motor i tells its clock and
+  // direction anew. Only after flush; where the motor is must be set then.
+  void renew(size_t i) { compressors_[i].renew(); }
   // Net steps that motor i was to make: its rounded targets, less what positions were set without
   // motion.
   int64_t expected_net(size_t i) const { return solvers_[i].count() - set_apart_[i]; }

@@ -38,6 +38,7 @@ enum class Fault : uint8_t {
   arc,
   out_of_range,
   missing_tool,
+  not_homed,
   garbage,
   unreachable,
   actuator
@@ -102,6 +103,11 @@ class Interpreter {
     position_[j] = position;
     if (j < 3) origin_[j] = tool_offset(j);
   }
+  // A locked axis does not know where it is: moves of it fail until it is homed or set by G92.
+  void lock(int j, bool locked) {
+    locked_ = uint8_t(locked ? locked_ | 1u << j : locked_ & ~(1u << j));
+  }
+  bool locked(int j) const { return locked_ >> j & 1; }
   // The program's own coordinates of slot j.
   double logical(int j) const {
     return j == kE ? logical_e_ : position_[j] - origin_[j] - (j == kZ ? hop_ : 0);
@@ -195,6 +201,7 @@ class Interpreter {
   int motion_ = -1;  // modal G0…G3; -1: none given yet
   int plane_ = 17;
   bool retracted_ = false;
+  uint8_t locked_ = 0;  // a bit for each axis slot
   double hop_ = 0;
   double retract_mm_ = 3, retract_feed_ = 45, retract_hop_ = 0, recover_mm_ = 0, recover_feed_ = 0;
   int marked_layers_ = 0;
@@ -210,6 +217,9 @@ class Interpreter {
 
   Lines& lines() { return sources_[source_]; }
   const Lines& lines() const { return sources_[source_]; }
+  const std::string& axis_name(int j) const {
+    return machine_->axes[size_t(j < 3 ? j : j - kExtra + 3)].name;
+  }
   double tool_offset(int j) const {
     return machine_->tools.empty() ? 0 : machine_->tools[tool_].offset[j];
   }
@@ -269,6 +279,7 @@ class Interpreter {
   bool target(const double* value, uint32_t have, bool absolute, bool absolute_e) {
     std::copy(position_, position_ + kAxes, move_.target);
     uint8_t moved = 0;
+    const double e_before = logical_e_;
     for (uint32_t left = have; left; left &= left - 1) {
       int k = __builtin_ctz(left), j = letter_slot_[k];
       moved |= uint8_t(1u << j);
@@ -283,15 +294,20 @@ class Interpreter {
       if (absolute && j == kZ) t += hop_;
       if (t < low_[j] - 1e-6 || t > high_[j] + 1e-6) {
         double limit = t < low_[j] ? low_[j] : high_[j];
-        if (!clamp) {
-          fail(Fault::out_of_range, machine_->axes[size_t(j < 3 ? j : j - kExtra + 3)].name, t,
-               limit);
+        if (!clamp && !locked(j)) {
+          logical_e_ = e_before;
+          fail(Fault::out_of_range, axis_name(j), t, limit);
           return false;
         }
         ++clamped_;
         t = limit;
       }
       move_.target[j] = t;
+    }
+    if (moved & locked_) {
+      logical_e_ = e_before;
+      fail(Fault::not_homed, axis_name(__builtin_ctz(unsigned(moved & locked_))), 0, 0);
+      return false;
     }
     move_.moved = moved;
     return true;

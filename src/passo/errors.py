@@ -106,6 +106,23 @@ CATALOGUE: Mapping[str, Entry] = {
         "Check the name, its permissions, and that nobody else has it",
         ExitStatus.USAGE,
     ),
+    "machine.switch-missed": Entry(
+        "homing",
+        "axis {axis} was not homed: {value} was not pressed within {limit} towards {position}",
+        "Look whether the axis moved towards it, and what M119 says while you press it",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.switch-stuck": Entry(
+        "homing",
+        "axis {axis} was not homed: {value} is still pressed {limit} away from {position}",
+        "Check its wiring and the ! in front of its pin, or give it a longer way back",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "input.not-homed": _input(
+        "homing",
+        "axis {axis} does not know where it is",
+        "Home it (G28), or say where it is (G92)",
+    ),
     "machine.slow-heater": Entry(
         "heat",
         "heater {axis} has reached only {value:.1f} °C of {limit:.1f} °C in an hour",
@@ -182,6 +199,10 @@ class ConfigError(PassoError):
 
 class InputError(PassoError):
     """A G-code file is unreadable, garbage, or asks for what the machine cannot do."""
+
+
+class CommandError(PassoError):
+    """A command could not be carried out; the printer itself is well."""
 
 
 class MachineError(PassoError):

@@ -17,13 +17,15 @@ SENSOR_RANGE_CHECKS = 4
 
 @dataclass(frozen=True, slots=True)
 class Oids:
-    """Numbers of the board's objects: steppers, outputs, sensors, endstops, then one trsync."""
+    """Numbers of the board's objects: steppers, outputs, sensors, endstops, then a trsync for each
+    endstop: the group of motors that it stops."""
 
     steppers: dict[str, int]
     outputs: dict[str, int]
     sensors: dict[str, int]
     endstops: dict[str, int]
-    trsync: int
+    trsyncs: dict[str, int]
+    count: int
 
     @classmethod
     def of(cls, board: BoardDescription) -> Oids:
@@ -40,6 +42,7 @@ class Oids:
             numbered(o.name for o in board.outputs),
             numbered(s.name for s in board.sensors),
             numbered(e.name for e in board.endstops),
+            numbered(e.name for e in board.endstops),
             count,
         )
 
@@ -54,7 +57,7 @@ def full_scale(output: Output, dictionary: Dictionary) -> int:
 def commands(board: BoardDescription, dictionary: Dictionary) -> list[str]:
     """The configuration as text, `allocate_oids` first, without `finalize_config`."""
     oids = Oids.of(board)
-    lines = [f"allocate_oids count={oids.trsync + 1}"]
+    lines = [f"allocate_oids count={oids.count}"]
     for s in board.steppers:
         lines.append(
             f"config_stepper oid={oids.steppers[s.name]} step_pin={bare(s.step_pin)}"
@@ -70,7 +73,7 @@ def commands(board: BoardDescription, dictionary: Dictionary) -> list[str]:
         f"config_endstop oid={oids.endstops[e.name]} pin={bare(e.pin)} pull_up={int('^' in e.pin)}"
         for e in board.endstops
     ]
-    lines.append(f"config_trsync oid={oids.trsync}")
+    lines += [f"config_trsync oid={oid}" for oid in oids.trsyncs.values()]
     return lines
 
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from math import inf
-from typing import Any
+from typing import Any, Literal
 
 from pydantic import Field
 
 from passo.config.base import AxisName, ExtruderName, Model, Name, Pair, Uuid
 from passo.config.drives import Drivable, axis_order
 from passo.config.electronics import Board, Fans, Heaters, Laser
+from passo.config.homing import Homing
 from passo.config.motion import Axis, Extruder, Limits, Stepper, Steppers, Tool
 from passo.geometry.registry import AnyGeometry
 
@@ -23,7 +24,11 @@ class Bed(Model):
 
 
 class MachineConfig(Model):
-    """A printer as its machine file describes it. Made by `passo.config.load`."""
+    """A printer as its machine file describes it. Made by `passo.config.load`.
+
+    `unhomed_moves` says what becomes of moves of an axis that has a switch and does not yet know
+    where it is.
+    """
 
     name: Name
     uuid: Uuid
@@ -35,6 +40,8 @@ class MachineConfig(Model):
     extruders: dict[ExtruderName, Extruder] = {}
     tools: list[Tool] = []
     limits: Limits = Field(default_factory=Limits)
+    homing: dict[Name, Homing] = {}
+    unhomed_moves: Literal["refuse", "allow"] = "refuse"
     bed: Bed | None = None
     heaters: Heaters = {}
     fans: Fans = {}

@@ -8,7 +8,7 @@ from collections import deque
 from typing import Protocol
 
 from passo.console.protocol import Line, LineProtocol, Refusal
-from passo.errors import MachineError
+from passo.errors import PassoError
 from passo.printer.printer import Printer, Stopped
 from passo.printer.waits import Wait
 from passo.printer.words import Command
@@ -179,7 +179,7 @@ class Session:
                 if not self._refused(line):
                     wait = printer.take_line(line.text, self)
             await printer.finish(wait, self)
-        except (Stopped, MachineError) as error:
+        except (Stopped, PassoError) as error:
             self.fail(str(error))
         finally:
             self.every("busy", 0, None)

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from math import sqrt
 from typing import TYPE_CHECKING, Protocol
 
+from passo.config.drives import axis_order
 from passo.gcode.dialect import BY_CODE, Kind
 from passo.printer.waits import Homing, Person, Still, Temperatures, Wait
 from passo.printer.words import Command
@@ -46,6 +47,7 @@ class Commands:
         self.ended = False
         self._handlers: dict[str, Callable[[Command], Wait | None]] = {
             "G28": lambda c: Homing(c.text),
+            "G92": self._set_position,
             "M2": self._end,
             "M30": self._end,
             "M3": self._spindle_start,
@@ -115,6 +117,12 @@ class Commands:
         if clamped:
             lines.append(f"{file}: {clamped} targets out of range were moved to the limit")
         return lines
+
+    def _set_position(self, command: Command) -> None:
+        """Of axes that do not know where they are; the interpreter does the others."""
+        axes = axis_order(self._machine.axes)
+        for letter, value in command.words().items():
+            self._job.set_axis(axes.index(letter.lower()), value)
 
     def _end(self, _: Command) -> Wait:
         self.ended = True

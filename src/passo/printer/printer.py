@@ -7,10 +7,12 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from passo import _core
+from passo.config.drives import axis_order
 from passo.errors import MachineError, Problem
 from passo.printer.commands import Commands
 from passo.printer.drive import Drive
 from passo.printer.faults import problem_of
+from passo.printer.homing import Homer
 from passo.printer.turn import Turn
 from passo.printer.waits import Handler, Homing, Person, Reply, Temperatures, Wait
 from passo.printer.wiring import connect, reconnected
@@ -47,7 +49,6 @@ class Printer:
         self.listeners: list[Callable[[str], None]] = []
         self.halted = ""  # why nothing moves or heats any more; M999 clears it
         self.heating = False  # somebody waits for a temperature
-        self.homed: set[str] = set()
         self._skip = asyncio.Event()
         self._revived = asyncio.Event()
 
@@ -60,6 +61,11 @@ class Printer:
         full = [connection.full_scale(o.name) for o in connection.board.outputs]
         self.commands = Commands(machine, self.job, self, full)
         self.drive = Drive(connection, self.job, free=self._free, set_target=self._apply_target)
+        self.homer = Homer(self)
+        if machine.unhomed_moves == "refuse":
+            axes = axis_order(machine.axes)
+            for name in self.homer.axes:
+                self.job.lock_axis(axes.index(name), True)
 
     # -- what others may ask ----------------------------------------------------------------------
 
@@ -158,9 +164,20 @@ class Printer:
         elif isinstance(wait, Person):
             await self._person(wait, reply)
         elif isinstance(wait, Homing):
-            self.job.settle_position()
-            self.homed |= set(wait.letters.lower() or self.machine.axes)
+            self.job.abandon()
+            await self.homer.home(wait.letters)
         self.raise_if_halted()
+
+    @property
+    def interrupted(self) -> bool:
+        """Somebody wants the wait that goes on to end: M108, M410 or a halt."""
+        return self._skip.is_set() or bool(self.halted)
+
+    def raise_if_interrupted(self) -> None:
+        """Raises Stopped after M108, M410 or a halt."""
+        self.raise_if_halted()
+        if self._skip.is_set():
+            raise Stopped("it was stopped")
 
     def raise_if_halted(self) -> None:
         """Raises Stopped while the machine is halted."""
@@ -174,7 +191,6 @@ class Printer:
                 await self.drive.run()
             except MachineError as error:
                 self.halted = self.halted or str(error)
-                self.homed.clear()
                 self.tell(f"Error:Printer halted: {self.halted}. Make it safe, then send M999")
                 self.drive.end_waits()
                 await self._revived.wait()
