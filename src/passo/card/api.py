@@ -21,6 +21,11 @@ def failure(code: str, file: str, **values: Any) -> CardError:
     return CardError([Problem(code, file, values=values)])
 
 
+def is_removed(error: CardError) -> bool:
+    """Whether the medium failed, so that nobody knows what of the last step it has kept."""
+    return error.problems[0].code == "card.removed"
+
+
 @dataclass(frozen=True, slots=True)
 class Entry:
     """A file or directory as a listing shows it.
