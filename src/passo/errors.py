@@ -40,6 +40,10 @@ def _input(part: str, says: str, action: str) -> Entry:
     return Entry(part, says, action, ExitStatus.BAD_INPUT)
 
 
+def _card(says: str, action: str) -> Entry:
+    return Entry("card", says, action, ExitStatus.BAD_INPUT)
+
+
 CATALOGUE: Mapping[str, Entry] = {
     "config.unknown-machine": _config(
         "there is no machine called {value!r}",
@@ -99,6 +103,39 @@ CATALOGUE: Mapping[str, Entry] = {
     ),
     "output.unwritable": _input(
         "file", "cannot be written: {value}", "Check the path, its permissions and the free space"
+    ),
+    "card.absent": _card(
+        "there is no card: {value}", "Insert the card or correct the path, then mount it again"
+    ),
+    "card.format": _card(
+        "holds no FAT32 file system: {key} is {value}, expected {limit}",
+        "Format the card as FAT32 on a computer, after saving what is on it",
+    ),
+    "card.broken": _card(
+        "the file system is damaged: {key} is {value}, expected {limit}",
+        "Check and mend the card on a computer (fsck.fat or chkdsk)",
+    ),
+    "card.not-found": _card("is not on the card", "List the card and name what is there"),
+    "card.directory": _card("is a directory, not a file", "Name a file in it"),
+    "card.not-directory": _card("is a file, not a directory", "Name a directory of the card"),
+    "card.exists": _card("exists already", "Choose another name"),
+    "card.name": _card(
+        "the name {value!r} is not allowed on a card: expected {limit}", "Choose another name"
+    ),
+    "card.full": _card(
+        "the card is full: {value} bytes are needed, {limit} are free",
+        "Delete files or take another card",
+    ),
+    "card.too-long": _card(
+        "would be {value} bytes long, beyond the limit of {limit}", "Write it in several parts"
+    ),
+    "card.read-only": _card(
+        "cannot be written: {value}", "Remove the write protection (the card's switch, permissions)"
+    ),
+    "card.busy": _card("is in use: {value}", "Wait until that has ended, or stop it"),
+    "card.removed": _card(
+        "was removed while in use, or fails: {value}",
+        "Insert the card again and mount it; replace it if that recurs",
     ),
     "console.unopened": Entry(
         "console",
@@ -207,3 +244,7 @@ class CommandError(PassoError):
 
 class MachineError(PassoError):
     """The printer or its board failed."""
+
+
+class CardError(PassoError):
+    """A card or a file on it cannot be used as asked."""
