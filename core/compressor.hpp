@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <deque>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "machine.hpp"
@@ -109,6 +110,17 @@ class Compressor {
     dir_ = 0;
   }
 
+  // The last step before the clock was set anew at `clock`.
+  int64_t before_reset(int64_t clock) const {
+    for (const auto& [at, before] : resets_)
+      if (at == clock) return before;
+    throw std::logic_error("the clock was not set anew then");
+  }
+  // What was set anew before `clock` can no longer be taken back.
+  void forget_resets(int64_t clock) {
+    while (!resets_.empty() && resets_.front().first < clock) resets_.pop_front();
+  }
+
   // Net steps that were solved but not made into commands.
   int64_t pending_net() const {
     int64_t net = 0;
@@ -128,6 +140,7 @@ class Compressor {
     last_ = last;
     dir_ = 0;
     crowded_ = true;
+    while (!resets_.empty() && resets_.back().first > last) resets_.pop_back();
     statistics_.steps -= revoked.steps;
     statistics_.net -= revoked.net;
     statistics_.commands -= revoked.commands;
@@ -151,6 +164,7 @@ class Compressor {
   int64_t last_ = 0;  // executed clock of the last step compressed
   int dir_ = 0;
   int64_t floor_ = 0;
+  std::deque<std::pair<int64_t, int64_t>> resets_;  // clock set, last step before it
   bool crowded_ = false, keeps_ideal_ = false, renew_ = false;
   std::vector<double> ideal_;
 
@@ -257,7 +271,9 @@ class Compressor {
   }
 
   void reset_clock(double first) {
+    int64_t before = last_;
     last_ = due(first);
+    resets_.emplace_back(last_, before);
     renew_ = false;
     messages_.push({last_, last_, 0, 0, 0, target_, MessageKind::reset_clock, 0});
   }

@@ -143,6 +143,13 @@ CATALOGUE: Mapping[str, Entry] = {
         "Check the name, its permissions, and that nobody else has it",
         ExitStatus.USAGE,
     ),
+    "card.no-name": _card("no file is named", "Name one behind the command, as M20 lists it"),
+    "card.no-console": _card("only a console can send a file", "Send it from a console"),
+    "job.no-file": _input("job", "no file is selected", "Select one (M23), after listing the card"),
+    "job.failed": _input("job", "{value}", "Mend it and go on after it (M24), or cancel (M524)"),
+    "job.printing": _input(
+        "job", "{value} is being printed", "Wait until it is done, or cancel it (M524)"
+    ),
     "machine.switch-missed": Entry(
         "homing",
         "axis {axis} was not homed: {value} was not pressed within {limit} towards {position}",

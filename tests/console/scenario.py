@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import re
 from collections.abc import Callable, Coroutine
 from typing import Any, TypeVar
@@ -84,28 +85,37 @@ class Host:
 class Scenario:
     """A printer with consoles on a loop of its own; close it (or use `with`)."""
 
-    def __init__(self, machine: str | MachineConfig = "i3", *, free: bool = False) -> None:
+    def __init__(
+        self,
+        machine: str | MachineConfig = "i3",
+        *,
+        free: bool = False,
+        card: str | None = None,
+    ) -> None:
         self.loop = VirtualLoop()
+        self._failures: list[object] = []
+        self.loop.set_exception_handler(lambda _, context: self._failures.append(context))
         self.machine = config.load(machine) if isinstance(machine, str) else machine
-        self.printer = self.run(self._start(free))
+        self.printer = self.run(self._start(free, card))
         self._task = self.loop.create_task(self.printer.run())
         self.host = Host(self)
 
-    async def _start(self, free: bool) -> Any:
-        return furnished(self.machine, free=free)
+    async def _start(self, free: bool, card: str | None) -> Any:
+        return furnished(self.machine, free=free, card=card)
 
     def __enter__(self) -> Scenario:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._task.cancel()
         self.run(self._end())
         self.loop.close()
+        assert not self._failures, self._failures
 
     async def _end(self) -> None:
-        import asyncio
-
-        await asyncio.gather(self._task, return_exceptions=True)
+        tasks = asyncio.all_tasks() - {asyncio.current_task()}
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
 
     @property
     def board(self) -> SimulatedBoard:
@@ -121,7 +131,6 @@ class Scenario:
 
     def until(self, condition: Callable[[], bool], within: float) -> bool:
         """Lets virtual time pass until the condition holds; False if it never did."""
-        import asyncio
 
         async def wait() -> bool:
             end = self.loop.time() + within

@@ -11,7 +11,6 @@ from passo.board.description import inverted
 _SAMPLE_S = 15e-6  # between the samples that must agree
 _SAMPLES = 4
 _REPORT_S = 0.1  # a group tells its state so often
-_LEAD_S = 0.02
 _REASONS = 255  # told apart, so that a late report of one search does not end the next
 
 
@@ -35,12 +34,13 @@ class Endstops:
     def _is_pressed(self, name: str, state: Values) -> bool:
         return bool(state["pin_value"]) != inverted(self._pins[name])
 
-    def arm(self, steppers: Mapping[str, Sequence[str]], rest_s: float) -> None:
-        """From now on each of these endstops stops its steppers when it is pressed; the board looks
-        every `rest_s` seconds."""
+    def arm(self, steppers: Mapping[str, Sequence[str]], clock: int, rest_s: float) -> None:
+        """From a board clock on each of these endstops stops its steppers when it is pressed; the
+        board looks every `rest_s` seconds. The motors' clocks must not be set anew after that: it
+        would let a stopped motor go on."""
         connection = self._connection
         hz = connection.board.clock_hz
-        clock = (connection.now + int(_LEAD_S * hz)) & 0xFFFFFFFF
+        clock &= 0xFFFFFFFF
         self._armed, self.hit = set(steppers), set()
         self._reason = self._reason % _REASONS + 1
         for name, stopped in steppers.items():

@@ -11,7 +11,7 @@ from passo.config.base import AxisName, ExtruderName, Model, Name, Pair, Uuid
 from passo.config.drives import Drivable, axis_order
 from passo.config.electronics import Board, Fans, Heaters, Laser
 from passo.config.homing import Homing
-from passo.config.motion import Axis, Extruder, Limits, Stepper, Steppers, Tool
+from passo.config.motion import Axis, Extruder, Limits, Park, Stepper, Steppers, Tool
 from passo.geometry.registry import AnyGeometry
 
 
@@ -41,6 +41,7 @@ class MachineConfig(Model):
     tools: list[Tool] = []
     limits: Limits = Field(default_factory=Limits)
     homing: dict[Name, Homing] = {}
+    park: Park | None = Field(default_factory=Park)
     unhomed_moves: Literal["refuse", "allow"] = "refuse"
     bed: Bed | None = None
     heaters: Heaters = {}

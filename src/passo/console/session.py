@@ -8,6 +8,7 @@ from collections import deque
 from typing import Protocol
 
 from passo.console.protocol import Line, LineProtocol, Refusal
+from passo.console.upload import Upload
 from passo.errors import PassoError
 from passo.printer.printer import Printer, Stopped
 from passo.printer.waits import Wait
@@ -53,6 +54,7 @@ class Session:
         self.failed = False
         self.busy_s = 2.0  # M113
         self.advanced_ok = False
+        self.upload: Upload | None = None  # M28: lines go into this file
         self.closed = False
         printer.listeners.append(self.hear)
         self.every("wait", WAIT_S, self._say_wait)
@@ -79,6 +81,9 @@ class Session:
             timer.cancel()
         self._timers.clear()
         self._lines.clear()
+        if self.upload is not None:
+            self.upload.abort()
+            self.upload = None
         if self._task is not None:
             self._task.cancel()
         if self.hear in self._printer.listeners:
@@ -145,6 +150,9 @@ class Session:
                 self._acknowledge(line)
                 continue
             command = command_of(line.text)
+            if self.upload is not None and self._stored(line, command.code):
+                self._acknowledge(line)
+                continue
             handler = printer.immediate.get(command.code)
             if handler is not None:
                 handler(command, self)
@@ -189,6 +197,24 @@ class Session:
         if not self.closed:
             self._acknowledge(line)
             self._work()
+
+    def _stored(self, line: Line, code: str) -> bool:
+        """Whether a line was for the file that is written, and not to be carried out. Once lines
+        come with numbers, one without is a host's question in between."""
+        upload = self.upload
+        if upload is None or code in ("M29", "M110"):
+            return False
+        if upload.log:
+            upload.write(line.text)
+            return False
+        upload.numbered = upload.numbered or line.number is not None
+        if upload.numbered and line.number is None:
+            if code in self._printer.immediate:
+                return False
+            self.fail(f"{code} is not carried out while a file is written; end it with M29")
+            return True
+        upload.write(line.text)
+        return True
 
     def _refused(self, line: Line) -> bool:
         code = command_of(line.text).code

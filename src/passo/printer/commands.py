@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from math import sqrt
 from typing import TYPE_CHECKING, Protocol
 
@@ -14,6 +14,9 @@ from passo.printer.words import Command
 if TYPE_CHECKING:
     from passo import _core
     from passo.config.machine import MachineConfig
+
+
+_COLD_C = 170.0  # below it filament does not move
 
 
 class Heat(Protocol):
@@ -127,6 +130,16 @@ class Commands:
     def _end(self, _: Command) -> Wait:
         self.ended = True
         return Still()
+
+    def warm(self, heaters: Mapping[str, _core.Heater]) -> bool:
+        """The active tool's hotend lets filament move."""
+        name = self._heater("hotend", self._job.tool)
+        return name is None or heaters[name].celsius >= _COLD_C
+
+    def fans_off(self) -> None:
+        """All fans, as soon as the moves so far are done."""
+        for fan in self._machine.fans:
+            self._set(fan, 0.0)
 
     def _set(self, output: str, share: float) -> None:
         index, full = self._outputs[output]

@@ -169,9 +169,12 @@ class Drive:
     def _settle(self, now: int) -> None:
         """A plan that runs dry is settled for a stop; what came in since takes the stop back."""
         job = self._job
-        self._dirty = False
         if job.queued == 0:
+            if self._dirty:
+                job.flush()  # a fan may have been switched
+            self._dirty = False
             return
+        self._dirty = False
         if self._first_move_s is not None:
             if not self._free and self._loop.time() < self._first_move_s + GATHER_S:
                 self._dirty = True

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from passo.printer.printer import Printer
 
 _REST_S = 0.001  # the board looks at a switch at least this often
+_ARMED_S = 0.005  # switches count from so long before the first step
 _SLOTS = 8  # X, Y, Z, E and four further axes, as the core counts positions
 _OVERRUN = 1.2  # a switch is sought this far beyond the axis' whole range
 _SLOW_OVERRUN = 2.0  # and this many times the retraction on the slow way
@@ -172,9 +173,10 @@ class Homer:
         speeds = [(w.config.fast if fast else w.config.slow) for w in ways]
         stops = {s.name: s.steppers for w in ways for s in w.switches}
         finest = max(speed * self._steps(w) for speed, w in zip(speeds, ways, strict=True))
-        self._endstops.arm(stops, min(_REST_S, max(1.0 / finest, 5e-5)))
         drive = printer.drive
         drive.before_moves()
+        start = drive.base + int(printer.job.clock - _ARMED_S * drive.hz)
+        self._endstops.arm(stops, start, min(_REST_S, max(1.0 / finest, 5e-5)))
         times = [t / v for t, v in zip(travel, speeds, strict=True)]
         passed = 0.0
         for end in sorted(set(times)):

@@ -107,6 +107,10 @@ class Printer:
         if self.halted:
             self._revived.set()
 
+    def can_extrude(self) -> bool:
+        """The active tool's hotend is warm enough for filament to move."""
+        return not self.machine.extruders or self.commands.warm(self.connection.heaters)
+
     def stop(self) -> None:
         """M410: brakes to a stop on the path and forgets all moves that were planned."""
         self.drive.stop()
