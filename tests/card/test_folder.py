@@ -8,9 +8,7 @@ import pytest
 from passo.card import FolderCard
 from passo.errors import CardError
 
-
-def code(raised: pytest.ExceptionInfo[CardError]) -> str:
-    return raised.value.problems[0].code
+from .images import code
 
 
 @pytest.fixture
