@@ -20,6 +20,17 @@ FRAME = (
     "  This may lead",
     "Leaving",
 )
+HARMLESS = (
+    "Dirty bit is set.",
+    "Automatically removing dirty bit.",
+    "FATs differ but appear to be intact.",  # the cut came between the writes of the two copies
+    "Using first FAT.",
+    "Free cluster summary wrong",
+    "Auto-correcting.",
+    "Reclaimed ",  # lost clusters
+)
+"""What fsck.fat may say of a card whose power was cut."""
+
 NOON = datetime(2026, 5, 17, 12, 30, 58)
 
 

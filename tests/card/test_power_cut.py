@@ -13,18 +13,9 @@ import pytest
 
 from passo.card import FatCard
 
-from .images import Image, Write
+from .images import HARMLESS, Image, Write
 
 OLD, NEW = b"old " * 1500, b"new " * 2100
-HARMLESS = (
-    "Dirty bit is set.",
-    "Automatically removing dirty bit.",
-    "FATs differ but appear to be intact.",  # the cut came between the writes of the two copies
-    "Using first FAT.",
-    "Free cluster summary wrong",
-    "Auto-correcting.",
-    "Reclaimed ",  # lost clusters
-)
 
 
 def cuts(before: bytes, epochs: list[list[Write]]) -> Iterator[bytearray]:
