@@ -26,6 +26,7 @@ _PARTIAL = ".passo-part-"
 """Begins the name under which a file is written; it depends on the final name alone, so that what
 a power cut leaves behind is overwritten by the next attempt. Such files are not on the card."""
 
+_NAME_MAX = 255
 _DIRECTORY = os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC
 _FILE = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
 _NEW = os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_NOFOLLOW | os.O_CLOEXEC
@@ -43,6 +44,13 @@ def _host_failure(error: OSError, path: str, needed: int = 0) -> CardError:
     if error.errno in (errno.ENOENT, errno.ENOTDIR, errno.ELOOP):
         return failure("card.not-found", path)
     return failure("card.removed", path, value=value)
+
+
+def _check_name(name: str, path: str) -> None:
+    names.check(name, path)
+    if len(os.fsencode(name)) > _NAME_MAX:
+        limit = f"at most {_NAME_MAX} bytes in a folder of the host"
+        raise failure("card.name", path, value=name, limit=limit)
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,7 +125,7 @@ class FolderCard(Card):
             if found and found.is_directory:
                 raise failure("card.directory", f"{where}/{found.name}")
             if not found:
-                names.check(name, path)
+                _check_name(name, path)
             place = _Place(os.dup(folder), where, self._opened)
             try:
                 return _FolderWriter(place, found.name if found else name, self._files)
@@ -139,7 +147,7 @@ class FolderCard(Card):
             found = lookup(self._entries(folder), name, lambda entry: entry)
             if found:
                 raise failure("card.exists", f"{where}/{found.name}")
-            names.check(name, path)
+            _check_name(name, path)
             os.mkdir(name, dir_fd=folder)
             os.fsync(folder)
 
