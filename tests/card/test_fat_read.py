@@ -150,6 +150,11 @@ def test_fat16_is_not_fat32(tmp_path: Path):
     assert refused(tmp_path / "card.img")["key"] == "root entries"
 
 
+def test_exfat_is_named(small: Image):
+    small.poke(0, b"\xeb\x76\x90EXFAT   " + bytes(53))
+    assert refused(small.path)["value"] == "exFAT"
+
+
 def test_what_a_path_is(tmp_path: Path, small: Image):
     assert isinstance(open_card(tmp_path), FolderCard)
     assert isinstance(open_card(small.path), FatCard)

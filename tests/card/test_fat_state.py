@@ -1,5 +1,6 @@
 """What a card's bookkeeping says: dirty mark, FSInfo, both tables; and what is refused."""
 
+import asyncio
 import contextlib
 import errno
 import os
@@ -245,6 +246,22 @@ def test_a_removed_card_ends_everything(small: Image):
         assert code(raised) == "card.removed"
     writer.abort()
     card.close()
+
+
+def test_calls_from_several_threads(small: Image):
+    card = small.card()
+
+    async def life() -> None:
+        await asyncio.gather(
+            *(asyncio.to_thread(write, card, f"{n}.g", bytes([n]) * 30_000) for n in range(12))
+        )
+
+    asyncio.run(life())
+    for number in range(12):
+        with card.open(f"{number}.g") as reader:
+            assert reader.read() == bytes([number]) * 30_000
+    card.close()
+    small.check()
 
 
 def test_unmounting_gives_up_what_is_open(small: Image):

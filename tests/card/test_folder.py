@@ -165,6 +165,7 @@ def test_what_is_refused(card: FolderCard, tmp_path: Path):
         (lambda: card.make_directory("FILE.G"), "card.exists"),
         (lambda: card.create("a:b"), "card.name"),
         (lambda: card.create("日" * 100), "card.name"),
+        (lambda: card.create(".passo-part-1"), "card.name"),
         (lambda: FolderCard(tmp_path / "nothing"), "card.absent"),
         (lambda: FolderCard(tmp_path / "card/file.g"), "card.absent"),
     ]
@@ -203,6 +204,14 @@ def test_a_file_that_shrinks_and_a_card_that_goes(card: FolderCard, tmp_path: Pa
             attempt()
         assert code(raised) == "card.removed"
     assert [path.name for path in (tmp_path / "card").iterdir()] == ["a.g"]
+
+
+def test_times_beyond_reason(card: FolderCard, tmp_path: Path):
+    (tmp_path / "card/a.g").touch()
+    os.utime(tmp_path / "card/a.g", (1 << 40, 1 << 40))
+    assert card.find("a.g").modified.year == 2106
+    os.utime(tmp_path / "card/a.g", (-5, -5))
+    assert card.find("a.g").fat_timestamp == 0x00210000
 
 
 def test_names_that_would_speak_to_a_console_are_not_on_the_card(card: FolderCard, tmp_path: Path):
