@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     from _typeshed import WriteableBuffer
 
 
+_PIECE = 1 << 20
+
+
 def failure(code: str, file: str, **values: Any) -> CardError:
     """A CardError with one problem: a `card.*` code of the catalogue, where, and its values."""
     return CardError([Problem(code, file, values=values)])
@@ -97,9 +100,15 @@ class Reader(io.RawIOBase):
         return count
 
     def read(self, size: int = -1) -> bytes:
-        left = self.size - self._at
-        data = bytearray(left if size < 0 else min(size, left))
-        self.readinto(data)
+        left = self.size - self._at if size < 0 else size
+        data = bytearray()
+        # Piece by piece, so that a damaged card's claim of a size takes no memory.
+        while left > 0:
+            piece = bytearray(min(left, _PIECE, self.size - self._at))
+            if not self.readinto(piece):
+                break
+            data += piece
+            left -= len(piece)
         return bytes(data)
 
     def close(self) -> None:

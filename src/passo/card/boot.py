@@ -72,6 +72,10 @@ def find_volume(device: Device) -> Layout:
             value=f"{_signature(sector):#06x}",
             limit=f"{_SIGNATURE:#x}",
         )
+    if sector.startswith(b"EXFAT   ", 3):
+        raise failure(
+            "card.format", device.path, key="the file system", value="exFAT", limit="FAT32"
+        )
     if sector[0] in (0xEB, 0xE9) and struct.unpack_from("<H", sector, 11)[0]:
         return _volume(device, 0, device.size)
     types: list[str] = []

@@ -1,8 +1,9 @@
 """Directories on the volume, changed so that a power cut leaves them as before or as after.
 
-A record goes into one sector where it fits, because a sector is what the medium writes as a whole;
-one that needs more (names beyond 195 letters) is written from its last sector to its first. Before
-a record appears all that it points to is on the medium.
+A record goes into one sector where it fits, because a sector is what the medium writes as a whole.
+One that needs more (names beyond 195 letters, with sectors of 512 bytes) comes with its 8.3 entry
+last and goes with it first: a cut may leave a part of a long name there, which names nothing.
+Before a record appears all that it points to is on the medium.
 """
 
 from __future__ import annotations
@@ -43,24 +44,27 @@ class Directories:
             # What follows the old end mark may be anything: the new one stands behind the record.
             stop = -(-(start + count) // per_sector) * self._sector
             data[(start + count) * SLOT : stop] = bytes(stop - (start + count) * SLOT)
+            self._clear_behind(slots, begin, start + count)
         else:
             begin = start
         data[start * SLOT : (start + count) * SLOT] = record
-        self._write_sectors(slots, data, begin, start + count)
+        for sector in self._sectors(begin, start + count):
+            self._write_sector(slots, data, sector)
 
     def rewrite(self, slots: Slots, record: Record, size: int, first: int, now: datetime) -> None:
         """Give a file a new content, in one write."""
         data = bytearray(slots.data)
         at = record.slot * SLOT
         data[at : at + SLOT] = rewritten(bytes(data[at : at + SLOT]), size, first, now)
-        self._write_sectors(slots, data, record.slot, record.slot + 1)
+        self._write_sector(slots, data, at // self._sector)
 
     def delete(self, slots: Slots, record: Record) -> None:
         """Take a record out: first its 8.3 entry, by which the file goes, then the rest."""
         data = bytearray(slots.data)
         for slot in range(record.first_slot, record.slot + 1):
             data[slot * SLOT] = _DELETED[0]
-        self._write_sectors(slots, data, record.first_slot, record.slot + 1)
+        for sector in reversed(self._sectors(record.first_slot, record.slot + 1)):
+            self._write_sector(slots, data, sector)
 
     def _lengthen(self, slots: Slots, data: bytearray, needed: int) -> None:
         """Append empty clusters until `needed` slots have room."""
@@ -80,14 +84,21 @@ class Directories:
         slots.clusters.extend(added)
         data.extend(bytes(len(added) * size))
 
-    def _write_sectors(self, slots: Slots, data: bytearray, begin: int, end: int) -> None:
-        """Write the sectors that hold these slots, the last first, each before the next."""
+    def _clear_behind(self, slots: Slots, begin: int, end: int) -> None:
+        """Make the sectors behind that of the end mark empty, where the record will go on."""
+        for sector in self._sectors(begin, end)[1:]:
+            if any(slots.data[sector * self._sector : (sector + 1) * self._sector]):
+                self._write_sector(slots, bytearray((sector + 1) * self._sector), sector)
+
+    def _sectors(self, begin: int, end: int) -> range:
+        """The directory's sectors that hold these slots."""
+        return range(begin * SLOT // self._sector, (end * SLOT - 1) // self._sector + 1)
+
+    def _write_sector(self, slots: Slots, data: bytearray, sector: int) -> None:
+        """Write a sector of the directory before anything else that follows."""
         per_cluster = self._volume.layout.cluster_bytes // self._sector
-        first, last = begin * SLOT // self._sector, (end * SLOT - 1) // self._sector
-        for sector in range(last, first - 1, -1):
-            cluster = slots.clusters[sector // per_cluster]
-            where = self._volume.layout.offset(cluster) + sector % per_cluster * self._sector
-            self._volume.device.write(
-                where, memoryview(data)[sector * self._sector : (sector + 1) * self._sector]
-            )
-            self._volume.device.flush()
+        cluster = slots.clusters[sector // per_cluster]
+        where = self._volume.layout.offset(cluster) + sector % per_cluster * self._sector
+        part = memoryview(data)[sector * self._sector : (sector + 1) * self._sector]
+        self._volume.device.write(where, part)
+        self._volume.device.flush()

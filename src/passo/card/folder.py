@@ -26,6 +26,10 @@ _PARTIAL = ".passo-part-"
 """Begins the name under which a file is written; it depends on the final name alone, so that what
 a power cut leaves behind is overwritten by the next attempt. Such files are not on the card."""
 
+_NAME_MAX = 255
+_LATEST = 0xFFFFFFFF
+"""The latest time of change that is told, in s since 1970: 2106."""
+
 _DIRECTORY = os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC
 _FILE = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
 _NEW = os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_NOFOLLOW | os.O_CLOEXEC
@@ -35,7 +39,7 @@ def _host_failure(error: OSError, path: str, needed: int = 0) -> CardError:
     """What an error of the host means for the card."""
     value = error.strerror or str(error)
     if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
-        return failure("card.full", path, value=needed, limit="fewer")
+        return failure("card.full", path, value=needed or "more", limit="none")
     if error.errno in (errno.EACCES, errno.EPERM, errno.EROFS):
         return failure("card.read-only", path, value=value)
     if error.errno == errno.ENAMETOOLONG:
@@ -43,6 +47,17 @@ def _host_failure(error: OSError, path: str, needed: int = 0) -> CardError:
     if error.errno in (errno.ENOENT, errno.ENOTDIR, errno.ELOOP):
         return failure("card.not-found", path)
     return failure("card.removed", path, value=value)
+
+
+def _check_name(name: str, path: str) -> None:
+    names.check(name, path)
+    limit = ""
+    if len(os.fsencode(name)) > _NAME_MAX:
+        limit = f"at most {_NAME_MAX} bytes in a folder of the host"
+    elif name.startswith(_PARTIAL):
+        limit = f"a name that does not begin with {_PARTIAL}"
+    if limit:
+        raise failure("card.name", path, value=name, limit=limit)
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +89,7 @@ class FolderCard(Card):
     def find(self, path: str) -> Entry:
         parts = names.split(path)
         if not parts:
-            return Entry("", "", True, 0, datetime.fromtimestamp(0))
+            return Entry("", "", True, 0, datetime(1980, 1, 1))
         with self._directory(parts[:-1]) as (folder, where):
             return self._existing(folder, where, parts[-1])
 
@@ -86,12 +101,11 @@ class FolderCard(Card):
                 raise failure("card.directory", full)
             self._files.begin_read(full)
             try:
-                file = os.open(
-                    entry.name, os.O_RDONLY | os.O_NOFOLLOW | os.O_CLOEXEC, dir_fd=folder
-                )
+                file = os.open(entry.name, _FILE, dir_fd=folder)
             except OSError:
                 self._files.end_read(full)
                 raise
+            size = os.fstat(file).st_size
 
         def fetch(offset: int, into: memoryview) -> None:
             done = 0
@@ -107,9 +121,10 @@ class FolderCard(Card):
 
         def released() -> None:
             os.close(file)
-            self._files.end_read(full)
+            with self._lock:
+                self._files.end_read(full)
 
-        return Reader(entry.size, fetch, released)
+        return Reader(size, fetch, released)
 
     def create(self, path: str) -> Writer:
         with self._file(path) as (folder, where, name):
@@ -117,7 +132,7 @@ class FolderCard(Card):
             if found and found.is_directory:
                 raise failure("card.directory", f"{where}/{found.name}")
             if not found:
-                names.check(name, path)
+                _check_name(name, path)
             place = _Place(os.dup(folder), where, self._opened)
             try:
                 return _FolderWriter(place, found.name if found else name, self._files)
@@ -139,7 +154,7 @@ class FolderCard(Card):
             found = lookup(self._entries(folder), name, lambda entry: entry)
             if found:
                 raise failure("card.exists", f"{where}/{found.name}")
-            names.check(name, path)
+            _check_name(name, path)
             os.mkdir(name, dir_fd=folder)
             os.fsync(folder)
 
@@ -212,7 +227,7 @@ class FolderCard(Card):
             short = names.stable_short_name(name, taken)
             taken.add(short)
             directory = stat.S_ISDIR(status.st_mode)
-            modified = datetime.fromtimestamp(int(status.st_mtime))
+            modified = datetime.fromtimestamp(min(max(int(status.st_mtime), 0), _LATEST))
             entries.append(
                 Entry(name, short, directory, 0 if directory else status.st_size, modified)
             )

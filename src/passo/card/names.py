@@ -23,6 +23,8 @@ _NOT_SHORT = re.compile(r"[^A-Z0-9!#$%&'()\-@^_`{}~]")
 
 def fold(name: str) -> str:
     """The form in which names compare: upper case letter by letter, so that ß stays ß."""
+    if name.isascii():
+        return name.upper()
     return "".join(up if len(up := letter.upper()) == 1 else letter for letter in name)
 
 
