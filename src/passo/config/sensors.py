@@ -57,11 +57,13 @@ class SensorTable(Model):
     """A sensor by points `[°C, share of the ADC's full scale]` with straight lines between them.
 
     They stand here or, as lines `°C, share`, in `file`, whose path begins at the machine file.
+    `open_reads` says on which side of the table the ADC ends when the sensor's cable is open.
     """
 
     kind: Literal["table"]
     file: str | None = None
     points: Annotated[list[Pair], Field(min_length=2, max_length=1000)]
+    open_reads: Literal["high", "low"] = "high"
 
 
 AnySensor = Annotated[

@@ -10,6 +10,7 @@ from passo.config.sensors import (
     AnySensor,
     Platinum,
     PlatinumAmplifier,
+    SensorTable,
     Thermistor,
     ThermocoupleAmplifier,
 )
@@ -20,7 +21,6 @@ Table: TypeAlias = tuple[tuple[float, float], ...]
 
 _NTC_C = range(-20, 401, 5)
 _PLATINUM_C = range(-50, 851, 5)
-_THERMOCOUPLE_C = range(-50, 1201, 5)
 # What the ADC says of a cable that is open or shorted lies outside these.
 _LEAST_SHARE = 0.002
 _MOST_SHARE = 0.998
@@ -31,8 +31,7 @@ def sensor_table(sensor: AnySensor) -> Table:
     """(°C, share of the ADC's full scale) by ascending °C, the share strictly rising or falling.
 
     Beyond its ends the sensor is broken. Rounded to 1e-9, so that the table is the same on every
-    computer. A resistor to ground and an amplifier both read high when their sensor's cable is
-    open.
+    computer.
     """
     if isinstance(sensor, Thermistor):
         ntc = Ntc(sensor.r25_ohm, sensor.beta_k, sensor.c_per_k)
@@ -48,10 +47,16 @@ def sensor_table(sensor: AnySensor) -> Table:
         factor = sensor.supply_v * sensor.gain / sensor.full_scale_v
         return _rows(_PLATINUM_C, lambda t: factor * bridge.share(platinum.ohm(t, r0)))
     if isinstance(sensor, ThermocoupleAmplifier):
-        by_c = _VOLTS_BY_C[sensor.kind] / sensor.full_scale_v
-        scale, offset = sensor.scale, sensor.offset_c
-        return _rows(_THERMOCOUPLE_C, lambda t: (t - offset) / scale * by_c)
+        full_c = sensor.full_scale_v / _VOLTS_BY_C[sensor.kind] * sensor.scale
+        ends = (_LEAST_SHARE, _MOST_SHARE)
+        return tuple((round(share * full_c + sensor.offset_c, 9), share) for share in ends)
     return tuple(sorted((t, share) for t, share in sensor.points))
+
+
+def open_is_high(sensor: AnySensor) -> bool:
+    """Whether the ADC reads high when the sensor's cable is open: so do a resistor to ground under
+    its pull-up resistor, and the amplifiers, whose inputs drift to the supply."""
+    return not isinstance(sensor, SensorTable) or sensor.open_reads == "high"
 
 
 def _rows(celsius: Iterable[int], share: Callable[[float], float]) -> Table:

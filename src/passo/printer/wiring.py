@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from passo.board.connection import Connection
 from passo.board.description import BoardDescription, Heater, Output, Sensor, Stepper
 from passo.heat.control import control_of, limits_of, model_of
-from passo.heat.sensors import sensor_table, share_at
+from passo.heat.sensors import open_is_high, sensor_table, share_at
 
 if TYPE_CHECKING:
     from passo.config.heat import Heater as HeaterConfig
@@ -42,7 +42,9 @@ def board_description(machine: MachineConfig) -> BoardDescription:
         outputs.append(Output(name, _pin(machine, heater.pin), "digital", cycle, longest))
         table = sensor_table(heater.sensor)
         ends = sorted((share_at(table, heater.min_c), share_at(table, heater.max_c)))
-        sensors.append(Sensor(name, _pin(machine, heater.sensor_pin), table, ends[0], ends[1]))
+        pin = _pin(machine, heater.sensor_pin)
+        high = open_is_high(heater.sensor)
+        sensors.append(Sensor(name, pin, table, ends[0], ends[1], open_is_high=high))
         heaters.append(_heater(name, heater))
     for name, fan in machine.fans.items():
         outputs.append(
