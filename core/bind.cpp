@@ -1,6 +1,7 @@
 // The Python module passo._core: each part of the core binds itself.
 #include <nanobind/nanobind.h>
 
+void bind_heat(nanobind::module_& m);
 void bind_wire(nanobind::module_& m);
 void bind_geometry(nanobind::module_& m);
 void bind_motion(nanobind::module_& m);
@@ -8,6 +9,7 @@ void bind_job(nanobind::module_& m);
 
 NB_MODULE(_core, m) {
   m.doc() = "Native core of Passo: parse, plan, solve step times, compress, frame, virtual board.";
+  bind_heat(m);
   bind_wire(m);
   bind_geometry(m);
   bind_motion(m);

@@ -178,11 +178,6 @@ void bind_link(nb::module_& m) {
       .def("clear", &MessageQueue::clear)
       .def("__len__", &MessageQueue::size);
   nb::enum_<PinKind>(m, "PinKind").value("DIGITAL", PinKind::digital).value("PWM", PinKind::pwm);
-  nb::class_<Heater>(m, "Heater", "A heater loop beside the link.")
-      .def_prop_ro("celsius", &Heater::celsius)
-      .def_prop_rw("target", &Heater::target, &Heater::set_target)
-      .def_prop_ro("power", &Heater::power)
-      .def_prop_ro("reached", &Heater::reached);
   nb::class_<Link>(m, "Link", "The host's end of a board's wire; times in ticks.")
       .def(nb::init<double>(), "clock_hz"_a)
       .def(
@@ -239,15 +234,8 @@ void bind_link(nb::module_& m) {
       .def("stop_job", [](Link& l) { l.job().stop(); })
       .def(
           "add_heater",
-          [](Link& l, uint32_t sensor_oid, uint32_t output_oid, bool pwm, uint32_t full,
-             uint32_t adc_full, double max_power, double kp, double ki, double kd,
-             double hysteresis_c, double tolerance_c, const Points& celsius) -> Heater& {
-            return l.add_heater({sensor_oid, output_oid, pwm, full, adc_full, max_power, kp, ki, kd,
-                                 hysteresis_c, tolerance_c, Curve(celsius)});
-          },
-          "sensor_oid"_a, "output_oid"_a, "pwm"_a, "full"_a, "adc_full"_a, "max_power"_a, "kp"_a,
-          "ki"_a, "kd"_a, "hysteresis_c"_a, "tolerance_c"_a, "celsius"_a,
-          nb::rv_policy::reference_internal)
+          [](Link& l, const HeaterOptions& options) -> Heater& { return l.add_heater(options); },
+          "options"_a, nb::rv_policy::reference_internal)
       .def_prop_ro("shut_down", &Link::shut_down)
       .def_prop_ro("shutdown_reason", &Link::shutdown_reason)
       .def(
@@ -320,6 +308,14 @@ BoardOutput& output_of(VirtualBoard& b, uint32_t pin) {
   return *output;
 }
 
+// The body as it is now.
+HeatedBody& body_of(VirtualBoard& b, uint32_t sensor_pin) {
+  b.plant().run_until(b.now());
+  for (HeatedBody& body : b.plant().bodies)
+    if (body.sensor_pin == sensor_pin) return body;
+  throw nb::key_error("no body has this sensor");
+}
+
 void bind_board(nb::module_& m) {
   nb::class_<Device>(m, "Device", "The far end of a link, in virtual time.")
       .def(
@@ -374,30 +370,49 @@ void bind_board(nb::module_& m) {
           "add_body",
           [](VirtualBoard& b, uint32_t heater_pin, uint32_t sensor_pin, double ambient_c,
              double rise_c, double time_constant_s, double sensor_time_constant_s,
-             const Points& adc_ratio) {
-            HeatedBody body{heater_pin,      sensor_pin,      ambient_c,
-                            rise_c,          time_constant_s, sensor_time_constant_s,
-                            Curve(adc_ratio)};
+             const Points& adc_ratio, uint32_t fan_pin, double fan_loss) {
+            HeatedBody body{heater_pin,
+                            sensor_pin,
+                            ambient_c,
+                            rise_c,
+                            time_constant_s,
+                            sensor_time_constant_s,
+                            heat::Curve(adc_ratio),
+                            fan_pin,
+                            fan_loss};
             b.plant().add_body(std::move(body));
           },
           "heater_pin"_a, "sensor_pin"_a, "ambient_c"_a, "rise_c"_a, "time_constant_s"_a,
-          "sensor_time_constant_s"_a, "adc_ratio"_a)
+          "sensor_time_constant_s"_a, "adc_ratio"_a, "fan_pin"_a = 0, "fan_loss"_a = 0.0)
       .def(
           "force_adc",
           [](VirtualBoard& b, uint32_t sensor_pin, double ratio) {
-            for (HeatedBody& body : b.plant().bodies)
-              if (body.sensor_pin == sensor_pin) body.forced_ratio = ratio;
+            body_of(b, sensor_pin).forced_ratio = ratio;
           },
           "sensor_pin"_a, "ratio"_a,
           "A fault: the ADC sees this share of full scale; negative ends it.")
       .def(
-          "temperature",
-          [](VirtualBoard& b, uint32_t sensor_pin) {
-            b.plant().run_until(b.now());
-            for (const HeatedBody& body : b.plant().bodies)
-              if (body.sensor_pin == sensor_pin) return body.body_c;
-            throw nb::key_error("no body has this sensor");
+          "force_heater",
+          [](VirtualBoard& b, uint32_t sensor_pin, double duty) {
+            body_of(b, sensor_pin).forced_duty = duty;
           },
+          "sensor_pin"_a, "duty"_a,
+          "A fault: the heater does this whatever its pin says; negative ends it.")
+      .def(
+          "add_noise",
+          [](VirtualBoard& b, uint32_t sensor_pin, double share) {
+            body_of(b, sensor_pin).noise = share;
+          },
+          "sensor_pin"_a, "share"_a, "A fault: the ADC errs by up to this share of full scale.")
+      .def(
+          "drop_sensor",
+          [](VirtualBoard& b, uint32_t sensor_pin, bool fallen) {
+            body_of(b, sensor_pin).fallen = fallen;
+          },
+          "sensor_pin"_a, "fallen"_a, "A fault: the sensor feels the room instead of its body.")
+      .def(
+          "temperature",
+          [](VirtualBoard& b, uint32_t sensor_pin) { return body_of(b, sensor_pin).body_c; },
           "sensor_pin"_a)
       .def(
           "net_steps",
@@ -460,7 +475,8 @@ void bind_board(nb::module_& m) {
   nb::enum_<Pump::Stop>(m, "PumpStop")
       .value("TIME", Pump::Stop::time)
       .value("SHUTDOWN", Pump::Stop::shutdown)
-      .value("HEATERS", Pump::Stop::heaters);
+      .value("HEATERS", Pump::Stop::heaters)
+      .value("FAULT", Pump::Stop::fault);
   nb::class_<Pump>(m, "Pump", "Runs a link and a device in virtual time.")
       .def(
           "__init__",

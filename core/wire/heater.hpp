@@ -1,80 +1,157 @@
-// A heater loop beside the link: each report of the sensor sets the power anew, so a host that
-// stands still for a moment costs nothing, and a link that is lost lets the board switch the heater
-// off.
+// A heater loop beside the link: each report of the sensor is checked and sets the power anew, so a
+// host that stands still for a moment costs neither control nor protection, and a link that is lost
+// lets the board switch the heater off.
 #pragma once
 #include <algorithm>
 #include <cstdint>
+#include <deque>
+#include <optional>
+#include <utility>
 
 #include "device.hpp"
-#include "plant.hpp"
+#include "heat/controller.hpp"
+#include "heat/curve.hpp"
+#include "heat/protection.hpp"
 
 namespace passo::wire {
 
+// How the board samples a sensor. Outside minimum…maximum, `range_checks` times in a row, it shuts
+// down: the net below the host's own protections.
+struct SensorQuery {
+  uint32_t sample_ticks, sample_count, rest_ticks, minimum, maximum, range_checks;
+};
+
 struct HeaterOptions {
   uint32_t sensor_oid, output_oid;
-  bool pwm;             // queue_pwm_out, else queue_digital_out
-  uint32_t full;        // value of full power: PWM_MAX, or the ticks of the software PWM's cycle
-  uint32_t adc_full;    // a report of the sensor at the ADC's full scale
-  double max_power;     // 0…1
-  double kp, ki, kd;    // share of power by °C, °C·s, °C/s; kp 0: on/off control
-  double hysteresis_c;  // of on/off control
-  double tolerance_c;   // a target is reached within it
-  Curve celsius;        // share of full scale → °C
+  bool pwm;           // queue_pwm_out, else queue_digital_out
+  uint32_t full;      // value of full power: PWM_MAX, or the ticks of the software PWM's cycle
+  uint32_t adc_full;  // a report of the sensor at the ADC's full scale
+  SensorQuery query;
+  double max_power;              // 0…1
+  double tolerance_c;            // a target is reached within it
+  heat::Curve celsius;           // share of full scale → °C
+  double low_share, high_share;  // beyond them the sensor is broken …
+  bool open_is_high;             // … and open above the one, shorted below the other, or vice versa
+  heat::Control control;
+  heat::ProtectionLimits limits;
+  std::optional<heat::HeatModel> model;  // of the body, where it is known
+};
+
+// What the loop saw and did with one report.
+struct HeatSample {
+  Ticks clock;
+  double celsius, target, power;
+  heat::Terms terms;
 };
 
 class Heater {
  public:
-  explicit Heater(HeaterOptions options) : o_(std::move(options)) {}
+  explicit Heater(HeaterOptions options)
+      : o_(std::move(options)), controller_(o_.control), protection_(o_.limits) {
+    if (o_.model) body_.emplace(*o_.model);
+    set_control(o_.control);
+  }
 
   const HeaterOptions& options() const { return o_; }
   double celsius() const { return celsius_; }
   double target() const { return target_; }
   double power() const { return power_; }
+  const heat::Terms& terms() const { return controller_.terms(); }
   // True from the first report within the tolerance of the target on, until the target changes.
   bool reached() const { return reached_; }
+  // While there is a fault the target is kept, but nothing heats.
   void set_target(double celsius) {
     if (celsius != target_) reached_ = false;
     target_ = celsius;
-    if (target_ <= 0) integral_ = 0;
   }
+
+  const heat::Control& control() const { return controller_.control(); }
+  void set_control(const heat::Control& control) {
+    controller_.set(control);
+    if (const auto* predictive = std::get_if<heat::ModelControl>(&control))
+      set_model(predictive->model);
+  }
+  void set_model(const heat::HeatModel& model) {
+    if (body_)
+      body_->set(model);
+    else
+      body_.emplace(model);
+  }
+  const std::optional<heat::Observer>& body() const { return body_; }
+  const heat::ProtectionLimits& limits() const { return protection_.limits(); }
+  void set_limits(const heat::ProtectionLimits& limits) { protection_.set(limits); }
+  double fan() const { return fan_; }
+  // How fast the fan blows that cools this heater, 0…1, for its model.
+  void set_fan(double speed) { fan_ = std::clamp(speed, 0.0, 1.0); }
+
+  const heat::Fault& fault() const { return fault_; }
+  bool faulty() const { return fault_.kind != heat::FaultKind::none; }
+  // True once after each fault.
+  bool take_news() { return std::exchange(news_, false); }
+  // Lets a faulty heater heat again, to the target that it kept.
+  void rearm() {
+    fault_ = {};
+    reached_ = false;
+    protection_.restart();
+  }
+
+  std::deque<HeatSample>& samples() { return samples_; }
 
   // Takes a report (sum of samples) made at board clock `clock`; true if `value` must be sent.
   bool report(uint32_t sum, Ticks clock, double clock_hz, uint32_t& value) {
-    double before = celsius_, dt = double(clock - clock_) / clock_hz;
-    celsius_ = o_.celsius.at(double(sum) / o_.adc_full);
-    if (known_ && dt > 0)
-      rate_ += ((celsius_ - before) / dt - rate_) * (dt / (dt + kSmoothSeconds));
-    double power = target_ > 0 ? std::clamp(control(known_ ? dt : 0), 0.0, o_.max_power) : 0;
+    double dt = known_ ? double(clock - clock_) / clock_hz : 0;
+    double share = double(sum) / o_.adc_full;
+    bool above = share > o_.high_share, below = share < o_.low_share;
     clock_ = clock;
     known_ = true;
-    if (target_ > 0 && celsius_ >= target_ - o_.tolerance_c && celsius_ <= target_ + o_.tolerance_c)
+    celsius_ = o_.celsius.at(share);
+    if (body_) body_->update(celsius_, power_, fan_, dt);
+    bool failed = false;
+    if (!faulty()) {
+      bool open = o_.open_is_high ? above : below, shorted = o_.open_is_high ? below : above;
+      fault_ = protection_.check({celsius_, heating_target(), power_, dt, open, shorted,
+                                  body_ ? body_->unexplained() : 0});
+      fault_.clock = clock;
+      failed = news_ = faulty();
+    }
+    double target = faulty() ? 0 : target_;
+    double power =
+        controller_.update({celsius_, target, dt, o_.max_power, body_ ? &*body_ : nullptr});
+    if (target > 0 && celsius_ >= target - o_.tolerance_c && celsius_ <= target + o_.tolerance_c)
       reached_ = true;
-    bool send = power > 0 || power_ > 0;  // a heater that is on must be renewed
+    bool send = power > 0 || power_ > 0 || failed;  // a heater that is on must be renewed
     power_ = power;
     value = uint32_t(power * o_.full + 0.5);
+    if (samples_.size() == kSamplesMax) samples_.pop_front();
+    samples_.push_back({clock, celsius_, target_, power, controller_.terms()});
     return send;
   }
 
+  // The board's net hangs while there is no fault: a heater that is off already needs it no more,
+  // and whether the whole machine is to stop is then not the board's to decide. Returns true if the
+  // query must be sent anew, with `wide` or with its own range.
+  bool change_net(bool& wide) {
+    wide = faulty();
+    return std::exchange(wide_, wide) != wide;
+  }
+
  private:
-  static constexpr double kSmoothSeconds = 1;  // time constant of the derivative
+  static constexpr size_t kSamplesMax = 4096;
 
   HeaterOptions o_;
-  double target_ = 0, celsius_ = 0, rate_ = 0, integral_ = 0, power_ = 0;
+  heat::Controller controller_;
+  heat::Protection protection_;
+  std::optional<heat::Observer> body_;
+  heat::Fault fault_;
+  std::deque<HeatSample> samples_;
+  double target_ = 0, celsius_ = 0, power_ = 0, fan_ = 0;
   Ticks clock_ = 0;
-  bool known_ = false, reached_ = false;
+  bool known_ = false, reached_ = false, news_ = false, wide_ = false;
 
-  double control(double dt) {
-    double error = target_ - celsius_;
-    if (o_.kp == 0) {
-      if (power_ > 0) return error > -o_.hysteresis_c ? o_.max_power : 0;
-      return error > o_.hysteresis_c ? o_.max_power : 0;
-    }
-    double fixed = o_.kp * error - o_.kd * rate_, step = o_.ki * error * dt;
-    // Anti-windup: the integral grows only while that still changes the power.
-    double wanted = fixed + integral_ + step;
-    bool saturated = (wanted > o_.max_power && step > 0) || (wanted < 0 && step < 0);
-    if (!saturated) integral_ = std::clamp(integral_ + step, 0.0, o_.max_power);
-    return fixed + integral_;
+  // A relay swings around its target: only being on the way up can be judged by the target.
+  double heating_target() const {
+    bool tuning = std::holds_alternative<heat::RelayControl>(control());
+    return tuning && terms().d < 0 ? 0 : target_;
   }
 };
 

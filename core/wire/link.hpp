@@ -88,6 +88,8 @@ class Link {
     return *heaters_.back();
   }
   const std::vector<std::unique_ptr<Heater>>& heaters() const { return heaters_; }
+  // True once after faults of heaters: their outputs are off by then.
+  bool take_fault() { return std::exchange(fault_, false); }
 
   // The board said that it stopped; its static_string_id tells why.
   bool shut_down() const { return shut_down_; }
@@ -157,6 +159,7 @@ class Link {
   std::deque<Response> inbox_;
   std::vector<std::unique_ptr<Heater>> heaters_;
   std::vector<Ticks> heater_clock_;  // of the last update sent
+  bool fault_ = false;
 
   // The frame under construction lies in the window's next block.
   size_t open_size_ = 0;
@@ -270,8 +273,19 @@ class Link {
                value;
       Ticks clock = sync_.unwrap(uint32_t(std::get<int64_t>(values[1])));
       if (heater.report(sum, clock, hz_, value)) set_power(i, value, now);
+      fault_ |= heater.take_news();
+      if (bool wide; heater.change_net(wide)) query(heater.options(), clock, wide, now);
     }
     return taken;
+  }
+  // Asks for the sensor's reports anew, the next at `clock`.
+  void query(const HeaterOptions& o, Ticks clock, bool wide, Ticks now) {
+    const SensorQuery& q = o.query;
+    Ticks due = std::max(clock, sync_.clock_at(now) + Ticks(kHeaterLeadSeconds * hz_));
+    send("query_analog_in",
+         {int64_t(o.sensor_oid), int64_t(uint32_t(due)), int64_t(q.sample_ticks),
+          int64_t(q.sample_count), int64_t(q.rest_ticks), int64_t(2), int64_t(wide ? 0 : q.minimum),
+          int64_t(wide ? o.adc_full : q.maximum), int64_t(q.range_checks)});
   }
   void set_power(size_t i, uint32_t value, Ticks now) {
     const HeaterOptions& o = heaters_[i]->options();

@@ -3,31 +3,12 @@
 #pragma once
 #include <algorithm>
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "device.hpp"
+#include "heat/curve.hpp"
 
 namespace passo::wire {
-
-// Piecewise linear function through points of ascending x; constant beyond both ends.
-class Curve {
- public:
-  Curve() = default;
-  explicit Curve(std::vector<std::pair<double, double>> points) : points_(std::move(points)) {}
-  double at(double x) const {
-    if (points_.empty()) return 0;
-    auto next = std::upper_bound(points_.begin(), points_.end(), x,
-                                 [](double v, const auto& point) { return v < point.first; });
-    if (next == points_.begin()) return points_.front().second;
-    if (next == points_.end()) return points_.back().second;
-    const auto &a = *(next - 1), &b = *next;
-    return a.second + (b.second - a.second) * ((x - a.first) / (b.first - a.first));
-  }
-
- private:
-  std::vector<std::pair<double, double>> points_;
-};
 
 // The actuator of one motor: position = start + net steps * per_step (negative if the motor's
 // direction pin is inverted). Units: mm, or degrees.
@@ -47,15 +28,41 @@ struct Switch {
   int forced = -1;  // a fault: 0 never pressed, 1 always
 };
 
-// A heated body and its sensor, each of first order: the body tends to ambient + rise * duty.
+// A heated body and its sensor, each of first order: the body tends to ambient + rise * duty, and
+// loses (1 + fan_loss * duty of the fan) times as much heat as it does without a fan.
 struct HeatedBody {
   uint32_t heater_pin, sensor_pin;
   double ambient_c, rise_c, time_constant_s, sensor_time_constant_s;
-  Curve adc_ratio;  // °C → share of the ADC's full scale
+  heat::Curve adc_ratio;  // °C → share of the ADC's full scale
+  uint32_t fan_pin = 0;   // with a fan_loss of 0: none
+  double fan_loss = 0;
   double body_c = 0, sensor_c = 0;
-  double duty = 0, energy = 0;  // energy: duty * ticks since the last step
-  Ticks duty_since = 0;
-  double forced_ratio = -1;  // a fault: what the ADC sees instead, if ≥ 0
+
+  // A pin's duty over the time since the last step.
+  struct Mean {
+    double duty = 0, sum = 0;  // sum: duty * ticks
+    Ticks since = 0;
+    void set(double value, Ticks clock) {
+      add(clock);
+      duty = value;
+    }
+    void add(Ticks clock) {
+      if (clock <= since) return;
+      sum += duty * double(clock - since);
+      since = clock;
+    }
+    double take(Ticks end, Ticks step) {
+      add(end);
+      double mean = sum / double(step);
+      sum = 0;
+      return mean;
+    }
+  } heat, fan;
+
+  // Faults: what the ADC sees instead, what the heater does instead, if ≥ 0; noise of the ADC as a
+  // share of full scale; a sensor that hangs in the air.
+  double forced_ratio = -1, forced_duty = -1, noise = 0;
+  bool fallen = false;
 };
 
 class Plant {
@@ -70,18 +77,17 @@ class Plant {
 
   void add_body(HeatedBody body) {
     body.body_c = body.sensor_c = body.ambient_c;
-    body.duty_since = done_;
+    body.heat.since = body.fan.since = done_;
     bodies.push_back(std::move(body));
   }
 
   // An output pin is on for `duty` of the time from `clock` on.
   void set_output(uint32_t pin, Ticks clock, double duty) {
     for (HeatedBody& body : bodies) {
-      if (body.heater_pin != pin) continue;
+      bool fan = body.fan_loss > 0 && body.fan_pin == pin;
+      if (body.heater_pin != pin && !fan) continue;
       run_until(clock);
-      body.energy += body.duty * double(clock - body.duty_since);
-      body.duty_since = clock;
-      body.duty = duty;
+      (fan ? body.fan : body.heat).set(duty, clock);
     }
   }
   uint32_t adc(uint32_t pin, Ticks clock) {
@@ -89,6 +95,7 @@ class Plant {
       if (body.sensor_pin != pin) continue;
       run_until(clock);
       double ratio = body.forced_ratio >= 0 ? body.forced_ratio : body.adc_ratio.at(body.sensor_c);
+      if (body.noise > 0) ratio = std::clamp(ratio + body.noise * random(), 0.0, 1.0);
       return uint32_t(ratio * adc_max_ + 0.5);
     }
     return adc_max_;
@@ -122,15 +129,12 @@ class Plant {
     for (; done_ + step_ticks_ <= clock; done_ += step_ticks_) {
       for (HeatedBody& body : bodies) {
         Ticks end = done_ + step_ticks_;
-        if (body.duty_since < end) {
-          body.energy += body.duty * double(end - body.duty_since);
-          body.duty_since = end;
-        }
-        double mean = body.energy / double(step_ticks_);
-        body.energy = 0;
-        double goal = body.ambient_c + body.rise_c * mean;
-        body.body_c += (goal - body.body_c) * (step_s_ / body.time_constant_s);
-        body.sensor_c += (body.body_c - body.sensor_c) * (step_s_ / body.sensor_time_constant_s);
+        double mean = body.heat.take(end, step_ticks_), fan = body.fan.take(end, step_ticks_);
+        if (body.forced_duty >= 0) mean = body.forced_duty;
+        double loss = (1 + body.fan_loss * fan) * (body.body_c - body.ambient_c);
+        body.body_c += (body.rise_c * mean - loss) * (step_s_ / body.time_constant_s);
+        double felt = body.fallen ? body.ambient_c : body.body_c;
+        body.sensor_c += (felt - body.sensor_c) * (step_s_ / body.sensor_time_constant_s);
       }
     }
   }
@@ -141,6 +145,13 @@ class Plant {
   Ticks step_ticks_;
   uint32_t adc_max_;
   Ticks done_;
+  uint32_t random_ = 1;
+
+  // -1…1, the same on every computer: a linear congruential generator (Numerical Recipes).
+  double random() {
+    random_ = random_ * 1664525u + 1013904223u;
+    return double(random_) / 2147483648.0 - 1;
+  }
 };
 
 }  // namespace passo::wire

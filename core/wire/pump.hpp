@@ -10,7 +10,7 @@ namespace passo::wire {
 
 class Pump {
  public:
-  enum class Stop : uint8_t { time, shutdown, heaters };
+  enum class Stop : uint8_t { time, shutdown, heaters, fault };
 
   // Host time equals the device's clock and begins at `start`.
   // `cpu_clock` gives CPU seconds, or is null.
@@ -27,13 +27,14 @@ class Pump {
   }
   Bytes& recorded() { return recorded_; }
 
-  // Runs until virtual time reaches `until`, until the board stops, or, if asked, until no heater
-  // is on its way to its target. The queue of the job must already hold all messages whose clock is
-  // below `until` plus the horizon.
+  // Runs until virtual time reaches `until`, until the board stops, a heater fails, or, if asked,
+  // until no heater is on its way to its target. The queue of the job must already hold all
+  // messages whose clock is below `until` plus the horizon.
   Stop run(Ticks until, bool until_heaters) {
     for (;;) {
       Ticks next = exchange();
       if (link_.shut_down()) return Stop::shutdown;
+      if (link_.take_fault()) return Stop::fault;
       if (until_heaters && all_reached()) return Stop::heaters;
       next = std::min(next, device_.next_deadline());
       if (next > until) {
@@ -75,7 +76,7 @@ class Pump {
   }
   bool all_reached() const {
     for (const auto& heater : link_.heaters())
-      if (heater->target() > 0 && !heater->reached()) return false;
+      if (heater->target() > 0 && !heater->reached() && !heater->faulty()) return false;
     return true;
   }
 };

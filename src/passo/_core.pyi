@@ -7,6 +7,302 @@ import enum
 from typing import Any
 
 
+class HeatModel:
+    """
+    A body and its sensor, each of first order; °C, s, and the share by which a fan at full speed raises the loss of heat.
+    """
+
+    def __init__(self, rise_c: float, time_constant_s: float, sensor_lag_s: float, fan_loss: float = 0.0, ambient_c: float = 25.0) -> None: ...
+
+    @property
+    def rise_c(self) -> float: ...
+
+    @property
+    def time_constant_s(self) -> float: ...
+
+    @property
+    def sensor_lag_s(self) -> float: ...
+
+    @property
+    def fan_loss(self) -> float: ...
+
+    @property
+    def ambient_c(self) -> float: ...
+
+    def __eq__(self, arg: HeatModel, /) -> bool: ...
+
+class PidControl:
+    """
+    Gains as shares of full power by °C, by °C·s and by °C/s; drive_min and drive_max bound the integral; farther than range_c from the target it is fully on or off.
+    """
+
+    def __init__(self, kp: float, ki: float, kd: float, filter_s: float = 1.0, drive_min: float = 0.0, drive_max: float = 1.0, range_c: float = 10.0) -> None: ...
+
+    @property
+    def kp(self) -> float: ...
+
+    @property
+    def ki(self) -> float: ...
+
+    @property
+    def kd(self) -> float: ...
+
+    @property
+    def filter_s(self) -> float: ...
+
+    @property
+    def drive_min(self) -> float: ...
+
+    @property
+    def drive_max(self) -> float: ...
+
+    @property
+    def range_c(self) -> float: ...
+
+    def __eq__(self, arg: PidControl, /) -> bool: ...
+
+class OnOffControl:
+    """
+    On below the target by the hysteresis, off above it by as much, and no two switchings within the interval.
+    """
+
+    def __init__(self, hysteresis_c: float = 1.0, interval_s: float = 0.0) -> None: ...
+
+    @property
+    def hysteresis_c(self) -> float: ...
+
+    @property
+    def interval_s(self) -> float: ...
+
+    def __eq__(self, arg: OnOffControl, /) -> bool: ...
+
+class ModelControl:
+    """The power that by the model closes the gap within the horizon."""
+
+    def __init__(self, model: HeatModel, horizon_s: float = 3.0) -> None: ...
+
+    @property
+    def model(self) -> HeatModel: ...
+
+    @property
+    def horizon_s(self) -> float: ...
+
+    def __eq__(self, arg: ModelControl, /) -> bool: ...
+
+class RelayControl:
+    """Swings around the target between two powers, for autotuning."""
+
+    def __init__(self, half_cycle_s: float = 5.0) -> None: ...
+
+    @property
+    def half_cycle_s(self) -> float: ...
+
+    def __eq__(self, arg: RelayControl, /) -> bool: ...
+
+class FaultKind(enum.Enum):
+    NONE = 0
+
+    SENSOR_OPEN = 1
+
+    SENSOR_SHORT = 2
+
+    SENSOR_ERRATIC = 3
+
+    MIN_TEMPERATURE = 4
+
+    MAX_TEMPERATURE = 5
+
+    HEATING_FAILED = 6
+
+    RUNAWAY = 7
+
+    STUCK_ON = 8
+
+    MODEL_DEVIATION = 9
+
+class HeatFault:
+    """
+    What failed, what the sensor said, the limit that was broken (°C; of a model deviation a share of power), the board clock.
+    """
+
+    @property
+    def kind(self) -> FaultKind: ...
+
+    @property
+    def celsius(self) -> float: ...
+
+    @property
+    def limit(self) -> float: ...
+
+    @property
+    def clock(self) -> int: ...
+
+class ProtectionLimits:
+    """
+    What a heater must keep to; 0 switches a protection off, except for min_c and max_c.
+    """
+
+    def __init__(self, min_c: float = 5.0, max_c: float = 280.0, jump_c: float = 10.0, watch_rise_c: float = 2.0, watch_s: float = 20.0, runaway_c: float = 4.0, runaway_s: float = 40.0, stuck_on_c: float = 10.0, stuck_on_s: float = 60.0, deviation: float = 0.35, deviation_s: float = 60.0) -> None: ...
+
+    @property
+    def min_c(self) -> float: ...
+
+    @property
+    def max_c(self) -> float: ...
+
+    @property
+    def jump_c(self) -> float: ...
+
+    @property
+    def watch_rise_c(self) -> float: ...
+
+    @property
+    def watch_s(self) -> float: ...
+
+    @property
+    def runaway_c(self) -> float: ...
+
+    @property
+    def runaway_s(self) -> float: ...
+
+    @property
+    def stuck_on_c(self) -> float: ...
+
+    @property
+    def stuck_on_s(self) -> float: ...
+
+    @property
+    def deviation(self) -> float: ...
+
+    @property
+    def deviation_s(self) -> float: ...
+
+    def __eq__(self, arg: ProtectionLimits, /) -> bool: ...
+
+class HeatTerms:
+    """Error (°C) and shares of full power."""
+
+    @property
+    def error(self) -> float: ...
+
+    @property
+    def p(self) -> float: ...
+
+    @property
+    def i(self) -> float: ...
+
+    @property
+    def d(self) -> float: ...
+
+    @property
+    def output(self) -> float: ...
+
+class HeatSample:
+    """One report of the sensor and the answer to it."""
+
+    def __init__(self, clock: int, celsius: float, target: float, power: float) -> None: ...
+
+    @property
+    def clock(self) -> int: ...
+
+    @property
+    def celsius(self) -> float: ...
+
+    @property
+    def target(self) -> float: ...
+
+    @property
+    def power(self) -> float: ...
+
+    @property
+    def terms(self) -> HeatTerms: ...
+
+class SensorQuery:
+    """How the board samples a sensor; ticks and sums."""
+
+    def __init__(self, sample_ticks: int, sample_count: int, rest_ticks: int, minimum: int, maximum: int, range_checks: int) -> None: ...
+
+    @property
+    def sample_ticks(self) -> int: ...
+
+    @property
+    def sample_count(self) -> int: ...
+
+    @property
+    def rest_ticks(self) -> int: ...
+
+    @property
+    def minimum(self) -> int: ...
+
+    @property
+    def maximum(self) -> int: ...
+
+    @property
+    def range_checks(self) -> int: ...
+
+class HeaterOptions:
+    def __init__(self, sensor_oid: int, output_oid: int, pwm: bool, full: int, adc_full: int, query: SensorQuery, max_power: float, tolerance_c: float, celsius: Sequence[tuple[float, float]], low_share: float, high_share: float, open_is_high: bool, control: PidControl | OnOffControl | ModelControl | RelayControl, limits: ProtectionLimits, model: HeatModel | None) -> None: ...
+
+class Heater:
+    """A heater loop beside the link."""
+
+    @property
+    def celsius(self) -> float: ...
+
+    @property
+    def target(self) -> float: ...
+
+    @target.setter
+    def target(self, arg: float, /) -> None: ...
+
+    @property
+    def power(self) -> float: ...
+
+    @property
+    def max_power(self) -> float: ...
+
+    @property
+    def reached(self) -> bool: ...
+
+    @property
+    def terms(self) -> HeatTerms: ...
+
+    @property
+    def control(self) -> PidControl | OnOffControl | ModelControl | RelayControl: ...
+
+    def set_control(self, control: PidControl | OnOffControl | ModelControl | RelayControl) -> None:
+        """Takes over at once; a model also serves the protections."""
+
+    @property
+    def model(self) -> HeatModel | None: ...
+
+    @property
+    def limits(self) -> ProtectionLimits: ...
+
+    @limits.setter
+    def limits(self, arg: ProtectionLimits, /) -> None: ...
+
+    @property
+    def fan(self) -> float:
+        """Speed of the fan that cools this heater, 0 to 1, for its model."""
+
+    @fan.setter
+    def fan(self, arg: float, /) -> None: ...
+
+    @property
+    def fault(self) -> HeatFault | None:
+        """
+        What is wrong; while it is not None the target is kept, but nothing heats.
+        """
+
+    def rearm(self) -> None:
+        """Ends the fault: the heater heats to the target that it kept."""
+
+    def take_samples(self) -> list[HeatSample]:
+        """
+        The samples since the last call, at most the newest 4096, oldest first.
+        """
+
 def crc16(data: bytes) -> int:
     """CRC-16/MCRF4XX of the bytes."""
 
@@ -77,24 +373,6 @@ class PinKind(enum.Enum):
 
     PWM = 1
 
-class Heater:
-    """A heater loop beside the link."""
-
-    @property
-    def celsius(self) -> float: ...
-
-    @property
-    def target(self) -> float: ...
-
-    @target.setter
-    def target(self, arg: float, /) -> None: ...
-
-    @property
-    def power(self) -> float: ...
-
-    @property
-    def reached(self) -> bool: ...
-
 class Link:
     """The host's end of a board's wire; times in ticks."""
 
@@ -133,7 +411,7 @@ class Link:
 
     def stop_job(self) -> None: ...
 
-    def add_heater(self, sensor_oid: int, output_oid: int, pwm: bool, full: int, adc_full: int, max_power: float, kp: float, ki: float, kd: float, hysteresis_c: float, tolerance_c: float, celsius: Sequence[tuple[float, float]]) -> Heater: ...
+    def add_heater(self, options: HeaterOptions) -> Heater: ...
 
     @property
     def shut_down(self) -> bool: ...
@@ -200,10 +478,19 @@ class VirtualBoard(Device):
     def force_switch(self, pin: int, pressed: int) -> None:
         """A fault: never pressed (0), always (1); -1 ends it."""
 
-    def add_body(self, heater_pin: int, sensor_pin: int, ambient_c: float, rise_c: float, time_constant_s: float, sensor_time_constant_s: float, adc_ratio: Sequence[tuple[float, float]]) -> None: ...
+    def add_body(self, heater_pin: int, sensor_pin: int, ambient_c: float, rise_c: float, time_constant_s: float, sensor_time_constant_s: float, adc_ratio: Sequence[tuple[float, float]], fan_pin: int = 0, fan_loss: float = 0.0) -> None: ...
 
     def force_adc(self, sensor_pin: int, ratio: float) -> None:
         """A fault: the ADC sees this share of full scale; negative ends it."""
+
+    def force_heater(self, sensor_pin: int, duty: float) -> None:
+        """A fault: the heater does this whatever its pin says; negative ends it."""
+
+    def add_noise(self, sensor_pin: int, share: float) -> None:
+        """A fault: the ADC errs by up to this share of full scale."""
+
+    def drop_sensor(self, sensor_pin: int, fallen: bool) -> None:
+        """A fault: the sensor feels the room instead of its body."""
 
     def temperature(self, sensor_pin: int) -> float: ...
 
@@ -256,6 +543,8 @@ class PumpStop(enum.Enum):
     SHUTDOWN = 1
 
     HEATERS = 2
+
+    FAULT = 3
 
 class Pump:
     """Runs a link and a device in virtual time."""

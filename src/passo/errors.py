@@ -44,6 +44,10 @@ def _card(says: str, action: str) -> Entry:
     return Entry("card", says, action, ExitStatus.BAD_INPUT)
 
 
+def _heat(says: str, action: str) -> Entry:
+    return Entry("heat", says, f"{action}, then rearm it", ExitStatus.MACHINE_FAULT)
+
+
 CATALOGUE: Mapping[str, Entry] = {
     "config.unknown-machine": _config(
         "there is no machine called {value!r}",
@@ -172,6 +176,48 @@ CATALOGUE: Mapping[str, Entry] = {
         "heater {axis} has reached only {value:.1f} °C of {limit:.1f} °C in an hour",
         "Check its cartridge, its supply and its sensor's place",
         ExitStatus.MACHINE_FAULT,
+    ),
+    "heat.sensor-open": _heat(
+        "heater {axis} was switched off: its sensor is open, it says {value:.1f} °C where at least"
+        " {limit:.1f} °C is possible",
+        "Check the sensor's plug and wires",
+    ),
+    "heat.sensor-short": _heat(
+        "heater {axis} was switched off: its sensor is short-circuited, it says {value:.1f} °C"
+        " where at most {limit:.1f} °C is allowed",
+        "Check the sensor's wires where they may touch",
+    ),
+    "heat.sensor-erratic": _heat(
+        "heater {axis} was switched off: its sensor, at {value:.1f} °C now, keeps jumping by more"
+        " than {limit:.1f} °C",
+        "Check the sensor's plug and wires where they move",
+    ),
+    "heat.min-temperature": _heat(
+        "heater {axis} was switched off: it is at {value:.1f} °C, below its least {limit:.1f} °C",
+        "Check the sensor, and that the room is not too cold",
+    ),
+    "heat.max-temperature": _heat(
+        "heater {axis} was switched off: it is at {value:.1f} °C, above its limit of {limit:.1f}"
+        " °C",
+        "Let it cool, and check its sensor and its control",
+    ),
+    "heat.heating-failed": _heat(
+        "heater {axis} was switched off: it is at {value:.1f} °C and did not come to {limit:.1f} °C"
+        " in time",
+        "Check its cartridge, its supply, and that its sensor sits where it heats",
+    ),
+    "heat.runaway": _heat(
+        "heater {axis} was switched off: it fell to {value:.1f} °C and stayed below {limit:.1f} °C",
+        "Check its cartridge, its supply, and that its sensor sits where it heats",
+    ),
+    "heat.stuck-on": _heat(
+        "heater {axis} gets hotter without power: it is at {value:.1f} °C, above {limit:.1f} °C",
+        "Cut its supply at once: its switch may be broken",
+    ),
+    "heat.model-deviation": _heat(
+        "heater {axis} was switched off: at {value:.1f} °C it does not behave as its model, by more"
+        " than {limit:.2f} of full power",
+        "Check cartridge, sensor and fan, or tune its model again",
     ),
     "machine.shutdown": Entry(
         "board",

@@ -9,6 +9,7 @@ from tests.oracles.wire import step_clocks
 
 from passo import _core
 from passo.board import BoardDescription, Connection, Endstop, Heater, Output, Sensor, Stepper
+from passo.board.description import Control
 from passo.simulator import Actuator, Body, PlantDescription, SimulatedBoard, Switch
 
 HZ = 16_000_000
@@ -23,7 +24,12 @@ PLANT = PlantDescription(
 )
 
 
-def description(move_count: int = 1024, kp: float = 0.05, pwm: bool = False) -> BoardDescription:
+PID = _core.PidControl(kp=0.05, ki=0.002, kd=0.1)
+
+
+def description(
+    move_count: int = 1024, control: Control = PID, pwm: bool = False
+) -> BoardDescription:
     """y turns the other way round; the hotend must be renewed within 3 s."""
     heat = (
         Output("hotend", "PB4", "pwm", 1000, max_duration_ticks=3 * HZ)
@@ -39,7 +45,7 @@ def description(move_count: int = 1024, kp: float = 0.05, pwm: bool = False) -> 
             Output("light", "PH5", "pwm", 9),
         ),
         sensors=(Sensor("hotend", "PK5", TABLE, min_ratio=0.01, max_ratio=0.99),),
-        heaters=(Heater("hotend", "hotend", "hotend", kp=kp, ki=0.002, kd=0.1),),
+        heaters=(Heater("hotend", "hotend", "hotend", control),),
         endstops=(Endstop("x", "^PE5"),),
         move_count=move_count,
     )

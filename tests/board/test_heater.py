@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from passo import _core
+from passo.board import FaultKind
 from passo.errors import MachineError
 
 from .bench import HZ, Bench, description
@@ -19,15 +21,18 @@ def test_pid_reaches_and_holds_its_target(pwm):
     assert 60 < (c.now - before) / HZ < 150
     assert bench.simulated.temperature("hotend") == pytest.approx(200, abs=4)
     bench.run(120.0)
+    c.heaters["hotend"].take_samples()
     for _ in range(20):
         bench.run(5.0)
         assert bench.simulated.temperature("hotend") == pytest.approx(200, abs=1)
         assert c.heaters["hotend"].celsius == pytest.approx(200, abs=1)
-    assert c.heaters["hotend"].power == pytest.approx(175 / 300, abs=0.03)
+    powers = [sample.power for sample in c.heaters["hotend"].take_samples()]
+    assert len(powers) == 400
+    assert sum(powers) / len(powers) == pytest.approx(175 / 300, abs=0.01)
 
 
 def test_on_off_control_stays_around_its_target():
-    bench = Bench(description(kp=0.0))
+    bench = Bench(description(control=_core.OnOffControl(1.0)))
     c = bench.connection
     c.set_target("hotend", 150.0)
     assert c.run(c.now + 600 * HZ, until_heaters=True)
@@ -70,17 +75,46 @@ def test_a_wait_without_targets_ends_at_once():
     assert bench.connection.now == before
 
 
-@pytest.mark.parametrize("ratio", [0.0, 1.0])
-def test_a_broken_thermistor_shuts_the_board_down(ratio):
+@pytest.mark.parametrize("target", [0.0, 200.0])
+@pytest.mark.parametrize(
+    ("ratio", "kind"), [(0.0, FaultKind.SENSOR_SHORT), (1.0, FaultKind.SENSOR_OPEN)]
+)
+def test_a_broken_sensor_is_a_fault_within_a_second(ratio, kind, target):
+    bench = Bench()
+    c = bench.connection
+    c.on_fault = lambda name, fault: events.append((name, fault))
+    events = []
+    c.set_target("hotend", target)
+    bench.run(10.0)
+    assert (bench.simulated.output_value("hotend") > 0) == (target > 0)
+    bench.simulated.force_sensor("hotend", ratio)
+    before = c.now
+    bench.run(0.95)
+    [(name, fault)] = events
+    assert (name, fault.heater, fault.kind) == ("hotend", "hotend", kind)
+    assert fault.clock - before < 0.8 * HZ
+    assert bench.simulated.output_value("hotend") == 0
+    assert c.heaters["hotend"].target == target
+    bench.run(20.0)
+    assert c.faults == [fault]
+    assert bench.simulated.output_value("hotend") == 0
+
+
+def test_without_a_listener_a_fault_is_raised():
+    bench = Bench()
+    bench.simulated.force_sensor("hotend", 1.0)
+    with pytest.raises(MachineError, match="sensor is open"):
+        bench.run(1.0)
+
+
+def test_the_board_itself_cuts_off_below_the_hosts_protections():
     bench = Bench()
     bench.connection.set_target("hotend", 200.0)
     bench.run(10.0)
-    assert bench.simulated.output_value("hotend") > 0
-    bench.simulated.force_sensor("hotend", ratio)
-    before = bench.connection.now
-    with pytest.raises(MachineError, match="ADC out of range"):
-        bench.run(5.0)
-    assert bench.connection.now - before < 1.1 * HZ
+    silence = bench.connection.now
+    bench.simulated.force_sensor("hotend", 1.0)
+    bench.device.poll(silence + 2 * HZ)
+    assert bench.device.fault == "ADC out of range"
     assert bench.simulated.output_value("hotend") == 0
 
 

@@ -6,7 +6,8 @@ import zlib
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from passo.board.description import BoardDescription, Output, bare, inverted
+from passo import _core
+from passo.board.description import BoardDescription, Heater, Output, Sensor, bare, inverted
 from passo.board.dictionary import Dictionary
 
 SENSOR_SAMPLES = 8
@@ -102,16 +103,61 @@ def checksum(lines: list[str]) -> int:
 def queries(board: BoardDescription, dictionary: Dictionary, clock: int) -> list[str]:
     """Starts the reports of every sensor, the first at board clock `clock`, evenly spread."""
     oids = Oids.of(board)
-    full = dictionary.number("ADC_MAX", 1023) * SENSOR_SAMPLES
-    hz = board.clock_hz
     lines: list[str] = []
     for i, sensor in enumerate(board.sensors):
-        begin = clock + int(SENSOR_PERIOD_S * hz * i / len(board.sensors))
+        begin = clock + int(SENSOR_PERIOD_S * board.clock_hz * i / len(board.sensors))
+        q = sensor_query(board, sensor, dictionary)
         lines.append(
             f"query_analog_in oid={oids.sensors[sensor.name]} clock={begin & 0xFFFFFFFF}"
-            f" sample_ticks={int(SENSOR_SAMPLE_S * hz)} sample_count={SENSOR_SAMPLES}"
-            f" rest_ticks={int(SENSOR_PERIOD_S * hz)} bytes_per_report=2"
-            f" min_value={int(sensor.min_ratio * full)} max_value={int(sensor.max_ratio * full)}"
-            f" range_check_count={SENSOR_RANGE_CHECKS}"
+            f" sample_ticks={q.sample_ticks} sample_count={q.sample_count}"
+            f" rest_ticks={q.rest_ticks} bytes_per_report=2"
+            f" min_value={q.minimum} max_value={q.maximum} range_check_count={q.range_checks}"
         )
     return lines
+
+
+def adc_full(dictionary: Dictionary) -> int:
+    """A sensor's report (sum of its samples) at the ADC's full scale."""
+    return dictionary.number("ADC_MAX", 1023) * SENSOR_SAMPLES
+
+
+def sensor_query(
+    board: BoardDescription, sensor: Sensor, dictionary: Dictionary
+) -> _core.SensorQuery:
+    """How the board is asked to sample a sensor."""
+    full = adc_full(dictionary)
+    return _core.SensorQuery(
+        sample_ticks=int(SENSOR_SAMPLE_S * board.clock_hz),
+        sample_count=SENSOR_SAMPLES,
+        rest_ticks=int(SENSOR_PERIOD_S * board.clock_hz),
+        minimum=int(sensor.min_ratio * full),
+        maximum=int(sensor.max_ratio * full),
+        range_checks=SENSOR_RANGE_CHECKS,
+    )
+
+
+def heater_options(
+    board: BoardDescription, heater: Heater, dictionary: Dictionary
+) -> _core.HeaterOptions:
+    """What the loop of a heater must know."""
+    oids = Oids.of(board)
+    output = next(o for o in board.outputs if o.name == heater.output)
+    sensor = next(s for s in board.sensors if s.name == heater.sensor)
+    table = sorted((ratio, celsius) for celsius, ratio in sensor.table)
+    return _core.HeaterOptions(
+        sensor_oid=oids.sensors[sensor.name],
+        output_oid=oids.outputs[output.name],
+        pwm=output.kind == "pwm",
+        full=full_scale(output, dictionary),
+        adc_full=adc_full(dictionary),
+        query=sensor_query(board, sensor, dictionary),
+        max_power=heater.max_power,
+        tolerance_c=heater.tolerance_c,
+        celsius=table,
+        low_share=table[0][0],
+        high_share=table[-1][0],
+        open_is_high=sensor.open_is_high,
+        control=heater.control,
+        limits=heater.limits,
+        model=heater.model,
+    )

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
 from passo import _core
 from passo.board.configuration import (
-    SENSOR_SAMPLES,
     Oids,
     checksum,
     commands,
     full_scale,
+    heater_options,
     queries,
 )
 from passo.board.description import BoardDescription, inverted
 from passo.board.dictionary import Dictionary
+from passo.board.faults import HeaterFault
 from passo.errors import MachineError, Problem
 
 Values: TypeAlias = dict[str, int | bytes]
@@ -41,7 +42,9 @@ class Connection:
 
     All times are ticks of the board's clock. Not thread-safe; `run` releases the interpreter lock.
     Every method that lets time pass raises MachineError when the board shuts down and
-    BoardSilentError when it no longer answers.
+    BoardSilentError when it no longer answers. When a heater fails, its output is off by then, and
+    the fault is appended to `faults` and given to `on_fault`, which may raise; without it, it is
+    raised as a MachineError.
     """
 
     def __init__(self, board: BoardDescription, device: _core.Device, start_clock: int = 0) -> None:
@@ -52,6 +55,9 @@ class Connection:
         self.dictionary = Dictionary((), (), {}, {})
         self.move_count = 0
         self.heaters: dict[str, _core.Heater] = {}
+        self.faults: list[HeaterFault] = []
+        self.on_fault: Callable[[str, HeaterFault], None] | None = None
+        self._told: dict[str, int] = {}
         self._oids = Oids.of(board)
         self._responses: list[tuple[str, Values]] = []
 
@@ -107,7 +113,7 @@ class Connection:
 
         Returns False if it came to `until_clock`, True if the heaters were first.
         """
-        stop = self.pump.run(until_clock, until_heaters)
+        stop = self._pass(until_clock, until_heaters)
         if stop == _core.PumpStop.SHUTDOWN:
             raise self._shutdown()
         if self.link.lost:
@@ -115,12 +121,30 @@ class Connection:
         return stop == _core.PumpStop.HEATERS
 
     def set_target(self, heater: str, celsius: float) -> None:
-        """Sets a heater's target; 0 turns it off. KeyError if there is no such heater."""
+        """Sets a heater's target; 0 turns it off. One that has failed keeps it for when it is
+        rearmed. KeyError if there is no such heater."""
         self.heaters[heater].target = celsius
 
     def full_scale(self, output: str) -> int:
         """The value of an output that means fully on."""
         return full_scale(next(o for o in self.board.outputs if o.name == output), self.dictionary)
+
+    def _pass(self, until_clock: int, until_heaters: bool = False) -> _core.PumpStop:
+        while (stop := self.pump.run(until_clock, until_heaters)) == _core.PumpStop.FAULT:
+            self._take_faults()
+        return stop
+
+    def _take_faults(self) -> None:
+        for name, heater in self.heaters.items():
+            fault = heater.fault
+            if fault is None or self._told.get(name) == fault.clock:
+                continue
+            self._told[name] = fault.clock
+            event = HeaterFault(name, fault.kind, fault.celsius, fault.limit, fault.clock)
+            self.faults.append(event)
+            if self.on_fault is None:
+                raise MachineError([event.problem])
+            self.on_fault(name, event)
 
     def _ticks(self, seconds: float) -> int:
         return int(seconds * self.board.clock_hz)
@@ -157,7 +181,7 @@ class Connection:
         state = self.ask("get_config", "config")
         if state["is_shutdown"] or (state["is_config"] and state["crc"] != crc):
             self.command("reset")
-            self.pump.run(self.now)
+            self._pass(self.now)
             self.link.restart()
             state = self.ask("get_config", "config")
         if not state["is_config"]:
@@ -175,24 +199,9 @@ class Connection:
         for o in self.board.outputs:
             kind = _core.PinKind.PWM if o.kind == "pwm" else _core.PinKind.DIGITAL
             self.link.add_pin(o.name, self._oids.outputs[o.name], kind)
-        outputs = {o.name: o for o in self.board.outputs}
-        sensors = {s.name: s for s in self.board.sensors}
         for h in self.board.heaters:
-            table = sorted((ratio, celsius) for celsius, ratio in sensors[h.sensor].table)
-            self.heaters[h.name] = self.link.add_heater(
-                sensor_oid=self._oids.sensors[h.sensor],
-                output_oid=self._oids.outputs[h.output],
-                pwm=outputs[h.output].kind == "pwm",
-                full=full_scale(outputs[h.output], self.dictionary),
-                adc_full=self.dictionary.number("ADC_MAX", 1023) * SENSOR_SAMPLES,
-                max_power=h.max_power,
-                kp=h.kp,
-                ki=h.ki,
-                kd=h.kd,
-                hysteresis_c=h.hysteresis_c,
-                tolerance_c=h.tolerance_c,
-                celsius=table,
-            )
+            options = heater_options(self.board, h, self.dictionary)
+            self.heaters[h.name] = self.link.add_heater(options)
 
     def _ask(self, name: str, values: Sequence[int | bytes], answer: str) -> Values:
         for _ in range(_TRIES):
@@ -202,7 +211,7 @@ class Connection:
             until = self.now
             while until <= end:
                 # A board that is shut down may still be asked.
-                self.pump.run(until)
+                self._pass(until)
                 found = self._find(answer)
                 if found is not None:
                     return found

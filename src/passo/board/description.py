@@ -6,8 +6,12 @@ Pins are names of the board's dictionary; `!` in front inverts a pin, `^` asks f
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, field
+from typing import Literal, TypeAlias
+
+from passo import _core
+
+Control: TypeAlias = _core.PidControl | _core.OnOffControl | _core.ModelControl
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +48,9 @@ class Sensor:
     """A temperature sensor on an analog input.
 
     `table` holds (°C, share of the ADC's full scale) by ascending °C, the share strictly rising or
-    falling. Outside `min_ratio`…`max_ratio` the board shuts down.
+    falling; beyond its ends the sensor is broken: open above the greatest share and shorted below
+    the least, or the other way round if not `open_is_high`. Outside `min_ratio`…`max_ratio` the
+    board shuts down, unless the host has switched the heater off before.
     """
 
     name: str
@@ -52,24 +58,26 @@ class Sensor:
     table: tuple[tuple[float, float], ...]
     min_ratio: float = 0.0
     max_ratio: float = 1.0
+    open_is_high: bool = True
 
 
 @dataclass(frozen=True, slots=True)
 class Heater:
     """An output that heats what a sensor measures.
 
-    Control is PID with `kp` (share of full power by °C), `ki` (by °C·s) and `kd` (by °C/s), or
-    on/off within `hysteresis_c` if `kp` is 0. A target is reached within `tolerance_c`.
+    `limits` are its protections; one of them, the model deviation, needs a `model` of what is
+    heated (that of a model-predictive `control` is known without). `fan` names the output that
+    cools it, for the model. A target is reached within `tolerance_c`.
     """
 
     name: str
     output: str
     sensor: str
+    control: Control
+    limits: _core.ProtectionLimits = field(default_factory=_core.ProtectionLimits)
+    model: _core.HeatModel | None = None
+    fan: str | None = None
     max_power: float = 1.0
-    kp: float = 0.0
-    ki: float = 0.0
-    kd: float = 0.0
-    hysteresis_c: float = 1.0
     tolerance_c: float = 2.0
 
 

@@ -11,6 +11,7 @@ from typing import Any
 
 from passo.config.drives import Drivable, Driven, axis_order
 from passo.config.findings import Finding, array, did_you_mean, number, table, tables
+from passo.config.heat_checks import check_heaters
 
 Raw = Mapping[str, Any]
 
@@ -95,7 +96,7 @@ def _check_scale(path: tuple[str, ...], stepper: Raw, turns: bool) -> Iterator[F
 
 
 def check_references(data: Raw) -> Iterator[Finding]:
-    """Tools name extruders and heaters that exist; heaters have sane ranges; fans are distinct."""
+    """Tools name extruders and heaters that exist; fans are distinct."""
     for index, tool in enumerate(array(data, "tools")):
         for key in ("extruder", "heater"):
             word, known = table(tool).get(key), table(data, f"{key}s")
@@ -103,11 +104,6 @@ def check_references(data: Raw) -> Iterator[Finding]:
                 path, hint = ("tools", index, key), did_you_mean(word, known)
                 limit = f"the name of one of the {key}s"
                 yield Finding("config.value", path, word, limit, hint)
-    for name, heater in tables(data, "heaters"):
-        low, high = number(heater, "min_c"), number(heater, "max_c")
-        if high is not None and high <= (5.0 if low is None else low):
-            limit = "a temperature above min_c"
-            yield Finding("config.value", ("heaters", name, "max_c"), high, limit)
     owners: dict[float, str] = {}
     for name, fan in tables(data, "fans"):
         own = number(fan, "number") or 0
@@ -193,7 +189,7 @@ def check_all(
     data: Raw, actuators: tuple[str, ...], rotary: tuple[str, ...], *, lifts_together: bool = False
 ) -> Iterator[Finding]:
     """All checks; those that need the geometry are skipped where it is not known."""
-    parts: list[Callable[[Raw], Iterator[Finding]]] = [check_references, check_pins]
+    parts: list[Callable[[Raw], Iterator[Finding]]] = [check_references, check_heaters, check_pins]
     yield from check_axes(data, actuators)
     if actuators:
         yield from check_steppers(data, actuators, rotary)

@@ -1,4 +1,4 @@
-"""The board and what is wired to it besides motors: heaters, fans, a laser."""
+"""The board and what is wired to it besides motors and heaters: fans, a laser."""
 
 from __future__ import annotations
 
@@ -7,43 +7,6 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from passo.config.base import Fraction, Letter, Model, Name, Pin, Positive
-
-_Celsius = Annotated[float, Field(ge=-100, le=1200)]
-
-
-class Thermistor(Model):
-    """An NTC resistor to ground under a pull-up resistor: R(T) = R25·exp(β·(1/T - 1/298.15 K))."""
-
-    kind: Literal["thermistor"] = "thermistor"
-    r25_ohm: Positive = 100_000.0
-    beta_k: Positive = 3950.0
-    pullup_ohm: Positive = 4700.0
-
-
-class SimulatedHeat(Model):
-    """How the heater behaves on a simulated printer: a first-order body under a first-order sensor.
-
-    At full power it ends `full_power_rise_c` above the room, and it comes 63 % nearer to its end in
-    each `time_constant_s`; the sensor follows with `sensor_time_constant_s`.
-    """
-
-    full_power_rise_c: Positive
-    time_constant_s: Positive
-    sensor_time_constant_s: Positive = 2.0
-
-
-class Heater(Model):
-    """A heater with its sensor; outside `min_c`…`max_c` it is a fault. `kind` says which commands
-    mean it: M104 and M109 a hotend, M140 and M190 the bed, M141 and M191 a chamber."""
-
-    kind: Literal["hotend", "bed", "chamber"]
-    pin: Pin
-    sensor_pin: Pin
-    sensor: Thermistor = Field(default_factory=Thermistor)
-    max_power: Fraction = 1.0
-    min_c: _Celsius = 5.0
-    max_c: _Celsius
-    simulated: SimulatedHeat
 
 
 class Fan(Model):
@@ -92,5 +55,4 @@ class Board(Model):
     pins: dict[str, Pin] = {}
 
 
-Heaters = dict[Name, Heater]
 Fans = dict[Name, Fan]

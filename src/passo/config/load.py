@@ -17,6 +17,7 @@ from passo.config.findings import Finding, did_you_mean, table
 from passo.config.kinds import KINDS
 from passo.config.lines import key_lines, line_of
 from passo.config.machine import MachineConfig
+from passo.config.sensor_files import with_sensor_files
 from passo.errors import ConfigError, Problem
 
 _HERE = Path(__file__).parent
@@ -78,7 +79,7 @@ def load_text(text: str, file: str = "<text>") -> MachineConfig:
         message, line = (place[1], place[2]) if place else (str(error), None)
         at = int(line) if line else text.rstrip("\n").count("\n") + 1
         raise ConfigError([Problem("config.syntax", file, at, {"value": message})]) from None
-    findings = list(_with_board(data))
+    findings = [*_with_board(data), *with_sensor_files(data, Path(file).parent)]
     machine = None
     try:
         machine = MachineConfig.model_validate(data)

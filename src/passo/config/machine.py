@@ -9,7 +9,8 @@ from pydantic import Field
 
 from passo.config.base import AxisName, ExtruderName, Model, Name, Pair, Uuid
 from passo.config.drives import Drivable, axis_order
-from passo.config.electronics import Board, Fans, Heaters, Laser
+from passo.config.electronics import Board, Fans, Laser
+from passo.config.heat import Heaters
 from passo.config.homing import Homing
 from passo.config.motion import Axis, Extruder, Limits, Park, Stepper, Steppers, Tool
 from passo.geometry.registry import AnyGeometry

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator
-from typing import Any, get_args
+from types import NoneType, UnionType
+from typing import Annotated, Any, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from passo.config.base import PATTERNS
 from passo.config.findings import Finding, did_you_mean
-from passo.config.kinds import KINDS
 from passo.config.lines import Path
 from passo.config.machine import MachineConfig
 
@@ -37,50 +37,79 @@ _EXPECTED: dict[str, Callable[[dict[str, Any]], str]] = {
 _QUOTED = re.compile(r"'([^']*)'")
 
 
-def _models_below(annotation: Any) -> Iterator[type[BaseModel]]:
-    """Models that an annotation may hold, through dicts, lists, unions and Annotated."""
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        yield annotation
-    for argument in get_args(annotation):
-        yield from _models_below(argument)
+def _members(place: Any) -> list[Any]:
+    """The models that may stand at a place, or the place itself."""
+    place = get_args(place)[0] if get_origin(place) is Annotated else place
+    if get_origin(place) in (Union, UnionType):
+        return [member for member in get_args(place) if member is not NoneType]
+    return [place]
 
 
-def _model_at(path: Path) -> type[BaseModel] | None:
-    """The model of the table at `path`; None where no model can be told."""
-    if path[:1] == ("geometry",):  # pydantic puts the kind behind it
-        return KINDS.get(str(path[1])) if len(path) > 1 else None
-    model: type[BaseModel] = MachineConfig
+def _kinds(place: Any) -> dict[str, Any]:
+    """Models by their `kind`, where a table may be one of several; else empty."""
+    members = _members(place)
+    if len(members) < 2 or not all(_is_model(member) for member in members):
+        return {}
+    return {
+        kind: member
+        for member in members
+        for kind in get_args(member.model_fields["kind"].annotation)
+    }
+
+
+def _is_model(place: Any) -> bool:
+    return isinstance(place, type) and issubclass(place, BaseModel)
+
+
+def _below(place: Any, part: str | int) -> Any:
+    """The type at a key or an index of a place; None where it cannot be told."""
+    (member, *others) = _members(place)
+    if others:
+        return None
+    if _is_model(member):
+        field = member.model_fields.get(str(part))
+        return field.annotation if field else None
+    return get_args(member)[-1] if get_origin(member) in (dict, list) else None
+
+
+def _place(path: Path) -> tuple[Path, Any]:
+    """The path as it stands in the file, and its type: pydantic puts the kind behind the key of a
+    table that may be one of several."""
+    place: Any = MachineConfig
+    written: list[str | int] = []
     for part in path:
-        field = model.model_fields.get(str(part))
-        if field is not None:
-            model = next(_models_below(field.annotation), model)
-    return model
+        kinds = _kinds(place)
+        if kinds:
+            place = kinds.get(str(part))
+        else:
+            written.append(part)
+            place = _below(place, part)
+    return tuple(written), place
 
 
-def _missing(model: type[BaseModel] | None, key: str) -> str:
+def _missing(model: Any, key: str) -> str:
     """What the missing key should hold."""
-    annotation = model.model_fields[key].annotation if model else None
+    annotation = model.model_fields[key].annotation if _is_model(model) else None
     words = {float: "a number", int: "a whole number", str: "a text in quotes"}
     return words.get(annotation, "a table") if isinstance(annotation, type) else "a table"
 
 
 def _finding(error: ErrorDetails) -> Finding:
-    path: Path = error["loc"]
     kind, context, value = error["type"], error.get("ctx", {}), error["input"]
-    model, key = _model_at(path[:-1]), str(path[-1])
-    if path[0] == "geometry":
-        path = (path[0], *path[2:])
+    model, key = _place(error["loc"][:-1])[1], str(error["loc"][-1])
+    path, place = _place(error["loc"])
     if kind == "extra_forbidden":
-        hint = did_you_mean(key, model.model_fields if model else ())
-        return Finding("config.unknown-key", path, value, "", hint)
+        known = model.model_fields if _is_model(model) else ()
+        return Finding("config.unknown-key", path, value, "", did_you_mean(key, known))
     if kind == "missing":
         return Finding("config.missing-key", path, None, _missing(model, key))
-    if kind == "union_tag_not_found":
-        return Finding("config.missing-key", (*path, "kind"), None, f"one of {', '.join(KINDS)}")
-    if kind == "union_tag_invalid":
-        kinds, tag = ", ".join(KINDS), context["tag"]
-        hint = did_you_mean(tag, KINDS)
-        return Finding("config.value", (*path, "kind"), tag, f"one of {kinds}", hint)
+    if kind in ("union_tag_not_found", "union_tag_invalid"):
+        kinds = _kinds(place)
+        limit = f"one of {', '.join(kinds)}"
+        if kind == "union_tag_not_found":
+            return Finding("config.missing-key", (*path, "kind"), None, limit)
+        tag = context["tag"]
+        return Finding("config.value", (*path, "kind"), tag, limit, did_you_mean(tag, kinds))
     hint = (
         did_you_mean(value, _QUOTED.findall(context["expected"])) if kind == "literal_error" else ""
     )

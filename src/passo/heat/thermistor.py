@@ -1,38 +1,65 @@
-"""Thermistors: from temperature to the share of the ADC's full scale that its divider gives."""
+"""Thermistors: the equation of an NTC resistor, and the divider that it stands in."""
 
 from __future__ import annotations
 
-import itertools
-from math import exp
+from dataclasses import dataclass
+from math import exp, log
 
 ZERO_C = 273.15
-TABLE_C = range(-20, 401, 5)
+_T25_K = 25 + ZERO_C
+_STEP = 1024  # offsets of the ADC are in pairs of 1/1024 of full scale
 
 
-def resistance_ohm(celsius: float, r25_ohm: float, beta_k: float) -> float:
-    """R(T) = R25 · exp(β (1/T - 1/298.15 K)), T in kelvin: the β equation of an NTC resistor."""
-    return r25_ohm * exp(beta_k * (1 / (celsius + ZERO_C) - 1 / (25 + ZERO_C)))
+@dataclass(frozen=True, slots=True)
+class Ntc:
+    """1/T = A + B·ln R + C·(ln R)³, T in kelvin (J. S. Steinhart, S. R. Hart, 1968), where B = 1/β
+    and A follows from the resistance at 25 °C. C = 0 is the β equation."""
+
+    r25_ohm: float
+    beta_k: float
+    c_per_k: float = 0.0
+
+    def celsius(self, ohm: float) -> float:
+        """Temperature at a resistance above 0. Raises ValueError where the equation has none."""
+        x, x25 = log(ohm), log(self.r25_ohm)
+        inverse = 1 / _T25_K + (x - x25) / self.beta_k + self.c_per_k * (x**3 - x25**3)
+        if inverse <= 0:
+            raise ValueError(f"{ohm:g} ohm is beyond any temperature")
+        return 1 / inverse - ZERO_C
+
+    def ohm(self, celsius: float) -> float:
+        """Resistance at a temperature, by Newton's method from the β equation."""
+        x25 = log(self.r25_ohm)
+        wanted = 1 / (celsius + ZERO_C) - 1 / _T25_K
+        x = x25 + self.beta_k * wanted
+        for _ in range(50):
+            wrong = (x - x25) / self.beta_k + self.c_per_k * (x**3 - x25**3) - wanted
+            step = wrong / (1 / self.beta_k + 3 * self.c_per_k * x * x)
+            x -= step
+            if abs(step) < 1e-12:
+                break
+        return exp(x)
 
 
-def ratio_table(
-    r25_ohm: float, beta_k: float, pullup_ohm: float
-) -> tuple[tuple[float, float], ...]:
-    """(°C, share of full scale) every 5 °C from -20 to 400, the thermistor to ground.
-
-    Rounded to 1e-9, so that the table is the same on every computer.
+@dataclass(frozen=True, slots=True)
+class Divider:
+    """A resistor to ground under a pull-up resistor to the ADC's full scale. The ADC says
+    2·`offset_low`/1024 where it should say 0, and 1 + 2·`offset_high`/1024 where it should say 1.
     """
-    rows: list[tuple[float, float]] = []
-    for celsius in TABLE_C:
-        ohm = resistance_ohm(celsius, r25_ohm, beta_k)
-        rows.append((float(celsius), round(ohm / (ohm + pullup_ohm), 9)))
-    return tuple(rows)
 
+    pullup_ohm: float
+    offset_low: float = 0.0
+    offset_high: float = 0.0
 
-def ratio_at(table: tuple[tuple[float, float], ...], celsius: float) -> float:
-    """The table's value at a temperature, straight between its rows, constant beyond its ends."""
-    if celsius <= table[0][0]:
-        return table[0][1]
-    for (c0, r0), (c1, r1) in itertools.pairwise(table):
-        if celsius <= c1:
-            return r0 + (r1 - r0) * (celsius - c0) / (c1 - c0)
-    return table[-1][1]
+    def ohm(self, share: float) -> float:
+        """Resistance at a share of full scale. Raises ValueError where it is open or shorted."""
+        above = share - 2 * self.offset_low / _STEP
+        below = 1 + 2 * self.offset_high / _STEP - share
+        if above <= 0 or below <= 0:
+            raise ValueError(f"a share of {share:g} means no resistance")
+        return self.pullup_ohm * above / below
+
+    def share(self, ohm: float) -> float:
+        """Share of full scale at a resistance."""
+        x = ohm / self.pullup_ohm
+        return (x * (1 + 2 * self.offset_high / _STEP) + 2 * self.offset_low / _STEP) / (1 + x)

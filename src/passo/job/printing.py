@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from passo import _core
+from passo.board.faults import HeaterFault
 from passo.errors import MachineError, Problem
 from passo.job.program import run_program
 from passo.job.result import PrintResult, cpu_s, peak_rss_mb
@@ -58,6 +59,7 @@ class Print:
         self._heaters = list(machine.heaters)
         self._marks: deque[tuple[int, int, int]] = deque()
         self.connection, self.board = connect(machine)
+        self.connection.on_fault = self._heater_failed
         outputs = self.connection.board.outputs
         self.job = _core.Job(
             machine.core_spec(), True, self._policy.clamp, self._policy.ignore_tools
@@ -151,7 +153,16 @@ class Print:
 
     def _on_its_way(self, name: str) -> bool:
         heater = self.connection.heaters[name]
-        return heater.target > 0 and not heater.reached and heater.celsius < heater.target
+        late = not heater.reached and heater.celsius < heater.target
+        return heater.target > 0 and late and heater.fault is None
+
+    def _heater_failed(self, name: str, fault: HeaterFault) -> None:
+        """A print goes on without a heater only if the machine file says so."""
+        if self._machine.heaters[name].on_fault == "heater":
+            return
+        for heater in self._heaters:
+            self.connection.set_target(heater, 0.0)
+        raise MachineError([fault.problem])
 
     def _too_slow(self, heaters: list[str]) -> MachineError:
         name = next(name for name in heaters if self._on_its_way(name))
@@ -173,6 +184,7 @@ class Print:
         result.wire_bytes = link.wire_bytes
         result.stream_hash = f"{link.stream_hash:016x}"
         result.warnings = self._commands.warnings(name, job.statistics()["clamped"])
+        result.warnings += [str(fault) for fault in self.connection.faults]
         result.errors = [
             f"stepper {s}: the board made {result.final_steps[s]} net steps, expected {wanted}"
             for s, wanted in result.net_steps_expected.items()

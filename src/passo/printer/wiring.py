@@ -15,11 +15,12 @@ from passo.board.description import (
     Stepper,
     bare,
 )
-from passo.heat.thermistor import ratio_at, ratio_table
+from passo.heat.control import control_of, limits_of, model_of
+from passo.heat.sensors import open_is_high, sensor_table, share_at
 from passo.printer.switches import Switch, home_point, is_actuator, switches, weights_of
 
 if TYPE_CHECKING:
-    from passo.config.electronics import Heater as HeaterConfig
+    from passo.config.heat import Heater as HeaterConfig
     from passo.config.machine import MachineConfig
     from passo.simulator import Actuator, SimulatedBoard
 
@@ -50,9 +51,11 @@ def board_description(machine: MachineConfig) -> BoardDescription:
         cycle = round(_PWM_PERIOD_S * clock_hz)
         longest = round(_MAX_DURATION_S * clock_hz)
         outputs.append(Output(name, _pin(machine, heater.pin), "digital", cycle, longest))
-        table = ratio_table(heater.sensor.r25_ohm, heater.sensor.beta_k, heater.sensor.pullup_ohm)
-        ends = sorted((ratio_at(table, heater.min_c), ratio_at(table, heater.max_c)))
-        sensors.append(Sensor(name, _pin(machine, heater.sensor_pin), table, ends[0], ends[1]))
+        table = sensor_table(heater.sensor)
+        ends = sorted((share_at(table, heater.min_c), share_at(table, heater.max_c)))
+        pin = _pin(machine, heater.sensor_pin)
+        high = open_is_high(heater.sensor)
+        sensors.append(Sensor(name, pin, table, ends[0], ends[1], open_is_high=high))
         heaters.append(_heater(name, heater))
     for name, fan in machine.fans.items():
         outputs.append(
@@ -75,12 +78,16 @@ def board_description(machine: MachineConfig) -> BoardDescription:
 
 
 def _heater(name: str, heater: HeaterConfig) -> Heater:
-    """PI control tuned to the heater's own figures by the SIMC rules (S. Skogestad, 2003), with the
-    sensor's lag as dead time θ and as the wanted time constant: Kc = τ / (k 2θ), τI = 8θ."""
-    heat = heater.simulated
-    lag = heat.sensor_time_constant_s
-    kp = heat.time_constant_s / heat.full_power_rise_c / (2 * lag)
-    return Heater(name, name, name, heater.max_power, kp, kp / (8 * lag), 0.0)
+    return Heater(
+        name,
+        output=name,
+        sensor=name,
+        control=control_of(heater),
+        limits=limits_of(heater),
+        model=model_of(heater) if heater.model else None,
+        fan=heater.fan,
+        max_power=heater.max_power,
+    )
 
 
 def _pin(machine: MachineConfig, name: str) -> str:
@@ -126,6 +133,8 @@ def simulated_board(machine: MachineConfig, board: BoardDescription) -> Simulate
                 heater.simulated.full_power_rise_c,
                 heater.simulated.time_constant_s,
                 heater.simulated.sensor_time_constant_s,
+                fan=heater.fan,
+                fan_loss=heater.simulated.fan_loss,
             )
             for name, heater in machine.heaters.items()
         ),

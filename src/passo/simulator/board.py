@@ -62,6 +62,8 @@ class SimulatedBoard:
                 b.time_constant_s,
                 b.sensor_time_constant_s,
                 list(tables[heater.sensor]),
+                self._outputs[b.fan] if b.fan else 0,
+                b.fan_loss if b.fan else 0.0,
             )
 
     def net_steps(self, stepper: str) -> int:
@@ -88,6 +90,18 @@ class SimulatedBoard:
         """A fault: the switch is pressed or not, whatever moves; None ends it."""
         pin = next(e.pin for e in self.board.endstops if e.name == endstop)
         self.device.force_switch(self._pins[bare(pin)], -1 if pressed is None else int(pressed))
+
+    def force_heater(self, sensor: str, power: float | None) -> None:
+        """A fault: what this sensor's heater does, 0 to 1, whatever its pin; None ends it."""
+        self.device.force_heater(self._sensors[sensor], -1.0 if power is None else power)
+
+    def add_noise(self, sensor: str, share: float) -> None:
+        """A fault: the ADC errs by up to this share of full scale; 0 ends it."""
+        self.device.add_noise(self._sensors[sensor], share)
+
+    def drop_sensor(self, sensor: str, fallen: bool = True) -> None:
+        """A fault: the sensor hangs in the air of the room."""
+        self.device.drop_sensor(self._sensors[sensor], fallen)
 
     def trace_steps(self, stepper: str, from_clock: int, to_clock: int) -> None:
         """From now on keeps the commands that touch from_clock…to_clock, for `take_steps`."""

@@ -29,13 +29,16 @@ class Switch:
 @dataclass(frozen=True, slots=True)
 class Body:
     """What a heater heats: it tends to `ambient_c` + `rise_c` · power with `time_constant_s`; its
-    sensor follows with `sensor_time_constant_s`."""
+    sensor follows with `sensor_time_constant_s`. With the output `fan` at full speed it loses 1 +
+    `fan_loss` times as much heat."""
 
     heater: str
     rise_c: float
     time_constant_s: float
     sensor_time_constant_s: float = 2.0
     ambient_c: float = 25.0
+    fan: str | None = None
+    fan_loss: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

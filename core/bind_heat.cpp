@@ -1,0 +1,198 @@
+// Python's view of heaters: how they are controlled and protected, and what they say.
+#include <nanobind/nanobind.h>
+#include <nanobind/operators.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/variant.h>
+#include <nanobind/stl/vector.h>
+
+#include "wire/heater.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+using namespace passo;
+using namespace passo::heat;
+using namespace passo::wire;
+
+namespace {
+
+using Points = std::vector<std::pair<double, double>>;
+
+void bind_controls(nb::module_& m) {
+  nb::class_<HeatModel>(m, "HeatModel",
+                        "A body and its sensor, each of first order; °C, s, and the share by which "
+                        "a fan at full speed raises the loss of heat.")
+      .def(nb::init<double, double, double, double, double>(), "rise_c"_a, "time_constant_s"_a,
+           "sensor_lag_s"_a, "fan_loss"_a = 0.0, "ambient_c"_a = 25.0)
+      .def_ro("rise_c", &HeatModel::rise_c)
+      .def_ro("time_constant_s", &HeatModel::time_constant_s)
+      .def_ro("sensor_lag_s", &HeatModel::sensor_lag_s)
+      .def_ro("fan_loss", &HeatModel::fan_loss)
+      .def_ro("ambient_c", &HeatModel::ambient_c)
+      .def(nb::self == nb::self);
+  nb::class_<PidControl>(m, "PidControl",
+                         "Gains as shares of full power by °C, by °C·s and by °C/s; drive_min and "
+                         "drive_max bound the integral; farther than range_c from the target it is "
+                         "fully on or off.")
+      .def(nb::init<double, double, double, double, double, double, double>(), "kp"_a, "ki"_a,
+           "kd"_a, "filter_s"_a = 1.0, "drive_min"_a = 0.0, "drive_max"_a = 1.0, "range_c"_a = 10.0)
+      .def_ro("kp", &PidControl::kp)
+      .def_ro("ki", &PidControl::ki)
+      .def_ro("kd", &PidControl::kd)
+      .def_ro("filter_s", &PidControl::filter_s)
+      .def_ro("drive_min", &PidControl::drive_min)
+      .def_ro("drive_max", &PidControl::drive_max)
+      .def_ro("range_c", &PidControl::range_c)
+      .def(nb::self == nb::self);
+  nb::class_<OnOffControl>(m, "OnOffControl",
+                           "On below the target by the hysteresis, off above it by as much, and no "
+                           "two switchings within the interval.")
+      .def(nb::init<double, double>(), "hysteresis_c"_a = 1.0, "interval_s"_a = 0.0)
+      .def_ro("hysteresis_c", &OnOffControl::hysteresis_c)
+      .def_ro("interval_s", &OnOffControl::interval_s)
+      .def(nb::self == nb::self);
+  nb::class_<ModelControl>(m, "ModelControl",
+                           "The power that by the model closes the gap within the horizon.")
+      .def(nb::init<HeatModel, double>(), "model"_a, "horizon_s"_a = 3.0)
+      .def_ro("model", &ModelControl::model)
+      .def_ro("horizon_s", &ModelControl::horizon_s)
+      .def(nb::self == nb::self);
+  nb::class_<RelayControl>(m, "RelayControl",
+                           "Swings around the target between two powers, for autotuning.")
+      .def(nb::init<double>(), "half_cycle_s"_a = 5.0)
+      .def_ro("half_cycle_s", &RelayControl::half_cycle_s)
+      .def(nb::self == nb::self);
+}
+
+void bind_protections(nb::module_& m) {
+  nb::enum_<FaultKind>(m, "FaultKind")
+      .value("NONE", FaultKind::none)
+      .value("SENSOR_OPEN", FaultKind::sensor_open)
+      .value("SENSOR_SHORT", FaultKind::sensor_short)
+      .value("SENSOR_ERRATIC", FaultKind::sensor_erratic)
+      .value("MIN_TEMPERATURE", FaultKind::min_temperature)
+      .value("MAX_TEMPERATURE", FaultKind::max_temperature)
+      .value("HEATING_FAILED", FaultKind::heating_failed)
+      .value("RUNAWAY", FaultKind::runaway)
+      .value("STUCK_ON", FaultKind::stuck_on)
+      .value("MODEL_DEVIATION", FaultKind::model_deviation);
+  nb::class_<Fault>(m, "HeatFault",
+                    "What failed, what the sensor said, the limit that was broken (°C; of a model "
+                    "deviation a share of power), the board clock.")
+      .def_ro("kind", &Fault::kind)
+      .def_ro("celsius", &Fault::celsius)
+      .def_ro("limit", &Fault::limit)
+      .def_ro("clock", &Fault::clock);
+  nb::class_<ProtectionLimits>(m, "ProtectionLimits",
+                               "What a heater must keep to; 0 switches a protection off, except "
+                               "for min_c and max_c.")
+      .def(
+          "__init__",
+          [](ProtectionLimits* self, double min_c, double max_c, double jump_c, double watch_rise_c,
+             double watch_s, double runaway_c, double runaway_s, double stuck_on_c,
+             double stuck_on_s, double deviation, double deviation_s) {
+            new (self) ProtectionLimits{min_c,      max_c,     jump_c,     watch_rise_c,
+                                        watch_s,    runaway_c, runaway_s,  stuck_on_c,
+                                        stuck_on_s, deviation, deviation_s};
+          },
+          "min_c"_a = 5.0, "max_c"_a = 280.0, "jump_c"_a = 10.0, "watch_rise_c"_a = 2.0,
+          "watch_s"_a = 20.0, "runaway_c"_a = 4.0, "runaway_s"_a = 40.0, "stuck_on_c"_a = 10.0,
+          "stuck_on_s"_a = 60.0, "deviation"_a = 0.35, "deviation_s"_a = 60.0)
+      .def_ro("min_c", &ProtectionLimits::min_c)
+      .def_ro("max_c", &ProtectionLimits::max_c)
+      .def_ro("jump_c", &ProtectionLimits::jump_c)
+      .def_ro("watch_rise_c", &ProtectionLimits::watch_rise_c)
+      .def_ro("watch_s", &ProtectionLimits::watch_s)
+      .def_ro("runaway_c", &ProtectionLimits::runaway_c)
+      .def_ro("runaway_s", &ProtectionLimits::runaway_s)
+      .def_ro("stuck_on_c", &ProtectionLimits::stuck_on_c)
+      .def_ro("stuck_on_s", &ProtectionLimits::stuck_on_s)
+      .def_ro("deviation", &ProtectionLimits::deviation)
+      .def_ro("deviation_s", &ProtectionLimits::deviation_s)
+      .def(nb::self == nb::self);
+}
+
+void bind_heater(nb::module_& m) {
+  nb::class_<Terms>(m, "HeatTerms", "Error (°C) and shares of full power.")
+      .def_ro("error", &Terms::error)
+      .def_ro("p", &Terms::p)
+      .def_ro("i", &Terms::i)
+      .def_ro("d", &Terms::d)
+      .def_ro("output", &Terms::output);
+  nb::class_<HeatSample>(m, "HeatSample", "One report of the sensor and the answer to it.")
+      .def(
+          "__init__",
+          [](HeatSample* self, Ticks clock, double celsius, double target, double power) {
+            new (self) HeatSample{clock, celsius, target, power, {}};
+          },
+          "clock"_a, "celsius"_a, "target"_a, "power"_a)
+      .def_ro("clock", &HeatSample::clock)
+      .def_ro("celsius", &HeatSample::celsius)
+      .def_ro("target", &HeatSample::target)
+      .def_ro("power", &HeatSample::power)
+      .def_ro("terms", &HeatSample::terms);
+  nb::class_<SensorQuery>(m, "SensorQuery", "How the board samples a sensor; ticks and sums.")
+      .def(nb::init<uint32_t, uint32_t, uint32_t, uint32_t, uint32_t, uint32_t>(), "sample_ticks"_a,
+           "sample_count"_a, "rest_ticks"_a, "minimum"_a, "maximum"_a, "range_checks"_a)
+      .def_ro("sample_ticks", &SensorQuery::sample_ticks)
+      .def_ro("sample_count", &SensorQuery::sample_count)
+      .def_ro("rest_ticks", &SensorQuery::rest_ticks)
+      .def_ro("minimum", &SensorQuery::minimum)
+      .def_ro("maximum", &SensorQuery::maximum)
+      .def_ro("range_checks", &SensorQuery::range_checks);
+  nb::class_<HeaterOptions>(m, "HeaterOptions")
+      .def(
+          "__init__",
+          [](HeaterOptions* self, uint32_t sensor_oid, uint32_t output_oid, bool pwm, uint32_t full,
+             uint32_t adc_full, const SensorQuery& query, double max_power, double tolerance_c,
+             const Points& celsius, double low_share, double high_share, bool open_is_high,
+             const Control& control, const ProtectionLimits& limits,
+             const std::optional<HeatModel>& model) {
+            new (self) HeaterOptions{sensor_oid, output_oid,  pwm,
+                                     full,       adc_full,    query,
+                                     max_power,  tolerance_c, heat::Curve(celsius),
+                                     low_share,  high_share,  open_is_high,
+                                     control,    limits,      model};
+          },
+          "sensor_oid"_a, "output_oid"_a, "pwm"_a, "full"_a, "adc_full"_a, "query"_a, "max_power"_a,
+          "tolerance_c"_a, "celsius"_a, "low_share"_a, "high_share"_a, "open_is_high"_a,
+          "control"_a, "limits"_a, "model"_a.none());
+  nb::class_<Heater>(m, "Heater", "A heater loop beside the link.")
+      .def_prop_ro("celsius", &Heater::celsius)
+      .def_prop_rw("target", &Heater::target, &Heater::set_target)
+      .def_prop_ro("power", &Heater::power)
+      .def_prop_ro("max_power", [](const Heater& h) { return h.options().max_power; })
+      .def_prop_ro("reached", &Heater::reached)
+      .def_prop_ro("terms", &Heater::terms, nb::rv_policy::copy)
+      .def_prop_ro("control", [](const Heater& h) { return h.control(); })
+      .def("set_control", &Heater::set_control, "control"_a,
+           "Takes over at once; a model also serves the protections.")
+      .def_prop_ro("model",
+                   [](const Heater& h) {
+                     return h.body() ? std::optional(h.body()->model()) : std::nullopt;
+                   })
+      .def_prop_rw("limits", &Heater::limits, &Heater::set_limits, nb::rv_policy::copy)
+      .def_prop_rw("fan", &Heater::fan, &Heater::set_fan,
+                   "Speed of the fan that cools this heater, 0 to 1, for its model.")
+      .def_prop_ro(
+          "fault",
+          [](const Heater& h) { return h.faulty() ? std::optional(h.fault()) : std::nullopt; },
+          "What is wrong; while it is not None the target is kept, but nothing heats.")
+      .def("rearm", &Heater::rearm, "Ends the fault: the heater heats to the target that it kept.")
+      .def(
+          "take_samples",
+          [](Heater& h) {
+            std::vector<HeatSample> taken(h.samples().begin(), h.samples().end());
+            h.samples().clear();
+            return taken;
+          },
+          "The samples since the last call, at most the newest 4096, oldest first.");
+}
+
+}  // namespace
+
+void bind_heat(nb::module_& m) {
+  bind_controls(m);
+  bind_protections(m);
+  bind_heater(m);
+}

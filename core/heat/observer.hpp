@@ -1,0 +1,71 @@
+// A heated body as the host reckons it: a first-order body that loses heat to the room, felt by a
+// first-order sensor. From power and readings it tells how hot the body is behind its sensor, and
+// how much heat comes or goes that the model does not explain.
+#pragma once
+#include <algorithm>
+#include <cmath>
+
+namespace passo::heat {
+
+struct HeatModel {
+  double rise_c = 0;           // above the room in the end, at full power, without a fan
+  double time_constant_s = 0;  // of the body, without a fan
+  double sensor_lag_s = 0;
+  double fan_loss = 0;    // how much more heat is lost with the fan at full speed, as a share
+  double ambient_c = 25;  // the room
+  bool operator==(const HeatModel&) const = default;
+};
+
+// Luenberger observer of three states: sensor, body, and the room that would explain the readings.
+// All its poles lie at -ω, ω = 0.5 / sensor lag: slower than the noise, faster than the body.
+class Observer {
+ public:
+  explicit Observer(const HeatModel& model) : m_(model) {}
+  void set(const HeatModel& model) { m_ = model; }
+  const HeatModel& model() const { return m_; }
+
+  // `power` acted for `dt` seconds until the sensor said `celsius`.
+  void update(double celsius, double power, double fan, double dt) {
+    loss_ = 1 + m_.fan_loss * fan;
+    if (!known_) {
+      sensor_ = body_ = celsius;
+      before_ = celsius;
+      room_ = m_.ambient_c;
+      known_ = true;
+      return;
+    }
+    if (dt <= 0) return;
+    double lag = std::max(m_.sensor_lag_s, 0.1);
+    double a = 1 / lag, b = loss_ / m_.time_constant_s;
+    double w = std::min(0.5 / lag, 0.5 / dt);
+    double l1 = 3 * w - a - b, l2 = (3 * w * w - (a + l1) * b) / a, l3 = w * w * w / (a * b);
+    int steps = std::max(1, int(std::ceil(dt / std::min(kStepSeconds, lag / 4))));
+    double h = dt / steps;
+    // The correction is spread over the interval, from the readings at its two ends.
+    for (int k = 1; k <= steps; ++k) {
+      double measured = before_ + (celsius - before_) * (double(k) / steps);
+      double off = measured - sensor_;
+      double body_rate = b * (room_ + m_.rise_c * power / loss_ - body_);
+      double sensor_rate = a * (body_ - sensor_);
+      sensor_ += h * (sensor_rate + l1 * off);
+      body_ += h * (body_rate + l2 * off);
+      room_ += h * l3 * off;
+    }
+    before_ = celsius;
+  }
+
+  double body_c() const { return body_; }
+  // Share of full power that would keep the body at `celsius` as things are.
+  double holding(double celsius) const { return loss_ * (celsius - room_) / m_.rise_c; }
+  // Share of full power that the readings show beyond (below) what the model expects.
+  double unexplained() const { return loss_ * (room_ - m_.ambient_c) / m_.rise_c; }
+
+ private:
+  static constexpr double kStepSeconds = 0.05;
+
+  HeatModel m_;
+  double sensor_ = 0, body_ = 0, room_ = 0, loss_ = 1, before_ = 0;
+  bool known_ = false;
+};
+
+}  // namespace passo::heat

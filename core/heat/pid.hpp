@@ -1,0 +1,65 @@
+// PID control: derivative on the measurement and filtered, a bounded integral, a functional range.
+#pragma once
+#include <algorithm>
+
+#include "reading.hpp"
+
+namespace passo::heat {
+
+struct PidControl {
+  double kp = 0, ki = 0, kd = 0;        // share of power by °C, by °C·s, by °C/s
+  double filter_s = 1;                  // time constant of the derivative
+  double drive_min = 0, drive_max = 1;  // bounds of the integral, shares of power
+  double range_c = 10;                  // farther from the target: full on, or off
+  bool operator==(const PidControl&) const = default;
+};
+
+class Pid {
+ public:
+  explicit Pid(const PidControl& options) : o_(options) {}
+  // New gains take over from the old ones without a jump of the integral.
+  void set(const PidControl& options) { o_ = options; }
+  const Terms& terms() const { return terms_; }
+
+  double update(const Reading& r) {
+    if (r.dt > 0 && known_)
+      rate_ += ((r.celsius - before_) / r.dt - rate_) * (r.dt / (r.dt + o_.filter_s));
+    before_ = r.celsius;
+    known_ = true;
+    if (r.target <= 0) {
+      i_ = o_.drive_min;
+      terms_ = {};
+      return 0;
+    }
+    double error = r.target - r.celsius;
+    double low = std::min(o_.drive_min, r.max_power), high = std::min(o_.drive_max, r.max_power);
+    if (error > o_.range_c || error < -o_.range_c) {
+      i_ = low;
+      return finish(error, 0, 0, error > 0 ? r.max_power : 0, r.max_power);
+    }
+    double p = o_.kp * error, d = -o_.kd * rate_, step = o_.ki * error * r.dt;
+    // Anti-windup: the integral grows only while that still changes the power, and not while the
+    // temperature is closing in by itself faster than the integral could follow: what it gathered
+    // there would have to be given back as overshoot.
+    double wanted = p + i_ + step + d;
+    bool saturated = (wanted > r.max_power && step > 0) || (wanted < 0 && step < 0);
+    bool closing = error * rate_ > 0 && o_.ki * error * error < o_.kp * error * rate_;
+    if (!saturated && !closing) i_ += step;
+    i_ = std::clamp(i_, low, high);
+    return finish(error, p, d, p + i_ + d, r.max_power);
+  }
+
+ private:
+  PidControl o_;
+  double before_ = 0, rate_ = 0, i_ = 0;
+  bool known_ = false;
+  Terms terms_;
+
+  double finish(double error, double p, double d, double output, double max_power) {
+    output = std::clamp(output, 0.0, max_power);
+    terms_ = {error, p, i_, d, output};
+    return output;
+  }
+};
+
+}  // namespace passo::heat

@@ -1,0 +1,35 @@
+"""What failed at a heater, as an event and as a sentence."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from passo import _core
+from passo.errors import Problem
+
+FaultKind = _core.FaultKind
+
+
+@dataclass(frozen=True, slots=True)
+class HeaterFault:
+    """A protection of a heater has switched it off.
+
+    `celsius` is what its sensor said at board clock `clock`, `limit` what it had to keep to: °C,
+    and of a model deviation a share of full power. `str()` is a sentence with the next action.
+    """
+
+    heater: str
+    kind: FaultKind
+    celsius: float
+    limit: float
+    clock: int
+
+    @property
+    def problem(self) -> Problem:
+        """The fault as a problem of the catalogue, `heat.` and its kind being the code."""
+        code = f"heat.{self.kind.name.lower().replace('_', '-')}"
+        values = {"axis": self.heater, "value": self.celsius, "limit": self.limit}
+        return Problem(code, values=values)
+
+    def __str__(self) -> str:
+        return str(self.problem)

@@ -1,0 +1,128 @@
+"""Heaters: their sensors, how they are controlled, and what they are protected from."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from passo.config.base import Fraction, Model, Name, NotNegative, Pin, Positive
+from passo.config.sensors import AnySensor, Thermistor
+
+_Celsius = Annotated[float, Field(ge=-100, le=1200)]
+
+
+class PidControl(Model):
+    """PID control. Gains are shares of full power by °C, by °C·s and by °C/s; those left out are
+    reckoned from the heater's model. The derivative is of the temperature, filtered with
+    `filter_s`; the integral stays within `drive_min`…`drive_max`; farther than `range_c` from its
+    target the heater is fully on or off."""
+
+    kind: Literal["pid"] = "pid"
+    kp: Positive | None = None
+    ki: NotNegative | None = None
+    kd: NotNegative | None = None
+    filter_s: Positive = 1.0
+    drive_min: Fraction = 0.0
+    drive_max: Fraction = 1.0
+    range_c: Positive = 10.0
+
+
+class BangBangControl(Model):
+    """Fully on below the target by more than the hysteresis, off above it by more; no two
+    switchings within `interval_s`."""
+
+    kind: Literal["bang-bang"] = "bang-bang"
+    hysteresis_c: NotNegative = 1.0
+    interval_s: NotNegative = 5.0
+
+
+class ModelControl(Model):
+    """Model-predictive control: the power that by the heater's model closes the gap within
+    `horizon_s`."""
+
+    kind: Literal["model"] = "model"
+    horizon_s: Positive = 3.0
+
+
+AnyControl = Annotated[
+    PidControl | BangBangControl | ModelControl,
+    Field(discriminator="kind"),
+]
+
+
+class HeatModel(Model):
+    """A heater as its controllers see it: a first-order body under a first-order sensor.
+
+    At full power it ends `rise_c` above the room, and it comes 63 % nearer to its end in each
+    `time_constant_s`; the sensor follows with `sensor_lag_s`. A fan at full speed makes it lose
+    `fan_loss` (a share) more heat.
+    """
+
+    rise_c: Positive
+    time_constant_s: Positive
+    sensor_lag_s: Positive = 2.0
+    fan_loss: NotNegative = 0.0
+    ambient_c: _Celsius = 25.0
+
+
+class Protection(Model):
+    """What switches a heater off besides `min_c` and `max_c`; 0 switches a protection off.
+
+    `jump_c` between two readings, several times in some seconds: the sensor is erratic. On its way
+    up it must get `watch_rise_c` warmer in each `watch_s` (default 20 s, 90 s for a bed or a
+    chamber). Once there, it must not stay `runaway_c` below its target for `runaway_s`. Without
+    power it must not get `stuck_on_c` warmer in `stuck_on_s`. Where its model is given, the share
+    `deviation` of full power is the most that the model may leave unexplained for `deviation_s`.
+    """
+
+    jump_c: NotNegative = 10.0
+    watch_rise_c: NotNegative = 2.0
+    watch_s: Positive | None = None
+    runaway_c: NotNegative = 4.0
+    runaway_s: Positive = 40.0
+    stuck_on_c: NotNegative = 10.0
+    stuck_on_s: Positive = 60.0
+    deviation: NotNegative = 0.35
+    deviation_s: Positive = 60.0
+
+
+class SimulatedHeat(Model):
+    """How the heater behaves on a simulated printer: a first-order body under a first-order sensor.
+
+    At full power it ends `full_power_rise_c` above the room, and it comes 63 % nearer to its end in
+    each `time_constant_s`; the sensor follows with `sensor_time_constant_s`. The heater's fan at
+    full speed makes it lose `fan_loss` (a share) more heat.
+    """
+
+    full_power_rise_c: Positive
+    time_constant_s: Positive
+    sensor_time_constant_s: Positive = 2.0
+    fan_loss: NotNegative = 0.0
+
+
+class Heater(Model):
+    """A heater with its sensor; outside `min_c`…`max_c` it is a fault. `kind` says which commands
+    mean it: M104 and M109 a hotend, M140 and M190 the bed, M141 and M191 a chamber.
+
+    `fan` names the fan that cools it. `model` is what a tune has found; without it, control that
+    needs one goes by `simulated`. `on_fault` says what else stops when a protection has switched
+    it off: the whole `machine`, the `job`, or nothing but this `heater`.
+    """
+
+    kind: Literal["hotend", "bed", "chamber"]
+    pin: Pin
+    sensor_pin: Pin
+    sensor: AnySensor = Field(default_factory=Thermistor)
+    fan: Name | None = None
+    max_power: Fraction = 1.0
+    min_c: _Celsius = 5.0
+    max_c: _Celsius
+    control: AnyControl = Field(default_factory=PidControl)
+    model: HeatModel | None = None
+    protection: Protection = Field(default_factory=Protection)
+    on_fault: Literal["machine", "job", "heater"] = "machine"
+    simulated: SimulatedHeat
+
+
+Heaters = dict[Name, Heater]

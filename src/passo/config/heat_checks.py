@@ -1,0 +1,51 @@
+"""Checks of the heaters of a machine file, between their keys and with the rest of it."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from passo.config.findings import Finding, array, did_you_mean, number, table, tables
+
+Raw = Mapping[str, Any]
+
+
+def check_heaters(data: Raw) -> Iterator[Finding]:
+    """Ranges are ranges, fans exist, and tables of sensors can be read both ways."""
+    for name, heater in tables(data, "heaters"):
+        path = ("heaters", name)
+        low, high = number(heater, "min_c"), number(heater, "max_c")
+        if high is not None and high <= (5.0 if low is None else low):
+            yield Finding("config.value", (*path, "max_c"), high, "a temperature above min_c")
+        fan, fans = heater.get("fan"), table(data, "fans")
+        if isinstance(fan, str) and fan not in fans:
+            hint = did_you_mean(fan, fans)
+            yield Finding("config.value", (*path, "fan"), fan, "the name of one of the fans", hint)
+        control = table(heater, "control")
+        least, most = number(control, "drive_min"), number(control, "drive_max")
+        if least is not None and least >= (1.0 if most is None else most):
+            limit = "a share of power below drive_max"
+            yield Finding("config.value", (*path, "control", "drive_min"), least, limit)
+        yield from _check_points((*path, "sensor"), table(heater, "sensor"))
+
+
+def _check_points(path: tuple[str, ...], sensor: Raw) -> Iterator[Finding]:
+    key = "file" if "file" in sensor else "points"
+    points = sorted(point for raw in array(sensor, "points") for point in _pairs(raw))
+    shares = [share for _, share in points]
+    steps = [b - a for a, b in itertools.pairwise(shares)]
+    if any(not 0 <= share <= 1 for share in shares):
+        yield Finding("config.value", (*path, key), sensor[key], "shares from 0 to 1")
+    elif not (all(step < 0 for step in steps) or all(step > 0 for step in steps)):
+        limit = "shares that only rise or only fall with the temperature"
+        yield Finding("config.value", (*path, key), sensor[key], limit)
+
+
+def _pairs(raw: object) -> Iterator[tuple[float, float]]:
+    """The point, if it is one: the models report what is none."""
+    match raw:
+        case [int() | float() as celsius, int() | float() as share]:
+            yield float(celsius), float(share)
+        case _:
+            pass

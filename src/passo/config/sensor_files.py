@@ -1,0 +1,46 @@
+"""Tables of sensors that stand in files of their own beside the machine file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from passo.config.findings import Finding, table, tables
+
+_ANY_POINTS = [[0.0, 1.0], [300.0, 0.0]]  # keep the models from reporting what was reported here
+
+
+def with_sensor_files(data: dict[str, Any], folder: Path) -> Iterator[Finding]:
+    """Puts the points of each `file` of a sensor into `data`; paths begin at `folder`."""
+    for name, heater in list(tables(data, "heaters")):
+        sensor = table(heater, "sensor")
+        file = sensor.get("file")
+        if sensor.get("kind") != "table" or not isinstance(file, str):
+            continue
+        path = ("heaters", name, "sensor", "file")
+        if "points" in sensor:
+            yield Finding("config.conflict", path, file, "either file or points")
+            continue
+        points = _ANY_POINTS
+        try:
+            points = _points((folder / file).read_text())
+        except (OSError, ValueError) as error:
+            reason = (error.strerror if isinstance(error, OSError) else None) or str(error)
+            yield Finding("config.value", path, file, f"a table that can be read ({reason})")
+        data["heaters"][name] = {**heater, "sensor": {**sensor, "points": points}}
+
+
+def _points(text: str) -> list[list[float]]:
+    """Lines `°C, share`; empty lines and what follows a # do not count. Raises ValueError."""
+    points: list[list[float]] = []
+    for number, line in enumerate(text.splitlines(), 1):
+        words = line.partition("#")[0].split(",")
+        if words == [""] or not line.strip():
+            continue
+        try:
+            celsius, share = (float(word) for word in words)
+        except ValueError:
+            raise ValueError(f"line {number} is no `°C, share`") from None
+        points.append([celsius, share])
+    return points

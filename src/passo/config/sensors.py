@@ -1,0 +1,72 @@
+"""Temperature sensors on an analog input, as a machine file describes them."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from passo.config.base import Model, Pair, Positive
+
+_Offset = Annotated[float, Field(ge=-64, le=64)]
+
+
+class Thermistor(Model):
+    """An NTC resistor to ground under a pull-up resistor: 1/T = A + B·ln R + C·(ln R)³ where B =
+    1/β, C = `c_per_k`, and A such that it has `r25_ohm` at 25 °C. The offsets are errors at the two
+    ends of the ADC, in pairs of steps of 1/1024 of full scale (L and O of M305)."""
+
+    kind: Literal["thermistor"] = "thermistor"
+    r25_ohm: Positive = 100_000.0
+    beta_k: Positive = 3950.0
+    c_per_k: Annotated[float, Field(ge=0, le=1e-5)] = 0.0
+    pullup_ohm: Positive = 4700.0
+    adc_offset_low: _Offset = 0.0
+    adc_offset_high: _Offset = 0.0
+
+
+class Platinum(Model):
+    """A PT100 or PT1000 (IEC 60751) to ground under a pull-up resistor."""
+
+    kind: Literal["pt100", "pt1000"]
+    pullup_ohm: Positive = 4700.0
+
+
+class PlatinumAmplifier(Model):
+    """A PT100 or PT1000 to ground under `pullup_ohm`, and an amplifier behind them: its output is
+    `supply_v` · `gain` · R / (R + `pullup_ohm`); the ADC's full scale is `full_scale_v`."""
+
+    kind: Literal["pt100-amplifier", "pt1000-amplifier"]
+    gain: Positive = 10.0
+    pullup_ohm: Positive = 4400.0
+    supply_v: Positive = 5.0
+    full_scale_v: Positive = 5.0
+
+
+class ThermocoupleAmplifier(Model):
+    """A thermocouple behind an AD595 (10 mV/°C) or an AD8495 (5 mV/°C); what it says is multiplied
+    by `scale`, then `offset_c` is added."""
+
+    kind: Literal["ad595", "ad8495"]
+    full_scale_v: Positive = 5.0
+    scale: Positive = 1.0
+    offset_c: Annotated[float, Field(ge=-100, le=100)] = 0.0
+
+
+class SensorTable(Model):
+    """A sensor by points `[°C, share of the ADC's full scale]` with straight lines between them.
+
+    They stand here or, as lines `°C, share`, in `file`, whose path begins at the machine file.
+    `open_reads` says on which side of the table the ADC ends when the sensor's cable is open.
+    """
+
+    kind: Literal["table"]
+    file: str | None = None
+    points: Annotated[list[Pair], Field(min_length=2, max_length=1000)]
+    open_reads: Literal["high", "low"] = "high"
+
+
+AnySensor = Annotated[
+    Thermistor | Platinum | PlatinumAmplifier | ThermocoupleAmplifier | SensorTable,
+    Field(discriminator="kind"),
+]

@@ -1,0 +1,65 @@
+"""From a machine file's heater to the controller, the protections and the model of the core."""
+
+from __future__ import annotations
+
+from passo import _core
+from passo.config.heat import BangBangControl, Heater, ModelControl
+
+_HOTEND_WATCH_S = 20.0
+_SLOW_WATCH_S = 90.0  # a bed near the end of what it can do gains 2 °C in a minute
+
+
+def model_of(heater: Heater) -> _core.HeatModel:
+    """What a tune has found; before one, what the simulated heater is like."""
+    if (m := heater.model) is not None:
+        return _core.HeatModel(m.rise_c, m.time_constant_s, m.sensor_lag_s, m.fan_loss, m.ambient_c)
+    s = heater.simulated
+    return _core.HeatModel(
+        s.full_power_rise_c, s.time_constant_s, s.sensor_time_constant_s, s.fan_loss
+    )
+
+
+def control_of(heater: Heater) -> _core.PidControl | _core.OnOffControl | _core.ModelControl:
+    """The heater's controller."""
+    control, model = heater.control, model_of(heater)
+    if isinstance(control, BangBangControl):
+        return _core.OnOffControl(control.hysteresis_c, control.interval_s)
+    if isinstance(control, ModelControl):
+        return _core.ModelControl(model, control.horizon_s)
+    kp, ki, kd = pid_gains(model)
+    return _core.PidControl(
+        kp=kp if control.kp is None else control.kp,
+        ki=ki if control.ki is None else control.ki,
+        kd=kd if control.kd is None else control.kd,
+        filter_s=control.filter_s,
+        drive_min=control.drive_min,
+        drive_max=control.drive_max,
+        range_c=control.range_c,
+    )
+
+
+def pid_gains(model: _core.HeatModel) -> tuple[float, float, float]:
+    """kp, ki, kd by the SIMC rules (S. Skogestad, 2003) for an integrating body: with the sensor's
+    lag as dead time θ and as the wanted time constant, Kc = τ / (k 2θ) and τI = 8θ."""
+    lag = model.sensor_lag_s
+    kp = model.time_constant_s / model.rise_c / (2 * lag)
+    return kp, kp / (8 * lag), 0.0
+
+
+def limits_of(heater: Heater) -> _core.ProtectionLimits:
+    """The heater's protections."""
+    p = heater.protection
+    usual_s = _HOTEND_WATCH_S if heater.kind == "hotend" else _SLOW_WATCH_S
+    return _core.ProtectionLimits(
+        min_c=heater.min_c,
+        max_c=heater.max_c,
+        jump_c=p.jump_c,
+        watch_rise_c=p.watch_rise_c,
+        watch_s=usual_s if p.watch_s is None else p.watch_s,
+        runaway_c=p.runaway_c,
+        runaway_s=p.runaway_s,
+        stuck_on_c=p.stuck_on_c,
+        stuck_on_s=p.stuck_on_s,
+        deviation=p.deviation,
+        deviation_s=p.deviation_s,
+    )
