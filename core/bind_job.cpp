@@ -116,6 +116,7 @@ void bind_job(nb::module_& m) {
       .value("OUT_OF_RANGE", Fault::out_of_range)
       .value("MISSING_TOOL", Fault::missing_tool)
       .value("NOT_HOMED", Fault::not_homed)
+      .value("COLD", Fault::cold)
       .value("GARBAGE", Fault::garbage)
       .value("UNREACHABLE", Fault::unreachable)
       .value("ACTUATOR", Fault::actuator);
@@ -319,6 +320,14 @@ void bind_job(nb::module_& m) {
                          axes.push_back(int(a));
                      return axes;
                    })
+      .def_prop_rw(
+          "cold", [](JobView& self) { return self.job.interpreter.cold; },
+          [](JobView& self, bool cold) { self.job.interpreter.cold = cold; },
+          "While it is set, moves of filament are errors.")
+      .def_prop_rw(
+          "flow", [](JobView& self) { return self.job.interpreter.flow; },
+          [](JobView& self, double flow) { self.job.interpreter.flow = flow; },
+          "M221, as a factor.")
       .def_prop_ro("held", [](JobView& self) { return self.job.motion.held(); })
       .def_prop_ro(
           "clock", [](JobView& self) { return self.job.motion.planner().clock(); },

@@ -39,6 +39,7 @@ enum class Fault : uint8_t {
   out_of_range,
   missing_tool,
   not_homed,
+  cold,
   garbage,
   unreachable,
   actuator
@@ -56,6 +57,7 @@ class Interpreter {
  public:
   bool clamp = false;         // targets out of range go to the limit
   bool ignore_tools = false;  // a missing tool is left alone
+  bool cold = false;          // filament must not move: its hotend is too cold
   double flow = 1;            // M221
 
   Interpreter(const Machine& machine, std::vector<double> home, bool laser)
@@ -307,6 +309,11 @@ class Interpreter {
     if (moved & locked_) {
       logical_e_ = e_before;
       fail(Fault::not_homed, axis_name(__builtin_ctz(unsigned(moved & locked_))), 0, 0);
+      return false;
+    }
+    if (cold && move_.target[kE] != position_[kE]) {
+      logical_e_ = e_before;
+      fail(Fault::cold, "E", 0, 0);
       return false;
     }
     move_.moved = moved;

@@ -398,6 +398,7 @@ inline bool Interpreter::next_chord() {
 // Firmware retraction (G10, G11): filament first, then the hop; back in the reverse order.
 inline void Interpreter::run_retract(bool in) {
   if (in == retracted_ || machine_->extruders.empty()) return;
+  if (cold) return fail(Fault::cold, "E", 0, 0);
   retracted_ = in;
   auto step = [&](int j, double by, double feed) {
     if (by == 0) return;

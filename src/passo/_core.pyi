@@ -766,11 +766,13 @@ class Fault(enum.Enum):
 
     NOT_HOMED = 8
 
-    GARBAGE = 9
+    COLD = 9
 
-    UNREACHABLE = 10
+    GARBAGE = 10
 
-    ACTUATOR = 11
+    UNREACHABLE = 11
+
+    ACTUATOR = 12
 
 class Job:
     """A G-code program through one machine. Not thread-safe."""
@@ -904,6 +906,20 @@ class Job:
 
     @property
     def locked_axes(self) -> list[int]: ...
+
+    @property
+    def cold(self) -> bool:
+        """While it is set, moves of filament are errors."""
+
+    @cold.setter
+    def cold(self, arg: bool, /) -> None: ...
+
+    @property
+    def flow(self) -> float:
+        """M221, as a factor."""
+
+    @flow.setter
+    def flow(self, arg: float, /) -> None: ...
 
     @property
     def held(self) -> int: ...

@@ -166,6 +166,24 @@ CATALOGUE: Mapping[str, Entry] = {
         "Check its wiring and the ! in front of its pin, or give it a longer way back",
         ExitStatus.MACHINE_FAULT,
     ),
+    "input.cold": _input(
+        "heat",
+        "cold extrusion prevented: the hotend is too cold for filament to move",
+        "Heat it first (M109), or allow it (M302 P1)",
+    ),
+    "command.value": _input(
+        "command", "{axis} is {value}: expected {limit}", "Send the command with such a value"
+    ),
+    "heat.unknown": _input(
+        "heat",
+        "there is no {axis} with number {value}; the machine has {limit}",
+        "Give another T or P, or add the heater to the machine file",
+    ),
+    "heat.unsafe-target": _input(
+        "heat",
+        "heater {axis} was switched off: {value:g} C is outside of its safe range, {limit} C",
+        "Give a temperature within it, or change min_c and max_c of the heater",
+    ),
     "input.not-homed": _input(
         "homing",
         "axis {axis} does not know where it is",

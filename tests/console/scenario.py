@@ -64,7 +64,8 @@ class Host:
 
         before = self._read
         if not self._scenario.until(found, within):
-            raise AssertionError(f"no {pattern!r} within {within} s in {self.heard[before:]}")
+            heard = [line for line in self.heard[before:] if line != "wait"]
+            raise AssertionError(f"no {pattern!r} within {within} s in {heard}")
         return self.heard[self._read - 1]
 
     def ok(self, line: str, within: float = 10.0) -> list[str]:

@@ -5,7 +5,7 @@ import re
 import pytest
 from tests.console.scenario import Scenario
 
-SQUARE = "G28\nG1 Z0.2 F600\n" + "".join(
+SQUARE = "M302 P1\nG28\nG1 Z0.2 F600\n" + "".join(
     f"G1 X{10 + 50 * (i % 2)} Y{10 + 50 * (i // 2 % 2)} E{i / 10} F6000\n" for i in range(60)
 )
 
@@ -107,7 +107,7 @@ def test_a_pause_brakes_parks_and_goes_on_from_the_very_point(folder):
         assert s.loop.time() - before <= 0.25
         stopped = s.positions()
         s.passes(4)
-        assert s.positions() == stopped | {"z": 10.2}
+        assert s.positions() == stopped | {"z": 10.2, "e": pytest.approx(stopped["e"] - 2, 0.01)}
         s.host.ok("G91")
         s.host.ok("G1 X30 E4 F3000")
         s.host.ok("T0")

@@ -16,6 +16,7 @@ from passo.printer.words import Command
 
 BACKLOG = 256  # lines in hand before the sender is held up
 WAIT_S = 1.0  # an idle console says `wait` this often
+_PLAIN = str.maketrans({"°": "", "µ": "u", "²": "2"})
 _HEAD = re.compile(r"\s*([A-Za-z])\s*(\d{1,9})(?:\.(\d))?\s*(.*)\Z", re.DOTALL)
 
 
@@ -36,6 +37,11 @@ def command_of(text: str) -> Command:
         name, _, rest = text.strip().partition(" ")
         return Command(0, "", 0, 0, name.upper(), rest)
     return Command(0, head[1].upper(), int(head[2]), int(head[3] or 0), "", head[4])
+
+
+def _ascii(text: str) -> bytes:
+    """A line that every host can read."""
+    return text.translate(_PLAIN).encode("ascii", "replace") + b"\n"
 
 
 class Session:
@@ -93,11 +99,11 @@ class Session:
 
     def say(self, text: str) -> None:
         """A line of answer."""
-        self._wire.write(text.encode("ascii", "replace") + b"\n")
+        self._wire.write(_ascii(text))
 
     def hear(self, text: str) -> None:
         """A line that concerns everybody; a console that does not read may miss it."""
-        self._wire.write(text.encode("ascii", "replace") + b"\n", dispensable=True)
+        self._wire.write(_ascii(text), dispensable=True)
 
     def with_ok(self, text: str) -> None:
         """Text behind this command's `ok`."""
@@ -153,9 +159,7 @@ class Session:
             if self.upload is not None and self._stored(line, command.code):
                 self._acknowledge(line)
                 continue
-            handler = printer.immediate.get(command.code)
-            if handler is not None:
-                handler(command, self)
+            if printer.act(command, self):
                 self._acknowledge(line)
             elif printer.has_room() and printer.turn.take():
                 wait = printer.take_line(line.text, self)

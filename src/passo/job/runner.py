@@ -63,6 +63,7 @@ class Runner:
         self._failed = ""
         self.state = State.NONE
         self.name = ""
+        printer.fault_listeners.append(lambda _: self.pause())
 
     # -- what may be asked ------------------------------------------------------------------------
 
@@ -219,7 +220,7 @@ class Runner:
             drive.before_moves()
             job.resume()
             drive.after_moves()
-        job.select(False)
+        printer.select(console=False)
         drive.before_moves()
         try:
             found = job.advance(drive.now + _AHEAD_S * drive.hz, _MOST_MESSAGES)

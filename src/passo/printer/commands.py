@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from math import sqrt
 from typing import TYPE_CHECKING, Protocol
 
@@ -14,9 +14,6 @@ from passo.printer.words import Command
 if TYPE_CHECKING:
     from passo import _core
     from passo.config.machine import MachineConfig
-
-
-_COLD_C = 170.0  # below it filament does not move
 
 
 class Heat(Protocol):
@@ -130,11 +127,6 @@ class Commands:
     def _end(self, _: Command) -> Wait:
         self.ended = True
         return Still()
-
-    def warm(self, heaters: Mapping[str, _core.Heater]) -> bool:
-        """The active tool's hotend lets filament move."""
-        name = self._heater("hotend", self._job.tool)
-        return name is None or heaters[name].celsius >= _COLD_C
 
     def fans_off(self) -> None:
         """All fans, as soon as the moves so far are done."""

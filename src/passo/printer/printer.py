@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 
 from passo import _core
 from passo.config.drives import axis_order
-from passo.errors import MachineError, Problem
+from passo.errors import CommandError, MachineError, Problem
 from passo.printer.commands import Commands
 from passo.printer.drive import Drive
 from passo.printer.faults import problem_of
+from passo.printer.heat_commands import HeatCommands
 from passo.printer.homing import Homer
 from passo.printer.turn import Turn
 from passo.printer.waits import Handler, Homing, Person, Reply, Temperatures, Wait
@@ -20,6 +21,7 @@ from passo.printer.words import Command
 
 if TYPE_CHECKING:
     from passo.board.connection import Connection
+    from passo.board.faults import HeaterFault
     from passo.config.machine import MachineConfig
 
 
@@ -44,8 +46,10 @@ class Printer:
         connection, self.board = connect(machine)
         self._begin(connection)
         self.turn = Turn()
-        self.immediate: dict[str, Handler] = {}
-        self.planned: dict[str, Handler] = {}
+        self.heat = HeatCommands(self)
+        self.immediate: dict[str, Handler] = dict(self.heat.immediate)
+        self.planned: dict[str, Handler] = dict(self.heat.planned)
+        self.fault_listeners: list[Callable[[HeaterFault], None]] = []
         self.listeners: list[Callable[[str], None]] = []
         self.halted = ""  # why nothing moves or heats any more; M999 clears it
         self.heating = False  # somebody waits for a temperature
@@ -57,6 +61,7 @@ class Printer:
         machine = self.machine
         connection.run(connection.now + int(_FIRST_REPORTS_S * machine.board.clock_hz))
         self.connection = connection
+        connection.on_fault = self._heater_failed
         self.job = _core.Job(machine.core_spec(), True, False, False)
         full = [connection.full_scale(o.name) for o in connection.board.outputs]
         self.commands = Commands(machine, self.job, self, full)
@@ -108,8 +113,8 @@ class Printer:
             self._revived.set()
 
     def can_extrude(self) -> bool:
-        """The active tool's hotend is warm enough for filament to move."""
-        return not self.machine.extruders or self.commands.warm(self.connection.heaters)
+        """The machine has filament, and the active tool's hotend is warm enough to move it."""
+        return bool(self.machine.extruders) and self.heat.warm()
 
     def stop(self) -> None:
         """M410: brakes to a stop on the path and forgets all moves that were planned."""
@@ -123,17 +128,22 @@ class Printer:
         handler = self.immediate.get(command.code)
         if handler is None:
             return False
-        handler(command, reply)
+        self._carried_out(handler, command, reply)
         return True
 
     def has_room(self) -> bool:
         """A planned line can be taken in without a wait, by whoever has the turn."""
         return self.job.at_boundary and not self.drive.full
 
+    def select(self, *, console: bool) -> None:
+        """What is read next comes from a console, or else from the file."""
+        self.job.select(console)
+        self.heat.guard_extrusion()
+
     def take_line(self, text: str, reply: Reply) -> Wait | None:
         """Takes in one line of a console: all of it, or up to a command that waits; then `finish`
         goes on. Only with the turn and with room."""
-        self.job.select(True)
+        self.select(console=True)
         self.job.feed(text.encode("ascii", "replace") + b"\n")
         return self._go_on(reply)
 
@@ -141,15 +151,22 @@ class Printer:
         """The rest of a line whose command waits. Raises Stopped or MachineError."""
         while wait is not None:
             await self.wait(wait, reply)
-            self.job.select(True)
+            self.select(console=True)
             wait = self._go_on(reply)
+
+    def _carried_out(self, handler: Handler, command: Command, reply: Reply) -> Wait | None:
+        try:
+            return handler(command, reply)
+        except CommandError as error:
+            reply.fail(str(error))
+            return None
 
     def run_command(self, command: Command, reply: Reply) -> Wait | None:
         """Carries out a command that the interpreter handed out."""
         self.drive.before_moves()
         handler = self.planned.get(command.code) or self.immediate.get(command.code)
         if handler is not None:
-            return handler(command, reply)
+            return self._carried_out(handler, command, reply)
         before = len(self.commands.unknown)
         wait = self.commands.run(command)
         if len(self.commands.unknown) > before:
@@ -203,6 +220,17 @@ class Printer:
                 self.halted = ""
                 self.tell("echo:The printer is ready again. Home it before you move it")
 
+    def _heater_failed(self, _: str, fault: HeaterFault) -> None:
+        """A protection has switched a heater off; how much more stops is the heater's policy."""
+        policy = self.machine.heaters[fault.heater].on_fault
+        if policy == "machine":
+            self.halt(str(fault))
+            return
+        self.tell(f"echo:{fault}")
+        if policy == "job":
+            for listener in self.fault_listeners:
+                listener(fault)
+
     # -- within -----------------------------------------------------------------------------------
 
     def _apply_target(self, heater: int, celsius: float) -> None:
@@ -237,10 +265,12 @@ class Printer:
 
         def there() -> bool:
             return (
-                self._skip.is_set()
-                or bool(self.halted)
+                self.interrupted
+                or any(h.fault for h in heaters)
                 or all(
-                    h.target <= 0 or h.reached or (h.celsius >= h.target and not wait.cooling)
+                    h.target <= 0
+                    or h.reached
+                    or (h.target <= h.celsius <= h.limits.max_c and not wait.cooling)
                     for h in heaters
                 )
             )
@@ -249,6 +279,9 @@ class Printer:
             await self.drive.until(there)
         finally:
             self.heating = False
+        faults = [f for f in self.connection.faults if f.heater in wait.heaters]
+        if any(h.fault for h in heaters) and not self.halted:
+            raise CommandError([faults[-1].problem])
 
     async def _person(self, wait: Person, reply: Reply) -> None:
         reply.say("echo:busy: paused for user")
