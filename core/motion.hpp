@@ -91,6 +91,16 @@ class Motion {
       solvers_[i].set_count(count);
     }
   }
+  // Changes how many steps motor i makes for a mm or degree. Only after flush.
+  void set_steps_per_unit(size_t i, double value, const double* position) {
+    machine_.steppers[i].steps_per_unit = value;
+    if (i >= solvers_.size()) return;
+    int64_t count = solvers_[i].count_at(position);
+    set_apart_[i] += count - solvers_[i].count();
+    solvers_[i].set_count(count);
+  }
+  void set_tool_offset(size_t tool, int j, double mm) { machine_.tools[tool].offset[j] = mm; }
+
   // After an endstop has stopped motors on the board: the next step of motor i tells its clock and
   // direction anew. Only after flush; where the motor is must be set then.
   void renew(size_t i) { compressors_[i].renew(); }
@@ -208,7 +218,7 @@ class Motion {
   }
 
  private:
-  const Machine machine_;
+  Machine machine_;  // its steps per unit and tool offsets may change while it stands
   Planner planner_;
   bool with_steps_;
   double (*cpu_clock_)();

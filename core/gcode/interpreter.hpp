@@ -105,6 +105,17 @@ class Interpreter {
     position_[j] = position;
     if (j < 3) origin_[j] = tool_offset(j);
   }
+  // The active tool's offset is about to become `mm` along axis slot j.
+  void shift_tool(int j, double mm) { origin_[j] += mm - tool_offset(j); }
+  // The program's zero moves by so much along axis slot j, from its next move on.
+  void shift_zero(int j, double mm) { origin_[j] += mm; }
+  // M207 and M208.
+  struct Retraction {
+    double mm, feed_mm_s, hop_mm, recover_mm, recover_feed_mm_s;
+  };
+  Retraction retraction() const {
+    return {retract_mm_, retract_feed_, retract_hop_, recover_mm_, recover_feed_};
+  }
   // A locked axis does not know where it is: moves of it fail until it is homed or set by G92.
   void lock(int j, bool locked) {
     locked_ = uint8_t(locked ? locked_ | 1u << j : locked_ & ~(1u << j));

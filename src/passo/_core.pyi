@@ -907,6 +907,27 @@ class Job:
     @property
     def locked_axes(self) -> list[int]: ...
 
+    def set_steps_per_unit(self, stepper: int, value: float) -> None:
+        """Another scale of a motor, while the machine stands."""
+
+    def set_tool_offset(self, tool: int, axis: int, mm: float) -> None: ...
+
+    def shift_zero(self, axis: int, mm: float) -> None:
+        """The program's zero moves by so much, from its next move on."""
+
+    @property
+    def tool_offsets(self) -> list[list[float]]: ...
+
+    @property
+    def retraction(self) -> tuple[float, float, float, float, float]:
+        """(mm, mm/s, hop mm, extra mm, mm/s back or 0) of M207 and M208."""
+
+    def limit(self, name: str) -> float:
+        """A limit as set_limit takes it."""
+
+    def axis_limit(self, axis: str, what: str) -> float:
+        """The `speed` or `accel` of an axis or extruder now."""
+
     @property
     def cold(self) -> bool:
         """While it is set, moves of filament are errors."""

@@ -171,6 +171,11 @@ CATALOGUE: Mapping[str, Entry] = {
         "cold extrusion prevented: the hotend is too cold for filament to move",
         "Heat it first (M109), or allow it (M302 P1)",
     ),
+    "command.fixed": _input(
+        "command",
+        "this is fixed while the printer runs",
+        "Change {value} in the machine file and start again",
+    ),
     "command.value": _input(
         "command", "{axis} is {value}: expected {limit}", "Send the command with such a value"
     ),

@@ -86,8 +86,9 @@ def _output(output: Output, oid: int, full: int) -> list[str]:
             f" value={on * full} default_value={on * full}"
             f" max_duration={output.max_duration_ticks}"
         ]
+    on = int(output.default_on != inverted(output.pin))
     lines = [
-        f"config_digital_out oid={oid} pin={output.pin} value={on} default_value={on}"
+        f"config_digital_out oid={oid} pin={bare(output.pin)} value={on} default_value={on}"
         f" max_duration={output.max_duration_ticks}"
     ]
     if output.cycle_ticks:

@@ -125,6 +125,13 @@ class Connection:
         rearmed. KeyError if there is no such heater."""
         self.heaters[heater].target = celsius
 
+    def switch(self, output: str, on: bool) -> None:
+        """Switches an output without a cycle at once. KeyError if there is no such output."""
+        pin = next(o.pin for o in self.board.outputs if o.name == output)
+        self.command(
+            f"update_digital_out oid={self._oids.outputs[output]} value={int(on != inverted(pin))}"
+        )
+
     def full_scale(self, output: str) -> int:
         """The value of an output that means fully on."""
         return full_scale(next(o for o in self.board.outputs if o.name == output), self.dictionary)

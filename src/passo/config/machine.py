@@ -12,7 +12,7 @@ from passo.config.drives import Drivable, axis_order
 from passo.config.electronics import Board, Fans, Laser
 from passo.config.heat import Heaters
 from passo.config.homing import Homing
-from passo.config.motion import Axis, Extruder, Limits, Park, Stepper, Steppers, Tool
+from passo.config.motion import Axis, Extruder, Idle, Limits, Park, Stepper, Steppers, Tool
 from passo.geometry.registry import AnyGeometry
 
 
@@ -43,6 +43,7 @@ class MachineConfig(Model):
     limits: Limits = Field(default_factory=Limits)
     homing: dict[Name, Homing] = {}
     park: Park | None = Field(default_factory=Park)
+    idle: Idle = Field(default_factory=Idle)
     unhomed_moves: Literal["refuse", "allow"] = "refuse"
     bed: Bed | None = None
     heaters: Heaters = {}

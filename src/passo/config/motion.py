@@ -107,6 +107,13 @@ class Park(Model):
     retract_mm_s: Positive = 30.0
 
 
+class Idle(Model):
+    """What goes off when nothing has moved and nobody has commanded for so long; 0: nothing."""
+
+    motors_off_s: NotNegative = 600.0
+    heaters_off_s: NotNegative = 1800.0
+
+
 class Limits(Model):
     """Limits along the path, and the law of the speed at a junction.
 

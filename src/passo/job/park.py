@@ -67,6 +67,5 @@ class Park:
 
     async def _still(self) -> None:
         printer = self._printer
-        printer.job.flush()
-        printer.drive.after_moves()
+        printer.drive.flush()
         await printer.drive.until(lambda: printer.drive.standing or bool(printer.halted))

@@ -63,6 +63,7 @@ class Runner:
         self._failed = ""
         self.state = State.NONE
         self.name = ""
+        printer.busy = lambda: self.active
         printer.fault_listeners.append(lambda _: self.pause())
 
     # -- what may be asked ------------------------------------------------------------------------
@@ -257,8 +258,7 @@ class Runner:
     async def _finish(self) -> bool:
         """Lets the last moves end; a pause in them still counts."""
         drive = self._printer.drive
-        self._printer.job.flush()
-        drive.after_moves()
+        self._printer.drive.flush()
         await drive.until(
             lambda: drive.standing or self.state is not State.PRINTING or bool(self._printer.halted)
         )

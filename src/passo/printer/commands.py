@@ -68,7 +68,7 @@ class Commands:
             "M107": self._fan_off,
             "M201": lambda c: self._axis_limits(c, "accel"),
             "M203": lambda c: self._axis_limits(c, "speed"),
-            "M204": self._accelerations,
+            "M204": lambda c: self.accelerations(c.words()),
             "M205": self._junction,
             "M220": self._speed,
             "G10": self._tool_temperatures,
@@ -198,8 +198,8 @@ class Commands:
             if value > 0:
                 self._job.set_axis_limit(letter.lower(), what, value)
 
-    def _accelerations(self, command: Command) -> None:
-        words = command.words()
+    def accelerations(self, words: dict[str, float]) -> None:
+        """M204."""
         for letter, names in (
             ("S", ("print_accel", "travel_accel")),
             ("P", ("print_accel",)),

@@ -158,11 +158,10 @@ class Homer:
             slow = [_SLOW_OVERRUN * w.config.retract for w in ways]
             await self._seek(ways, slow, False)
         except BaseException:
-            for name in names:
-                self._printer.job.lock_axis(self._axes.index(name), True)
+            self._printer.lock(names)
             raise
         for way in ways:
-            self._set(way.name, way.home)
+            self._set(way.name, way.home + self._printer.motion.home_offset_mm[way.name])
         if lift:
             for name, at in zip("xyz", home_point(self._machine), strict=True):
                 self._set(name, at)
@@ -189,8 +188,7 @@ class Homer:
                     square += v * v
             printer.job.move_to(target, math.sqrt(square), False)
             passed = end
-        printer.job.flush()
-        drive.after_moves()
+        printer.drive.flush()
         try:
             await drive.until(
                 lambda: self._endstops.all_hit() or drive.standing or printer.interrupted
@@ -220,8 +218,7 @@ class Homer:
             square += (way.config.fast * way.scale) ** 2
         printer.drive.before_moves()
         printer.job.move_to(target, math.sqrt(square), False)
-        printer.job.flush()
-        printer.drive.after_moves()
+        printer.drive.flush()
         await printer.drive.until(lambda: printer.drive.standing or printer.interrupted)
         printer.raise_if_interrupted()
 

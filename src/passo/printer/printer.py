@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
 from passo import _core
@@ -14,8 +14,10 @@ from passo.printer.drive import Drive
 from passo.printer.faults import problem_of
 from passo.printer.heat_commands import HeatCommands
 from passo.printer.homing import Homer
+from passo.printer.motion_commands import MotionCommands
+from passo.printer.motors import Motors
 from passo.printer.turn import Turn
-from passo.printer.waits import Handler, Homing, Person, Reply, Temperatures, Wait
+from passo.printer.waits import Handler, Homing, Person, Reply, Still, Temperatures, Wait
 from passo.printer.wiring import connect, reconnected
 from passo.printer.words import Command
 
@@ -44,11 +46,16 @@ class Printer:
         self.heaters = list(machine.heaters)
         self._free = free
         connection, self.board = connect(machine)
+        self.motors = Motors(self)
         self._begin(connection)
         self.turn = Turn()
+        self.busy: Callable[[], bool] = lambda: False  # a print is under way, or paused
         self.heat = HeatCommands(self)
-        self.immediate: dict[str, Handler] = dict(self.heat.immediate)
-        self.planned: dict[str, Handler] = dict(self.heat.planned)
+        self.motion = MotionCommands(self)
+        self.immediate: dict[str, Handler] = self.heat.immediate | self.motion.immediate
+        self.planned: dict[str, Handler] = (
+            self.heat.planned | self.motion.planned | self.motors.planned
+        )
         self.fault_listeners: list[Callable[[HeaterFault], None]] = []
         self.listeners: list[Callable[[str], None]] = []
         self.halted = ""  # why nothing moves or heats any more; M999 clears it
@@ -66,11 +73,31 @@ class Printer:
         full = [connection.full_scale(o.name) for o in connection.board.outputs]
         self.commands = Commands(machine, self.job, self, full)
         self.drive = Drive(connection, self.job, free=self._free, set_target=self._apply_target)
+        self.drive.on_motion = self.motors.all_on
+        self.drive.on_pass = self._look_after_idleness
         self.homer = Homer(self)
         if machine.unhomed_moves == "refuse":
-            axes = axis_order(machine.axes)
-            for name in self.homer.axes:
-                self.job.lock_axis(axes.index(name), True)
+            self.lock(self.homer.axes)
+
+    def _look_after_idleness(self) -> None:
+        idle_s, config = self.drive.idle_s, self.machine.idle
+        if self.busy() or self.turn.taken:
+            return
+        if 0 < self.motors.idle_s < idle_s and self.motors.on:
+            self.motors.all_off()
+            self.tell("echo:Motors off after standing idle; home before the next move")
+        if 0 < config.heaters_off_s < idle_s:
+            for name in self.heaters:
+                if self.connection.heaters[name].target > 0:
+                    self.set_target_now(name, 0.0)
+                    self.tell(f"echo:Heater {name} off after standing idle")
+
+    def lock(self, axes: Iterable[str]) -> None:
+        """These axes no longer know where they are."""
+        if self.machine.unhomed_moves == "refuse":
+            order = axis_order(self.machine.axes)
+            for name in axes:
+                self.job.lock_axis(order.index(name), True)
 
     # -- what others may ask ----------------------------------------------------------------------
 
@@ -176,11 +203,12 @@ class Printer:
     async def wait(self, wait: Wait, reply: Reply) -> None:
         """Waits with the machine at rest. Raises Stopped when it was halted meanwhile."""
         self._skip.clear()
-        self.job.flush()
-        self.drive.after_moves()
+        self.drive.flush()
         await self.drive.until(lambda: self.drive.standing or bool(self.halted))
         self.raise_if_halted()
-        if isinstance(wait, Temperatures):
+        if isinstance(wait, Still) and wait.then is not None:
+            wait.then()
+        elif isinstance(wait, Temperatures):
             await self._reach(wait, reply)
         elif isinstance(wait, Person):
             await self._person(wait, reply)
@@ -216,6 +244,7 @@ class Printer:
                 self.drive.end_waits()
                 await self._revived.wait()
                 self._revived.clear()
+                self.motors.forget()
                 self._begin(reconnected(self.connection))
                 self.halted = ""
                 self.tell("echo:The printer is ready again. Home it before you move it")

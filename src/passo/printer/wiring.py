@@ -65,6 +65,10 @@ def board_description(machine: MachineConfig) -> BoardDescription:
         outputs.append(
             Output("laser", _pin(machine, machine.laser.pin), "pwm", round(0.001 * clock_hz))
         )
+    for name in machine.steppers:
+        pin = enable_pin(machine, name)
+        if pin is not None:
+            outputs.append(Output(enable_output(name), pin, "digital"))
     return BoardDescription(
         clock_hz=clock_hz,
         steppers=steppers,
@@ -108,6 +112,18 @@ def _driver_pins(machine: MachineConfig, name: str) -> tuple[str, str]:
     step = stepper.step_pin or (socket.step if socket else f"{name}_step")
     direction = stepper.direction_pin or (socket.direction if socket else f"{name}_dir")
     return step, direction
+
+
+def enable_output(stepper: str) -> str:
+    """The name of the output that switches a motor on."""
+    return f"{stepper}-enable"
+
+
+def enable_pin(machine: MachineConfig, name: str) -> str | None:
+    """The pin that switches a motor on, if it has one."""
+    stepper = machine.steppers[name]
+    socket = machine.board.sockets[stepper.socket] if stepper.socket else None
+    return stepper.enable_pin or (socket.enable if socket else None)
 
 
 def output_count(machine: MachineConfig) -> int:
