@@ -3,18 +3,25 @@
 A numbered line is `N<number> <command>*<checksum>`, the checksum being the exclusive or of all
 bytes before `*`, in decimal. Its number must be one more than the last one's; M110 sets what the
 last one was. Lines without a number are taken as they come and change no count.
+
+Hosts read what follows `Error:`. The reasons here hold the words by which they know a fault of the
+link, which a resend mends; any other text after `Error:` makes them disconnect.
 """
 
 from __future__ import annotations
 
 import re
+from collections import deque
 from typing import NamedTuple
 
-LONGEST = 4096  # bytes of a line; the rest is dropped and the line refused
+LONGEST = 4096  # bytes of a line; a longer one is refused
+_REMEMBERED = 64  # lines: one that comes once more, as after two requests for it, is known by them
 
-_NUMBERED = re.compile(r"\s*[Nn]\s*(-?\d+)\s*(.*)\Z", re.DOTALL)
+_NUMBERED = re.compile(r"\s*[Nn]\s*(-?\d{1,18})(?!\d)\s*(.*)\Z", re.DOTALL)
 _CHECKSUM = re.compile(r"\*\s*(\d{1,3})\s*\Z")
-_SET_NUMBER = re.compile(r"[Mm]110(?!\d)\s*(?:[NnLl]\s*(-?\d+))?")
+_FRAGMENT = re.compile(r"\s*([Nn]\s*-?|\d+)\s*\Z")  # of a numbered line that was torn apart
+_SET_NUMBER = re.compile(r"[Mm]110(?!\d)\s*(?:[NnLl]\s*(-?\d{1,18})(?!\d))?")
+_TEXT = re.compile(r"\s*[Mm]11[78](?!\d)")
 
 
 class Line(NamedTuple):
@@ -25,7 +32,7 @@ class Line(NamedTuple):
 
 
 class Refusal(NamedTuple):
-    """A line that came in damaged. The host is told `reason`; with `resend` it is asked for that
+    """A line that is not carried out. The host is told `reason`; with `resend` it is asked for that
     line, and must send `ok`."""
 
     reason: str
@@ -38,75 +45,83 @@ class LineProtocol:
     def __init__(self) -> None:
         self.last = 0  # number of the last line taken
         self._rest = b""
-        self._too_long = False
+        self._numbering = False  # lines with numbers have come
+        self._taken: deque[str] = deque(maxlen=_REMEMBERED)  # the last of them
 
     def feed(self, data: bytes) -> list[Line | Refusal]:
         """What the bytes complete, in order. Blank lines and comments are not lines."""
-        *lines, self._rest = (self._rest + data.replace(b"\r", b"\n")).split(b"\n")
+        # A zero byte is noise that the exclusive or does not see.
+        data = data.replace(b"\0", b"").replace(b"\r", b"\n")
+        *lines, rest = (self._rest + data).split(b"\n")
+        self._rest = rest[: LONGEST + 1]
         found: list[Line | Refusal] = []
         for raw in lines:
-            too_long, self._too_long = self._too_long or len(raw) > LONGEST, False
-            if too_long:
-                found.append(self._refuse(f"line longer than {LONGEST} characters"))
-                continue
             if raw:
-                self._take(raw.decode("ascii", "replace"), raw, found)
-        if len(self._rest) > LONGEST:
-            self._rest, self._too_long = b"", True
+                line = self._line(raw)
+                if line is not None:
+                    found.append(line)
         return found
 
-    def reset(self) -> None:
-        """The host has gone: the next one begins anew."""
-        self.__init__()
-
-    def _take(self, text: str, raw: bytes, found: list[Line | Refusal]) -> None:
-        checked = _CHECKSUM.search(text)
-        if checked and _sum(raw[: raw.rindex(b"*")]) != int(checked[1]):
-            found.append(self._refuse("checksum mismatch"))
-            return
-        if checked:
-            text = text[: checked.start()]
+    def _line(self, raw: bytes) -> Line | Refusal | None:
+        text = raw[: LONGEST + 1].decode("ascii", "replace")
         numbered = _NUMBERED.match(text)
-        if not numbered:
-            text = uncommented(text)
-            if checked and text:  # its number is damaged, or has never been there
-                found.append(Line(text))
-            elif text:
-                found.append(self._bare(text))
-            return
-        number, text = int(numbered[1]), uncommented(numbered[2])
-        if not checked:
-            found.append(self._refuse("No Checksum with line number"))
-            return
+        if len(raw) > LONGEST:
+            reason = f"format error: line longer than {LONGEST} characters"
+            return self._asked_again(reason) if numbered else Refusal(reason, None)
+        if numbered is None:
+            return self._bare(text, raw)
+        self._numbering = True
+        checked = _CHECKSUM.search(text)
+        if checked is None:
+            return self._asked_again("No Checksum with line number")
+        if not _right(raw, checked):
+            return self._asked_again("checksum mismatch")
+        number = int(numbered[1])
+        text = uncommented(text[numbered.start(2) : checked.start()])
         set_number = _SET_NUMBER.match(text)
         if set_number:
-            self.last = int(set_number[1]) if set_number[1] else number
-        elif number != self.last + 1:
-            found.append(self._refuse("Line Number is not Last Line Number+1"))
-            return
-        else:
+            self._count_from(int(set_number[1]) if set_number[1] else number)
+        elif number == self.last + 1:
             self.last = number
-        found.append(Line(text, number))
+            self._taken.append(text)
+        elif 0 <= self.last - number < len(self._taken) and (
+            self._taken[number - self.last - 1] == text
+        ):
+            return Refusal(f"line {number} has come already", None)
+        else:
+            return self._asked_again("Line Number is not Last Line Number+1")
+        return Line(text, number)
 
-    def _bare(self, text: str) -> Line:
+    def _bare(self, text: str, raw: bytes) -> Line | Refusal | None:
+        if _TEXT.match(text):
+            return Line(text.strip())
+        checked = _CHECKSUM.search(text)
+        if self._numbering and (checked or _FRAGMENT.match(text)):
+            # Its number is damaged: nobody checks lines without one.
+            return self._asked_again("checksum mismatch")
+        if checked and _right(raw, checked):
+            text = text[: checked.start()]
+        text = uncommented(text)
         set_number = _SET_NUMBER.match(text)
         if set_number and set_number[1]:
-            self.last = int(set_number[1])
-        return Line(text)
+            self._count_from(int(set_number[1]))
+        return Line(text) if text else None
 
-    def _refuse(self, reason: str) -> Refusal:
+    def _count_from(self, number: int) -> None:
+        self.last = number
+        self._taken.clear()
+
+    def _asked_again(self, reason: str) -> Refusal:
         return Refusal(f"{reason}, Last Line: {self.last}", self.last + 1)
 
 
 def uncommented(text: str) -> str:
     """The line without what stands behind `;`, except in the text of M117 and M118."""
-    if re.match(r"\s*[Mm]11[78](?!\d)", text):
-        return text.strip()
-    return text.partition(";")[0].strip()
+    return text.strip() if _TEXT.match(text) else text.partition(";")[0].strip()
 
 
-def _sum(data: bytes) -> int:
+def _right(raw: bytes, checked: re.Match[str]) -> bool:
     total = 0
-    for byte in data:
+    for byte in raw[: checked.start()]:
         total ^= byte
-    return total
+    return total == int(checked[1])

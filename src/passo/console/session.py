@@ -147,8 +147,11 @@ class Session:
         while self._lines:
             line = self._lines.popleft()
             if isinstance(line, Refusal):
-                self.say(f"Error:{line.reason}")
-                self.say(f"Resend: {line.resend}")
+                if line.resend is None:
+                    self.say(f"echo:{line.reason}")
+                else:
+                    self.say(f"Error:{line.reason}")
+                    self.say(f"Resend: {line.resend}")
                 self.say("ok")
                 continue
             self._ok = ""
