@@ -59,7 +59,7 @@ TABLE: tuple[Row, ...] = (
         _P,
         _X,
         "X Y Z",
-        "Homes these axes, all without letters. Without a console it sets them to their home positions.",
+        "Homes these axes, all without letters; without a console it sets them to home.",
     ),
     Row("G90", _M, _N, "", "Positions are absolute."),
     Row("G91", _M, _N, "", "Positions are relative, the extruder's too."),
