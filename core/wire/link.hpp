@@ -272,6 +272,8 @@ class Link {
       uint32_t sum = uint8_t(data[data.size() - 2]) | uint32_t(uint8_t(data[data.size() - 1])) << 8,
                value;
       Ticks clock = sync_.unwrap(uint32_t(std::get<int64_t>(values[1])));
+      int32_t fan = heater.options().fan_target;
+      if (fan >= 0) heater.follow_fan(job_.pin_value(size_t(fan)));
       if (heater.report(sum, clock, hz_, value)) set_power(i, value, now);
       fault_ |= heater.take_news();
       if (bool wide; heater.change_net(wide)) query(heater.options(), clock, wide, now);
