@@ -97,7 +97,7 @@ void bind_protections(nb::module_& m) {
           },
           "min_c"_a = 5.0, "max_c"_a = 280.0, "jump_c"_a = 10.0, "watch_rise_c"_a = 2.0,
           "watch_s"_a = 20.0, "runaway_c"_a = 4.0, "runaway_s"_a = 40.0, "stuck_on_c"_a = 10.0,
-          "stuck_on_s"_a = 60.0, "deviation"_a = 0.35, "deviation_s"_a = 60.0)
+          "stuck_on_s"_a = 60.0, "deviation"_a = 0.25, "deviation_s"_a = 30.0)
       .def_ro("min_c", &ProtectionLimits::min_c)
       .def_ro("max_c", &ProtectionLimits::max_c)
       .def_ro("jump_c", &ProtectionLimits::jump_c)

@@ -27,9 +27,8 @@ class Oven:
 
     def __post_init__(self) -> None:
         text = config.shipped_text("i3")
-        text = text.replace(HOTEND, f"{HOTEND}fan = 'part'\n{self.hotend}\n", 1)
+        text = text.replace(HOTEND, f"{HOTEND}{self.hotend}\n", 1)
         text = text.replace(BED, f"{BED}{self.bed}\n", 1)
-        text = text.replace("_s = 120.0,", f"_s = 120.0, fan_loss = {FAN_LOSS},", 1)
         self.machine = config.load_text(text)
         self.connection, self.board = connect(self.machine)
         self.connection.on_fault = lambda _, fault: self.faults.append(fault)

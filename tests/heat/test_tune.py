@@ -163,4 +163,5 @@ def test_the_step_tune_of_a_bed_ends_with_its_rise():
 
 def test_the_step_tune_must_start_cold():
     tune = StepTune("Hotend:0", 200.0, clock_hz=1.0, limit_c=285.0)
-    assert tune.feed(sample(0, 190.0)) == ["Error:MPC Autotune failed! It must start cold"]
+    assert tune.feed(sample(0, 50.0)) == ["Error:MPC Autotune failed! It must start cold"]
+    assert tune.done

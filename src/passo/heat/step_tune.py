@@ -7,11 +7,13 @@ from passo.heat.relay_tune import HEADROOM_C, TuneError
 from passo.heat.step_fit import fit_step
 
 _LEAST_RISE_C = 20.0
+_COLD_C = 45.0  # a heater that starts hotter is not at the temperature of its room
 _LEAST_SAMPLES = 20
 _PATIENCE_S = 3600.0
-_LAGS_BEFORE = 10.0  # of settling, in lags of the sensor, before the power is averaged …
-_SETTLE_S = 10.0  # … and at least so long
-_HOLD_S = 25.0
+_LAGS_BEFORE = 6.0  # of settling, in lags of the sensor, before the power is averaged
+_HOLD_S = 40.0
+# Until the fan's part is known: so much is near enough for the protections, whatever it is.
+_ANY_FAN_LOSS = 0.5
 
 
 class StepTune:
@@ -68,7 +70,7 @@ class StepTune:
             if sample.power <= 0:
                 return []
             self._start = sample
-            if sample.celsius > self.target_c - _LEAST_RISE_C:
+            if sample.celsius > min(_COLD_C, self.target_c - _LEAST_RISE_C):
                 return self._fail("It must start cold")
         if now_s - self._start.clock / self._hz > _PATIENCE_S:
             return self._fail("timeout")
@@ -94,7 +96,7 @@ class StepTune:
         return [f" rise:{rise:.1f} time constant:{time_constant:.1f} sensor lag:{lag:.2f}"]
 
     def _hold(self, sample: _core.HeatSample, now_s: float, model: _core.HeatModel) -> list[str]:
-        settled_s = self._phase_s + max(_SETTLE_S, _LAGS_BEFORE * model.sensor_lag_s)
+        settled_s = self._phase_s + _LAGS_BEFORE * model.sensor_lag_s
         if now_s < settled_s:
             return []
         self._powers.append(sample.power)
@@ -109,18 +111,13 @@ class StepTune:
         if self.fan == 0:
             self._still_power = power
             self.fan = 1.0
+            self.control = _core.ModelControl(_with_fan_loss(model, _ANY_FAN_LOSS))
             return [line]
         return [line, *self._finish(model, power / self._still_power - 1)]
 
     def _finish(self, model: _core.HeatModel, fan_loss: float) -> list[str]:
         self.fan = 0.0
-        self.result = _core.HeatModel(
-            model.rise_c,
-            model.time_constant_s,
-            model.sensor_lag_s,
-            max(fan_loss, 0.0),
-            model.ambient_c,
-        )
+        self.result = _with_fan_loss(model, max(fan_loss, 0.0))
         figures = f"rise:{model.rise_c:.1f} time constant:{model.time_constant_s:.1f}"
         rest = f"sensor lag:{model.sensor_lag_s:.2f} fan loss:{self.result.fan_loss:.3f}"
         return ["MPC Autotune finished!", f" {figures} {rest}"]
@@ -128,3 +125,7 @@ class StepTune:
     def _fail(self, reason: str) -> list[str]:
         self.failed = f"MPC Autotune failed! {reason}"
         return [f"Error:{self.failed}"]
+
+
+def _with_fan_loss(m: _core.HeatModel, fan_loss: float) -> _core.HeatModel:
+    return _core.HeatModel(m.rise_c, m.time_constant_s, m.sensor_lag_s, fan_loss, m.ambient_c)
