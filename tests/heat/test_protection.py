@@ -73,6 +73,31 @@ def test_a_broken_cable(make, share, kind):
     mended(oven, oven.heater.target)
 
 
+SENSORS = {
+    "pt100": "",
+    "pt1000": "",
+    "pt100-amplifier": "",
+    "pt1000-amplifier": ", gain = 2.0, pullup_ohm = 4700.0",
+    "ad595": "",
+    "ad8495": "",
+    "table": ", points = [[0.0, 0.1], [300.0, 0.9]], open_reads = 'low'",
+}
+
+
+@pytest.mark.parametrize("kind", SENSORS)
+@pytest.mark.parametrize("target", [0.0, 100.0])
+@pytest.mark.parametrize("broken", [FaultKind.SENSOR_OPEN, FaultKind.SENSOR_SHORT])
+def test_a_broken_cable_of_any_sensor(kind, target, broken):
+    oven = Oven(f"sensor = {{ kind = '{kind}'{SENSORS[kind]} }}")
+    oven.heat(target)
+    oven.run(10)
+    assert oven.faults == []
+    assert (oven.output() > 0) == (target > 0)
+    high = (broken == FaultKind.SENSOR_OPEN) == (kind != "table")
+    oven.board.force_sensor("hotend", 1.0 if high else 0.0)
+    fails(oven, broken, 0.75)
+
+
 @pytest.mark.parametrize(
     ("celsius", "kind"), [(2.0, FaultKind.MIN_TEMPERATURE), (290.0, FaultKind.MAX_TEMPERATURE)]
 )
