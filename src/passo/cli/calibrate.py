@@ -116,7 +116,8 @@ def _result(ntc: Ntc, points: list[Point]) -> str:
     rule, fit = by_averages(ntc, points), by_least_squares(ntc, points)
     lines = [f"{'shown':>8} {'true':>8} {'averages':>9} {'fit':>9}   what β would say off by, °C"]
     for p, a, b in zip(points, rule.residuals_c, fit.residuals_c, strict=True):
-        lines.append(f"{p.shown_c:8.1f} {p.true_c:8.1f} {a:+9.1f} {b:+9.1f}")
+        off = " ".join(f"{round(x, 1) + 0.0:+9.1f}" for x in (a, b))  # no -0.0
+        lines.append(f"{p.shown_c:8.1f} {p.true_c:8.1f} {off}")
     lines.append(f"{'rms':>17} {rule.rms_c:9.1f} {fit.rms_c:9.1f}")
     lines.append(f"{'β in K':>17} {rule.beta_k:9.0f} {fit.beta_k:9.0f}")
     lines.append(f"To use the fit: M305 H0 B{fit.beta_k:.0f}, then M303, then M500.")
