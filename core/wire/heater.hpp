@@ -63,8 +63,9 @@ class Heater {
   bool reached() const { return reached_; }
   // While there is a fault the target is kept, but nothing heats.
   void set_target(double celsius) {
-    if (celsius != target_) reached_ = false;
-    target_ = celsius;
+    double wanted = celsius > 0 ? celsius : 0;  // nor does anything heat to what is no number
+    if (wanted != target_) reached_ = false;
+    target_ = wanted;
   }
 
   const heat::Control& control() const { return controller_.control(); }

@@ -176,6 +176,17 @@ def test_a_heater_that_is_stuck_on(target):
     mended(oven, target)
 
 
+@pytest.mark.parametrize("target", [0.0, 60.0])
+def test_a_bed_that_is_stuck_on(target):
+    oven = Oven(name="bed")
+    oven.heat(target)
+    oven.run(240)
+    before = oven.board.temperature("bed")
+    oven.board.force_heater("bed", 1.0)
+    fails(oven, FaultKind.MODEL_DEVIATION, 60)
+    assert oven.board.temperature("bed") < before + 16
+
+
 def test_cooling_down_is_no_fault():
     oven = hot()
     oven.heat(0.0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import pi
 
 from passo import _core
-from passo.heat.rules import RULES, Gains
+from passo.heat.rules import M301_FULL_POWER, RULES, Gains
 
 LEAST_CYCLES, MOST_CYCLES = 3, 20
 HEADROOM_C = 15.0  # a target must lie so far below the heater's limit
@@ -13,7 +13,6 @@ HEADROOM_C = 15.0  # a target must lie so far below the heater's limit
 _OVERSHOOT_C = 20.0
 _PATIENCE_S = 1200.0  # for the sum of the times since the last two switchings
 _FIRST_USED = 2  # cycles before it are not yet balanced
-_FULL = 255
 
 
 class TuneError(ValueError):
@@ -101,7 +100,9 @@ class RelayTune:
         """The power goes up again: a cycle is over."""
         lines: list[str] = []
         if self._count > 0:
-            bias, swing = (round(_FULL * abs(share)) for share in (sample.terms.p, sample.terms.d))
+            bias, swing = (
+                round(M301_FULL_POWER * abs(share)) for share in (sample.terms.p, sample.terms.d)
+            )
             extremes = f"min:{self._least_c:.2f} max:{self._most_c:.2f}"
             lines.append(f" bias:{bias} d:{swing} {extremes}")
         if self._count > _FIRST_USED:
@@ -120,7 +121,7 @@ class RelayTune:
         ku = 4 * self._swing / (pi * (self._most_c - self._least_c) / 2)
         rule = RULES[self.rule]
         self._gains = rule.gains(ku, tu_s)
-        return [f" Ku:{ku * _FULL:.2f} Tu:{tu_s:.2f}", f" {rule.name}", f" {self._gains}"]
+        return [f" Ku:{ku * M301_FULL_POWER:.2f} Tu:{tu_s:.2f}", f" {rule.name}", f" {self._gains}"]
 
     def _finish(self, gains: Gains) -> list[str]:
         says = (
@@ -131,7 +132,10 @@ class RelayTune:
             return [says, f" {gains}"]
         names = (("Kp", gains.kp), ("Ki", gains.ki), ("Kd", gains.kd))
         part = self.label.lower()
-        return [says, *(f"#define DEFAULT_{part}{name} {g * _FULL:.2f}" for name, g in names)]
+        return [
+            says,
+            *(f"#define DEFAULT_{part}{name} {g * M301_FULL_POWER:.2f}" for name, g in names),
+        ]
 
     def _fail(self, reason: str) -> list[str]:
         self.failed = f"PID Autotune failed! {reason}"

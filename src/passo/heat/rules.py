@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-_M301 = 255.0  # full power in the unit of the gains of M301
+M301_FULL_POWER = 255.0  # in the unit of the gains of M301
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,7 +17,7 @@ class Gains:
 
     def __str__(self) -> str:
         """As M301 has them, in 1/255 of full power."""
-        kp, ki, kd = (gain * _M301 for gain in (self.kp, self.ki, self.kd))
+        kp, ki, kd = (gain * M301_FULL_POWER for gain in (self.kp, self.ki, self.kd))
         return f"Kp:{kp:.2f} Ki:{ki:.2f} Kd:{kd:.2f}"
 
 
