@@ -7,7 +7,8 @@ from itertools import pairwise
 import pytest
 from tests.heat.oven import FAN_LOSS, Oven
 
-from passo import _core
+from passo import _core, config
+from passo.printer.wiring import connect
 
 CONTROLS = {
     "pid": "control = { kind = 'pid' }",
@@ -47,6 +48,34 @@ def test_a_model_foresees_the_fan():
     assert min(body for _, body, _, _ in wind) > 209.5
     power = sum(row[3] for row in wind[-120:]) / 120
     assert power == pytest.approx((1 + FAN_LOSS) * 185 / 380, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("rise_c", "time_constant_s"), [(304.0, 120.0), (456.0, 120.0), (380.0, 96.0), (380.0, 144.0)]
+)
+def test_a_model_may_err(rise_c, time_constant_s):
+    model = f"model = {{ rise_c = {rise_c}, time_constant_s = {time_constant_s} }}"
+    oven = Oven(f"{CONTROLS['model']}\n{model}\nprotection = {{ deviation = 0.0 }}")
+    oven.heat(200.0)
+    rise = oven.run(240)
+    assert max(body for _, body, _, _ in rise) < 202.0
+    assert all(abs(body - 200) < 0.5 for s, body, _, _ in rise if s > 140)
+
+
+def test_two_hotends_have_states_of_their_own():
+    machine = config.load("dual-extruder")
+    connection, board = connect(machine)
+    hz = machine.board.clock_hz
+    connection.set_target("hotend", 200.0)
+    connection.run(connection.now + 60 * hz)
+    connection.set_target("hotend1", 150.0)
+    connection.run(connection.now + 180 * hz)
+    assert board.temperature("hotend") == pytest.approx(200, abs=0.5)
+    assert board.temperature("hotend1") == pytest.approx(150, abs=0.5)
+    first, second = (connection.heaters[name].take_samples() for name in ("hotend", "hotend1"))
+    assert len(first) == pytest.approx(len(second), abs=1)
+    assert first[-1].terms.i == pytest.approx(175 / 380, abs=0.05)
+    assert second[-1].terms.i == pytest.approx(125 / 380, abs=0.05)
 
 
 def test_the_bed_settles():
