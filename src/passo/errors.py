@@ -100,6 +100,11 @@ CATALOGUE: Mapping[str, Entry] = {
     "input.no-line": _input(
         "file", "there is no line {value}: the file has {limit}", "Name a line of the file"
     ),
+    "input.point": _input(
+        "heat",
+        "{value!r} is no pair of temperatures from 0 to 400 °C",
+        "Write the shown and the true temperature as 200:187",
+    ),
     "input.missing-tool": _input(
         "printer",
         "tool T{value} does not exist: the machine has {limit} tool(s)",
