@@ -97,7 +97,7 @@ void bind_protections(nb::module_& m) {
           },
           "min_c"_a = 5.0, "max_c"_a = 280.0, "jump_c"_a = 10.0, "watch_rise_c"_a = 2.0,
           "watch_s"_a = 20.0, "runaway_c"_a = 4.0, "runaway_s"_a = 40.0, "stuck_on_c"_a = 10.0,
-          "stuck_on_s"_a = 60.0, "deviation"_a = 0.35, "deviation_s"_a = 60.0)
+          "stuck_on_s"_a = 60.0, "deviation"_a = 0.25, "deviation_s"_a = 30.0)
       .def_ro("min_c", &ProtectionLimits::min_c)
       .def_ro("max_c", &ProtectionLimits::max_c)
       .def_ro("jump_c", &ProtectionLimits::jump_c)
@@ -113,7 +113,15 @@ void bind_protections(nb::module_& m) {
 }
 
 void bind_heater(nb::module_& m) {
-  nb::class_<Terms>(m, "HeatTerms", "Error (°C) and shares of full power.")
+  nb::class_<Terms>(m, "HeatTerms",
+                    "Error (°C) and shares of full power; of a relay, p is the mean of its two "
+                    "powers and d how far it is above or below it.")
+      .def(
+          "__init__",
+          [](Terms* self, double error, double p, double i, double d, double output) {
+            new (self) Terms{error, p, i, d, output};
+          },
+          "error"_a = 0.0, "p"_a = 0.0, "i"_a = 0.0, "d"_a = 0.0, "output"_a = 0.0)
       .def_ro("error", &Terms::error)
       .def_ro("p", &Terms::p)
       .def_ro("i", &Terms::i)
@@ -122,10 +130,9 @@ void bind_heater(nb::module_& m) {
   nb::class_<HeatSample>(m, "HeatSample", "One report of the sensor and the answer to it.")
       .def(
           "__init__",
-          [](HeatSample* self, Ticks clock, double celsius, double target, double power) {
-            new (self) HeatSample{clock, celsius, target, power, {}};
-          },
-          "clock"_a, "celsius"_a, "target"_a, "power"_a)
+          [](HeatSample* self, Ticks clock, double celsius, double target, double power,
+             const Terms& terms) { new (self) HeatSample{clock, celsius, target, power, terms}; },
+          "clock"_a, "celsius"_a, "target"_a, "power"_a, "terms"_a)
       .def_ro("clock", &HeatSample::clock)
       .def_ro("celsius", &HeatSample::celsius)
       .def_ro("target", &HeatSample::target)
@@ -147,16 +154,18 @@ void bind_heater(nb::module_& m) {
              uint32_t adc_full, const SensorQuery& query, double max_power, double tolerance_c,
              const Points& celsius, double low_share, double high_share, bool open_is_high,
              const Control& control, const ProtectionLimits& limits,
-             const std::optional<HeatModel>& model) {
+             const std::optional<HeatModel>& model, int32_t fan_target, double fan_full) {
             new (self) HeaterOptions{sensor_oid, output_oid,  pwm,
                                      full,       adc_full,    query,
                                      max_power,  tolerance_c, heat::Curve(celsius),
                                      low_share,  high_share,  open_is_high,
-                                     control,    limits,      model};
+                                     control,    limits,      model,
+                                     fan_target, fan_full};
           },
           "sensor_oid"_a, "output_oid"_a, "pwm"_a, "full"_a, "adc_full"_a, "query"_a, "max_power"_a,
           "tolerance_c"_a, "celsius"_a, "low_share"_a, "high_share"_a, "open_is_high"_a,
-          "control"_a, "limits"_a, "model"_a.none());
+          "control"_a, "limits"_a, "model"_a.none(), "fan_target"_a = -1, "fan_full"_a = 1.0,
+          "fan_target: index of the fan's output among the link's pins.");
   nb::class_<Heater>(m, "Heater", "A heater loop beside the link.")
       .def_prop_ro("celsius", &Heater::celsius)
       .def_prop_rw("target", &Heater::target, &Heater::set_target)

@@ -25,7 +25,7 @@ struct ProtectionLimits {
   double watch_rise_c = 2, watch_s = 20;      // on its way up, so much warmer in each such time
   double runaway_c = 4, runaway_s = 40;       // once there, never so much colder for so long
   double stuck_on_c = 10, stuck_on_s = 60;    // switched off, never so much warmer in such a time
-  double deviation = 0.35, deviation_s = 60;  // share of full power that the model cannot explain
+  double deviation = 0.25, deviation_s = 30;  // share of full power that the model cannot explain
   bool operator==(const ProtectionLimits&) const = default;
 };
 
@@ -144,11 +144,10 @@ class Protection {
     return {FaultKind::stuck_on, 0, most};
   }
   Fault deviation(const Sight& s) {
-    double most = s.unexplained < 0 ? -o_.deviation : o_.deviation;
     bool within = s.unexplained >= -o_.deviation && s.unexplained <= o_.deviation;
     if (o_.deviation <= 0 || within) deviating_since_ = time_;
     if (time_ - deviating_since_ <= o_.deviation_s) return {};
-    return {FaultKind::model_deviation, 0, most};
+    return {FaultKind::model_deviation, 0, o_.deviation};
   }
 };
 

@@ -35,6 +35,8 @@ struct HeaterOptions {
   heat::Control control;
   heat::ProtectionLimits limits;
   std::optional<heat::HeatModel> model;  // of the body, where it is known
+  int32_t fan_target = -1;               // pin of the job that cools the body; -1: none
+  double fan_full = 1;                   // that pin's value at full speed
 };
 
 // What the loop saw and did with one report.
@@ -61,8 +63,9 @@ class Heater {
   bool reached() const { return reached_; }
   // While there is a fault the target is kept, but nothing heats.
   void set_target(double celsius) {
-    if (celsius != target_) reached_ = false;
-    target_ = celsius;
+    double wanted = celsius > 0 ? celsius : 0;  // nor does anything heat to what is no number
+    if (wanted != target_) reached_ = false;
+    target_ = wanted;
   }
 
   const heat::Control& control() const { return controller_.control(); }
@@ -83,6 +86,11 @@ class Heater {
   double fan() const { return fan_; }
   // How fast the fan blows that cools this heater, 0…1, for its model.
   void set_fan(double speed) { fan_ = std::clamp(speed, 0.0, 1.0); }
+  // The job's last word on it, which counts when it is new.
+  void follow_fan(uint32_t value) {
+    if (value != fan_value_) set_fan(value / o_.fan_full);
+    fan_value_ = value;
+  }
 
   const heat::Fault& fault() const { return fault_; }
   bool faulty() const { return fault_.kind != heat::FaultKind::none; }
@@ -145,6 +153,7 @@ class Heater {
   heat::Fault fault_;
   std::deque<HeatSample> samples_;
   double target_ = 0, celsius_ = 0, power_ = 0, fan_ = 0;
+  uint32_t fan_value_ = 0;
   Ticks clock_ = 0;
   bool known_ = false, reached_ = false, news_ = false, wide_ = false;
 

@@ -39,6 +39,8 @@ class JobStream {
         {prefix(commands, kind == PinKind::pwm ? "queue_pwm_out" : "queue_digital_out", oid),
          StreamHash::of_name(name)});
   }
+  // The last value sent to a pin.
+  uint32_t pin_value(size_t target) const { return pins_.at(target).value; }
   // Slots of the board that this stream may hold at once.
   void set_slots(size_t slots) {
     slots_ = slots;
@@ -85,6 +87,7 @@ class JobStream {
       size = size_t(end - payload);
       first = std::min(first, m.clock + base_);
       if (slot) ends_.push_back((m.kind == MessageKind::pin ? m.clock : m.end_clock) + base_);
+      if (m.kind == MessageKind::pin) pins_[m.target].value = m.interval;
       queue_steps_ += m.kind == MessageKind::queue_step;
       ++messages_;
       hash_.add(m, m.kind == MessageKind::pin ? pins_[m.target].name : steppers_[m.target].name);
@@ -117,6 +120,7 @@ class JobStream {
   struct Pin {
     Prefix update;
     uint64_t name;
+    uint32_t value = 0;
   };
 
   Ticks horizon_, quantum_, margin_;

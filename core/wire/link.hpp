@@ -259,7 +259,8 @@ class Link {
       sync_.add(uint32_t(std::get<int64_t>(values[0])), sent, now);
     ++samples_;
   }
-  // analog_in_state oid next_clock values: the newest of the values (16 bits each) counts.
+  // analog_in_state oid next_clock values: next_clock is that of the next report; the newest of the
+  // values (16 bits each) counts.
   bool take_temperature(const std::vector<Value>& values, Ticks now) {
     if (values.size() != 3) return false;
     bool taken = false;
@@ -271,10 +272,13 @@ class Link {
       taken = true;
       uint32_t sum = uint8_t(data[data.size() - 2]) | uint32_t(uint8_t(data[data.size() - 1])) << 8,
                value;
-      Ticks clock = sync_.unwrap(uint32_t(std::get<int64_t>(values[1])));
+      Ticks next = sync_.unwrap(uint32_t(std::get<int64_t>(values[1])));
+      Ticks clock = next - Ticks(heater.options().query.rest_ticks);
+      int32_t fan = heater.options().fan_target;
+      if (fan >= 0) heater.follow_fan(job_.pin_value(size_t(fan)));
       if (heater.report(sum, clock, hz_, value)) set_power(i, value, now);
       fault_ |= heater.take_news();
-      if (bool wide; heater.change_net(wide)) query(heater.options(), clock, wide, now);
+      if (bool wide; heater.change_net(wide)) query(heater.options(), next, wide, now);
     }
     return taken;
   }

@@ -142,7 +142,7 @@ class ProtectionLimits:
     What a heater must keep to; 0 switches a protection off, except for min_c and max_c.
     """
 
-    def __init__(self, min_c: float = 5.0, max_c: float = 280.0, jump_c: float = 10.0, watch_rise_c: float = 2.0, watch_s: float = 20.0, runaway_c: float = 4.0, runaway_s: float = 40.0, stuck_on_c: float = 10.0, stuck_on_s: float = 60.0, deviation: float = 0.35, deviation_s: float = 60.0) -> None: ...
+    def __init__(self, min_c: float = 5.0, max_c: float = 280.0, jump_c: float = 10.0, watch_rise_c: float = 2.0, watch_s: float = 20.0, runaway_c: float = 4.0, runaway_s: float = 40.0, stuck_on_c: float = 10.0, stuck_on_s: float = 60.0, deviation: float = 0.25, deviation_s: float = 30.0) -> None: ...
 
     @property
     def min_c(self) -> float: ...
@@ -180,7 +180,11 @@ class ProtectionLimits:
     def __eq__(self, arg: ProtectionLimits, /) -> bool: ...
 
 class HeatTerms:
-    """Error (°C) and shares of full power."""
+    """
+    Error (°C) and shares of full power; of a relay, p is the mean of its two powers and d how far it is above or below it.
+    """
+
+    def __init__(self, error: float = 0.0, p: float = 0.0, i: float = 0.0, d: float = 0.0, output: float = 0.0) -> None: ...
 
     @property
     def error(self) -> float: ...
@@ -200,7 +204,7 @@ class HeatTerms:
 class HeatSample:
     """One report of the sensor and the answer to it."""
 
-    def __init__(self, clock: int, celsius: float, target: float, power: float) -> None: ...
+    def __init__(self, clock: int, celsius: float, target: float, power: float, terms: HeatTerms) -> None: ...
 
     @property
     def clock(self) -> int: ...
@@ -241,7 +245,8 @@ class SensorQuery:
     def range_checks(self) -> int: ...
 
 class HeaterOptions:
-    def __init__(self, sensor_oid: int, output_oid: int, pwm: bool, full: int, adc_full: int, query: SensorQuery, max_power: float, tolerance_c: float, celsius: Sequence[tuple[float, float]], low_share: float, high_share: float, open_is_high: bool, control: PidControl | OnOffControl | ModelControl | RelayControl, limits: ProtectionLimits, model: HeatModel | None) -> None: ...
+    def __init__(self, sensor_oid: int, output_oid: int, pwm: bool, full: int, adc_full: int, query: SensorQuery, max_power: float, tolerance_c: float, celsius: Sequence[tuple[float, float]], low_share: float, high_share: float, open_is_high: bool, control: PidControl | OnOffControl | ModelControl | RelayControl, limits: ProtectionLimits, model: HeatModel | None, fan_target: int = -1, fan_full: float = 1.0) -> None:
+        """fan_target: index of the fan's output among the link's pins."""
 
 class Heater:
     """A heater loop beside the link."""

@@ -100,6 +100,11 @@ CATALOGUE: Mapping[str, Entry] = {
     "input.no-line": _input(
         "file", "there is no line {value}: the file has {limit}", "Name a line of the file"
     ),
+    "input.point": _input(
+        "heat",
+        "{value!r} is no pair of temperatures from 0 to 400 °C",
+        "Write the shown and the true temperature as 200:187",
+    ),
     "input.missing-tool": _input(
         "printer",
         "tool T{value} does not exist: the machine has {limit} tool(s)",
@@ -150,6 +155,20 @@ CATALOGUE: Mapping[str, Entry] = {
     "card.no-name": _card("no file is named", "Name one behind the command, as M20 lists it"),
     "card.no-console": _card("only a console can send a file", "Send it from a console"),
     "job.no-file": _input("job", "no file is selected", "Select one (M23), after listing the card"),
+    "settings.nowhere": _input(
+        "settings", "there is no place to store settings", "Start with --state DIRECTORY"
+    ),
+    "settings.none": _input("settings", "no settings are stored", "Store them first (M500)"),
+    "settings.unreadable": _input(
+        "settings",
+        "the stored settings are not used: {value}",
+        "Store new ones (M500); until then the machine file's hold",
+    ),
+    "settings.unwritable": _input(
+        "settings",
+        "the settings were not stored: {value}",
+        "Check the directory, its permissions and the room on the disk",
+    ),
     "job.failed": _input("job", "{value}", "Mend it and go on after it (M24), or cancel (M524)"),
     "job.printing": _input(
         "job", "{value} is being printed", "Wait until it is done, or cancel it (M524)"

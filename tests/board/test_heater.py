@@ -58,6 +58,17 @@ def test_a_target_of_zero_turns_the_output_off():
     assert not c.heaters["hotend"].reached
 
 
+@pytest.mark.parametrize("target", [-5.0, float("nan")])
+def test_a_target_that_is_none_is_off(target):
+    bench = Bench()
+    bench.connection.set_target("hotend", 100.0)
+    bench.run(2.0)
+    bench.connection.set_target("hotend", target)
+    bench.run(1.0)
+    assert bench.connection.heaters["hotend"].target == 0.0
+    assert bench.simulated.output_value("hotend") == 0
+
+
 def test_a_new_target_is_not_reached_yet():
     bench = Bench()
     c = bench.connection

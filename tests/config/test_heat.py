@@ -35,7 +35,6 @@ def test_defaults(i3_text):
         ),
         ("control = { kind = 'model', kp = 1.0 }", "heaters.hotend.control.kp is not a known key"),
         ("control = { kind = 'pid', drive_min = 1.0 }", "drive_min is 1.0: expected a share of p"),
-        ("fan = 'prat'", "heaters.hotend.fan is 'prat': expected the name of one of the fans"),
         ("on_fault = 'job?'", "on_fault is 'job?': expected one of 'machine', 'job' or 'heater'"),
         ("min_c = 300.0", "max_c is 285.0: expected a temperature above min_c"),
         ("sensor = { kind = 'table', points = [[0, 1], [9, 0.5], [12, 0.6]] }", "only rise or on"),
@@ -49,6 +48,11 @@ def test_what_is_refused(i3_text, line, says):
     (problem,) = error.value.problems
     assert says in str(problem)
     assert problem.line is not None
+
+
+def test_a_fan_that_is_not_there(i3_text):
+    with pytest.raises(ConfigError, match=r"fan is 'prat': .* Did you mean 'part'"):
+        config.load_text(i3_text.replace('fan = "part"', 'fan = "prat"'))
 
 
 def test_a_table_from_a_file(i3_text, tmp_path):

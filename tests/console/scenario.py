@@ -92,17 +92,18 @@ class Scenario:
         *,
         free: bool = False,
         card: str | None = None,
+        state: str | None = None,
     ) -> None:
         self.loop = VirtualLoop()
         self._failures: list[object] = []
         self.loop.set_exception_handler(lambda _, context: self._failures.append(context))
         self.machine = config.load(machine) if isinstance(machine, str) else machine
-        self.printer = self.run(self._start(free, card))
+        self.printer = self.run(self._start(free, card, state))
         self._task = self.loop.create_task(self.printer.run())
         self.host = Host(self)
 
-    async def _start(self, free: bool, card: str | None) -> Any:
-        return furnished(self.machine, free=free, card=card)
+    async def _start(self, free: bool, card: str | None, state: str | None) -> Any:
+        return furnished(self.machine, free=free, card=card, state=state)
 
     def __enter__(self) -> Scenario:
         return self

@@ -158,6 +158,14 @@ def test_a_file_stops_at_its_first_failed_command_and_goes_on_after_it(s, folder
     assert s.positions()["x"] == 9.0
 
 
+def test_a_program_ends_with_m30_and_deletes_nothing(s, folder):
+    (folder / "cnc.nc").write_text("%\nG28\nG1 X5 F6000\nM30\nG1 X9\n%\n")
+    s.host.ok("M32 cnc.nc")
+    printed(s)
+    assert s.positions()["x"] == 5.0
+    assert (folder / "cnc.nc").exists()
+
+
 def test_moves_of_a_console_come_between_those_of_a_file(s):
     s.host.ok("M32 square.gcode")
     s.passes(8)

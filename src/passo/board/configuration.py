@@ -144,6 +144,7 @@ def heater_options(
     oids = Oids.of(board)
     output = next(o for o in board.outputs if o.name == heater.output)
     sensor = next(s for s in board.sensors if s.name == heater.sensor)
+    fans = [o for o in board.outputs if o.name == heater.fan]
     table = sorted((ratio, celsius) for celsius, ratio in sensor.table)
     return _core.HeaterOptions(
         sensor_oid=oids.sensors[sensor.name],
@@ -161,4 +162,6 @@ def heater_options(
         control=heater.control,
         limits=heater.limits,
         model=heater.model,
+        fan_target=board.outputs.index(fans[0]) if fans else -1,
+        fan_full=full_scale(fans[0], dictionary) if fans else 1,
     )

@@ -126,6 +126,8 @@ class BoardDescription:
         for heater in self.heaters:
             if heater.output not in outputs or heater.sensor not in sensors:
                 raise ValueError(f"heater {heater.name}: its output or sensor is not described")
+            if heater.fan is not None and heater.fan not in outputs:
+                raise ValueError(f"heater {heater.name}: its fan is not described")
             if outputs[heater.output].max_duration_ticks <= 0:
                 raise ValueError(f"heater {heater.name}: its output needs a maximum duration")
 

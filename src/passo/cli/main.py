@@ -22,6 +22,7 @@ COMMANDS: dict[str, str] = {
     "steps": "write every step of every motor, as the board executed it",
     "explain": "show what one line of a file becomes: plan, steps, bytes",
     "report": "write one page with pictures: path, speeds, temperatures, limits",
+    "calibrate": "find a thermistor's β from what a thermometer says",
     "machines": "list the machines that come with Passo",
     "check": "check a machine file and report everything that is wrong with it",
 }

@@ -72,8 +72,8 @@ class Protection(Model):
     `jump_c` between two readings, several times in some seconds: the sensor is erratic. On its way
     up it must get `watch_rise_c` warmer in each `watch_s` (default 20 s, 90 s for a bed or a
     chamber). Once there, it must not stay `runaway_c` below its target for `runaway_s`. Without
-    power it must not get `stuck_on_c` warmer in `stuck_on_s`. Where its model is given, the share
-    `deviation` of full power is the most that the model may leave unexplained for `deviation_s`.
+    power it must not get `stuck_on_c` warmer in `stuck_on_s`. `deviation` is the share of full
+    power that its model may leave unexplained for `deviation_s`.
     """
 
     jump_c: NotNegative = 10.0
@@ -83,8 +83,8 @@ class Protection(Model):
     runaway_s: Positive = 40.0
     stuck_on_c: NotNegative = 10.0
     stuck_on_s: Positive = 60.0
-    deviation: NotNegative = 0.35
-    deviation_s: Positive = 60.0
+    deviation: NotNegative = 0.25
+    deviation_s: Positive = 30.0
 
 
 class SimulatedHeat(Model):
@@ -105,8 +105,8 @@ class Heater(Model):
     """A heater with its sensor; outside `min_c`…`max_c` it is a fault. `kind` says which commands
     mean it: M104 and M109 a hotend, M140 and M190 the bed, M141 and M191 a chamber.
 
-    `fan` names the fan that cools it. `model` is what a tune has found; without it, control that
-    needs one goes by `simulated`. `on_fault` says what else stops when a protection has switched
+    `fan` names the fan that cools it. `model` is what a tune has found; without it the figures of
+    `simulated` stand for it. `on_fault` says what else stops when a protection has switched
     it off: the whole `machine`, the `job`, or nothing but this `heater`.
     """
 

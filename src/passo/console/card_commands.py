@@ -245,6 +245,9 @@ class CardCommands:
             reply.fail(f"error writing to file {upload.name}: {error}")
 
     def _delete(self, text: str, reply: Reply) -> None:
+        if self._runner.printing_from(reply):
+            self._printer.commands.ended = True  # in a program M30 is its end
+            return
         path = self._existing(text)
         try:
             self.card.remove(path)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections import deque
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -160,8 +161,12 @@ class Print:
         """A print goes on without a heater only if the machine file says so."""
         if self._machine.heaters[name].on_fault == "heater":
             return
+        if self._machine.heaters[name].on_fault == "machine":
+            self.connection.command("emergency_stop")
         for heater in self._heaters:
             self.connection.set_target(heater, 0.0)
+        with suppress(MachineError):  # a board that was stopped says so
+            self.connection.run(self.connection.now + round(_SLICE_S * self._hz))
         raise MachineError([fault.problem])
 
     def _too_slow(self, heaters: list[str]) -> MachineError:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable
 from enum import Enum
 from typing import TYPE_CHECKING, Protocol
 
@@ -61,10 +62,23 @@ class Runner:
         self._begin = 0  # offset of the first byte fed since the source was restarted
         self._returns = False  # a pause is over, its end is still to be done
         self._failed = ""
-        self.state = State.NONE
+        self._state = State.NONE
+        self.watchers: list[Callable[[State], None]] = []
         self.name = ""
         printer.busy = lambda: self.active
         printer.fault_listeners.append(lambda _: self.pause())
+
+    @property
+    def state(self) -> State:
+        """What becomes of the selected file."""
+        return self._state
+
+    @state.setter
+    def state(self, state: State) -> None:
+        if state is not self._state:
+            self._state = state
+            for watcher in self.watchers:
+                watcher(state)
 
     # -- what may be asked ------------------------------------------------------------------------
 
@@ -79,6 +93,15 @@ class Runner:
         job = self._printer.job
         job.select(False)
         return self._begin + job.offset
+
+    @property
+    def progress(self) -> float | None:
+        """Share of the print that is done; None if none is under way."""
+        return self.offset / self.size if self.active and self.size else None
+
+    def printing_from(self, reply: Reply) -> bool:
+        """Whether a command comes from the file that is printed."""
+        return self.state is State.PRINTING and reply is self._reply
 
     @property
     def active(self) -> bool:

@@ -16,8 +16,9 @@ from passo.printer.heat_commands import HeatCommands
 from passo.printer.homing import Homer
 from passo.printer.motion_commands import MotionCommands
 from passo.printer.motors import Motors
+from passo.printer.person import PersonCommands
 from passo.printer.turn import Turn
-from passo.printer.waits import Handler, Homing, Person, Reply, Still, Temperatures, Wait
+from passo.printer.waits import Handler, Homing, Person, Reply, Silence, Still, Temperatures, Wait
 from passo.printer.wiring import connect, reconnected
 from passo.printer.words import Command
 
@@ -50,11 +51,15 @@ class Printer:
         self._begin(connection)
         self.turn = Turn()
         self.busy: Callable[[], bool] = lambda: False  # a print is under way, or paused
+        self.settings: Callable[[], Iterable[str]] = tuple  # commands that bring them back
         self.heat = HeatCommands(self)
         self.motion = MotionCommands(self)
-        self.immediate: dict[str, Handler] = self.heat.immediate | self.motion.immediate
+        self.person = PersonCommands(self)
+        self.immediate: dict[str, Handler] = (
+            self.heat.immediate | self.motion.immediate | self.person.immediate
+        )
         self.planned: dict[str, Handler] = (
-            self.heat.planned | self.motion.planned | self.motors.planned
+            self.heat.planned | self.motion.planned | self.motors.planned | self.person.planned
         )
         self.fault_listeners: list[Callable[[HeaterFault], None]] = []
         self.listeners: list[Callable[[str], None]] = []
@@ -86,6 +91,8 @@ class Printer:
         if 0 < self.motors.idle_s < idle_s and self.motors.on:
             self.motors.all_off()
             self.tell("echo:Motors off after standing idle; home before the next move")
+        if 0 < self.person.kill_s < idle_s:
+            self.halt(f"idle for {self.person.kill_s:g} s (M85)")
         if 0 < config.heaters_off_s < idle_s:
             for name in self.heaters:
                 if self.connection.heaters[name].target > 0:
@@ -174,6 +181,17 @@ class Printer:
         self.job.feed(text.encode("ascii", "replace") + b"\n")
         return self._go_on(reply)
 
+    def take_setting(self, text: str, reply: Reply) -> None:
+        """Carries out one line of stored settings, the machine standing, by who has the turn."""
+        self.select(console=True)
+        self.job.feed(text.encode("ascii", "replace") + b"\n")
+        wait = self._go_on(reply)
+        while wait is not None:
+            if isinstance(wait, Still) and wait.then is not None:
+                self.drive.flush()
+                wait.then()
+            wait = self._go_on(reply)
+
     async def finish(self, wait: Wait | None, reply: Reply) -> None:
         """The rest of a line whose command waits. Raises Stopped or MachineError."""
         while wait is not None:
@@ -245,8 +263,11 @@ class Printer:
                 await self._revived.wait()
                 self._revived.clear()
                 self.motors.forget()
+                lines = list(self.settings())
                 self._begin(reconnected(self.connection))
                 self.halted = ""
+                for line in lines:
+                    self.take_setting(line, Silence())
                 self.tell("echo:The printer is ready again. Home it before you move it")
 
     def _heater_failed(self, _: str, fault: HeaterFault) -> None:

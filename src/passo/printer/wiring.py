@@ -88,7 +88,7 @@ def _heater(name: str, heater: HeaterConfig) -> Heater:
         sensor=name,
         control=control_of(heater),
         limits=limits_of(heater),
-        model=model_of(heater) if heater.model else None,
+        model=model_of(heater),
         fan=heater.fan,
         max_power=heater.max_power,
     )

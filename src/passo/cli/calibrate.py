@@ -1,0 +1,133 @@
+"""`passo calibrate thermistor`: a thermistor's β from true temperatures, step by step."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from typing import TYPE_CHECKING
+
+from passo.cli.machine_option import add_machine
+from passo.errors import ConfigError, ExitStatus, InputError, Problem
+
+if TYPE_CHECKING:
+    from passo.heat.calibration import Point
+    from passo.heat.thermistor import Ntc
+
+_ROUNDS_C = (20, 10, 5)
+_START_C, _END_C = 160, 240  # PTFE in a hotend does not last above
+
+_GUIDE = """\
+Put a thermometer that you trust into the nozzle. Heat only; nothing moves. At each temperature
+below wait two minutes, then type what the thermometer says (Enter alone leaves a point out,
+q ends the round). Never go above {end} °C. After each round send the new β, run an autotune (M303)
+and go on with smaller steps."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declares the options of `passo calibrate`."""
+    parser.add_argument("what", choices=("thermistor",), help="what to calibrate")
+    add_machine(parser)
+    parser.add_argument("--heater", default="hotend", help="the heater's name; default: hotend")
+    parser.add_argument("--beta", type=float, help="the β in use, if not the machine file's")
+    parser.add_argument(
+        "--points",
+        nargs="+",
+        metavar="SHOWN:TRUE",
+        help="temperatures that were shown and measured before; without them, guides the procedure",
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Guides through the rounds, or reckons with given points. Raises ConfigError, InputError."""
+    ntc = _thermistor(arguments)
+    if arguments.points:
+        print(_result(ntc, [_point(text) for text in arguments.points]))
+        return ExitStatus.DONE
+    print(_GUIDE.format(end=_END_C))
+    for step in _ROUNDS_C:
+        points = _round(step)
+        if points is None:
+            break
+        if points:
+            print(_result(ntc, points))
+            ntc = _chosen(ntc, points)
+    return ExitStatus.DONE
+
+
+def _thermistor(arguments: argparse.Namespace) -> Ntc:
+    from passo import config
+    from passo.config.findings import did_you_mean
+    from passo.heat.calibration import LEAST_BETA_K, MOST_BETA_K
+    from passo.heat.thermistor import Ntc
+
+    machine = config.load(arguments.machine)
+    heater = machine.heaters.get(arguments.heater)
+    if heater is None or heater.sensor.kind != "thermistor":
+        limit = "the name of a heater with a thermistor"
+        values = {"key": "--heater", "value": arguments.heater, "limit": limit}
+        hint = did_you_mean(arguments.heater, machine.heaters)
+        raise ConfigError([Problem("config.value", values=values, hint=hint)])
+    sensor = heater.sensor
+    beta_k = sensor.beta_k if arguments.beta is None else arguments.beta
+    if not LEAST_BETA_K <= beta_k <= MOST_BETA_K:
+        limit = f"a β from {LEAST_BETA_K:g} to {MOST_BETA_K:g} K"
+        values = {"key": "--beta", "value": beta_k, "limit": limit}
+        raise ConfigError([Problem("config.value", values=values)])
+    return Ntc(sensor.r25_ohm, beta_k, sensor.c_per_k)
+
+
+def _point(text: str) -> Point:
+    from passo.heat.calibration import Point
+
+    try:
+        shown, true = (float(word) for word in text.split(":"))
+    except ValueError:
+        shown = true = 0.0
+    if not (0 < shown <= 400 and 0 < true <= 400):
+        raise InputError([Problem("input.point", values={"value": text})])
+    return Point(shown, true)
+
+
+def _round(step_c: int) -> list[Point] | None:
+    """The points of one round; None when there is nobody to ask any more."""
+    print(f"\nRound in steps of {step_c} °C")
+    points: list[Point] = []
+    for celsius in range(_START_C, _END_C + 1, step_c):
+        while True:
+            print(f"M104 S{celsius}, wait 2 min, true °C: ", end="", flush=True)
+            answer = sys.stdin.readline()
+            word = answer.strip().lower()
+            if not answer:
+                return points or None
+            if word == "q":
+                return points
+            try:
+                points += [_point(f"{celsius}:{word}")] if word else []
+                break
+            except InputError as error:
+                print(error)
+    return points
+
+
+def _result(ntc: Ntc, points: list[Point]) -> str:
+    """Both results with their residuals."""
+    from passo.heat.calibration import by_averages, by_least_squares
+
+    rule, fit = by_averages(ntc, points), by_least_squares(ntc, points)
+    lines = [f"{'shown':>8} {'true':>8} {'averages':>9} {'fit':>9}   what β would say off by, °C"]
+    for p, a, b in zip(points, rule.residuals_c, fit.residuals_c, strict=True):
+        off = " ".join(f"{round(x, 1) + 0.0:+9.1f}" for x in (a, b))  # no -0.0
+        lines.append(f"{p.shown_c:8.1f} {p.true_c:8.1f} {off}")
+    lines.append(f"{'rms':>17} {rule.rms_c:9.1f} {fit.rms_c:9.1f}")
+    lines.append(f"{'β in K':>17} {rule.beta_k:9.0f} {fit.beta_k:9.0f}")
+    lines.append(f"To use the fit: M305 H0 B{fit.beta_k:.0f}, then M303, then M500.")
+    return "\n".join(lines)
+
+
+def _chosen(ntc: Ntc, points: list[Point]) -> Ntc:
+    """The thermistor with the fit's β, which the next round starts from."""
+    from dataclasses import replace
+
+    from passo.heat.calibration import by_least_squares
+
+    return replace(ntc, beta_k=float(round(by_least_squares(ntc, points).beta_k)))

@@ -1,0 +1,142 @@
+"""Relay autotune (K. J. Åström and T. Hägglund, 1984): PID gains from an oscillation."""
+
+from __future__ import annotations
+
+from math import pi
+
+from passo import _core
+from passo.heat.rules import M301_FULL_POWER, RULES, Gains
+
+LEAST_CYCLES, MOST_CYCLES = 3, 20
+HEADROOM_C = 15.0  # a target must lie so far below the heater's limit
+
+_OVERSHOOT_C = 20.0
+_PATIENCE_S = 1200.0  # for the sum of the times since the last two switchings
+_FIRST_USED = 2  # cycles before it are not yet balanced
+
+
+class TuneError(ValueError):
+    """A tune that cannot begin; the text is what to reply."""
+
+
+class RelayTune:
+    """Feed it with the samples of a heater that is controlled by `control` and has the target.
+
+    The heater swings around `target_c`; each cycle gives gains by rule number `rule`. When `done`,
+    either `result` has the gains of the last cycle, or `failed` says why there are none; switch the
+    heater off, or give it a control of the gains. `label` names it in the lines, as in `Hotend:0`,
+    `BED`, `CHAMBER`.
+    """
+
+    control = _core.RelayControl(half_cycle_s=5.0)
+    fan = 0.0
+
+    def __init__(
+        self,
+        label: str,
+        target_c: float,
+        cycles: int = 5,
+        rule: int = 0,
+        *,
+        clock_hz: float,
+        limit_c: float,
+    ) -> None:
+        """`cycles` is brought into 3 to 20. Raises TuneError for a target above `limit_c` - 15."""
+        if target_c > limit_c - HEADROOM_C:
+            raise TuneError("PID Autotune failed! Temperature too high")
+        if not 0 <= rule < len(RULES):
+            raise TuneError(f"PID Autotune failed! R is 0 to {len(RULES) - 1}")
+        self.label = label
+        self.target_c = target_c
+        self.cycles = min(max(cycles, LEAST_CYCLES), MOST_CYCLES)
+        self.rule = rule
+        self.result: Gains | None = None
+        self.failed = ""
+        self._hz = clock_hz
+        self._count = 0
+        self._high = True
+        self._swing = 0.0
+        self._switched_s = [0.0, 0.0]  # to low, to high
+        self._high_s = 0.0
+        self._least_c = self._most_c = target_c
+        self._gains: Gains | None = None
+
+    @property
+    def done(self) -> bool:
+        """There is nothing more to feed."""
+        return self.result is not None or bool(self.failed)
+
+    def begin(self, note: str = "") -> list[str]:
+        """The first lines; `note` stands at their end."""
+        cycles = f"Cycles:{self.cycles} Method:{self.rule}"
+        return ["PID Autotune start", f"{self.label} Temp:{self.target_c:g} {cycles}{note}"]
+
+    def feed(self, sample: _core.HeatSample) -> list[str]:
+        """Lines to reply after this sample; none most of the time."""
+        if self.done or sample.target != self.target_c:
+            return []
+        now_s = sample.clock / self._hz
+        if self._swing == 0.0:
+            self._switched_s = [now_s, now_s]
+            self._swing = abs(sample.terms.d)
+        self._least_c = min(self._least_c, sample.celsius)
+        self._most_c = max(self._most_c, sample.celsius)
+        if sample.celsius > self.target_c + _OVERSHOOT_C:
+            return self._fail("Temperature too high")
+        if sum(now_s - then for then in self._switched_s) > _PATIENCE_S:
+            return self._fail("timeout")
+        high = sample.terms.d > 0
+        if high == self._high:
+            return []
+        self._high = high
+        if high:
+            return self._cycle(sample, now_s)
+        self._high_s = now_s - self._switched_s[1]
+        self._switched_s[0] = now_s
+        self._most_c = self.target_c
+        return []
+
+    def _cycle(self, sample: _core.HeatSample, now_s: float) -> list[str]:
+        """The power goes up again: a cycle is over."""
+        lines: list[str] = []
+        if self._count > 0:
+            bias, swing = (
+                round(M301_FULL_POWER * abs(share)) for share in (sample.terms.p, sample.terms.d)
+            )
+            extremes = f"min:{self._least_c:.2f} max:{self._most_c:.2f}"
+            lines.append(f" bias:{bias} d:{swing} {extremes}")
+        if self._count > _FIRST_USED:
+            lines += self._reckon(self._high_s + now_s - self._switched_s[0])
+        self._count += 1
+        self._switched_s[1] = now_s
+        self._swing = abs(sample.terms.d)
+        self._least_c = self.target_c
+        if self._count > self.cycles and self._gains is not None:
+            self.result = self._gains
+            lines += self._finish(self._gains)
+        return lines
+
+    def _reckon(self, tu_s: float) -> list[str]:
+        """Ku = 4 d / (π a): the relay's swing d, with which the temperature swings by a."""
+        ku = 4 * self._swing / (pi * (self._most_c - self._least_c) / 2)
+        rule = RULES[self.rule]
+        self._gains = rule.gains(ku, tu_s)
+        return [f" Ku:{ku * M301_FULL_POWER:.2f} Tu:{tu_s:.2f}", f" {rule.name}", f" {self._gains}"]
+
+    def _finish(self, gains: Gains) -> list[str]:
+        says = (
+            "PID Autotune finished!"
+            " Put the last Kp, Ki and Kd constants from below into Configuration!"
+        )
+        if self.label.startswith("Hotend"):
+            return [says, f" {gains}"]
+        names = (("Kp", gains.kp), ("Ki", gains.ki), ("Kd", gains.kd))
+        part = self.label.lower()
+        return [
+            says,
+            *(f"#define DEFAULT_{part}{name} {g * M301_FULL_POWER:.2f}" for name, g in names),
+        ]
+
+    def _fail(self, reason: str) -> list[str]:
+        self.failed = f"PID Autotune failed! {reason}"
+        return [f"Error:{self.failed}"]

@@ -1,0 +1,46 @@
+"""Rules that make PID gains of an oscillation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+M301_FULL_POWER = 255.0  # in the unit of the gains of M301
+
+
+@dataclass(frozen=True, slots=True)
+class Gains:
+    """PID gains as shares of full power by °C, by °C·s and by °C/s."""
+
+    kp: float
+    ki: float
+    kd: float
+
+    def __str__(self) -> str:
+        """As M301 has them, in 1/255 of full power."""
+        kp, ki, kd = (gain * M301_FULL_POWER for gain in (self.kp, self.ki, self.kd))
+        return f"Kp:{kp:.2f} Ki:{ki:.2f} Kd:{kd:.2f}"
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """Kp = `p`·Ku, Ki = `i`·Ku/Tu, Kd = `d`·Ku·Tu, with the ultimate gain Ku and its period Tu."""
+
+    name: str
+    p: float
+    i: float
+    d: float
+
+    def gains(self, ku: float, tu_s: float) -> Gains:
+        """The gains, in the unit of `ku`."""
+        return Gains(self.p * ku, self.i * ku / tu_s, self.d * ku * tu_s)
+
+
+# In the order of R of M303: J. G. Ziegler and N. B. Nichols (1942) and softer forms of it, the
+# Pessen integral rule (1953), B. D. Tyreus and W. L. Luyben (1992).
+RULES = (
+    Rule("Classic PID", 0.6, 1.2, 0.075),
+    Rule("Some Overshoot PID", 0.33, 0.66, 0.11),
+    Rule("No Overshoot PID", 0.2, 0.4, 0.2 / 3),
+    Rule("Pessen Integral Rule PID", 0.7, 1.75, 0.105),
+    Rule("Tyreus-Lyben PID", 0.4545, 0.4545 / 2.2, 0.4545 / 6.3),
+)

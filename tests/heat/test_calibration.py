@@ -1,0 +1,40 @@
+"""Calibration of β against a worked example."""
+
+from __future__ import annotations
+
+import pytest
+
+from passo.heat.calibration import Point, by_averages, by_least_squares
+from passo.heat.thermistor import Ntc
+
+NTC = Ntc(100_000.0, 3950.0)
+POINTS = [Point(180, 169), Point(200, 177), Point(220, 194), Point(240, 208)]
+
+
+def test_the_rule_of_averages():
+    found = by_averages(NTC, POINTS)
+    assert found.beta_k == pytest.approx(4435.83, abs=0.005)
+    assert found.residuals_c == pytest.approx((-13.41, -5.58, -6.96, -5.56), abs=0.01)
+    assert found.rms_c == pytest.approx(8.5, abs=0.1)
+
+
+def test_the_least_squares():
+    found = by_least_squares(NTC, POINTS)
+    assert found.beta_k == pytest.approx(4303.5, abs=0.5)
+    assert found.residuals_c == pytest.approx((-7.6, 1.2, 0.9, 3.3), abs=0.06)
+    assert found.rms_c < by_averages(NTC, POINTS).rms_c
+
+
+def test_true_readings_change_nothing():
+    points = [Point(c, c) for c in (160, 200, 240)]
+    for method in (by_averages, by_least_squares):
+        assert method(NTC, points).beta_k == pytest.approx(3950, abs=0.01)
+
+
+def test_a_fit_finds_the_beta_that_made_the_readings():
+    true = Ntc(100_000.0, 4260.0, 5e-8)
+    shown = Ntc(100_000.0, 3950.0, 5e-8)
+    points = [Point(c, true.celsius(shown.ohm(c))) for c in (160, 180, 200, 220)]
+    found = by_least_squares(shown, points)
+    assert found.beta_k == pytest.approx(4260, abs=0.01)
+    assert found.rms_c < 1e-3

@@ -1,0 +1,149 @@
+"""Closed loops on simulated heat: overshoot, settling, fans, hysteresis."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import pytest
+from tests.heat.oven import FAN_LOSS, Oven
+
+from passo import _core, config
+from passo.printer.wiring import connect
+
+CONTROLS = {
+    "pid": "control = { kind = 'pid' }",
+    "tuned pid": "control = { kind = 'pid', kp = 0.2189, ki = 0.0438, kd = 0.2737 }",
+    "model": "control = { kind = 'model' }",
+}
+
+
+@pytest.mark.parametrize("name", CONTROLS)
+@pytest.mark.parametrize("target", [60.0, 150.0, 210.0])
+def test_it_settles_without_overshoot_and_in_the_wind(name, target):
+    oven = Oven(CONTROLS[name])
+    oven.heat(target)
+    rise = oven.run(240)
+    assert max(body for _, body, _, _ in rise) < target + 1.0
+    settled = [body for s, body, _, _ in rise if s > 160]
+    assert all(abs(body - target) < 0.5 for body in settled)
+    oven.blow(1.0)
+    wind = oven.run(120)
+    assert oven.heater.fan == 1.0
+    assert all(abs(body - target) < 2.0 for _, body, _, _ in wind)
+    assert all(abs(body - target) < 0.5 for _, body, _, _ in wind[4 * 60 :])
+    oven.blow(0.0)
+    calm = oven.run(120)
+    assert max(body for _, body, _, _ in calm) < target + 2.0
+    assert all(abs(body - target) < 0.5 for _, body, _, _ in calm[4 * 60 :])
+    assert oven.faults == []
+
+
+def test_a_model_foresees_the_fan():
+    oven = Oven(CONTROLS["model"])
+    oven.heat(210.0)
+    settled = oven.run(240)
+    assert next(s for s, body, _, _ in settled if body > 209.5) < 90
+    oven.blow(1.0)
+    wind = oven.run(60)
+    assert min(body for _, body, _, _ in wind) > 209.5
+    power = sum(row[3] for row in wind[-120:]) / 120
+    assert power == pytest.approx((1 + FAN_LOSS) * 185 / 380, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("rise_c", "time_constant_s"), [(304.0, 120.0), (456.0, 120.0), (380.0, 96.0), (380.0, 144.0)]
+)
+def test_a_model_may_err(rise_c, time_constant_s):
+    model = f"model = {{ rise_c = {rise_c}, time_constant_s = {time_constant_s} }}"
+    oven = Oven(f"{CONTROLS['model']}\n{model}\nprotection = {{ deviation = 0.0 }}")
+    oven.heat(200.0)
+    rise = oven.run(240)
+    assert max(body for _, body, _, _ in rise) < 202.0
+    assert all(abs(body - 200) < 0.5 for s, body, _, _ in rise if s > 140)
+
+
+def test_two_hotends_have_states_of_their_own():
+    machine = config.load("dual-extruder")
+    connection, board = connect(machine)
+    hz = machine.board.clock_hz
+    connection.set_target("hotend", 200.0)
+    connection.run(connection.now + 60 * hz)
+    connection.set_target("hotend1", 150.0)
+    connection.run(connection.now + 180 * hz)
+    assert board.temperature("hotend") == pytest.approx(200, abs=0.5)
+    assert board.temperature("hotend1") == pytest.approx(150, abs=0.5)
+    first, second = (connection.heaters[name].take_samples() for name in ("hotend", "hotend1"))
+    assert len(first) == pytest.approx(len(second), abs=1)
+    assert first[-1].terms.i == pytest.approx(175 / 380, abs=0.05)
+    assert second[-1].terms.i == pytest.approx(125 / 380, abs=0.05)
+
+
+def test_the_bed_settles():
+    oven = Oven(name="bed")
+    oven.heat(60.0)
+    rise = oven.run(300)
+    assert max(body for _, body, _, _ in rise) < 60.5
+    assert all(abs(body - 60) < 0.5 for s, body, _, _ in rise if s > 180)
+
+
+def test_bang_bang_stays_within_its_hysteresis():
+    control = "control = { kind = 'bang-bang', hysteresis_c = 1.0, interval_s = 0.0 }"
+    oven = Oven(bed=control, name="bed")
+    oven.heat(60.0)
+    oven.run(200)
+    seen = oven.run(600)
+    # The sensor's lag of 4 s adds what the bed gains or loses in it: 0.17 and 0.09 °C/s.
+    assert 58.4 < min(felt for _, _, felt, _ in seen) < 59.0
+    assert 61.0 < max(felt for _, _, felt, _ in seen) < 61.9
+    assert {power for _, _, _, power in seen} == {0.0, 1.0}
+
+
+def test_bang_bang_keeps_its_interval():
+    oven = Oven("control = { kind = 'bang-bang', hysteresis_c = 0.2, interval_s = 5.0 }")
+    oven.heat(210.0)
+    oven.run(120)
+    seen = oven.run(200)
+    switched = [b[0] for a, b in pairwise(seen) if (a[3] > 0) != (b[3] > 0)]
+    gaps = [b - a for a, b in pairwise(switched)]
+    assert len(gaps) > 10
+    assert min(gaps) >= 5.0
+
+
+def test_the_terms_of_pid_can_be_traced():
+    oven = Oven("control = { kind = 'pid', kp = 0.05, ki = 0.01, kd = 0.1, drive_min = 0.1 }")
+    oven.heat(100.0)
+    oven.run(60)
+    samples = oven.heater.take_samples()
+    assert oven.heater.take_samples() == []
+    far = [s for s in samples if s.target == 100 and s.terms.error > 10]
+    near = [s for s in samples if abs(s.terms.error) <= 10]
+    assert {(s.terms.p, s.terms.i, s.terms.d, s.power) for s in far} == {(0.0, 0.1, 0.0, 1.0)}
+    assert len(near) > 100
+    for s in near:
+        t = s.terms
+        assert t.p == pytest.approx(0.05 * t.error)
+        assert 0.1 <= t.i <= 1.0
+        assert s.power == t.output == pytest.approx(min(max(t.p + t.i + t.d, 0), 1))
+    # The derivative knows the temperature only: a new target does not move it.
+    before = oven.heater.terms
+    oven.heat(102.0)
+    oven.run(0.25)
+    after = oven.heater.terms
+    assert after.p - before.p == pytest.approx(0.1, abs=0.03)
+    assert after.d == pytest.approx(before.d, abs=0.03)
+
+
+def test_power_is_limited():
+    oven = Oven("max_power = 0.6")
+    oven.heat(200.0)
+    assert max(power for *_, power in oven.run(150)) == 0.6
+    assert oven.output() <= 0.6 * oven.connection.full_scale("hotend") + 1
+
+
+def test_a_controller_is_changed_while_it_heats():
+    oven = Oven()
+    oven.heat(200.0)
+    oven.run(200)
+    oven.heater.set_control(_core.ModelControl(_core.HeatModel(380.0, 120.0, 2.0)))
+    assert isinstance(oven.heater.control, _core.ModelControl)
+    assert all(abs(body - 200) < 0.6 for _, body, _, _ in oven.run(60))
