@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import re
+
 from passo.console.session import Session
 from passo.printer.printer import Printer
 from passo.printer.reports import Reports
 from passo.printer.waits import Handler, Reply, Wait
 from passo.printer.words import Command
+
+_OPTION = re.compile(r"([AEPaep])(\d)(?:\s+|\Z)")  # of M118; P, the port, has no meaning here
 
 
 class ConsoleCommands:
@@ -15,9 +19,10 @@ class ConsoleCommands:
     def __init__(self, printer: Printer, reports: Reports) -> None:
         self._printer, self._reports = printer, reports
         self.handlers: dict[str, Handler] = {
-            "M108": _nothing,  # acted when the line came in
+            "M108": _nothing,  # acted when the line came in, as M110, M112 and M410
             "M110": _nothing,
             "M112": _nothing,
+            "M410": _nothing,
             "M999": self._revive,
             "M113": self._busy,
             "M118": self._message,
@@ -37,10 +42,11 @@ class ConsoleCommands:
         return None
 
     def _message(self, command: Command, _: Reply) -> Wait | None:
-        text, prefix = command.text, ""
-        while text[:2] in ("E1", "A1"):
-            prefix += "echo:" if text[0] == "E" else "// "
-            text = text[2:].lstrip()
+        text, marks = command.text, set[str]()
+        while option := _OPTION.match(text):
+            marks.add(option[1].upper() if option[2] != "0" else "")
+            text = text[option.end() :]
+        prefix = ("echo:" if "E" in marks else "") + ("// " if "A" in marks else "")
         self._printer.tell(prefix + text)
         return None
 

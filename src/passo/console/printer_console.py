@@ -44,7 +44,7 @@ def furnished(
     """A printer that understands every command of a console. Within a running event loop. Raises
     MachineError, and CardError if `card` cannot be used."""
     printer = Printer(machine, free=free)
-    reports = Reports(printer)
+    reports = Reports(printer, card=card is not None)
     printer.immediate.update(reports.handlers)
     printer.immediate.update(ConsoleCommands(printer, reports).handlers)
     runner = Runner(printer, Listeners(printer))

@@ -10,6 +10,7 @@ from typing import Protocol
 from passo.console.protocol import Line, LineProtocol, Refusal
 from passo.console.upload import Upload
 from passo.errors import PassoError
+from passo.printer.drive import MOST_QUEUED
 from passo.printer.printer import Printer, Stopped
 from passo.printer.waits import Wait
 from passo.printer.words import Command
@@ -17,6 +18,7 @@ from passo.printer.words import Command
 BACKLOG = 256  # lines in hand before the sender is held up
 WAIT_S = 1.0  # an idle console says `wait` this often
 _PLAIN = str.maketrans({"°": "", "µ": "u", "²": "2"})
+_EVEN_AFTER_FAILURE = ("M932", "M933", "M108", "M112", "M410")
 _HEAD = re.compile(r"\s*([A-Za-z])\s*(\d{1,9})(?:\.(\d))?\s*(.*)\Z", re.DOTALL)
 
 
@@ -61,6 +63,9 @@ class Session:
         self.busy_s = 2.0  # M113
         self.advanced_ok = False
         self.upload: Upload | None = None  # M28: lines go into this file
+        self._file_ahead = False  # the lines that come in now are for one, and have numbers
+        self._file_numbered = False
+        self._working = False  # this console's line has the turn and is under way
         self.closed = False
         printer.listeners.append(self.hear)
         self.every("wait", WAIT_S, self._say_wait)
@@ -90,7 +95,9 @@ class Session:
         if self.upload is not None:
             self.upload.abort()
             self.upload = None
-        if self._task is not None:
+        if self._working:
+            self._printer.go_on()  # cutting it off would leave a machine that moves
+        elif self._task is not None:
             self._task.cancel()
         if self.hear in self._printer.listeners:
             self._printer.listeners.remove(self.hear)
@@ -99,7 +106,8 @@ class Session:
 
     def say(self, text: str) -> None:
         """A line of answer."""
-        self._wire.write(_ascii(text))
+        if not self.closed:
+            self._wire.write(_ascii(text))
 
     def hear(self, text: str) -> None:
         """A line that concerns everybody; a console that does not read may miss it."""
@@ -132,9 +140,15 @@ class Session:
     # -- work -------------------------------------------------------------------------------------
 
     def _look_ahead(self, line: Line) -> None:
-        """What must not wait for the lines before it."""
+        """What must not wait for the lines before it, unless it goes into a file."""
         code = command_of(line.text).code
-        if code == "M112":
+        if code == "M28":
+            self._file_ahead, self._file_numbered = True, False
+        elif code == "M29":
+            self._file_ahead = False
+        elif self._file_ahead and (line.number is not None or not self._file_numbered):
+            self._file_numbered = line.number is not None
+        elif code == "M112":
             self._printer.halt("emergency stop by M112")
         elif code == "M108":
             self._printer.go_on()
@@ -152,25 +166,26 @@ class Session:
                 else:
                     self.say(f"Error:{line.reason}")
                     self.say(f"Resend: {line.resend}")
-                self.say("ok")
+                self._ok = ""
+                self._acknowledge(None)
                 continue
             self._ok = ""
             if self._refused(line):
-                self._acknowledge(line)
+                self._acknowledge(line.number)
                 continue
             command = command_of(line.text)
             if self.upload is not None and self._stored(line, command.code):
-                self._acknowledge(line)
+                self._acknowledge(line.number)
                 continue
             if printer.act(command, self):
-                self._acknowledge(line)
+                self._acknowledge(line.number)
             elif printer.has_room() and printer.turn.take():
                 wait = printer.take_line(line.text, self)
                 if wait is not None:
                     self._begin(line, wait)
                     return
                 printer.turn.give()
-                self._acknowledge(line)
+                self._acknowledge(line.number)
             else:
                 self._begin(line, None, queued=True)
                 return
@@ -179,6 +194,7 @@ class Session:
             self._wire.hold(False)
 
     def _begin(self, line: Line, wait: Wait | None, *, queued: bool = False) -> None:
+        self._working = not queued
         self._task = self._loop.create_task(self._carry_out(line, wait, queued=queued))
 
     async def _carry_out(self, line: Line, wait: Wait | None, *, queued: bool) -> None:
@@ -193,6 +209,9 @@ class Session:
                 await printer.drive.until(lambda: printer.has_room() or bool(printer.halted))
                 if not self._refused(line):
                     wait = printer.take_line(line.text, self)
+            self._working = True
+            if self.closed:
+                self._loop.call_soon(printer.go_on)  # behind the beginning of the wait
             await printer.finish(wait, self)
         except (Stopped, PassoError) as error:
             self.fail(str(error))
@@ -200,9 +219,9 @@ class Session:
             self.every("busy", 0, None)
             if has_turn:
                 printer.turn.give()
-            self._task = None
+            self._task, self._working = None, False
         if not self.closed:
-            self._acknowledge(line)
+            self._acknowledge(line.number)
             self._work()
 
     def _stored(self, line: Line, code: str) -> bool:
@@ -225,9 +244,7 @@ class Session:
 
     def _refused(self, line: Line) -> bool:
         code = command_of(line.text).code
-        if code in ("M112", "M108", "M410"):
-            return True  # done when the line came in
-        if self.strict and self.failed and code not in ("M932", "M933"):
+        if self.strict and self.failed and code not in _EVEN_AFTER_FAILURE:
             self.say("Error:PreviousCommandFailed")
             return True
         if self._printer.halted and code not in self._printer.immediate:
@@ -235,12 +252,12 @@ class Session:
             return True
         return False
 
-    def _acknowledge(self, line: Line) -> None:
+    def _acknowledge(self, number: int | None) -> None:
         text = "ok"
         if self.advanced_ok:
-            number = f" N{line.number}" if line.number is not None else ""
-            free = max(0, 2048 - self._printer.job.queued)
-            text += f"{number} P{free} B{max(0, BACKLOG - len(self._lines))}"
+            free = max(0, MOST_QUEUED - self._printer.job.queued)
+            text += f" N{number}" if number is not None else ""
+            text += f" P{free} B{max(0, BACKLOG - len(self._lines))}"
         self.say(f"{text} {self._ok}" if self._ok else text)
         if "wait" in self._timers:
             self.every("wait", WAIT_S, self._say_wait)

@@ -66,6 +66,7 @@ class Printer:
         self.halted = ""  # why nothing moves or heats any more; M999 clears it
         self.heating = False  # somebody waits for a temperature
         self._skip = asyncio.Event()
+        self._impatient = False  # the wait that goes on shall not even wait for moves
         self._revived = asyncio.Event()
 
     def _begin(self, connection: Connection) -> None:
@@ -128,7 +129,8 @@ class Printer:
         self._apply_target(self.heaters.index(heater), celsius)
 
     def go_on(self) -> None:
-        """M108: ends every wait for temperatures or a person."""
+        """M108: ends the wait that goes on, for moves, temperatures or a person. Moves go on."""
+        self._impatient = True
         self._skip.set()
 
     def halt(self, reason: str) -> None:
@@ -221,9 +223,12 @@ class Printer:
     async def wait(self, wait: Wait, reply: Reply) -> None:
         """Waits with the machine at rest. Raises Stopped when it was halted meanwhile."""
         self._skip.clear()
+        self._impatient = False
         self.drive.flush()
-        await self.drive.until(lambda: self.drive.standing or bool(self.halted))
+        await self.drive.until(lambda: self.drive.standing or self._impatient or bool(self.halted))
         self.raise_if_halted()
+        if isinstance(wait, Homing) or (isinstance(wait, Still) and wait.then is not None):
+            self._raise_if_skipped()
         if isinstance(wait, Still) and wait.then is not None:
             wait.then()
         elif isinstance(wait, Temperatures):
@@ -234,6 +239,11 @@ class Printer:
             self.job.abandon()
             await self.homer.home(wait.letters)
         self.raise_if_halted()
+
+    def _raise_if_skipped(self) -> None:
+        if self._skip.is_set():
+            self.job.abandon()
+            raise Stopped("it was stopped")
 
     @property
     def interrupted(self) -> bool:

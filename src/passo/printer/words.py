@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 _WORD = re.compile(r"([A-Za-z])\s*([-+]?(?:\d+\.?\d*|\.\d+))?")
 _PAIR = re.compile(r"([A-Za-z_][A-Za-z0-9_]*)\s*=\s*(\"[^\"]*\"|\S+)")
+_LARGEST = 1e9  # as in the words of moves
 
 
 class Command(NamedTuple):
@@ -27,12 +28,9 @@ class Command(NamedTuple):
         return f"{self.letter}{self.number}" + (f".{self.minor}" if self.minor else "")
 
     def words(self) -> dict[str, float]:
-        """Letters with their numbers; a letter without a number is left out."""
-        return {
-            match[1].upper(): float(match[2])
-            for match in _WORD.finditer(self.text)
-            if match[2] is not None
-        }
+        """Letters with their numbers; a letter without a number, or with one that is beyond all
+        sense, is left out."""
+        return dict(words_of(self.text))
 
     def pairs(self) -> dict[str, str]:
         """KEY=VALUE parameters of an extended command, keys in upper case."""
@@ -40,5 +38,9 @@ class Command(NamedTuple):
 
 
 def words_of(text: str) -> list[tuple[str, float]]:
-    """All words of a line with a number, in order: (letter, number)."""
-    return [(m[1].upper(), float(m[2])) for m in _WORD.finditer(text) if m[2] is not None]
+    """All words of a line with a number of at most 1e9, in order: (letter, number)."""
+    return [
+        (m[1].upper(), number)
+        for m in _WORD.finditer(text)
+        if m[2] is not None and abs(number := float(m[2])) <= _LARGEST
+    ]
