@@ -6,11 +6,13 @@ import argparse
 import asyncio
 import contextlib
 import sys
+from pathlib import Path
 
 from passo.cli.machine_option import add_machine
 from passo.errors import ExitStatus
 
-_TCP = "127.0.0.1:2323"
+_TCP = ("127.0.0.1", 2323)
+_BAUD = 250_000
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -26,7 +28,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     consoles = parser.add_argument_group("consoles, each as often as you like")
     consoles.add_argument(
-        "--serial", action="append", default=[], metavar="DEV[:BAUD]", help="a serial device"
+        "--serial",
+        action="append",
+        type=_serial,
+        default=[],
+        metavar="DEV[:BAUD]",
+        help=f"a serial device, at any rate; {_BAUD} if none is given",
     )
     consoles.add_argument(
         "--pty", action="append", default=[], metavar="PATH", help="a pseudo terminal, linked there"
@@ -34,9 +41,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     consoles.add_argument(
         "--tcp",
         action="append",
+        type=_tcp,
         default=[],
         metavar="HOST:PORT",
-        help=f"TCP; {_TCP} if no console is named",
+        help=f"TCP; {_TCP[0]}:{_TCP[1]} if no console is named",
     )
     consoles.add_argument(
         "--stdin", action="store_true", help="standard input and output, as a console"
@@ -52,6 +60,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--tcp-clients", type=int, default=2, metavar="N", help="clients of a TCP console (2)"
     )
+    parser.add_argument(
+        "--advanced-ok",
+        action="store_true",
+        help="each ok tells the line's number, free moves and free lines: ok N3 P2048 B256",
+    )
 
 
 def _clock(text: str) -> float | None:
@@ -65,6 +78,25 @@ def _clock(text: str) -> float | None:
     if not 0 < scale <= 1000:
         raise argparse.ArgumentTypeError(f"{text!r} is not real, fast, or a factor above 0")
     return scale
+
+
+def _tcp(text: str) -> tuple[str, int]:
+    """Host and port: `printer.local:2323`, `[::1]:2323`, `:2323` for all addresses."""
+    host, colon, port = text.rpartition(":")
+    host = host.removeprefix("[").removesuffix("]")
+    if not (colon and port.isascii() and port.isdigit() and int(port) < 65536):
+        raise argparse.ArgumentTypeError(f"{text!r} is not HOST:PORT, with a port below 65536")
+    return host, int(port)
+
+
+def _serial(text: str) -> tuple[str, int]:
+    """Device and rate in bits/s. A device's own name may hold colons."""
+    device, _, baud = text.rpartition(":")
+    if not device or Path(text).exists() or not (baud.isascii() and baud.isdigit()):
+        return text, _BAUD
+    if not 0 < int(baud) < 1 << 31:
+        raise argparse.ArgumentTypeError(f"{text!r}: {baud} is no rate")
+    return device, int(baud)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -83,7 +115,7 @@ async def _serve(arguments: argparse.Namespace, machine: object) -> None:
     from passo.config.machine import MachineConfig
     from passo.console.printer_console import furnished
     from passo.console.session import Session
-    from passo.console.wires import open_pty, open_serial, open_stdin, open_tcp
+    from passo.console.wires import Console, open_pty, open_serial, open_stdin, open_tcp
 
     assert isinstance(machine, MachineConfig)
     printer = furnished(
@@ -91,26 +123,26 @@ async def _serve(arguments: argparse.Namespace, machine: object) -> None:
     )
 
     def opened(session: Session) -> None:
+        session.advanced_ok = arguments.advanced_ok
         session.say("start")
         session.say(f"echo:Passo, {machine.name}")
 
-    opened_at: list[str] = []
-    for path in arguments.pty:
-        await open_pty(printer, path, opened)
-        opened_at.append(f"pty {path}")
-    for serial in arguments.serial:
-        device, _, baud = serial.rpartition(":") if serial[-1:].isdigit() else (serial, "", "")
-        if not device:
-            device, baud = serial, ""
-        await open_serial(printer, device, int(baud or 250000), opened)
-        opened_at.append(f"serial {device}")
-    silent = not (arguments.pty or arguments.serial or arguments.stdin)
-    for address in arguments.tcp or ([_TCP] if silent else []):
-        host, _, port = address.rpartition(":")
-        await open_tcp(printer, host or "127.0.0.1", int(port), arguments.tcp_clients, opened)
-        opened_at.append(f"tcp {address}")
-    if arguments.stdin:
-        await open_stdin(printer, opened)
-    print(f"Serving {machine.name} on {', '.join(opened_at)}.", file=sys.stderr, flush=True)
-    with contextlib.suppress(asyncio.CancelledError):
-        await printer.run()
+    consoles: list[Console] = []
+    try:
+        for path in arguments.pty:
+            consoles.append(await open_pty(printer, path, opened))
+        for device, baud in arguments.serial:
+            consoles.append(await open_serial(printer, device, baud, opened))
+        silent = not (arguments.pty or arguments.serial or arguments.stdin)
+        for host, port in arguments.tcp or ([_TCP] if silent else []):
+            clients = arguments.tcp_clients
+            consoles.append(await open_tcp(printer, host, port, clients, opened))
+        if arguments.stdin:
+            consoles.append(await open_stdin(printer, opened))
+        places = ", ".join(console.place for console in consoles)
+        print(f"Serving {machine.name} on {places}.", file=sys.stderr, flush=True)
+        with contextlib.suppress(asyncio.CancelledError):
+            await printer.run()
+    finally:
+        for console in consoles:
+            console.close()

@@ -11,6 +11,7 @@ import termios
 import tty
 from collections.abc import Callable
 from pathlib import Path
+from typing import Protocol
 
 from passo.console.session import Session
 from passo.errors import PassoError, Problem
@@ -24,12 +25,22 @@ _BOTHER, _CBAUD = 0o010000, 0o010017
 Opened = Callable[[Session], None]
 
 
+class Console(Protocol):
+    """A way in that is open; `place` is where, for people."""
+
+    place: str
+
+    def close(self) -> None:
+        """Ends it, and the sessions on it."""
+
+
 class ConsoleError(PassoError):
     """A console cannot be opened."""
 
 
-def _cannot(what: str, error: OSError) -> ConsoleError:
-    values = {"axis": what, "value": error.strerror or str(error)}
+def _cannot(what: str, error: Exception) -> ConsoleError:
+    why = error.strerror if isinstance(error, OSError) else None
+    values = {"axis": what, "value": why or str(error)}
     return ConsoleError([Problem("console.unopened", values=values)])
 
 
@@ -37,7 +48,14 @@ class _Wire(asyncio.Protocol):
     """A session on one transport for both ways, or on one that reads and, given before, one that
     writes."""
 
-    def __init__(self, printer: Printer, opened: Opened, closed: Opened | None = None) -> None:
+    def __init__(
+        self,
+        printer: Printer,
+        opened: Opened,
+        place: str,
+        closed: Callable[[_Wire], None] | None = None,
+    ) -> None:
+        self.place = place
         self._printer, self._opened, self._closed = printer, opened, closed
         self.reader: asyncio.ReadTransport | None = None
         self.writer: asyncio.WriteTransport | None = None
@@ -59,7 +77,7 @@ class _Wire(asyncio.Protocol):
         if self.session is not None and not self.session.closed:
             self.session.close()
             if self._closed is not None:
-                self._closed(self.session)
+                self._closed(self)
 
     def write(self, text: bytes, *, dispensable: bool = False) -> None:
         """Sends bytes; drops them where nobody reads."""
@@ -78,38 +96,70 @@ class _Wire(asyncio.Protocol):
         else:
             self.reader.resume_reading()
 
+    def close(self) -> None:
+        """Ends the session; what nobody has read is dropped."""
+        if self.reader is not None:
+            self.reader.close()
+        if self.writer is not None:
+            self.writer.abort()
+
 
 class _Writing(asyncio.BaseProtocol):
     """Of a transport that only writes: what cannot be written is dropped by `_Wire.write`."""
 
 
-async def _join(printer: Printer, opened: Opened, read_fd: int, write_fd: int) -> _Wire:
+async def _join(wire: _Wire, read_fd: int, write_fd: int) -> _Wire:
     loop = asyncio.get_running_loop()
-    wire = _Wire(printer, opened)
-    wire.writer, _ = await loop.connect_write_pipe(_Writing, os.fdopen(write_fd, "wb", 0))
-    await loop.connect_read_pipe(lambda: wire, os.fdopen(read_fd, "rb", 0))
+    writes, reads = os.fdopen(write_fd, "wb", 0), os.fdopen(read_fd, "rb", 0)
+    try:
+        wire.writer, _ = await loop.connect_write_pipe(_Writing, writes)
+        await loop.connect_read_pipe(lambda: wire, reads)
+    except (OSError, ValueError):
+        wire.close()
+        writes.close()
+        reads.close()
+        raise
     return wire
 
 
-async def open_pty(printer: Printer, path: str, opened: Opened) -> None:
-    """A pseudo terminal with a link to it at `path`. Hosts may open and close it as they like: its
-    other end stays open here."""
-    master, slave = os.openpty()
-    tty.setraw(slave)
-    link = Path(path)
+class _Pty(_Wire):
+    """Holds the end that hosts open and close, and the link to it."""
+
+    slave: int
+    link: Path
+
+    def close(self) -> None:
+        super().close()
+        if self.link.is_symlink() and str(self.link.readlink()) == os.ttyname(self.slave):
+            self.link.unlink()
+        os.close(self.slave)
+
+
+async def open_pty(printer: Printer, path: str, opened: Opened) -> Console:
+    """A pseudo terminal with a link to it at `path`, in place of a link that is there. Hosts may
+    open and close it as they like: its other end stays open here. Raises ConsoleError."""
+    wire = _Pty(printer, opened, f"pty {path}")
+    master, wire.slave = os.openpty()
+    tty.setraw(wire.slave)
+    wire.link = Path(path)
     try:
-        if link.is_symlink():
-            link.unlink()
-        link.symlink_to(os.ttyname(slave))
+        if wire.link.is_symlink():
+            wire.link.unlink()
+        wire.link.symlink_to(os.ttyname(wire.slave))
     except OSError as error:
+        os.close(master)
+        os.close(wire.slave)
         raise _cannot(f"the pty {path}", error) from None
-    await _join(printer, opened, master, os.dup(master))
+    return await _join(wire, master, os.dup(master))
 
 
-async def open_serial(printer: Printer, device: str, baud: int, opened: Opened) -> None:
-    """A serial device at any rate that its driver can do."""
+async def open_serial(printer: Printer, device: str, baud: int, opened: Opened) -> Console:
+    """A serial device at any rate that its driver can do. Raises ConsoleError."""
     try:
         port = os.open(device, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+    except OSError as error:
+        raise _cannot(f"the serial device {device}", error) from None
+    try:
         tty.setraw(port)
         attributes = bytearray(44)
         fcntl.ioctl(port, _TCGETS2, attributes, True)
@@ -117,44 +167,65 @@ async def open_serial(printer: Printer, device: str, baud: int, opened: Opened) 
         control = (control & ~_CBAUD) | _BOTHER | termios.CLOCAL | termios.CREAD
         termios2 = struct.pack("4IB19s2I", inputs, outputs, control, local, line, keys, baud, baud)
         fcntl.ioctl(port, _TCSETS2, termios2)
-    except termios.error as error:
-        raise _cannot(f"the serial device {device}", OSError(*error.args)) from None
-    except OSError as error:
-        raise _cannot(f"the serial device {device}", error) from None
-    await _join(printer, opened, port, os.dup(port))
+    except (OSError, termios.error) as error:
+        os.close(port)
+        why = error if isinstance(error, OSError) else OSError(*error.args)
+        raise _cannot(f"the serial device {device}", why) from None
+    wire = _Wire(printer, opened, f"serial {device} at {baud}")
+    return await _join(wire, port, os.dup(port))
 
 
-async def open_tcp(
-    printer: Printer, host: str, port: int, clients: int, opened: Opened
-) -> asyncio.Server:
-    """A TCP console for so many clients at once; one more is told so and sent away."""
-    loop = asyncio.get_running_loop()
-    present: set[Session] = set()
+class _SentAway(asyncio.Protocol):
+    """A client too many."""
 
-    def joined(session: Session) -> None:
-        present.add(session)
-        opened(session)
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        if isinstance(transport, asyncio.WriteTransport):
+            transport.write(b"Error:too many clients\n")
+            transport.close()
 
-    class Client(_Wire):
-        def connection_made(self, transport: asyncio.BaseTransport) -> None:
-            if len(present) >= clients and isinstance(transport, asyncio.WriteTransport):
-                transport.write(b"Error:too many clients\n")
-                transport.close()
-                return
-            super().connection_made(transport)
 
+class _Tcp:
+    """A server and the clients on it, so many at once."""
+
+    def __init__(self, printer: Printer, most: int, opened: Opened) -> None:
+        self.place = ""
+        self.server: asyncio.Server | None = None
+        self._printer, self._most, self._opened = printer, most, opened
+        self._clients: set[_Wire] = set()
+
+    def client(self) -> asyncio.Protocol:
+        """For a client that is coming."""
+        if len(self._clients) >= self._most:
+            return _SentAway()
+        wire = _Wire(self._printer, self._opened, self.place, self._clients.discard)
+        self._clients.add(wire)
+        return wire
+
+    def close(self) -> None:
+        """Ends the server and all its sessions."""
+        if self.server is not None:
+            self.server.close()
+        for wire in list(self._clients):
+            wire.close()
+
+
+async def open_tcp(printer: Printer, host: str, port: int, clients: int, opened: Opened) -> Console:
+    """A TCP console for so many clients at once; one more is told so and sent away. Port 0 is any
+    that is free. Raises ConsoleError."""
+    tcp = _Tcp(printer, clients, opened)
     try:
-        return await loop.create_server(
-            lambda: Client(printer, joined, present.discard), host or None, port
-        )
-    except OSError as error:
+        tcp.server = await asyncio.get_running_loop().create_server(tcp.client, host, port)
+    except (OSError, UnicodeError) as error:
         raise _cannot(f"TCP {host}:{port}", error) from None
+    tcp.place = f"tcp {host}:{tcp.server.sockets[0].getsockname()[1]}"
+    return tcp
 
 
-async def open_stdin(printer: Printer, opened: Opened) -> None:
-    """The terminal or pipe that the program was started on."""
+async def open_stdin(printer: Printer, opened: Opened) -> Console:
+    """The terminal or pipe that the program was started on. Raises ConsoleError."""
+    wire = _Wire(printer, opened, "standard input")
     try:
-        await _join(printer, opened, os.dup(sys.stdin.fileno()), os.dup(sys.stdout.fileno()))
-    except ValueError:
-        values = {"axis": "standard input", "value": "it is a file"}
+        return await _join(wire, os.dup(sys.stdin.fileno()), os.dup(sys.stdout.fileno()))
+    except (ValueError, OSError):
+        values = {"axis": wire.place, "value": "it, or standard output, is a file"}
         raise ConsoleError([Problem("console.unopened", values=values)]) from None

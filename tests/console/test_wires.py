@@ -1,0 +1,316 @@
+"""Consoles on real pseudo terminals and sockets: hosts that come, go, stay away or do not read.
+
+The loop's time is real here. Nothing waits for time, only for what the printer says; the time limit
+is for a printer that says nothing.
+"""
+
+import asyncio
+import contextlib
+import fcntl
+import os
+import re
+import struct
+import termios
+from pathlib import Path
+
+import pytest
+
+from passo import config
+from passo.cli.main import main
+from passo.console import wires
+from passo.console.printer_console import furnished
+from passo.console.wires import ConsoleError, open_pty, open_serial, open_tcp
+
+PATIENCE_S = 60
+
+
+class Client:
+    """A host on a stream."""
+
+    def __init__(self, reader, write, close):
+        self.reader, self.write, self.close = reader, write, close
+
+    async def line(self):
+        return (await self.reader.readline()).decode("ascii").rstrip("\n")
+
+    async def until(self, pattern):
+        heard = []
+        while not heard or not re.search(pattern, heard[-1]):
+            assert not self.reader.at_eof(), heard
+            heard.append(await self.line())
+        return heard
+
+    async def ok(self, text):
+        self.write(f"{text}\n".encode())
+        return await self.until("^ok")
+
+
+async def at_pty(path):
+    fd = os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+    reader = asyncio.StreamReader()
+    transport, _ = await asyncio.get_running_loop().connect_read_pipe(
+        lambda: asyncio.StreamReaderProtocol(reader), os.fdopen(fd, "rb", 0)
+    )
+    return Client(reader, lambda data: os.write(fd, data), transport.close)
+
+
+async def at_tcp(console):
+    host, port = console.place.removeprefix("tcp ").rsplit(":", 1)
+    reader, writer = await asyncio.open_connection(host, int(port))
+    return Client(reader, writer.write, writer.close)
+
+
+def greet(session):
+    session.say("start")
+
+
+class Served:
+    """A printer with its consoles."""
+
+    def __init__(self):
+        self.printer = furnished(config.load("i3"))
+        self.consoles = []
+        self._run = asyncio.get_running_loop().create_task(self.printer.run())
+
+    async def open(self, opening):
+        self.consoles.append(await opening)
+        return self.consoles[-1]
+
+    async def tcp(self, clients=2):
+        return await self.open(open_tcp(self.printer, "127.0.0.1", 0, clients, greet))
+
+    async def pty(self, path):
+        return await self.open(open_pty(self.printer, str(path), greet))
+
+    async def end(self):
+        for console in self.consoles:
+            console.close()
+        self._run.cancel()
+        with contextlib.suppress(asyncio.CancelledError):
+            await self._run
+        await asyncio.sleep(0)
+
+
+def served(test):
+    """Runs a test with a printer, in real time."""
+
+    def run(**fixtures):
+        async def body():
+            async with asyncio.timeout(PATIENCE_S):
+                serving = Served()
+                try:
+                    await test(serving, **fixtures)
+                finally:
+                    await serving.end()
+
+        asyncio.run(body())
+
+    names = test.__code__.co_varnames[1 : test.__code__.co_argcount]
+    if names == ("tmp_path",):
+        return lambda tmp_path: run(tmp_path=tmp_path)
+    return lambda: run()
+
+
+# -- pseudo terminals -----------------------------------------------------------------------------
+
+
+@served
+async def test_a_pty_survives_hosts_that_come_and_go(s, tmp_path):
+    path = tmp_path / "port"
+    await s.pty(path)
+    cut = False
+    for _ in range(3):
+        host = await at_pty(path)
+        hello = await host.ok("N0 M110 N0*125")
+        assert (
+            any(x.startswith("Resend: ") for x in hello) == cut
+        )  # what the last one left unfinished
+        assert (await host.ok("N0 M110 N0*125"))[-1] == "ok"
+        assert "T:" in (await host.ok("N1 M105*38"))[-1]
+        host.write(b"G1 X")
+        host.close()
+        cut = True
+
+
+@served
+async def test_the_link_of_a_pty_goes_with_it(s, tmp_path):
+    path = tmp_path / "port"
+    console = await s.pty(path)
+    assert path.is_symlink()
+    s.consoles.remove(console)
+    console.close()
+    assert not path.is_symlink()
+
+
+@served
+async def test_a_pty_takes_the_place_of_a_stale_link(s, tmp_path):
+    path = tmp_path / "port"
+    path.symlink_to(tmp_path / "gone")
+    await s.pty(path)
+    host = await at_pty(path)
+    assert (await host.ok("M115"))[-1] == "ok"
+    host.close()
+
+
+@served
+async def test_a_pty_leaves_a_file_alone(s, tmp_path):
+    path = tmp_path / "port"
+    path.write_text("mine")
+    with pytest.raises(ConsoleError, match=r"the pty .*port cannot be opened: File exists"):
+        await s.pty(path)
+    assert path.read_text() == "mine"
+
+
+@served
+async def test_a_host_that_does_not_read_blocks_nobody(s, tmp_path):
+    console = await s.pty(tmp_path / "port")
+    listener = await at_tcp(await s.tcp())
+    for _ in range(3000):
+        console.session.say("x" * 1000)
+    held = console.writer.get_write_buffer_size()
+    assert wires._DEAD <= held < wires._DEAD + 2000
+    for _ in range(100):
+        console.session.hear("y" * 1000)
+    assert console.writer.get_write_buffer_size() <= held
+    assert "T:" in (await listener.ok("M105"))[-1]
+    host = await at_pty(tmp_path / "port")
+    host.write(b"M118 back\n")
+    await listener.until("^back$")
+    listener.close()
+    host.close()
+
+
+# -- serial devices -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("baud", [9600, 115200, 250000, 12345, 2000000])
+def test_a_serial_device_at_any_rate(baud):
+    async def body():
+        s = Served()
+        master, slave = os.openpty()
+        await s.open(open_serial(s.printer, os.ttyname(slave), baud, greet))
+        attributes = bytearray(44)
+        fcntl.ioctl(slave, 0x802C542A, attributes, True)
+        assert struct.unpack("4IB19s2I", attributes)[6:] == (baud, baud)
+        assert not struct.unpack("4I", attributes[:16])[3] & (termios.ECHO | termios.ICANON)
+        reader = asyncio.StreamReader()
+        transport, _ = await asyncio.get_running_loop().connect_read_pipe(
+            lambda: asyncio.StreamReaderProtocol(reader), os.fdopen(master, "rb", 0)
+        )
+        host = Client(reader, lambda data: os.write(master, data), transport.close)
+        async with asyncio.timeout(PATIENCE_S):
+            assert (await host.ok("M115"))[-1] == "ok"
+        await s.end()
+        host.close()
+        os.close(slave)
+
+    asyncio.run(body())
+
+
+# -- TCP ------------------------------------------------------------------------------------------
+
+
+@served
+async def test_one_client_too_many_is_told_so(s):
+    console = await s.tcp()
+    first, second = await at_tcp(console), await at_tcp(console)
+    for client in (first, second):
+        assert await client.line() == "start"
+    third = await at_tcp(console)
+    assert await third.line() == "Error:too many clients"
+    assert await third.line() == ""
+    assert third.reader.at_eof()
+    third.close()
+    first.close()
+    while True:  # until the printer has noticed that one has gone
+        third = await at_tcp(console)
+        if await third.line() == "start":
+            break
+        third.close()
+    assert "T:" in (await third.ok("M105"))[-1]
+    third.close()
+    second.close()
+
+
+@served
+async def test_200_clients(s):
+    console = await s.tcp(clients=200)
+    clients = [await at_tcp(console) for _ in range(200)]
+    for client in clients:
+        client.write(b"M110\nM105\n")
+    for client in clients:
+        assert (await client.until("^ok T:"))[:2] == ["start", "ok"]
+    clients[0].write(b"M118 to all\n")
+    for client in clients:
+        await client.until("^to all$")
+        client.close()
+
+
+@served
+async def test_a_client_cut_in_mid_line_leaves_the_rest_undone(s):
+    console = await s.tcp()
+    first, second = await at_tcp(console), await at_tcp(console)
+    first.write(b"G92 X20\nM118 here\nG92 X3")
+    await second.until("^here$")
+    first.close()
+    for _ in range(2):
+        assert (await second.ok("M114"))[-2].startswith("X:20.000 ")
+    second.close()
+
+
+@served
+async def test_a_host_that_sends_without_reading_is_held_up_and_loses_nothing(s):
+    console = await s.tcp()
+    host = await at_tcp(console)
+    host.write(b"G4 P200\nM400\n" + b"M110\n" * 5000 + b"M118 end\n")
+    heard = await host.until("^end$")
+    assert heard.count("ok") == 5002
+    host.close()
+
+
+@served
+async def test_a_client_that_sends_no_line_end_takes_no_memory(s):
+    console = await s.tcp()
+    first, second = await at_tcp(console), await at_tcp(console)
+    for _ in range(160):
+        first.write(b"x" * (1 << 16))
+        await asyncio.sleep(0)
+    assert "T:" in (await second.ok("M105"))[-1]
+    first.write(b"\nM118 done\n")
+    assert "echo:format error: line longer" in (await first.until("^done$"))[1]
+    first.close()
+    second.close()
+
+
+# -- the command line -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        (["--tcp", "here"], "'here' is not HOST:PORT"),
+        (["--tcp", "127.0.0.1:http"], "is not HOST:PORT"),
+        (["--tcp", "127.0.0.1:70000"], "is not HOST:PORT, with a port below 65536"),
+        (["--tcp", "192.0.2.1:2323"], "TCP 192.0.2.1:2323 cannot be opened: "),
+        (["--tcp", "a" * 70 + ".b:2323"], "cannot be opened: "),
+        (["--serial", "/nowhere/ttyUSB0"], "/nowhere/ttyUSB0 cannot be opened: No such file"),
+        (["--serial", "/nowhere/ttyUSB0:115200"], "the serial device /nowhere/ttyUSB0 cannot"),
+        (["--serial", "/nowhere/tty:0"], "0 is no rate"),
+        (["--serial", "/dev/null"], "/dev/null cannot be opened: Inappropriate ioctl"),
+        (["--pty", "{file}"], "cannot be opened: File exists"),
+        (["--pty", "/nowhere/port"], "the pty /nowhere/port cannot be opened: No such file"),
+        (["--stdin"], "standard input cannot be opened: it, or standard output, is a file"),
+        (["--clock", "soon"], "'soon' is not real, fast, or a factor above 0"),
+    ],
+)
+def test_what_cannot_be_opened_is_said_in_a_sentence(
+    options, sentence, tmp_path, capfd, monkeypatch
+):
+    (tmp_path / "file").write_text("mine")
+    options = [x.format(file=tmp_path / "file") for x in options]
+    with Path(tmp_path / "file").open() as stdin:
+        monkeypatch.setattr("sys.stdin", stdin)
+        assert main(["serve", *options]) == 2
+    said = capfd.readouterr().err
+    assert sentence in said
+    assert "Traceback" not in said
