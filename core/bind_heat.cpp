@@ -187,6 +187,9 @@ void bind_heater(nb::module_& m) {
           "fault",
           [](const Heater& h) { return h.faulty() ? std::optional(h.fault()) : std::nullopt; },
           "What is wrong; while it is not None the target is kept, but nothing heats.")
+      .def(
+          "set_curve", [](Heater& h, const Points& celsius) { h.set_curve(heat::Curve(celsius)); },
+          "celsius"_a, "Another curve of the sensor: (share of full scale, Celsius), ascending.")
       .def("rearm", &Heater::rearm, "Ends the fault: the heater heats to the target that it kept.")
       .def(
           "take_samples",

@@ -68,6 +68,9 @@ class Heater {
     target_ = wanted;
   }
 
+  // Another curve of the sensor, share of full scale → °C.
+  void set_curve(heat::Curve celsius) { o_.celsius = std::move(celsius); }
+
   const heat::Control& control() const { return controller_.control(); }
   void set_control(const heat::Control& control) {
     controller_.set(control);

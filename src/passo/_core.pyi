@@ -300,6 +300,11 @@ class Heater:
         What is wrong; while it is not None the target is kept, but nothing heats.
         """
 
+    def set_curve(self, celsius: Sequence[tuple[float, float]]) -> None:
+        """
+        Another curve of the sensor: (share of full scale, Celsius), ascending.
+        """
+
     def rearm(self) -> None:
         """Ends the fault: the heater heats to the target that it kept."""
 
