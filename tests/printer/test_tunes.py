@@ -62,7 +62,7 @@ def test_a_target_too_near_the_limit_is_refused():
 
 def test_a_model_is_found_by_its_step_response():
     text = shipped_text("i3").replace(
-        "[heaters.hotend]\n", '[heaters.hotend]\ncontrol = { kind = "model" }\nfan = "part"\n'
+        "[heaters.hotend]\n", '[heaters.hotend]\ncontrol = { kind = "model" }\n'
     )
     with Scenario(config.load_text(text)) as s:
         answer = s.host.ok("M303 H0 S200 U", 3600)
