@@ -117,7 +117,8 @@ class Heater {
     bool failed = false;
     if (!faulty()) {
       bool open = o_.open_is_high ? above : below, shorted = o_.open_is_high ? below : above;
-      fault_ = protection_.check({celsius_, heating_target(), power_, dt, open, shorted,
+      bool full = power_ >= kFullShare * o_.max_power;
+      fault_ = protection_.check({celsius_, heating_target(), power_, dt, full, open, shorted,
                                   body_ ? body_->unexplained() : 0});
       fault_.clock = clock;
       failed = news_ = faulty();
@@ -145,6 +146,7 @@ class Heater {
 
  private:
   static constexpr size_t kSamplesMax = 4096;
+  static constexpr double kFullShare = 0.95;  // of all the power: as good as all
 
   HeaterOptions o_;
   heat::Controller controller_;
