@@ -22,7 +22,7 @@ demo: .venv/.built build/$(DEMO).gcode
 	$(BIN)/passo print build/$(DEMO).gcode --machine i3
 
 test: .venv/.built .venv/.dev
-	tools/debian.sh g++-aarch64-linux-gnu g++-arm-linux-gnueabihf qemu-user-static
+	tools/debian.sh g++-aarch64-linux-gnu g++-arm-linux-gnueabihf qemu-user-static dosfstools mtools
 	$(BIN)/python -m pytest
 
 check: .venv/.built .venv/.dev

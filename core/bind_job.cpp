@@ -23,6 +23,16 @@ struct JobView {
       : job(machine, std::move(home), laser, with_steps, thread_cpu_s) {}
 };
 
+double* place_of(Limits& l, const std::string& name) {
+  double* places[] = {&l.print_accel, &l.travel_accel,       &l.retract_accel,
+                      &l.speed,       &l.junction_deviation, &l.minimum_cruise_ratio};
+  const char* names[] = {"print_accel", "travel_accel",       "retract_accel",
+                         "speed",       "junction_deviation", "minimum_cruise_ratio"};
+  for (size_t i = 0; i < 6; ++i)
+    if (name == names[i]) return places[i];
+  throw nb::key_error(name.c_str());
+}
+
 using Table = nb::typed<nb::dict, nb::str, nb::any>;
 
 // Whether M is a word of a move: only where it is one of the laser's own letters.
@@ -84,6 +94,7 @@ nb::typed<nb::list, Table> steppers(JobView& self) {
     const StepStatistics& s = motion.steps(i);
     nb::dict d;
     d["name"] = motion.machine().steppers[i].name;
+    d["steps_per_unit"] = motion.machine().steppers[i].steps_per_unit;
     d["steps"] = s.steps;
     d["net"] = s.net;
     d["count"] = motion.count(i);
@@ -115,6 +126,8 @@ void bind_job(nb::module_& m) {
       .value("ARC", Fault::arc)
       .value("OUT_OF_RANGE", Fault::out_of_range)
       .value("MISSING_TOOL", Fault::missing_tool)
+      .value("NOT_HOMED", Fault::not_homed)
+      .value("COLD", Fault::cold)
       .value("GARBAGE", Fault::garbage)
       .value("UNREACHABLE", Fault::unreachable)
       .value("ACTUATOR", Fault::actuator);
@@ -271,13 +284,13 @@ void bind_job(nb::module_& m) {
           "End of the plan: X, Y, Z, E and further axes, in machine mm.")
       .def(
           "move_to",
-          [](JobView& self, const std::vector<double>& target, double feed_mm_s) {
+          [](JobView& self, const std::vector<double>& target, double feed_mm_s, bool limited) {
             if (target.size() != kAxes) throw nb::value_error("eight positions");
-            return self.job.move_to(target.data(), feed_mm_s);
+            return self.job.move_to(target.data(), feed_mm_s, limited);
           },
-          "target"_a, "feed_mm_s"_a,
+          "target"_a, "feed_mm_s"_a, "limited"_a = true,
           "A straight move in machine coordinates (NaN: stay), outside of soft limits. False if an "
-          "actuator does not reach it.")
+          "actuator does not reach it, unless its limits are not to count.")
       .def(
           "set_axis",
           [](JobView& self, int axis, double position) {
@@ -287,9 +300,104 @@ void bind_job(nb::module_& m) {
             std::copy_n(job.motion.planner().position(), kAxes, p);
             p[slot_of_axis(axis)] = position;
             job.interpreter.set_axis(slot_of_axis(axis), position);
+            job.interpreter.lock(slot_of_axis(axis), false);
             job.motion.set_position(p, job.interpreter.extruder());
           },
           "axis"_a, "position_mm"_a, "The axis of this number is here now, without motion.")
+      .def(
+          "renew_steppers",
+          [](JobView& self, const std::vector<size_t>& steppers) {
+            self.job.motion.flush();
+            for (size_t i : steppers) {
+              if (i >= self.job.motion.machine().steppers.size())
+                throw nb::index_error("no such stepper");
+              self.job.motion.renew(i);
+            }
+          },
+          "steppers"_a,
+          "An endstop has stopped these motors: their clocks are told anew before the next step.")
+      .def(
+          "lock_axis",
+          [](JobView& self, int axis, bool locked) {
+            self.job.interpreter.lock(slot_of_axis(axis), locked);
+          },
+          "axis"_a, "locked"_a,
+          "A locked axis does not know where it is: moves of it are errors, until it is set.")
+      .def_prop_ro("locked_axes",
+                   [](JobView& self) {
+                     std::vector<int> axes;
+                     for (size_t a = 0; a < self.job.motion.machine().axes.size(); ++a)
+                       if (self.job.interpreter.locked(slot_of_axis(int(a))))
+                         axes.push_back(int(a));
+                     return axes;
+                   })
+      .def(
+          "set_steps_per_unit",
+          [](JobView& self, size_t stepper, double value) {
+            if (stepper >= self.job.motion.machine().steppers.size() || !(value > 0))
+              throw nb::value_error("no such stepper, or no such scale");
+            self.job.motion.flush();
+            self.job.motion.set_steps_per_unit(stepper, value,
+                                               self.job.motion.planner().position());
+          },
+          "stepper"_a, "value"_a, "Another scale of a motor, while the machine stands.")
+      .def(
+          "set_tool_offset",
+          [](JobView& self, size_t tool, int axis, double mm) {
+            if (tool >= self.job.motion.machine().tools.size() || axis < 0 || axis > 2)
+              throw nb::value_error("no such tool or axis");
+            if (tool == self.job.interpreter.tool()) self.job.interpreter.shift_tool(axis, mm);
+            self.job.motion.set_tool_offset(tool, axis, mm);
+          },
+          "tool"_a, "axis"_a, "mm"_a)
+      .def(
+          "shift_zero",
+          [](JobView& self, int axis, double mm) {
+            self.job.interpreter.shift_zero(slot_of_axis(axis), mm);
+          },
+          "axis"_a, "mm"_a, "The program's zero moves by so much, from its next move on.")
+      .def_prop_ro("tool_offsets",
+                   [](JobView& self) {
+                     std::vector<std::vector<double>> offsets;
+                     for (const Tool& t : self.job.motion.machine().tools)
+                       offsets.push_back({t.offset[0], t.offset[1], t.offset[2]});
+                     return offsets;
+                   })
+      .def_prop_ro(
+          "retraction",
+          [](JobView& self) {
+            Interpreter::Retraction r = self.job.interpreter.retraction();
+            return std::make_tuple(r.mm, r.feed_mm_s, r.hop_mm, r.recover_mm, r.recover_feed_mm_s);
+          },
+          "(mm, mm/s, hop mm, extra mm, mm/s back or 0) of M207 and M208.")
+      .def(
+          "limit",
+          [](JobView& self, const std::string& name) {
+            return *place_of(self.job.motion.planner().limits(), name);
+          },
+          "name"_a, "A limit as set_limit takes it.")
+      .def(
+          "axis_limit",
+          [](JobView& self, const std::string& axis, const std::string& what) {
+            const Constraints& c = self.job.motion.planner().constraints();
+            const Machine& m = self.job.motion.machine();
+            for (size_t i = 0; i < m.axes.size(); ++i)
+              if (m.axes[i].name == axis)
+                return what == "speed" ? c.rows[i].speed : c.rows[i].accel;
+            for (size_t i = 0; i < m.extruders.size(); ++i)
+              if (m.extruders[i].name == axis)
+                return what == "speed" ? c.extruders[i].speed : c.extruders[i].accel;
+            throw nb::key_error(axis.c_str());
+          },
+          "axis"_a, "what"_a, "The `speed` or `accel` of an axis or extruder now.")
+      .def_prop_rw(
+          "cold", [](JobView& self) { return self.job.interpreter.cold; },
+          [](JobView& self, bool cold) { self.job.interpreter.cold = cold; },
+          "While it is set, moves of filament are errors.")
+      .def_prop_rw(
+          "flow", [](JobView& self) { return self.job.interpreter.flow; },
+          [](JobView& self, double flow) { self.job.interpreter.flow = flow; },
+          "M221, as a factor.")
       .def_prop_ro("held", [](JobView& self) { return self.job.motion.held(); })
       .def_prop_ro(
           "clock", [](JobView& self) { return self.job.motion.planner().clock(); },
@@ -306,17 +414,7 @@ void bind_job(nb::module_& m) {
       .def(
           "set_limit",
           [](JobView& self, const std::string& name, double value) {
-            Limits& l = self.job.motion.planner().limits();
-            double* places[] = {&l.print_accel, &l.travel_accel,       &l.retract_accel,
-                                &l.speed,       &l.junction_deviation, &l.minimum_cruise_ratio};
-            const char* names[] = {"print_accel", "travel_accel",       "retract_accel",
-                                   "speed",       "junction_deviation", "minimum_cruise_ratio"};
-            for (size_t i = 0; i < 6; ++i)
-              if (name == names[i]) {
-                *places[i] = value;
-                return;
-              }
-            throw nb::key_error(name.c_str());
+            *place_of(self.job.motion.planner().limits(), name) = value;
           },
           "name"_a, "value"_a, "Changes a limit of the moves that follow.")
       .def(

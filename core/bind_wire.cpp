@@ -352,11 +352,20 @@ void bind_board(nb::module_& m) {
           "step_pin"_a, "start"_a, "per_step"_a)
       .def(
           "add_switch",
-          [](VirtualBoard& b, uint32_t pin, uint32_t step_pin, double position, bool at_maximum,
-             bool pressed_level) {
-            b.plant().switches.push_back({pin, step_pin, position, at_maximum, pressed_level});
+          [](VirtualBoard& b, uint32_t pin, std::vector<std::pair<uint32_t, double>> weights,
+             double position, bool at_maximum, bool pressed_level) {
+            b.plant().switches.push_back(
+                {pin, std::move(weights), position, at_maximum, pressed_level});
           },
-          "pin"_a, "step_pin"_a, "position"_a, "at_maximum"_a, "pressed_level"_a)
+          "pin"_a, "weights"_a, "position"_a, "at_maximum"_a, "pressed_level"_a,
+          "Pressed at or beyond `position` of the weighted sum of actuators: (step pin, weight).")
+      .def(
+          "force_switch",
+          [](VirtualBoard& b, uint32_t pin, int pressed) {
+            for (Switch& s : b.plant().switches)
+              if (s.pin == pin) s.forced = pressed;
+          },
+          "pin"_a, "pressed"_a, "A fault: never pressed (0), always (1); -1 ends it.")
       .def(
           "add_body",
           [](VirtualBoard& b, uint32_t heater_pin, uint32_t sensor_pin, double ambient_c,

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <deque>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "machine.hpp"
@@ -103,6 +104,23 @@ class Compressor {
   // No command may be due before this clock: messages up to it are handed out already.
   void not_before(int64_t clock) { floor_ = clock; }
 
+  // The motor has stopped by itself: its clock and direction are told anew before its next step.
+  void renew() {
+    renew_ = true;
+    dir_ = 0;
+  }
+
+  // The last step before the clock was set anew at `clock`.
+  int64_t before_reset(int64_t clock) const {
+    for (const auto& [at, before] : resets_)
+      if (at == clock) return before;
+    throw std::logic_error("the clock was not set anew then");
+  }
+  // What was set anew before `clock` can no longer be taken back.
+  void forget_resets(int64_t clock) {
+    while (!resets_.empty() && resets_.front().first < clock) resets_.pop_front();
+  }
+
   // Net steps that were solved but not made into commands.
   int64_t pending_net() const {
     int64_t net = 0;
@@ -122,6 +140,7 @@ class Compressor {
     last_ = last;
     dir_ = 0;
     crowded_ = true;
+    while (!resets_.empty() && resets_.back().first > last) resets_.pop_back();
     statistics_.steps -= revoked.steps;
     statistics_.net -= revoked.net;
     statistics_.commands -= revoked.commands;
@@ -145,7 +164,8 @@ class Compressor {
   int64_t last_ = 0;  // executed clock of the last step compressed
   int dir_ = 0;
   int64_t floor_ = 0;
-  bool crowded_ = false, keeps_ideal_ = false;
+  std::deque<std::pair<int64_t, int64_t>> resets_;  // clock set, last step before it
+  bool crowded_ = false, keeps_ideal_ = false, renew_ = false;
   std::vector<double> ideal_;
 
   // Where the motor turns, opposite steps that are too close for the driver cancel each other.
@@ -227,7 +247,7 @@ class Compressor {
       size_t end = std::min(run_end, known);
       bool open = !still && (last_run || run_end > known);
       while (i < end) {
-        if (t[i] - double(last_) > kIdle) reset_clock(t[i]);
+        if (renew_ || t[i] - double(last_) > kIdle) reset_clock(t[i]);
         Command c;
         size_t stop;
         for (size_t look : {kLook, size_t(Stabbing::kLongest)}) {
@@ -251,7 +271,10 @@ class Compressor {
   }
 
   void reset_clock(double first) {
+    int64_t before = last_;
     last_ = due(first);
+    resets_.emplace_back(last_, before);
+    renew_ = false;
     messages_.push({last_, last_, 0, 0, 0, target_, MessageKind::reset_clock, 0});
   }
 

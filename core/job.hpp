@@ -94,9 +94,9 @@ class Job {
     aside_.reset();
   }
 
-  // A straight move in machine coordinates, outside of any program and of soft limits. False if an
-  // actuator does not reach its way.
-  bool move_to(const double* target, double feed_mm_s) {
+  // A straight move in machine coordinates, outside of any program and of soft limits. False if
+  // `limited` and an actuator does not reach its way.
+  bool move_to(const double* target, double feed_mm_s, bool limited) {
     MoveRequest m{};
     std::copy_n(motion.planner().position(), kAxes, m.target);
     bool travels = false;
@@ -110,7 +110,7 @@ class Job {
     m.extruder = uint16_t(interpreter.extruder());
     m.feed_mm_s = feed_mm_s;
     m.radius_mm = kInfinity;
-    if (motion.planner().constraints().checks_reach() && !reach(m)) return false;
+    if (limited && motion.planner().constraints().checks_reach() && !reach(m)) return false;
     motion.push(m);
     abandon();
     return true;

@@ -91,6 +91,19 @@ class Motion {
       solvers_[i].set_count(count);
     }
   }
+  // Changes how many steps motor i makes for a mm or degree. Only after flush.
+  void set_steps_per_unit(size_t i, double value, const double* position) {
+    machine_.steppers[i].steps_per_unit = value;
+    if (i >= solvers_.size()) return;
+    int64_t count = solvers_[i].count_at(position);
+    set_apart_[i] += count - solvers_[i].count();
+    solvers_[i].set_count(count);
+  }
+  void set_tool_offset(size_t tool, int j, double mm) { machine_.tools[tool].offset[j] = mm; }
+
+  // After an endstop has stopped motors on the board: the next step of motor i tells its clock and
+  // direction anew. Only after flush; where the motor is must be set then.
+  void renew(size_t i) { compressors_[i].renew(); }
   // Net steps that motor i was to make: its rounded targets, less what positions were set without
   // motion.
   int64_t expected_net(size_t i) const { return solvers_[i].count() - set_apart_[i]; }
@@ -164,6 +177,7 @@ class Motion {
     if (!aside.moves.empty())
       planner_.set_position(aside.moves.front().p0, aside.moves.front().extruder);
     std::copy_n(planner_.position(), kAxes, aside.stop);
+    for (const StepSolver& solver : solvers_) aside.counts.push_back(solver.count());
     aside_ = std::move(aside);
   }
   bool suspended() const { return aside_.has_value(); }
@@ -177,6 +191,12 @@ class Motion {
       planner_.set_position(position, i);
     }
     planner_.set_position(aside_->end, machine_.extruders.size());
+    // Filament that was moved meanwhile stays where it is.
+    for (size_t i = 0; i < solvers_.size(); ++i) {
+      if (machine_.steppers[i].drive != Drive::extruder) continue;
+      set_apart_[i] += aside_->counts[i] - solvers_[i].count();
+      solvers_[i].set_count(aside_->counts[i]);
+    }
     held_.swap(aside_->moves);
     records_.swap(aside_->records);
     unattached_ = aside_->unattached;
@@ -198,7 +218,7 @@ class Motion {
   }
 
  private:
-  const Machine machine_;
+  Machine machine_;  // its steps per unit and tool offsets may change while it stands
   Planner planner_;
   bool with_steps_;
   double (*cpu_clock_)();
@@ -217,6 +237,7 @@ class Motion {
     uint16_t unattached = 0;
     double stop[kAxes], end[kAxes];
     std::vector<double> extruders;
+    std::vector<int64_t> counts;  // steps of each motor at the stop
   };
   std::optional<Aside> aside_;
   uint16_t unattached_ = 0;  // last records_ that wait for a move to follow
@@ -269,6 +290,7 @@ class Motion {
     double taken = double(messages_.taken_until());
     while (!history_.empty() && history_.front().end() < taken) history_.pop_front();
     while (!placed_.empty() && double(placed_.front().clock) < taken) placed_.pop_front();
+    for (Compressor& c : compressors_) c.forget_resets(messages_.taken_until());
   }
 
   // Moves to messages_ all that no later message can precede.
@@ -371,7 +393,13 @@ class Motion {
         continue;
       }
       if (m.kind != MessageKind::queue_step) {
-        kept.push_back(m);  // a direction or clock without steps to follow does no harm
+        // A direction or clock without steps to follow does no harm.
+        if (m.clock <= at)
+          kept.push_back(m);
+        else if (m.kind == MessageKind::reset_clock && !cut_off[m.target]) {
+          last[m.target] = compressors_[m.target].before_reset(m.clock);
+          cut_off[m.target] = true;
+        }
         continue;
       }
       int64_t start = m.end_clock - span(m, m.count), count = m.count;

@@ -38,6 +38,8 @@ enum class Fault : uint8_t {
   arc,
   out_of_range,
   missing_tool,
+  not_homed,
+  cold,
   garbage,
   unreachable,
   actuator
@@ -55,6 +57,7 @@ class Interpreter {
  public:
   bool clamp = false;         // targets out of range go to the limit
   bool ignore_tools = false;  // a missing tool is left alone
+  bool cold = false;          // filament must not move: its hotend is too cold
   double flow = 1;            // M221
 
   Interpreter(const Machine& machine, std::vector<double> home, bool laser)
@@ -102,6 +105,22 @@ class Interpreter {
     position_[j] = position;
     if (j < 3) origin_[j] = tool_offset(j);
   }
+  // The active tool's offset is about to become `mm` along axis slot j.
+  void shift_tool(int j, double mm) { origin_[j] += mm - tool_offset(j); }
+  // The program's zero moves by so much along axis slot j, from its next move on.
+  void shift_zero(int j, double mm) { origin_[j] += mm; }
+  // M207 and M208.
+  struct Retraction {
+    double mm, feed_mm_s, hop_mm, recover_mm, recover_feed_mm_s;
+  };
+  Retraction retraction() const {
+    return {retract_mm_, retract_feed_, retract_hop_, recover_mm_, recover_feed_};
+  }
+  // A locked axis does not know where it is: moves of it fail until it is homed or set by G92.
+  void lock(int j, bool locked) {
+    locked_ = uint8_t(locked ? locked_ | 1u << j : locked_ & ~(1u << j));
+  }
+  bool locked(int j) const { return locked_ >> j & 1; }
   // The program's own coordinates of slot j.
   double logical(int j) const {
     return j == kE ? logical_e_ : position_[j] - origin_[j] - (j == kZ ? hop_ : 0);
@@ -195,6 +214,7 @@ class Interpreter {
   int motion_ = -1;  // modal G0…G3; -1: none given yet
   int plane_ = 17;
   bool retracted_ = false;
+  uint8_t locked_ = 0;  // a bit for each axis slot
   double hop_ = 0;
   double retract_mm_ = 3, retract_feed_ = 45, retract_hop_ = 0, recover_mm_ = 0, recover_feed_ = 0;
   int marked_layers_ = 0;
@@ -210,6 +230,9 @@ class Interpreter {
 
   Lines& lines() { return sources_[source_]; }
   const Lines& lines() const { return sources_[source_]; }
+  const std::string& axis_name(int j) const {
+    return machine_->axes[size_t(j < 3 ? j : j - kExtra + 3)].name;
+  }
   double tool_offset(int j) const {
     return machine_->tools.empty() ? 0 : machine_->tools[tool_].offset[j];
   }
@@ -269,6 +292,7 @@ class Interpreter {
   bool target(const double* value, uint32_t have, bool absolute, bool absolute_e) {
     std::copy(position_, position_ + kAxes, move_.target);
     uint8_t moved = 0;
+    const double e_before = logical_e_;
     for (uint32_t left = have; left; left &= left - 1) {
       int k = __builtin_ctz(left), j = letter_slot_[k];
       moved |= uint8_t(1u << j);
@@ -283,15 +307,25 @@ class Interpreter {
       if (absolute && j == kZ) t += hop_;
       if (t < low_[j] - 1e-6 || t > high_[j] + 1e-6) {
         double limit = t < low_[j] ? low_[j] : high_[j];
-        if (!clamp) {
-          fail(Fault::out_of_range, machine_->axes[size_t(j < 3 ? j : j - kExtra + 3)].name, t,
-               limit);
+        if (!clamp && !locked(j)) {
+          logical_e_ = e_before;
+          fail(Fault::out_of_range, axis_name(j), t, limit);
           return false;
         }
         ++clamped_;
         t = limit;
       }
       move_.target[j] = t;
+    }
+    if (moved & locked_) {
+      logical_e_ = e_before;
+      fail(Fault::not_homed, axis_name(__builtin_ctz(unsigned(moved & locked_))), 0, 0);
+      return false;
+    }
+    if (cold && move_.target[kE] != position_[kE]) {
+      logical_e_ = e_before;
+      fail(Fault::cold, "E", 0, 0);
+      return false;
     }
     move_.moved = moved;
     return true;

@@ -214,20 +214,26 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
         absolute_ = false;
         return run_modal(w, end);
       case 92: {
+        // An axis that does not know where it is learns it; of others only the zero moves.
         bool any = false;
+        std::string learned;
+        auto set = [&](char letter, int j, double value) {
+          if (j == kE)
+            logical_e_ = value;
+          else if (locked(j))
+            learned += letter + std::to_string(value) + " ";
+          else
+            origin_[j] = position_[j] - value;
+        };
         for (const Word* x = w; x < end; ++x) {
           int j = x->letter >= 'A' && x->letter <= 'Z' ? letter_slot_[x->letter - 'A'] : -1;
           if (j < 0) continue;
           any = true;
-          if (j == kE)
-            logical_e_ = x->value * unit_;
-          else
-            origin_[j] = position_[j] - x->value * unit_;
+          set(x->letter, j, x->value * unit_);
         }
-        if (!any) {
-          for (int j = 0; j < kAxes; ++j) origin_[j] = position_[j];
-          logical_e_ = 0;
-        }
+        for (char letter = 'A'; !any && letter <= 'Z'; ++letter)
+          if (letter_slot_[letter - 'A'] >= 0) set(letter, letter_slot_[letter - 'A'], 0);
+        if (!learned.empty()) emit('G', 92, 0, "", learned);
         return;
       }
       default:
@@ -392,6 +398,7 @@ inline bool Interpreter::next_chord() {
 // Firmware retraction (G10, G11): filament first, then the hop; back in the reverse order.
 inline void Interpreter::run_retract(bool in) {
   if (in == retracted_ || machine_->extruders.empty()) return;
+  if (cold) return fail(Fault::cold, "E", 0, 0);
   retracted_ = in;
   auto step = [&](int j, double by, double feed) {
     if (by == 0) return;

@@ -13,8 +13,9 @@
 
 namespace passo::wire {
 
-// All integer types share one encoding; the type tells only how the 32 bits are to be read.
-enum class Type : uint8_t { unsigned_int, signed_int, blob };
+// All integer types share one encoding; the type tells how the 32 bits are to be read, and what a
+// board takes.
+enum class Type : uint8_t { byte, unsigned_word, signed_word, unsigned_int, signed_int, blob };
 
 struct Parameter {
   std::string name;
@@ -76,16 +77,20 @@ struct Format {
         values.emplace_back(std::string(at, at + size));
       } else {
         uint32_t v = in.vlq();
-        values.emplace_back(p.type == Type::signed_int ? int64_t(int32_t(v)) : int64_t(v));
+        values.emplace_back(is_signed(p.type) ? int64_t(int32_t(v)) : int64_t(v));
       }
     }
   }
 
  private:
+  static bool is_signed(Type type) { return type == Type::signed_int || type == Type::signed_word; }
   static Type type_of(const std::string& conversion) {
     if (conversion == "%s" || conversion == "%.*s" || conversion == "%*s") return Type::blob;
-    if (conversion == "%i" || conversion == "%hi") return Type::signed_int;
-    if (conversion == "%u" || conversion == "%hu" || conversion == "%c") return Type::unsigned_int;
+    if (conversion == "%c") return Type::byte;
+    if (conversion == "%hu") return Type::unsigned_word;
+    if (conversion == "%hi") return Type::signed_word;
+    if (conversion == "%u") return Type::unsigned_int;
+    if (conversion == "%i") return Type::signed_int;
     throw std::invalid_argument("unknown conversion '" + conversion + "'");
   }
   static void put(Bytes& out, uint32_t value) {

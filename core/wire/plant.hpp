@@ -17,12 +17,15 @@ struct Actuator {
   double start, per_step;
 };
 
-// A switch that one actuator presses at or beyond `position`, seen from inside the travel.
+// A switch that is pressed at or beyond `position`, seen from inside the travel, of what some
+// actuators move together: the sum of their positions, each with its weight.
 struct Switch {
-  uint32_t pin, step_pin;
+  uint32_t pin;
+  std::vector<std::pair<uint32_t, double>> weights;  // step pin, weight
   double position;
   bool at_maximum;
   bool pressed_level;
+  int forced = -1;  // a fault: 0 never pressed, 1 always
 };
 
 // A heated body and its sensor, each of first order: the body tends to ambient + rise * duty, and
@@ -102,8 +105,10 @@ class Plant {
   bool level(uint32_t pin, Net&& net) const {
     for (const Switch& s : switches) {
       if (s.pin != pin) continue;
-      double at = position(s.step_pin, net(s.step_pin));
+      double at = 0;
+      for (auto [step_pin, weight] : s.weights) at += weight * position(step_pin, net(step_pin));
       bool pressed = s.at_maximum ? at >= s.position : at <= s.position;
+      if (s.forced >= 0) pressed = s.forced > 0;
       return pressed == s.pressed_level;
     }
     return true;  // an open input with its pull-up

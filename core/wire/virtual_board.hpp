@@ -34,8 +34,14 @@ class VirtualBoard : public Device {
     for (const Declaration& d : kCommands) {
       Format format(d.id, d.text);
       Shape& shape = shapes_[size_t(d.id)];
-      shape = {true, d.in_shutdown, uint8_t(format.parameters.size()), false};
-      for (const Parameter& p : format.parameters) shape.blob |= p.type == Type::blob;
+      shape = {true, d.in_shutdown, uint8_t(format.parameters.size()), false, {}};
+      for (size_t i = 0; i < format.parameters.size(); ++i) {
+        Type type = format.parameters[i].type;
+        shape.blob |= type == Type::blob;
+        shape.most[i] = type == Type::byte            ? 0xff
+                        : type == Type::unsigned_word ? 0xffff
+                                                      : 0xffffffff;
+      }
     }
   }
 
@@ -95,12 +101,13 @@ class VirtualBoard : public Device {
 
  private:
   using Part = std::variant<BoardMotor, BoardOutput, BoardAnalogIn, BoardEndstop, BoardTrsync>;
-  static constexpr uint32_t kOidsMax = 255;
+  static constexpr size_t kParametersMax = 10;
   static constexpr uint32_t kShortestPeriod = 100;
   struct Shape {
     bool known, in_shutdown;
     uint8_t parameters;
     bool blob;
+    uint32_t most[kParametersMax];  // of each parameter, by its type
   };
 
   const Options options_;
@@ -196,13 +203,16 @@ class VirtualBoard : public Device {
         if (!in.ok || id >= uint32_t(Command::end_) || !shapes_[id].known)
           throw Shutdown{Fault::bad_command};
         const Shape& shape = shapes_[id];
-        uint32_t a[10] = {};
+        uint32_t a[kParametersMax] = {};
         const uint8_t* blob = nullptr;
         size_t blob_size = 0;
         if (shape.blob)
           blob = in.blob(blob_size);
         else
-          for (size_t i = 0; i < shape.parameters; ++i) a[i] = in.vlq();
+          for (size_t i = 0; i < shape.parameters; ++i) {
+            a[i] = in.vlq();
+            in.ok &= a[i] <= shape.most[i];
+          }
         if (!in.ok) throw Shutdown{Fault::bad_command};
         if (fault_ != Fault::none && !shape.in_shutdown) {
           report(Report::is_shutdown, {uint32_t(fault_)});
@@ -231,8 +241,7 @@ class VirtualBoard : public Device {
                {finalized_, crc_, fault_ != Fault::none, finalized_ ? options_.move_count : 0});
         break;
       case Command::allocate_oids:
-        // An oid is a byte on the wire: more of them would only be memory that a peer can ask for.
-        if (oids_ || a[0] > kOidsMax) throw Shutdown{Fault::oid_taken};
+        if (oids_) throw Shutdown{Fault::oid_taken};
         oids_ = a[0];
         break;
       case Command::finalize_config:

@@ -475,7 +475,13 @@ class VirtualBoard(Device):
 
     def add_actuator(self, step_pin: int, start: float, per_step: float) -> None: ...
 
-    def add_switch(self, pin: int, step_pin: int, position: float, at_maximum: bool, pressed_level: bool) -> None: ...
+    def add_switch(self, pin: int, weights: Sequence[tuple[int, float]], position: float, at_maximum: bool, pressed_level: bool) -> None:
+        """
+        Pressed at or beyond `position` of the weighted sum of actuators: (step pin, weight).
+        """
+
+    def force_switch(self, pin: int, pressed: int) -> None:
+        """A fault: never pressed (0), always (1); -1 ends it."""
 
     def add_body(self, heater_pin: int, sensor_pin: int, ambient_c: float, rise_c: float, time_constant_s: float, sensor_time_constant_s: float, adc_ratio: Sequence[tuple[float, float]], fan_pin: int = 0, fan_loss: float = 0.0) -> None: ...
 
@@ -763,11 +769,15 @@ class Fault(enum.Enum):
 
     MISSING_TOOL = 7
 
-    GARBAGE = 8
+    NOT_HOMED = 8
 
-    UNREACHABLE = 9
+    COLD = 9
 
-    ACTUATOR = 10
+    GARBAGE = 10
+
+    UNREACHABLE = 11
+
+    ACTUATOR = 12
 
 class Job:
     """A G-code program through one machine. Not thread-safe."""
@@ -881,13 +891,61 @@ class Job:
     def machine_position(self) -> list[float]:
         """End of the plan: X, Y, Z, E and further axes, in machine mm."""
 
-    def move_to(self, target: Sequence[float], feed_mm_s: float) -> bool:
+    def move_to(self, target: Sequence[float], feed_mm_s: float, limited: bool = True) -> bool:
         """
-        A straight move in machine coordinates (NaN: stay), outside of soft limits. False if an actuator does not reach it.
+        A straight move in machine coordinates (NaN: stay), outside of soft limits. False if an actuator does not reach it, unless its limits are not to count.
         """
 
     def set_axis(self, axis: int, position_mm: float) -> None:
         """The axis of this number is here now, without motion."""
+
+    def renew_steppers(self, steppers: Sequence[int]) -> None:
+        """
+        An endstop has stopped these motors: their clocks are told anew before the next step.
+        """
+
+    def lock_axis(self, axis: int, locked: bool) -> None:
+        """
+        A locked axis does not know where it is: moves of it are errors, until it is set.
+        """
+
+    @property
+    def locked_axes(self) -> list[int]: ...
+
+    def set_steps_per_unit(self, stepper: int, value: float) -> None:
+        """Another scale of a motor, while the machine stands."""
+
+    def set_tool_offset(self, tool: int, axis: int, mm: float) -> None: ...
+
+    def shift_zero(self, axis: int, mm: float) -> None:
+        """The program's zero moves by so much, from its next move on."""
+
+    @property
+    def tool_offsets(self) -> list[list[float]]: ...
+
+    @property
+    def retraction(self) -> tuple[float, float, float, float, float]:
+        """(mm, mm/s, hop mm, extra mm, mm/s back or 0) of M207 and M208."""
+
+    def limit(self, name: str) -> float:
+        """A limit as set_limit takes it."""
+
+    def axis_limit(self, axis: str, what: str) -> float:
+        """The `speed` or `accel` of an axis or extruder now."""
+
+    @property
+    def cold(self) -> bool:
+        """While it is set, moves of filament are errors."""
+
+    @cold.setter
+    def cold(self, arg: bool, /) -> None: ...
+
+    @property
+    def flow(self) -> float:
+        """M221, as a factor."""
+
+    @flow.setter
+    def flow(self, arg: float, /) -> None: ...
 
     @property
     def held(self) -> int: ...

@@ -40,6 +40,10 @@ def _input(part: str, says: str, action: str) -> Entry:
     return Entry(part, says, action, ExitStatus.BAD_INPUT)
 
 
+def _card(says: str, action: str) -> Entry:
+    return Entry("card", says, action, ExitStatus.BAD_INPUT)
+
+
 def _heat(says: str, action: str) -> Entry:
     return Entry("heat", says, f"{action}, then rearm it", ExitStatus.MACHINE_FAULT)
 
@@ -109,11 +113,105 @@ CATALOGUE: Mapping[str, Entry] = {
     "output.unwritable": _input(
         "file", "cannot be written: {value}", "Check the path, its permissions and the free space"
     ),
+    "card.absent": _card(
+        "there is no card: {value}", "Insert the card or correct the path, then mount it again"
+    ),
+    "card.format": _card(
+        "holds no FAT32 file system: {key} is {value}, expected {limit}",
+        "Format the card as FAT32 on a computer, after saving what is on it",
+    ),
+    "card.broken": _card(
+        "the file system is damaged: {key} is {value}, expected {limit}",
+        "Check and mend the card on a computer (fsck.fat or chkdsk)",
+    ),
+    "card.not-found": _card("is not on the card", "List the card and name what is there"),
+    "card.directory": _card("is a directory, not a file", "Name a file in it"),
+    "card.not-directory": _card("is a file, not a directory", "Name a directory of the card"),
+    "card.exists": _card("exists already", "Choose another name"),
+    "card.name": _card(
+        "the name {value!r} is not allowed on a card: expected {limit}", "Choose another name"
+    ),
+    "card.full": _card(
+        "the card is full: {value} bytes are needed, {limit} are free",
+        "Delete files or take another card",
+    ),
+    "card.too-long": _card(
+        "would be {value} bytes long, beyond the limit of {limit}", "Write it in several parts"
+    ),
+    "card.read-only": _card(
+        "cannot be written: {value}", "Remove the write protection (the card's switch, permissions)"
+    ),
+    "card.busy": _card("is in use: {value}", "Wait until that has ended, or stop it"),
+    "card.removed": _card(
+        "was removed while in use, or fails: {value}",
+        "Insert the card again and mount it; replace it if that recurs",
+    ),
     "console.unopened": Entry(
         "console",
         "{axis} cannot be opened: {value}",
         "Check the name, its permissions, and that nobody else has it",
         ExitStatus.USAGE,
+    ),
+    "card.no-name": _card("no file is named", "Name one behind the command, as M20 lists it"),
+    "card.no-console": _card("only a console can send a file", "Send it from a console"),
+    "job.no-file": _input("job", "no file is selected", "Select one (M23), after listing the card"),
+    "settings.nowhere": _input(
+        "settings", "there is no place to store settings", "Start with --state DIRECTORY"
+    ),
+    "settings.none": _input("settings", "no settings are stored", "Store them first (M500)"),
+    "settings.unreadable": _input(
+        "settings",
+        "the stored settings are not used: {value}",
+        "Store new ones (M500); until then the machine file's hold",
+    ),
+    "settings.unwritable": _input(
+        "settings",
+        "the settings were not stored: {value}",
+        "Check the directory, its permissions and the room on the disk",
+    ),
+    "job.failed": _input("job", "{value}", "Mend it and go on after it (M24), or cancel (M524)"),
+    "job.printing": _input(
+        "job", "{value} is being printed", "Wait until it is done, or cancel it (M524)"
+    ),
+    "machine.switch-missed": Entry(
+        "homing",
+        "axis {axis} was not homed: {value} was not pressed within {limit} towards {position}",
+        "Look whether the axis moved towards it, and what M119 says while you press it",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.switch-stuck": Entry(
+        "homing",
+        "axis {axis} was not homed: {value} is still pressed {limit} away from {position}",
+        "Check its wiring and the ! in front of its pin, or give it a longer way back",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "input.cold": _input(
+        "heat",
+        "cold extrusion prevented: the hotend is too cold for filament to move",
+        "Heat it first (M109), or allow it (M302 P1)",
+    ),
+    "command.fixed": _input(
+        "command",
+        "this is fixed while the printer runs",
+        "Change {value} in the machine file and start again",
+    ),
+    "command.value": _input(
+        "command", "{axis} is {value}: expected {limit}", "Send the command with such a value"
+    ),
+    "heat.unknown": _input(
+        "heat",
+        "there is no {axis} with number {value}; the machine has {limit}",
+        "Give another T or P, or add the heater to the machine file",
+    ),
+    "heat.unsafe-target": _input(
+        "heat",
+        "heater {axis} was switched off: {value:g} C is outside of its safe range, {limit} C",
+        "Give a temperature within it, or change min_c and max_c of the heater",
+    ),
+    "input.not-homed": _input(
+        "homing",
+        "axis {axis} does not know where it is",
+        "Home it (G28), or say where it is (G92)",
     ),
     "machine.slow-heater": Entry(
         "heat",
@@ -189,7 +287,9 @@ class Problem:
     @property
     def place(self) -> str:
         """`file:line`, as editors understand it; empty where there is no file."""
-        return self.file if self.line is None else f"{self.file}:{self.line}"
+        if not self.file or self.line is None:
+            return self.file
+        return f"{self.file}:{self.line}"
 
     def __str__(self) -> str:
         """One line: place, sentence, hint or next action."""
@@ -233,5 +333,13 @@ class InputError(PassoError):
     """A G-code file is unreadable, garbage, or asks for what the machine cannot do."""
 
 
+class CommandError(PassoError):
+    """A command could not be carried out; the printer itself is well."""
+
+
 class MachineError(PassoError):
     """The printer or its board failed."""
+
+
+class CardError(PassoError):
+    """A card or a file on it cannot be used as asked."""

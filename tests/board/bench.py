@@ -19,7 +19,7 @@ START = 2**32 - HZ  # the 32-bit clock wraps one second after power-on
 TABLE = ((0.0, 0.98), (25.0, 0.95), (100.0, 0.6), (200.0, 0.2), (300.0, 0.05))
 PLANT = PlantDescription(
     actuators=(Actuator("x", 80.0, start=10.0), Actuator("y", 80.0)),
-    switches=(Switch("x", "x", position=0.0),),
+    switches=(Switch("x", (("x", 1.0),), position=0.0),),
     bodies=(Body("hotend", rise_c=300.0, time_constant_s=100.0),),
 )
 

@@ -72,10 +72,21 @@ def test_commands_before_the_configuration_are_refused():
     assert board.device.fault == "Command before finalize_config"
 
 
-def test_a_board_has_at_most_255_parts():
+@pytest.mark.parametrize(
+    "command",
+    [
+        "allocate_oids count=256",
+        "query_analog_in oid=4 clock=1000000 sample_ticks=1 sample_count=256 rest_ticks=1000"
+        " bytes_per_report=2 min_value=0 max_value=65535 range_check_count=0",
+        "query_analog_in oid=4 clock=1000000 sample_ticks=1 sample_count=1 rest_ticks=1000"
+        " bytes_per_report=2 min_value=0 max_value=65536 range_check_count=0",
+    ],
+)
+def test_a_value_beyond_its_type_is_refused(command):
     board = RawBoard()
-    board.tell("allocate_oids count=256")
-    assert board.device.fault == "Can't assign oid"
+    board.configure()
+    board.tell(command)
+    assert board.device.fault == "Command parser error"
 
 
 def test_a_step_in_time_is_executed_whenever_it_comes(board):

@@ -18,13 +18,15 @@ SENSOR_RANGE_CHECKS = 4
 
 @dataclass(frozen=True, slots=True)
 class Oids:
-    """Numbers of the board's objects: steppers, outputs, sensors, endstops, then one trsync."""
+    """Numbers of the board's objects: steppers, outputs, sensors, endstops, then a trsync for each
+    endstop: the group of motors that it stops."""
 
     steppers: dict[str, int]
     outputs: dict[str, int]
     sensors: dict[str, int]
     endstops: dict[str, int]
-    trsync: int
+    trsyncs: dict[str, int]
+    count: int
 
     @classmethod
     def of(cls, board: BoardDescription) -> Oids:
@@ -41,6 +43,7 @@ class Oids:
             numbered(o.name for o in board.outputs),
             numbered(s.name for s in board.sensors),
             numbered(e.name for e in board.endstops),
+            numbered(e.name for e in board.endstops),
             count,
         )
 
@@ -55,7 +58,7 @@ def full_scale(output: Output, dictionary: Dictionary) -> int:
 def commands(board: BoardDescription, dictionary: Dictionary) -> list[str]:
     """The configuration as text, `allocate_oids` first, without `finalize_config`."""
     oids = Oids.of(board)
-    lines = [f"allocate_oids count={oids.trsync + 1}"]
+    lines = [f"allocate_oids count={oids.count}"]
     for s in board.steppers:
         lines.append(
             f"config_stepper oid={oids.steppers[s.name]} step_pin={bare(s.step_pin)}"
@@ -71,7 +74,7 @@ def commands(board: BoardDescription, dictionary: Dictionary) -> list[str]:
         f"config_endstop oid={oids.endstops[e.name]} pin={bare(e.pin)} pull_up={int('^' in e.pin)}"
         for e in board.endstops
     ]
-    lines.append(f"config_trsync oid={oids.trsync}")
+    lines += [f"config_trsync oid={oid}" for oid in oids.trsyncs.values()]
     return lines
 
 
@@ -83,8 +86,9 @@ def _output(output: Output, oid: int, full: int) -> list[str]:
             f" value={on * full} default_value={on * full}"
             f" max_duration={output.max_duration_ticks}"
         ]
+    on = int(output.default_on != inverted(output.pin))
     lines = [
-        f"config_digital_out oid={oid} pin={output.pin} value={on} default_value={on}"
+        f"config_digital_out oid={oid} pin={bare(output.pin)} value={on} default_value={on}"
         f" max_duration={output.max_duration_ticks}"
     ]
     if output.cycle_ticks:

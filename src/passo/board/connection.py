@@ -49,6 +49,7 @@ class Connection:
 
     def __init__(self, board: BoardDescription, device: _core.Device, start_clock: int = 0) -> None:
         self.board = board
+        self.device = device
         self.link = _core.Link(float(board.clock_hz))
         self.pump = _core.Pump(self.link, device, start_clock)
         self.dictionary = Dictionary((), (), {}, {})
@@ -123,6 +124,13 @@ class Connection:
         """Sets a heater's target; 0 turns it off. One that has failed keeps it for when it is
         rearmed. KeyError if there is no such heater."""
         self.heaters[heater].target = celsius
+
+    def switch(self, output: str, on: bool) -> None:
+        """Switches an output without a cycle at once. KeyError if there is no such output."""
+        pin = next(o.pin for o in self.board.outputs if o.name == output)
+        self.command(
+            f"update_digital_out oid={self._oids.outputs[output]} value={int(on != inverted(pin))}"
+        )
 
     def full_scale(self, output: str) -> int:
         """The value of an output that means fully on."""

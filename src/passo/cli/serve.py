@@ -42,6 +42,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--stdin", action="store_true", help="standard input and output, as a console"
     )
     parser.add_argument(
+        "--sd",
+        metavar="DIR|IMAGE|DEVICE",
+        help="the SD card: a folder, a FAT32 image, or a block device",
+    )
+    parser.add_argument(
+        "--state", metavar="DIR", help="where settings and the history of prints are kept"
+    )
+    parser.add_argument(
         "--tcp-clients", type=int, default=2, metavar="N", help="clients of a TCP console (2)"
     )
 
@@ -78,7 +86,9 @@ async def _serve(arguments: argparse.Namespace, machine: object) -> None:
     from passo.console.wires import open_pty, open_serial, open_stdin, open_tcp
 
     assert isinstance(machine, MachineConfig)
-    printer = furnished(machine, free=arguments.clock is None)
+    printer = furnished(
+        machine, free=arguments.clock is None, card=arguments.sd, state=arguments.state
+    )
 
     def opened(session: Session) -> None:
         session.say("start")

@@ -150,14 +150,49 @@ def check_pins(data: Raw) -> Iterator[Finding]:
         for name, content in tables(data, part):
             yield from claim((part, name, "pin"), content.get("pin"))
             yield from claim((part, name, "sensor_pin"), content.get("sensor_pin"))
+    for name, content in tables(data, "homing"):
+        yield from claim(("homing", name, "pin"), content.get("pin"))
+        for stepper, pin in table(content, "stepper_pins").items():
+            yield from claim(("homing", name, "stepper_pins", stepper), pin)
     yield from claim(("laser", "pin"), table(data, "laser").get("pin"))
 
 
-def check_all(data: Raw, actuators: tuple[str, ...], rotary: tuple[str, ...]) -> Iterator[Finding]:
+def check_homing(data: Raw, actuators: tuple[str, ...], homed_actuators: bool) -> Iterator[Finding]:
+    """What is homed exists and has either one switch or one for each of its motors."""
+    axes = axis_order(table(data, "axes"))
+    drivable = Drivable(actuators, axes, table(data, "extruders"))
+    names = [*axes, *(actuators if homed_actuators else ())]
+    sections = dict(tables(data, "homing"))
+    for name, homing in sections.items():
+        path = ("homing", name)
+        if name not in names:
+            limit = f"one of {', '.join(dict.fromkeys(names))}"
+            yield Finding("config.unknown-key", path, name, limit, did_you_mean(name, names))
+        pins = table(homing, "stepper_pins")
+        if ("pin" in homing) == bool(pins):
+            limit = "either pin, or stepper_pins with a pin for each motor"
+            yield Finding("config.conflict", (*path, "pin"), homing.get("pin"), limit)
+        for stepper in pins:
+            content = table(data, "steppers").get(stepper)
+            if content is None or drivable.of(stepper, content.get("drives")) is None:
+                limit = "the name of a motor of this axis"
+                yield Finding("config.value", (*path, "stepper_pins", stepper), stepper, limit)
+    if homed_actuators and any(a in sections for a in actuators):
+        for name in actuators:
+            if name not in sections:
+                yield Finding(
+                    "config.missing-key", ("homing", name), None, "a table like its twins'"
+                )
+
+
+def check_all(
+    data: Raw, actuators: tuple[str, ...], rotary: tuple[str, ...], *, lifts_together: bool = False
+) -> Iterator[Finding]:
     """All checks; those that need the geometry are skipped where it is not known."""
     parts: list[Callable[[Raw], Iterator[Finding]]] = [check_references, check_heaters, check_pins]
     yield from check_axes(data, actuators)
     if actuators:
         yield from check_steppers(data, actuators, rotary)
+        yield from check_homing(data, actuators, lifts_together)
     for check in parts:
         yield from check(data)

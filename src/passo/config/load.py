@@ -89,7 +89,12 @@ def load_text(text: str, file: str = "<text>") -> MachineConfig:
         findings += model_findings(error)
     kind = table(data, "geometry").get("kind")
     model = KINDS.get(kind) if isinstance(kind, str) else None
-    findings += check_all(data, model.actuators if model else (), model.rotary if model else ())
+    if model:
+        findings += check_all(
+            data, model.actuators, model.rotary, lifts_together=model.lifts_together
+        )
+    else:
+        findings += check_all(data, (), ())
     if findings or machine is None:
         raise ConfigError(_problems(findings, text, file))
     return machine

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import inf
-from typing import Any
+from typing import Any, Literal
 
 from pydantic import Field
 
@@ -11,7 +11,8 @@ from passo.config.base import AxisName, ExtruderName, Model, Name, Pair, Uuid
 from passo.config.drives import Drivable, axis_order
 from passo.config.electronics import Board, Fans, Laser
 from passo.config.heat import Heaters
-from passo.config.motion import Axis, Extruder, Limits, Stepper, Steppers, Tool
+from passo.config.homing import Homing
+from passo.config.motion import Axis, Extruder, Idle, Limits, Park, Stepper, Steppers, Tool
 from passo.geometry.registry import AnyGeometry
 
 
@@ -24,7 +25,11 @@ class Bed(Model):
 
 
 class MachineConfig(Model):
-    """A printer as its machine file describes it. Made by `passo.config.load`."""
+    """A printer as its machine file describes it. Made by `passo.config.load`.
+
+    `unhomed_moves` says what becomes of moves of an axis that has a switch and does not yet know
+    where it is.
+    """
 
     name: Name
     uuid: Uuid
@@ -36,6 +41,10 @@ class MachineConfig(Model):
     extruders: dict[ExtruderName, Extruder] = {}
     tools: list[Tool] = []
     limits: Limits = Field(default_factory=Limits)
+    homing: dict[Name, Homing] = {}
+    park: Park | None = Field(default_factory=Park)
+    idle: Idle = Field(default_factory=Idle)
+    unhomed_moves: Literal["refuse", "allow"] = "refuse"
     bed: Bed | None = None
     heaters: Heaters = {}
     fans: Fans = {}

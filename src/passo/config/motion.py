@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from passo.config.base import Fraction, Model, Name, NotNegative, Pin, Point, Positive
+from passo.config.base import Fraction, Model, Name, NotNegative, Pair, Pin, Point, Positive
 from passo.config.drivers import DRIVERS, DriverName, DriverTimes
 
 
@@ -94,6 +94,24 @@ class Stepper(Model):
     def times(self) -> DriverTimes:
         """The driver's own times; single values of this motor may override them."""
         return DRIVERS[self.driver]
+
+
+class Park(Model):
+    """Where the nozzle waits while a print is paused: `raise_mm` above the print, then at X and Y
+    of `position_mm` (stays over the print if not given), with the filament drawn back."""
+
+    position_mm: Pair | None = None
+    raise_mm: NotNegative = 10.0
+    speed_mm_s: Positive = 100.0
+    retract_mm: NotNegative = 2.0
+    retract_mm_s: Positive = 30.0
+
+
+class Idle(Model):
+    """What goes off when nothing has moved and nobody has commanded for so long; 0: nothing."""
+
+    motors_off_s: NotNegative = 600.0
+    heaters_off_s: NotNegative = 1800.0
 
 
 class Limits(Model):

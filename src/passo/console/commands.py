@@ -18,6 +18,7 @@ class ConsoleCommands:
             "M108": _nothing,  # acted when the line came in
             "M110": _nothing,
             "M112": _nothing,
+            "M999": self._revive,
             "M113": self._busy,
             "M118": self._message,
             "M154": self._report_position,
@@ -57,6 +58,10 @@ class ConsoleCommands:
                 seconds,
                 lambda: reply.hear(f" {self._reports.temperatures()}"),
             )
+        return None
+
+    def _revive(self, _: Command, __: Reply) -> Wait | None:
+        self._printer.revive()
         return None
 
     def _strict(self, _: Command, reply: Reply) -> Wait | None:

@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
+from passo.console.card_commands import CardCommands
 from passo.console.commands import ConsoleCommands
+from passo.console.job_commands import JobCommands
+from passo.console.settings_commands import SettingsCommands
+from passo.errors import CommandError, Problem
+from passo.job.runner import Runner
+from passo.job.settings import Store
 from passo.printer.printer import Printer
 from passo.printer.reports import Reports
 
@@ -12,10 +19,46 @@ if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
 
 
-def furnished(machine: MachineConfig, *, free: bool = False) -> Printer:
-    """A printer that understands every command of a console. Within a running event loop."""
+class Listeners:
+    """What a file's commands answer goes to all who listen."""
+
+    def __init__(self, printer: Printer) -> None:
+        self._printer = printer
+
+    def say(self, text: str) -> None:
+        """A line to all."""
+        self._printer.tell(text)
+
+    def with_ok(self, text: str) -> None:
+        """The same: a file hears no `ok`."""
+        self._printer.tell(text)
+
+    def fail(self, text: str) -> None:
+        """A command that was not carried out."""
+        raise CommandError([Problem("job.failed", values={"value": text})])
+
+
+def furnished(
+    machine: MachineConfig, *, free: bool = False, card: str | None = None, state: str | None = None
+) -> Printer:
+    """A printer that understands every command of a console. Within a running event loop. Raises
+    MachineError, and CardError if `card` cannot be used."""
     printer = Printer(machine, free=free)
     reports = Reports(printer)
     printer.immediate.update(reports.handlers)
     printer.immediate.update(ConsoleCommands(printer, reports).handlers)
+    runner = Runner(printer, Listeners(printer))
+    files = CardCommands(printer, runner, card)
+    printer.immediate.update(files.handlers)
+    jobs = JobCommands(printer, runner)
+    printer.immediate.update(jobs.immediate)
+    printer.planned.update(jobs.planned)
+    store = None if state is None else Store(Path(state) / "settings.json", machine.uuid)
+    settings = SettingsCommands(printer, store)
+    printer.planned.update(settings.planned)
+    printer.settings = settings.lines
+    settings.load_at_start()
+    if card is not None:
+        files.mount()
+        files.autostart()
     return printer

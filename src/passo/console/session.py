@@ -8,13 +8,15 @@ from collections import deque
 from typing import Protocol
 
 from passo.console.protocol import Line, LineProtocol, Refusal
-from passo.errors import MachineError
+from passo.console.upload import Upload
+from passo.errors import PassoError
 from passo.printer.printer import Printer, Stopped
 from passo.printer.waits import Wait
 from passo.printer.words import Command
 
 BACKLOG = 256  # lines in hand before the sender is held up
 WAIT_S = 1.0  # an idle console says `wait` this often
+_PLAIN = str.maketrans({"°": "", "µ": "u", "²": "2"})
 _HEAD = re.compile(r"\s*([A-Za-z])\s*(\d{1,9})(?:\.(\d))?\s*(.*)\Z", re.DOTALL)
 
 
@@ -37,6 +39,11 @@ def command_of(text: str) -> Command:
     return Command(0, head[1].upper(), int(head[2]), int(head[3] or 0), "", head[4])
 
 
+def _ascii(text: str) -> bytes:
+    """A line that every host can read."""
+    return text.translate(_PLAIN).encode("ascii", "replace") + b"\n"
+
+
 class Session:
     """A console at work. `receive` is called with what comes in; everything in one event loop."""
 
@@ -53,6 +60,7 @@ class Session:
         self.failed = False
         self.busy_s = 2.0  # M113
         self.advanced_ok = False
+        self.upload: Upload | None = None  # M28: lines go into this file
         self.closed = False
         printer.listeners.append(self.hear)
         self.every("wait", WAIT_S, self._say_wait)
@@ -79,6 +87,9 @@ class Session:
             timer.cancel()
         self._timers.clear()
         self._lines.clear()
+        if self.upload is not None:
+            self.upload.abort()
+            self.upload = None
         if self._task is not None:
             self._task.cancel()
         if self.hear in self._printer.listeners:
@@ -88,11 +99,11 @@ class Session:
 
     def say(self, text: str) -> None:
         """A line of answer."""
-        self._wire.write(text.encode("ascii", "replace") + b"\n")
+        self._wire.write(_ascii(text))
 
     def hear(self, text: str) -> None:
         """A line that concerns everybody; a console that does not read may miss it."""
-        self._wire.write(text.encode("ascii", "replace") + b"\n", dispensable=True)
+        self._wire.write(_ascii(text), dispensable=True)
 
     def with_ok(self, text: str) -> None:
         """Text behind this command's `ok`."""
@@ -145,9 +156,10 @@ class Session:
                 self._acknowledge(line)
                 continue
             command = command_of(line.text)
-            handler = printer.immediate.get(command.code)
-            if handler is not None:
-                handler(command, self)
+            if self.upload is not None and self._stored(line, command.code):
+                self._acknowledge(line)
+                continue
+            if printer.act(command, self):
                 self._acknowledge(line)
             elif printer.has_room() and printer.turn.take():
                 wait = printer.take_line(line.text, self)
@@ -179,7 +191,7 @@ class Session:
                 if not self._refused(line):
                     wait = printer.take_line(line.text, self)
             await printer.finish(wait, self)
-        except (Stopped, MachineError) as error:
+        except (Stopped, PassoError) as error:
             self.fail(str(error))
         finally:
             self.every("busy", 0, None)
@@ -189,6 +201,24 @@ class Session:
         if not self.closed:
             self._acknowledge(line)
             self._work()
+
+    def _stored(self, line: Line, code: str) -> bool:
+        """Whether a line was for the file that is written, and not to be carried out. Once lines
+        come with numbers, one without is a host's question in between."""
+        upload = self.upload
+        if upload is None or code in ("M29", "M110"):
+            return False
+        if upload.log:
+            upload.write(line.text)
+            return False
+        upload.numbered = upload.numbered or line.number is not None
+        if upload.numbered and line.number is None:
+            if code in self._printer.immediate:
+                return False
+            self.fail(f"{code} is not carried out while a file is written; end it with M29")
+            return True
+        upload.write(line.text)
+        return True
 
     def _refused(self, line: Line) -> bool:
         code = command_of(line.text).code

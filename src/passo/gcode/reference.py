@@ -31,19 +31,26 @@ A line is read from left to right.
 - A name of two letters or more (`SET_VELOCITY_LIMIT ACCEL=500`) takes the whole line.
 
 """
-_TITLES = {
-    Kind.MOTION: "Motion state",
-    Kind.PRINTER: "Printer",
-    Kind.PERSON: "Waiting for a person (no time in a print without one)",
-    Kind.QUIET: "Understood, without effect",
-}
+_WHEN = """## When a command acts
+
+- **immediate**: as soon as its line is reached, whoever moves the machine.
+- **planned**: in its place among the moves.
+- **exclusive**: when the machine stands; nobody else moves it meanwhile.
+- **ahead**: before all lines that wait.
+
+A print without consoles (`passo print`, `passo estimate`) knows nothing of hosts and cards: what
+has a dot in the last column has no effect there, and what has a *p* waits for a person, which
+takes no time.
+
+| command | parameters | when | what it does | |
+|---|---|---|---|---|"""
+_MARK = {Kind.MOTION: "", Kind.PRINTER: "", Kind.PERSON: "*p*", Kind.QUIET: "·"}
 
 
 def reference() -> str:
     """The page as Markdown."""
-    parts = [_HEAD]
-    for kind, title in _TITLES.items():
-        parts.append(f"## {title}\n\n| command | parameters | |\n|---|---|---|")
-        parts += [f"| {r.code} | {r.parameters} | {r.text} |" for r in TABLE if r.kind is kind]
-        parts.append("")
-    return "\n".join(parts)
+    rows = [
+        f"| {r.code} | {r.parameters} | {r.when.value} | {r.text} | {_MARK[r.kind]} |"
+        for r in TABLE
+    ]
+    return "\n".join([_HEAD.rstrip("\n") + "\n", _WHEN, *rows, ""])

@@ -17,6 +17,7 @@ class Delta(GeometryModel):
     """Lengths in mm. `radius`: tower to middle, less the offsets of effector and carriage."""
 
     actuators = ("a", "b", "c")
+    lifts_together = True
     kind: Literal["delta"]
     radius: Positive
     rods: Annotated[list[Positive], Field(min_length=3, max_length=3)]

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from math import sqrt
 from typing import TYPE_CHECKING, Protocol
 
+from passo.config.drives import axis_order
 from passo.gcode.dialect import BY_CODE, Kind
 from passo.printer.waits import Homing, Person, Still, Temperatures, Wait
 from passo.printer.words import Command
@@ -46,6 +47,7 @@ class Commands:
         self.ended = False
         self._handlers: dict[str, Callable[[Command], Wait | None]] = {
             "G28": lambda c: Homing(c.text),
+            "G92": self._set_position,
             "M2": self._end,
             "M30": self._end,
             "M3": self._spindle_start,
@@ -66,7 +68,7 @@ class Commands:
             "M107": self._fan_off,
             "M201": lambda c: self._axis_limits(c, "accel"),
             "M203": lambda c: self._axis_limits(c, "speed"),
-            "M204": self._accelerations,
+            "M204": lambda c: self.accelerations(c.words()),
             "M205": self._junction,
             "M220": self._speed,
             "G10": self._tool_temperatures,
@@ -116,9 +118,20 @@ class Commands:
             lines.append(f"{file}: {clamped} targets out of range were moved to the limit")
         return lines
 
+    def _set_position(self, command: Command) -> None:
+        """Of axes that do not know where they are; the interpreter does the others."""
+        axes = axis_order(self._machine.axes)
+        for letter, value in command.words().items():
+            self._job.set_axis(axes.index(letter.lower()), value)
+
     def _end(self, _: Command) -> Wait:
         self.ended = True
         return Still()
+
+    def fans_off(self) -> None:
+        """All fans, as soon as the moves so far are done."""
+        for fan in self._machine.fans:
+            self._set(fan, 0.0)
 
     def _set(self, output: str, share: float) -> None:
         index, full = self._outputs[output]
@@ -185,8 +198,8 @@ class Commands:
             if value > 0:
                 self._job.set_axis_limit(letter.lower(), what, value)
 
-    def _accelerations(self, command: Command) -> None:
-        words = command.words()
+    def accelerations(self, words: dict[str, float]) -> None:
+        """M204."""
         for letter, names in (
             ("S", ("print_accel", "travel_accel")),
             ("P", ("print_accel",)),

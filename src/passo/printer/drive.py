@@ -39,6 +39,8 @@ class Drive:
     ) -> None:
         self._connection, self._job, self._free = connection, job, free
         self._set_target = set_target
+        self.on_motion: Callable[[], None] = lambda: None  # before moves leave for the board
+        self.on_pass: Callable[[], None] = lambda: None  # whenever time has passed
         self.hz = connection.board.clock_hz
         self.base = connection.start_job(job.messages)
         self._loop = asyncio.get_running_loop()
@@ -71,6 +73,13 @@ class Drive:
         return self._job.queued == 0 and self._job.clock <= self.now
 
     @property
+    def idle_s(self) -> float:
+        """Host time since anything moved or was commanded, seconds; 0 while something moves."""
+        if not self.standing:
+            self._heard_s = self._loop.time()
+        return self._loop.time() - self._heard_s
+
+    @property
     def full(self) -> bool:
         """The plan reaches far enough ahead."""
         ahead = self._job.clock - self.now
@@ -88,6 +97,13 @@ class Drive:
         """Call when something was added to the plan."""
         self._dirty = True
         self._woken.set()
+
+    def flush(self) -> None:
+        """Settles the plan for a stop at its end."""
+        if self._job.queued > 0:
+            self.on_motion()
+        self._job.flush()
+        self.after_moves()
 
     def replan(self) -> None:
         """Plans anew, with the limits of now, what the board does not have yet."""
@@ -152,6 +168,8 @@ class Drive:
         await _either(self._woken, GATHER_S / 2 if moving else None)
 
     def _pass(self, now: int) -> None:
+        if self._job.queued > 0:
+            self.on_motion()
         self._settle(now)
         self._marks.extend(self._job.take_marks())
         while self._marks and self._marks[0][0] <= now:
@@ -159,7 +177,8 @@ class Drive:
             self._run(clock)
             self._set_target(heater, centi / 100)
         self._run(now)
-        self._end_waits()
+        self.on_pass()
+        self.end_waits()
 
     def _run(self, job_clock: int) -> None:
         until = self.base + job_clock
@@ -169,9 +188,12 @@ class Drive:
     def _settle(self, now: int) -> None:
         """A plan that runs dry is settled for a stop; what came in since takes the stop back."""
         job = self._job
-        self._dirty = False
         if job.queued == 0:
+            if self._dirty:
+                job.flush()  # a fan may have been switched
+            self._dirty = False
             return
+        self._dirty = False
         if self._first_move_s is not None:
             if not self._free and self._loop.time() < self._first_move_s + GATHER_S:
                 self._dirty = True
@@ -183,7 +205,8 @@ class Drive:
             job.flush()
             self._stop_clock = job.clock
 
-    def _end_waits(self) -> None:
+    def end_waits(self) -> None:
+        """Ends the waits whose conditions hold."""
         for condition, future in list(self._waiting):
             if not future.done() and condition():
                 future.set_result(None)

@@ -18,6 +18,10 @@ def problem_of(job: _core.Job, path: str) -> Problem:
     if fault == faults.UNREACHABLE:
         where = ", ".join(f"{letter} {x:.3f}" for letter, x in zip("XYZ", point, strict=True))
         return Problem("input.unreachable", path, line, {"value": where})
+    if fault == faults.NOT_HOMED:
+        return Problem("input.not-homed", path, line, {"axis": word.upper()})
+    if fault == faults.COLD:
+        return Problem("input.cold", path, line)
     if fault == faults.MISSING_TOOL:
         return Problem("input.missing-tool", path, line, {"value": int(value), "limit": int(limit)})
     if fault == faults.NUMBER:

@@ -3,20 +3,28 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
 from passo import _core
-from passo.errors import MachineError, Problem
+from passo.config.drives import axis_order
+from passo.errors import CommandError, MachineError, Problem
 from passo.printer.commands import Commands
 from passo.printer.drive import Drive
 from passo.printer.faults import problem_of
+from passo.printer.heat_commands import HeatCommands
+from passo.printer.homing import Homer
+from passo.printer.motion_commands import MotionCommands
+from passo.printer.motors import Motors
+from passo.printer.person import PersonCommands
 from passo.printer.turn import Turn
-from passo.printer.waits import Handler, Homing, Person, Reply, Temperatures, Wait
-from passo.printer.wiring import connect
+from passo.printer.waits import Handler, Homing, Person, Reply, Silence, Still, Temperatures, Wait
+from passo.printer.wiring import connect, reconnected
 from passo.printer.words import Command
 
 if TYPE_CHECKING:
+    from passo.board.connection import Connection
+    from passo.board.faults import HeaterFault
     from passo.config.machine import MachineConfig
 
 
@@ -36,22 +44,67 @@ class Printer:
 
     def __init__(self, machine: MachineConfig, *, free: bool = False) -> None:
         self.machine = machine
-        self.connection, self.board = connect(machine)
-        self.connection.run(self.connection.now + int(_FIRST_REPORTS_S * machine.board.clock_hz))
-        self.job = _core.Job(machine.core_spec(), True, False, False)
-        full = [self.connection.full_scale(o.name) for o in self.connection.board.outputs]
-        self.commands = Commands(machine, self.job, self, full)
         self.heaters = list(machine.heaters)
-        self.drive = Drive(self.connection, self.job, free=free, set_target=self._apply_target)
+        self._free = free
+        connection, self.board = connect(machine)
+        self.motors = Motors(self)
+        self._begin(connection)
         self.turn = Turn()
-        self.immediate: dict[str, Handler] = {}
-        self.planned: dict[str, Handler] = {}
+        self.busy: Callable[[], bool] = lambda: False  # a print is under way, or paused
+        self.settings: Callable[[], Iterable[str]] = tuple  # commands that bring them back
+        self.heat = HeatCommands(self)
+        self.motion = MotionCommands(self)
+        self.person = PersonCommands(self)
+        self.immediate: dict[str, Handler] = (
+            self.heat.immediate | self.motion.immediate | self.person.immediate
+        )
+        self.planned: dict[str, Handler] = (
+            self.heat.planned | self.motion.planned | self.motors.planned | self.person.planned
+        )
+        self.fault_listeners: list[Callable[[HeaterFault], None]] = []
         self.listeners: list[Callable[[str], None]] = []
         self.halted = ""  # why nothing moves or heats any more; M999 clears it
         self.heating = False  # somebody waits for a temperature
-        self.homed: set[str] = set()
         self._skip = asyncio.Event()
-        self._waiting = 0
+        self._revived = asyncio.Event()
+
+    def _begin(self, connection: Connection) -> None:
+        """Starts from a board that has just been configured, with nothing planned."""
+        machine = self.machine
+        connection.run(connection.now + int(_FIRST_REPORTS_S * machine.board.clock_hz))
+        self.connection = connection
+        connection.on_fault = self._heater_failed
+        self.job = _core.Job(machine.core_spec(), True, False, False)
+        full = [connection.full_scale(o.name) for o in connection.board.outputs]
+        self.commands = Commands(machine, self.job, self, full)
+        self.drive = Drive(connection, self.job, free=self._free, set_target=self._apply_target)
+        self.drive.on_motion = self.motors.all_on
+        self.drive.on_pass = self._look_after_idleness
+        self.homer = Homer(self)
+        if machine.unhomed_moves == "refuse":
+            self.lock(self.homer.axes)
+
+    def _look_after_idleness(self) -> None:
+        idle_s, config = self.drive.idle_s, self.machine.idle
+        if self.busy() or self.turn.taken:
+            return
+        if 0 < self.motors.idle_s < idle_s and self.motors.on:
+            self.motors.all_off()
+            self.tell("echo:Motors off after standing idle; home before the next move")
+        if 0 < self.person.kill_s < idle_s:
+            self.halt(f"idle for {self.person.kill_s:g} s (M85)")
+        if 0 < config.heaters_off_s < idle_s:
+            for name in self.heaters:
+                if self.connection.heaters[name].target > 0:
+                    self.set_target_now(name, 0.0)
+                    self.tell(f"echo:Heater {name} off after standing idle")
+
+    def lock(self, axes: Iterable[str]) -> None:
+        """These axes no longer know where they are."""
+        if self.machine.unhomed_moves == "refuse":
+            order = axis_order(self.machine.axes)
+            for name in axes:
+                self.job.lock_axis(order.index(name), True)
 
     # -- what others may ask ----------------------------------------------------------------------
 
@@ -88,6 +141,15 @@ class Printer:
         self.connection.command("emergency_stop")
         self._skip.set()
 
+    def revive(self) -> None:
+        """M999: a halted printer begins anew, cold, and without knowing where it is."""
+        if self.halted:
+            self._revived.set()
+
+    def can_extrude(self) -> bool:
+        """The machine has filament, and the active tool's hotend is warm enough to move it."""
+        return bool(self.machine.extruders) and self.heat.warm()
+
     def stop(self) -> None:
         """M410: brakes to a stop on the path and forgets all moves that were planned."""
         self.drive.stop()
@@ -100,33 +162,56 @@ class Printer:
         handler = self.immediate.get(command.code)
         if handler is None:
             return False
-        handler(command, reply)
+        self._carried_out(handler, command, reply)
         return True
 
     def has_room(self) -> bool:
         """A planned line can be taken in without a wait, by whoever has the turn."""
         return self.job.at_boundary and not self.drive.full
 
+    def select(self, *, console: bool) -> None:
+        """What is read next comes from a console, or else from the file."""
+        self.job.select(console)
+        self.heat.guard_extrusion()
+
     def take_line(self, text: str, reply: Reply) -> Wait | None:
         """Takes in one line of a console: all of it, or up to a command that waits; then `finish`
         goes on. Only with the turn and with room."""
-        self.job.select(True)
+        self.select(console=True)
         self.job.feed(text.encode("ascii", "replace") + b"\n")
         return self._go_on(reply)
+
+    def take_setting(self, text: str, reply: Reply) -> None:
+        """Carries out one line of stored settings, the machine standing, by who has the turn."""
+        self.select(console=True)
+        self.job.feed(text.encode("ascii", "replace") + b"\n")
+        wait = self._go_on(reply)
+        while wait is not None:
+            if isinstance(wait, Still) and wait.then is not None:
+                self.drive.flush()
+                wait.then()
+            wait = self._go_on(reply)
 
     async def finish(self, wait: Wait | None, reply: Reply) -> None:
         """The rest of a line whose command waits. Raises Stopped or MachineError."""
         while wait is not None:
             await self.wait(wait, reply)
-            self.job.select(True)
+            self.select(console=True)
             wait = self._go_on(reply)
+
+    def _carried_out(self, handler: Handler, command: Command, reply: Reply) -> Wait | None:
+        try:
+            return handler(command, reply)
+        except CommandError as error:
+            reply.fail(str(error))
+            return None
 
     def run_command(self, command: Command, reply: Reply) -> Wait | None:
         """Carries out a command that the interpreter handed out."""
         self.drive.before_moves()
         handler = self.planned.get(command.code) or self.immediate.get(command.code)
         if handler is not None:
-            return handler(command, reply)
+            return self._carried_out(handler, command, reply)
         before = len(self.commands.unknown)
         wait = self.commands.run(command)
         if len(self.commands.unknown) > before:
@@ -136,18 +221,30 @@ class Printer:
     async def wait(self, wait: Wait, reply: Reply) -> None:
         """Waits with the machine at rest. Raises Stopped when it was halted meanwhile."""
         self._skip.clear()
-        self.job.flush()
-        self.drive.after_moves()
+        self.drive.flush()
         await self.drive.until(lambda: self.drive.standing or bool(self.halted))
         self.raise_if_halted()
-        if isinstance(wait, Temperatures):
+        if isinstance(wait, Still) and wait.then is not None:
+            wait.then()
+        elif isinstance(wait, Temperatures):
             await self._reach(wait, reply)
         elif isinstance(wait, Person):
             await self._person(wait, reply)
         elif isinstance(wait, Homing):
-            self.job.settle_position()
-            self.homed |= set(wait.letters.lower() or self.machine.axes)
+            self.job.abandon()
+            await self.homer.home(wait.letters)
         self.raise_if_halted()
+
+    @property
+    def interrupted(self) -> bool:
+        """Somebody wants the wait that goes on to end: M108, M410 or a halt."""
+        return self._skip.is_set() or bool(self.halted)
+
+    def raise_if_interrupted(self) -> None:
+        """Raises Stopped after M108, M410 or a halt."""
+        self.raise_if_halted()
+        if self._skip.is_set():
+            raise Stopped("it was stopped")
 
     def raise_if_halted(self) -> None:
         """Raises Stopped while the machine is halted."""
@@ -155,15 +252,34 @@ class Printer:
             raise Stopped(self.halted)
 
     async def run(self) -> None:
-        """Keeps the printer alive until cancelled; a failed board halts it."""
+        """Keeps the printer alive until cancelled. A failed board halts it, until it is revived."""
         while True:
             try:
                 await self.drive.run()
             except MachineError as error:
                 self.halted = self.halted or str(error)
-                for problem in error.problems:
-                    self.tell(f"Error:{problem}")
-                return
+                self.tell(f"Error:Printer halted: {self.halted}. Make it safe, then send M999")
+                self.drive.end_waits()
+                await self._revived.wait()
+                self._revived.clear()
+                self.motors.forget()
+                lines = list(self.settings())
+                self._begin(reconnected(self.connection))
+                self.halted = ""
+                for line in lines:
+                    self.take_setting(line, Silence())
+                self.tell("echo:The printer is ready again. Home it before you move it")
+
+    def _heater_failed(self, _: str, fault: HeaterFault) -> None:
+        """A protection has switched a heater off; how much more stops is the heater's policy."""
+        policy = self.machine.heaters[fault.heater].on_fault
+        if policy == "machine":
+            self.halt(str(fault))
+            return
+        self.tell(f"echo:{fault}")
+        if policy == "job":
+            for listener in self.fault_listeners:
+                listener(fault)
 
     # -- within -----------------------------------------------------------------------------------
 
@@ -199,10 +315,12 @@ class Printer:
 
         def there() -> bool:
             return (
-                self._skip.is_set()
-                or bool(self.halted)
+                self.interrupted
+                or any(h.fault for h in heaters)
                 or all(
-                    h.target <= 0 or h.reached or (h.celsius >= h.target and not wait.cooling)
+                    h.target <= 0
+                    or h.reached
+                    or (h.target <= h.celsius <= h.limits.max_c and not wait.cooling)
                     for h in heaters
                 )
             )
@@ -211,6 +329,9 @@ class Printer:
             await self.drive.until(there)
         finally:
             self.heating = False
+        faults = [f for f in self.connection.faults if f.heater in wait.heaters]
+        if any(h.fault for h in heaters) and not self.halted:
+            raise CommandError([faults[-1].problem])
 
     async def _person(self, wait: Person, reply: Reply) -> None:
         reply.say("echo:busy: paused for user")

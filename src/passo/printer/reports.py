@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import passo
+from passo.printer.switches import switches
 from passo.printer.waits import Handler, Reply, Wait
 from passo.printer.words import Command
 
@@ -37,6 +38,7 @@ class Reports:
             "M105": self._temperatures,
             "M114": self._position,
             "M115": self._firmware,
+            "M119": self._switches,
         }
 
     def temperatures(self) -> str:
@@ -66,8 +68,9 @@ class Reports:
         """`X:0.00 Y:0.00 Z:0.00 E:0.00 Count X:0 Y:0 Z:0`: the program's target, motor steps."""
         printer = self._printer
         *axes, e = printer.job.program_position
+        rounded = [round(at, 3) + 0.0 for at in axes]  # never -0
         text = " ".join(
-            f"{letter}:{at:.3f}" for letter, at in zip(self._letters, axes, strict=True)
+            f"{letter}:{at:.3f}" for letter, at in zip(self._letters, rounded, strict=True)
         )
         counts = " ".join(
             f"{row['name'].upper()}:{row['count']}"
@@ -82,6 +85,14 @@ class Reports:
 
     def _position(self, _: Command, reply: Reply) -> Wait | None:
         reply.say(self.position())
+        return None
+
+    def _switches(self, _: Command, reply: Reply) -> Wait | None:
+        reply.say("Reporting endstop status")
+        machine = self._printer.machine
+        homes = {s.name: machine.homing[s.home].direction for s in switches(machine)}
+        for name, pressed in self._printer.homer.states().items():
+            reply.say(f"{name}_{homes[name]}: {'TRIGGERED' if pressed else 'open'}")
         return None
 
     def _firmware(self, _: Command, reply: Reply) -> Wait | None:

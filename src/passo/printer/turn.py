@@ -13,6 +13,11 @@ class Turn:
         self._taken = False
         self._asked: deque[asyncio.Future[None]] = deque()
 
+    @property
+    def taken(self) -> bool:
+        """Somebody has the turn."""
+        return self._taken
+
     def take(self) -> bool:
         """Takes the turn if nobody has it or has asked before."""
         if self._taken or self._asked:

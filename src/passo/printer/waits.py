@@ -11,7 +11,9 @@ from passo.printer.words import Command
 
 @dataclass(frozen=True, slots=True)
 class Still:
-    """Until the machine has done all moves so far."""
+    """Until the machine has done all moves so far; `then` is what may be done only now."""
+
+    then: Callable[[], None] | None = None
 
 
 @dataclass(frozen=True, slots=True)

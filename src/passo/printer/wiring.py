@@ -6,17 +6,28 @@ from math import ceil
 from typing import TYPE_CHECKING
 
 from passo.board.connection import Connection
-from passo.board.description import BoardDescription, Heater, Output, Sensor, Stepper
+from passo.board.description import (
+    BoardDescription,
+    Endstop,
+    Heater,
+    Output,
+    Sensor,
+    Stepper,
+    bare,
+)
 from passo.heat.control import control_of, limits_of, model_of
 from passo.heat.sensors import open_is_high, sensor_table, share_at
+from passo.printer.switches import Switch, home_point, is_actuator, switches, weights_of
 
 if TYPE_CHECKING:
     from passo.config.heat import Heater as HeaterConfig
     from passo.config.machine import MachineConfig
-    from passo.simulator import SimulatedBoard
+    from passo.simulator import Actuator, SimulatedBoard
 
 _PWM_PERIOD_S = 0.1
 _MAX_DURATION_S = 3.0
+_AWAY = 20.0  # mm or degrees
+_ASKEW = 0.5
 
 
 def board_description(machine: MachineConfig) -> BoardDescription:
@@ -54,12 +65,17 @@ def board_description(machine: MachineConfig) -> BoardDescription:
         outputs.append(
             Output("laser", _pin(machine, machine.laser.pin), "pwm", round(0.001 * clock_hz))
         )
+    for name in machine.steppers:
+        pin = enable_pin(machine, name)
+        if pin is not None:
+            outputs.append(Output(enable_output(name), pin, "digital"))
     return BoardDescription(
         clock_hz=clock_hz,
         steppers=steppers,
         outputs=tuple(outputs),
         sensors=tuple(sensors),
         heaters=tuple(heaters),
+        endstops=tuple(Endstop(s.name, _input_pin(machine, s.pin)) for s in switches(machine)),
         move_count=machine.board.move_count,
         mcu=machine.board.mcu,
     )
@@ -83,6 +99,12 @@ def _pin(machine: MachineConfig, name: str) -> str:
     return machine.board.pins.get(name, name)
 
 
+def _input_pin(machine: MachineConfig, name: str) -> str:
+    """As `_pin`, with the marks for inversion and pull-up in front."""
+    marks = name[: len(name) - len(bare(name))]
+    return marks + _pin(machine, bare(name))
+
+
 def _driver_pins(machine: MachineConfig, name: str) -> tuple[str, str]:
     """Step and direction pin of a motor."""
     stepper = machine.steppers[name]
@@ -92,6 +114,18 @@ def _driver_pins(machine: MachineConfig, name: str) -> tuple[str, str]:
     return step, direction
 
 
+def enable_output(stepper: str) -> str:
+    """The name of the output that switches a motor on."""
+    return f"{stepper}-enable"
+
+
+def enable_pin(machine: MachineConfig, name: str) -> str | None:
+    """The pin that switches a motor on, if it has one."""
+    stepper = machine.steppers[name]
+    socket = machine.board.sockets[stepper.socket] if stepper.socket else None
+    return stepper.enable_pin or (socket.enable if socket else None)
+
+
 def output_count(machine: MachineConfig) -> int:
     """Number of outputs on the timeline: heaters, fans, the laser."""
     return len(machine.heaters) + len(machine.fans) + (machine.laser is not None)
@@ -99,11 +133,15 @@ def output_count(machine: MachineConfig) -> int:
 
 def simulated_board(machine: MachineConfig, board: BoardDescription) -> SimulatedBoard:
     """The simulated board that a machine file names, with mechanics and heat around it."""
-    from passo.simulator import Actuator, Body, PlantDescription, SimulatedBoard
+    from passo.simulator import Body, PlantDescription, SimulatedBoard
+    from passo.simulator import Switch as PlantSwitch
 
     plant = PlantDescription(
-        actuators=tuple(
-            Actuator(s["name"], s["steps_per_unit"]) for s in machine.core_spec()["steppers"]
+        actuators=_actuators(machine),
+        switches=tuple(
+            PlantSwitch(s.name, weights, _felt_at(machine, s, weights), _at_maximum(machine, s))
+            for s in switches(machine)
+            for weights in (weights_of(machine, s),)
         ),
         bodies=tuple(
             Body(
@@ -120,6 +158,52 @@ def simulated_board(machine: MachineConfig, board: BoardDescription) -> Simulate
     return SimulatedBoard(board, plant)
 
 
+def _actuators(machine: MachineConfig) -> tuple[Actuator, ...]:
+    """Before it is homed, a simulated machine stands a little away from its switches, and askew
+    where it has two motors with a switch each."""
+    from passo.simulator import Actuator
+
+    geometry = machine.geometry
+    q = list(geometry.inverse(home_point(machine)))
+    point = list(home_point(machine))
+    for name, homing in machine.homing.items():
+        away = -_AWAY if homing.direction == "max" else _AWAY
+        if is_actuator(machine, name):
+            q[geometry.actuators.index(name)] += away
+        elif name in "xyz":
+            point["xyz".index(name)] += away
+    if not geometry.lifts_together:
+        x, y, z = point
+        q = list(geometry.inverse((x, y, z)))
+    askew = {n: i * _ASKEW for h in machine.homing.values() for i, n in enumerate(h.stepper_pins)}
+    starts: list[Actuator] = []
+    for s in machine.core_spec()["steppers"]:
+        start = askew.get(s["name"], 0.0)
+        if s["drive"] == "actuator" and machine.homing:
+            start += q[int(s["index"])]
+        starts.append(Actuator(s["name"], s["steps_per_unit"], start))
+    return tuple(starts)
+
+
+def _felt_at(
+    machine: MachineConfig, switch: Switch, weights: tuple[tuple[str, float], ...]
+) -> float:
+    """The sum of weighted positions at which the switch is pressed."""
+    homing = machine.homing[switch.home]
+    if is_actuator(machine, switch.home) or len(weights) == 1:
+        return homing.position
+    q = machine.geometry.inverse(home_point(machine))
+    total = 0.0
+    for name, weight in weights:
+        driven = machine.drivable.of(name, machine.steppers[name].drives)
+        total += weight * q[driven.index] if driven else 0.0
+    return total
+
+
+def _at_maximum(machine: MachineConfig, switch: Switch) -> bool:
+    return machine.homing[switch.home].direction == "max"
+
+
 def connect(machine: MachineConfig) -> tuple[Connection, SimulatedBoard]:
     """A connection to the board that the machine file names, identified and configured, and the
     simulated board itself, to look at. Raises MachineError."""
@@ -128,3 +212,10 @@ def connect(machine: MachineConfig) -> tuple[Connection, SimulatedBoard]:
     connection = Connection(board, simulated.device)
     connection.connect()
     return connection, simulated
+
+
+def reconnected(old: Connection) -> Connection:
+    """A new connection to the board of `old`, which is reset. Raises MachineError."""
+    connection = Connection(old.board, old.device, old.now)
+    connection.connect()
+    return connection

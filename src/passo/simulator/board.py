@@ -45,7 +45,7 @@ class SimulatedBoard:
             pin = endstops[s.endstop].pin
             self.device.add_switch(
                 self._pins[bare(pin)],
-                self._step_pin(s.stepper),
+                [(self._step_pin(stepper), weight) for stepper, weight in s.weights],
                 s.position,
                 s.at_maximum,
                 not inverted(pin),
@@ -85,6 +85,11 @@ class SimulatedBoard:
     def force_sensor(self, sensor: str, ratio: float | None) -> None:
         """A fault: the ADC sees this share of full scale whatever the heat; None ends it."""
         self.device.force_adc(self._sensors[sensor], -1.0 if ratio is None else ratio)
+
+    def force_switch(self, endstop: str, pressed: bool | None) -> None:
+        """A fault: the switch is pressed or not, whatever moves; None ends it."""
+        pin = next(e.pin for e in self.board.endstops if e.name == endstop)
+        self.device.force_switch(self._pins[bare(pin)], -1 if pressed is None else int(pressed))
 
     def force_heater(self, sensor: str, power: float | None) -> None:
         """A fault: what this sensor's heater does, 0 to 1, whatever its pin; None ends it."""

@@ -16,11 +16,12 @@ class Actuator:
 
 @dataclass(frozen=True, slots=True)
 class Switch:
-    """The endstop `endstop` is pressed while the actuator of `stepper` is at or beyond `position`:
-    above it if `at_maximum`, else below. A pressed switch reads 1 (0 if the pin is inverted)."""
+    """The endstop `endstop` is pressed while the weighted sum of some steppers' actuator positions
+    is at or beyond `position`: above it if `at_maximum`, else below. A pressed switch reads 1 (0 if
+    the pin is inverted)."""
 
     endstop: str
-    stepper: str
+    weights: tuple[tuple[str, float], ...]
     position: float
     at_maximum: bool = False
 

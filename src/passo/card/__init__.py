@@ -1,0 +1,20 @@
+"""The card: a folder of the host, a FAT32 image or a block device, used in the same way.
+
+`open_card(path)` gives a `Card`; `api.py` says what a card can do. It knows nothing of printers.
+"""
+
+from pathlib import Path
+
+from passo.card.api import Card, Entry, Reader, Writer
+from passo.card.fat import FatCard
+from passo.card.folder import FolderCard
+
+__all__ = ["Card", "Entry", "FatCard", "FolderCard", "Reader", "Writer", "open_card"]
+
+
+def open_card(path: str | Path) -> Card:
+    """The card at a path: a folder as such, anything else as a FAT32 image or block device.
+
+    Raises CardError: `card.absent`, `card.busy`, `card.format`.
+    """
+    return FolderCard(path) if Path(path).is_dir() else FatCard(path)

@@ -1,0 +1,231 @@
+"""What a card is to those who use it: entries, readers, writers, and the protocol of all cards."""
+
+from __future__ import annotations
+
+import io
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import datetime
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Protocol, Self
+
+from passo.errors import CardError, Problem
+
+if TYPE_CHECKING:
+    from _typeshed import WriteableBuffer
+
+
+_PIECE = 1 << 20
+
+
+def failure(code: str, file: str, **values: Any) -> CardError:
+    """A CardError with one problem: a `card.*` code of the catalogue, where, and its values."""
+    return CardError([Problem(code, file, values=values)])
+
+
+def is_removed(error: CardError) -> bool:
+    """Whether the medium failed, so that nobody knows what of the last step it has kept."""
+    return error.problems[0].code == "card.removed"
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A file or directory as a listing shows it.
+
+    `name` is the long name and `short_name` the 8.3 form in upper case; both are free of control
+    characters. `size` is in bytes, 0 for a directory. `modified` is local time, to 2 s on FAT.
+    """
+
+    name: str
+    short_name: str
+    is_directory: bool
+    size: int
+    modified: datetime
+
+    @property
+    def fat_timestamp(self) -> int:
+        """`modified` as FAT's date (high 16 bits) and time (low 16 bits), clamped to its years.
+
+        Microsoft FAT32 File System Specification 1.03, "Date and Time Formats".
+        """
+        when = self.modified
+        if when.year < 1980:
+            return 1 << 21 | 1 << 16
+        date = (min(when.year, 2107) - 1980) << 9 | when.month << 5 | when.day
+        return date << 16 | when.hour << 11 | when.minute << 5 | when.second // 2
+
+
+class Reader(io.RawIOBase):
+    """A file of a card, open for reading. Closing it releases the file for removal.
+
+    `read(n)` returns n bytes unless the file ends before; there is no buffer in between, so read in
+    pieces of 4 KiB or more, or wrap it in `io.BufferedReader`. Every call may raise CardError
+    (`card.removed`, `card.broken`).
+    """
+
+    def __init__(
+        self, size: int, fetch: Callable[[int, memoryview], None], released: Callable[[], None]
+    ) -> None:
+        """`fetch(offset, into)` fills all of `into`; `released()` is called once, at the end."""
+        super().__init__()
+        self.size = size
+        self._fetch = fetch
+        self._released = released
+        self._at = 0
+
+    def readable(self) -> bool:
+        return True
+
+    def seekable(self) -> bool:
+        return True
+
+    def tell(self) -> int:
+        return self._at
+
+    def seek(self, offset: int, whence: int = io.SEEK_SET) -> int:
+        """Go to `offset`, clamped to the file: a position is always between 0 and `size`."""
+        base = {io.SEEK_SET: 0, io.SEEK_CUR: self._at, io.SEEK_END: self.size}[whence]
+        self._at = min(max(base + offset, 0), self.size)
+        return self._at
+
+    def readinto(self, buffer: WriteableBuffer) -> int:
+        if self.closed:
+            raise ValueError("the file is closed")
+        view = memoryview(buffer).cast("B")
+        count = min(len(view), self.size - self._at)
+        if count:
+            self._fetch(self._at, view[:count])
+            self._at += count
+        return count
+
+    def read(self, size: int = -1) -> bytes:
+        left = self.size - self._at if size < 0 else size
+        data = bytearray()
+        # Piece by piece, so that a damaged card's claim of a size takes no memory.
+        while left > 0:
+            piece = bytearray(min(left, _PIECE, self.size - self._at))
+            if not self.readinto(piece):
+                break
+            data += piece
+            left -= len(piece)
+        return bytes(data)
+
+    def close(self) -> None:
+        if not self.closed:
+            self._released()
+        super().close()
+
+
+class Writer(ABC):
+    """A file of a card that is being written; it is not on the card before `close` has returned.
+
+    As a context manager it closes at the end of the block, and aborts if the block raised. Once a
+    call has raised CardError the file is given up, and `write` and `close` raise the same again.
+    """
+
+    def __init__(self) -> None:
+        self._failure: CardError | None = None
+        self._ended = False
+
+    def write(self, data: bytes) -> int:
+        """Append `data`; returns its length. CardError: `card.full`, `card.removed`, ..."""
+        self._run(lambda: self._append(data))
+        return len(data)
+
+    def close(self) -> None:
+        """Make the file durable and visible under its name, instead of an older one, at once.
+
+        When this returns the file survives a power cut; when it raises, the card holds what it held
+        before, or the whole new file. A second call does nothing.
+        """
+        if self._failure or not self._ended:
+            self._run(self._store)
+            self._ended = True
+
+    def abort(self) -> None:
+        """Forget what was written: the card holds what it held before. Never raises CardError."""
+        if not self._ended:
+            self._ended = True
+            self._discard()
+
+    def _run(self, step: Callable[[], None]) -> None:
+        if self._failure:
+            raise self._failure
+        if self._ended:
+            raise ValueError("the file is closed")
+        try:
+            step()
+        except CardError as error:
+            self._failure = error
+            self.abort()
+            raise
+
+    @abstractmethod
+    def _append(self, data: bytes) -> None: ...
+
+    @abstractmethod
+    def _store(self) -> None: ...
+
+    @abstractmethod
+    def _discard(self) -> None: ...
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if kind is None:
+            self.close()
+        else:
+            self.abort()
+
+
+class Card(Protocol):
+    """A place for files, with the names and the manners of an SD card.
+
+    Paths have `/` between names, with or without one in front; `.` and `..` are resolved within
+    the path and never lead out of the card. A name is looked up as it is written first, then
+    without regard to case, then as an 8.3 name. All calls block for as long as the medium takes:
+    from asyncio, call them through `asyncio.to_thread`; calls from several threads wait for each
+    other. All raise CardError, whose problem's code begins with `card.`.
+    """
+
+    def list(self, directory: str = "/") -> list[Entry]:
+        """The entries of a directory, sorted by name without regard to case."""
+        ...
+
+    def find(self, path: str) -> Entry:
+        """The entry of a file or directory; the root has an empty name."""
+        ...
+
+    def open(self, path: str) -> Reader:
+        """Open a file for reading; until it is closed the file can be neither removed nor replaced
+        (`card.busy`)."""
+        ...
+
+    def create(self, path: str) -> Writer:
+        """Begin a file, or a new content of a file; its directory must exist."""
+        ...
+
+    def remove(self, path: str) -> None:
+        """Delete a file; durable when this returns."""
+        ...
+
+    def make_directory(self, path: str) -> None:
+        """Make a directory in one that exists; durable when this returns."""
+        ...
+
+    @property
+    def free_bytes(self) -> int:
+        """The room for new files, in bytes."""
+        ...
+
+    def close(self) -> None:
+        """Leave the card, so that it can be taken out; open readers and writers end with
+        `card.removed`. A second call does nothing."""
+        ...

@@ -1,0 +1,91 @@
+"""The bytes below a file system: an image file or a block device, used by nobody else meanwhile."""
+
+from __future__ import annotations
+
+import errno
+import fcntl
+import os
+import stat
+from pathlib import Path
+
+from passo.card.api import failure
+
+
+class Device:
+    """Whole reads and writes at byte offsets; whatever prevents one is CardError `card.removed`."""
+
+    def __init__(self, path: str | Path) -> None:
+        """Raises `card.absent`; `card.busy` if it is mounted or another process has it as a card.
+
+        Where writing is not permitted `read_only` is true.
+        """
+        self.path = str(path)
+        self.read_only = False
+        try:
+            # On a block device O_EXCL means: not while a file system on it is mounted.
+            mode = Path(path).stat().st_mode
+            if not (stat.S_ISBLK(mode) or stat.S_ISREG(mode)):
+                raise failure("card.absent", self.path, value="neither folder, image nor device")
+            exclusive = os.O_EXCL if stat.S_ISBLK(mode) else 0
+            flags = os.O_CLOEXEC | exclusive
+            try:
+                self._file: int | None = os.open(path, os.O_RDWR | flags)
+            except OSError as error:
+                if error.errno not in (errno.EACCES, errno.EPERM, errno.EROFS):
+                    raise
+                self._file = os.open(path, os.O_RDONLY | flags)
+                self.read_only = True
+        except OSError as error:
+            if error.errno == errno.EBUSY:
+                raise failure("card.busy", self.path, value="it is mounted") from error
+            raise failure("card.absent", self.path, value=error.strerror) from error
+        try:
+            sharing = fcntl.LOCK_SH if self.read_only else fcntl.LOCK_EX
+            fcntl.flock(self._file, sharing | fcntl.LOCK_NB)
+            self.size = os.lseek(self._file, 0, os.SEEK_END)
+        except OSError as error:
+            os.close(self._file)
+            raise failure("card.busy", self.path, value="another program has it") from error
+
+    def read(self, offset: int, count: int) -> bytearray:
+        data = bytearray(count)
+        self.read_into(offset, memoryview(data))
+        return data
+
+    def read_into(self, offset: int, into: memoryview) -> None:
+        done = 0
+        while done < len(into):
+            try:
+                count = os.preadv(self._opened(), [into[done:]], offset + done)
+            except OSError as error:
+                raise failure("card.removed", self.path, value=error.strerror) from error
+            if not count:
+                raise failure("card.removed", self.path, value=f"it ends at {offset + done} bytes")
+            done += count
+
+    def write(self, offset: int, data: bytes | bytearray | memoryview) -> None:
+        left = memoryview(data)
+        try:
+            while left:
+                count = os.pwrite(self._opened(), left, offset)
+                offset += count
+                left = left[count:]
+        except OSError as error:
+            raise failure("card.removed", self.path, value=error.strerror) from error
+
+    def flush(self) -> None:
+        """A barrier: what was written before is on the medium before anything written later."""
+        try:
+            os.fdatasync(self._opened())
+        except OSError as error:
+            raise failure("card.removed", self.path, value=error.strerror) from error
+
+    def close(self) -> None:
+        if self._file is not None:
+            os.close(self._file)
+            self._file = None
+
+    def _opened(self) -> int:
+        if self._file is None:
+            raise failure("card.removed", self.path, value="it was unmounted")
+        return self._file

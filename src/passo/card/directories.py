@@ -1,0 +1,104 @@
+"""Directories on the volume, changed so that a power cut leaves them as before or as after.
+
+A record goes into one sector where it fits, because a sector is what the medium writes as a whole.
+One that needs more (names beyond 195 letters, with sectors of 512 bytes) comes with its 8.3 entry
+last and goes with it first: a cut may leave a part of a long name there, which names nothing.
+Before a record appears all that it points to is on the medium.
+"""
+
+from __future__ import annotations
+
+from datetime import datetime
+
+from passo.card.api import failure
+from passo.card.directory import MAX_BYTES, SLOT, Record, Slots, parse, rewritten
+from passo.card.volume import Volume
+
+_DELETED = b"\xe5"
+
+
+class Directories:
+    """Reads and changes the directories of a volume; one is named by its first cluster."""
+
+    def __init__(self, volume: Volume) -> None:
+        self._volume = volume
+        self._sector = volume.layout.sector_bytes
+
+    def load(self, first: int) -> Slots:
+        """CardError `card.broken` if its chain is not whole or too long."""
+        return parse(*self._volume.read_chain(first, MAX_BYTES))
+
+    def insert(self, slots: Slots, record: bytes | bytearray) -> None:
+        """Put a new record into a directory, lengthened if need be (`card.full`)."""
+        count, per_sector = len(record) // SLOT, self._sector // SLOT
+        data = bytearray(slots.data)
+        start = slots.free_run(count, per_sector)
+        begin = slots.end
+        if start is None:
+            start = begin
+            if count <= per_sector and start % per_sector + count > per_sector:
+                start += per_sector - start % per_sector
+            self._lengthen(slots, data, start + count)
+            for slot in range(begin, start):
+                data[slot * SLOT : (slot + 1) * SLOT] = _DELETED.ljust(SLOT, b"\0")
+            # What follows the old end mark may be anything: the new one stands behind the record.
+            stop = -(-(start + count) // per_sector) * self._sector
+            data[(start + count) * SLOT : stop] = bytes(stop - (start + count) * SLOT)
+            self._clear_behind(slots, begin, start + count)
+        else:
+            begin = start
+        data[start * SLOT : (start + count) * SLOT] = record
+        for sector in self._sectors(begin, start + count):
+            self._write_sector(slots, data, sector)
+
+    def rewrite(self, slots: Slots, record: Record, size: int, first: int, now: datetime) -> None:
+        """Give a file a new content, in one write."""
+        data = bytearray(slots.data)
+        at = record.slot * SLOT
+        data[at : at + SLOT] = rewritten(bytes(data[at : at + SLOT]), size, first, now)
+        self._write_sector(slots, data, at // self._sector)
+
+    def delete(self, slots: Slots, record: Record) -> None:
+        """Take a record out: first its 8.3 entry, by which the file goes, then the rest."""
+        data = bytearray(slots.data)
+        for slot in range(record.first_slot, record.slot + 1):
+            data[slot * SLOT] = _DELETED[0]
+        for sector in reversed(self._sectors(record.first_slot, record.slot + 1)):
+            self._write_sector(slots, data, sector)
+
+    def _lengthen(self, slots: Slots, data: bytearray, needed: int) -> None:
+        """Append empty clusters until `needed` slots have room."""
+        missing = needed * SLOT - len(data)
+        if missing <= 0:
+            return
+        size = self._volume.layout.cluster_bytes
+        if needed * SLOT > MAX_BYTES:
+            raise failure(
+                "card.too-long", self._volume.device.path, value=needed * SLOT, limit=MAX_BYTES
+            )
+        added = self._volume.table.allocate(-(-missing // size))
+        self._volume.write_clusters(added, bytes(len(added) * size))
+        self._volume.settle()
+        self._volume.table[slots.clusters[-1]] = added[0]
+        self._volume.settle()
+        slots.clusters.extend(added)
+        data.extend(bytes(len(added) * size))
+
+    def _clear_behind(self, slots: Slots, begin: int, end: int) -> None:
+        """Make the sectors behind that of the end mark empty, where the record will go on."""
+        for sector in self._sectors(begin, end)[1:]:
+            if any(slots.data[sector * self._sector : (sector + 1) * self._sector]):
+                self._write_sector(slots, bytearray((sector + 1) * self._sector), sector)
+
+    def _sectors(self, begin: int, end: int) -> range:
+        """The directory's sectors that hold these slots."""
+        return range(begin * SLOT // self._sector, (end * SLOT - 1) // self._sector + 1)
+
+    def _write_sector(self, slots: Slots, data: bytearray, sector: int) -> None:
+        """Write a sector of the directory before anything else that follows."""
+        per_cluster = self._volume.layout.cluster_bytes // self._sector
+        cluster = slots.clusters[sector // per_cluster]
+        where = self._volume.layout.offset(cluster) + sector % per_cluster * self._sector
+        part = memoryview(data)[sector * self._sector : (sector + 1) * self._sector]
+        self._volume.device.write(where, part)
+        self._volume.device.flush()

@@ -1,0 +1,227 @@
+"""A FAT32 image or block device as a card, read and written."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Generator
+from contextlib import contextmanager
+from datetime import datetime
+from pathlib import Path
+
+from passo.card import names
+from passo.card.api import Card, Entry, Reader, Writer, failure, is_removed
+from passo.card.device import Device
+from passo.card.directories import Directories
+from passo.card.directory import (
+    ATTR_ARCHIVE,
+    ATTR_DIRECTORY,
+    ATTR_READ_ONLY,
+    Record,
+    Slots,
+    build,
+    dots,
+)
+from passo.card.fat_files import Extents, FatWriter
+from passo.card.tree import OpenFiles, lookup
+from passo.card.volume import Volume
+from passo.errors import CardError
+
+
+class FatCard(Card):
+    """The FAT32 volume of an image or block device: the first primary partition, or all of it."""
+
+    def __init__(self, path: str | Path, now: Callable[[], datetime] = datetime.now) -> None:
+        """`now()` is the local time that new files get.
+
+        Raises CardError: `card.absent`, `card.busy` (mounted, or a card elsewhere), `card.format`.
+        """
+        self._now = now
+        self._lock = threading.RLock()
+        self._files = OpenFiles()
+        self._writers: set[FatWriter] = set()
+        self._device = Device(path)
+        try:
+            self._volume = Volume(self._device)
+        except BaseException:
+            self._device.close()
+            raise
+        self._directories = Directories(self._volume)
+
+    def list(self, directory: str = "/") -> list[Entry]:
+        with self._lock:
+            first, _ = self._directory(names.split(directory))
+            entries = [record.entry for record in self._directories.load(first).records]
+        return sorted(entries, key=lambda entry: (names.fold(entry.name), entry.name))
+
+    def find(self, path: str) -> Entry:
+        parts = names.split(path)
+        if not parts:
+            return Entry("", "", True, 0, datetime(1980, 1, 1))
+        with self._lock:
+            return self._existing(*self._directory(parts[:-1]), parts[-1])[1].entry
+
+    def open(self, path: str) -> Reader:
+        with self._file(path) as (first, where, name):
+            record = self._existing(first, where, name)[1]
+            full = f"{where}/{record.entry.name}"
+            if record.entry.is_directory:
+                raise failure("card.directory", full)
+            self._files.begin_read(full)
+        extents = Extents(self._volume, record.cluster, record.entry.size, full)
+
+        def fetch(offset: int, into: memoryview) -> None:
+            with self._lock:
+                extents.read_into(offset, into)
+
+        def released() -> None:
+            with self._lock:
+                self._files.end_read(full)
+
+        return Reader(record.entry.size, fetch, released)
+
+    def create(self, path: str) -> Writer:
+        with self._file(path) as (first, where, name):
+            found = self._lookup(self._directories.load(first), name)
+            if found:
+                name = found.entry.name
+                self._check_replaceable(found, f"{where}/{name}")
+            else:
+                names.check(name, path)
+            full = f"{where}/{name}"
+            self._files.begin_write(full)
+
+            def released() -> None:
+                self._files.end_write(full)
+                self._writers.discard(writer)
+
+            try:
+                writer = FatWriter(
+                    self._volume,
+                    full,
+                    lambda cluster, size: self._store(first, where, name, cluster, size),
+                    released,
+                    self._lock,
+                )
+            except BaseException:
+                self._files.end_write(full)
+                raise
+            self._writers.add(writer)
+            return writer
+
+    def remove(self, path: str) -> None:
+        with self._file(path) as (first, where, name):
+            slots, record = self._existing(first, where, name)
+            full = f"{where}/{record.entry.name}"
+            self._check_replaceable(record, full)
+            self._files.check(full)
+            if record.cluster:
+                self._volume.table.check(record.cluster)
+            with self._changing():
+                self._directories.delete(slots, record)
+                if record.cluster:
+                    self._volume.table.release(record.cluster)
+
+    def make_directory(self, path: str) -> None:
+        with self._file(path) as (first, where, name):
+            slots = self._directories.load(first)
+            found = self._lookup(slots, name)
+            if found:
+                raise failure("card.exists", f"{where}/{found.entry.name}")
+            names.check(name, path)
+            with self._changing():
+                entry = self._new_entry(slots, name, is_directory=True, size=0)
+                cluster = self._volume.table.allocate(1)
+                parent = 0 if first == self._volume.layout.root else first
+                try:
+                    self._volume.write_clusters(cluster, dots(cluster[0], parent, entry.modified))
+                    self._volume.settle()
+                    self._directories.insert(slots, build(entry, ATTR_DIRECTORY, cluster[0]))
+                except CardError as error:
+                    if not is_removed(error):
+                        self._volume.table.release(cluster[0])
+                    raise
+
+    @property
+    def free_bytes(self) -> int:
+        with self._lock:
+            return self._volume.table.free * self._volume.layout.cluster_bytes
+
+    def close(self) -> None:
+        with self._lock:
+            for writer in list(self._writers):
+                writer.give_up(failure("card.removed", self._device.path, value="it was unmounted"))
+            self._device.close()
+
+    def _store(self, first: int, where: str, name: str, cluster: int, size: int) -> None:
+        """Name a finished chain: in a new record, or in place of a file's old content."""
+        slots = self._directories.load(first)
+        found = self._lookup(slots, name)
+        if not found:
+            entry = self._new_entry(slots, name, is_directory=False, size=size)
+            self._directories.insert(slots, build(entry, ATTR_ARCHIVE, cluster))
+            return
+        full = f"{where}/{found.entry.name}"
+        self._check_replaceable(found, full)
+        if found.entry.name != name:  # an 8.3 name that was made up since `create`
+            self._files.check(full)
+        if found.cluster:
+            self._volume.table.check(found.cluster)
+        self._directories.rewrite(slots, found, size, cluster, self._now())
+        if found.cluster:
+            self._volume.table.release(found.cluster)
+
+    def _new_entry(self, slots: Slots, name: str, *, is_directory: bool, size: int) -> Entry:
+        taken = {record.entry.short_name for record in slots.records}
+        return Entry(name, names.short_name(name, taken), is_directory, size, self._now())
+
+    @staticmethod
+    def _check_replaceable(record: Record, full: str) -> None:
+        if record.entry.is_directory:
+            raise failure("card.directory", full)
+        if record.attributes & ATTR_READ_ONLY:
+            raise failure("card.read-only", full, value="the file is marked as read-only")
+
+    @staticmethod
+    def _lookup(slots: Slots, name: str) -> Record | None:
+        return lookup(slots.records, name, lambda record: record.entry)
+
+    def _existing(self, first: int, where: str, name: str) -> tuple[Slots, Record]:
+        slots = self._directories.load(first)
+        found = self._lookup(slots, name)
+        if found is None:
+            raise failure("card.not-found", f"{where}/{name}")
+        return slots, found
+
+    def _directory(self, parts: list[str]) -> tuple[int, str]:
+        """The first cluster of a directory, and its path in the card's own spelling."""
+        first, where = self._volume.layout.root, ""
+        seen = {first}
+        for part in parts:
+            record = self._existing(first, where, part)[1]
+            where = f"{where}/{record.entry.name}"
+            if not record.entry.is_directory:
+                raise failure("card.not-directory", where)
+            first = record.cluster
+            if first in seen:
+                raise failure(
+                    "card.broken", where, key="a directory", value="inside itself", limit="a tree"
+                )
+            seen.add(first)
+        return first, where
+
+    @contextmanager
+    def _file(self, path: str) -> Generator[tuple[int, str, str]]:
+        """The directory and its path, and the name in it as asked for, under the lock."""
+        parts = names.split(path)
+        if not parts:
+            raise failure("card.directory", "/")
+        with self._lock:
+            yield *self._directory(parts[:-1]), parts[-1]
+
+    @contextmanager
+    def _changing(self) -> Generator[None]:
+        self._volume.begin()
+        try:
+            yield
+        finally:
+            self._volume.end()

@@ -1,0 +1,283 @@
+"""A folder of the host as a card.
+
+Nothing outside the folder can be reached: every directory on the way is opened from the one before
+it without following symbolic links, and links, devices and pipes are not on the card at all.
+"""
+
+from __future__ import annotations
+
+import errno
+import hashlib
+import os
+import stat
+import threading
+from collections.abc import Callable, Generator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+
+from passo.card import names
+from passo.card.api import Card, Entry, Reader, Writer, failure
+from passo.card.tree import OpenFiles, lookup
+from passo.errors import CardError
+
+_PARTIAL = ".passo-part-"
+"""Begins the name under which a file is written; it depends on the final name alone, so that what
+a power cut leaves behind is overwritten by the next attempt. Such files are not on the card."""
+
+_NAME_MAX = 255
+_LATEST = 0xFFFFFFFF
+"""The latest time of change that is told, in s since 1970: 2106."""
+
+_DIRECTORY = os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC
+_FILE = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
+_NEW = os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_NOFOLLOW | os.O_CLOEXEC
+
+
+def _host_failure(error: OSError, path: str, needed: int = 0) -> CardError:
+    """What an error of the host means for the card."""
+    value = error.strerror or str(error)
+    if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
+        return failure("card.full", path, value=needed or "more", limit="none")
+    if error.errno in (errno.EACCES, errno.EPERM, errno.EROFS):
+        return failure("card.read-only", path, value=value)
+    if error.errno == errno.ENAMETOOLONG:
+        return failure("card.name", path, value=path.rpartition("/")[2], limit="a shorter name")
+    if error.errno in (errno.ENOENT, errno.ENOTDIR, errno.ELOOP):
+        return failure("card.not-found", path)
+    return failure("card.removed", path, value=value)
+
+
+def _check_name(name: str, path: str) -> None:
+    names.check(name, path)
+    limit = ""
+    if len(os.fsencode(name)) > _NAME_MAX:
+        limit = f"at most {_NAME_MAX} bytes in a folder of the host"
+    elif name.startswith(_PARTIAL):
+        limit = f"a name that does not begin with {_PARTIAL}"
+    if limit:
+        raise failure("card.name", path, value=name, limit=limit)
+
+
+@dataclass(frozen=True, slots=True)
+class _Place:
+    """An open directory of a card, its path there, and the check that the card is still mounted."""
+
+    folder: int
+    path: str
+    check_mounted: Callable[[str], object]
+
+
+class FolderCard(Card):
+    """The files below a folder; 8.3 names are made up from the long ones and stay the same."""
+
+    def __init__(self, path: str | Path) -> None:
+        """Raises CardError `card.absent` where `path` is not a folder that can be read."""
+        self._path = str(path)
+        self._lock = threading.RLock()
+        self._files = OpenFiles()
+        try:
+            self._root: int | None = os.open(path, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+        except OSError as error:
+            raise failure("card.absent", self._path, value=error.strerror) from error
+
+    def list(self, directory: str = "/") -> list[Entry]:
+        with self._directory(names.split(directory)) as (folder, _):
+            return self._entries(folder)
+
+    def find(self, path: str) -> Entry:
+        parts = names.split(path)
+        if not parts:
+            return Entry("", "", True, 0, datetime(1980, 1, 1))
+        with self._directory(parts[:-1]) as (folder, where):
+            return self._existing(folder, where, parts[-1])
+
+    def open(self, path: str) -> Reader:
+        with self._file(path) as (folder, where, name):
+            entry = self._existing(folder, where, name)
+            full = f"{where}/{entry.name}"
+            if entry.is_directory:
+                raise failure("card.directory", full)
+            self._files.begin_read(full)
+            try:
+                file = os.open(entry.name, _FILE, dir_fd=folder)
+            except OSError:
+                self._files.end_read(full)
+                raise
+            size = os.fstat(file).st_size
+
+        def fetch(offset: int, into: memoryview) -> None:
+            done = 0
+            while done < len(into):
+                self._opened(full)
+                try:
+                    count = os.preadv(file, [into[done:]], offset + done)
+                except OSError as error:
+                    raise failure("card.removed", full, value=error.strerror) from error
+                if not count:
+                    raise failure("card.removed", full, value=f"it ends at {offset + done} bytes")
+                done += count
+
+        def released() -> None:
+            os.close(file)
+            with self._lock:
+                self._files.end_read(full)
+
+        return Reader(size, fetch, released)
+
+    def create(self, path: str) -> Writer:
+        with self._file(path) as (folder, where, name):
+            found = lookup(self._entries(folder), name, lambda entry: entry)
+            if found and found.is_directory:
+                raise failure("card.directory", f"{where}/{found.name}")
+            if not found:
+                _check_name(name, path)
+            place = _Place(os.dup(folder), where, self._opened)
+            try:
+                return _FolderWriter(place, found.name if found else name, self._files)
+            except BaseException:
+                os.close(place.folder)
+                raise
+
+    def remove(self, path: str) -> None:
+        with self._file(path) as (folder, where, name):
+            entry = self._existing(folder, where, name)
+            if entry.is_directory:
+                raise failure("card.directory", f"{where}/{entry.name}")
+            self._files.check(f"{where}/{entry.name}")
+            os.unlink(entry.name, dir_fd=folder)
+            os.fsync(folder)
+
+    def make_directory(self, path: str) -> None:
+        with self._file(path) as (folder, where, name):
+            found = lookup(self._entries(folder), name, lambda entry: entry)
+            if found:
+                raise failure("card.exists", f"{where}/{found.name}")
+            _check_name(name, path)
+            os.mkdir(name, dir_fd=folder)
+            os.fsync(folder)
+
+    @property
+    def free_bytes(self) -> int:
+        with self._directory([]) as (folder, _):
+            room = os.fstatvfs(folder)
+            return room.f_bavail * room.f_frsize
+
+    def close(self) -> None:
+        with self._lock:
+            if self._root is not None:
+                os.close(self._root)
+                self._root = None
+
+    def _opened(self, path: str) -> int:
+        if self._root is None:
+            raise failure("card.removed", path, value="it was unmounted")
+        return self._root
+
+    @contextmanager
+    def _directory(self, parts: list[str]) -> Generator[tuple[int, str]]:
+        """A descriptor of the directory and its path in the card's own spelling."""
+        path = "/" + "/".join(parts)
+        with self._lock:
+            folder, where = os.dup(self._opened(path)), ""
+            try:
+                for part in parts:
+                    entry = self._existing(folder, where, part)
+                    where = f"{where}/{entry.name}"
+                    if not entry.is_directory:
+                        raise failure("card.not-directory", where)
+                    inner = os.open(entry.name, _DIRECTORY, dir_fd=folder)
+                    os.close(folder)
+                    folder = inner
+                yield folder, where
+            except OSError as error:
+                raise _host_failure(error, path) from error
+            finally:
+                os.close(folder)
+
+    @contextmanager
+    def _file(self, path: str) -> Generator[tuple[int, str, str]]:
+        """The descriptor and path of a file's directory, and the file's name as asked for."""
+        parts = names.split(path)
+        if not parts:
+            raise failure("card.directory", "/")
+        with self._directory(parts[:-1]) as (folder, where):
+            yield folder, where, parts[-1]
+
+    def _existing(self, folder: int, where: str, name: str) -> Entry:
+        found = lookup(self._entries(folder), name, lambda entry: entry)
+        if found is None:
+            raise failure("card.not-found", f"{where}/{name}")
+        return found
+
+    @staticmethod
+    def _entries(folder: int) -> list[Entry]:
+        seen: list[tuple[str, os.stat_result]] = []
+        with os.scandir(folder) as items:
+            for item in items:
+                if names.is_presentable(item.name) and not item.name.startswith(_PARTIAL):
+                    with suppress(FileNotFoundError):
+                        status = item.stat(follow_symlinks=False)
+                        if stat.S_ISREG(status.st_mode) or stat.S_ISDIR(status.st_mode):
+                            seen.append((item.name, status))
+        taken: set[str] = set()
+        entries: list[Entry] = []
+        for name, status in sorted(seen, key=lambda pair: (names.fold(pair[0]), pair[0])):
+            short = names.stable_short_name(name, taken)
+            taken.add(short)
+            directory = stat.S_ISDIR(status.st_mode)
+            modified = datetime.fromtimestamp(min(max(int(status.st_mtime), 0), _LATEST))
+            entries.append(
+                Entry(name, short, directory, 0 if directory else status.st_size, modified)
+            )
+        return entries
+
+
+class _FolderWriter(Writer):
+    """Writes beside the file and takes its place at the end."""
+
+    def __init__(self, place: _Place, name: str, files: OpenFiles) -> None:
+        super().__init__()
+        self._place = place
+        self._name = name
+        self._full = f"{place.path}/{name}"
+        digest = hashlib.blake2b(names.fold(name).encode(), digest_size=12).hexdigest()
+        self._partial = _PARTIAL + digest
+        self._files = files
+        files.begin_write(self._full)
+        try:
+            self._file = os.open(self._partial, _NEW, mode=0o666, dir_fd=place.folder)
+        except OSError:
+            files.end_write(self._full)
+            raise
+
+    def _append(self, data: bytes) -> None:
+        self._place.check_mounted(self._full)
+        left = memoryview(data)
+        try:
+            while left:
+                left = left[os.write(self._file, left) :]
+        except OSError as error:
+            raise _host_failure(error, self._full, needed=len(left)) from error
+
+    def _store(self) -> None:
+        folder = self._place.folder
+        self._place.check_mounted(self._full)
+        try:
+            os.fsync(self._file)
+            os.replace(self._partial, self._name, src_dir_fd=folder, dst_dir_fd=folder)
+            os.fsync(folder)
+        except OSError as error:
+            raise _host_failure(error, self._full) from error
+        self._release()
+
+    def _discard(self) -> None:
+        with suppress(OSError):
+            os.unlink(self._partial, dir_fd=self._place.folder)
+        self._release()
+
+    def _release(self) -> None:
+        os.close(self._file)
+        os.close(self._place.folder)
+        self._files.end_write(self._full)

@@ -1,0 +1,56 @@
+"""What the two kinds of card have in common: lookup of names, and which files are open."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from typing import TypeVar
+
+from passo.card.api import Entry, failure
+from passo.card.names import fold
+
+Item = TypeVar("Item")
+
+
+def lookup(items: Sequence[Item], name: str, entry: Callable[[Item], Entry]) -> Item | None:
+    """The item that has this name exactly, else in another case, else as its 8.3 name."""
+    wanted = fold(name)
+    tests: tuple[Callable[[Entry], bool], ...] = (
+        lambda found: found.name == name,
+        lambda found: fold(found.name) == wanted,
+        lambda found: found.short_name == wanted,
+    )
+    for test in tests:
+        for item in items:
+            if test(entry(item)):
+                return item
+    return None
+
+
+class OpenFiles:
+    """Which files are being read or written, so that none is removed or replaced meanwhile."""
+
+    def __init__(self) -> None:
+        self._read: Counter[str] = Counter()
+        self._written: set[str] = set()
+
+    def check(self, path: str, *, to_read: bool = False) -> None:
+        """Raise `card.busy` if the file is being written, or read where that matters."""
+        if fold(path) in self._written:
+            raise failure("card.busy", path, value="it is being written")
+        if self._read[fold(path)] and not to_read:
+            raise failure("card.busy", path, value="it is being read")
+
+    def begin_read(self, path: str) -> None:
+        self.check(path, to_read=True)
+        self._read[fold(path)] += 1
+
+    def end_read(self, path: str) -> None:
+        self._read[fold(path)] -= 1
+
+    def begin_write(self, path: str) -> None:
+        self.check(path)
+        self._written.add(fold(path))
+
+    def end_write(self, path: str) -> None:
+        self._written.discard(fold(path))

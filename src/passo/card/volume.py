@@ -1,0 +1,111 @@
+"""A mounted FAT32 volume: its clusters, and what brackets every change of it.
+
+While something is being changed the volume is marked as dirty, in bit 27 of the table's entry 1
+(fatgen103, "FAT Data Structure": ClnShutBitMask), and the FSInfo sector is brought up to date
+before the mark goes. A volume that was dirty when it was mounted stays so: what an earlier power
+cut left behind is for a computer to mend.
+"""
+
+from __future__ import annotations
+
+import struct
+
+from passo.card.api import failure
+from passo.card.boot import find_volume
+from passo.card.device import Device
+from passo.card.table import Table
+
+_CLEAN = 1 << 27
+_INFO_LEAD, _INFO_STRUCT, _INFO_TRAIL = 0x41615252, 0x61417272, 0xAA550000
+
+
+class Volume:
+    """The volume on a device, found and checked when it is made (CardError `card.format`)."""
+
+    def __init__(self, device: Device) -> None:
+        self.device = device
+        self.layout = find_volume(device)
+        self.table = Table(device, self.layout)
+        self._was_clean = bool(self.table[1] & _CLEAN)
+        self._changes = 0
+        self._info = self._read_info()
+
+    def read_chain(self, first: int, max_bytes: int) -> tuple[bytearray, list[int]]:
+        """What a chain holds, and its clusters; `card.broken` if that is more than `max_bytes`."""
+        data, clusters = bytearray(), list[int]()
+        for cluster in self.table.chain(first):
+            if len(data) >= max_bytes:
+                raise failure(
+                    "card.broken",
+                    self.device.path,
+                    key="a directory's length",
+                    value=f"more than {len(data)} bytes",
+                    limit=f"at most {max_bytes}",
+                )
+            data += self.device.read(self.layout.offset(cluster), self.layout.cluster_bytes)
+            clusters.append(cluster)
+        return data, clusters
+
+    def write_clusters(self, clusters: list[int], data: bytes | bytearray | memoryview) -> None:
+        """Fill clusters, the last one up with zeros; neighbours go out in one write."""
+        size = self.layout.cluster_bytes
+        view = memoryview(data)
+        begin = 0
+        for at in range(1, len(clusters) + 1):
+            if at == len(clusters) or clusters[at] != clusters[at - 1] + 1:
+                part = view[begin * size : at * size]
+                where = self.layout.offset(clusters[begin])
+                self.device.write(where, part)
+                short = (at - begin) * size - len(part)
+                if short:
+                    self.device.write(where + len(part), bytes(short))
+                begin = at
+
+    def begin(self) -> None:
+        """A change begins: mark the volume. Each call needs one of `end`."""
+        if self.device.read_only:
+            raise failure("card.read-only", self.device.path, value="it is write-protected")
+        if not self._changes:
+            _ = self.table.free  # counted before the first change
+            self._mark(0)
+        self._changes += 1
+
+    def end(self) -> None:
+        """A change has ended, well or not: the table and FSInfo go out, then the mark is taken off
+        unless another change is under way."""
+        self._changes -= 1
+        self.table.commit()
+        if not self._changes:
+            self._write_info()
+            self.device.flush()
+            self._mark(_CLEAN)
+
+    def settle(self) -> None:
+        """A barrier: changes of the table and of clusters so far are on the medium."""
+        self.table.commit()
+        self.device.flush()
+
+    def _mark(self, clean: int) -> None:
+        if self._was_clean:
+            self.table[1] = self.table[1] & ~_CLEAN | clean
+            self.settle()
+
+    def _read_info(self) -> bytearray | None:
+        """The FSInfo sector if it is one (fatgen103, "FAT32 FSInfo Sector Structure")."""
+        if self.layout.info_offset is None:
+            return None
+        info = self.device.read(self.layout.info_offset, 512)
+        signatures = struct.unpack_from("<I480xI", info)
+        if (*signatures, *struct.unpack_from("<I", info, 508)) != (
+            _INFO_LEAD,
+            _INFO_STRUCT,
+            _INFO_TRAIL,
+        ):
+            return None
+        self.table.next_free = struct.unpack_from("<I", info, 492)[0]
+        return info
+
+    def _write_info(self) -> None:
+        if self._info is not None and self.layout.info_offset is not None:
+            struct.pack_into("<II", self._info, 488, self.table.free, self.table.next_free)
+            self.device.write(self.layout.info_offset, self._info)

@@ -1,0 +1,309 @@
+"""Files on the card: list, print, upload, delete. Texts as Marlin's, which hosts know."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from pathlib import PurePosixPath
+from typing import TYPE_CHECKING
+
+from passo.card import Card, Entry, open_card
+from passo.console.session import Session
+from passo.console.upload import Upload
+from passo.errors import CardError, CommandError, PassoError, Problem
+from passo.job.runner import Runner, State
+from passo.printer.waits import Handler, Reply, Wait
+from passo.printer.words import Command
+
+if TYPE_CHECKING:
+    from passo.printer.printer import Printer
+
+PROGRAMS = {".g", ".gc", ".gco", ".gcode", ".nc", ".ngc", ".cnc", ".tap"}  # listed by M20
+AUTOSTART = "auto0.g"
+_DEEPEST = 8  # directories that M20 goes down
+_ESCAPE = re.compile(r"\\([0-9A-Fa-f]{2})")
+
+
+class CardCommands:
+    """M20 to M36, M524, M928. `path` is the card; None: there is none."""
+
+    def __init__(self, printer: Printer, runner: Runner, path: str | None) -> None:
+        self._printer, self._runner, self._path = printer, runner, path
+        self._card: Card | None = None
+        self._directory = PurePosixPath("/")
+        self.handlers: dict[str, Handler] = {
+            code: _guarded(action)
+            for code, action in (
+                ("M20", self._list),
+                ("M21", self._mount),
+                ("M22", self._release),
+                ("M23", self._select),
+                ("M24", self._start),
+                ("M25", self._pause),
+                ("M26", self._seek),
+                ("M27", self._progress),
+                ("M28", self._upload),
+                ("M29", self._end_upload),
+                ("M30", self._delete),
+                ("M32", self._select_and_start),
+                ("M33", self._long_name),
+                ("M34", _no_sorting),
+                ("M36", self._info),
+                ("M524", self._cancel),
+                ("M928", self._log),
+            )
+        }
+
+    # -- the card ---------------------------------------------------------------------------------
+
+    @property
+    def card(self) -> Card:
+        """The card that is mounted. Raises CardError if there is none."""
+        if self._card is None:
+            self.mount()
+        assert self._card is not None
+        return self._card
+
+    def mount(self) -> None:
+        """Opens the card anew. Raises CardError."""
+        self.unmount()
+        if self._path is None:
+            raise CardError([Problem("card.absent", values={"value": "start with --sd"})])
+        self._card = open_card(self._path)
+
+    def unmount(self) -> None:
+        """Leaves the card. Raises CommandError while a file of it is printed."""
+        self._runner.release()
+        if self._card is not None:
+            self._card.close()
+            self._card = None
+        self._directory = PurePosixPath("/")
+
+    def autostart(self) -> None:
+        """Starts `auto0.g` if the card holds it."""
+        try:
+            self.card.find(AUTOSTART)
+        except CardError:
+            return
+        self._open(AUTOSTART)
+        self._runner.start()
+
+    def _mount(self, _: str, reply: Reply) -> None:
+        if self._card is None or not self._runner.active:
+            self.mount()
+        reply.say("SD card ok")
+
+    def _release(self, _: str, reply: Reply) -> None:
+        self.unmount()
+        reply.say("SD card released")
+
+    # -- names ------------------------------------------------------------------------------------
+
+    def _place(self, name: str) -> str:
+        return str(self._directory / name)
+
+    def _existing(self, text: str, letter: str = "F") -> str:
+        """The path that a command names: the exact name first, then what follows the letter."""
+        name = _unquoted(text)
+        if not name:
+            raise CommandError([Problem("card.no-name")])
+        try:
+            self.card.find(self._place(name))
+        except CardError:
+            if name[:1].upper() != letter or len(name) == 1:
+                raise
+            name = _unescaped(name[1:])
+            self.card.find(self._place(name))
+        return self._place(name)
+
+    # -- commands ---------------------------------------------------------------------------------
+
+    def _list(self, text: str, reply: Reply) -> None:
+        if text[:1].upper() == "D":
+            directory = self._place(_unescaped(text[1:]))
+            for entry in self.card.list(directory):
+                reply.say(f"{'d' if entry.is_directory else 'f'} {entry.name}")
+            return
+        flags = text.upper().split()
+        reply.say("Begin file list")
+        for directory, entry in self._programs(PurePosixPath("/"), _DEEPEST):
+            line = f"{directory}{entry.short_name} {entry.size}"
+            if "T" in flags:
+                line += f" 0x{entry.fat_timestamp:08X}"
+            if "L" in flags:
+                line += f' "{entry.name}"'
+            reply.say(line)
+        reply.say("End file list")
+
+    def _programs(self, at: PurePosixPath, deepest: int) -> Iterator[tuple[str, Entry]]:
+        """All G-code files with the short names of their directories in front."""
+        stack = [(str(at), "")]
+        while stack:
+            path, shown = stack.pop()
+            for entry in self.card.list(path):
+                if entry.name.startswith("."):
+                    continue
+                if entry.is_directory:
+                    if shown.count("/") < deepest:
+                        stack.append((f"{path}/{entry.name}", f"{shown}{entry.short_name}/"))
+                elif PurePosixPath(entry.name.lower()).suffix in PROGRAMS:
+                    yield shown, entry
+
+    def _select(self, text: str, reply: Reply) -> None:
+        letter, rest = text[:1].upper(), _unescaped(text[1:])
+        try:
+            path = self._existing(text)
+        except CardError:
+            if letter == "R" and not rest:
+                self._directory = PurePosixPath("/")
+                return
+            if letter != "D":
+                raise
+            self.card.list(self._place(rest))
+            self._directory = self._directory / rest
+            return
+        self._open(path)
+        reply.say(f"File opened: {self._runner.name} Size: {self._runner.size}")
+        reply.say("File selected")
+
+    def _open(self, path: str) -> None:
+        self._runner.select(self.card.find(path).name, self.card.open(path))
+
+    def _select_and_start(self, text: str, reply: Reply) -> None:
+        self._select(text, reply)
+        self._runner.start()
+
+    def _start(self, text: str, _: Reply) -> None:
+        words = _numbers(text)
+        if "S" in words and self._runner.state is not State.PAUSED:
+            self._runner.seek(int(words["S"]))
+        self._runner.start()
+
+    def _pause(self, _: str, __: Reply) -> None:
+        self._runner.pause()
+
+    def _seek(self, text: str, _: Reply) -> None:
+        offset = int(_numbers(text).get("S", 0))
+        if self._runner.state is State.PAUSED and offset == 0:
+            self._runner.cancel()  # a host that cancels: M25, M26 S0
+            return
+        self._runner.seek(offset)
+
+    def _progress(self, text: str, reply: Reply) -> None:
+        words = _numbers(text)
+        if text.strip().upper() == "C":
+            name = self._runner.name
+            reply.say(f"Current file: {name}" if name else "Current file: (no file)")
+        elif "S" in words and isinstance(reply, Session):
+            reply.every("card", words["S"], lambda: reply.hear(self.progress()))
+        else:
+            reply.say(self.progress())
+
+    def progress(self) -> str:
+        """As hosts read it."""
+        if not self._runner.active:
+            return "Not SD printing"
+        return f"SD printing byte {self._runner.offset}/{self._runner.size}"
+
+    def _upload(self, text: str, reply: Reply) -> None:
+        self._begin_writing(text, reply, log=False)
+
+    def _log(self, text: str, reply: Reply) -> None:
+        self._begin_writing(text, reply, log=True)
+
+    def _begin_writing(self, text: str, reply: Reply, *, log: bool) -> None:
+        if not isinstance(reply, Session):
+            raise CommandError([Problem("card.no-console")])
+        name = _unquoted(text)
+        upload = Upload(None, name, log=log)
+        if not log:
+            reply.upload = upload  # whatever goes wrong: what follows is not to be carried out
+        if not name:
+            raise CommandError([Problem("card.no-name")])
+        upload.name = self._new_name(name, strict=reply.strict)
+        upload.writer = self.card.create(self._place(upload.name))
+        reply.upload = upload
+        reply.say(f"Writing to file: {upload.name}")
+
+    def _new_name(self, name: str, *, strict: bool) -> str:
+        for known in (name, _unescaped(name[1:]) if name[:1] in "Ff" else name):
+            try:
+                self.card.find(self._place(known))
+            except CardError:
+                continue
+            return known
+        return _unescaped(name[1:]) if strict and name[:1] in "Ff" else name
+
+    def _end_upload(self, _: str, reply: Reply) -> None:
+        if not isinstance(reply, Session) or reply.upload is None:
+            return
+        upload, reply.upload = reply.upload, None
+        try:
+            if upload.finish():
+                reply.say("Done saving file.")
+        except CardError as error:
+            reply.fail(f"error writing to file {upload.name}: {error}")
+
+    def _delete(self, text: str, reply: Reply) -> None:
+        if self._runner.printing_from(reply):
+            self._printer.commands.ended = True  # in a program M30 is its end
+            return
+        path = self._existing(text)
+        try:
+            self.card.remove(path)
+        except CardError as error:
+            reply.fail(f"Deletion failed, File: {_unquoted(text)}. {error}")
+            return
+        reply.say(f"File deleted:{_unquoted(text)}")
+
+    def _long_name(self, text: str, reply: Reply) -> None:
+        if not text.strip():
+            self._runner.cancel()
+            return
+        path = PurePosixPath(self._existing(text))
+        parts = ["/"]
+        for part in path.parts[1:]:
+            parts.append(self.card.find(str(PurePosixPath(*parts, part))).name)
+        reply.say(str(PurePosixPath(*parts)))
+
+    def _info(self, text: str, reply: Reply) -> None:
+        entry = self.card.find(self._existing(text) if text.strip() else self._runner.name)
+        reply.say(
+            f"File: {entry.name} Short: {entry.short_name} Size: {entry.size}"
+            f" Modified: {entry.modified:%Y-%m-%d %H:%M:%S}"
+        )
+
+    def _cancel(self, _: str, __: Reply) -> None:
+        self._runner.cancel()
+
+
+def _guarded(action: Callable[[str, Reply], None]) -> Handler:
+    def handler(command: Command, reply: Reply) -> Wait | None:
+        try:
+            action(command.text, reply)
+        except PassoError as error:
+            if command.code in ("M23", "M32"):
+                reply.fail(f"file.open failed, File: {_unquoted(command.text)}. {error}")
+            else:
+                reply.fail(str(error))
+        return None
+
+    return handler
+
+
+def _no_sorting(_: str, reply: Reply) -> None:
+    reply.say("echo:Files are always listed by name")
+
+
+def _numbers(text: str) -> dict[str, float]:
+    return Command(0, "", 0, 0, "", text).words()
+
+
+def _unquoted(text: str) -> str:
+    name = text.strip()
+    return name[1:-1] if len(name) > 1 and name[0] == name[-1] == '"' else name
+
+
+def _unescaped(text: str) -> str:
+    """`\\HH` is the byte of that number, in APrinter's strings."""
+    return _ESCAPE.sub(lambda m: chr(int(m[1], 16)), text.strip())

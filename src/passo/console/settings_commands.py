@@ -1,0 +1,112 @@
+"""M500 to M504: settings as commands that bring them back."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from passo.errors import CommandError, Problem
+from passo.job.settings import Store
+from passo.printer.waits import Handler, Reply, Silence, Wait
+from passo.printer.words import Command
+
+if TYPE_CHECKING:
+    from passo.printer.printer import Printer
+
+
+class SettingsCommands:
+    """The settings of one printer; `store` keeps them, None: nothing does."""
+
+    def __init__(self, printer: Printer, store: Store | None) -> None:
+        self._printer, self._store = printer, store
+        self._defaults = list(self.lines())
+        self.planned: dict[str, Handler] = {
+            "M500": self._save,
+            "M501": self._load,
+            "M502": self._reset,
+            "M503": self._report,
+            "M504": self._check,
+        }
+
+    def groups(self) -> Iterator[tuple[str, list[str]]]:
+        """Headings, each with the commands that bring its settings back."""
+        motion, heat, job = self._printer.motion, self._printer.heat, self._printer.job
+        yield "Steps per unit", [motion.scale_line()]
+        yield "Maximum feedrates (units/s)", [motion.axis_limit_line("speed")]
+        yield "Maximum acceleration (units/s2)", [motion.axis_limit_line("accel")]
+        yield "Acceleration (units/s2)", [motion.acceleration_line()]
+        yield "Junction deviation", [motion.junction_line()]
+        yield "Home offset", [motion.home_offset_line()]
+        if len(job.tool_offsets) > 1:
+            yield "Tool offsets", list(motion.tool_offset_lines())
+        yield "Material presets", list(heat.preset_lines())
+        mm, feed, hop, extra, back = job.retraction
+        yield (
+            "Firmware retraction",
+            [
+                f"M207 S{mm:.10g} F{feed * 60:.10g} Z{hop:.10g} R{extra:.10g}",
+                *([f"M208 S{extra:.10g} F{back * 60:.10g}"] if back > 0 else []),
+            ],
+        )
+        yield "Cold extrusion", [f"M302 S{heat.cold_c:.10g} P{int(heat.cold_allowed)}"]
+
+    def lines(self) -> Iterator[str]:
+        """All settings as commands."""
+        for _, commands in self.groups():
+            yield from commands
+
+    def restore(self, lines: list[str]) -> None:
+        """Carries out stored commands. Whoever calls has the turn."""
+        for line in lines:
+            self._printer.take_setting(line, Silence())
+
+    def load_at_start(self) -> None:
+        """Takes the stored settings; what must not be used is told, and the defaults stay."""
+        try:
+            stored = self._store.load() if self._store else None
+        except CommandError as error:
+            self._printer.tell(f"echo:{error}")
+            return
+        if stored is not None:
+            self.restore(stored)
+
+    def _needed(self) -> Store:
+        if self._store is None:
+            raise CommandError([Problem("settings.nowhere")])
+        return self._store
+
+    def _save(self, _: Command, reply: Reply) -> Wait | None:
+        lines = list(self.lines())
+        crc = self._needed().save(lines)
+        size = sum(len(line) + 1 for line in lines)
+        reply.say(f"echo:Settings Stored ({size} bytes; crc {crc})")
+        return None
+
+    def _load(self, _: Command, reply: Reply) -> Wait | None:
+        stored = self._needed().load()
+        if stored is None:
+            raise CommandError([Problem("settings.none")])
+        self.restore(stored)
+        reply.say(f"echo:Stored settings retrieved ({len(stored)} commands)")
+        return None
+
+    def _reset(self, _: Command, reply: Reply) -> Wait | None:
+        self.restore(self._defaults)
+        reply.say("echo:Factory Settings Loaded")
+        return None
+
+    def _report(self, command: Command, reply: Reply) -> Wait | None:
+        headings = command.words().get("S", 1) != 0
+        for heading, lines in self.groups():
+            if headings:
+                reply.say(f"; {heading}")
+            for line in lines:
+                reply.say(line)
+        return None
+
+    def _check(self, _: Command, reply: Reply) -> Wait | None:
+        stored = self._needed().load()
+        if stored is None:
+            raise CommandError([Problem("settings.none")])
+        reply.say(f"echo:Stored settings are sound ({len(stored)} commands)")
+        return None

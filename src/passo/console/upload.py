@@ -1,0 +1,41 @@
+"""Lines of a console on their way into a file."""
+
+from __future__ import annotations
+
+from passo.card import Writer
+from passo.errors import CardError
+
+
+class Upload:
+    """Lines of one console that go into a file instead of being carried out, until M29; with `log`
+    they are carried out as well. Without a writer, because none could be opened, they go nowhere.
+    """
+
+    def __init__(self, writer: Writer | None, name: str, *, log: bool = False) -> None:
+        self.writer, self.name, self.log = writer, name, log
+        self.numbered = False  # its lines come with numbers
+        self._failure: CardError | None = None
+
+    def write(self, text: str) -> None:
+        """Takes one line. A failure shows in `finish`."""
+        if self.writer is None or self._failure:
+            return
+        try:
+            self.writer.write(text.encode("ascii", "replace") + b"\n")
+        except CardError as error:
+            self._failure = error
+
+    def finish(self) -> bool:
+        """Makes the file durable; False if there is none. Raises CardError: then the card holds
+        what it held before."""
+        if self.writer is None:
+            return False
+        if self._failure:
+            raise self._failure
+        self.writer.close()
+        return True
+
+    def abort(self) -> None:
+        """The card holds what it held before."""
+        if self.writer is not None:
+            self.writer.abort()

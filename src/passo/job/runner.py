@@ -1,0 +1,293 @@
+"""A file on its way through the printer: start, pause, resume, cancel."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from enum import Enum
+from typing import TYPE_CHECKING, Protocol
+
+from passo import _core
+from passo.errors import CommandError, PassoError, Problem
+from passo.job.park import Park
+from passo.printer.faults import problem_of
+from passo.printer.printer import Stopped
+from passo.printer.waits import Reply
+from passo.printer.words import Command
+
+if TYPE_CHECKING:
+    from passo.printer.printer import Printer
+
+_CHUNK = 1 << 14  # bytes read at a time
+_AHEAD_S = 4.0  # of planned print time in one stretch
+_MOST_MESSAGES = 4096  # and so many for the board
+
+
+class Reader(Protocol):
+    """An open file to print."""
+
+    size: int
+
+    def read(self, size: int, /) -> bytes:
+        """The next bytes; empty at the end. Raises PassoError."""
+        ...
+
+    def seek(self, offset: int, /) -> int:
+        """The next read begins here."""
+        ...
+
+    def close(self) -> None:
+        """No more reads."""
+
+
+class State(Enum):
+    """What becomes of the selected file."""
+
+    NONE = "no file is selected"
+    READY = "a file is selected"
+    PRINTING = "printing"
+    PAUSED = "paused"
+
+
+class Runner:
+    """Prints one file at a time, with all consoles alive beside it. To be used within the printer's
+    event loop. `reply` hears what the file's commands answer."""
+
+    def __init__(self, printer: Printer, reply: Reply) -> None:
+        self._printer, self._reply = printer, reply
+        self._park = Park(printer)
+        self._reader: Reader | None = None
+        self._task: asyncio.Task[None] | None = None
+        self._resumed = asyncio.Event()
+        self._begin = 0  # offset of the first byte fed since the source was restarted
+        self._returns = False  # a pause is over, its end is still to be done
+        self._failed = ""
+        self._state = State.NONE
+        self.watchers: list[Callable[[State], None]] = []
+        self.name = ""
+        printer.busy = lambda: self.active
+        printer.fault_listeners.append(lambda _: self.pause())
+
+    @property
+    def state(self) -> State:
+        """What becomes of the selected file."""
+        return self._state
+
+    @state.setter
+    def state(self, state: State) -> None:
+        if state is not self._state:
+            self._state = state
+            for watcher in self.watchers:
+                watcher(state)
+
+    # -- what may be asked ------------------------------------------------------------------------
+
+    @property
+    def size(self) -> int:
+        """Bytes of the selected file."""
+        return self._reader.size if self._reader else 0
+
+    @property
+    def offset(self) -> int:
+        """Bytes of it that were read and planned."""
+        job = self._printer.job
+        job.select(False)
+        return self._begin + job.offset
+
+    @property
+    def progress(self) -> float | None:
+        """Share of the print that is done; None if none is under way."""
+        return self.offset / self.size if self.active and self.size else None
+
+    def printing_from(self, reply: Reply) -> bool:
+        """Whether a command comes from the file that is printed."""
+        return self.state is State.PRINTING and reply is self._reply
+
+    @property
+    def active(self) -> bool:
+        """A print is under way, or paused."""
+        return self.state in (State.PRINTING, State.PAUSED)
+
+    # -- what may be done -------------------------------------------------------------------------
+
+    def select(self, name: str, reader: Reader) -> None:
+        """The file to print next. Raises CommandError while one is printed."""
+        self._refuse_if_active()
+        if self._reader:
+            self._reader.close()
+        self.name, self._reader, self.state = name, reader, State.READY
+        self._rewind(0)
+
+    def release(self) -> None:
+        """No file is selected any more. Raises CommandError while one is printed."""
+        self._refuse_if_active()
+        if self._reader:
+            self._reader.close()
+        self.name, self._reader, self.state = "", None, State.NONE
+
+    def seek(self, offset: int) -> None:
+        """The next start begins at this byte. Raises CommandError."""
+        self._refuse_if_active()
+        if self._reader is None:
+            raise _refusal("job.no-file")
+        self._rewind(min(max(offset, 0), self._reader.size))
+
+    def start(self) -> None:
+        """Starts the selected file where it stands, or ends a pause. Raises CommandError."""
+        if self.state is State.PAUSED:
+            self.state = State.PRINTING
+            self._resumed.set()
+            return
+        self._refuse_if_active()
+        if self._reader is None:
+            raise _refusal("job.no-file")
+        self.state = State.PRINTING
+        self._resumed.clear()
+        self._task = asyncio.get_running_loop().create_task(self._print())
+
+    def pause(self) -> None:
+        """Brakes to a stop on the path at once; `start` goes on from there."""
+        if self.state is State.PRINTING:
+            self.state = State.PAUSED
+            self._returns = True
+            self._resumed.clear()
+            self._printer.drive.hold()
+            self._printer.job.suspend()
+
+    def cancel(self) -> None:
+        """Ends the print: brakes to a stop, heaters and fans off. The file stays selected, from its
+        beginning."""
+        if not self.active:
+            return
+        printer = self._printer
+        self.state = State.READY
+        printer.stop()
+        if printer.job.suspended:
+            printer.job.forget_suspended()
+        self._resumed.set()
+        for heater in printer.heaters:
+            printer.set_target_now(heater, 0.0)
+        printer.drive.before_moves()
+        printer.commands.fans_off()
+        printer.drive.after_moves()
+        self._rewind(0)
+
+    def _refuse_if_active(self) -> None:
+        if self.active:
+            raise CommandError([Problem("job.printing", values={"value": self.name})])
+
+    def _rewind(self, offset: int) -> None:
+        job = self._printer.job
+        job.select(False)
+        job.restart()
+        self._begin = offset
+        if self._reader:
+            self._reader.seek(offset)
+
+    # -- the print --------------------------------------------------------------------------------
+
+    async def _print(self) -> None:
+        printer = self._printer
+        self._failed = ""
+        self._returns = False
+        try:
+            while self.active:
+                if self.state is State.PAUSED:
+                    await self._stand_aside()
+                await printer.turn.wait()
+                try:
+                    ended = await self._stretch()
+                finally:
+                    printer.turn.give()
+                if ended:
+                    break
+        except (Stopped, PassoError) as error:
+            self._failed = str(error)
+        self._end()
+
+    def _end(self) -> None:
+        printer = self._printer
+        if not self.active:
+            return  # cancelled
+        self.state = State.READY
+        if self._failed:
+            printer.tell(f"echo:Print of {self.name} stopped: {self._failed}")
+        else:
+            printer.tell("Done printing file")
+
+    async def _stand_aside(self) -> None:
+        """Parks, and waits until the pause is over."""
+        printer = self._printer
+        await printer.turn.wait()
+        try:
+            if self.state is State.PAUSED:
+                await self._park.leave()
+        finally:
+            printer.turn.give()
+        await self._resumed.wait()
+
+    async def _stretch(self) -> bool:
+        """Plans as far ahead as is useful; True at the end of the file. With the turn."""
+        printer = self._printer
+        job, drive = printer.job, printer.drive
+        await drive.until(
+            lambda: not drive.full or self.state is not State.PRINTING or bool(printer.halted)
+        )
+        printer.raise_if_halted()
+        if self.state is not State.PRINTING:
+            return False
+        if self._returns:
+            await self._park.come_back()
+            if self.state is not State.PRINTING:
+                return False
+            self._returns = False
+            drive.before_moves()
+            job.resume()
+            drive.after_moves()
+        printer.select(console=False)
+        drive.before_moves()
+        try:
+            found = job.advance(drive.now + _AHEAD_S * drive.hz, _MOST_MESSAGES)
+        finally:
+            drive.after_moves()
+        return await self._answer(found)
+
+    async def _answer(self, found: _core.JobStatus) -> bool:
+        """What made the interpreter stop."""
+        printer, job = self._printer, self._printer.job
+        status = _core.JobStatus
+        if found == status.NEED_INPUT:
+            assert self._reader is not None
+            data = self._reader.read(_CHUNK)
+            if data:
+                job.feed(data)
+            else:
+                job.finish()
+        elif found == status.EVENT:
+            wait = printer.run_command(Command(*job.event), self._reply)
+            if wait is not None:
+                await printer.wait(wait, self._reply)
+            if printer.commands.ended:
+                printer.commands.ended = False
+                return await self._finish()
+        elif found == status.ERROR:
+            problem = problem_of(job, self.name)
+            job.abandon()
+            raise CommandError([problem])
+        elif found == status.END:
+            return await self._finish()
+        return False
+
+    async def _finish(self) -> bool:
+        """Lets the last moves end; a pause in them still counts."""
+        drive = self._printer.drive
+        self._printer.drive.flush()
+        await drive.until(
+            lambda: drive.standing or self.state is not State.PRINTING or bool(self._printer.halted)
+        )
+        self._printer.raise_if_halted()
+        return self.state is State.PRINTING
+
+
+def _refusal(code: str) -> CommandError:
+    return CommandError([Problem(code)])

@@ -1,0 +1,83 @@
+"""Stored settings: commands that bring them back, in a file that is whole or refused."""
+
+from __future__ import annotations
+
+import json
+import os
+import zlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, cast
+
+from passo.errors import CommandError, Problem
+
+VERSION = 1
+_LARGEST = 1 << 20
+
+
+@dataclass(frozen=True, slots=True)
+class Store:
+    """The settings file of one machine. A file of another machine, of another version, or damaged
+    is refused with the reason."""
+
+    path: Path
+    uuid: str
+
+    def save(self, lines: list[str]) -> int:
+        """Stores commands; returns their checksum. When this returns they survive a power cut; if
+        it raises CommandError, the file holds what it held before."""
+        text = "\n".join(lines)
+        crc = zlib.crc32(text.encode())
+        content = {"version": VERSION, "machine": self.uuid, "crc": crc, "settings": lines}
+        temporary = self.path.with_name(self.path.name + ".new")
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            with temporary.open("w") as file:
+                json.dump(content, file, indent=1)
+                file.flush()
+                os.fsync(file.fileno())
+            temporary.replace(self.path)
+            directory = os.open(self.path.parent, os.O_RDONLY)
+            try:
+                os.fsync(directory)
+            finally:
+                os.close(directory)
+        except OSError as error:
+            raise _refused("settings.unwritable", self.path, str(error.strerror)) from None
+        return crc
+
+    def load(self) -> list[str] | None:
+        """The stored commands; None if nothing is stored. Raises CommandError with the reason if
+        the file must not be used."""
+        try:
+            with self.path.open("rb") as file:
+                raw = file.read(_LARGEST + 1)
+        except FileNotFoundError:
+            return None
+        except OSError as error:
+            raise _refused("settings.unreadable", self.path, str(error.strerror)) from None
+        try:
+            content: Any = json.loads(raw) if len(raw) <= _LARGEST else None
+        except ValueError:
+            content = None
+        if not isinstance(content, dict):
+            raise _refused("settings.unreadable", self.path, "it is torn, or no settings file")
+        table = cast("dict[str, Any]", content)
+        lines = table.get("settings")
+        if table.get("version") != VERSION:
+            reason = f"it has version {table.get('version')}, not {VERSION}"
+        elif table.get("machine") != self.uuid:
+            reason = "it belongs to another machine"
+        elif not isinstance(lines, list) or not all(
+            isinstance(x, str) for x in cast("list[object]", lines)
+        ):
+            reason = "it holds no commands"
+        elif zlib.crc32("\n".join(cast("list[str]", lines)).encode()) != table.get("crc"):
+            reason = "its checksum is wrong"
+        else:
+            return cast("list[str]", lines)
+        raise _refused("settings.unreadable", self.path, reason)
+
+
+def _refused(code: str, path: Path, reason: str) -> CommandError:
+    return CommandError([Problem(code, str(path), values={"value": reason})])

@@ -1,0 +1,177 @@
+"""Temperatures and fans: set, wait, presets, cold extrusion, faults."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from passo.errors import CommandError, Problem
+from passo.printer.waits import Handler, Reply, Temperatures, Wait
+from passo.printer.words import Command
+
+if TYPE_CHECKING:
+    from passo.printer.printer import Printer
+
+_COLD_C = 170.0  # filament does not move below it, unless M302 says otherwise
+_LETTERED = re.compile(r"([TPBC])\s*(\d*)", re.IGNORECASE)
+_PRESET_MARGIN_C = 15.0  # presets stay so far below a heater's limit
+
+
+class Preset:
+    """A material of M145: hotend and bed in °C, fan 0 to 255."""
+
+    def __init__(self, hotend_c: float, bed_c: float, fan: float) -> None:
+        self.hotend_c, self.bed_c, self.fan = hotend_c, bed_c, fan
+
+
+class HeatCommands:
+    """Heaters and fans of one printer. Set-points take effect in step with the moves; with F, or
+    where the command waits, at once."""
+
+    def __init__(self, printer: Printer) -> None:
+        self._printer = printer
+        self._machine = printer.machine
+        self.presets = [Preset(190, 60, 255), Preset(235, 100, 0), Preset(230, 80, 128)]
+        self.cold_c = _COLD_C
+        self.cold_allowed = False
+        self.planned: dict[str, Handler] = {
+            "M104": lambda c, r: self._set(c, "hotend"),
+            "M140": lambda c, r: self._set(c, "bed"),
+            "M141": lambda c, r: self._set(c, "chamber"),
+            "M109": lambda c, r: self._set_and_wait(c, "hotend"),
+            "M190": lambda c, r: self._set_and_wait(c, "bed"),
+            "M191": lambda c, r: self._set_and_wait(c, "chamber"),
+            "M116": lambda c, r: self._wait(c),
+        }
+        self.immediate: dict[str, Handler] = {
+            "M145": self._preset,
+            "M302": self._cold_extrusion,
+            "M922": self._rearm,
+        }
+
+    # -- set-points -------------------------------------------------------------------------------
+
+    def named(self, kind: str, words: dict[str, float]) -> str:
+        """The heater of a kind that T, or else P, numbers. Raises CommandError if there is none."""
+        names = [n for n, h in self._machine.heaters.items() if h.kind == kind]
+        number = words.get("T", words.get("P"))
+        if kind == "hotend" and number is None:
+            number = min(self._printer.job.tool, max(len(names) - 1, 0))
+        index = int(number or 0)
+        if not 0 <= index < len(names):
+            raise _refusal("heat.unknown", axis=kind, value=index, limit=len(names))
+        return names[index]
+
+    def _target(self, name: str, target: float | None) -> float:
+        """The target to set; without one, and outside of the safe range, the heater goes off."""
+        heater = self._machine.heaters[name]
+        if target is None or target <= 0:
+            return 0.0
+        if not heater.min_c <= target <= heater.max_c:
+            self._printer.set_target_now(name, 0.0)
+            limit = f"{heater.min_c:g} to {heater.max_c:g}"
+            raise _refusal("heat.unsafe-target", axis=name, value=target, limit=limit)
+        return target
+
+    def _set(self, command: Command, kind: str) -> Wait | None:
+        words = command.words()
+        if not self._exists(kind, words):
+            return None
+        name = self.named(kind, words)
+        target = self._target(name, words.get("S", words.get("R")))
+        if re.search(r"\bF", command.text, re.IGNORECASE):
+            self._printer.set_target_now(name, target)
+        else:
+            self._printer.set_target(name, target)
+        return None
+
+    def _exists(self, kind: str, words: dict[str, float]) -> bool:
+        """A machine without such heaters lets the command pass, if it names none."""
+        any_there = any(h.kind == kind for h in self._machine.heaters.values())
+        return any_there or "T" in words or "P" in words
+
+    def _set_and_wait(self, command: Command, kind: str) -> Wait | None:
+        words = command.words()
+        if not self._exists(kind, words):
+            return None
+        name = self.named(kind, words)
+        if "S" in words or "R" in words:
+            target = self._target(name, words.get("S", words.get("R")))
+            self._printer.set_target(name, target)
+        return Temperatures((name,), cooling="R" in words)
+
+    def _wait(self, command: Command) -> Wait | None:
+        kinds = {"T": "hotend", "P": "hotend", "B": "bed", "C": "chamber"}
+        names: list[str] = []
+        for letter, number in _LETTERED.findall(command.text):
+            words = {"P": float(number or 0)}
+            names.append(self.named(kinds[letter.upper()], words))
+        heaters = names or self._printer.heaters
+        return Temperatures(tuple(heaters), cooling=True)
+
+    # -- presets, cold extrusion ------------------------------------------------------------------
+
+    def _preset(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        index = int(words.get("S", -1))
+        if "S" not in words:
+            for line in self.preset_lines():
+                reply.say(line)
+            return None
+        if not 0 <= index < len(self.presets):
+            raise _refusal("command.value", axis="S", value=index, limit="0 to 2")
+        preset = self.presets[index]
+        preset.hotend_c = min(words.get("H", preset.hotend_c), self._most("hotend"))
+        preset.bed_c = min(words.get("B", preset.bed_c), self._most("bed"))
+        preset.fan = min(max(words.get("F", preset.fan), 0.0), 255.0)
+        return None
+
+    def _most(self, kind: str) -> float:
+        limits = [h.max_c for h in self._machine.heaters.values() if h.kind == kind]
+        return min(limits, default=1200.0) - _PRESET_MARGIN_C
+
+    def preset_lines(self) -> Iterable[str]:
+        """The presets as commands."""
+        for i, p in enumerate(self.presets):
+            yield f"M145 S{i} H{p.hotend_c:g} B{p.bed_c:g} F{p.fan:g}"
+
+    def _cold_extrusion(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        if "S" in words:
+            self.cold_c = max(words["S"], 0.0)
+            self.cold_allowed = self.cold_c == 0
+        if "P" in words:
+            self.cold_allowed = words["P"] != 0
+        if not words:
+            state = "enabled" if self.cold_allowed else "disabled"
+            reply.say(f"echo:Cold extrudes are {state} (min temp {self.cold_c:g}C)")
+        self.guard_extrusion()
+        return None
+
+    def guard_extrusion(self) -> None:
+        """Tells the interpreter whether filament may move."""
+        self._printer.job.cold = not self.warm()
+
+    def warm(self) -> bool:
+        """The active tool's hotend lets filament move."""
+        if self.cold_allowed:
+            return True
+        names = [n for n, h in self._machine.heaters.items() if h.kind == "hotend"]
+        if not names:
+            return True
+        name = names[min(self._printer.job.tool, len(names) - 1)]
+        return self._printer.connection.heaters[name].celsius >= self.cold_c
+
+    # -- faults -----------------------------------------------------------------------------------
+
+    def _rearm(self, _: Command, reply: Reply) -> Wait | None:
+        for name, heater in self._printer.connection.heaters.items():
+            if heater.fault is not None:
+                heater.rearm()
+                reply.say(f"echo:Heater {name} is armed again, target {heater.target:g} C")
+        return None
+
+
+def _refusal(code: str, **values: object) -> CommandError:
+    return CommandError([Problem(code, values=values)])

@@ -1,0 +1,226 @@
+"""Limits, scales, offsets and overrides of motion."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from passo.config.drives import axis_order
+from passo.errors import CommandError, Problem
+from passo.printer.waits import Handler, Reply, Still, Wait
+from passo.printer.words import Command
+
+if TYPE_CHECKING:
+    from passo.printer.printer import Printer
+
+_PERCENT = (10.0, 1000.0)  # of M220
+_BABYSTEP_MM = 2.0  # at most, with one command
+
+
+class MotionCommands:
+    """Settings of motion of one printer. Those that a plan can be made anew for act at once on what
+    the board does not have yet."""
+
+    def __init__(self, printer: Printer) -> None:
+        self._printer = printer
+        self._machine = printer.machine
+        self._axes = axis_order(self._machine.axes)
+        self.home_offset_mm = dict.fromkeys(self._axes, 0.0)
+        self.immediate: dict[str, Handler] = {
+            "M220": self._speed,
+            "M290": self._babystep,
+        }
+        self.planned: dict[str, Handler] = {
+            "M92": self._scales,
+            "M201": lambda c, r: self._axis_limits(c, r, "accel"),
+            "M203": lambda c, r: self._axis_limits(c, r, "speed"),
+            "M204": self._accelerations,
+            "M205": self._junction,
+            "M206": self._home_offsets,
+            "M218": self._tool_offset,
+            "M569": self._drivers,
+        }
+
+    # -- scales and limits ------------------------------------------------------------------------
+
+    def _places(self, letter: str) -> list[int]:
+        """Numbers, in the core's order, of the motors that a letter means."""
+        rows = self._machine.core_spec()["steppers"]
+        name = letter.lower()
+        if name == "e" and self._machine.extruders:
+            tools = self._machine.tools
+            extruder = next(iter(self._machine.extruders))
+            if tools and tools[self._printer.job.tool].extruder:
+                extruder = str(tools[self._printer.job.tool].extruder)
+            name = extruder
+        names = {*self._machine.geometry.actuators, *self._axes, *self._machine.extruders}
+        if name not in names:
+            return []
+        wanted = self._machine.drivable.by_name.get(name)
+        found: list[int] = []
+        for i, row in enumerate(rows):
+            stepper = self._machine.steppers[row["name"]]
+            if wanted and self._machine.drivable.of(row["name"], stepper.drives) == wanted:
+                found.append(i)
+        return found
+
+    def _scales(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        if not words:
+            reply.say(self.scale_line())
+            return None
+        changes: list[tuple[int, float]] = []
+        for letter, value in words.items():
+            if letter == "T":
+                continue
+            if not 1e-3 < value < 1e6:
+                raise _refusal(letter, value, "steps per mm above 0")
+            changes += [(i, value) for i in self._places(letter)]
+        return Still(lambda: self._rescale(changes))
+
+    def _rescale(self, changes: list[tuple[int, float]]) -> None:
+        for i, value in changes:
+            self._printer.job.set_steps_per_unit(i, value)
+
+    def scale_line(self) -> str:
+        """The scales as a command, each motor's by the letter of what it drives."""
+        words: list[str] = []
+        seen: set[object] = set()
+        for row in self._printer.job.steppers():
+            stepper = self._machine.steppers[row["name"]]
+            driven = self._machine.drivable.of(row["name"], stepper.drives)
+            name = row["name"].rstrip("0123456789") if driven else row["name"]
+            if driven in seen or (name == "e" and any(w.startswith("E") for w in words)):
+                continue
+            seen.add(driven)
+            words.append(f"{name.upper()}{row['steps_per_unit']:.10g}")
+        return f"M92 {' '.join(words)}"
+
+    def _axis_limits(self, command: Command, reply: Reply, what: str) -> Wait | None:
+        words = command.words()
+        if not words:
+            reply.say(self.axis_limit_line(what))
+            return None
+        for letter, value in words.items():
+            if value > 0:
+                self._printer.job.set_axis_limit(letter.lower(), what, value)
+        self._printer.drive.replan()
+        return None
+
+    def axis_limit_line(self, what: str) -> str:
+        """M201 or M203 with what holds now."""
+        job = self._printer.job
+        words = [f"{a.upper()}{job.axis_limit(a, what):.10g}" for a in self._axes]
+        words += [f"E{job.axis_limit(e, what):.10g}" for e in list(self._machine.extruders)[:1]]
+        return f"{'M203' if what == 'speed' else 'M201'} {' '.join(words)}"
+
+    def _accelerations(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        if not words:
+            reply.say(self.acceleration_line())
+            return None
+        self._printer.commands.accelerations(words)
+        self._printer.drive.replan()
+        return None
+
+    def acceleration_line(self) -> str:
+        """M204 with what holds now."""
+        p, r, t = (self._printer.job.limit(f"{k}_accel") for k in ("print", "retract", "travel"))
+        return f"M204 P{p:.10g} R{r:.10g} T{t:.10g}"
+
+    def _junction(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        if not words:
+            reply.say(self.junction_line())
+            return None
+        deviation = words.get("J")
+        if deviation is not None:
+            if not 0.001 <= deviation <= 0.3:
+                raise _refusal("J", deviation, "0.001 to 0.3 mm")
+            self._printer.job.set_limit("junction_deviation", deviation)
+            self._printer.drive.replan()
+        return None
+
+    def junction_line(self) -> str:
+        """M205 with what holds now."""
+        return f"M205 J{self._printer.job.limit('junction_deviation'):.10g}"
+
+    # -- offsets ----------------------------------------------------------------------------------
+
+    def _home_offsets(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        if not words:
+            reply.say(self.home_offset_line())
+        for letter, value in words.items():
+            if letter.lower() in self.home_offset_mm:
+                self.home_offset_mm[letter.lower()] = value
+        return None
+
+    def home_offset_line(self) -> str:
+        """M206 with what holds now."""
+        words = [f"{a.upper()}{mm:.10g}" for a, mm in self.home_offset_mm.items()]
+        return f"M206 {' '.join(words)}"
+
+    def _tool_offset(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        offsets = self._printer.job.tool_offsets
+        tool = int(words.get("T", words.get("H", self._printer.job.tool)))
+        if not 0 <= tool < len(offsets):
+            raise _refusal("T", tool, f"a tool below {len(offsets)}")
+        axes = {letter: value for letter, value in words.items() if letter in "XYZ"}
+        if not axes:
+            for line in self.tool_offset_lines():
+                reply.say(line)
+        for letter, value in axes.items():
+            self._printer.job.set_tool_offset(tool, "XYZ".index(letter), value)
+        return None
+
+    def tool_offset_lines(self) -> Iterator[str]:
+        """M218 for each tool but the first."""
+        for tool, (x, y, z) in enumerate(self._printer.job.tool_offsets):
+            if tool > 0:
+                yield f"M218 T{tool} X{x:.10g} Y{y:.10g} Z{z:.10g}"
+
+    def _babystep(self, command: Command, _: Reply) -> Wait | None:
+        words = command.words()
+        changes = {k: v for k, v in words.items() if k.lower() in self._axes[:3]}
+        if "S" in words:
+            changes.setdefault("Z", words["S"])
+        for letter, mm in changes.items():
+            if abs(mm) > _BABYSTEP_MM:
+                raise _refusal(letter, mm, f"at most {_BABYSTEP_MM:g} mm")
+            self._printer.job.shift_zero(self._axes.index(letter.lower()), mm)
+        return None
+
+    # -- overrides --------------------------------------------------------------------------------
+
+    def _speed(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        job = self._printer.job
+        if "S" not in words:
+            reply.say(f"Speed factor override: {job.speed_factor * 100:g}")
+            return None
+        low, high = _PERCENT
+        if words["S"] <= 0:
+            raise _refusal("S", words["S"], f"{low:g} to {high:g} percent")
+        job.speed_factor = min(max(words["S"], low), high) / 100
+        self._printer.drive.replan()
+        return None
+
+    def _drivers(self, command: Command, reply: Reply) -> Wait | None:
+        """What the machine file says of the drivers; it is fixed when the board is configured."""
+        if command.words():
+            raise CommandError([Problem("command.fixed", values={"value": "steppers"})])
+        reply.say("Reporting Stepper control")
+        for row in self._machine.core_spec()["steppers"]:
+            reply.say(
+                f" {row['name'].upper()} dir:{'false' if row['invert'] else 'true'}"
+                f" pulse(us):{row['pulse_s'] * 1e6:g} delay(us):{row['dir_setup_s'] * 1e6:g}"
+            )
+        return None
+
+
+def _refusal(axis: str, value: float, limit: str) -> CommandError:
+    return CommandError(
+        [Problem("command.value", values={"axis": axis, "value": f"{value:g}", "limit": limit})]
+    )

@@ -1,0 +1,93 @@
+"""Motors on and off, and what the machine forgets with them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from passo.config.drives import axis_order
+from passo.printer.switches import is_actuator, steppers_of
+from passo.printer.waits import Handler, Reply, Still, Wait
+from passo.printer.wiring import enable_output
+from passo.printer.words import Command
+
+if TYPE_CHECKING:
+    from passo.printer.printer import Printer
+
+
+class Motors:
+    """The drivers' enable pins of one printer. A move turns all motors on; an axis whose motors go
+    off no longer knows where it is."""
+
+    def __init__(self, printer: Printer) -> None:
+        self._printer = printer
+        self._machine = printer.machine
+        self._axes = axis_order(self._machine.axes)
+        self.on: set[str] = set()
+        self.idle_s = self._machine.idle.motors_off_s
+        self.planned: dict[str, Handler] = {"M17": self._switch_on}
+        for code in ("M18", "M84"):
+            self.planned[code] = self._switch_off
+
+    def all_on(self) -> None:
+        """Before a move."""
+        if len(self.on) < len(self._machine.steppers):
+            self._set(list(self._machine.steppers), on=True)
+
+    def all_off(self) -> None:
+        """Only while the machine stands."""
+        self._set(list(self._machine.steppers), on=False)
+
+    def forget(self) -> None:
+        """The board begins anew, with all motors off."""
+        self.on.clear()
+
+    def _set(self, steppers: Sequence[str], *, on: bool) -> None:
+        connection = self._printer.connection
+        for name in steppers:
+            if (name in self.on) == on:
+                continue
+            output = enable_output(name)
+            if any(o.name == output for o in connection.board.outputs):
+                connection.switch(output, on)
+            (self.on.add if on else self.on.discard)(name)
+        if not on:
+            self._forget_positions(set(steppers))
+
+    def _forget_positions(self, steppers: set[str]) -> None:
+        for name in self._machine.homing:
+            if steppers & set(steppers_of(self._machine, name)):
+                self._printer.lock(["x", "y", "z"] if is_actuator(self._machine, name) else [name])
+
+    def _named(self, text: str) -> list[str]:
+        """The motors of the letters in a command: axes, actuators, E; all without letters."""
+        letters = re.findall(r"[A-Z]", text.upper().partition("S")[0])
+        if not letters:
+            return list(self._machine.steppers)
+        found: list[str] = []
+        for letter in letters:
+            name = letter.lower()
+            if name in self._axes:
+                found += steppers_of(self._machine, name)
+            elif name == "e":
+                found += [
+                    s
+                    for s, stepper in self._machine.steppers.items()
+                    if (d := self._machine.drivable.of(s, stepper.drives)) and d.drive == "extruder"
+                ]
+            elif name in self._machine.steppers:
+                found.append(name)
+        return found
+
+    def _switch_on(self, command: Command, _: Reply) -> Wait | None:
+        self._set(self._named(command.text), on=True)
+        return None
+
+    def _switch_off(self, command: Command, _: Reply) -> Wait | None:
+        words = command.words()
+        if "S" in words:
+            self.idle_s = max(words["S"], 0.0)
+            return None
+        steppers = self._named(command.text)
+        return Still(lambda: self._set(steppers, on=False))

@@ -1,0 +1,80 @@
+"""What concerns the person at the printer: messages, waits, beeps, the mains."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from passo.printer.waits import Handler, Person, Reply, Still, Wait
+from passo.printer.words import Command
+
+if TYPE_CHECKING:
+    from passo.printer.printer import Printer
+
+_TEXT = re.compile(r"\s*[PS]-?\d+(\.\d+)?", re.IGNORECASE)
+
+
+class PersonCommands:
+    """M0, M1, M80, M81, M85, M117, M300, M876 of one printer."""
+
+    def __init__(self, printer: Printer) -> None:
+        self._printer = printer
+        self.message = ""
+        self.kill_s = 0.0  # M85: idle for so long, everything goes off
+        self.planned: dict[str, Handler] = {
+            "M0": self._wait,
+            "M1": self._wait,
+            "M80": self._mains_on,
+            "M81": lambda c, r: Still(self._mains_off),
+            "M300": self._beep,
+        }
+        self.immediate: dict[str, Handler] = {
+            "M85": self._kill_after,
+            "M117": self._show,
+            "M876": self._answer,
+        }
+
+    def _wait(self, command: Command, _: Reply) -> Wait | None:
+        words = command.words()
+        seconds = words.get("S", words.get("P", 0.0) / 1000)
+        text = _TEXT.sub("", command.text).strip() or "Waiting; go on with M108"
+        self._printer.tell(f"//action:prompt_begin {text}")
+        self._printer.tell("//action:prompt_button Continue")
+        self._printer.tell("//action:prompt_show")
+        return Person(text, max(seconds, 0.0))
+
+    def _answer(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        if "S" in words:
+            self._printer.go_on()
+            self._printer.tell("//action:prompt_end")
+        elif "P" not in words:
+            reply.say("M876 P1")
+        return None
+
+    def _show(self, command: Command, _: Reply) -> Wait | None:
+        self.message = command.text
+        self._printer.tell(f"//action:notification {command.text}")
+        return None
+
+    def _beep(self, _: Command, __: Reply) -> Wait | None:
+        return None  # the shipped boards have no beeper
+
+    def _mains_on(self, command: Command, reply: Reply) -> Wait | None:
+        if "S" in command.text.upper():
+            reply.say("PS:1")
+        return None
+
+    def _mains_off(self) -> None:
+        printer = self._printer
+        for name in printer.heaters:
+            printer.set_target_now(name, 0.0)
+        printer.motors.all_off()
+
+    def _kill_after(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        if "S" in words:
+            self.kill_s = max(words["S"], 0.0)
+        else:
+            reply.say(f"M85 S{self.kill_s:g}")
+        return None

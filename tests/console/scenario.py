@@ -1,0 +1,151 @@
+"""A printer in virtual time with a host that reads and writes lines: `send`, `expect`, `within`,
+`fault`."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+from collections.abc import Callable, Coroutine
+from typing import Any, TypeVar
+
+from passo import config
+from passo.clock import VirtualLoop
+from passo.config.machine import MachineConfig
+from passo.console.printer_console import furnished
+from passo.console.session import Session
+from passo.simulator import SimulatedBoard
+
+_T = TypeVar("_T")
+
+
+class Host:
+    """One console of the printer, and all lines that it has heard."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self._scenario = scenario
+        self.heard: list[str] = []
+        self._read = 0
+        self._rest = b""
+        self.held = False
+        self.session = scenario.run(self._open())
+
+    async def _open(self) -> Session:
+        return Session(self._scenario.printer, self)
+
+    def write(self, text: bytes, *, dispensable: bool = False) -> None:
+        *lines, self._rest = (self._rest + text).split(b"\n")
+        self.heard += [line.decode("ascii") for line in lines]
+
+    def hold(self, held: bool) -> None:
+        self.held = held
+
+    def send(self, *lines: str) -> Host:
+        """Sends lines, all at once."""
+        return self.send_bytes("".join(f"{line}\n" for line in lines).encode())
+
+    def send_bytes(self, data: bytes) -> Host:
+        async def receive() -> None:
+            self.session.receive(data)
+
+        self._scenario.run(receive())
+        return self
+
+    def expect(self, pattern: str, within: float = 10.0) -> str:
+        """The next line, among those not yet read, in which the pattern occurs; `within` seconds of
+        virtual time."""
+        wanted = re.compile(pattern)
+
+        def found() -> bool:
+            for i in range(self._read, len(self.heard)):
+                if wanted.search(self.heard[i]):
+                    self._read = i + 1
+                    return True
+            return False
+
+        before = self._read
+        if not self._scenario.until(found, within):
+            heard = [line for line in self.heard[before:] if line != "wait"]
+            raise AssertionError(f"no {pattern!r} within {within} s in {heard}")
+        return self.heard[self._read - 1]
+
+    def ok(self, line: str, within: float = 10.0) -> list[str]:
+        """Sends a line and waits for its `ok`; returns what came with it, the `ok` line last."""
+        self._read = len(self.heard)
+        start = self._read
+        self.send(line)
+        self.expect(r"^ok", within)
+        return self.heard[start : self._read]
+
+    def silent(self, seconds: float, pattern: str = "") -> None:
+        """No line with the pattern comes in so many seconds."""
+        start = len(self.heard)
+        self._scenario.passes(seconds)
+        assert not [x for x in self.heard[start:] if re.search(pattern, x)]
+
+
+class Scenario:
+    """A printer with consoles on a loop of its own; close it (or use `with`)."""
+
+    def __init__(
+        self,
+        machine: str | MachineConfig = "i3",
+        *,
+        free: bool = False,
+        card: str | None = None,
+        state: str | None = None,
+    ) -> None:
+        self.loop = VirtualLoop()
+        self._failures: list[object] = []
+        self.loop.set_exception_handler(lambda _, context: self._failures.append(context))
+        self.machine = config.load(machine) if isinstance(machine, str) else machine
+        self.printer = self.run(self._start(free, card, state))
+        self._task = self.loop.create_task(self.printer.run())
+        self.host = Host(self)
+
+    async def _start(self, free: bool, card: str | None, state: str | None) -> Any:
+        return furnished(self.machine, free=free, card=card, state=state)
+
+    def __enter__(self) -> Scenario:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.run(self._end())
+        self.loop.close()
+        assert not self._failures, self._failures
+
+    async def _end(self) -> None:
+        tasks = asyncio.all_tasks() - {asyncio.current_task()}
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+
+    @property
+    def board(self) -> SimulatedBoard:
+        """The simulated board: its motors, bodies, and the faults that can be put on it."""
+        return self.printer.board
+
+    def run(self, coroutine: Coroutine[Any, Any, _T]) -> _T:
+        return self.loop.run_until_complete(coroutine)
+
+    def passes(self, seconds: float) -> None:
+        """So much virtual time passes."""
+        self.until(lambda: False, seconds)
+
+    def until(self, condition: Callable[[], bool], within: float) -> bool:
+        """Lets virtual time pass until the condition holds; False if it never did."""
+
+        async def wait() -> bool:
+            end = self.loop.time() + within
+            while not condition():
+                if self.loop.time() >= end:
+                    return False
+                await asyncio.sleep(0.01)
+            return True
+
+        if self._task.done():
+            self._task.result()
+        return self.run(wait())
+
+    def positions(self) -> dict[str, float]:
+        """Where the mechanics are: actuator positions, mm or degrees."""
+        return {s.name: round(self.board.position(s.name), 4) for s in self.board.board.steppers}

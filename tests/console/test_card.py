@@ -1,0 +1,287 @@
+"""Files on the card as hosts see them: list, upload, print, pause, cancel."""
+
+import re
+
+import pytest
+from tests.console.scenario import Scenario
+
+SQUARE = "M302 P1\nG28\nG1 Z0.2 F600\n" + "".join(
+    f"G1 X{10 + 50 * (i % 2)} Y{10 + 50 * (i // 2 % 2)} E{i / 10} F6000\n" for i in range(60)
+)
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "square.gcode").write_text(SQUARE)
+    (tmp_path / "notes.txt").write_text("nothing to print")
+    (tmp_path / "parts").mkdir()
+    (tmp_path / "parts" / "A long name.gcode").write_text("G28 X\nM117 hello\nG1 X5\n")
+    return tmp_path
+
+
+@pytest.fixture
+def s(folder):
+    with Scenario("i3", card=str(folder)) as scenario:
+        yield scenario
+
+
+def steps(s):
+    return {x.name: s.board.net_steps(x.name) for x in s.board.board.steppers}
+
+
+def printed(s, within=200):
+    s.host.expect("^Done printing file$", within)
+
+
+def test_the_list_shows_what_can_be_printed(s):
+    answer = s.host.ok("M20")
+    assert answer[0] == "Begin file list"
+    assert answer[-2:] == ["End file list", "ok"]
+    assert len(answer) == 5  # two files
+    assert re.fullmatch(r"[A-Z0-9~]{1,8}\.GCO 1\d\d\d", answer[1])
+    assert re.fullmatch(r"PARTS/[A-Z0-9~]{1,8}\.GCO 23", answer[2])
+    long = s.host.ok("M20 L T")
+    assert re.fullmatch(r'PARTS/\S+ 23 0x[0-9A-F]{8} "A long name.gcode"', long[2])
+
+
+def test_aprinter_lists_one_directory(s):
+    assert s.host.ok("M20 D/parts") == ["f A long name.gcode", "ok"]
+    assert s.host.ok("M20 D") == ["f notes.txt", "d parts", "f square.gcode", "ok"]
+
+
+def test_a_file_is_printed_to_its_end(s):
+    assert s.host.ok("M23 square.gcode") == [
+        f"File opened: square.gcode Size: {len(SQUARE)}",
+        "File selected",
+        "ok",
+    ]
+    s.host.ok("M24")
+    assert re.fullmatch(r"SD printing byte \d+/\d+", s.host.ok("M27")[0])
+    printed(s)
+    assert s.positions() == {"x": 60.0, "y": 60.0, "z": 0.2, "e": pytest.approx(5.9, abs=0.01)}
+    assert s.host.ok("M27")[0] == "Not SD printing"
+
+
+def test_a_printed_file_stays_selected_and_can_be_rewound(s):
+    s.host.ok("M32 square.gcode")
+    printed(s)
+    s.host.ok("M24")
+    printed(s, 5)  # nothing is left
+    s.host.ok("M26")
+    s.host.ok("M24")
+    s.passes(3)
+    assert "SD printing byte" in s.host.ok("M27")[0]
+    printed(s)
+
+
+def test_names_are_found_in_every_form(s):
+    for name in (
+        "square.gcode",
+        "SQUARE.GCODE",
+        "/square.gcode",
+        "Fsquare.gcode",
+        "Fsquare\\2Egcode",
+        "parts/A long name.gcode",
+        "Fparts/A\\20long\\20name.gcode",
+    ):
+        assert s.host.ok(f"M23 {name}")[1] == "File selected", name
+    short = s.host.ok("M20")[2].split()[0]
+    assert s.host.ok(f"M33 {short}") == ["/parts/A long name.gcode", "ok"]
+    s.host.ok("M23 Dparts")
+    assert s.host.ok("M23 A long name.gcode")[1] == "File selected"
+    s.host.ok("M23 R")
+    assert "file.open failed, File: A long name.gcode" in s.host.ok("M23 A long name.gcode")[0]
+
+
+def test_a_pause_brakes_parks_and_goes_on_from_the_very_point(folder):
+    with Scenario("i3", card=str(folder)) as s:
+        s.host.ok("M32 square.gcode")
+        printed(s)
+        undisturbed = steps(s)
+    with Scenario("i3", card=str(folder)) as s:
+        s.host.ok("M32 square.gcode")
+        s.until(lambda: s.positions()["e"] > 2, 60)
+        before = s.loop.time()
+        s.host.ok("M25")
+        s.until(lambda: s.printer.drive.standing, 2)
+        assert s.loop.time() - before <= 0.25
+        stopped = s.positions()
+        s.passes(4)
+        assert s.positions() == stopped | {"z": 10.2, "e": pytest.approx(stopped["e"] - 2, 0.01)}
+        s.host.ok("G91")
+        s.host.ok("G1 X30 E4 F3000")
+        s.host.ok("T0")
+        s.host.ok("M400")
+        assert s.positions()["x"] == pytest.approx(stopped["x"] + 30, abs=0.02)
+        s.host.ok("M24")
+        printed(s)
+        # What was extruded by hand is extruded; all else is as if there had been no pause.
+        assert steps(s) == undisturbed | {"e": undisturbed["e"] + round(4 * 95.5)}
+
+
+def test_cancelling_leaves_the_heaters_off_and_the_file_selected(s):
+    s.host.ok("M106 S255")
+    s.host.ok("M140 S60")
+    s.host.ok("M32 square.gcode")
+    s.until(lambda: s.positions()["e"] > 2, 60)
+    s.host.ok("M524")
+    s.passes(1)
+    stopped = s.positions()
+    s.passes(5)
+    assert s.positions() == stopped
+    assert s.printer.connection.heaters["bed"].target == 0
+    assert s.board.output_value("part") == 0
+    assert s.host.ok("M27")[0] == "Not SD printing"
+    s.host.ok("M24")
+    printed(s)
+    assert s.positions()["x"] == 60.0
+
+
+def test_a_host_cancels_with_pause_and_rewind(s):
+    s.host.ok("M32 square.gcode")
+    s.until(lambda: s.positions()["e"] > 2, 60)
+    s.host.ok("M25")
+    s.passes(3)
+    s.host.ok("M26 S0")
+    assert s.host.ok("M27")[0] == "Not SD printing"
+    assert s.host.ok("G1 X1 F6000") == ["ok"]
+
+
+def test_a_file_stops_at_its_first_failed_command_and_goes_on_after_it(s, folder):
+    (folder / "wrong.g").write_text("G28\nG1 X5 F6000\nG1 X900\nG1 X9\nM104 S200\n")
+    s.host.ok("M32 wrong.g")
+    s.host.expect("Print of wrong.g stopped: wrong.g:3: .*X.*900", 30)
+    s.passes(1)
+    assert s.positions()["x"] == 5.0
+    s.host.ok("M24")
+    printed(s)
+    assert s.positions()["x"] == 9.0
+
+
+def test_a_program_ends_with_m30_and_deletes_nothing(s, folder):
+    (folder / "cnc.nc").write_text("%\nG28\nG1 X5 F6000\nM30\nG1 X9\n%\n")
+    s.host.ok("M32 cnc.nc")
+    printed(s)
+    assert s.positions()["x"] == 5.0
+    assert (folder / "cnc.nc").exists()
+
+
+def test_moves_of_a_console_come_between_those_of_a_file(s):
+    s.host.ok("M32 square.gcode")
+    s.passes(8)
+    assert s.host.ok("M106 S100", 10) == ["ok"]
+    assert "T:" in s.host.ok("M105")[0]
+    printed(s)
+    assert s.board.output_value("part") > 0
+
+
+def test_an_upload_is_there_after_m29(s, folder):
+    assert s.host.ok("M28 new.gcode") == ["Writing to file: new.gcode", "ok"]
+    s.host.ok("G28")
+    s.host.ok("G1 X10 ; a comment")
+    assert not (folder / "new.gcode").exists()
+    assert s.positions()["x"] == 20.0  # nothing was carried out
+    assert s.host.ok("M29") == ["Done saving file.", "ok"]
+    assert (folder / "new.gcode").read_text() == "G28\nG1 X10\n"
+    assert s.host.ok("M30 new.gcode") == ["File deleted:new.gcode", "ok"]
+    assert not (folder / "new.gcode").exists()
+
+
+def numbered(*lines):
+    out = []
+    for number, text in lines:
+        line = f"N{number} {text}"
+        checksum = 0
+        for char in line:
+            checksum ^= ord(char)
+        out.append(f"{line}*{checksum}")
+    return out
+
+
+def test_a_numbered_upload_keeps_its_numbers_out_and_lets_questions_through(s, folder):
+    lines = numbered((-1, "M110 N-1"), (0, "G28"), (1, "G1 X10"), (2, "M110 N2"), (3, "G1 X20"))
+    s.host.ok("M28 n.gcode")
+    for line in lines[:3]:
+        s.host.ok(line)
+    assert "T:" in s.host.ok("M105")[0]
+    assert "not carried out while a file is written" in s.host.ok("G1 X5")[0]
+    s.host.send(numbered((7, "G1 X99"))[0])
+    s.host.expect("Resend: 2", 1)
+    s.host.expect("^ok", 1)
+    for line in lines[3:]:
+        s.host.ok(line)
+    assert s.host.ok("M29")[0] == "Done saving file."
+    assert (folder / "n.gcode").read_text() == "G28\nG1 X10\nG1 X20\n"
+
+
+def test_a_file_that_cannot_be_opened_executes_nothing(s):
+    assert "echo:" in s.host.ok("M28 no/such/place.g")[0]
+    s.host.ok("G28")
+    s.host.ok("G1 X99")
+    assert s.host.ok("M29") == ["ok"]
+    s.passes(3)
+    assert s.positions()["x"] == 20.0
+
+
+def test_aprinter_s_upload_wrapper(s, folder):
+    (folder / "old.g").write_text("G1 X1\n")
+    s.host.ok("M932")
+    assert s.host.ok("M28 Fold.g")[0] == "Writing to file: old.g"
+    s.host.ok("G1 X2")
+    s.host.ok("M29")
+    s.host.ok("M933")
+    assert (folder / "old.g").read_text() == "G1 X2\n"
+
+
+def test_a_cut_upload_leaves_the_old_file(s, folder):
+    s.host.ok("M28 square.gcode")
+    s.host.send("G1 X1", "G1 X")
+    s.host.session.close()
+    assert (folder / "square.gcode").read_text() == SQUARE
+    assert sorted(p.name for p in folder.iterdir()) == ["notes.txt", "parts", "square.gcode"]
+
+
+def test_a_log_is_carried_out_as_well(s, folder):
+    s.host.ok("M928 log.g")
+    s.host.ok("G92 X0")
+    s.host.ok("G1 X7 F6000")
+    s.host.ok("M29")
+    s.host.ok("M400")
+    assert s.positions()["x"] == 27.0
+    assert (folder / "log.g").read_text() == "G92 X0\nG1 X7 F6000\n"
+
+
+def test_reports_by_themselves(s):
+    s.host.ok("M27 S1")
+    s.host.expect("^Not SD printing", 2)
+    s.host.ok("M32 square.gcode")
+    s.host.expect("^SD printing byte", 2)
+    s.host.ok("M27 S0")
+    s.host.silent(3, "^SD printing")
+    assert s.host.ok("M27 C")[0] == "Current file: square.gcode"
+
+
+def test_auto0_is_started(folder):
+    (folder / "AUTO0.G").write_text("G28 X\nG1 X33 F6000\n")
+    with Scenario("i3", card=str(folder)) as s:
+        printed(s, 30)
+        assert s.positions()["x"] == 33.0
+
+
+def test_without_a_card_every_command_says_so():
+    with Scenario("i3") as s:
+        for command in ("M20", "M21", "M23 x.g", "M30 x.g"):
+            assert "there is no card" in s.host.ok(command)[0 if command != "M20" else -2]
+        assert "no file is selected" in s.host.ok("M24")[0]
+
+
+def test_a_card_that_is_pulled_stops_the_print(s, folder):
+    (folder / "long.g").write_text("G28 X\n" + "".join(f"G1 X{i % 200}\n" for i in range(20000)))
+    s.host.ok("M32 long.g")
+    s.passes(5)
+    (folder / "long.g").write_text("")
+    s.host.expect("Print of long.g stopped: .*removed while in use", 400)
+    s.passes(60)
+    at = s.positions()
+    s.passes(1)
+    assert s.positions() == at

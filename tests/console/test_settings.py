@@ -1,0 +1,203 @@
+"""Settings on consoles: reported so that they can be sent back, stored whole or refused."""
+
+import json
+import re
+
+import pytest
+from tests.console.scenario import Scenario
+
+CHANGES = (
+    "M92 X100 E120.5",
+    "M203 X120 Z6",
+    "M201 Y900",
+    "M204 P800 R1200 T1500",
+    "M205 J0.05",
+    "M206 Z-0.3",
+    "M207 S2 F1800 Z0.5",
+    "M145 S0 H201 B61 F200",
+    "M302 S150",
+)
+
+
+def report(s):
+    return [line for line in s.host.ok("M503 S0") if line != "ok"]
+
+
+@pytest.fixture
+def s(tmp_path):
+    with Scenario("i3", state=str(tmp_path)) as scenario:
+        yield scenario
+
+
+def test_the_report_names_what_holds(s):
+    lines = s.host.ok("M503")
+    assert "; Steps per unit" in lines
+    assert "M92 X80 Y80 Z400 E95.5" in lines
+    assert "M203 X300 Y300 Z12 E100" in lines
+    assert "M204 P3000 R5000 T3000" in lines
+
+
+def test_the_report_sent_back_gives_the_same_state(s):
+    for line in CHANGES:
+        assert s.host.ok(line) == ["ok"], line
+    changed = report(s)
+    assert "M92 X100 Y80 Z400 E120.5" in changed
+    s.host.ok("M502")
+    assert report(s) != changed
+    for line in changed:
+        assert s.host.ok(line) == ["ok"], line
+    assert report(s) == changed
+
+
+def test_stored_settings_come_back_at_the_next_start(tmp_path):
+    with Scenario("i3", state=str(tmp_path)) as s:
+        for line in CHANGES:
+            s.host.ok(line)
+        stored = report(s)
+        assert re.match(r"echo:Settings Stored \(\d+ bytes; crc \d+\)", s.host.ok("M500")[0])
+        s.host.ok("M203 X50")
+        s.host.ok("M501")
+        assert report(s) == stored
+        assert "sound" in s.host.ok("M504")[0]
+    with Scenario("i3", state=str(tmp_path)) as s:
+        assert report(s) == stored
+    with Scenario("corexy", state=str(tmp_path)) as s:
+        assert "belongs to another machine" in s.host.ok("M504")[0]
+
+
+@pytest.mark.parametrize(
+    ("damage", "reason"),
+    [
+        (lambda text: text[: len(text) // 2], "torn"),
+        (lambda text: "", "torn"),
+        (lambda text: "[]", "torn"),
+        (lambda text: text.replace("M203 X300", "M203 X301"), "checksum"),
+        (lambda text: text.replace('"version": 1', '"version": 9'), "version 9"),
+        (lambda text: json.dumps(json.loads(text) | {"settings": [1]}), "no commands"),
+    ],
+)
+def test_a_file_that_is_not_whole_is_refused_with_its_reason(tmp_path, damage, reason):
+    with Scenario("i3", state=str(tmp_path)) as s:
+        defaults = report(s)
+        s.host.ok("M500")
+        file = tmp_path / "settings.json"
+        file.write_text(damage(file.read_text()))
+        assert reason in s.host.ok("M501")[0]
+    with Scenario("i3", state=str(tmp_path)) as s:
+        assert report(s) == defaults
+
+
+def test_without_a_place_nothing_is_acknowledged_as_stored(tmp_path):
+    with Scenario("i3") as s:
+        assert "there is no place to store settings" in s.host.ok("M500")[0]
+    (tmp_path / "file").write_text("")
+    with Scenario("i3", state=str(tmp_path / "file")) as s:
+        assert "the settings were not stored" in s.host.ok("M500")[0]
+
+
+def test_a_halt_keeps_the_settings(s):
+    s.host.ok("M203 X77")
+    s.host.send("M112")
+    s.host.expect("halted", 5)
+    s.host.ok("M999")
+    s.host.expect("ready again", 5)
+    assert any(line.startswith("M203 X77 ") for line in report(s))
+
+
+def test_a_new_scale_counts_from_the_next_move(s):
+    s.host.ok("G28", 60)
+    s.host.ok("G1 X10 F3000")
+    s.host.ok("M92 X40")
+    s.host.ok("G1 X20")
+    s.host.ok("M400")
+    assert s.positions()["x"] == 15.0  # the mechanics still take 80 steps for a mm
+    assert "X:20.000" in s.host.ok("M114")[0]
+    assert "X is -3" in s.host.ok("M92 X-3")[0]
+
+
+def test_a_new_feed_factor_acts_on_moves_that_are_planned(s):
+    s.host.ok("G92 X0 Y0 Z0")
+    s.host.ok("G1 X100 F600")
+    s.passes(1)
+    s.host.ok("M220 S400")
+    assert s.host.ok("M220")[0] == "Speed factor override: 400"
+    s.passes(3)
+    assert s.positions()["x"] == pytest.approx(120, abs=0.1)
+    assert "S is -5" in s.host.ok("M220 S-5")[0]
+    assert s.printer.job.speed_factor == 4
+
+
+def test_motors_go_off_by_axis_and_forget_where_they_are(s):
+    s.host.ok("G28", 60)
+    on = {x: s.board.output_value(f"{x}-enable") for x in "xyze"}
+    assert on == {"x": 0, "y": 0, "z": 0, "e": 0}  # low switches an A4988 on
+    s.host.ok("M84 X")
+    assert s.board.output_value("x-enable") == 1
+    assert s.board.output_value("y-enable") == 0
+    assert "axis X does not know" in s.host.ok("G1 X5")[0]
+    assert s.host.ok("G1 Y5 F3000") == ["ok"]
+    s.host.ok("M18")
+    s.passes(0.1)
+    assert s.board.output_value("z-enable") == 1
+    s.host.ok("G28", 60)
+    s.host.ok("M84 S5")
+    s.passes(4)
+    assert s.board.output_value("x-enable") == 0
+    s.host.expect("Motors off after standing idle", 3)
+    s.passes(0.1)
+    assert s.board.output_value("x-enable") == 1
+
+
+def test_heaters_go_off_after_half_an_hour(s):
+    s.host.ok("M140 S40")
+    s.passes(1790)
+    assert s.printer.connection.heaters["bed"].target == 40
+    s.host.expect("Heater bed off after standing idle", 30)
+
+
+def test_filament_changes_wait_for_a_person(s):
+    s.host.send("M600")
+    s.host.expect("^//action:pause", 1)
+    s.host.silent(20, "^ok")
+    s.host.send("M108")
+    s.host.expect("^ok", 1)
+
+
+def test_m0_waits_for_a_person_or_a_time(s):
+    s.host.send("M0 S5 Look here")
+    s.host.expect("prompt_begin Look here", 1)
+    start = s.loop.time()
+    s.host.expect("^ok", 10)
+    assert s.loop.time() - start == pytest.approx(5, abs=0.3)
+    s.host.send("M0 Look")
+    s.host.silent(10, "^ok")
+    s.host.send("M876 S0")
+    s.host.silent(1, "^ok")  # it is behind M0 in this console
+    s.host.send("M108")
+    s.host.expect("^ok", 1)
+
+
+def test_tool_offsets_move_the_zero(tmp_path):
+    with Scenario("dual-extruder") as s:
+        s.host.ok("M302 S0")
+        s.host.ok("G28", 60)
+        s.host.ok("M218 T1 X10 Y0 Z0")
+        s.host.ok("T1")
+        s.host.ok("G1 X50 F6000")
+        s.host.ok("M400")
+        with_ten = s.positions()["x"]
+        s.host.ok("M218 T1 X12 Y0 Z0")
+        s.host.ok("G1 X50")
+        s.host.ok("M400")
+        assert s.positions()["x"] == pytest.approx(with_ten + 2, abs=0.02)
+        assert "M218 T1 X12 Y0 Z0" in s.host.ok("M218")
+
+
+def test_babysteps_shift_the_moves_that_follow(s):
+    s.host.ok("G28", 60)
+    s.host.ok("G1 Z5 F600")
+    s.host.ok("M290 Z0.2")
+    s.host.ok("G1 Z6")
+    s.host.ok("M400")
+    assert s.positions()["z"] == 6.2
+    assert "at most 2 mm" in s.host.ok("M290 Z3")[0]

@@ -1,0 +1,169 @@
+"""Axes find their switches on the simulated mechanics, or say why they did not."""
+
+import pytest
+from tests.console.scenario import Scenario
+
+from passo import config
+from passo.config.load import shipped_text
+from passo.errors import ConfigError
+
+CARTESIAN = {"x": 0.0, "y": 0.0, "z": 0.0, "e": 0.0}
+
+
+@pytest.mark.parametrize(
+    ("machine", "home", "step"),
+    [
+        ("i3", CARTESIAN, 1 / 80),
+        ("big-fish-i3", CARTESIAN | {"z1": 0.0}, 1 / 80),
+        ("corexy", {"a": 0.0, "b": 0.0, "z": 0.0, "z1": 0.0, "e": 0.0}, 1 / 40),
+        ("delta", {"a": 318.0, "b": 318.0, "c": 318.0, "e": 0.0}, 1 / 87),
+    ],
+)
+def test_all_axes_end_at_their_switches(machine, home, step):
+    with Scenario(machine) as s:
+        assert all(abs(v - home[k]) > 0.4 for k, v in s.positions().items() if k[0] in "xyzac")
+        assert s.host.ok("G28", 60)[-1] == "ok"
+        for stepper, at in s.positions().items():
+            assert at == pytest.approx(home[stepper], abs=1.01 * step)
+        assert s.printer.job.locked_axes == []
+
+
+def test_axes_home_at_the_same_time():
+    with Scenario("i3") as s:
+        start = s.loop.time()
+        s.host.ok("G28", 60)
+        # Z is the slowest: 20 mm at 5 mm/s, 3 mm back, 3 mm at 1 mm/s.
+        assert s.loop.time() - start < 4.0 + 0.6 + 3.0 + 2.0
+
+
+def test_one_axis_alone_leaves_the_others_where_they_are():
+    with Scenario("i3") as s:
+        assert s.host.ok("G28 X", 60)[-1] == "ok"
+        at = s.positions()
+        assert at["x"] == pytest.approx(0, abs=1 / 80)
+        assert (at["y"], at["z"]) == (20.0, 20.0)
+        assert "axis Y does not know where it is" in s.host.ok("G1 Y5")[0]
+        assert s.host.ok("G1 X5 F6000") == ["ok"]
+
+
+def test_the_position_counts_from_home():
+    with Scenario("corexy") as s:
+        s.host.ok("G28", 60)
+        s.host.ok("G1 X30 Y12 F6000")
+        s.host.ok("M400")
+        at = s.positions()
+        assert at["a"] == pytest.approx(42.0, abs=0.05)
+        assert at["b"] == pytest.approx(18.0, abs=0.05)
+        s.host.ok("G28 X", 60)
+        assert "X:0.000 Y:12.000" in s.host.ok("M114")[0]
+
+
+def test_unhomed_axes_refuse_to_move_until_they_know_where_they_are():
+    with Scenario("i3") as s:
+        answer, _ = s.host.ok("G1 X10 E5 F3000")
+        assert answer == (
+            "echo:axis X does not know where it is. Home it (G28), or say where it is (G92)."
+        )
+        s.passes(1)
+        assert s.positions()["x"] == 20.0
+        s.host.ok("G92 X100")
+        s.host.ok("G1 X110 F3000")
+        s.host.ok("M400")
+        assert s.positions()["x"] == 30.0
+        assert "X:110.000" in s.host.ok("M114")[0]
+        assert "E:0.0000" in s.host.ok("M114")[0]  # what was refused did not count
+
+
+def test_unhomed_moves_may_be_allowed():
+    text = 'unhomed_moves = "allow"\n' + shipped_text("i3")
+    with Scenario(config.load_text(text)) as s:
+        s.host.ok("G1 X10 F3000")
+        s.host.ok("M400")
+        assert s.positions()["x"] == 30.0
+
+
+def test_a_switch_that_is_never_pressed_is_named():
+    with Scenario("i3") as s:
+        s.host.ok("G28", 60)
+        s.board.force_switch("y", False)
+        answer = s.host.ok("G28", 120)[-2]
+        assert answer.startswith(
+            "echo:axis Y was not homed: switch y at ^Y_MIN was not pressed within 264 towards 0."
+        )
+        assert "axis Y does not know" in s.host.ok("G1 Y10")[0]
+        assert "axis X does not know" in s.host.ok("G1 X10")[0]  # they went together
+
+
+def test_a_switch_that_stays_pressed_is_named():
+    with Scenario("i3") as s:
+        s.board.force_switch("z", True)
+        answer = s.host.ok("G28 Z", 120)[-2]
+        assert "switch z at ^Z_MIN is still pressed 3 away from 0" in answer
+        assert "axis Z does not know" in s.host.ok("G1 Z10")[0]
+
+
+def test_m119_shows_the_switches():
+    with Scenario("big-fish-i3") as s:
+        assert s.host.ok("M119") == [
+            "Reporting endstop status",
+            "x_min: open",
+            "y_min: open",
+            "z_min: open",
+            "z1_min: open",
+            "ok",
+        ]
+        s.board.force_switch("z1", True)
+        assert "z1_min: TRIGGERED" in s.host.ok("M119")
+
+
+def test_homing_ends_when_the_machine_is_stopped():
+    with Scenario("i3") as s:
+        s.host.send("G28")
+        s.passes(0.5)
+        s.host.send("M410")
+        s.host.expect("it was stopped", 5)
+        at = s.positions()
+        s.passes(2)
+        assert s.positions() == at
+        assert "does not know" in s.host.ok("G1 X1")[0]
+
+
+def test_an_emergency_stop_while_homing_forgets_where_all_axes_are():
+    with Scenario("i3") as s:
+        s.host.ok("G28 Y", 60)
+        s.host.send("G28 X")
+        s.passes(0.5)
+        s.host.send("M112")
+        s.host.expect("Printer halted", 5)
+        s.host.ok("M999")
+        s.host.expect("ready again", 10)
+        assert "axis Y does not know" in s.host.ok("G1 Y1")[0]
+        s.host.ok("G28", 60)
+        assert s.host.ok("G1 X1 F6000") == ["ok"]
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (('pin = "^X_MIN"', ""), "homing.x.pin is None: expected either pin, or stepper_pins"),
+        (("[homing.x]", "[homing.q]"), "homing.q is not a known key. Known here: x, y, z"),
+        (('pin = "^X_MIN"', 'pin = "^Y_MIN"'), "homing.y.pin"),
+        (("[homing.x]\n", "[homing.x]\nfast = 0\n"), "homing.x.fast is 0: expected a number"),
+        (
+            ('pin = "^X_MIN"', 'stepper_pins = { y9 = "X_MIN" }'),
+            "homing.x.stepper_pins.y9 is 'y9': expected the name of a motor of this axis",
+        ),
+    ],
+)
+def test_a_wrong_section_is_explained(change, message):
+    text = shipped_text("i3").replace(*change)
+    with pytest.raises(ConfigError) as error:
+        config.load_text(text, "i3.toml")
+    assert message in str(error.value)
+
+
+def test_a_delta_homes_all_its_carriages():
+    text = shipped_text("delta").replace("[homing.b]", "[homing.z]")
+    with pytest.raises(ConfigError) as error:
+        config.load_text(text, "delta.toml")
+    assert "homing.b is missing" in str(error.value)
