@@ -14,7 +14,7 @@ NO_MODEL = "protection = { deviation = 0.0 }"
 
 
 def fails(oven: Oven, kind: FaultKind, within_s: float) -> None:
-    """The fault comes in time; its output is off by then, its set-point kept; the board lives."""
+    """The fault comes in time and switches the output off; the board lives."""
     begin = oven.now_s
     oven.run_until(lambda: bool(oven.faults), within_s)
     (fault,) = oven.faults

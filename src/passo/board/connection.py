@@ -43,8 +43,8 @@ class Connection:
 
     All times are ticks of the board's clock. Not thread-safe; `run` releases the interpreter lock.
     Every method that lets time pass raises MachineError when the board shuts down and
-    BoardSilentError when it no longer answers. When a heater fails, its output is off by then, and
-    the fault is appended to `faults` and given to `on_fault`, which may raise; without it, it is
+    BoardSilentError when it no longer answers. When a heater fails, it is ordered off, to be so in
+    0.1 s, and the fault is appended to `faults` and given to `on_fault`, which may raise; without it, it is
     raised as a MachineError.
     """
 
