@@ -44,8 +44,8 @@ class Connection:
     All times are ticks of the board's clock. Not thread-safe; `run` releases the interpreter lock.
     Every method that lets time pass raises MachineError when the board shuts down and
     BoardSilentError when it no longer answers. When a heater fails, it is ordered off, to be so in
-    0.1 s, and the fault is appended to `faults` and given to `on_fault`, which may raise; without it, it is
-    raised as a MachineError.
+    0.1 s, and the fault is appended to `faults` and given to `on_fault`, which may raise; without
+    that, it is raised as a MachineError.
     """
 
     def __init__(self, board: BoardDescription, device: _core.Device, start_clock: int = 0) -> None:
