@@ -300,9 +300,9 @@ class Heater:
         What is wrong; while it is not None the target is kept, but nothing heats.
         """
 
-    def set_curve(self, celsius: Sequence[tuple[float, float]]) -> None:
+    def set_sensor(self, options: HeaterOptions) -> None:
         """
-        Another curve of the sensor: (share of full scale, Celsius), ascending.
+        Takes over table, broken ends and query of these options, from the next report on.
         """
 
     def rearm(self) -> None:

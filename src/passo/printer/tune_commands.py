@@ -10,9 +10,9 @@ from passo.config.sensors import Thermistor
 from passo.errors import CommandError, Problem
 from passo.heat.relay_tune import RelayTune, TuneError
 from passo.heat.rules import M301_FULL_POWER, Gains
-from passo.heat.sensors import sensor_table
 from passo.heat.step_tune import StepTune
 from passo.printer.waits import Handler, Reply, Tuning, Wait
+from passo.printer.wiring import sensor_of
 from passo.printer.words import Command
 
 if TYPE_CHECKING:
@@ -120,14 +120,9 @@ class TuneCommands:
         except ValueError:
             raise _refused("A, B, C, R, L or O", 0.0, "values of a thermistor") from None
         self.sensors[name] = new
-        self._apply_sensor(name)
+        config = self._machine.heaters[name].model_copy(update={"sensor": new})
+        self._printer.connection.set_sensor(name, sensor_of(self._machine, name, config))
         return None
-
-    def _apply_sensor(self, name: str) -> None:
-        """The board's own net below the protections keeps the machine file's range."""
-        table = sensor_table(self.sensors[name])
-        points = sorted((share, celsius) for celsius, share in table)
-        self._printer.connection.heaters[name].set_curve(points)
 
     def sensor_lines(self, *names: str) -> Iterator[str]:
         """M305 for each of these heaters with a thermistor, all if none is named."""
@@ -205,6 +200,9 @@ class TuneCommands:
         printer = self._printer
         heater = printer.connection.heaters[name]
         printer.set_target_now(name, 0.0)
+        fan = self._machine.heaters[name].fan
+        if fan is not None and isinstance(tune, StepTune):
+            printer.set_fan(fan, 0.0)
         heater.set_control(self._before)
         result = tune.result
         if not apply or result is None:
