@@ -187,6 +187,8 @@ void bind_heater(nb::module_& m) {
           "fault",
           [](const Heater& h) { return h.faulty() ? std::optional(h.fault()) : std::nullopt; },
           "What is wrong; while it is not None the target is kept, but nothing heats.")
+      .def("set_sensor", &Heater::set_sensor, "options"_a,
+           "Takes over table, broken ends and query of these options, from the next report on.")
       .def("rearm", &Heater::rearm, "Ends the fault: the heater heats to the target that it kept.")
       .def(
           "take_samples",

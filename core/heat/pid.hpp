@@ -22,8 +22,11 @@ class Pid {
   const Terms& terms() const { return terms_; }
 
   double update(const Reading& r) {
-    if (r.dt > 0 && known_)
-      rate_ += ((r.celsius - before_) / r.dt - rate_) * (r.dt / (r.dt + o_.filter_s));
+    if (r.dt > 0 && known_) {
+      double rate = (r.celsius - before_) / r.dt;
+      rate_ += (rate - rate_) * (r.dt / (r.dt + o_.filter_s));
+      trend_ += (rate - trend_) * (r.dt / (r.dt + kTrend * o_.filter_s));
+    }
     before_ = r.celsius;
     known_ = true;
     if (r.target <= 0) {
@@ -33,25 +36,31 @@ class Pid {
     }
     double error = r.target - r.celsius;
     double low = std::min(o_.drive_min, r.max_power), high = std::min(o_.drive_max, r.max_power);
-    if (error > o_.range_c || error < -o_.range_c) {
-      i_ = low;
-      return finish(error, 0, 0, error > 0 ? r.max_power : 0, r.max_power);
-    }
+    if (error < -o_.range_c) i_ = low;
+    i_ = std::clamp(i_, low, high);
+    bool far = error > o_.range_c || error < -o_.range_c;
+    near_s_ = far ? 0 : near_s_ + r.dt;
+    if (error > o_.range_c) return finish(error, 0, 0, r.max_power, r.max_power);
+    if (error < -o_.range_c) return finish(error, 0, 0, 0, r.max_power);
     double p = o_.kp * error, d = -o_.kd * rate_, step = o_.ki * error * r.dt;
     // Anti-windup: the integral grows only while that still changes the power, and not while the
-    // temperature is closing in by itself faster than the integral could follow: what it gathered
-    // there would have to be given back as overshoot.
+    // temperature, coming from afar, is closing in faster than the integral could follow: what it
+    // gathered there would have to be given back as overshoot.
     double wanted = p + i_ + step + d;
     bool saturated = (wanted > r.max_power && step > 0) || (wanted < 0 && step < 0);
-    bool closing = error * rate_ > 0 && o_.ki * error * error < o_.kp * error * rate_;
-    if (!saturated && !closing) i_ += step;
+    bool closing = error * trend_ > 0 && o_.ki * error * error < o_.kp * error * trend_;
+    bool approaching = closing && near_s_ < kApproachSeconds;
+    if (!saturated && !approaching) i_ += step;
     i_ = std::clamp(i_, low, high);
     return finish(error, p, d, p + i_ + d, r.max_power);
   }
 
  private:
+  static constexpr double kApproachSeconds = 30;
+  static constexpr double kTrend = 4;  // filters of the derivative: beyond the ADC's steps
+
   PidControl o_;
-  double before_ = 0, rate_ = 0, i_ = 0;
+  double before_ = 0, rate_ = 0, trend_ = 0, near_s_ = 0, i_ = 0;
   bool known_ = false;
   Terms terms_;
 

@@ -22,7 +22,8 @@ enum class FaultKind : uint8_t {
 struct ProtectionLimits {
   double min_c = 5, max_c = 280;
   double jump_c = 10;  // between two reports; several in a few seconds: an erratic sensor
-  double watch_rise_c = 2, watch_s = 20;      // on its way up, so much warmer in each such time
+  double watch_rise_c = 2,
+         watch_s = 20;                        // while at full power on its way up
   double runaway_c = 4, runaway_s = 40;       // once there, never so much colder for so long
   double stuck_on_c = 10, stuck_on_s = 60;    // switched off, never so much warmer in such a time
   double deviation = 0.25, deviation_s = 30;  // share of full power that the model cannot explain
@@ -41,6 +42,7 @@ class Protection {
   struct Sight {
     double celsius, target, power;  // power: since the last report, share
     double dt;
+    bool full;  // the power was all that there is
     bool open, shorted;
     double unexplained;  // share of full power; 0 if no model is known
   };
@@ -124,7 +126,8 @@ class Protection {
       if (o_.runaway_c <= 0 || time_ <= deadline_) return {};
       return {FaultKind::runaway, 0, least};
     }
-    if (s.celsius >= goal_) aim(s.celsius);
+    // A controller that asks for less does not expect to get warmer at once.
+    if (!s.full || s.celsius >= goal_) aim(s.celsius);
     if (o_.watch_rise_c <= 0 || time_ <= deadline_) return {};
     return {FaultKind::heating_failed, 0, goal_};
   }

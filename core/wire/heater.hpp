@@ -68,6 +68,17 @@ class Heater {
     target_ = wanted;
   }
 
+  // Another sensor on the same input, or another idea of it: its table and its range.
+  void set_sensor(const HeaterOptions& other) {
+    o_.celsius = other.celsius;
+    o_.low_share = other.low_share;
+    o_.high_share = other.high_share;
+    o_.open_is_high = other.open_is_high;
+    o_.query = other.query;
+    new_net_ = true;
+    protection_.restart();
+  }
+
   const heat::Control& control() const { return controller_.control(); }
   void set_control(const heat::Control& control) {
     controller_.set(control);
@@ -117,7 +128,8 @@ class Heater {
     bool failed = false;
     if (!faulty()) {
       bool open = o_.open_is_high ? above : below, shorted = o_.open_is_high ? below : above;
-      fault_ = protection_.check({celsius_, heating_target(), power_, dt, open, shorted,
+      bool full = power_ >= kFullShare * o_.max_power;
+      fault_ = protection_.check({celsius_, heating_target(), power_, dt, full, open, shorted,
                                   body_ ? body_->unexplained() : 0});
       fault_.clock = clock;
       failed = news_ = faulty();
@@ -140,11 +152,13 @@ class Heater {
   // query must be sent anew, with `wide` or with its own range.
   bool change_net(bool& wide) {
     wide = faulty();
-    return std::exchange(wide_, wide) != wide;
+    bool changed = std::exchange(wide_, wide) != wide;
+    return std::exchange(new_net_, false) || changed;
   }
 
  private:
   static constexpr size_t kSamplesMax = 4096;
+  static constexpr double kFullShare = 0.95;  // of all the power: as good as all
 
   HeaterOptions o_;
   heat::Controller controller_;
@@ -155,7 +169,7 @@ class Heater {
   double target_ = 0, celsius_ = 0, power_ = 0, fan_ = 0;
   uint32_t fan_value_ = 0;
   Ticks clock_ = 0;
-  bool known_ = false, reached_ = false, news_ = false, wide_ = false;
+  bool known_ = false, reached_ = false, news_ = false, wide_ = false, new_net_ = false;
 
   // A relay swings around its target: only being on the way up can be judged by the target.
   double heating_target() const {

@@ -88,7 +88,7 @@ class Link {
     return *heaters_.back();
   }
   const std::vector<std::unique_ptr<Heater>>& heaters() const { return heaters_; }
-  // True once after faults of heaters: their outputs are off by then.
+  // True once after faults of heaters: the board has been sent the order to switch them off.
   bool take_fault() { return std::exchange(fault_, false); }
 
   // The board said that it stopped; its static_string_id tells why.

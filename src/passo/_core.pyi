@@ -300,6 +300,11 @@ class Heater:
         What is wrong; while it is not None the target is kept, but nothing heats.
         """
 
+    def set_sensor(self, options: HeaterOptions) -> None:
+        """
+        Takes over table, broken ends and query of these options, from the next report on.
+        """
+
     def rearm(self) -> None:
         """Ends the fault: the heater heats to the target that it kept."""
 

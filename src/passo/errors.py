@@ -203,6 +203,12 @@ CATALOGUE: Mapping[str, Entry] = {
         "there is no {axis} with number {value}; the machine has {limit}",
         "Give another T or P, or add the heater to the machine file",
     ),
+    "heat.no-pid": _input(
+        "heat", "heater {axis} is not controlled by PID", "Change its control in the machine file"
+    ),
+    "heat.no-thermistor": _input(
+        "heat", "the sensor of {axis} is no thermistor", "Change it in the machine file"
+    ),
     "heat.unsafe-target": _input(
         "heat",
         "heater {axis} was switched off: {value:g} C is outside of its safe range, {limit} C",

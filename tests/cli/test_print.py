@@ -46,7 +46,7 @@ def test_the_example_on_the_i3(capsys, unpacked):
 GOLDEN = {
     ("demo", "i3"): "dc5f9fd95a6f843d",
     ("gear_arcs", "mk3s"): "b83fc80b1475ab5d",
-    ("plate_toolchanger", "dual-extruder"): "6550098253671ae0",
+    ("plate_toolchanger", "dual-extruder"): "6f21e6f0e2d6165b",
 }
 
 

@@ -62,6 +62,15 @@ def test_a_model_may_err(rise_c, time_constant_s):
     assert all(abs(body - 200) < 0.5 for s, body, _, _ in rise if s > 140)
 
 
+def test_gains_that_are_far_too_small_are_no_fault():
+    oven = Oven("control = { kind = 'pid', kp = 0.04, ki = 0.0005, kd = 0.1 }")
+    oven.heat(210.0)
+    slow = oven.run(600)
+    assert max(body for _, body, _, _ in slow) < 210.5
+    assert slow[-1][1] > 208
+    assert oven.faults == []
+
+
 def test_two_hotends_have_states_of_their_own():
     machine = config.load("dual-extruder")
     connection, board = connect(machine)

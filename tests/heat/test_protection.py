@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 from tests.heat.oven import Oven
 
+from passo import _core
 from passo.board import FaultKind
 from passo.heat.sensors import share_at
 
@@ -13,7 +14,7 @@ NO_MODEL = "protection = { deviation = 0.0 }"
 
 
 def fails(oven: Oven, kind: FaultKind, within_s: float) -> None:
-    """The fault comes in time; its output is off by then, its set-point kept; the board lives."""
+    """The fault comes in time and switches the output off; the board lives."""
     begin = oven.now_s
     oven.run_until(lambda: bool(oven.faults), within_s)
     (fault,) = oven.faults
@@ -236,6 +237,8 @@ def test_a_protection_that_is_switched_off():
     oven.run(120)
     assert oven.faults == []
     assert oven.heater.limits.watch_rise_c == 0.0
+    oven.heater.limits = _core.ProtectionLimits(max_c=285.0)
+    fails(oven, FaultKind.HEATING_FAILED, 21)
 
 
 def test_every_fault_is_a_sentence():

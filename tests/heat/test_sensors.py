@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from tests.heat.oven import Oven
 
 from passo.config.sensors import (
     Platinum,
@@ -13,6 +14,7 @@ from passo.config.sensors import (
 )
 from passo.heat import platinum
 from passo.heat.sensors import celsius_at, open_is_high, sensor_table, share_at
+from passo.printer.wiring import sensor_of
 
 
 @pytest.mark.parametrize(
@@ -69,3 +71,25 @@ def test_a_thermistor_knows_its_ends():
     assert celsius_at(table, 0.5) == pytest.approx(114.45, abs=0.3)
     shifted = sensor_table(Thermistor(adc_offset_low=4.0))
     assert share_at(shifted, 400) - share_at(table, 400) == pytest.approx(8 / 1024, rel=0.02)
+
+
+def test_a_sensor_is_changed_while_it_measures():
+    oven = Oven()
+    oven.heat(200.0)
+    oven.run(180)
+    old = sensor_table(Thermistor())
+    new = Thermistor(beta_k=4436.0)
+    config = oven.machine.heaters["hotend"].model_copy(update={"sensor": new, "max_c": 230.0})
+    oven.connection.set_sensor("hotend", sensor_of(oven.machine, "hotend", config))
+    oven.run(0.5)
+    shown = celsius_at(sensor_table(new), share_at(old, 200.0))
+    assert oven.heater.celsius == pytest.approx(shown, abs=1.0)
+    assert shown == pytest.approx(171.0, abs=1.0)
+    oven.run(60)
+    assert oven.faults == []
+    assert oven.heater.celsius == pytest.approx(200, abs=1.5)
+    # The board keeps to the new range by itself.
+    silence = oven.connection.now
+    oven.board.force_sensor("hotend", share_at(sensor_table(new), 240.0))
+    oven.board.device.poll(silence + 2 * oven.hz)
+    assert oven.board.device.fault == "ADC out of range"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import TypeAlias
 
 from passo import _core
@@ -14,7 +15,7 @@ from passo.board.configuration import (
     heater_options,
     queries,
 )
-from passo.board.description import BoardDescription, inverted
+from passo.board.description import BoardDescription, Sensor, inverted
 from passo.board.dictionary import Dictionary
 from passo.board.faults import HeaterFault
 from passo.errors import MachineError, Problem
@@ -42,9 +43,9 @@ class Connection:
 
     All times are ticks of the board's clock. Not thread-safe; `run` releases the interpreter lock.
     Every method that lets time pass raises MachineError when the board shuts down and
-    BoardSilentError when it no longer answers. When a heater fails, its output is off by then, and
-    the fault is appended to `faults` and given to `on_fault`, which may raise; without it, it is
-    raised as a MachineError.
+    BoardSilentError when it no longer answers. When a heater fails, it is ordered off, to be so in
+    0.1 s, and the fault is appended to `faults` and given to `on_fault`, which may raise; without
+    that, it is raised as a MachineError.
     """
 
     def __init__(self, board: BoardDescription, device: _core.Device, start_clock: int = 0) -> None:
@@ -131,6 +132,18 @@ class Connection:
         self.command(
             f"update_digital_out oid={self._oids.outputs[output]} value={int(on != inverted(pin))}"
         )
+
+    def set_sensor(self, heater: str, sensor: Sensor) -> None:
+        """Another idea of a heater's sensor: its table and its range, from the next report on. Name
+        and pin stay. KeyError if there is no such heater."""
+        loop = self.heaters[heater]
+        entry = next(h for h in self.board.heaters if h.name == heater)
+        sensors = (
+            replace(sensor, name=s.name, pin=s.pin) if s.name == entry.sensor else s
+            for s in self.board.sensors
+        )
+        self.board = replace(self.board, sensors=tuple(sensors))
+        loop.set_sensor(heater_options(self.board, entry, self.dictionary))
 
     def full_scale(self, output: str) -> int:
         """The value of an output that means fully on."""

@@ -70,10 +70,10 @@ class Protection(Model):
     """What switches a heater off besides `min_c` and `max_c`; 0 switches a protection off.
 
     `jump_c` between two readings, several times in some seconds: the sensor is erratic. On its way
-    up it must get `watch_rise_c` warmer in each `watch_s` (default 20 s, 90 s for a bed or a
-    chamber). Once there, it must not stay `runaway_c` below its target for `runaway_s`. Without
-    power it must not get `stuck_on_c` warmer in `stuck_on_s`. `deviation` is the share of full
-    power that its model may leave unexplained for `deviation_s`.
+    up, at full power, it must get `watch_rise_c` warmer in each `watch_s` (default 20 s, 90 s for a
+    bed or a chamber). Once there, it must not stay `runaway_c` below its target for `runaway_s`.
+    Without power it must not get `stuck_on_c` warmer in `stuck_on_s`. `deviation` is the share of
+    full power that its model may leave unexplained for `deviation_s`.
     """
 
     jump_c: NotNegative = 10.0

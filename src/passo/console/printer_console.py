@@ -57,6 +57,8 @@ def furnished(
     settings = SettingsCommands(printer, store)
     printer.planned.update(settings.planned)
     printer.settings = settings.lines
+    if store is not None:
+        printer.store_settings = settings.store
     settings.load_at_start()
     if card is not None:
         files.mount()

@@ -39,6 +39,9 @@ class SettingsCommands:
         yield "Home offset", [motion.home_offset_line()]
         if len(job.tool_offsets) > 1:
             yield "Tool offsets", list(motion.tool_offset_lines())
+        tunes = self._printer.tunes
+        yield "Heater sensors", list(tunes.sensor_lines())
+        yield "Heater PID", list(tunes.gain_lines())
         yield "Material presets", list(heat.preset_lines())
         mm, feed, hop, extra, back = job.retraction
         yield (
@@ -75,9 +78,13 @@ class SettingsCommands:
             raise CommandError([Problem("settings.nowhere")])
         return self._store
 
+    def store(self) -> int:
+        """Stores the settings; returns their checksum. Raises CommandError."""
+        return self._needed().save(list(self.lines()))
+
     def _save(self, _: Command, reply: Reply) -> Wait | None:
         lines = list(self.lines())
-        crc = self._needed().save(lines)
+        crc = self.store()
         size = sum(len(line) + 1 for line in lines)
         reply.say(f"echo:Settings Stored ({size} bytes; crc {crc})")
         return None

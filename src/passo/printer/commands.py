@@ -131,9 +131,10 @@ class Commands:
     def fans_off(self) -> None:
         """All fans, as soon as the moves so far are done."""
         for fan in self._machine.fans:
-            self._set(fan, 0.0)
+            self.set_output(fan, 0.0)
 
-    def _set(self, output: str, share: float) -> None:
+    def set_output(self, output: str, share: float) -> None:
+        """Sets an output, 0 to 1, when the moves so far are done."""
         index, full = self._outputs[output]
         self._job.record(index, round(min(max(share, 0.0), 1.0) * full))
 
@@ -153,7 +154,7 @@ class Commands:
     def _laser(self) -> None:
         if self._machine.laser:
             share = self._spindle / self._machine.laser.full_scale if self._spindle_on else 0.0
-            self._set("laser", share)
+            self.set_output("laser", share)
 
     def _heater(self, kind: str, tool: int) -> str | None:
         names = [name for name, heater in self._machine.heaters.items() if heater.kind == kind]
@@ -186,12 +187,14 @@ class Commands:
     def _fan_on(self, command: Command) -> None:
         fan = self._fan(command)
         if fan is not None:
-            self._set(fan, command.words().get("S", 255) / 255 * self._machine.fans[fan].max_power)
+            self.set_output(
+                fan, command.words().get("S", 255) / 255 * self._machine.fans[fan].max_power
+            )
 
     def _fan_off(self, command: Command) -> None:
         fan = self._fan(command)
         if fan is not None:
-            self._set(fan, 0.0)
+            self.set_output(fan, 0.0)
 
     def _axis_limits(self, command: Command, what: str) -> None:
         for letter, value in command.words().items():

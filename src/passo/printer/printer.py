@@ -17,8 +17,19 @@ from passo.printer.homing import Homer
 from passo.printer.motion_commands import MotionCommands
 from passo.printer.motors import Motors
 from passo.printer.person import PersonCommands
+from passo.printer.tune_commands import TuneCommands
 from passo.printer.turn import Turn
-from passo.printer.waits import Handler, Homing, Person, Reply, Silence, Still, Temperatures, Wait
+from passo.printer.waits import (
+    Handler,
+    Homing,
+    Person,
+    Reply,
+    Silence,
+    Still,
+    Temperatures,
+    Tuning,
+    Wait,
+)
 from passo.printer.wiring import connect, reconnected
 from passo.printer.words import Command
 
@@ -55,11 +66,20 @@ class Printer:
         self.heat = HeatCommands(self)
         self.motion = MotionCommands(self)
         self.person = PersonCommands(self)
+        self.tunes = TuneCommands(self)
+        self.store_settings: Callable[[], object] = lambda: None
         self.immediate: dict[str, Handler] = (
-            self.heat.immediate | self.motion.immediate | self.person.immediate
+            self.heat.immediate
+            | self.motion.immediate
+            | self.person.immediate
+            | self.tunes.immediate
         )
         self.planned: dict[str, Handler] = (
-            self.heat.planned | self.motion.planned | self.motors.planned | self.person.planned
+            self.heat.planned
+            | self.motion.planned
+            | self.motors.planned
+            | self.person.planned
+            | self.tunes.planned
         )
         self.fault_listeners: list[Callable[[HeaterFault], None]] = []
         self.listeners: list[Callable[[str], None]] = []
@@ -123,6 +143,12 @@ class Printer:
     def wait_for(self, heaters: list[str]) -> None:
         """Not used: waits of a living printer are awaited."""
         raise NotImplementedError
+
+    def set_fan(self, fan: str, share: float) -> None:
+        """Sets a fan's speed, 0 to 1, when the moves so far are done."""
+        self.drive.before_moves()
+        self.commands.set_output(fan, share)
+        self.drive.after_moves()
 
     def set_target_now(self, heater: str, celsius: float) -> None:
         """Sets a heater's target at once."""
@@ -233,6 +259,8 @@ class Printer:
             wait.then()
         elif isinstance(wait, Temperatures):
             await self._reach(wait, reply)
+        elif isinstance(wait, Tuning):
+            await self._tune(wait)
         elif isinstance(wait, Person):
             await self._person(wait, reply)
         elif isinstance(wait, Homing):
@@ -342,6 +370,15 @@ class Printer:
         faults = [f for f in self.connection.faults if f.heater in wait.heaters]
         if any(h.fault for h in heaters) and not self.halted:
             raise CommandError([faults[-1].problem])
+
+    async def _tune(self, wait: Tuning) -> None:
+        self.heating = True
+        try:
+            await self.drive.until(lambda: wait.step() or self.interrupted)
+        finally:
+            self.heating = False
+            if not self.halted:
+                wait.finish()
 
     async def _person(self, wait: Person, reply: Reply) -> None:
         reply.say("echo:busy: paused for user")

@@ -34,13 +34,22 @@ class Person:
 
 
 @dataclass(frozen=True, slots=True)
+class Tuning:
+    """Until `step`, which is called as time passes, is true; then, or when the wait is ended,
+    `finish`."""
+
+    step: Callable[[], bool]
+    finish: Callable[[], None]
+
+
+@dataclass(frozen=True, slots=True)
 class Homing:
     """Until these axes (letters; all if none) are at home."""
 
     letters: str
 
 
-Wait: TypeAlias = Still | Temperatures | Person | Homing
+Wait: TypeAlias = Still | Temperatures | Person | Tuning | Homing
 
 
 class Reply(Protocol):

@@ -51,11 +51,7 @@ def board_description(machine: MachineConfig) -> BoardDescription:
         cycle = round(_PWM_PERIOD_S * clock_hz)
         longest = round(_MAX_DURATION_S * clock_hz)
         outputs.append(Output(name, _pin(machine, heater.pin), "digital", cycle, longest))
-        table = sensor_table(heater.sensor)
-        ends = sorted((share_at(table, heater.min_c), share_at(table, heater.max_c)))
-        pin = _pin(machine, heater.sensor_pin)
-        high = open_is_high(heater.sensor)
-        sensors.append(Sensor(name, pin, table, ends[0], ends[1], open_is_high=high))
+        sensors.append(sensor_of(machine, name, heater))
         heaters.append(_heater(name, heater))
     for name, fan in machine.fans.items():
         outputs.append(
@@ -92,6 +88,14 @@ def _heater(name: str, heater: HeaterConfig) -> Heater:
         fan=heater.fan,
         max_power=heater.max_power,
     )
+
+
+def sensor_of(machine: MachineConfig, name: str, heater: HeaterConfig) -> Sensor:
+    """The sensor of a heater as its board has it; also for `Connection.set_sensor`."""
+    table = sensor_table(heater.sensor)
+    low, high = sorted((share_at(table, heater.min_c), share_at(table, heater.max_c)))
+    pin = _pin(machine, heater.sensor_pin)
+    return Sensor(name, pin, table, low, high, open_is_high=open_is_high(heater.sensor))
 
 
 def _pin(machine: MachineConfig, name: str) -> str:
