@@ -171,6 +171,9 @@ void bind_job(nb::module_& m) {
           "queued", [](JobView& self) { return self.job.motion.planner().queued(); },
           "Moves that are not settled.")
       .def_prop_ro(
+          "queued_ticks", [](JobView& self) { return self.job.motion.planner().queued_ticks(); },
+          "Ticks that these moves take at least.")
+      .def_prop_ro(
           "program_position",
           [](JobView& self) {
             const Interpreter& i = self.job.interpreter;

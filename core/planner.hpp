@@ -32,6 +32,15 @@ class Planner {
   // Settled moves that the caller has not taken yet; it clears the vector.
   std::vector<Move>& settled() { return settled_; }
   size_t queued() const { return queue_.size() - head_; }
+  // Ticks that the queued moves take at least: at their nominal speeds, without acceleration.
+  double queued_ticks() const {
+    double seconds = 0;
+    for (size_t i = head_; i < queue_.size(); ++i) {
+      const Move& m = queue_[i];
+      seconds += m.kind == MoveKind::dwell ? m.duration : m.d / std::sqrt(m.vn2);
+    }
+    return seconds * clock_hz_;
+  }
   double clock() const { return clock_; }    // end of the last settled move, ticks
   double speed2() const { return speed2_; }  // its end speed, squared
 

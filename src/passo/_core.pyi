@@ -820,6 +820,10 @@ class Job:
         """Moves that are not settled."""
 
     @property
+    def queued_ticks(self) -> float:
+        """Ticks that these moves take at least."""
+
+    @property
     def program_position(self) -> list[float]:
         """Where the program is, in its own coordinates: the axes, then E."""
 

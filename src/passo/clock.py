@@ -29,11 +29,12 @@ class ScaledLoop(asyncio.SelectorEventLoop):
     """An event loop whose seconds are `1/scale` of real ones."""
 
     def __init__(self, scale: float) -> None:
-        if not scale > 0:
-            raise ValueError("the scale of time must be above 0")
         self._factor = scale
         self._start = time.monotonic()
         super().__init__(_Scaled(scale))
+        if not scale > 0:
+            self.close()
+            raise ValueError("the scale of time must be above 0")
 
     def time(self) -> float:
         return (time.monotonic() - self._start) * self._factor

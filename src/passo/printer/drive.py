@@ -14,9 +14,10 @@ if TYPE_CHECKING:
 TICK_S = 0.01  # host time between two looks at the board in real time
 HORIZON_S = 0.16  # of print time ahead that cannot be taken back: the board has it
 RUNNING_DRY_S = 0.3  # a plan that ends sooner is settled for a stop
+TAKE_BACK_S = 1.0  # that stop is taken back, if more moves came in, when it is so near
 LEAD_S = 0.2  # from a command on a standing machine to its first step
 GATHER_S = 0.08  # host time in which a standing machine hopes for more moves to plan with
-BUFFER_S = 2.0  # of settled print time ahead; a console that brings more must wait
+BUFFER_S = 2.0  # of print time ahead; a console that brings more must wait
 MOST_QUEUED = 2048  # moves that wait for look-ahead
 _STRIDE_S = 0.25  # print time between two looks where time is free
 
@@ -82,8 +83,9 @@ class Drive:
     @property
     def full(self) -> bool:
         """The plan reaches far enough ahead."""
-        ahead = self._job.clock - self.now
-        return ahead > BUFFER_S * self.hz or self._job.queued > MOST_QUEUED
+        job = self._job
+        ahead = job.clock - self.now + job.queued_ticks
+        return ahead > BUFFER_S * self.hz or job.queued > MOST_QUEUED
 
     def before_moves(self) -> None:
         """Call before anything is added to the plan: on a machine that stands it starts anew."""
@@ -121,6 +123,7 @@ class Drive:
         return self.now + HORIZON_S * self.hz
 
     def _revoke(self, cut: float) -> None:
+        self._stop_clock = -1.0
         while self._marks and self._marks[-1][0] > cut:
             self._marks.pop()
         self._dirty = True
@@ -186,8 +189,14 @@ class Drive:
             self._connection.run(until)
 
     def _settle(self, now: int) -> None:
-        """A plan that runs dry is settled for a stop; what came in since takes the stop back."""
-        job = self._job
+        """A plan that runs dry is settled for a stop; what came in since takes the stop back, but
+        late, since all that is planned anew is work done twice."""
+        job, stop = self._job, self._stop_clock
+        # After many short moves the stop lies in the midst of what is settled.
+        passed_by = job.clock > stop
+        near = job.queued > 0 and stop - now < TAKE_BACK_S * self.hz
+        if stop > self._earliest() and (passed_by or near):
+            self.replan()
         if job.queued == 0:
             if self._dirty:
                 job.flush()  # a fan may have been switched
@@ -199,8 +208,6 @@ class Drive:
                 self._dirty = True
                 return
             self._first_move_s = None
-        if job.clock == self._stop_clock and job.clock > self._earliest():
-            self.replan()
         if job.clock - now < RUNNING_DRY_S * self.hz:
             job.flush()
             self._stop_clock = job.clock

@@ -1,0 +1,116 @@
+"""How print time passes: from standing still, through running dry, and where time is free."""
+
+import pytest
+from tests.console.scenario import Scenario
+
+from passo.printer.drive import BUFFER_S, GATHER_S, LEAD_S
+
+
+@pytest.fixture
+def s():
+    with Scenario("i3") as scenario:
+        scenario.host.ok("G92 X20 Y20 Z20")
+        scenario.passes(1)
+        yield scenario
+
+
+def speeds(s, seconds, step_s=0.02):
+    """Speeds of X, mm/s, in spans of so many seconds."""
+    found, before = [], s.positions()["x"]
+    for _ in range(round(seconds / step_s)):
+        s.passes(step_s)
+        at = s.positions()["x"]
+        found.append((at - before) / step_s)
+        before = at
+    return found
+
+
+def test_a_standing_machine_starts_soon_after_the_first_line(s):
+    start = s.loop.time()
+    s.host.ok("G1 X60 F6000")
+    assert s.loop.time() == start  # `ok` does not wait for motion
+    assert s.until(lambda: s.positions()["x"] != 20.0, 1)
+    assert LEAD_S / 2 < s.loop.time() - start < LEAD_S + 0.05
+
+
+def test_a_burst_of_lines_is_planned_together(s):
+    s.host.send(*(f"G1 X{20 + i} F3000" for i in range(1, 61)))
+    s.passes(LEAD_S + GATHER_S + 0.1)
+    assert min(speeds(s, 0.6)) == pytest.approx(50, abs=2)  # 60 mm at 50 mm/s, never slower
+
+
+def test_moves_that_come_in_drops_go_on_without_a_stop(s):
+    """A host that sends 10 mm every 0.2 s, as they are driven: the plan is always about to end."""
+    for i in range(1, 4):
+        s.host.send(f"G1 X{20 + 10 * i} F3000")
+    found = []
+    for i in range(4, 14):
+        found += speeds(s, 0.2)
+        s.host.send(f"G1 X{20 + 10 * i} F3000")
+    assert min(found[20:]) > 40
+    s.host.ok("M400")
+    assert s.positions()["x"] == 150.0
+
+
+def test_moves_that_come_too_late_begin_anew_and_lose_nothing(s):
+    for i in range(1, 6):
+        s.host.send(f"G1 X{20 + 10 * i} F3000")
+        assert s.until(lambda: s.printer.drive.standing, 2)
+        assert s.positions()["x"] == 20 + 10 * i
+    s.passes(60)
+    s.host.ok("G1 X25")
+    s.host.ok("M400")
+    assert s.positions()["x"] == 25.0
+
+
+def test_a_plan_that_reaches_far_ahead_takes_no_more(s):
+    s.host.send(*(f"G1 X{20 + i % 2 * 50} F3000" for i in range(40)))  # 1 s each, and more
+    s.passes(0.5)
+    acknowledged = sum(x.startswith("ok") for x in s.host.heard) - 1
+    assert acknowledged == 4  # the first goes nowhere; the fourth reaches beyond
+    s.host.expect("^echo:busy: processing", 3)
+    assert s.printer.job.clock + s.printer.job.queued_ticks < s.printer.drive.now + (
+        (BUFFER_S + 1.5) * s.printer.drive.hz
+    )
+
+
+def test_a_host_that_stops_sending_is_at_rest_soon(s):
+    """It sends the next of many short moves at each `ok`, and pauses by sending no more."""
+    for i in range(400):
+        start = len(s.host.heard)
+        s.host.send(f"G1 X{20 + i % 2 * 10} F3000")
+        assert s.until(lambda: any(x == "ok" for x in s.host.heard[start:]), 3)  # noqa: B023
+    assert s.until(lambda: s.printer.drive.standing, BUFFER_S + 0.5)
+
+
+def test_free_time_stands_while_nothing_waits():
+    with Scenario("i3", free=True) as s:
+        drive = s.printer.drive
+        s.passes(1)
+        before = drive.now
+        s.passes(3600)
+        assert drive.now == before
+        assert s.host.ok("M105")[0].startswith("ok T:")
+        assert drive.now == before
+
+
+def test_free_time_passes_as_fast_as_it_goes_while_something_waits():
+    with Scenario("i3", free=True) as s:
+        drive = s.printer.drive
+        start, printed = s.loop.time(), drive.now_s
+        s.host.ok("M109 S200", 100)
+        assert s.loop.time() - start < 1
+        assert drive.now_s - printed > 20
+        s.host.ok("G28", 100)
+        s.host.ok("G4 S1000")
+        s.host.ok("M400")
+        assert s.loop.time() - start < 2
+        assert drive.now_s - printed > 1020
+
+
+def test_in_free_time_moves_are_done_when_the_host_is_silent():
+    with Scenario("i3", free=True) as s:
+        s.host.ok("G92 X20")
+        s.host.send("G1 X60 F600")
+        s.passes(2)
+        assert s.positions()["x"] == 60.0
