@@ -68,7 +68,6 @@ def test_a_plan_that_reaches_far_ahead_takes_no_more(s):
     s.passes(0.5)
     acknowledged = sum(x.startswith("ok") for x in s.host.heard) - 1
     assert acknowledged == 4  # the first goes nowhere; the fourth reaches beyond
-    s.host.expect("^echo:busy: processing", 3)
     assert s.printer.job.clock + s.printer.job.queued_ticks < s.printer.drive.now + (
         (BUFFER_S + 1.5) * s.printer.drive.hz
     )
@@ -88,7 +87,7 @@ def test_free_time_stands_while_nothing_waits():
         drive = s.printer.drive
         s.passes(1)
         before = drive.now
-        s.passes(3600)
+        s.passes(600)
         assert drive.now == before
         assert s.host.ok("M105")[0].startswith("ok T:")
         assert drive.now == before

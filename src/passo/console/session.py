@@ -5,9 +5,12 @@ from __future__ import annotations
 import asyncio
 import re
 from collections import deque
+from collections.abc import Callable
 from typing import Protocol
 
+from passo.console.ahead import Ahead
 from passo.console.protocol import Line, LineProtocol, Refusal
+from passo.console.timers import Timers
 from passo.console.upload import Upload
 from passo.errors import PassoError
 from passo.printer.drive import MOST_QUEUED
@@ -56,15 +59,14 @@ class Session:
         self._loop = asyncio.get_running_loop()
         self._task: asyncio.Task[None] | None = None
         self._ok = ""
-        self._timers: dict[str, asyncio.TimerHandle] = {}
+        self._timers = Timers(self._loop)
+        self._ahead = Ahead(printer)
         self._held = False
         self.strict = False  # M932: after a failure nothing is carried out
         self.failed = False
         self.busy_s = 2.0  # M113
         self.advanced_ok = False
         self.upload: Upload | None = None  # M28: lines go into this file
-        self._file_ahead = False  # the lines that come in now are for one, and have numbers
-        self._file_numbered = False
         self._working = False  # this console's line has the turn and is under way
         self.closed = False
         printer.listeners.append(self.hear)
@@ -77,7 +79,7 @@ class Session:
         heard = self._protocol.feed(data)
         for line in heard:
             if isinstance(line, Line):
-                self._look_ahead(line)
+                self._ahead.see(command_of(line.text).code, line.number)
         self._lines.extend(heard)
         if heard and self._task is None:
             self._work()
@@ -88,9 +90,7 @@ class Session:
     def close(self) -> None:
         """The host has gone: its lines in hand are forgotten, its wait ends."""
         self.closed = True
-        for timer in self._timers.values():
-            timer.cancel()
-        self._timers.clear()
+        self._timers.stop()
         self._lines.clear()
         if self.upload is not None:
             self.upload.abort()
@@ -123,37 +123,13 @@ class Session:
         self.failed = True
         self.say(("Error:" if self.strict else "echo:") + text)
 
-    def every(self, name: str, seconds: float, action: object) -> None:
+    def every(self, name: str, seconds: float, action: Callable[[], None] | None) -> None:
         """Calls an action at an interval of host time, in place of the one of that name; 0: no
         more."""
-        timer = self._timers.pop(name, None)
-        if timer is not None:
-            timer.cancel()
-        if seconds > 0 and callable(action) and not self.closed:
-            self._timers[name] = self._loop.call_later(seconds, self._again, name, seconds, action)
-
-    def _again(self, name: str, seconds: float, action: object) -> None:
-        self.every(name, seconds, action)
-        if callable(action):
-            action()
+        if not self.closed:
+            self._timers.set(name, seconds, action)
 
     # -- work -------------------------------------------------------------------------------------
-
-    def _look_ahead(self, line: Line) -> None:
-        """What must not wait for the lines before it, unless it goes into a file."""
-        code = command_of(line.text).code
-        if code == "M28":
-            self._file_ahead, self._file_numbered = True, False
-        elif code == "M29":
-            self._file_ahead = False
-        elif self._file_ahead and (line.number is not None or not self._file_numbered):
-            self._file_numbered = line.number is not None
-        elif code == "M112":
-            self._printer.halt("emergency stop by M112")
-        elif code == "M108":
-            self._printer.go_on()
-        elif code == "M410":
-            self._printer.stop()
 
     def _work(self) -> None:
         """Carries out lines until one has to wait."""
@@ -259,8 +235,7 @@ class Session:
             text += f" N{number}" if number is not None else ""
             text += f" P{free} B{max(0, BACKLOG - len(self._lines))}"
         self.say(f"{text} {self._ok}" if self._ok else text)
-        if "wait" in self._timers:
-            self.every("wait", WAIT_S, self._say_wait)
+        self._timers.restart("wait")
 
     def _say_busy(self) -> None:
         what = "heating" if self._printer.heating else "processing"
