@@ -473,3 +473,24 @@ def test_lines_of_a_file_are_not_commands_ahead_of_the_queue(tmp_path):
         assert (tmp_path / "a.g").read_text() == "M112\nM108\nM410\n"
         s.host.ok("M112")
         assert s.printer.halted
+
+
+@pytest.mark.parametrize("command", ["G28", "M109 S250", "G1 X100 F600\nM400", "M303 E0 S200"])
+def test_m999_right_behind_m112_leaves_no_wait_behind(ready, command):
+    other = Host(ready)
+    other.send(*command.split("\n"))
+    ready.passes(0.5)
+    ready.host.send("M112", "M999")
+    ready.host.expect("ready again", 1)
+    ready.passes(0.1)
+    assert len(oks(other)) == len(command.split("\n"))
+    assert ready.host.ok("G28", 60) == ["ok"]
+
+
+def test_m108_ends_a_tune_that_has_not_begun(ready):
+    ready.host.send("G1 X60 F1200", "M303 E0 S200 C3")
+    ready.passes(0.5)
+    ready.host.send("M108")
+    ready.passes(0.1)
+    assert len(oks(ready.host)) == 4  # G92, G1, M303, M108
+    assert ready.printer.connection.heaters["hotend"].target == 0

@@ -10,7 +10,7 @@ from passo import _core
 from passo.config.drives import axis_order
 from passo.errors import CommandError, MachineError, Problem
 from passo.printer.commands import Commands
-from passo.printer.drive import Drive
+from passo.printer.drive import TICK_S, Drive
 from passo.printer.faults import problem_of
 from passo.printer.heat_commands import HeatCommands
 from passo.printer.homing import Homer
@@ -300,13 +300,27 @@ class Printer:
                 self.drive.end_waits()
                 await self._revived.wait()
                 self._revived.clear()
-                self.motors.forget()
-                lines = list(self.settings())
-                self._begin(reconnected(self.connection))
-                self.halted = ""
-                for line in lines:
-                    self.take_setting(line, Silence())
-                self.tell("echo:The printer is ready again. Home it before you move it")
+                await self._all_have_stopped()
+                try:
+                    self._begin_anew()
+                finally:
+                    self.turn.give()
+
+    async def _all_have_stopped(self) -> None:
+        """Takes the turn: who had it has heard of the halt by then, and waits for nothing of the
+        old plan any more."""
+        while not self.turn.take():
+            self.drive.end_waits()
+            await asyncio.sleep(TICK_S)
+
+    def _begin_anew(self) -> None:
+        self.motors.forget()
+        lines = list(self.settings())
+        self._begin(reconnected(self.connection))
+        self.halted = ""
+        for line in lines:
+            self.take_setting(line, Silence())
+        self.tell("echo:The printer is ready again. Home it before you move it")
 
     def _heater_failed(self, _: str, fault: HeaterFault) -> None:
         """A protection has switched a heater off; how much more stops is the heater's policy."""

@@ -173,6 +173,7 @@ class TuneCommands:
             return None
         for line in tune.begin(note):
             reply.say(line)
+        self._before = self._printer.connection.heaters[name].control
         return Tuning(lambda: self._run(name, tune, reply), lambda: self._end(name, tune, apply))
 
     def _run(self, name: str, tune: RelayTune | StepTune, reply: Reply) -> bool:
