@@ -484,7 +484,8 @@ def test_m999_right_behind_m112_leaves_no_wait_behind(ready, command):
     ready.host.expect("ready again", 1)
     ready.passes(0.1)
     assert len(oks(other)) == len(command.split("\n"))
-    assert ready.host.ok("G28", 60) == ["ok"]
+    assert "does not know where" not in "".join(ready.host.ok("G28", 60))
+    assert ready.printer.job.locked_axes == []
 
 
 def test_m108_ends_a_tune_that_has_not_begun(ready):
