@@ -93,6 +93,8 @@ async def _serve(arguments: argparse.Namespace, machine: object) -> None:
     def opened(session: Session) -> None:
         session.say("start")
         session.say(f"echo:Passo, {machine.name}")
+        if greeting := printer.greeting():
+            session.say(greeting)
 
     opened_at: list[str] = []
     for path in arguments.pty:
@@ -112,5 +114,8 @@ async def _serve(arguments: argparse.Namespace, machine: object) -> None:
     if arguments.stdin:
         await open_stdin(printer, opened)
     print(f"Serving {machine.name} on {', '.join(opened_at)}.", file=sys.stderr, flush=True)
-    with contextlib.suppress(asyncio.CancelledError):
-        await printer.run()
+    try:
+        with contextlib.suppress(asyncio.CancelledError):
+            await printer.run()
+    finally:
+        printer.close()
