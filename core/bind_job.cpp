@@ -1,5 +1,6 @@
 // passo._core.Job: whole programs through one machine.
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
@@ -159,8 +160,10 @@ void bind_job(nb::module_& m) {
           "at_boundary", [](JobView& self) { return self.job.interpreter.at_boundary(); },
           "No line is under way.")
       .def(
-          "restart", [](JobView& self) { self.job.interpreter.restart(); },
-          "Forgets the unread text of the selected source.")
+          "restart",
+          [](JobView& self, uint32_t first_line) { self.job.interpreter.restart(first_line); },
+          "first_line"_a = 1,
+          "Forgets the unread text of the selected source; its lines count from this one again.")
       .def(
           "abandon", [](JobView& self) { self.job.abandon(); },
           "After an error: forgets the rest of the line and goes on from where the plan ends.")
@@ -393,6 +396,15 @@ void bind_job(nb::module_& m) {
             throw nb::key_error(axis.c_str());
           },
           "axis"_a, "what"_a, "The `speed` or `accel` of an axis or extruder now.")
+      .def(
+          "adopt", [](JobView& self, JobView& other) { self.job.adopt(other.job); }, "other"_a,
+          "Takes the state of a program that another job has read up to where this machine stands.")
+      .def(
+          "line_at", [](JobView& self, double ticks) { return self.job.motion.line_at(ticks); },
+          "ticks"_a,
+          "Line of the program's move that is under way, or was last, at a clock (0: none), and "
+          "the "
+          "Z to which it goes. Clocks must not go back.")
       .def_prop_rw(
           "cold", [](JobView& self) { return self.job.interpreter.cold; },
           [](JobView& self, bool cold) { self.job.interpreter.cold = cold; },

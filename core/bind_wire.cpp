@@ -359,6 +359,8 @@ void bind_board(nb::module_& m) {
           },
           "pin"_a, "weights"_a, "position"_a, "at_maximum"_a, "pressed_level"_a,
           "Pressed at or beyond `position` of the weighted sum of actuators: (step pin, weight).")
+      .def("place", &VirtualBoard::place, "step_pin"_a, "position"_a,
+           "Somebody moves the motor's actuator by hand.")
       .def(
           "force_switch",
           [](VirtualBoard& b, uint32_t pin, int pressed) {

@@ -116,6 +116,23 @@ class Job {
     return true;
   }
 
+  // Takes the state of a program that another job of the same machine has read up to the place
+  // where this machine stands.
+  void adopt(Job& other) {
+    motion.flush();
+    interpreter.adopt(other.interpreter);
+    Planner &mine = motion.planner(), &theirs = other.motion.planner();
+    mine.limits() = theirs.limits();
+    mine.constraints() = theirs.constraints();
+    double position[kAxes];
+    std::copy_n(interpreter.position(), kAxes, position);
+    for (size_t i = 0; i < motion.machine().extruders.size(); ++i) {
+      position[kE] = theirs.extruder_position(i);
+      motion.set_position(position, i);
+    }
+    motion.set_position(interpreter.position(), interpreter.extruder());
+  }
+
   // After homing: the machine is where the program says.
   void settle_position() {
     motion.flush();

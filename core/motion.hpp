@@ -164,6 +164,14 @@ class Motion {
     process(false);
   }
   size_t held() const { return held_.size(); }
+  // Line of the program whose move is under way, or was the last one, at `ticks` (0: none), and the
+  // Z to which it goes. Asked for clocks that only grow.
+  std::pair<uint32_t, double> line_at(double ticks) {
+    keeps_lines_ = true;
+    while (lines_.size() > 1 && lines_[1].start <= ticks) lines_.pop_front();
+    if (lines_.empty() || lines_[0].start > ticks) return {0, 0};
+    return {lines_[0].number, lines_[0].z};
+  }
   // After hold_from: puts what is held aside, with its records, so that other moves may come first,
   // from where the machine stands. `resume` takes it up again; the machine must be back there.
   void suspend() {
@@ -231,6 +239,13 @@ class Motion {
   std::deque<Record> records_, placed_, marks_;
   std::deque<Move> history_;
   std::vector<Move> held_;
+  bool keeps_lines_ = false;
+  struct Line {
+    double start;
+    uint32_t number;
+    double z;
+  };
+  std::deque<Line> lines_;  // of moves of the program
   struct Aside {
     std::vector<Move> moves;
     std::deque<Record> records;
@@ -252,6 +267,8 @@ class Motion {
       plan_.add(m, machine_.clock_hz, 1);
       place(m.start, m.records);
       if (on_move) on_move(m);
+      if (keeps_lines_ && m.line > 0 && (lines_.empty() || lines_.back().number != m.line))
+        lines_.push_back({m.start, m.line, m.p1[kZ]});
     }
     if (still) place(planner_.clock(), std::exchange(unattached_, 0));
     if (with_steps_) {
@@ -320,6 +337,7 @@ class Motion {
     double speed2 = planner_.speed2();
     if (double(at) >= planner_.clock()) return speed2;
     revoke_messages(at);
+    while (!lines_.empty() && lines_.back().start >= ticks_of_cut_) lines_.pop_back();
     while (!placed_.empty() && placed_.back().clock > at) {
       records_.push_front(placed_.back());
       placed_.pop_back();

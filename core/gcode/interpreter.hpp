@@ -81,8 +81,8 @@ class Interpreter {
   bool at_boundary() const { return pending_.empty() && !arc_.active() && next_word_ == 0; }
   void feed(const char* data, size_t n) { lines().feed(data, n); }
   void finish() { lines().finish(); }
-  // Forgets the unread text of the selected source; its lines count from 1 again.
-  void restart() { lines() = Lines(); }
+  // Forgets the unread text of the selected source; its lines count from `first` again.
+  void restart(uint32_t first = 1) { lines() = Lines(first); }
   uint64_t offset() const { return lines().offset(); }
   // The machine is at `position` (the active extruder's in kE): what the program still meant to do
   // in this line is forgotten, and its positions follow the machine's.
@@ -99,6 +99,18 @@ class Interpreter {
     Lines console = std::move(sources_[1]);
     *this = before;
     sources_[1] = std::move(console);
+  }
+  // Takes the state that a program has in another interpreter of the same machine; what is unread
+  // here, and which axes know where they are, stays.
+  void adopt(const Interpreter& other) {
+    Interpreter mine = std::move(*this);
+    *this = other;
+    machine_ = mine.machine_;
+    sources_[0] = std::move(mine.sources_[0]);
+    sources_[1] = std::move(mine.sources_[1]);
+    source_ = mine.source_;
+    locked_ = mine.locked_;
+    cold = mine.cold;
   }
   // Axis slot j is at this machine position now; the program's zero stays where it was.
   void set_axis(int j, double position) {
@@ -230,6 +242,8 @@ class Interpreter {
 
   Lines& lines() { return sources_[source_]; }
   const Lines& lines() const { return sources_[source_]; }
+  // Of the program; 0 where a console has sent it.
+  uint32_t line_of_move() const { return source_ ? 0 : lines().number(); }
   const std::string& axis_name(int j) const {
     return machine_->axes[size_t(j < 3 ? j : j - kExtra + 3)].name;
   }
@@ -333,7 +347,7 @@ class Interpreter {
 
   // Fills what does not depend on the command and takes the move; false if it goes nowhere.
   bool ready() {
-    move_.line = lines().number();
+    move_.line = line_of_move();
     return take(move_);
   }
   bool take(MoveRequest& m) {

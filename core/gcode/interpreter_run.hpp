@@ -166,7 +166,7 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
         MoveRequest m{};
         m.kind = MoveKind::dwell;
         m.duration_s = has('S') ? value_of('S', 0) : value_of('P', 0) / 1000;
-        m.line = lines().number();
+        m.line = line_of_move();
         m.layer = uint16_t(marked_layers_ > 0 ? marked_layers_ : int(risen_layers_));
         m.feature = feature_;
         m.radius_mm = m.feed_mm_s = kInfinity;
@@ -331,7 +331,7 @@ inline void Interpreter::run_motion(int code, const Word* w, const Word* end) {
   move_.radius_mm = kInfinity;
   move_.arc_inner = false;
   move_.rapid = code == 0;
-  move_.line = lines().number();
+  move_.line = line_of_move();
   Item item{};
   item.found = Found::move;
   item.move = move_;
@@ -412,7 +412,7 @@ inline void Interpreter::run_retract(bool in) {
     m.target[j] += by;
     m.feed_mm_s = feed;
     m.radius_mm = kInfinity;
-    m.line = lines().number();
+    m.line = line_of_move();
     m.kind = MoveKind::travel;
     m.moved = uint8_t(1u << j);
     pending_.push_back(std::move(item));

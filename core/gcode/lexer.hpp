@@ -57,6 +57,9 @@ class Lines {
  public:
   static constexpr size_t kLongest = 65536;  // bytes of a line, comment not counted
 
+  Lines() = default;
+  // The first line fed has the number `first`.
+  explicit Lines(uint32_t first) : number_(first - 1) {}
   void feed(const char* data, size_t n) {
     if (at_ > 0) {
       buffer_.erase(0, at_);

@@ -118,6 +118,11 @@ class Plant {
       if (a.step_pin == step_pin) return a.start + double(net) * a.per_step;
     return 0;
   }
+  // Somebody moves the actuator by hand.
+  void place(uint32_t step_pin, int64_t net, double position) {
+    for (Actuator& a : actuators)
+      if (a.step_pin == step_pin) a.start = position - double(net) * a.per_step;
+  }
   // The board forgets its counts; the actuators stay where they are.
   void rebase(uint32_t step_pin, int64_t net) {
     for (Actuator& a : actuators)

@@ -98,6 +98,10 @@ class VirtualBoard : public Device {
   }
   // Actuator position of a motor (mm or degrees) now.
   double position(uint32_t step_pin) { return plant_.position(step_pin, net(step_pin)); }
+  // Somebody moves a motor's actuator by hand.
+  void place(uint32_t step_pin, double position) {
+    plant_.place(step_pin, net(step_pin), position);
+  }
 
  private:
   using Part = std::variant<BoardMotor, BoardOutput, BoardAnalogIn, BoardEndstop, BoardTrsync>;

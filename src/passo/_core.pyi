@@ -485,6 +485,9 @@ class VirtualBoard(Device):
         Pressed at or beyond `position` of the weighted sum of actuators: (step pin, weight).
         """
 
+    def place(self, step_pin: int, position: float) -> None:
+        """Somebody moves the motor's actuator by hand."""
+
     def force_switch(self, pin: int, pressed: int) -> None:
         """A fault: never pressed (0), always (1); -1 ends it."""
 
@@ -803,8 +806,10 @@ class Job:
     def at_boundary(self) -> bool:
         """No line is under way."""
 
-    def restart(self) -> None:
-        """Forgets the unread text of the selected source."""
+    def restart(self, first_line: int = 1) -> None:
+        """
+        Forgets the unread text of the selected source; its lines count from this one again.
+        """
 
     def abandon(self) -> None:
         """
@@ -941,6 +946,16 @@ class Job:
 
     def axis_limit(self, axis: str, what: str) -> float:
         """The `speed` or `accel` of an axis or extruder now."""
+
+    def adopt(self, other: Job) -> None:
+        """
+        Takes the state of a program that another job has read up to where this machine stands.
+        """
+
+    def line_at(self, ticks: float) -> tuple[int, float]:
+        """
+        Line of the program's move that is under way, or was last, at a clock (0: none), and the Z to which it goes. Clocks must not go back.
+        """
 
     @property
     def cold(self) -> bool:

@@ -170,6 +170,17 @@ CATALOGUE: Mapping[str, Entry] = {
         "Check the directory, its permissions and the room on the disk",
     ),
     "job.failed": _input("job", "{value}", "Mend it and go on after it (M24), or cancel (M524)"),
+    "job.other-file": _input(
+        "job",
+        "is not the file that was printed, or cannot be gone on with here",
+        "Put back the card with that file, or forget the print (M1000 C)",
+    ),
+    "job.other-machine": _input(
+        "job", "was printed on another machine", "Forget the print (M1000 C)"
+    ),
+    "job.nothing-interrupted": _input(
+        "job", "no print was interrupted", "Select a file (M23) and start it (M24)"
+    ),
     "job.printing": _input(
         "job", "{value} is being printed", "Wait until it is done, or cancel it (M524)"
     ),

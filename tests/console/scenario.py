@@ -110,6 +110,7 @@ class Scenario:
 
     def __exit__(self, *_: object) -> None:
         self.run(self._end())
+        self.printer.close()
         self.loop.close()
         assert not self._failures, self._failures
 

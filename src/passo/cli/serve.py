@@ -81,12 +81,12 @@ def _clock(text: str) -> float | None:
 
 
 def _tcp(text: str) -> tuple[str, int]:
-    """Host and port: `printer.local:2323`, `[::1]:2323`, `:2323` for all addresses."""
+    """Host and port: `printer.local:2323`, `[::1]:2323`, `:2323` for this computer alone."""
     host, colon, port = text.rpartition(":")
     host = host.removeprefix("[").removesuffix("]")
     if not (colon and port.isascii() and port.isdigit() and int(port) < 65536):
         raise argparse.ArgumentTypeError(f"{text!r} is not HOST:PORT, with a port below 65536")
-    return host, int(port)
+    return host or _TCP[0], int(port)
 
 
 def _serial(text: str) -> tuple[str, int]:
@@ -126,6 +126,8 @@ async def _serve(arguments: argparse.Namespace, machine: object) -> None:
         session.advanced_ok = arguments.advanced_ok
         session.say("start")
         session.say(f"echo:Passo, {machine.name}")
+        if greeting := printer.greeting():
+            session.say(greeting)
 
     consoles: list[Console] = []
     try:
@@ -146,3 +148,4 @@ async def _serve(arguments: argparse.Namespace, machine: object) -> None:
     finally:
         for console in consoles:
             console.close()
+        printer.close()

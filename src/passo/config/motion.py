@@ -98,13 +98,16 @@ class Stepper(Model):
 
 class Park(Model):
     """Where the nozzle waits while a print is paused: `raise_mm` above the print, then at X and Y
-    of `position_mm` (stays over the print if not given), with the filament drawn back."""
+    of `position_mm` (stays over the print if not given), with the filament drawn back.
+    After an interruption the nozzle is filled with `prime_mm` of filament over the print."""
 
     position_mm: Pair | None = None
     raise_mm: NotNegative = 10.0
     speed_mm_s: Positive = 100.0
     retract_mm: NotNegative = 2.0
     retract_mm_s: Positive = 30.0
+    prime_mm: NotNegative = 5.0
+    prime_mm_s: Positive = 5.0
 
 
 class Idle(Model):

@@ -31,6 +31,7 @@ class CardCommands:
         self._printer, self._runner, self._path = printer, runner, path
         self._card: Card | None = None
         self._directory = PurePosixPath("/")
+        printer.closers.append(self._leave)
         self.handlers: dict[str, Handler] = {
             code: _guarded(action)
             for code, action in (
@@ -79,13 +80,17 @@ class CardCommands:
             self._card = None
         self._directory = PurePosixPath("/")
 
+    def _leave(self) -> None:
+        if self._card is not None:
+            self._card.close()
+
     def autostart(self) -> None:
         """Starts `auto0.g` if the card holds it."""
         try:
             self.card.find(AUTOSTART)
         except CardError:
             return
-        self._open(AUTOSTART)
+        self.open(AUTOSTART)
         self._runner.start()
 
     def _mount(self, _: str, reply: Reply) -> None:
@@ -162,12 +167,13 @@ class CardCommands:
             self.card.list(self._place(rest))
             self._directory = self._directory / rest
             return
-        self._open(path)
+        self.open(path)
         reply.say(f"File opened: {self._runner.name} Size: {self._runner.size}")
         reply.say("File selected")
 
-    def _open(self, path: str) -> None:
-        self._runner.select(self.card.find(path).name, self.card.open(path))
+    def open(self, path: str) -> None:
+        """Selects a file to print. Raises CardError, and CommandError while one is printed."""
+        self._runner.select(self.card.find(path).name, path, self.card.open(path))
 
     def _select_and_start(self, text: str, reply: Reply) -> None:
         self._select(text, reply)

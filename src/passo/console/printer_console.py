@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from passo.console.card_commands import CardCommands
 from passo.console.commands import ConsoleCommands
 from passo.console.job_commands import JobCommands
+from passo.console.recovery_commands import RecoveryCommands
 from passo.console.settings_commands import SettingsCommands
 from passo.errors import CommandError, Problem
 from passo.job.runner import Runner
@@ -53,6 +54,10 @@ def furnished(
     jobs = JobCommands(printer, runner)
     printer.immediate.update(jobs.immediate)
     printer.planned.update(jobs.planned)
+    if state is not None:
+        recovery = RecoveryCommands(printer, runner, files, Path(state))
+        printer.planned.update(recovery.planned)
+        printer.greeting = recovery.offer
     store = None if state is None else Store(Path(state) / "settings.json", machine.uuid)
     settings = SettingsCommands(printer, store)
     printer.planned.update(settings.planned)

@@ -205,6 +205,7 @@ TABLE: tuple[Row, ...] = (
     Row("M932", _Q, _I, "", "After a failure nothing of this console is carried out."),
     Row("M933", _Q, _I, "", "Ends M932."),
     Row("M999", _Q, _I, "", "A halted printer begins anew."),
+    Row("M1000", _Q, _X, "C", "Goes on with a print that was interrupted; C forgets it."),
     Row("T", _M, _N, "", "Selects a tool."),
     Row(
         "SET_VELOCITY_LIMIT",

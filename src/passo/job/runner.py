@@ -59,12 +59,13 @@ class Runner:
         self._reader: Reader | None = None
         self._task: asyncio.Task[None] | None = None
         self._resumed = asyncio.Event()
+        self.first_line = 1  # number of the first line fed
         self._begin = 0  # offset of the first byte fed since the source was restarted
         self._returns = False  # a pause is over, its end is still to be done
         self._failed = ""
         self._state = State.NONE
         self.watchers: list[Callable[[State], None]] = []
-        self.name = ""
+        self.name = self.path = ""
         printer.busy = lambda: self.active
         printer.fault_listeners.append(lambda _: self.pause())
 
@@ -81,6 +82,11 @@ class Runner:
                 watcher(state)
 
     # -- what may be asked ------------------------------------------------------------------------
+
+    @property
+    def reader(self) -> Reader | None:
+        """The selected file."""
+        return self._reader
 
     @property
     def size(self) -> int:
@@ -110,12 +116,14 @@ class Runner:
 
     # -- what may be done -------------------------------------------------------------------------
 
-    def select(self, name: str, reader: Reader) -> None:
-        """The file to print next. Raises CommandError while one is printed."""
+    def select(self, name: str, path: str, reader: Reader) -> None:
+        """The file to print next, and its path on the card. Raises CommandError while one is
+        printed."""
         self._refuse_if_active()
         if self._reader:
             self._reader.close()
-        self.name, self._reader, self.state = name, reader, State.READY
+        self.name, self.path, self._reader = name, path, reader
+        self.state = State.READY
         self._rewind(0)
 
     def release(self) -> None:
@@ -123,14 +131,15 @@ class Runner:
         self._refuse_if_active()
         if self._reader:
             self._reader.close()
-        self.name, self._reader, self.state = "", None, State.NONE
+        self.name, self.path, self._reader = "", "", None
+        self.state = State.NONE
 
-    def seek(self, offset: int) -> None:
-        """The next start begins at this byte. Raises CommandError."""
+    def seek(self, offset: int, line: int = 1) -> None:
+        """The next start begins at this byte, whose line has this number. Raises CommandError."""
         self._refuse_if_active()
         if self._reader is None:
             raise _refusal("job.no-file")
-        self._rewind(min(max(offset, 0), self._reader.size))
+        self._rewind(min(max(offset, 0), self._reader.size), line)
 
     def start(self) -> None:
         """Starts the selected file where it stands, or ends a pause. Raises CommandError."""
@@ -176,11 +185,11 @@ class Runner:
         if self.active:
             raise CommandError([Problem("job.printing", values={"value": self.name})])
 
-    def _rewind(self, offset: int) -> None:
+    def _rewind(self, offset: int, line: int = 1) -> None:
         job = self._printer.job
         job.select(False)
-        job.restart()
-        self._begin = offset
+        job.restart(line)
+        self._begin, self.first_line = offset, line
         if self._reader:
             self._reader.seek(offset)
 

@@ -42,6 +42,7 @@ class Commands:
         self.missing_tools: dict[str, tuple[int, int]] = {}
         names = [*machine.heaters, *machine.fans, *(["laser"] if machine.laser else [])]
         self._outputs = {name: (i, full_scale[i]) for i, name in enumerate(names)}
+        self.fans: dict[str, float] = {}  # as last set, 0 to 1
         self._spindle = 0.0
         self._spindle_on = False
         self.ended = False
@@ -135,6 +136,8 @@ class Commands:
 
     def set_output(self, output: str, share: float) -> None:
         """Sets an output, 0 to 1, when the moves so far are done."""
+        if output in self._machine.fans:
+            self.fans[output] = share
         index, full = self._outputs[output]
         self._job.record(index, round(min(max(share, 0.0), 1.0) * full))
 

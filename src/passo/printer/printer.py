@@ -23,6 +23,7 @@ from passo.printer.waits import (
     Handler,
     Homing,
     Person,
+    Procedure,
     Reply,
     Silence,
     Still,
@@ -57,6 +58,8 @@ class Printer:
         self.machine = machine
         self.heaters = list(machine.heaters)
         self._free = free
+        self.closers: list[Callable[[], None]] = []  # called when the printer ends
+        self.watchers: list[Callable[[], None]] = [self._look_after_idleness]  # time has passed
         connection, self.board = connect(machine)
         self.motors = Motors(self)
         self._begin(connection)
@@ -82,6 +85,7 @@ class Printer:
             | self.tunes.planned
         )
         self.fault_listeners: list[Callable[[HeaterFault], None]] = []
+        self.greeting: Callable[[], str] = str  # what a console that opens should hear
         self.listeners: list[Callable[[str], None]] = []
         self.halted = ""  # why nothing moves or heats any more; M999 clears it
         self.heating = False  # somebody waits for a temperature
@@ -100,10 +104,14 @@ class Printer:
         self.commands = Commands(machine, self.job, self, full)
         self.drive = Drive(connection, self.job, free=self._free, set_target=self._apply_target)
         self.drive.on_motion = self.motors.all_on
-        self.drive.on_pass = self._look_after_idleness
+        self.drive.on_pass = self._time_passed
         self.homer = Homer(self)
         if machine.unhomed_moves == "refuse":
             self.lock(self.homer.axes)
+
+    def _time_passed(self) -> None:
+        for watcher in self.watchers:
+            watcher()
 
     def _look_after_idleness(self) -> None:
         idle_s, config = self.drive.idle_s, self.machine.idle
@@ -126,6 +134,11 @@ class Printer:
             order = axis_order(self.machine.axes)
             for name in axes:
                 self.job.lock_axis(order.index(name), True)
+
+    def close(self) -> None:
+        """Lets go of files; nothing may be asked of the printer after that."""
+        for closer in self.closers:
+            closer()
 
     # -- what others may ask ----------------------------------------------------------------------
 
@@ -259,6 +272,8 @@ class Printer:
             wait.then()
         elif isinstance(wait, Temperatures):
             await self._reach(wait, reply)
+        elif isinstance(wait, Procedure):
+            await wait.run()
         elif isinstance(wait, Tuning):
             await self._tune(wait)
         elif isinstance(wait, Person):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from typing import Protocol, TypeAlias
 
@@ -43,13 +43,20 @@ class Tuning:
 
 
 @dataclass(frozen=True, slots=True)
+class Procedure:
+    """Until this is done; whoever waits has the turn, and the machine stands at the beginning."""
+
+    run: Callable[[], Awaitable[None]]
+
+
+@dataclass(frozen=True, slots=True)
 class Homing:
     """Until these axes (letters; all if none) are at home."""
 
     letters: str
 
 
-Wait: TypeAlias = Still | Temperatures | Person | Tuning | Homing
+Wait: TypeAlias = Still | Temperatures | Person | Tuning | Procedure | Homing
 
 
 class Reply(Protocol):

@@ -78,6 +78,10 @@ class SimulatedBoard:
         """Where the stepper's actuator is now, mm or degrees."""
         return self.device.position(self._step_pin(stepper))
 
+    def place(self, stepper: str, position: float) -> None:
+        """Somebody moves the stepper's actuator there by hand."""
+        self.device.place(self._step_pin(stepper), position)
+
     def temperature(self, sensor: str) -> float:
         """Temperature of the body that the sensor belongs to, °C."""
         return self.device.temperature(self._sensors[sensor])

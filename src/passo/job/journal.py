@@ -1,0 +1,131 @@
+"""The journal of a print: enough, at any moment, to go on after everything has stopped."""
+
+from __future__ import annotations
+
+import json
+import os
+import zlib
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import IO, Any, cast
+
+_HEAD_BYTES = 1 << 16  # of the file, to know it again
+_LARGEST = 1 << 26
+
+
+@dataclass(frozen=True, slots=True)
+class Program:
+    """The file that is printed: its path on the card, and what tells it from another one."""
+
+    machine: str
+    path: str
+    size: int
+    crc: int
+
+    @staticmethod
+    def crc_of(head: bytes) -> int:
+        """Of the first bytes of a file."""
+        return zlib.crc32(head[:_HEAD_BYTES])
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """How far a print is: the line whose move is under way at `print_s`, the Z to which it goes,
+    and what the file alone does not tell. Line 0: no move yet."""
+
+    line: int
+    print_s: float
+    z_mm: float = 0.0
+    targets_c: dict[str, float] = field(default_factory=dict[str, float])
+    fans: dict[str, float] = field(default_factory=dict[str, float])
+    speed_factor: float = 1.0
+    flow: float = 1.0
+
+
+class Journal:
+    """One print's journal in a directory. Each line of the file carries its own checksum, so what a
+    power cut has torn is seen and left out. Raises OSError."""
+
+    def __init__(self, directory: Path) -> None:
+        self.path = directory / "journal"
+        self._file: IO[bytes] | None = None
+
+    @property
+    def open(self) -> bool:
+        """A print is being recorded."""
+        return self._file is not None
+
+    def begin(self, program: Program, moment: Moment) -> None:
+        """A print begins, or goes on: what was recorded before is replaced at once. Durable when it
+        returns."""
+        self.leave()
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        new = self.path.with_name("journal.new")
+        self._file = new.open("wb")
+        self._write(asdict(program))
+        self._write(asdict(moment))
+        new.replace(self.path)
+        directory = os.open(self.path.parent, os.O_RDONLY)
+        try:
+            os.fsync(directory)
+        finally:
+            os.close(directory)
+
+    def record(self, moment: Moment) -> None:
+        """Durable when it returns."""
+        self._write(asdict(moment))
+
+    def end(self) -> None:
+        """The print is over: there is nothing to go on with."""
+        if self._file is not None:
+            self._file.close()
+            self._file = None
+        self.path.unlink(missing_ok=True)
+
+    def leave(self) -> None:
+        """Records no more, and keeps what was recorded."""
+        if self._file is not None:
+            self._file.close()
+            self._file = None
+
+    def read(self) -> tuple[Program, Moment] | None:
+        """The print that was interrupted, and how far it was; None if there is none that can be
+        read."""
+        try:
+            with self.path.open("rb") as file:
+                raw = file.read(_LARGEST)
+        except OSError:
+            return None
+        program: Program | None = None
+        moment: Moment | None = None
+        for line in raw.split(b"\n"):
+            content = _checked(line)
+            if content is None:
+                break
+            try:
+                if program is None:
+                    program = Program(**content)
+                else:
+                    moment = Moment(**content)
+            except TypeError:
+                break
+        return (program, moment) if program and moment else None
+
+    def _write(self, content: dict[str, Any]) -> None:
+        assert self._file is not None
+        text = json.dumps(content, separators=(",", ":")).encode()
+        self._file.write(b"%08x %s\n" % (zlib.crc32(text), text))
+        self._file.flush()
+        os.fsync(self._file.fileno())
+
+
+def _checked(line: bytes) -> dict[str, Any] | None:
+    """The content of a line that is whole."""
+    crc, _, text = line.partition(b" ")
+    try:
+        if int(crc, 16) != zlib.crc32(text):
+            return None
+        content = json.loads(text)
+    except ValueError:
+        return None
+    return cast("dict[str, Any]", content) if isinstance(content, dict) else None

@@ -1,0 +1,185 @@
+"""Going on with a print after everything has stopped: reach the place, warm, and read on there."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from passo import _core
+from passo.errors import CommandError, Problem
+from passo.job.journal import Moment, Program
+from passo.job.runner import Reader
+from passo.printer.commands import Commands
+from passo.printer.faults import problem_of
+from passo.printer.switches import home_point
+from passo.printer.waits import Homing, Silence, Temperatures
+from passo.printer.wiring import output_count
+from passo.printer.words import Command
+
+if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
+    from passo.printer.printer import Printer
+
+_CHUNK = 1 << 16
+_X, _Y, _Z, _E, _SLOTS = 0, 1, 2, 3, 8  # the core's order of positions
+
+
+class _Remembered:
+    """Heat that is only noted."""
+
+    def __init__(self, job: _core.Job) -> None:
+        self._job = job
+
+    def set_target(self, heater: str, celsius: float) -> None:
+        """The journal knows the targets better."""
+
+    def wait_for(self, heaters: list[str]) -> None:
+        """The machine stops; nothing is waited for."""
+        self._job.flush()
+
+
+def offset_of_line(reader: Reader, line: int) -> int:
+    """Bytes before a line, counted from 1. Raises PassoError if the card fails."""
+    reader.seek(0)
+    at, left = 0, line - 1
+    while left > 0:
+        data = reader.read(_CHUNK)
+        if not data:
+            return at
+        ends = data.count(b"\n")
+        if ends < left:
+            left -= ends
+            at += len(data)
+            continue
+        place = -1
+        for _ in range(left):
+            place = data.index(b"\n", place + 1)
+        return at + place + 1
+    return at
+
+
+def state_before(machine: MachineConfig, reader: Reader, end: int) -> _core.Job:
+    """A job that has read the first `end` bytes of a program, without motion: where the machine is
+    then, and in which state the program. Raises CommandError."""
+    job = _core.Job(machine.core_spec(), False, False, False)
+    commands = Commands(machine, job, _Remembered(job), [1] * output_count(machine))
+    status = _core.JobStatus
+    reader.seek(0)
+    left = end
+    while True:
+        found = job.advance()
+        if found == status.EVENT:
+            wait = commands.run(Command(*job.event))
+            if isinstance(wait, Homing):
+                _home(machine, job, wait.letters)
+            elif wait is not None:
+                job.flush()
+        elif found == status.ERROR:
+            raise CommandError([problem_of(job, "")])
+        elif found == status.NEED_INPUT:
+            data = reader.read(min(_CHUNK, left))
+            if not data:
+                break
+            left -= len(data)
+            job.feed(data)
+        else:
+            break
+    job.flush()
+    return job
+
+
+def _home(machine: MachineConfig, job: _core.Job, letters: str) -> None:
+    job.flush()
+    if not machine.homing:
+        job.settle_position()
+        return
+    job.abandon()
+    names = list("xyz")
+    together = machine.geometry.lifts_together
+    for i, at in enumerate(home_point(machine)):
+        if together or not letters or names[i].upper() in letters:
+            job.set_axis(i, at)
+
+
+class Recovery:
+    """One interrupted print, of a printer that stands and knows nothing. To be run by who has the
+    turn; raises CommandError, MachineError, Stopped."""
+
+    def __init__(self, printer: Printer, program: Program, moment: Moment, reader: Reader) -> None:
+        self._printer, self._program = printer, program
+        self._moment, self._reader = moment, reader
+        head = self._read_head()
+        if reader.size != program.size or Program.crc_of(head) != program.crc:
+            raise CommandError([Problem("job.other-file", program.path)])
+
+    def _read_head(self) -> bytes:
+        self._reader.seek(0)
+        data = b""
+        while piece := self._reader.read(_CHUNK):
+            data += piece
+            if len(data) >= _CHUNK:
+                break
+        return data
+
+    async def run(self) -> int:
+        """Brings the machine to where the print goes on; returns the offset to read from."""
+        printer = self._printer
+        offset = offset_of_line(self._reader, self._moment.line)
+        state = state_before(printer.machine, self._reader, offset)
+        at = state.machine_position
+        await self._lift_and_home()
+        await self._warm()
+        await self._approach(at)
+        printer.job.adopt(state)
+        printer.job.speed_factor = self._moment.speed_factor
+        printer.job.flow = self._moment.flow
+        return offset
+
+    async def _lift_and_home(self) -> None:
+        """Up first. A machine whose Z is moved alone keeps it, and homes the others; one whose arms
+        move together homes upwards."""
+        printer, machine = self._printer, self._printer.machine
+        if machine.geometry.lifts_together:
+            await printer.homer.home("")
+            return
+        raise_mm = machine.park.raise_mm if machine.park else 0.0
+        z = self._moment.z_mm
+        printer.job.set_axis(_Z, z)
+        await self._go({_Z: min(z + raise_mm, max(machine.axes["z"].max_mm, z))}, math.inf)
+        if not machine.homing:
+            for axis in (_X, _Y):
+                printer.job.set_axis(axis, home_point(machine)[axis])
+            return
+        await printer.homer.home("XY")
+
+    async def _warm(self) -> None:
+        printer = self._printer
+        for name, celsius in self._moment.targets_c.items():
+            printer.set_target_now(name, celsius)
+        hot = tuple(n for n, celsius in self._moment.targets_c.items() if celsius > 0)
+        await printer.wait(Temperatures(hot), Silence())
+        for fan, share in self._moment.fans.items():
+            printer.set_fan(fan, share)
+
+    async def _approach(self, at: list[float]) -> None:
+        """Over the place, a little filament to fill the nozzle, and down."""
+        park = self._printer.machine.park
+        speed = park.speed_mm_s if park else math.inf
+        if self._printer.machine.geometry.lifts_together:
+            # At the top the arms reach only the middle.
+            await self._go({_Z: at[_Z] + (park.raise_mm if park else 0.0)}, math.inf)
+        await self._go({_X: at[_X], _Y: at[_Y]}, speed)
+        if park and park.prime_mm > 0 and self._printer.can_extrude():
+            e = self._printer.job.machine_position[_E]
+            await self._go({_E: e + park.prime_mm}, park.prime_mm_s)
+        await self._go({_Z: at[_Z]}, math.inf)
+
+    async def _go(self, target: dict[int, float], speed_mm_s: float) -> None:
+        printer = self._printer
+        places = [target.get(slot, math.nan) for slot in range(_SLOTS)]
+        printer.drive.before_moves()
+        if not printer.job.move_to(places, speed_mm_s):
+            raise CommandError([Problem("job.other-file", self._program.path)])
+        printer.drive.flush()
+        await printer.drive.until(lambda: printer.drive.standing or printer.interrupted)
+        printer.raise_if_interrupted()

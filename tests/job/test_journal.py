@@ -1,0 +1,158 @@
+"""After everything has stopped a print goes on: never later than it was, hardly earlier."""
+
+import random
+
+import pytest
+from tests.console.scenario import Scenario
+
+from passo.job.journal import Journal, Moment, Program
+
+WALL = "M302 P1\nM106 S128\nG28\nG92 E0\n" + "".join(
+    f"G1 Z{0.2 * (layer + 1):.1f} F600\n"
+    + "".join(
+        f"G1 X{10 + 40 * (i % 2)} Y{10 + 40 * (i // 2 % 2)} E{layer * 2 + i / 10:.2f} F6000\n"
+        for i in range(1, 21)
+    )
+    for layer in range(8)
+)
+
+
+@pytest.fixture
+def places(tmp_path):
+    card, state = tmp_path / "card", tmp_path / "state"
+    card.mkdir()
+    (card / "wall.gcode").write_text(WALL)
+    return {"card": str(card), "state": str(state)}, state
+
+
+def journal_of(state):
+    return Journal(state).read()
+
+
+def test_the_journal_is_never_later_than_the_truth_and_at_most_a_second_earlier(places):
+    arguments, state = places
+    generator = random.Random(7)
+    starts = []
+    with Scenario("i3", **arguments) as s:
+        s.printer.job.keep_moves(True)
+        s.host.ok("M32 wall.gcode")
+        looked = 0
+        while looked < 200:
+            s.passes(generator.uniform(0.02, 0.5))
+            starts += [
+                (m.core.start_ticks if hasattr(m, "core") else m.start_ticks, m.line)
+                for m in s.printer.job.take_moves()
+            ]
+            now = s.printer.drive.now
+            under_way = [(at, line) for at, line in starts if at <= now and line]
+            found = journal_of(state)
+            if found is None:
+                assert "Done printing file" in s.host.heard
+                break
+            looked += 1
+            moment = found[1]
+            if not under_way:
+                assert moment.line <= 3
+                continue
+            assert moment.line <= max(line for _, line in under_way)
+            second_ago = now - 1.05 * s.printer.drive.hz
+            before = [line for at, line in under_way if at <= second_ago]
+            assert moment.line >= (before[-1] if before and before[-1] > 1 else 0)
+        assert looked > 100
+
+
+@pytest.mark.parametrize("machine", ["i3", "corexy", "delta"])
+def test_a_print_goes_on_after_a_power_cut(machine, places):
+    arguments, state = places
+    with Scenario(machine, **arguments) as s:
+        s.host.ok("M32 wall.gcode")
+        s.host.expect("Done printing", 300)
+        whole = s.positions()
+    assert journal_of(state) is None
+    with Scenario(machine, **arguments) as s:
+        s.host.ok("M140 S50")
+        s.host.ok("M32 wall.gcode")
+        s.until(lambda: s.positions()["e"] > 6.5, 200)
+        left = s.positions()
+    program, moment = journal_of(state)
+    assert program.path == "/wall.gcode"
+    assert moment.targets_c["bed"] == 50
+    assert WALL.split("\n")[moment.line - 1].startswith("G1")
+    with Scenario(machine, **arguments) as s:
+        for stepper, at in left.items():
+            if stepper != "e":
+                s.board.place(stepper, at)
+        assert f"interrupted at line {moment.line}" in s.printer.greeting()
+        s.host.ok("M302 P1")
+        answer = [x for x in s.host.ok("M1000", 600) if "busy" not in x]
+        assert f"echo:Printing wall.gcode from line {moment.line}" in answer
+        assert s.board.temperature("bed") > 47
+        s.host.expect("Done printing", 300)
+        end = s.positions()
+        for stepper in whole:
+            if stepper != "e":
+                assert end[stepper] == pytest.approx(whole[stepper], abs=0.03)
+        # The filament of the lines that were printed again or for the first time, and the priming.
+        before = [x for x in WALL.split("\n")[: moment.line - 1] if " E" in x][-1]
+        rest = 16.0 - float(before.split("E")[1].split()[0])
+        assert end["e"] == pytest.approx(5.0 + rest, abs=0.03)
+        assert s.board.output_value("part") > 0
+    assert journal_of(state) is None
+
+
+def test_another_file_is_not_gone_on_with(places, tmp_path):
+    arguments, state = places
+    with Scenario("i3", **arguments) as s:
+        s.host.ok("M32 wall.gcode")
+        s.passes(15)
+    (tmp_path / "card" / "wall.gcode").write_text(WALL.replace("X10", "X11"))
+    with Scenario("i3", **arguments) as s:
+        assert "is not the file that was printed" in s.host.ok("M1000")[0]
+        s.host.ok("M1000 C")
+        assert s.printer.greeting() == ""
+        assert "no print was interrupted" in s.host.ok("M1000")[0]
+    assert journal_of(state) is None
+
+
+def test_a_torn_record_is_left_out(tmp_path):
+    journal = Journal(tmp_path)
+    journal.begin(Program("m", "/a", 5, 7), Moment(0, 0.0))
+    journal.record(Moment(4, 1.5, 0.2, {"bed": 60.0}))
+    size = journal.path.stat().st_size
+    journal.record(Moment(9, 2.5))
+    journal.leave()
+    raw = journal.path.read_bytes()
+    for cut in range(size, len(raw) - 1):
+        journal.path.write_bytes(raw[:cut])
+        assert Journal(tmp_path).read() == (
+            Program("m", "/a", 5, 7),
+            Moment(4, 1.5, 0.2, {"bed": 60.0}),
+        )
+    journal.path.write_bytes(raw)
+    assert Journal(tmp_path).read()[1] == Moment(9, 2.5)
+    journal.path.write_bytes(b"rubbish")
+    assert Journal(tmp_path).read() is None
+
+
+def test_a_cancelled_print_leaves_nothing_to_go_on_with(places):
+    arguments, state = places
+    with Scenario("i3", **arguments) as s:
+        s.host.ok("M32 wall.gcode")
+        s.passes(15)
+        s.host.ok("M524")
+        assert journal_of(state) is None
+
+
+def test_a_halted_print_can_be_gone_on_with_in_the_same_session(places):
+    arguments, _ = places
+    with Scenario("i3", **arguments) as s:
+        s.host.ok("M32 wall.gcode")
+        s.until(lambda: s.positions()["e"] > 4, 200)
+        s.host.send("M112")
+        s.host.expect("halted", 5)
+        s.host.ok("M999")
+        s.host.expect("ready again", 5)
+        s.host.ok("M302 P1")
+        assert "from line" in s.host.ok("M1000", 600)[-2]
+        s.host.expect("Done printing", 300)
+        assert s.positions()["z"] == pytest.approx(1.6, abs=0.01)
