@@ -1,0 +1,34 @@
+"""The hosts' environment, a printer, and a file to print."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+from tests.hosts.files import gear
+from tests.hosts.served import Served
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture(scope="session")
+def hosts() -> Path:
+    """Programs of the environment in which OctoPrint and Printrun are installed."""
+    folder = Path(os.environ.get("PASSO_HOSTS", ROOT / ".venv" / "hosts")) / "bin"
+    if not (folder / "octoprint").exists():
+        pytest.fail("OctoPrint and Printrun are missing: `make test` installs them from PyPI")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def program(tmp_path_factory):
+    """A file of 2 500 moves with arcs."""
+    return gear(tmp_path_factory.mktemp("files") / "gear.gcode", 2500)
+
+
+@pytest.fixture
+def printer(tmp_path):
+    served = Served(tmp_path)
+    yield served
+    served.close()
