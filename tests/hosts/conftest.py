@@ -32,3 +32,17 @@ def printer(tmp_path):
     served = Served(tmp_path)
     yield served
     served.close()
+
+
+@pytest.fixture
+def at_end(program):
+    """Asserts that the printer is where the file ends: no line lost, none carried out twice."""
+
+    def check(printer):
+        at = printer.position()
+        for axis, value in program.end.items():
+            assert at[axis] == pytest.approx(value, abs=0.0021), axis
+        for axis, steps_per_mm in (("x", 80), ("y", 80), ("z", 400)):
+            assert at[f"steps_{axis}"] == pytest.approx(program.end[axis] * steps_per_mm, abs=1)
+
+    return check

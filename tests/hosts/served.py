@@ -65,6 +65,7 @@ class Served:
     def close(self) -> None:
         """Ends the printer; fails if it had died or complained."""
         died = self._process.poll()
+        self._lines.close()
         self._socket.close()
         self._process.terminate()
         _, complaints = self._process.communicate(timeout=10)

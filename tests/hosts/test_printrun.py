@@ -1,4 +1,4 @@
-"""Printrun's printcore prints on `passo serve`."""
+"""Printrun's printcore and pronsole print on `passo serve`."""
 
 import json
 import subprocess
@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from tests.hosts.noise import Noise
 
-DRIVER = str(Path(__file__).with_name("printcore_print.py"))
+HERE = Path(__file__).parent
 
 
 @pytest.fixture
@@ -16,7 +16,7 @@ def printed(hosts, program):
 
     def run(port, **events):
         options = [x for k, v in events.items() for x in (f"--{k}-at", str(v))]
-        words = [str(hosts / "python"), DRIVER, port, str(program.path), *options]
+        words = [str(hosts / "python"), str(HERE / "printcore_print.py"), port, str(program.path), *options]
         done = subprocess.run(words, capture_output=True, text=True, timeout=100)
         assert done.returncode == 0, done.stdout + done.stderr
         return json.loads(done.stdout or "{}")
@@ -24,23 +24,14 @@ def printed(hosts, program):
     return run
 
 
-def assert_at_end(printer, program):
-    at = printer.position()
-    for axis, value in program.end.items():
-        assert at[axis] == pytest.approx(value, abs=0.0021), axis
-    assert at["steps_x"] == pytest.approx(program.end["x"] * 80, abs=1)
-    assert at["steps_y"] == pytest.approx(program.end["y"] * 80, abs=1)
-    assert at["steps_z"] == pytest.approx(program.end["z"] * 400, abs=1)
-
-
 @pytest.mark.parametrize("way", ["pty", "tcp"])
-def test_it_prints_to_the_end(printer, program, printed, way):
+def test_it_prints_to_the_end(printer, printed, at_end, way):
     seen = printed(getattr(printer, way))
     assert seen["resends"] == 0
-    assert_at_end(printer, program)
+    at_end(printer)
 
 
-def test_a_line_that_came_in_damaged_is_printed_once(printer, program, printed, tmp_path):
+def test_a_line_that_came_in_damaged_is_printed_once(printer, printed, at_end, tmp_path):
     noise = Noise(seed=2).on_pty(printer.pty, tmp_path / "noisy")
     try:
         seen = printed(str(tmp_path / "noisy"))
@@ -48,26 +39,34 @@ def test_a_line_that_came_in_damaged_is_printed_once(printer, program, printed, 
         noise.close()
     assert noise.damaged >= 10
     assert seen["resends"] >= noise.damaged
-    assert_at_end(printer, program)
+    at_end(printer)
 
 
-def test_a_pause_loses_nothing(printer, program, printed):
+def test_a_pause_loses_nothing(printer, printed, at_end):
     seen = printed(printer.pty, pause=600)
     assert seen["paused_at"] >= 600
     assert seen["sent_in_pause"] <= 1
-    assert_at_end(printer, program)
+    at_end(printer)
 
 
 @pytest.mark.parametrize("way", ["pty", "tcp"])
-def test_after_a_cancel_it_prints_again(printer, program, printed, way):
+def test_after_a_cancel_it_prints_again(printer, program, printed, at_end, way):
     seen = printed(getattr(printer, way), cancel=600)
     assert seen["cancelled_at"] < program.lines - 100
     printed(getattr(printer, way))
-    assert_at_end(printer, program)
+    at_end(printer)
 
 
 @pytest.mark.parametrize("way", ["pty", "tcp"])
-def test_a_host_that_vanished_in_mid_print_comes_back(printer, program, printed, way):
+def test_a_host_that_vanished_in_mid_print_comes_back(printer, printed, at_end, way):
     printed(getattr(printer, way), vanish=600)
     printed(getattr(printer, way))
-    assert_at_end(printer, program)
+    at_end(printer)
+
+
+def test_pronsole_uploads_to_the_card_and_prints_from_there(hosts, printer, program, at_end):
+    words = [str(hosts / "python"), str(HERE / "pronsole_card.py"), printer.pty, str(program.path)]
+    done = subprocess.run([*words, "gear.g"], capture_output=True, text=True, timeout=100)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert (printer.card / "gear.g").read_text() == program.text
+    at_end(printer)
