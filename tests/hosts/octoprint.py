@@ -47,11 +47,22 @@ __plugin_hooks__ = {{
     "octoprint.comm.transport.serial.additional_port_names": names,
 }}
 """
-_UNUSED = (
-    "achievements action_command_notification announcements backup classicwebcam discovery"
-    " errortracking file_check firmware_check gcodeviewer health_check pi_support"
-    " softwareupdate tracking"
-).split()
+_UNUSED = [
+    "achievements",
+    "action_command_notification",
+    "announcements",
+    "backup",
+    "classicwebcam",
+    "discovery",
+    "errortracking",
+    "file_check",
+    "firmware_check",
+    "gcodeviewer",
+    "health_check",
+    "pi_support",
+    "softwareupdate",
+    "tracking",
+]
 
 
 class Refused(Exception):

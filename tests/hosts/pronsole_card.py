@@ -38,32 +38,27 @@ os.environ["HOME"] = tempfile.mkdtemp()
 from printrun import pronsole  # noqa: E402
 
 
-def wait(condition, within_s=60.0):
+def wait(condition, what, within_s=60.0):
     end = time.monotonic() + within_s
     while not condition():
         if time.monotonic() > end:
-            raise SystemExit("pronsole waits for ever")
+            print(f"pronsole waits for {what} for ever: {heard}", file=sys.stderr, flush=True)
+            os._exit(1)  # it leaves threads behind
         time.sleep(0.05)
 
 
 port, file, name = sys.argv[1:]
 del sys.argv[1:]
+heard = []
 host = pronsole.pronsole()
+host.rc_filename = os.path.join(os.environ["HOME"], "pronsolerc")
+host.recvcb = lambda line, take=host.recvcb: (heard.append(line.strip()), take(line))
+host.p.recvcb = host.recvcb
 host.onecmd(f"connect {port} 250000")
-wait(lambda: host.p.online)
+wait(lambda: host.p.online, "the printer")
 host.onecmd(f"upload {file} {name}")
-host.onecmd("ls")
-wait(lambda: name in host.sdfiles)
-host.onecmd(f"sdprint {name}")
-wait(lambda: host.sdprinting)
-
-
-def done():
-    host.p.send_now("M27")
-    time.sleep(0.2)
-    return not host.sdprinting
-
-
-wait(done)
+wait(lambda: "End file list" in heard, "the list")
+host.onecmd(f"sdprint {host.sdfiles[0]}")
+wait(lambda: "Done printing file" in heard, "the end")
 host.p.disconnect()
 os._exit(0)

@@ -16,8 +16,14 @@ def printed(hosts, program):
 
     def run(port, **events):
         options = [x for k, v in events.items() for x in (f"--{k}-at", str(v))]
-        words = [str(hosts / "python"), str(HERE / "printcore_print.py"), port, str(program.path), *options]
-        done = subprocess.run(words, capture_output=True, text=True, timeout=100)
+        words = [
+            str(hosts / "python"),
+            str(HERE / "printcore_print.py"),
+            port,
+            str(program.path),
+            *options,
+        ]
+        done = subprocess.run(words, capture_output=True, text=True, timeout=70)
         assert done.returncode == 0, done.stdout + done.stderr
         return json.loads(done.stdout or "{}")
 
@@ -66,7 +72,7 @@ def test_a_host_that_vanished_in_mid_print_comes_back(printer, printed, at_end, 
 
 def test_pronsole_uploads_to_the_card_and_prints_from_there(hosts, printer, program, at_end):
     words = [str(hosts / "python"), str(HERE / "pronsole_card.py"), printer.pty, str(program.path)]
-    done = subprocess.run([*words, "gear.g"], capture_output=True, text=True, timeout=100)
+    done = subprocess.run([*words, "gear.g"], capture_output=True, text=True, timeout=70)
     assert done.returncode == 0, done.stdout + done.stderr
     assert (printer.card / "gear.g").read_text() == program.text
     at_end(printer)
