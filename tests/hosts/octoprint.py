@@ -47,22 +47,11 @@ __plugin_hooks__ = {{
     "octoprint.comm.transport.serial.additional_port_names": names,
 }}
 """
-_UNUSED = [
-    "achievements",
-    "action_command_notification",
-    "announcements",
-    "backup",
-    "classicwebcam",
-    "discovery",
-    "errortracking",
-    "file_check",
-    "firmware_check",
-    "gcodeviewer",
-    "health_check",
-    "pi_support",
-    "softwareupdate",
-    "tracking",
-]
+_UNUSED = """
+    achievements action_command_notification announcements backup classicwebcam discovery
+    errortracking file_check firmware_check gcodeviewer health_check pi_support softwareupdate
+    tracking
+"""
 
 
 class Refused(Exception):
@@ -96,7 +85,7 @@ class OctoPrint:
             "accessControl": {"salt": "salt", "autologinLocal": False},
             "api": {"key": _KEY},
             "gcodeAnalysis": {"runAt": "never"},
-            "plugins": {"_disabled": _UNUSED},
+            "plugins": {"_disabled": _UNUSED.split()},
             "serial": {"autoconnect": False, "log": True},
             "server": {
                 "firstRun": False,

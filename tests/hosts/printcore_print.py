@@ -8,6 +8,7 @@ import argparse
 import json
 import os
 import time
+from pathlib import Path
 
 from printrun import gcoder, printcore
 
@@ -31,8 +32,7 @@ def main() -> None:
     core.recvcb = heard
     core.connect(arguments.port, 250000)
     wait(lambda: core.online)
-    with open(arguments.file, encoding="ascii") as file:
-        program = gcoder.LightGCode([line.rstrip("\n") for line in file])
+    program = gcoder.LightGCode(Path(arguments.file).read_text(encoding="ascii").splitlines())
     core.startprint(program)
 
     def reached(line: int) -> bool:

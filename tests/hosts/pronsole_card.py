@@ -34,7 +34,8 @@ for name in ("wx", "wx.adv", "printrun.gui", "printrun.gui.widgets"):
     module.__getattr__ = lambda _: Window
     sys.modules[name] = module
 
-os.environ["HOME"] = tempfile.mkdtemp()
+home = tempfile.mkdtemp()
+os.environ["HOME"] = home
 from printrun import pronsole  # noqa: E402
 
 
@@ -51,7 +52,7 @@ port, file, name = sys.argv[1:]
 del sys.argv[1:]
 heard = []
 host = pronsole.pronsole()
-host.rc_filename = os.path.join(os.environ["HOME"], "pronsolerc")
+host.rc_filename = f"{home}/pronsolerc"
 host.recvcb = lambda line, take=host.recvcb: (heard.append(line.strip()), take(line))
 host.p.recvcb = host.recvcb
 host.onecmd(f"connect {port} 250000")

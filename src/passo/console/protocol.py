@@ -14,6 +14,7 @@ LONGEST = 4096  # bytes of a line; the rest is dropped and the line refused
 
 _NUMBERED = re.compile(r"\s*[Nn]\s*(-?\d+)\s*(.*)\Z", re.DOTALL)
 _CHECKSUM = re.compile(r"\*\s*(\d{1,3})\s*\Z")
+_MESSAGE = re.compile(r"\s*[Mm]11[78](?!\d)")
 _SET_NUMBER = re.compile(r"[Mm]110(?!\d)\s*(?:[NnLl]\s*(-?\d+))?")
 
 
@@ -60,7 +61,7 @@ class LineProtocol:
         self.__init__()
 
     def _take(self, text: str, raw: bytes, found: list[Line | Refusal]) -> None:
-        checked = _CHECKSUM.search(text)
+        checked = _CHECKSUM.search(text) if "*" in text else None
         if checked and _sum(raw[: raw.rindex(b"*")]) != int(checked[1]):
             found.append(self._refuse("checksum mismatch"))
             return
@@ -100,7 +101,7 @@ class LineProtocol:
 
 def uncommented(text: str) -> str:
     """The line without what stands behind `;`, except in the text of M117 and M118."""
-    if re.match(r"\s*[Mm]11[78](?!\d)", text):
+    if ";" not in text or _MESSAGE.match(text):
         return text.strip()
     return text.partition(";")[0].strip()
 

@@ -16,6 +16,7 @@ from passo.printer.words import Command
 
 BACKLOG = 256  # lines in hand before the sender is held up
 WAIT_S = 1.0  # an idle console says `wait` this often
+_URGENT = {"M108", "M112", "M410"}  # done when the line comes in
 _HEAD = re.compile(r"\s*([A-Za-z])\s*(\d{1,9})(?:\.(\d))?\s*(.*)\Z", re.DOTALL)
 
 
@@ -44,7 +45,7 @@ class Session:
     def __init__(self, printer: Printer, wire: Wire) -> None:
         self._printer, self._wire = printer, wire
         self._protocol = LineProtocol()
-        self._lines: deque[Line | Refusal] = deque()
+        self._lines: deque[tuple[Line, Command] | Refusal] = deque()
         self._loop = asyncio.get_running_loop()
         self._task: asyncio.Task[None] | None = None
         self._ok = ""
@@ -57,7 +58,8 @@ class Session:
         self.upload: Upload | None = None  # M28: lines go into this file
         self.closed = False
         printer.listeners.append(self.hear)
-        self.every("wait", WAIT_S, self._say_wait)
+        self._acknowledged_s = self._loop.time()
+        self._timers["wait"] = self._loop.call_later(WAIT_S, self._say_wait)
 
     # -- bytes ------------------------------------------------------------------------------------
 
@@ -66,8 +68,11 @@ class Session:
         heard = self._protocol.feed(data)
         for line in heard:
             if isinstance(line, Line):
-                self._look_ahead(line)
-        self._lines.extend(heard)
+                command = command_of(line.text)
+                self._look_ahead(command.code)
+                self._lines.append((line, command))
+            else:
+                self._lines.append(line)
         if heard and self._task is None:
             self._work()
         if len(self._lines) > BACKLOG and not self._held:
@@ -125,56 +130,58 @@ class Session:
 
     # -- work -------------------------------------------------------------------------------------
 
-    def _look_ahead(self, line: Line) -> None:
+    def _look_ahead(self, code: str) -> None:
         """What must not wait for the lines before it."""
-        code = command_of(line.text).code
+        if code not in _URGENT:
+            return
         if code == "M112":
             self._printer.halt("emergency stop by M112")
         elif code == "M108":
             self._printer.go_on()
-        elif code == "M410":
+        else:
             self._printer.stop()
 
     def _work(self) -> None:
         """Carries out lines until one has to wait."""
         printer = self._printer
         while self._lines:
-            line = self._lines.popleft()
-            if isinstance(line, Refusal):
-                self.say(f"Error:{line.reason}")
-                self.say(f"Resend: {line.resend}")
+            heard = self._lines.popleft()
+            if isinstance(heard, Refusal):
+                self.say(f"Error:{heard.reason}")
+                self.say(f"Resend: {heard.resend}")
                 self.say("ok")
                 continue
+            line, command = heard
+            code = command.code
             self._ok = ""
-            if self._refused(line):
+            if self._refused(code):
                 self._acknowledge(line)
                 continue
-            command = command_of(line.text)
-            if self.upload is not None and self._stored(line, command.code):
+            if self.upload is not None and self._stored(line, code):
                 self._acknowledge(line)
                 continue
-            handler = printer.immediate.get(command.code)
+            handler = printer.immediate.get(code)
             if handler is not None:
                 handler(command, self)
                 self._acknowledge(line)
             elif printer.has_room() and printer.turn.take():
                 wait = printer.take_line(line.text, self)
                 if wait is not None:
-                    self._begin(line, wait)
+                    self._begin(line, code, wait)
                     return
                 printer.turn.give()
                 self._acknowledge(line)
             else:
-                self._begin(line, None, queued=True)
+                self._begin(line, code, None, queued=True)
                 return
         if self._held:
             self._held = False
             self._wire.hold(False)
 
-    def _begin(self, line: Line, wait: Wait | None, *, queued: bool = False) -> None:
-        self._task = self._loop.create_task(self._carry_out(line, wait, queued=queued))
+    def _begin(self, line: Line, code: str, wait: Wait | None, *, queued: bool = False) -> None:
+        self._task = self._loop.create_task(self._carry_out(line, code, wait, queued=queued))
 
-    async def _carry_out(self, line: Line, wait: Wait | None, *, queued: bool) -> None:
+    async def _carry_out(self, line: Line, code: str, wait: Wait | None, *, queued: bool) -> None:
         """A line that waits: for its turn, for room, or for what its command waits for."""
         printer = self._printer
         self.every("busy", self.busy_s, self._say_busy)
@@ -184,7 +191,7 @@ class Session:
                 await printer.turn.wait()
                 has_turn = True
                 await printer.drive.until(lambda: printer.has_room() or bool(printer.halted))
-                if not self._refused(line):
+                if not self._refused(code):
                     wait = printer.take_line(line.text, self)
             await printer.finish(wait, self)
         except (Stopped, PassoError) as error:
@@ -216,10 +223,9 @@ class Session:
         upload.write(line.text)
         return True
 
-    def _refused(self, line: Line) -> bool:
-        code = command_of(line.text).code
-        if code in ("M112", "M108", "M410"):
-            return True  # done when the line came in
+    def _refused(self, code: str) -> bool:
+        if code in _URGENT:
+            return True
         if self.strict and self.failed and code not in ("M932", "M933"):
             self.say("Error:PreviousCommandFailed")
             return True
@@ -235,13 +241,16 @@ class Session:
             free = max(0, 2048 - self._printer.job.queued)
             text += f"{number} P{free} B{max(0, BACKLOG - len(self._lines))}"
         self.say(f"{text} {self._ok}" if self._ok else text)
-        if "wait" in self._timers:
-            self.every("wait", WAIT_S, self._say_wait)
+        self._acknowledged_s = self._loop.time()
 
     def _say_busy(self) -> None:
         what = "heating" if self._printer.heating else "processing"
         self.hear(f"echo:busy: {what}")
 
     def _say_wait(self) -> None:
-        if self._task is None and not self._lines:
-            self.hear("wait")
+        due_s = self._acknowledged_s + WAIT_S  # a timer anew for every line would cost as much as it
+        if due_s <= self._loop.time():
+            due_s = self._loop.time() + WAIT_S
+            if self._task is None and not self._lines:
+                self.hear("wait")
+        self._timers["wait"] = self._loop.call_at(due_s, self._say_wait)
