@@ -44,6 +44,7 @@ format: .venv/.dev
 
 bench: .venv/.built
 	$(BIN)/python bench/run.py
+	$(BIN)/python bench/console.py
 
 corpus: .venv/.built
 	@test -d "$(DIR)" || { echo "Say where the files are: make corpus DIR=..." >&2; exit 2; }

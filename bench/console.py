@@ -119,38 +119,45 @@ def moves(count: int, mm: float, feed: float) -> list[str]:
     ]
 
 
-def percentiles(answer: Callable[[str], float], lines: list[str]) -> str:
+def percentiles(answer: Callable[[str], float], lines: list[str], pace_s: float) -> str:
     """Of the seconds that lines, sent at a pace, wait for their `ok`."""
     taken: list[float] = []
     start = time.perf_counter()
     for i, line in enumerate(lines):
-        time.sleep(max(0.0, start + i * PACE_S - time.perf_counter()))
+        if pace_s:
+            time.sleep(max(0.0, start + i * pace_s - time.perf_counter()))
         taken.append(answer(line))
     cuts = statistics.quantiles(taken, n=100)
-    return f"median {cuts[49] * 1e6:5.0f}, 90 % {cuts[89] * 1e6:5.0f}, 99 % {cuts[98] * 1e6:6.0f}"
+    return f"median {cuts[49] * 1e6:.0f}, 90 % {cuts[89] * 1e6:.0f}, 99 % {cuts[98] * 1e6:.0f}"
 
 
-def echo() -> str:
+def echo(pace_s: float) -> str:
     """Of a bare pty."""
     master, slave = os.openpty()
     tty.setraw(slave)
     process = subprocess.Popen([sys.executable, "-c", ECHO, str(master)], pass_fds=[master])
     try:
-        return percentiles(Line(slave).ask, moves(ROUNDS, 1.0, 6000))
+        return percentiles(Line(slave).ask, ["G1 X1.0000 Y1.0000 F6000"] * ROUNDS, pace_s)
     finally:
         process.kill()
         process.wait()
 
 
+def latency(way: str, pace_s: float) -> str:
+    """Of a G1 into a queue that is neither empty nor full."""
+    with Served(way, "real") as printer:
+        mm = 100 * max(pace_s, 0.001)
+        printer.line.pour(moves(30, mm, 6000))
+        return percentiles(printer.line.ask, moves(ROUNDS, mm, 6000), pace_s)
+
+
 def main() -> None:
     """Prints the figures."""
-    print(f"ok of a bare pty echo, us: {echo()}")
+    for pace_s, when in ((0.0, "after the last ok"), (PACE_S, f"every {PACE_S * 1e3:g} ms")):
+        print(f"ok of a line {when}, us: bare pty echo: {echo(pace_s)}")
+        for way in ("pty", "tcp"):
+            print(f"ok of a line {when}, us: G1 by {way}: {latency(way, pace_s)}")
     for way in ("pty", "tcp"):
-        with Served(way, "real") as printer:
-            printer.line.pour(moves(30, 1.0, 6000))
-            print(
-                f"ok of G1 by {way}, us: {percentiles(printer.line.ask, moves(ROUNDS, 1.0, 6000))}"
-            )
         with Served(way, "real") as printer:
             taken = printer.line.pour(moves(1500, 0.1, 6000))
             print(f"into an empty queue by {way}: {1500 / taken:.0f} lines/s")

@@ -49,8 +49,8 @@ __plugin_hooks__ = {{
 """
 _UNUSED = """
     achievements action_command_notification announcements backup classicwebcam discovery
-    errortracking file_check firmware_check gcodeviewer health_check pi_support softwareupdate
-    tracking
+    errortracking file_check firmware_check gcodeviewer health_check pi_support pluginmanager
+    softwareupdate tracking
 """
 
 
@@ -83,7 +83,6 @@ class OctoPrint:
         (self._folder / "plugins" / "ports.py").write_text(_PLUGIN.format(ports=str(self._ports)))
         config = {
             "accessControl": {"salt": "salt", "autologinLocal": False},
-            "api": {"key": _KEY},
             "gcodeAnalysis": {"runAt": "never"},
             "plugins": {"_disabled": _UNUSED.split()},
             "serial": {"autoconnect": False, "log": True},

@@ -248,7 +248,9 @@ class Session:
         self.hear(f"echo:busy: {what}")
 
     def _say_wait(self) -> None:
-        due_s = self._acknowledged_s + WAIT_S  # a timer anew for every line would cost as much as it
+        due_s = (
+            self._acknowledged_s + WAIT_S
+        )  # a timer anew for every line would cost as much as it
         if due_s <= self._loop.time():
             due_s = self._loop.time() + WAIT_S
             if self._task is None and not self._lines:
