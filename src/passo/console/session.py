@@ -48,6 +48,7 @@ class Session:
         self._lines: deque[tuple[Line, Command] | Refusal] = deque()
         self._loop = asyncio.get_running_loop()
         self._task: asyncio.Task[None] | None = None
+        self._waits = False  # for what a command waits for, with the turn
         self._ok = ""
         self._timers: dict[str, asyncio.TimerHandle] = {}
         self._held = False
@@ -89,7 +90,9 @@ class Session:
         if self.upload is not None:
             self.upload.abort()
             self.upload = None
-        if self._task is not None:
+        if self._waits:
+            self._printer.go_on()  # not cancelled: homing has to brake before it lets its switches go
+        elif self._task is not None:
             self._task.cancel()
         if self.hear in self._printer.listeners:
             self._printer.listeners.remove(self.hear)
@@ -179,6 +182,7 @@ class Session:
             self._wire.hold(False)
 
     def _begin(self, line: Line, code: str, wait: Wait | None, *, queued: bool = False) -> None:
+        self._waits = wait is not None
         self._task = self._loop.create_task(self._carry_out(line, code, wait, queued=queued))
 
     async def _carry_out(self, line: Line, code: str, wait: Wait | None, *, queued: bool) -> None:
@@ -193,10 +197,12 @@ class Session:
                 await printer.drive.until(lambda: printer.has_room() or bool(printer.halted))
                 if not self._refused(code):
                     wait = printer.take_line(line.text, self)
+            self._waits = True
             await printer.finish(wait, self)
         except (Stopped, PassoError) as error:
             self.fail(str(error))
         finally:
+            self._waits = False
             self.every("busy", 0, None)
             if has_turn:
                 printer.turn.give()
