@@ -91,7 +91,7 @@ class Session:
             self.upload.abort()
             self.upload = None
         if self._waits:
-            self._printer.go_on()  # not cancelled: homing has to brake before it lets its switches go
+            self._printer.go_on()  # not cancelled: homing must brake before it lets go of switches
         elif self._task is not None:
             self._task.cancel()
         if self.hear in self._printer.listeners:
