@@ -85,7 +85,7 @@ class OctoPrint:
             "accessControl": {"salt": "salt", "autologinLocal": False},
             "gcodeAnalysis": {"runAt": "never"},
             "plugins": {"_disabled": _UNUSED.split()},
-            "serial": {"autoconnect": False, "log": True},
+            "serial": {"autoconnect": False},
             "server": {
                 "firstRun": False,
                 "secretKey": _KEY,
@@ -190,10 +190,3 @@ class OctoPrint:
     def job(self, **command: str) -> None:
         """Pauses, resumes, cancels."""
         self.post("job", **command)
-
-    def serial_log(self) -> str:
-        """All that went over the wire since the server started."""
-        return "".join(
-            path.read_text(errors="replace")
-            for path in sorted((self._folder / "logs").glob("serial*.log"))
-        )
