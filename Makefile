@@ -21,7 +21,7 @@ PYTHON_HEADERS = $(shell $(PYTHON) -c "import os, sysconfig; \
 demo: .venv/.built build/$(DEMO).gcode
 	$(BIN)/passo print build/$(DEMO).gcode --machine i3
 
-test: .venv/.built .venv/.dev
+test: .venv/.built .venv/.dev .venv/hosts/.installed
 	tools/debian.sh g++-aarch64-linux-gnu g++-arm-linux-gnueabihf qemu-user-static dosfstools mtools
 	$(BIN)/python -m pytest
 
@@ -44,6 +44,7 @@ format: .venv/.dev
 
 bench: .venv/.built
 	$(BIN)/python bench/run.py
+	$(BIN)/python bench/console.py
 
 corpus: .venv/.built
 	@test -d "$(DIR)" || { echo "Say where the files are: make corpus DIR=..." >&2; exit 2; }
@@ -79,6 +80,15 @@ build/%.gcode: examples/%.gcode.xz
 
 .venv/.dev: requirements/dev.lock .venv/.run
 	$(BIN)/pip install -q --disable-pip-version-check --require-hashes -r $<
+	@touch $@
+
+# OctoPrint and Printrun, which tests/hosts lets print. Without their dependencies as they declare
+# them: Printrun's window needs wxPython, which has no wheels; the lock holds all that is needed.
+.venv/hosts/.installed: requirements/hosts.lock .venv/.run
+	$(PYTHON) -m venv .venv/hosts
+	.venv/hosts/bin/pip install -q --disable-pip-version-check --require-hashes --no-deps -r $< || \
+	  { echo "The tests let the real OctoPrint and Printrun print, and these could not be installed \
+	from PyPI: see above" >&2; exit 1; }
 	@touch $@
 
 .venv/.built: .venv/.run pyproject.toml CMakeLists.txt $(CORE)

@@ -71,7 +71,7 @@ class LineProtocol:
         if numbered is None:
             return self._bare(text, raw)
         self._numbering = True
-        checked = _CHECKSUM.search(text)
+        checked = _CHECKSUM.search(text) if "*" in text else None
         if checked is None:
             return self._asked_again("No Checksum with line number")
         if not _right(raw, checked):
@@ -117,7 +117,9 @@ class LineProtocol:
 
 def uncommented(text: str) -> str:
     """The line without what stands behind `;`, except in the text of M117 and M118."""
-    return text.strip() if _TEXT.match(text) else text.partition(";")[0].strip()
+    if ";" not in text or _TEXT.match(text):
+        return text.strip()
+    return text.partition(";")[0].strip()
 
 
 def _right(raw: bytes, checked: re.Match[str]) -> bool:

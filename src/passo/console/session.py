@@ -55,7 +55,7 @@ class Session:
     def __init__(self, printer: Printer, wire: Wire) -> None:
         self._printer, self._wire = printer, wire
         self._protocol = LineProtocol()
-        self._lines: deque[Line | Refusal] = deque()
+        self._lines: deque[tuple[Line, Command] | Refusal] = deque()
         self._loop = asyncio.get_running_loop()
         self._task: asyncio.Task[None] | None = None
         self._ok = ""
@@ -79,8 +79,11 @@ class Session:
         heard = self._protocol.feed(data)
         for line in heard:
             if isinstance(line, Line):
-                self._ahead.see(command_of(line.text).code, line.number)
-        self._lines.extend(heard)
+                command = command_of(line.text)
+                self._ahead.see(command.code, line.number)
+                self._lines.append((line, command))
+            else:
+                self._lines.append(line)
         if heard and self._task is None:
             self._work()
         if len(self._lines) > BACKLOG and not self._held:
@@ -135,22 +138,23 @@ class Session:
         """Carries out lines until one has to wait."""
         printer = self._printer
         while self._lines:
-            line = self._lines.popleft()
-            if isinstance(line, Refusal):
-                if line.resend is None:
-                    self.say(f"echo:{line.reason}")
+            heard = self._lines.popleft()
+            if isinstance(heard, Refusal):
+                if heard.resend is None:
+                    self.say(f"echo:{heard.reason}")
                 else:
-                    self.say(f"Error:{line.reason}")
-                    self.say(f"Resend: {line.resend}")
+                    self.say(f"Error:{heard.reason}")
+                    self.say(f"Resend: {heard.resend}")
                 self._ok = ""
                 self._acknowledge(None)
                 continue
+            line, command = heard
+            code = command.code
             self._ok = ""
-            if self._refused(line):
+            if self._refused(code):
                 self._acknowledge(line.number)
                 continue
-            command = command_of(line.text)
-            if self.upload is not None and self._stored(line, command.code):
+            if self.upload is not None and self._stored(line, code):
                 self._acknowledge(line.number)
                 continue
             if printer.act(command, self):
@@ -158,22 +162,22 @@ class Session:
             elif printer.has_room() and printer.turn.take():
                 wait = printer.take_line(line.text, self)
                 if wait is not None:
-                    self._begin(line, wait)
+                    self._begin(line, code, wait)
                     return
                 printer.turn.give()
                 self._acknowledge(line.number)
             else:
-                self._begin(line, None, queued=True)
+                self._begin(line, code, None, queued=True)
                 return
         if self._held:
             self._held = False
             self._wire.hold(False)
 
-    def _begin(self, line: Line, wait: Wait | None, *, queued: bool = False) -> None:
+    def _begin(self, line: Line, code: str, wait: Wait | None, *, queued: bool = False) -> None:
         self._working = not queued
-        self._task = self._loop.create_task(self._carry_out(line, wait, queued=queued))
+        self._task = self._loop.create_task(self._carry_out(line, code, wait, queued=queued))
 
-    async def _carry_out(self, line: Line, wait: Wait | None, *, queued: bool) -> None:
+    async def _carry_out(self, line: Line, code: str, wait: Wait | None, *, queued: bool) -> None:
         """A line that waits: for its turn, for room, or for what its command waits for."""
         printer = self._printer
         self.every("busy", self.busy_s, self._say_busy)
@@ -183,7 +187,7 @@ class Session:
                 await printer.turn.wait()
                 has_turn = True
                 await printer.drive.until(lambda: printer.has_room() or bool(printer.halted))
-                if not self._refused(line):
+                if not self._refused(code):
                     wait = printer.take_line(line.text, self)
             self._working = True
             if self.closed:
@@ -218,8 +222,7 @@ class Session:
         upload.write(line.text)
         return True
 
-    def _refused(self, line: Line) -> bool:
-        code = command_of(line.text).code
+    def _refused(self, code: str) -> bool:
         if self.strict and self.failed and code not in _EVEN_AFTER_FAILURE:
             self.say("Error:PreviousCommandFailed")
             return True

@@ -17,6 +17,7 @@ from passo.console.session import Session
 from passo.errors import PassoError, Problem
 from passo.printer.printer import Printer
 
+_AT_ONCE = 4096  # bytes; asyncio would read 256 KiB, whose lines keep all others waiting for 0.8 s
 _ROOM = 1 << 16  # bytes that may wait for a reader before dispensable ones are dropped
 _DEAD = 1 << 20  # and before all are
 _TCGETS2, _TCSETS2 = 0x802C542A, 0x402C542B
@@ -64,6 +65,7 @@ class _Wire(asyncio.Protocol):
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         if isinstance(transport, asyncio.ReadTransport):
             self.reader = transport
+            transport.max_size = _AT_ONCE  # pyright: ignore[reportAttributeAccessIssue]
         if self.writer is None and isinstance(transport, asyncio.WriteTransport):
             self.writer = transport
         self.session = Session(self._printer, self)

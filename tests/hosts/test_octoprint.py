@@ -1,0 +1,102 @@
+"""OctoPrint prints on `passo serve`."""
+
+import pytest
+from tests.hosts.noise import Noise
+from tests.hosts.octoprint import OctoPrint
+
+
+@pytest.fixture(scope="module")
+def server(hosts, tmp_path_factory):
+    octoprint = OctoPrint(hosts / "octoprint", tmp_path_factory.mktemp("octoprint"))
+    yield octoprint
+    octoprint.close()
+
+
+@pytest.fixture
+def host(server):
+    yield server
+    if not server.state.startswith(("Closed", "Offline")):
+        server.disconnect()
+
+
+def port(printer, way):
+    return printer.pty if way == "pty" else f"socket://{printer.tcp}"
+
+
+@pytest.mark.parametrize("way", ["pty", "tcp"])
+def test_it_prints_to_the_end(printer, program, host, at_end, way):
+    host.connect(port(printer, way))
+    host.print(program.path)
+    host.finished()
+    at_end(printer)
+
+
+@pytest.mark.parametrize("way", ["pty", "tcp"])
+def test_a_line_that_came_in_damaged_is_printed_once(printer, program, host, at_end, way, tmp_path):
+    if way == "pty":
+        noise, name = Noise(seed=4).on_pty(printer.pty, tmp_path / "noisy"), str(tmp_path / "noisy")
+    else:
+        noise, address = Noise(seed=4).on_tcp(printer.tcp)
+        name = f"socket://{address}"
+    try:
+        host.connect(name)
+        host.print(program.path)
+        host.finished()
+        host.disconnect()
+    finally:
+        noise.close()
+    assert noise.damaged >= 10
+    at_end(printer)
+
+
+def test_it_uploads_to_the_card_and_prints_from_there(printer, program, host, at_end):
+    host.connect(printer.pty)
+    host.wait(lambda: host.get("printer/sd")["ready"])
+    host.upload(program.path, "sdcard")
+    host.wait(lambda: host.state == "Operational" and host.get("files/sdcard")["files"])
+    (stored,) = printer.card.iterdir()
+    assert stored.read_text().split("\n") == program.text.split("\n")
+    (listed,) = host.get("files/sdcard")["files"]
+    host.post(f"files/sdcard/{listed['path'].lstrip('/')}", command="select", print=True)
+    printer.wait_for("Done printing file")
+    host.wait(lambda: host.state == "Operational")
+    at_end(printer)
+
+
+@pytest.mark.parametrize("way", ["pty", "tcp"])
+def test_a_pause_loses_nothing(printer, program, host, at_end, way):
+    host.connect(port(printer, way))
+    host.print(program.path)
+    host.wait(lambda: host.sent > 10)
+    host.job(command="pause", action="pause")
+    host.wait(lambda: host.state == "Paused")
+    sent = host.sent
+    assert sent < 99
+    host.job(command="pause", action="resume")
+    host.finished()
+    at_end(printer)
+
+
+@pytest.mark.parametrize("way", ["pty", "tcp"])
+def test_after_a_cancel_it_prints_again(printer, program, host, at_end, way):
+    host.connect(port(printer, way))
+    host.print(program.path)
+    host.wait(lambda: host.sent > 10)
+    host.job(command="cancel")
+    host.wait(lambda: host.state == "Operational")
+    assert printer.position()["e"] < 0.9 * program.end["e"]
+    host.print(program.path)
+    host.finished()
+    at_end(printer)
+
+
+@pytest.mark.parametrize("way", ["pty", "tcp"])
+def test_it_comes_back_after_it_left_in_mid_print(printer, program, host, at_end, way):
+    host.connect(port(printer, way))
+    host.print(program.path)
+    host.wait(lambda: host.sent > 10)
+    host.disconnect()
+    host.connect(port(printer, way))
+    host.print(program.path)
+    host.finished()
+    at_end(printer)
