@@ -171,10 +171,11 @@ def test_m0_waits_for_a_person_or_a_time(s):
     assert s.loop.time() - start == pytest.approx(5, abs=0.3)
     s.host.send("M0 Look")
     s.host.silent(10, "^ok")
+    s.host.send("M876 P1")
+    s.host.silent(1, "^ok")
     s.host.send("M876 S0")
-    s.host.silent(1, "^ok")  # it is behind M0 in this console
-    s.host.send("M108")
     s.host.expect("^ok", 1)
+    s.host.expect("prompt_end", 1)
 
 
 def test_tool_offsets_move_the_zero(tmp_path):

@@ -10,6 +10,8 @@ import fcntl
 import os
 import re
 import struct
+import subprocess
+import sys
 import termios
 from pathlib import Path
 
@@ -314,3 +316,17 @@ def test_what_cannot_be_opened_is_said_in_a_sentence(
     said = capfd.readouterr().err
     assert sentence in said
     assert "Traceback" not in said
+
+
+def test_standard_input_that_ends_is_carried_out_to_its_last_line():
+    served = subprocess.run(
+        [sys.executable, "-m", "passo", "serve", "--stdin", "--clock", "fast"],
+        input="G28\nG1 X12 F6000\nM400\nM114\n",
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert served.returncode == 0
+    assert "X:12.000" in served.stdout
+    assert served.stdout.count("ok") == 4

@@ -130,6 +130,7 @@ async def _serve(arguments: argparse.Namespace, machine: object) -> None:
             session.say(greeting)
 
     consoles: list[Console] = []
+    serving = asyncio.create_task(printer.run())
     try:
         for path in arguments.pty:
             consoles.append(await open_pty(printer, path, opened))
@@ -140,12 +141,23 @@ async def _serve(arguments: argparse.Namespace, machine: object) -> None:
             clients = arguments.tcp_clients
             consoles.append(await open_tcp(printer, host, port, clients, opened))
         if arguments.stdin:
-            consoles.append(await open_stdin(printer, opened))
+            alone = not consoles
+            over = (lambda: _end(serving)) if alone else _go_on_serving
+            consoles.append(await open_stdin(printer, opened, over))
         places = ", ".join(console.place for console in consoles)
         print(f"Serving {machine.name} on {places}.", file=sys.stderr, flush=True)
         with contextlib.suppress(asyncio.CancelledError):
-            await printer.run()
+            await serving
     finally:
+        serving.cancel()
         for console in consoles:
             console.close()
         printer.close()
+
+
+def _end(serving: asyncio.Task[None]) -> None:
+    serving.cancel()
+
+
+def _go_on_serving() -> None:
+    """Others may still come."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from passo.printer.printer import Printer
+from passo.printer.words import Command
 
 
 class Ahead:
@@ -13,9 +14,10 @@ class Ahead:
         self._for_file = False  # what comes in now goes into a file
         self._numbered = False  # and has numbers
 
-    def see(self, code: str, number: int | None) -> None:
-        """Acts on M108, M112 and M410, unless they are text for a file: in one whose lines have
-        numbers, a line without is none."""
+    def see(self, command: Command, number: int | None) -> None:
+        """Acts on M108, M112, M410 and M876, unless they are text for a file: in one whose lines
+        have numbers, a line without is none."""
+        code = command.code
         if code == "M28":
             self._for_file, self._numbered = True, False
         elif code == "M29":
@@ -24,7 +26,7 @@ class Ahead:
             self._numbered = number is not None
         elif code == "M112":
             self._printer.halt("emergency stop by M112")
-        elif code == "M108":
+        elif code == "M108" or (code == "M876" and "S" in command.words()):
             self._printer.go_on()
         elif code == "M410":
             self._printer.stop()

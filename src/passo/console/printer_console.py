@@ -45,7 +45,7 @@ def furnished(
     """A printer that understands every command of a console. Within a running event loop. Raises
     MachineError, and CardError if `card` cannot be used."""
     printer = Printer(machine, free=free)
-    reports = Reports(printer, card=card is not None)
+    reports = Reports(printer, card=card is not None, settings=state is not None)
     printer.immediate.update(reports.handlers)
     printer.immediate.update(ConsoleCommands(printer, reports).handlers)
     runner = Runner(printer, Listeners(printer))

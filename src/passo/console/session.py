@@ -69,6 +69,7 @@ class Session:
         self.upload: Upload | None = None  # M28: lines go into this file
         self._working = False  # this console's line has the turn and is under way
         self.closed = False
+        self._then: Callable[[], None] | None = None  # to call after the last line
         printer.listeners.append(self.hear)
         self.every("wait", WAIT_S, self._say_wait)
 
@@ -80,7 +81,7 @@ class Session:
         for line in heard:
             if isinstance(line, Line):
                 command = command_of(line.text)
-                self._ahead.see(command.code, line.number)
+                self._ahead.see(command, line.number)
                 self._lines.append((line, command))
             else:
                 self._lines.append(line)
@@ -104,6 +105,12 @@ class Session:
             self._task.cancel()
         if self.hear in self._printer.listeners:
             self._printer.listeners.remove(self.hear)
+
+    def end(self, then: Callable[[], None]) -> None:
+        """No more lines come: those in hand are carried out, then it closes."""
+        self._then = then
+        if self._task is None:
+            self._work()
 
     # -- answers ----------------------------------------------------------------------------------
 
@@ -172,6 +179,9 @@ class Session:
         if self._held:
             self._held = False
             self._wire.hold(False)
+        if self._then is not None and not self.closed:
+            self.close()
+            self._then()
 
     def _begin(self, line: Line, code: str, wait: Wait | None, *, queued: bool = False) -> None:
         self._working = not queued

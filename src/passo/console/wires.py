@@ -223,9 +223,21 @@ async def open_tcp(printer: Printer, host: str, port: int, clients: int, opened:
     return tcp
 
 
-async def open_stdin(printer: Printer, opened: Opened) -> Console:
-    """The terminal or pipe that the program was started on. Raises ConsoleError."""
-    wire = _Wire(printer, opened, "standard input")
+class _Standard(_Wire):
+    """Standard input: at its end the lines in hand are carried out, and `ended` is called."""
+
+    ended: Callable[[], None]
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        if self.session is not None and not self.session.closed:
+            self.session.end(self.ended)
+
+
+async def open_stdin(printer: Printer, opened: Opened, ended: Callable[[], None]) -> Console:
+    """The terminal or pipe that the program was started on; `ended` is called when it has ended and
+    all its lines are done. Raises ConsoleError."""
+    wire = _Standard(printer, opened, "standard input")
+    wire.ended = ended
     try:
         return await _join(wire, os.dup(sys.stdin.fileno()), os.dup(sys.stdout.fileno()))
     except (ValueError, OSError):

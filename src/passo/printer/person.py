@@ -46,8 +46,7 @@ class PersonCommands:
     def _answer(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
         if "S" in words:
-            self._printer.go_on()
-            self._printer.tell("//action:prompt_end")
+            self._printer.tell("//action:prompt_end")  # it acted when the line came in
         elif "P" not in words:
             reply.say("M876 P1")
         return None

@@ -31,8 +31,8 @@ CAPABILITIES = {
 class Reports:
     """Reports of one printer."""
 
-    def __init__(self, printer: Printer, *, card: bool = False) -> None:
-        self._printer, self._card = printer, card
+    def __init__(self, printer: Printer, *, card: bool = False, settings: bool = False) -> None:
+        self._printer, self._card, self._settings = printer, card, settings
         self._letters = [row["letter"] for row in printer.machine.core_spec()["axes"]]
         self.handlers: dict[str, Handler] = {
             "M105": self._temperatures,
@@ -110,4 +110,4 @@ class Reports:
         """What M115 announces."""
         chamber = any(h.kind == "chamber" for h in self._printer.machine.heaters.values())
         files = dict.fromkeys(("AUTOREPORT_SD_STATUS", "EXTENDED_M20", "LFN_WRITE"), self._card)
-        return CAPABILITIES | files | {"CHAMBER_TEMP": chamber}
+        return CAPABILITIES | files | {"CHAMBER_TEMP": chamber, "EEPROM": self._settings}
