@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import sqlite3
 from typing import TYPE_CHECKING
 
+from passo.errors import CommandError, Problem
+from passo.job.history import History
 from passo.job.runner import Runner, State
 from passo.printer.waits import Handler, Person, Reply, Wait
 from passo.printer.words import Command
@@ -52,11 +55,13 @@ def spoken(seconds: float) -> str:
 
 
 class JobCommands:
-    """M31, M73, M75 to M77, M600 to M602 of one printer."""
+    """M31, M73, M75 to M78, M600 to M602 of one printer."""
 
-    def __init__(self, printer: Printer, runner: Runner) -> None:
-        self._printer, self._runner = printer, runner
+    def __init__(self, printer: Printer, runner: Runner, history: History | None) -> None:
+        self._printer, self._runner, self._history = printer, runner, history
         self._watch = Stopwatch(printer)
+        self._paused = False
+        self._filament_mm = 0.0  # pushed before this print
         self._percent: float | None = None  # M73
         self._minutes_left: float | None = None
         self.immediate: dict[str, Handler] = {
@@ -65,6 +70,7 @@ class JobCommands:
             "M75": lambda c, r: self._timer(start=True),
             "M76": lambda c, r: self._timer(pause=True),
             "M77": lambda c, r: self._timer(),
+            "M78": self._statistics,
             "M602": self._resume,
         }
         self.planned: dict[str, Handler] = {
@@ -75,11 +81,46 @@ class JobCommands:
 
     def _job_changed(self, state: State) -> None:
         if state is State.PRINTING:
-            if not self._watch.running and self._runner.offset == 0:
+            if not self._watch.running and not self._paused:
                 self._watch.reset()
+                self._filament_mm = self._printer.filament_mm()
             self._watch.start()
         else:
+            under_way = self._watch.running or self._paused
             self._watch.pause()
+            if under_way and state is not State.PAUSED:
+                self._remember()
+        self._paused = state is State.PAUSED
+
+    def _remember(self) -> None:
+        """A print has ended."""
+        runner, watch = self._runner, self._watch
+        used = self._printer.filament_mm() - self._filament_mm
+        if self._history is None:
+            return
+        try:
+            self._history.add(runner.name, runner.size, runner.ended, watch.seconds, used)
+        except sqlite3.Error as error:
+            self._printer.tell(f"echo:This print is not in the history: {error}")
+
+    def _statistics(self, command: Command, reply: Reply) -> Wait | None:
+        if self._history is None:
+            raise CommandError([Problem("settings.nowhere")])
+        if command.words().get("S") == 78:
+            self._history.forget()
+            return None
+        totals = self._history.totals()
+        reply.say(
+            f"echo:Prints: {totals.prints}, finished: {totals.done},"
+            f" failed or cancelled: {totals.prints - totals.done}"
+        )
+        reply.say(
+            f"echo:Print time: {spoken(totals.print_s)}, longest: {spoken(totals.longest_s)},"
+            f" filament: {totals.filament_mm / 1000:.2f}m"
+        )
+        for file, ended, seconds in self._history.last(5):
+            reply.say(f"echo:  {file}: {ended}, {spoken(seconds)}")
+        return None
 
     def _time(self, _: Command, reply: Reply) -> Wait | None:
         reply.say(f"echo:Print time {spoken(self._watch.seconds)}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sqlite3
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,6 +12,7 @@ from passo.console.job_commands import JobCommands
 from passo.console.recovery_commands import RecoveryCommands
 from passo.console.settings_commands import SettingsCommands
 from passo.errors import CommandError, Problem
+from passo.job.history import History
 from passo.job.runner import Runner
 from passo.job.settings import Store
 from passo.printer.printer import Printer
@@ -39,6 +41,16 @@ class Listeners:
         raise CommandError([Problem("job.failed", values={"value": text})])
 
 
+def _history(printer: Printer, directory: Path) -> History | None:
+    try:
+        history = History(directory)
+    except (sqlite3.Error, OSError) as error:
+        printer.tell(f"echo:No history of prints: {error}")
+        return None
+    printer.closers.append(history.close)
+    return history
+
+
 def furnished(
     machine: MachineConfig, *, free: bool = False, card: str | None = None, state: str | None = None
 ) -> Printer:
@@ -51,7 +63,8 @@ def furnished(
     runner = Runner(printer, Listeners(printer))
     files = CardCommands(printer, runner, card)
     printer.immediate.update(files.handlers)
-    jobs = JobCommands(printer, runner)
+    history = None if state is None else _history(printer, Path(state))
+    jobs = JobCommands(printer, runner, history)
     printer.immediate.update(jobs.immediate)
     printer.planned.update(jobs.planned)
     if state is not None:

@@ -122,6 +122,7 @@ TABLE: tuple[Row, ...] = (
     Row("M75", _Q, _I, "", "Starts the print timer."),
     Row("M76", _Q, _I, "", "Halts the print timer."),
     Row("M77", _Q, _I, "", "Stops the print timer and tells it."),
+    Row("M78", _Q, _I, "S78", "Tells what was printed; S78 forgets it."),
     Row("M80", _Q, _N, "S", "Mains on."),
     Row("M81", _Q, _X, "", "Heaters and motors off."),
     Row("M82", _M, _N, "", "The extruder's positions are absolute."),

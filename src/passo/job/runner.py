@@ -66,6 +66,7 @@ class Runner:
         self._state = State.NONE
         self.watchers: list[Callable[[State], None]] = []
         self.name = self.path = ""
+        self.ended = ""  # done, cancelled or failed: the last print
         printer.busy = lambda: self.active
         printer.fault_listeners.append(lambda _: self.pause())
 
@@ -169,6 +170,7 @@ class Runner:
         if not self.active:
             return
         printer = self._printer
+        self.ended = "cancelled"
         self.state = State.READY
         printer.stop()
         if printer.job.suspended:
@@ -218,6 +220,7 @@ class Runner:
         printer = self._printer
         if not self.active:
             return  # cancelled
+        self.ended = "failed" if self._failed else "done"
         self.state = State.READY
         if self._failed:
             printer.tell(f"echo:Print of {self.name} stopped: {self._failed}")

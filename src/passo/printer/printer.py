@@ -191,6 +191,10 @@ class Printer:
         """The machine has filament, and the active tool's hotend is warm enough to move it."""
         return bool(self.machine.extruders) and self.heat.warm()
 
+    def filament_mm(self) -> float:
+        """Filament that all extruders together were to push so far, mm."""
+        return sum(self.job.statistics()["filament_mm"])
+
     def stop(self) -> None:
         """M410: brakes to a stop on the path and forgets all moves that were planned."""
         self.drive.stop()

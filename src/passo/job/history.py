@@ -1,0 +1,72 @@
+"""What was printed: one row a print, in SQLite."""
+
+from __future__ import annotations
+
+import sqlite3
+from dataclasses import dataclass
+from pathlib import Path
+
+_SCHEMA = """
+create table if not exists prints (
+    id integer primary key,
+    file text not null,
+    size integer not null,
+    ended text not null,      -- done, cancelled, failed
+    print_s real not null,
+    filament_mm real not null
+)
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Totals:
+    """Of all prints that are remembered."""
+
+    prints: int
+    done: int
+    print_s: float
+    longest_s: float
+    filament_mm: float
+
+
+class History:
+    """The prints of one printer. Raises sqlite3.Error."""
+
+    def __init__(self, directory: Path) -> None:
+        directory.mkdir(parents=True, exist_ok=True)
+        self._base = sqlite3.connect(directory / "history.sqlite")
+        self._base.execute("pragma journal_mode = wal")
+        with self._base:
+            self._base.execute(_SCHEMA)
+
+    def add(self, file: str, size: int, ended: str, print_s: float, filament_mm: float) -> None:
+        """A print is over. Durable when it returns."""
+        with self._base:
+            self._base.execute(
+                "insert into prints (file, size, ended, print_s, filament_mm)"
+                " values (?, ?, ?, ?, ?)",
+                (file, size, ended, print_s, filament_mm),
+            )
+
+    def totals(self) -> Totals:
+        """What M78 tells."""
+        row = self._base.execute(
+            "select count(*), coalesce(sum(ended = 'done'), 0), coalesce(sum(print_s), 0),"
+            " coalesce(max(print_s), 0), coalesce(sum(filament_mm), 0) from prints"
+        ).fetchone()
+        return Totals(*row)
+
+    def last(self, most: int) -> list[tuple[str, str, float]]:
+        """The newest prints: file, how it ended, print time in seconds."""
+        return self._base.execute(
+            "select file, ended, print_s from prints order by id desc limit ?", (most,)
+        ).fetchall()
+
+    def forget(self) -> None:
+        """All rows go."""
+        with self._base:
+            self._base.execute("delete from prints")
+
+    def close(self) -> None:
+        """Nothing may be asked any more."""
+        self._base.close()

@@ -1,0 +1,49 @@
+"""Each print from the card is a row of the history."""
+
+import pytest
+
+from passo.job.history import History
+from tests.console.scenario import Scenario
+
+FILE = "M302 P1\nG28\nG92 E0\n" + "".join(f"G1 X{10 + 50 * (i % 2)} E{i} F3000\n" for i in range(11))
+
+
+@pytest.fixture
+def places(tmp_path):
+    (tmp_path / "card").mkdir()
+    (tmp_path / "card" / "a.g").write_text(FILE)
+    (tmp_path / "card" / "bad.g").write_text("G28 X\nG1 X999\n")
+    return {"card": str(tmp_path / "card"), "state": str(tmp_path / "state")}
+
+
+def test_prints_that_are_done_cancelled_or_failed_are_told(places, tmp_path):
+    with Scenario("i3", **places) as s:
+        s.host.ok("M32 a.g")
+        s.host.expect("Done printing", 60)
+        s.host.ok("M26")
+        s.host.ok("M24")
+        s.passes(8)
+        s.host.ok("M25")
+        s.passes(5)
+        s.host.ok("M524")
+        s.host.ok("M32 bad.g")
+        s.host.expect("stopped", 30)
+        answer = s.host.ok("M78")
+        assert answer[0] == "echo:Prints: 3, finished: 1, failed or cancelled: 2"
+        assert answer[2].startswith("echo:  bad.g: failed")
+        assert answer[3].startswith("echo:  a.g: cancelled")
+        assert answer[4].startswith("echo:  a.g: done")
+    history = History(tmp_path / "state")
+    totals = history.totals()
+    assert totals.filament_mm == pytest.approx(13, abs=3)
+    assert totals.longest_s == pytest.approx(18, abs=3)
+    history.close()
+    with Scenario("i3", **places) as s:
+        assert "Prints: 3" in s.host.ok("M78")[0]
+        s.host.ok("M78 S78")
+        assert "Prints: 0" in s.host.ok("M78")[0]
+
+
+def test_without_a_directory_there_is_no_history():
+    with Scenario("i3") as s:
+        assert "no place to store" in s.host.ok("M78")[0]
