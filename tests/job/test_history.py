@@ -1,11 +1,13 @@
 """Each print from the card is a row of the history."""
 
 import pytest
-
-from passo.job.history import History
 from tests.console.scenario import Scenario
 
-FILE = "M302 P1\nG28\nG92 E0\n" + "".join(f"G1 X{10 + 50 * (i % 2)} E{i} F3000\n" for i in range(11))
+from passo.job.history import History
+
+FILE = "M302 P1\nG28\nG92 E0\n" + "".join(
+    f"G1 X{10 + 50 * (i % 2)} E{i} F3000\n" for i in range(11)
+)
 
 
 @pytest.fixture

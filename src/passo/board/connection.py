@@ -145,6 +145,15 @@ class Connection:
         self.board = replace(self.board, sensors=tuple(sensors))
         loop.set_sensor(heater_options(self.board, entry, self.dictionary))
 
+    def net_steps(self, stepper: str) -> int:
+        """Steps forward less steps backward that the board has made since it was configured. Lets
+        time pass; raises MachineError."""
+        oid = self._oids.steppers[stepper]
+        answer = self.ask(f"stepper_get_position oid={oid}", "stepper_position")
+        entry = next(s for s in self.board.steppers if s.name == stepper)
+        sign = -1 if entry.invert != inverted(entry.dir_pin) else 1
+        return sign * int(answer["pos"])
+
     def full_scale(self, output: str) -> int:
         """The value of an output that means fully on."""
         return full_scale(next(o for o in self.board.outputs if o.name == output), self.dictionary)

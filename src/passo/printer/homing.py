@@ -201,6 +201,8 @@ class Homer:
             self._endstops.disarm()
             moved = {stepper for way in ways for stepper in way.steppers}
             printer.job.renew_steppers([self._order.index(stepper) for stepper in moved])
+        if not printer.halted:
+            printer.positions.settle()
         printer.raise_if_interrupted()
         for way in ways:
             for switch in way.switches:

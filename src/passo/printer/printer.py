@@ -17,6 +17,7 @@ from passo.printer.homing import Homer
 from passo.printer.motion_commands import MotionCommands
 from passo.printer.motors import Motors
 from passo.printer.person import PersonCommands
+from passo.printer.positions import Positions
 from passo.printer.tune_commands import TuneCommands
 from passo.printer.turn import Turn
 from passo.printer.waits import (
@@ -106,6 +107,7 @@ class Printer:
         self.drive.on_motion = self.motors.all_on
         self.drive.on_pass = self._time_passed
         self.homer = Homer(self)
+        self.positions = Positions(self)
         if machine.unhomed_moves == "refuse":
             self.lock(self.homer.axes)
 

@@ -83,9 +83,24 @@ class Reports:
         reply.with_ok(self.temperatures())
         return None
 
-    def _position(self, _: Command, reply: Reply) -> Wait | None:
+    def _position(self, command: Command, reply: Reply) -> Wait | None:
+        flags = command.text.upper().split()
+        if "R" in flags:
+            reply.say(self._real())
+            return None
         reply.say(self.position())
+        if "D" in flags:
+            reply.say(f"Real: {self._real()}")
         return None
+
+    def _real(self) -> str:
+        """As `position`, of what the motors have done so far."""
+        places, counts = self._printer.positions.now()
+        e = places.pop("E", None)
+        words = [f"{letter}:{round(at, 3) + 0.0:.3f}" for letter, at in places.items()]
+        words += [] if e is None else [f"E:{round(e, 4) + 0.0:.4f}"]
+        steps = [f"{n.upper()}:{count}" for n, count in counts.items() if not n.startswith("e")]
+        return f"{' '.join(words)} Count {' '.join(steps)}"
 
     def _switches(self, _: Command, reply: Reply) -> Wait | None:
         reply.say("Reporting endstop status")

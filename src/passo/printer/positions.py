@@ -1,0 +1,73 @@
+"""Where the machine is now, by the steps that the board has made."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from passo.geometry.base import Unreachable
+
+if TYPE_CHECKING:
+    from passo.printer.printer import Printer
+
+_E = 3  # slot of the active extruder in the core's positions
+
+
+class Positions:
+    """Real positions of one printer. The board counts steps; the plan knows where counting began.
+    An endstop stops a motor in mid-way: `lost` steps are then made up for by `settle`."""
+
+    def __init__(self, printer: Printer) -> None:
+        self._printer = printer
+        self._lost: dict[str, int] = {}
+
+    def settle(self) -> None:
+        """The machine stands: whatever the board has not made of the plan, it never will. Lets time
+        pass; raises MachineError."""
+        for row in self._printer.job.steppers():
+            name = row["name"]
+            self._lost[name] = row["expected_net"] - self._printer.connection.net_steps(name)
+
+    def counts(self) -> dict[str, int]:
+        """Each motor's position in steps, now. Lets time pass; raises MachineError."""
+        found: dict[str, int] = {}
+        for row in self._printer.job.steppers():
+            name = row["name"]
+            net = self._printer.connection.net_steps(name) + self._lost.get(name, 0)
+            found[name] = net + row["count"] - row["expected_net"]
+        return found
+
+    def now(self) -> tuple[dict[str, float], dict[str, int]]:
+        """The program's coordinates of what the motors have done, by axis letter and E, and the
+        motors' counts. Lets time pass; raises MachineError."""
+        printer, machine = self._printer, self._printer.machine
+        job = printer.job
+        counts = self.counts()
+        rows = {row["name"]: row for row in job.steppers()}
+        real: dict[tuple[str, int], float] = {}
+        for name in rows:
+            driven = machine.drivable.of(name, machine.steppers[name].drives)
+            if driven is not None:
+                at = counts[name] / rows[name]["steps_per_unit"]
+                real.setdefault((driven.drive, driven.index), at)
+        letters = [row["letter"] for row in machine.core_spec()["axes"]]
+        places: list[float | None] = [None] * len(letters)
+        try:
+            a, b, c = (real[("actuator", i)] for i in range(3))
+            places[:3] = machine.geometry.forward((a, b, c))
+        except (Unreachable, KeyError):
+            pass
+        for i in range(3, len(letters)):
+            places[i] = real.get(("axis", i))
+        *ends, e_end = job.program_position
+        machine_ends = job.machine_position
+        found: dict[str, float] = {}
+        for i, letter in enumerate(letters):
+            slot = i if i < 3 else i + 1
+            place = places[i]
+            if place is not None:
+                found[letter] = place + ends[i] - machine_ends[slot]
+        extruder = machine.tools[job.tool].extruder if machine.tools else None
+        index = list(machine.extruders).index(extruder) if extruder else 0
+        if ("extruder", index) in real:
+            found["E"] = real[("extruder", index)] + e_end - machine_ends[_E]
+        return found, counts
