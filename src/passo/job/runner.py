@@ -68,6 +68,7 @@ class Runner:
         self.name = self.path = ""
         self.ended = ""  # done, cancelled or failed: the last print
         printer.busy = lambda: self.active
+        printer.stop_listeners.append(self._stopped)
         printer.fault_listeners.append(lambda _: self.pause())
 
     @property
@@ -215,6 +216,12 @@ class Runner:
         except (Stopped, PassoError) as error:
             self._failed = str(error)
         self._end()
+
+    def _stopped(self, reason: str) -> None:
+        """The machine was stopped in mid-print: the file stays where it is."""
+        if self.state is State.PRINTING:
+            self._failed = reason
+            self._end()
 
     def _end(self) -> None:
         printer = self._printer

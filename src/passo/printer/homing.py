@@ -75,6 +75,7 @@ class Homer:
         for name in names:
             if name not in self.axes:
                 self._set(name, self._home_of(name))
+        self._printer.endstops.pause()
         ways = self._ways(names, everything=not letters)
         batch: list[_Way] = []
         for way in ways:

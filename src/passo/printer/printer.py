@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from passo import _core
@@ -11,6 +11,7 @@ from passo.config.drives import axis_order
 from passo.errors import CommandError, MachineError, Problem
 from passo.printer.commands import Commands
 from passo.printer.drive import TICK_S, Drive
+from passo.printer.endstop_watch import EndstopWatch
 from passo.printer.faults import problem_of
 from passo.printer.heat_commands import HeatCommands
 from passo.printer.homing import Homer
@@ -71,12 +72,15 @@ class Printer:
         self.motion = MotionCommands(self)
         self.person = PersonCommands(self)
         self.tunes = TuneCommands(self)
+        self.endstops = EndstopWatch(self)
+        self.watchers.append(self.endstops.time_passed)
         self.store_settings: Callable[[], object] = lambda: None
         self.immediate: dict[str, Handler] = (
             self.heat.immediate
             | self.motion.immediate
             | self.person.immediate
             | self.tunes.immediate
+            | self.endstops.immediate
         )
         self.planned: dict[str, Handler] = (
             self.heat.planned
@@ -85,6 +89,7 @@ class Printer:
             | self.person.planned
             | self.tunes.planned
         )
+        self.stop_listeners: list[Callable[[str], None]] = []
         self.fault_listeners: list[Callable[[HeaterFault], None]] = []
         self.greeting: Callable[[], str] = str  # what a console that opens should hear
         self.listeners: list[Callable[[str], None]] = []
@@ -196,6 +201,12 @@ class Printer:
     def filament_mm(self) -> float:
         """Filament that all extruders together were to push so far, mm."""
         return sum(self.job.statistics()["filament_mm"])
+
+    def stop_by_endstop(self, names: Sequence[str]) -> None:
+        """A switch was hit in mid-move: brakes, and ends the print if one is under way."""
+        self.stop()
+        for listener in self.stop_listeners:
+            listener(f"endstop {', '.join(names)} was hit")
 
     def stop(self) -> None:
         """M410: brakes to a stop on the path and forgets all moves that were planned."""
@@ -338,6 +349,7 @@ class Printer:
         self.motors.forget()
         lines = list(self.settings())
         self._begin(reconnected(self.connection))
+        self.endstops.begin()
         self.halted = ""
         for line in lines:
             self.take_setting(line, Silence())

@@ -1,0 +1,93 @@
+"""Endstops while the machine moves: M120 watches them, M540 lets them stop the machine."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from passo.board.endstops import Endstops
+from passo.printer.switches import switches
+from passo.printer.waits import Handler, Reply, Wait
+from passo.printer.words import Command
+
+if TYPE_CHECKING:
+    from passo.printer.printer import Printer
+
+_REST_S = 0.001  # the board looks so often
+_AHEAD_S = 0.02  # from the command to its first look
+
+
+class EndstopWatch:
+    """M120, M121 and M540 of one printer. A switch that is pressed when the watch begins, or where
+    its axis is at home, is watched once it has been let go."""
+
+    def __init__(self, printer: Printer) -> None:
+        self._printer = printer
+        self._switches = switches(printer.machine)
+        self._on = False
+        self._armed = False
+        self._stale = True  # which switches are pressed must be asked anew
+        self.stops = False  # M540: a hit stops the machine
+        self.immediate: dict[str, Handler] = {
+            "M120": lambda c, r: self._watch(True),
+            "M121": lambda c, r: self._watch(False),
+            "M540": self._stop_on_hit,
+        }
+        self.begin()
+
+    def begin(self) -> None:
+        """The board has begun anew."""
+        self._endstops = Endstops(self._printer.connection)
+        self._armed, self._stale = False, True
+
+    def pause(self) -> None:
+        """Homing needs the switches for itself."""
+        if self._armed:
+            self._endstops.disarm()
+            self._armed = False
+        self._stale = True
+
+    def time_passed(self) -> None:
+        """Looks for hits; begins to watch anew when the machine stands."""
+        if not self._on or self._printer.halted:
+            return
+        if self._armed:
+            self._endstops.all_hit()
+            if self._endstops.hit:
+                self._report(sorted(self._endstops.hit))
+        elif self._stale and self._printer.drive.standing and not self._printer.turn.taken:
+            self._arm()
+
+    def _arm(self) -> None:
+        """Watches the switches that are open."""
+        connection = self._printer.connection
+        open_ones = [s.name for s in self._switches if not self._endstops.pressed(s.name)]
+        self._stale = len(open_ones) < len(self._switches)
+        if not open_ones:
+            return
+        # The board stops no motor by itself: the plan would go on without it.
+        clock = connection.now + int(_AHEAD_S * connection.board.clock_hz)
+        self._endstops.arm(dict.fromkeys(open_ones, ()), clock, _REST_S)
+        self._armed = True
+
+    def _report(self, names: list[str]) -> None:
+        self._endstops.disarm()
+        self._armed, self._stale = False, True
+        places, _ = self._printer.positions.now()
+        where = " ".join(f"{letter}:{at:.2f}" for letter, at in places.items() if letter != "E")
+        self._printer.tell(f"echo:endstops hit: {' '.join(n.upper() for n in names)} at {where}")
+        if self.stops:
+            self._printer.stop_by_endstop(names)
+
+    def _watch(self, on: bool) -> Wait | None:
+        self.pause()
+        self._on = on
+        return None
+
+    def _stop_on_hit(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        if "S" in words:
+            self.stops = words["S"] != 0
+            self._watch(self.stops or self._on)
+        else:
+            reply.say(f"M540 S{int(self.stops)}")
+        return None

@@ -1,0 +1,79 @@
+"""Switches that are hit while the machine moves."""
+
+import re
+
+import pytest
+from tests.console.scenario import Scenario
+
+
+@pytest.fixture
+def s():
+    with Scenario("i3") as scenario:
+        scenario.host.ok("G28", 60)
+        scenario.host.ok("G1 X50 Y50 Z5 F6000")
+        scenario.host.ok("M400")
+        yield scenario
+
+
+def test_a_hit_is_told_with_its_place_if_switches_are_watched(s):
+    s.host.ok("M120")
+    s.passes(0.2)
+    s.host.ok("G1 X150 F1200")
+    s.passes(2)
+    s.board.force_switch("y", True)
+    line = s.host.expect("^echo:endstops hit: Y at X:", 1)
+    where = float(re.search(r"X:([\d.]+)", line)[1])
+    assert where == pytest.approx(s.positions()["x"], abs=3)
+    s.host.ok("M400", 10)
+    assert s.positions()["x"] == 150  # only told
+
+
+def test_unwatched_switches_count_only_for_homing(s):
+    s.host.ok("G1 X150 F1200")
+    s.board.force_switch("y", True)
+    s.host.silent(3, "endstops hit")
+    s.host.ok("M120")
+    s.host.ok("M121")
+    s.board.force_switch("y", None)
+    s.passes(3)
+    s.board.force_switch("y", True)
+    s.host.silent(3, "endstops hit")
+
+
+def test_a_hit_stops_the_machine_where_that_is_asked_for(s):
+    s.host.ok("M540 S1")
+    assert s.host.ok("M540")[0] == "M540 S1"
+    s.passes(0.2)
+    s.host.ok("G1 X150 F1200")
+    s.passes(2)
+    s.board.force_switch("z", True)
+    s.host.expect("endstops hit: Z", 1)
+    s.passes(1)
+    at = s.positions()["x"]
+    assert 85 < at < 105
+    s.passes(2)
+    assert s.positions()["x"] == at
+    s.board.force_switch("z", None)
+    s.host.ok("G1 X60 F6000")
+    s.host.ok("M400")
+    assert s.positions()["x"] == pytest.approx(60, abs=0.02)
+    assert s.host.ok("G28", 60)[-1] == "ok"
+
+
+def test_a_hit_ends_a_print(tmp_path):
+    (tmp_path / "a.g").write_text("G28\nG1 X20 Y20 Z5\n" + "G1 X100 F3000\nG1 X20\n" * 50)
+    with Scenario("i3", card=str(tmp_path)) as s:
+        s.host.ok("M540 S1")
+        s.host.ok("M32 a.g")
+        s.passes(9)
+        s.host.ok("M25")
+        s.passes(6)
+        s.host.ok("M24")
+        s.passes(6)
+        s.board.force_switch("y", True)
+        s.host.expect("Print of a.g stopped: endstop y was hit", 3)
+        s.passes(2)
+        at = s.positions()
+        s.passes(2)
+        assert s.positions() == at
+        assert "Not SD printing" in s.host.ok("M27")[0]
