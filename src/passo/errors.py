@@ -201,6 +201,11 @@ CATALOGUE: Mapping[str, Entry] = {
         "cold extrusion prevented: the hotend is too cold for filament to move",
         "Heat it first (M109), or allow it (M302 P1)",
     ),
+    "option.unknown": _input(
+        "settings",
+        "UnknownOption: there is no option {value}",
+        "Name one as APrinter does, such as XStepsPerUnit",
+    ),
     "command.fixed": _input(
         "command",
         "this is fixed while the printer runs",

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from passo.console.card_commands import CardCommands
 from passo.console.commands import ConsoleCommands
 from passo.console.job_commands import JobCommands
+from passo.console.options import OptionCommands
 from passo.console.recovery_commands import RecoveryCommands
 from passo.console.settings_commands import SettingsCommands
 from passo.errors import CommandError, Problem
@@ -72,7 +73,10 @@ def furnished(
         printer.planned.update(recovery.planned)
         printer.greeting = recovery.offer
     store = None if state is None else Store(Path(state) / "settings.json", machine.uuid)
-    settings = SettingsCommands(printer, store)
+    options = OptionCommands(printer)
+    printer.immediate.update(options.immediate)
+    printer.planned.update(options.planned)
+    settings = SettingsCommands(printer, store, options)
     printer.planned.update(settings.planned)
     printer.settings = settings.lines
     if store is not None:

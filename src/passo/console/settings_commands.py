@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from passo.console.options import OptionCommands
 from passo.errors import CommandError, Problem
 from passo.job.settings import Store
 from passo.printer.waits import Handler, Reply, Silence, Wait
@@ -17,8 +18,8 @@ if TYPE_CHECKING:
 class SettingsCommands:
     """The settings of one printer; `store` keeps them, None: nothing does."""
 
-    def __init__(self, printer: Printer, store: Store | None) -> None:
-        self._printer, self._store = printer, store
+    def __init__(self, printer: Printer, store: Store | None, options: OptionCommands) -> None:
+        self._printer, self._store, self._options = printer, store, options
         self._defaults = list(self.lines())
         self.planned: dict[str, Handler] = {
             "M500": self._save,
@@ -51,6 +52,7 @@ class SettingsCommands:
                 *([f"M208 S{extra:.10g} F{back * 60:.10g}"] if back > 0 else []),
             ],
         )
+        yield "Idle times", [f"M84 S{self._printer.motors.idle_s:.10g}"]
         yield "Cold extrusion", [f"M302 S{heat.cold_c:.10g} P{int(heat.cold_allowed)}"]
 
     def lines(self) -> Iterator[str]:
@@ -109,6 +111,8 @@ class SettingsCommands:
                 reply.say(f"; {heading}")
             for line in lines:
                 reply.say(line)
+        for line in self._options.pending_lines():
+            reply.say(line)
         return None
 
     def _check(self, _: Command, reply: Reply) -> Wait | None:
