@@ -189,13 +189,13 @@ void bind_job(nb::module_& m) {
           "Where the program is, in its own coordinates: the axes, then E.")
       .def(
           "advance",
-          [](JobView& self, double horizon, size_t most) {
+          [](JobView& self, double horizon, size_t most, bool to_boundary) {
             nb::gil_scoped_release released;
-            return self.job.advance(horizon, most);
+            return self.job.advance(horizon, most, to_boundary);
           },
-          "horizon"_a = kInfinity, "most"_a = size_t(1) << 20,
+          "horizon"_a = kInfinity, "most"_a = size_t(1) << 20, "to_boundary"_a = false,
           "Reads on until something wants the caller, or the plan reaches a clock or a number of "
-          "messages.")
+          "messages; or no further than to the end of the line that it is in.")
       .def_prop_ro(
           "event",
           [](const JobView& self) {

@@ -39,7 +39,10 @@ class Bounds {
       if (j < 3) mm += delta[j] * delta[j];
     }
     if (longest < kNoDistance) return false;
-    m.cartesian = mm > kNoDistance * kNoDistance;
+    // Next to a long way of another axis a hair of X, Y, Z cannot measure the path: the slowest
+    // speed along it would be too fast for that axis.
+    double least = std::max(kNoDistance, kHair * longest);
+    m.cartesian = mm > least * least;
     mm = m.cartesian ? std::sqrt(mm) : longest;
     m.d = mm;
     double per_mm = 1;  // path measure per mm
@@ -127,7 +130,8 @@ class Bounds {
   }
 
  private:
-  static constexpr double kNoDistance = 1e-9;    // mm
+  static constexpr double kNoDistance = 1e-9;  // mm
+  static constexpr double kHair = 1e-4;
   static constexpr double kLowestSpeed = 0.001;  // mm/s: a move always ends
   static constexpr double kHighestAccel = 1e7;   // mm/s²
   static constexpr double kSampleEvery = 2;      // mm

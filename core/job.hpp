@@ -32,15 +32,19 @@ class Job {
 
   // Reads on until input, an event or an error wants the caller, or until the plan reaches
   // `horizon` (ticks) or more than `most` messages wait to be taken.
-  Status advance(double horizon, size_t most) {
+  // With `to_boundary` it reads no more than the rest of the line that it is in.
+  Status advance(double horizon, size_t most, bool to_boundary = false) {
     for (;;) {
-      if (motion.planner().clock() >= horizon || motion.messages().size() >= most)
+      if (to_boundary ? interpreter.at_boundary()
+                      : motion.planner().clock() >= horizon || motion.messages().size() >= most)
         return Status::full;
       double start = now();
       Found found = Found::move;
       batch_.clear();
-      while (batch_.size() < Planner::kBatch && (found = interpreter.next()) == Found::move)
+      while (batch_.size() < Planner::kBatch && (found = interpreter.next()) == Found::move) {
         batch_.push_back(interpreter.move());
+        if (to_boundary && interpreter.at_boundary()) break;
+      }
       double parsed = now();
       cpu_parse += parsed - start;
       double before = motion.cpu().steps + motion.cpu().compress;

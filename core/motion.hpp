@@ -139,6 +139,7 @@ class Motion {
           Move second = m;
           Bounds::cut(m, part, 1, second);
           second.inner = true;
+          second.records = 0;
           braking.push_back(first);
           rest[i] = second;
         } else {
@@ -341,7 +342,10 @@ class Motion {
     merge(true);
     revoke_messages(at);
     while (!lines_.empty() && lines_.back().start >= ticks_of_cut_) lines_.pop_back();
-    while (!placed_.empty() && placed_.back().clock > at) {
+    size_t taken_back = 0, at_the_end = 0;
+    for (; !placed_.empty() && placed_.back().clock > at; ++taken_back) {
+      if (at_the_end == taken_back && double(placed_.back().clock) >= planner_.clock() - 1)
+        ++at_the_end;
       records_.push_front(placed_.back());
       placed_.pop_back();
     }
@@ -353,10 +357,19 @@ class Motion {
       rest.push_back(history_[i]);
     }
     history_.resize(first);
+    // Records that no move of the rest brings along were due at the end of the plan, or late.
+    size_t brought = 0;
+    for (const Move& m : rest) brought += m.start >= ticks_of_cut_ ? m.records : 0;
+    size_t alone = taken_back - std::min(taken_back, brought);
+    at_the_end = std::min(at_the_end, alone);
+    bool under_way = !rest.empty() && rest[0].start < ticks_of_cut_;
+    size_t late = under_way ? alone - at_the_end : 0;
+    if (!planner_.attach(uint16_t(alone - late))) unattached_ += uint16_t(alone - late);
     if (!rest.empty() && rest[0].start < ticks_of_cut_)
       speed2 = cut_move(rest);
     else if (!rest.empty())
       speed2 = rest[0].v0 * rest[0].v0;
+    if (late > 0) rest[0].records = uint16_t(late);
     return speed2;
   }
 

@@ -90,6 +90,13 @@ class Planner {
     settle(false);
   }
 
+  // More records are due at the start of what is queued; false if nothing is.
+  bool attach(uint16_t records) {
+    if (queued() == 0) return false;
+    queue_[head_].records = uint16_t(queue_[head_].records + records);
+    return true;
+  }
+
   // Moves what is queued to the end of `rest`.
   void take_queue(std::vector<Move>& rest) {
     rest.insert(rest.end(), queue_.begin() + long(head_), queue_.end());

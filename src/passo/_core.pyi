@@ -832,9 +832,9 @@ class Job:
     def program_position(self) -> list[float]:
         """Where the program is, in its own coordinates: the axes, then E."""
 
-    def advance(self, horizon: float = float('inf'), most: int = 1048576) -> JobStatus:
+    def advance(self, horizon: float = float('inf'), most: int = 1048576, to_boundary: bool = False) -> JobStatus:
         """
-        Reads on until something wants the caller, or the plan reaches a clock or a number of messages.
+        Reads on until something wants the caller, or the plan reaches a clock or a number of messages; or no further than to the end of the line that it is in.
         """
 
     @property

@@ -160,8 +160,10 @@ class Runner:
         """Brakes to a stop on the path at once; `start` goes on from there."""
         if self.state is State.PRINTING:
             self.state = State.PAUSED
-            self._returns = True
             self._resumed.clear()
+            if self._returns:
+                return  # from the last pause: the print stands aside already
+            self._returns = True
             self._printer.drive.hold()
             self._printer.job.suspend()
 
@@ -206,9 +208,13 @@ class Runner:
             while self.active:
                 if self.state is State.PAUSED:
                     await self._stand_aside()
+                await self._room()
                 await printer.turn.wait()
                 try:
                     ended = await self._stretch()
+                    # Nobody else can be served in the middle of a line.
+                    while not (ended or printer.job.at_boundary):
+                        ended = await self._stretch(rest_of_line=True)
                 finally:
                     printer.turn.give()
                 if ended:
@@ -245,13 +251,17 @@ class Runner:
             printer.turn.give()
         await self._resumed.wait()
 
-    async def _stretch(self) -> bool:
-        """Plans as far ahead as is useful; True at the end of the file. With the turn."""
-        printer = self._printer
-        job, drive = printer.job, printer.drive
+    async def _room(self) -> None:
+        """Until the plan no longer reaches far enough ahead."""
+        printer, drive = self._printer, self._printer.drive
         await drive.until(
             lambda: not drive.full or self.state is not State.PRINTING or bool(printer.halted)
         )
+
+    async def _stretch(self, *, rest_of_line: bool = False) -> bool:
+        """Plans as far ahead as is useful; True at the end of the file. With the turn."""
+        printer = self._printer
+        job, drive = printer.job, printer.drive
         printer.raise_if_halted()
         if self.state is not State.PRINTING:
             return False
@@ -266,7 +276,8 @@ class Runner:
         printer.select(console=False)
         drive.before_moves()
         try:
-            found = job.advance(drive.now + _AHEAD_S * drive.hz, _MOST_MESSAGES)
+            horizon = drive.now + _AHEAD_S * drive.hz
+            found = job.advance(horizon, _MOST_MESSAGES, rest_of_line)
         finally:
             drive.after_moves()
         return await self._answer(found)

@@ -10,7 +10,7 @@ from passo import _core
 from passo.config.drives import axis_order
 from passo.errors import CommandError, MachineError, Problem
 from passo.printer.commands import Commands
-from passo.printer.drive import TICK_S, Drive
+from passo.printer.drive import MOST_QUEUED, TICK_S, Drive
 from passo.printer.endstop_watch import EndstopWatch
 from passo.printer.faults import problem_of
 from passo.printer.heat_commands import HeatCommands
@@ -230,7 +230,10 @@ class Printer:
 
     def has_room(self) -> bool:
         """A planned line can be taken in without a wait, by whoever has the turn."""
-        return self.job.at_boundary and not self.drive.full
+        if not self.job.at_boundary:
+            return False
+        # Beside a print the plan is always full: a line comes behind what is planned.
+        return self.job.queued <= MOST_QUEUED if self.busy() else not self.drive.full
 
     def select(self, *, console: bool) -> None:
         """What is read next comes from a console, or else from the file."""

@@ -1,0 +1,65 @@
+"""A print that is paused, hurried and asked again and again ends where it would have ended."""
+
+import math
+import random
+
+import pytest
+from tests.console.scenario import Scenario
+
+
+def spiral():
+    """Short moves and long ones, reversals, retractions, and rests of single motors."""
+    generator = random.Random(3)
+    lines = ["M302 P1", "G28", "G1 X100 Y100 Z5 F6000", "G92 E0"]
+    e = 0.0
+    for i in range(700):
+        r = 5 + i / 20
+        e += 0.02
+        x, y = 100 + r * math.cos(i / 7), 100 + r * math.sin(i / 7)
+        feed = generator.choice((1200, 3000, 6000, 12000))
+        lines.append(f"G1 X{x:.3f} Y{y:.3f} E{e:.4f} F{feed}")
+        if i % 60 == 30:
+            lines += [f"G2 X{x:.3f} Y{y:.3f} I{-r:.3f} J0.1 P3", f"G1 X{x:.3f} Y{y:.3f}"]
+        if i % 90 == 89:
+            lines += [f"G1 E{e - 1:.4f} F1800", f"G1 Z{5 + i / 300:.3f}", f"G1 E{e:.4f} F1800"]
+    return "\n".join(lines) + "\n"
+
+
+def steps(s):
+    return {x.name: s.board.net_steps(x.name) for x in s.board.board.steppers}
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory):
+    card = tmp_path_factory.mktemp("card")
+    (card / "a.g").write_text(spiral())
+    with Scenario("i3", card=str(card)) as s:
+        s.host.ok("M32 a.g")
+        s.host.expect("Done printing", 900)
+        return card, steps(s)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_it_ends_where_it_would_have_ended(undisturbed, seed):
+    card, wanted = undisturbed
+    generator = random.Random(seed)
+    with Scenario("i3", card=str(card)) as s:
+        s.host.ok("M32 a.g")
+        s.passes(12)
+        while "Done printing file" not in s.host.heard:
+            s.passes(generator.expovariate(2.0))
+            choice = generator.randrange(6)
+            if choice == 0:
+                s.host.ok("M25")
+                s.passes(generator.uniform(0, 4))
+                s.host.ok("M24")
+            elif choice == 1:
+                s.host.ok(f"M220 S{generator.choice((20, 50, 100, 200, 400))}")
+            elif choice == 2:
+                s.host.ok(f"M204 P{generator.choice((500, 1500, 3000))}")
+            elif choice == 3:
+                s.host.ok(f"M106 S{generator.randrange(256)}")
+            elif choice == 4:
+                s.host.ok("M114 R")
+            assert not s.printer.halted
+        assert steps(s) == wanted
