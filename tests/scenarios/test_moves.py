@@ -62,10 +62,10 @@ def test_r_makes_one_move_absolute(s):
 def test_the_feed_rate_stays_and_m220_scales_it(s):
     first = took(s, "G1 X20 F600")
     assert first == pytest.approx(2.0, abs=0.3)  # a standing machine takes a while to begin
-    assert took(s, "G1 X0") == pytest.approx(first, abs=0.02)  # without F
+    assert took(s, "G1 X0") == pytest.approx(first, abs=0.1)  # without F
     s.host.ok("M220 S50")
-    assert took(s, "G1 X20") == pytest.approx(first + 2.0, abs=0.02)
-    assert took(s, "G1 X0 F1200") == pytest.approx(first, abs=0.02)
+    assert took(s, "G1 X20") == pytest.approx(first + 2.0, abs=0.1)
+    assert took(s, "G1 X0 F1200") == pytest.approx(first, abs=0.1)
 
 
 def test_a_dwell_takes_its_time_whatever_m220_says(s):

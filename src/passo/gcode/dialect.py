@@ -211,6 +211,8 @@ TABLE: tuple[Row, ...] = (
     Row("M930", _Q, _X, "", "Applies the options that M926 has noted."),
     Row("M932", _Q, _I, "", "After a failure nothing of this console is carried out."),
     Row("M933", _Q, _I, "", "Ends M932."),
+    Row("M937", _Q, _I, "", "Tells the corrections of the bed's height: none."),
+    Row("M940", _Q, _I, "", "Tells the network of the machine's board: none."),
     Row("M999", _Q, _I, "", "A halted printer begins anew."),
     Row("M1000", _Q, _X, "C", "Goes on with a print that was interrupted; C forgets it."),
     Row("T", _M, _N, "", "Selects a tool."),

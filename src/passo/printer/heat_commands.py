@@ -43,6 +43,8 @@ class HeatCommands:
             "M190": lambda c, r: self._set_and_wait(c, "bed"),
             "M191": lambda c, r: self._set_and_wait(c, "chamber"),
             "M116": lambda c, r: self._wait(c),
+            "M106": lambda c, r: self._fan(c),
+            "M107": lambda c, r: self._fan(c),
         }
         self.immediate: dict[str, Handler] = {
             "M145": self._preset,
@@ -109,6 +111,16 @@ class HeatCommands:
             names.append(self.named(kinds[letter.upper()], words))
         heaters = names or self._printer.heaters
         return Temperatures(tuple(heaters), cooling=True)
+
+    # -- fans -------------------------------------------------------------------------------------
+
+    def _fan(self, command: Command) -> Wait | None:
+        """Raises CommandError if P names no fan; a machine without fans lets the rest pass."""
+        number = command.words().get("P")
+        if number is not None and all(f.number != number for f in self._machine.fans.values()):
+            limit = ", ".join(str(f.number) for f in self._machine.fans.values()) or "no fan"
+            raise _refusal("command.value", axis="P", value=f"{number:g}", limit=limit)
+        return self._printer.commands.run(command)
 
     # -- presets, cold extrusion ------------------------------------------------------------------
 
