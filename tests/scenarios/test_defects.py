@@ -5,6 +5,7 @@ import re
 import pytest
 from tests.console.scenario import Host, Scenario
 
+import passo
 from passo import config
 from passo.config.load import shipped_text
 from passo.errors import ConfigError
@@ -93,6 +94,14 @@ def test_no_command_sets_a_pin_that_belongs_to_a_heater(s):
     assert s.host.ok("M42 P10 S255") == ['echo:Unknown command: "M42"', "ok"]
     s.passes(1)
     assert s.board.output_value("hotend") == 0
+
+
+def test_a_reversal_stops_for_a_moment(tmp_path):
+    path = tmp_path / "reversal.gcode"
+    path.write_text("G28\nG1 X10 F6000\nG1 X0\nG1 X10\n")
+    moves = [move.core for move in passo.Machine.load("i3").plan(path)]
+    assert [move.end_speed for move in moves] == [0, 0, 0]
+    assert [move.cruise_speed for move in moves] == [100, 100, 100]
 
 
 def test_m82_leaves_the_motors_alone(s):

@@ -94,8 +94,14 @@ def test_only_the_named_motors_go_off(s):
     s.passes(0.2)
     assert s.board.output_value("x-enable") == 1
     assert s.board.output_value("y-enable") == 0
-    s.host.ok("M17")
-    assert s.host.ok("G92 X0") == ["ok"]
+    s.host.ok("M17 Y")
+    assert s.board.output_value("x-enable") == 1
+    s.host.ok("M17 X")
+    s.passes(0.1)
+    assert s.board.output_value("x-enable") == 0
+    s.host.ok("M18")
+    s.host.ok("M18 Q")  # no motor of that name
+    s.host.ok("G92 X0 Y0")
     s.host.ok("G1 X1 F6000")
     s.host.ok("M400")
     assert s.board.output_value("x-enable") == 0  # a move turns it on
