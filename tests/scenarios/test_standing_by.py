@@ -56,6 +56,19 @@ def test_progress_of_a_slicer(s):
     assert s.host.ok("M73")[0] == "echo:Progress: 40%, 12 min left"
 
 
+def test_a_host_tells_when_its_print_begins_and_ends(s):
+    s.passes(50)
+    assert s.host.ok("M530 S1 L20") == ["echo:Start Printing", "ok"]
+    assert s.host.ok("M531 G1 part") == ["ok"]
+    s.passes(120)
+    s.host.ok("M532 X33 L5")
+    assert s.host.ok("M73")[0] == "echo:Progress: 33%"
+    assert s.host.ok("M530 S0") == ["echo:Stop Printing", "ok"]
+    s.passes(60)
+    assert s.host.ok("M31")[0] == "echo:Print time 0h 2m 0s"
+    assert s.host.ok("M73")[0] == "echo:Progress: nothing is printed"
+
+
 def test_m410_brakes_on_the_path_and_m400_ends(s):
     s.host.ok("G1 X100 F3000")
     s.passes(1)
