@@ -165,3 +165,20 @@ def test_a_laser_is_on_between_m3_and_m5():
         s.host.ok("M400")
         s.passes(0.2)
         assert s.board.output_value("laser") == 0
+
+
+def test_e_is_a_length_and_volumes_are_refused(s):
+    assert "E is a length" in s.host.ok("M200 D1.75")[0]
+    for line in ("M200 D0", "M200 S0 D1.75", "M200"):
+        assert s.host.ok(line) == ["ok"], line
+
+
+@pytest.mark.parametrize(
+    ("line", "homed"),
+    [("G28 W", "xyz"), ("G28 O", "xyz"), ("g28 x y", "xy"), ("G28 XY", "xy"), ("G28 X0 Z0", "xz")],
+)
+def test_letters_that_slicers_put_behind_g28(line, homed):
+    with Scenario("i3") as s:
+        s.host.ok(line, 60)
+        at = s.positions()
+        assert {a for a in "xyz" if abs(at[a]) < 0.02} == set(homed)

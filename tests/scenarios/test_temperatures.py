@@ -122,3 +122,10 @@ def test_a_heater_that_is_off_is_not_waited_for(s):
     s.host.ok("M109 S0", 5)
     s.host.ok("M116 T0 B0", 5)
     s.host.ok("M190", 5)
+
+
+def test_settings_below_zero_do_not_open_the_guards(s):
+    assert "S is -4" in s.host.ok("M302 S-4")[0]
+    assert s.host.ok("M302")[0] == "echo:Cold extrudes are disabled (min temp 170C)"
+    s.host.ok("M145 S0 H-5 B-5 F-5")
+    assert s.host.ok("M145")[0] == "M145 S0 H0 B0 F0"

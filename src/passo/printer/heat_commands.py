@@ -134,8 +134,8 @@ class HeatCommands:
         if not 0 <= index < len(self.presets):
             raise _refusal("command.value", axis="S", value=index, limit="0 to 2")
         preset = self.presets[index]
-        preset.hotend_c = min(words.get("H", preset.hotend_c), self._most("hotend"))
-        preset.bed_c = min(words.get("B", preset.bed_c), self._most("bed"))
+        preset.hotend_c = min(max(words.get("H", preset.hotend_c), 0.0), self._most("hotend"))
+        preset.bed_c = min(max(words.get("B", preset.bed_c), 0.0), self._most("bed"))
         preset.fan = min(max(words.get("F", preset.fan), 0.0), 255.0)
         return None
 
@@ -151,7 +151,9 @@ class HeatCommands:
     def _cold_extrusion(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
         if "S" in words:
-            self.cold_c = max(words["S"], 0.0)
+            if words["S"] < 0:
+                raise _refusal("command.value", axis="S", value=words["S"], limit="0 C or more")
+            self.cold_c = words["S"]
             self.cold_allowed = self.cold_c == 0
         if "P" in words:
             self.cold_allowed = words["P"] != 0
