@@ -5,6 +5,9 @@ import re
 import pytest
 from tests.console.scenario import Scenario
 
+from passo import config
+from passo.config.load import shipped_text
+
 
 @pytest.fixture
 def delta():
@@ -74,3 +77,13 @@ def test_two_z_motors_make_the_same_steps():
         made = [abs(s.board.net_steps(k) - b) for k, b in zip(("z", "z1"), before, strict=True)]
         assert made[0] == made[1] > 0
         assert s.positions()["z"] == pytest.approx(s.positions()["z1"], abs=0.01)
+
+
+def test_an_axis_that_is_not_homed_by_default():
+    text = shipped_text("i3").replace("[homing.z]\n", "[homing.z]\nby_default = false\n")
+    with Scenario(config.load_text(text)) as s:
+        s.host.ok("G28", 60)
+        assert s.positions() == {"x": 0.0, "y": 0.0, "z": 20.0, "e": 0.0}
+        assert "axis Z does not know where it is" in s.host.ok("G1 Z1")[0]
+        s.host.ok("G28 Z", 60)
+        assert s.positions()["z"] == pytest.approx(0, abs=0.01)
