@@ -93,6 +93,8 @@ class Compressor {
       size_t done = compress(known, frontier, still);
       forget(done);
     }
+    // The next move may begin at the very clock of the last step, and take it back.
+    if (still) crowded_ = true;
   }
 
   // No message to come has a clock before this one.
@@ -207,7 +209,7 @@ class Compressor {
     }
   }
 
-  // After a cut a step may be owed at once that is due at or before the last executed one.
+  // After a cut or a stop a step may be due at once, at or before the last executed one.
   void set_apart() {
     crowded_ = false;
     double apart = std::max(reversal_, least_);

@@ -336,6 +336,9 @@ class Motion {
     ticks_of_cut_ = std::min(double(at), planner_.clock());
     double speed2 = planner_.speed2();
     if (double(at) >= planner_.clock()) return speed2;
+    // Steps that wait for more of their kind may be due before the cut: they become commands now.
+    for (Compressor& c : compressors_) c.advance(planner_.clock(), true);
+    merge(true);
     revoke_messages(at);
     while (!lines_.empty() && lines_.back().start >= ticks_of_cut_) lines_.pop_back();
     while (!placed_.empty() && placed_.back().clock > at) {
@@ -404,6 +407,7 @@ class Motion {
     std::vector<bool> cut_off(n, false);
     for (size_t i = 0; i < n; ++i) last[i] = compressors_[i].last();
     std::vector<Message> kept;
+    std::vector<std::vector<Message>> ahead(n);  // directions and clocks go with the steps behind
     for (size_t i = 0; i < messages_.size(); ++i) {
       Message m = messages_[i];
       if (m.kind == MessageKind::pin) {
@@ -411,18 +415,19 @@ class Motion {
         continue;
       }
       if (m.kind != MessageKind::queue_step) {
-        // A direction or clock without steps to follow does no harm.
-        if (m.clock <= at)
-          kept.push_back(m);
-        else if (m.kind == MessageKind::reset_clock && !cut_off[m.target]) {
-          last[m.target] = compressors_[m.target].before_reset(m.clock);
-          cut_off[m.target] = true;
-        }
+        ahead[m.target].push_back(m);
         continue;
       }
       int64_t start = m.end_clock - span(m, m.count), count = m.count;
       while (count > 0 && start + span(m, count) > at) --count;
       int64_t lost = m.count - count;
+      if (count > 0)
+        kept.insert(kept.end(), ahead[m.target].begin(), ahead[m.target].end());
+      else
+        for (const Message& a : ahead[m.target])
+          if (a.kind == MessageKind::reset_clock)
+            start = compressors_[m.target].before_reset(a.clock);
+      ahead[m.target].clear();
       if (lost > 0) {
         revoked[m.target].steps += lost;
         revoked[m.target].net += m.dir ? lost : -lost;

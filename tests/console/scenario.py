@@ -98,7 +98,11 @@ class Scenario:
         self._failures: list[object] = []
         self.loop.set_exception_handler(lambda _, context: self._failures.append(context))
         self.machine = config.load(machine) if isinstance(machine, str) else machine
-        self.printer = self.run(self._start(free, card, state))
+        try:
+            self.printer = self.run(self._start(free, card, state))
+        except BaseException:
+            self.loop.close()
+            raise
         self._task = self.loop.create_task(self.printer.run())
         self.host = Host(self)
 

@@ -285,3 +285,18 @@ def test_a_card_that_is_pulled_stops_the_print(s, folder):
     at = s.positions()
     s.passes(1)
     assert s.positions() == at
+
+
+def test_progress_is_by_time_not_by_bytes(s, folder):
+    # The second half of the bytes takes a tenth of the time.
+    slow = "".join(f"G1 X{10 + i % 2 * 100} F1000\n" for i in range(1, 31))
+    fast = "".join(f"G1 X{10 + i % 2 * 100} F9999\n" for i in range(1, 31))
+    (folder / "two.g").write_text("G28 X\nG1 X10 F6000\n" + slow + fast)
+    s.host.ok("M32 two.g")
+    start = s.loop.time()
+    s.passes(60)
+    shown = float(re.search(r"([\d.]+)%", s.host.ok("M73")[0])[1])
+    printed(s, 300)
+    whole = s.loop.time() - start
+    assert shown == pytest.approx(100 * 55 / whole, abs=5)
+    assert s.host.ok("M73")[0] == "echo:Progress: nothing is printed"

@@ -93,6 +93,16 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     move.line = uint32_t(i);
     motion.push(move);
     if (p[0] & 64) motion.flush();
+    if (p[0] & 128) {
+      double cut = motion.planner().clock() * (p[11] / 255.0);
+      if (p[9] & 64) {
+        motion.hold_from(cut);
+        motion.release();
+      } else {
+        motion.planner().speed_factor = 0.25 + p[10] / 64.0;
+        motion.replan_from(cut);
+      }
+    }
   }
   motion.flush();
   MessageQueue& queue = motion.messages();

@@ -141,3 +141,13 @@ def test_a_cut_takes_back_clocks_that_were_set_anew(sent, where, hold):
         motion.replan_from(total * where)
     motion.flush()
     assert_arrived(motion, messages + motion.take_messages(), [0.0, 0.0, 0.5, 0.7])
+
+
+def test_a_step_at_the_end_of_a_stop_may_be_taken_back_at_once():
+    # The last step of the first move falls on its very end, and the next move reverses there.
+    motion = Motion(cartesian(), True)
+    motion.push([10.00625, 0, 0, 0], 50.0)
+    motion.flush()
+    motion.push([9, 0, 0, 0], 50.0)
+    motion.flush()
+    assert_arrived(motion, motion.take_messages(), [9.0, 0, 0, 0])

@@ -170,3 +170,22 @@ def test_a_job_is_paused_by_its_heater(tmp_path):
         s.host.ok("M922")
         s.host.ok("M24")
         s.host.expect("Done printing", 300)
+
+
+def test_tools_take_turns_at_work_and_on_standby():
+    with Scenario("dual-extruder") as s:
+        first, second = (
+            s.printer.connection.heaters[n]
+            for n, h in s.machine.heaters.items()
+            if h.kind == "hotend"
+        )
+        s.host.ok("G10 P0 S200 R150")
+        s.host.ok("G10 P1 S210 R160")
+        s.passes(1)
+        assert (first.target, second.target) == (200, 160)
+        s.host.ok("T1")
+        s.passes(1)
+        assert (first.target, second.target) == (150, 210)
+        s.host.ok("T0")
+        s.passes(1)
+        assert (first.target, second.target) == (200, 160)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 
 from passo.console.session import Session
 from passo.printer.printer import Printer
@@ -28,7 +29,12 @@ class ConsoleCommands:
             "M118": self._message,
             "M154": self._report_position,
             "M155": self._report_temperatures,
+            "M921": self._trace,
             "M932": self._strict,
+            "M937": lambda c, r: _say(r, "echo:No corrections of the bed are in effect"),
+            "M940": lambda c, r: _say(
+                r, "echo:The network is the computer's; see passo serve --tcp"
+            ),
             "M933": self._lenient,
         }
 
@@ -66,6 +72,23 @@ class ConsoleCommands:
             )
         return None
 
+    def _trace(self, command: Command, reply: Reply) -> Wait | None:
+        """Once, or on this console every S seconds until S0: what each controller does."""
+        seconds = command.words().get("S")
+        if isinstance(reply, Session) and seconds is not None:
+            reply.every("trace", seconds, lambda: self._show_trace(reply.hear))
+        else:
+            self._show_trace(reply.say)
+        return None
+
+    def _show_trace(self, say: Callable[[str], None]) -> None:
+        for name, heater in self._printer.connection.heaters.items():
+            t = heater.terms
+            say(
+                f"//trace {name}: {heater.celsius:.2f} /{heater.target:.2f} error:{t.error:.3f}"
+                f" p:{t.p:.4f} i:{t.i:.4f} d:{t.d:.4f} out:{t.output:.4f}"
+            )
+
     def _revive(self, _: Command, __: Reply) -> Wait | None:
         self._printer.revive()
         return None
@@ -82,4 +105,9 @@ class ConsoleCommands:
 
 
 def _nothing(_: Command, __: Reply) -> Wait | None:
+    return None
+
+
+def _say(reply: Reply, text: str) -> Wait | None:
+    reply.say(text)
     return None

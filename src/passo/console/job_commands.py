@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import asyncio
 import sqlite3
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from passo.errors import CommandError, Problem
+from passo.card import Reader as CardReader
+from passo.errors import CommandError, PassoError, Problem
+from passo.job.forecast import forecast
 from passo.job.history import History
 from passo.job.runner import Runner, State
 from passo.printer.waits import Handler, Person, Reply, Wait
@@ -57,8 +61,17 @@ def spoken(seconds: float) -> str:
 class JobCommands:
     """M31, M73, M75 to M78, M600 to M602 of one printer."""
 
-    def __init__(self, printer: Printer, runner: Runner, history: History | None) -> None:
+    def __init__(
+        self,
+        printer: Printer,
+        runner: Runner,
+        history: History | None,
+        open_again: Callable[[str], CardReader],
+    ) -> None:
         self._printer, self._runner, self._history = printer, runner, history
+        self._open_again = open_again
+        self._forecast: asyncio.Task[float | None] | None = None
+        self._planned_s = 0.0  # before this print
         self._watch = Stopwatch(printer)
         self._paused = False
         self._filament_mm = 0.0  # pushed before this print
@@ -87,6 +100,8 @@ class JobCommands:
             if not self._watch.running and not self._paused:
                 self._watch.reset()
                 self._filament_mm = self._printer.filament_mm()
+                self._planned_s = self._printer.planned_s()
+                self._reckon()
             self._watch.start()
         else:
             under_way = self._watch.running or self._paused
@@ -94,6 +109,29 @@ class JobCommands:
             if under_way and state is not State.PAUSED:
                 self._remember()
         self._paused = state is State.PAUSED
+
+    def _reckon(self) -> None:
+        if self._forecast is not None:
+            self._forecast.cancel()
+        try:
+            reader = self._open_again(self._runner.path)
+        except PassoError:
+            self._forecast = None
+            return
+        loop = asyncio.get_running_loop()
+        self._forecast = loop.create_task(forecast(self._printer.machine, reader))
+
+    def _times(self) -> tuple[float, float] | None:
+        """Seconds of motion done and in all, of a print from its beginning; None if not known."""
+        task = self._forecast
+        if not self._runner.active or self._runner.first_line > 1 or task is None:
+            return None
+        total = task.result() if task.done() and not task.cancelled() else None
+        if not total:
+            return None
+        ahead = max(0.0, self._printer.drive.ahead_s)
+        done = self._printer.planned_s() - self._planned_s - ahead
+        return min(max(done, 0.0), total), total
 
     def _remember(self) -> None:
         """A print has ended."""
@@ -163,12 +201,16 @@ class JobCommands:
         if words:
             return None
         parts: list[str] = []
+        times = self._times()
         done = self._runner.progress
-        if done is not None:
-            parts.append(f"{100 * done:.1f}%")
+        if times is not None:
+            parts.append(f"{100 * times[0] / times[1]:.1f}%")
+            parts.append(f"{(times[1] - times[0]) / 60:.1f} min left")
+        elif done is not None:
+            parts.append(f"{100 * done:.1f}% of the file")
         elif self._percent is not None:
             parts.append(f"{self._percent:g}%")
-        if self._minutes_left is not None:
+        if self._minutes_left is not None and times is None:
             parts.append(f"{self._minutes_left:g} min left")
         reply.say(f"echo:Progress: {', '.join(parts) or 'nothing is printed'}")
         return None

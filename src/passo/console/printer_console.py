@@ -65,7 +65,7 @@ def furnished(
     files = CardCommands(printer, runner, card)
     printer.immediate.update(files.handlers)
     history = None if state is None else _history(printer, Path(state))
-    jobs = JobCommands(printer, runner, history)
+    jobs = JobCommands(printer, runner, history, lambda path: files.card.open(path))
     printer.immediate.update(jobs.immediate)
     printer.planned.update(jobs.planned)
     if state is not None:

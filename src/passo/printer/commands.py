@@ -42,6 +42,8 @@ class Commands:
         self.missing_tools: dict[str, tuple[int, int]] = {}
         names = [*machine.heaters, *machine.fans, *(["laser"] if machine.laser else [])]
         self._outputs = {name: (i, full_scale[i]) for i, name in enumerate(names)}
+        self._tool = 0
+        self._tool_c: dict[int, tuple[float | None, float | None]] = {}  # at work, on standby
         self.fans: dict[str, float] = {}  # as last set, 0 to 1
         self._spindle = 0.0
         self._spindle_on = False
@@ -82,6 +84,8 @@ class Commands:
         if command.letter == "T":
             if command.minor:
                 _count(self.missing_tools, f"T{command.number}", command.line)
+            else:
+                self._tool_changed(command.number)
             return None
         code = "S" if command.letter == "S" else command.code
         handler = self._handlers.get(code)
@@ -178,11 +182,28 @@ class Commands:
         return Temperatures((heater,), cooling="R" in words) if wait else None
 
     def _tool_temperatures(self, command: Command) -> None:
+        """G10 P: the temperature of a tool at work (S) and on standby (R). The tool at work takes
+        the one at once, another one the other."""
         words = command.words()
-        heater = self._heater("hotend", int(words.get("P", self._job.tool)))
-        target = words.get("S", words.get("R"))
-        if heater is not None and target is not None:
-            self._heat.set_target(heater, max(target, 0.0))
+        tool = int(words.get("P", self._job.tool))
+        work, standby = self._tool_c.get(tool, (None, None))
+        work, standby = words.get("S", work), words.get("R", standby)
+        self._tool_c[tool] = (work, standby)
+        at_once = work if tool == self._job.tool or standby is None else standby
+        self._heat_tool(tool, at_once)
+
+    def _heat_tool(self, tool: int, celsius: float | None) -> None:
+        heater = self._heater("hotend", tool)
+        if heater is not None and celsius is not None:
+            self._heat.set_target(heater, max(celsius, 0.0))
+
+    def _tool_changed(self, tool: int) -> None:
+        """The tool that leaves goes on standby, the one that comes to work."""
+        before, self._tool = self._tool, tool
+        if tool == before or self._heater("hotend", tool) == self._heater("hotend", before):
+            return
+        self._heat_tool(before, self._tool_c.get(before, (None, None))[1])
+        self._heat_tool(tool, self._tool_c.get(tool, (None, None))[0])
 
     def _fan(self, command: Command) -> str | None:
         number = int(command.words().get("P", 0))

@@ -81,6 +81,11 @@ class Drive:
         return self._loop.time() - self._heard_s
 
     @property
+    def ahead_s(self) -> float:
+        """Print time from now to the end of the settled plan, seconds."""
+        return (self._job.clock - self.now) / self.hz
+
+    @property
     def full(self) -> bool:
         """The plan reaches far enough ahead."""
         job = self._job

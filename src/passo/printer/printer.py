@@ -202,6 +202,11 @@ class Printer:
         """Filament that all extruders together were to push so far, mm."""
         return sum(self.job.statistics()["filament_mm"])
 
+    def planned_s(self) -> float:
+        """Print time of all motion and dwell that was planned so far, seconds."""
+        plan = self.job.statistics()
+        return plan["move_s"] + plan["dwell_s"]
+
     def stop_by_endstop(self, names: Sequence[str]) -> None:
         """A switch was hit in mid-move: brakes, and ends the print if one is under way."""
         self.stop()

@@ -39,8 +39,6 @@ class Reports:
             "M114": self._position,
             "M115": self._firmware,
             "M119": self._switches,
-            "M937": self._corrections,
-            "M940": self._network,
         }
 
     def temperatures(self) -> str:
@@ -110,16 +108,6 @@ class Reports:
         homes = {s.name: machine.homing[s.home].direction for s in switches(machine)}
         for name, pressed in self._printer.homer.states().items():
             reply.say(f"{name}_{homes[name]}: {'TRIGGERED' if pressed else 'open'}")
-        return None
-
-    def _corrections(self, _: Command, reply: Reply) -> Wait | None:
-        """What a probed bed adds to Z; nothing is probed yet."""
-        reply.say("EffectiveCorrections Z:0")
-        return None
-
-    def _network(self, _: Command, reply: Reply) -> Wait | None:
-        """The machine's board has no network of its own; the computer has one."""
-        reply.say("Network: NotActivated")
         return None
 
     def _firmware(self, _: Command, reply: Reply) -> Wait | None:

@@ -1,0 +1,60 @@
+"""A FAT32 image as the card of a printer: uploaded, printed, full."""
+
+import subprocess
+
+import pytest
+from tests.console.scenario import Scenario
+
+
+@pytest.fixture
+def image(tmp_path):
+    path = tmp_path / "card.img"
+    with path.open("wb") as file:
+        file.truncate(34 << 20)
+    subprocess.run(["mkfs.fat", "-F", "32", str(path)], check=True, capture_output=True)
+    return path
+
+
+def clean(image):
+    found = subprocess.run(["fsck.fat", "-n", str(image)], capture_output=True, check=False)
+    return found.returncode == 0
+
+
+def test_what_is_uploaded_is_printed_and_survives(image):
+    with Scenario("i3", card=str(image)) as s:
+        assert s.host.ok("M28 a long name.gcode")[0] == "Writing to file: a long name.gcode"
+        for line in ("G28 X", "G1 X12 F6000", "M29"):
+            s.host.ok(line)
+        assert s.host.ok("M20")[1] == "ALONGN~1.GCO 19"
+        s.host.ok("M32 ALONGN~1.GCO")
+        s.host.expect("Done printing", 60)
+        assert s.positions()["x"] == 12.0
+    assert clean(image)
+    with Scenario("i3", card=str(image)) as s:
+        assert 'ALONGN~1.GCO 19 "a long name.gcode"' in s.host.ok("M20 L")
+        s.host.ok("M30 A LONG NAME.GCODE")
+        assert len(s.host.ok("M20")) == 3
+    assert clean(image)
+
+
+def test_a_full_card_keeps_what_it_has_and_says_so(image):
+    with Scenario("i3", card=str(image)) as s:
+        s.host.ok("M28 a.g")
+        s.host.ok("G28 X")
+        s.host.ok("M29")
+        s.host.ok("M28 a.g")
+        line = b"M117 " + b"y" * 4000 + b"\n"
+        for _ in range(36):
+            s.host.send_bytes(line * 256)
+        answer = s.host.ok("M29", 10)[0]
+        assert answer.startswith("echo:error writing to file a.g: ")
+        assert "the card is full" in answer
+        s.host.ok("M32 a.g")
+        s.host.expect("Done printing", 60)
+    assert clean(image)
+
+
+def test_a_file_is_no_card(tmp_path):
+    (tmp_path / "not.img").write_bytes(b"no file system" * 1000)
+    with pytest.raises(Exception, match="FAT32"), Scenario("i3", card=str(tmp_path / "not.img")):
+        pass
