@@ -84,6 +84,9 @@ class JobCommands:
             "M76": lambda c, r: self._timer(pause=True),
             "M77": lambda c, r: self._timer(),
             "M78": self._statistics,
+            "M530": self._host_print,
+            "M531": lambda c, r: None,  # a name, which is no words
+            "M532": self._host_progress,
             "M602": self._resume,
         }
         self.planned: dict[str, Handler] = {
@@ -174,6 +177,21 @@ class JobCommands:
             self._watch.pause()
             self._printer.tell(f"echo:Print time {spoken(self._watch.seconds)}")
             self._watch.reset()
+        return None
+
+    def _host_print(self, command: Command, reply: Reply) -> Wait | None:
+        """A host says that its print begins or ends."""
+        begins = command.words().get("S", 0) > 0
+        self._watch.pause()
+        self._percent = self._minutes_left = None
+        if begins:
+            self._watch.reset()
+            self._watch.start()
+        reply.say("echo:Start Printing" if begins else "echo:Stop Printing")
+        return None
+
+    def _host_progress(self, command: Command, _: Reply) -> Wait | None:
+        self._percent = command.words().get("X", self._percent)
         return None
 
     def _progress(self, command: Command, reply: Reply) -> Wait | None:

@@ -69,6 +69,7 @@ class Commands:
             "M116": lambda _: Temperatures(tuple(self._machine.heaters)),
             "M106": self._fan_on,
             "M107": self._fan_off,
+            "M200": self._volumes,
             "M201": lambda c: self._axis_limits(c, "accel"),
             "M203": lambda c: self._axis_limits(c, "speed"),
             "M204": lambda c: self.accelerations(c.words()),
@@ -219,6 +220,11 @@ class Commands:
         fan = self._fan(command)
         if fan is not None:
             self.set_output(fan, 0.0)
+
+    def _volumes(self, command: Command) -> None:
+        words = command.words()
+        if words.get("D", 0) > 0 and words.get("S", 1) != 0:
+            _count(self.unknown, "M200 with D", command.line)
 
     def _axis_limits(self, command: Command, what: str) -> None:
         for letter, value in command.words().items():

@@ -43,6 +43,8 @@ class HeatCommands:
             "M190": lambda c, r: self._set_and_wait(c, "bed"),
             "M191": lambda c, r: self._set_and_wait(c, "chamber"),
             "M116": lambda c, r: self._wait(c),
+            "M106": lambda c, r: self._fan(c),
+            "M107": lambda c, r: self._fan(c),
         }
         self.immediate: dict[str, Handler] = {
             "M145": self._preset,
@@ -110,6 +112,16 @@ class HeatCommands:
         heaters = names or self._printer.heaters
         return Temperatures(tuple(heaters), cooling=True)
 
+    # -- fans -------------------------------------------------------------------------------------
+
+    def _fan(self, command: Command) -> Wait | None:
+        """Raises CommandError if P names no fan; a machine without fans lets the rest pass."""
+        number = command.words().get("P")
+        if number is not None and all(f.number != number for f in self._machine.fans.values()):
+            limit = ", ".join(str(f.number) for f in self._machine.fans.values()) or "no fan"
+            raise _refusal("command.value", axis="P", value=f"{number:g}", limit=limit)
+        return self._printer.commands.run(command)
+
     # -- presets, cold extrusion ------------------------------------------------------------------
 
     def _preset(self, command: Command, reply: Reply) -> Wait | None:
@@ -122,8 +134,8 @@ class HeatCommands:
         if not 0 <= index < len(self.presets):
             raise _refusal("command.value", axis="S", value=index, limit="0 to 2")
         preset = self.presets[index]
-        preset.hotend_c = min(words.get("H", preset.hotend_c), self._most("hotend"))
-        preset.bed_c = min(words.get("B", preset.bed_c), self._most("bed"))
+        preset.hotend_c = min(max(words.get("H", preset.hotend_c), 0.0), self._most("hotend"))
+        preset.bed_c = min(max(words.get("B", preset.bed_c), 0.0), self._most("bed"))
         preset.fan = min(max(words.get("F", preset.fan), 0.0), 255.0)
         return None
 
@@ -139,7 +151,9 @@ class HeatCommands:
     def _cold_extrusion(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
         if "S" in words:
-            self.cold_c = max(words["S"], 0.0)
+            if words["S"] < 0:
+                raise _refusal("command.value", axis="S", value=words["S"], limit="0 C or more")
+            self.cold_c = words["S"]
             self.cold_allowed = self.cold_c == 0
         if "P" in words:
             self.cold_allowed = words["P"] != 0

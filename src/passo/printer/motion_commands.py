@@ -32,6 +32,7 @@ class MotionCommands:
         }
         self.planned: dict[str, Handler] = {
             "M92": self._scales,
+            "M200": self._volumes,
             "M201": lambda c, r: self._axis_limits(c, r, "accel"),
             "M203": lambda c, r: self._axis_limits(c, r, "speed"),
             "M204": self._accelerations,
@@ -144,6 +145,13 @@ class MotionCommands:
     def junction_line(self) -> str:
         """M205 with what holds now."""
         return f"M205 J{self._printer.job.limit('junction_deviation'):.10g}"
+
+    def _volumes(self, command: Command, _: Reply) -> Wait | None:
+        """E is a length. A program that means volumes would push far too much filament."""
+        words = command.words()
+        if words.get("D", 0) > 0 and words.get("S", 1) != 0:
+            raise _refusal("D", words["D"], "0, as E is a length and not a volume")
+        return None
 
     # -- offsets ----------------------------------------------------------------------------------
 

@@ -278,9 +278,9 @@ class Printer:
         handler = self.planned.get(command.code) or self.immediate.get(command.code)
         if handler is not None:
             return self._carried_out(handler, command, reply)
-        before = len(self.commands.unknown)
+        before = self.commands.unknown.get(command.code)
         wait = self.commands.run(command)
-        if len(self.commands.unknown) > before:
+        if self.commands.unknown.get(command.code) != before:
             reply.say(f'echo:Unknown command: "{command.code}"')
         return wait
 

@@ -1,0 +1,195 @@
+"""Faults that other controllers are known for, and that this one must not have."""
+
+import re
+
+import pytest
+from tests.console.scenario import Host, Scenario
+
+import passo
+from passo import config
+from passo.config.load import shipped_text
+from passo.errors import ConfigError
+
+
+@pytest.fixture
+def s():
+    with Scenario("i3") as scenario:
+        scenario.host.ok("G92 X0 Y0 Z0 E0")
+        yield scenario
+
+
+def x_of(s):
+    return float(re.match(r"X:(-?[\d.]+)", s.host.ok("M114")[0])[1])
+
+
+@pytest.mark.parametrize("line", ["M220 S-1", "M220 S0", "M220 S-1000"])
+def test_a_speed_factor_that_is_none_changes_nothing(s, line):
+    s.host.ok("M220 S120")
+    assert "expected 10 to 1000 percent" in s.host.ok(line)[0]
+    assert s.host.ok("M220") == ["Speed factor override: 120", "ok"]
+
+
+def test_a_speed_factor_that_is_no_number_changes_nothing(s):
+    s.host.ok("M220 S120")
+    s.host.ok("M220 Snan")
+    assert s.host.ok("M220") == ["Speed factor override: 120", "ok"]
+
+
+def test_commands_in_lower_case_are_the_same_commands(s):
+    s.host.ok("g1 x10 f6000")
+    assert x_of(s) == 10
+    assert s.host.ok("m105")[0].startswith("ok T:")
+    assert s.host.ok("foo") == ['echo:Unknown command: "FOO"', "ok"]
+
+
+def test_an_unknown_command_is_named_every_time(s):
+    for _ in range(3):
+        assert s.host.ok("G999") == ['echo:Unknown command: "G999"', "ok"]
+
+
+def test_large_numbers_of_commands_do_not_wrap(s):
+    assert s.host.ok("M65650") == ['echo:Unknown command: "M65650"', "ok"]  # 65536 + 114
+
+
+def test_what_is_no_number_moves_nothing(s):
+    s.host.ok("G1 X10 F6000")
+    for word in ("Xabc", "Xnan", "Xinf", "X", "X--1"):
+        assert s.host.ok(f"G1 {word}")[0].startswith("echo:"), word
+    assert x_of(s) == 10
+
+
+def test_e_is_a_word_and_no_exponent(s):
+    s.host.ok("M302 P1")
+    s.host.ok("G1 X1E3 F6000")
+    assert s.host.ok("M114")[0].startswith("X:1.000 Y:0.000 Z:0.000 E:3.0000")
+
+
+def test_a_comment_is_no_error(s):
+    assert s.host.ok("G1 X3 F6000 ; over there") == ["ok"]
+    assert s.host.ok("G1 X4 (over there) Y1") == ["ok"]
+    assert x_of(s) == 4
+
+
+def test_temperatures_are_in_celsius(s):
+    assert s.host.ok("M149 F") == ['echo:Unknown command: "M149"', "ok"]
+    s.host.ok("M104 S100 F")
+    assert "/100.00" in s.host.ok("M105")[0]
+
+
+def test_looking_at_a_fan_does_not_turn_it_on(s):
+    """M503 and M105 are the ways to look; M106 always sets."""
+    s.host.ok("M503")
+    s.host.ok("M105")
+    s.passes(1)
+    assert s.board.output_value("part") == 0
+
+
+def test_a_move_before_any_feed_rate_is_done(s):
+    s.host.ok("G1 X10")
+    s.host.ok("M400", 5)
+    assert s.positions()["x"] == 30.0
+
+
+def test_no_command_sets_a_pin_that_belongs_to_a_heater(s):
+    assert s.host.ok("M42 P10 S255") == ['echo:Unknown command: "M42"', "ok"]
+    s.passes(1)
+    assert s.board.output_value("hotend") == 0
+
+
+def test_a_reversal_stops_for_a_moment(tmp_path):
+    path = tmp_path / "reversal.gcode"
+    path.write_text("G28\nG1 X10 F6000\nG1 X0\nG1 X10\n")
+    moves = [move.core for move in passo.Machine.load("i3").plan(path)]
+    assert [move.end_speed for move in moves] == [0, 0, 0]
+    assert [move.cruise_speed for move in moves] == [100, 100, 100]
+
+
+def test_m82_leaves_the_motors_alone(s):
+    s.host.ok("G1 X1 F6000")
+    s.host.ok("M400")
+    s.host.ok("M82")
+    s.passes(1)
+    assert s.board.output_value("x-enable") == 0  # low is on
+
+
+def test_g92_e_counts_in_millimetres(s):
+    s.host.ok("M302 P1")
+    s.host.ok("G92 E7.5")
+    s.host.ok("G1 E8.5 F600")
+    s.host.ok("M400")
+    assert s.positions()["e"] == pytest.approx(1.0, abs=0.011)
+
+
+def test_the_firmware_says_its_own_name(s):
+    assert s.host.ok("M115")[0].startswith("FIRMWARE_NAME:Passo ")
+
+
+def test_m999_alone_does_no_harm(s):
+    s.host.ok("M104 S100 F")
+    s.host.ok("G1 X5 F6000")
+    assert s.host.ok("M999") == ["ok"]
+    assert x_of(s) == 5
+    assert s.printer.connection.heaters["hotend"].target == 100
+
+
+def test_m112_stops_at_once_and_no_job_counts_as_done(tmp_path):
+    (tmp_path / "a.g").write_text("G28\n" + "G1 X100 F3000\nG1 X10\n" * 50)
+    with Scenario("i3", card=str(tmp_path), state=str(tmp_path)) as s:
+        s.host.ok("M104 S200")
+        s.host.ok("M32 a.g")
+        s.passes(15)
+        s.host.send("M112")
+        s.host.expect("Printer halted", 2)
+        assert s.board.output_value("hotend") == 0
+        assert not [line for line in s.host.heard if line == "Done printing file"]
+        assert "Not SD printing" in s.host.ok("M27")[0]
+        assert "Done printing" not in " ".join(s.host.ok("M78"))
+
+
+def test_a_failed_home_is_no_home(s):
+    s.board.force_switch("x", False)
+    answer = s.host.ok("G28 X", 120)[-2]
+    assert "axis X was not homed" in answer
+    assert "switch x at ^X_MIN" in answer
+    assert "axis X does not know where it is" in s.host.ok("G1 X1")[0]
+
+
+def test_g28_without_axes_homes_all_of_them(s):
+    s.host.ok("G28", 60)
+    at = s.positions()
+    assert [at[k] for k in "xyz"] == pytest.approx([0, 0, 0], abs=0.02)
+
+
+def test_leaving_a_switch_that_is_pressed_is_no_hit(s):
+    s.host.ok("G28", 60)
+    s.host.ok("M540 S1")
+    assert s.host.ok("G1 X20 Y20 Z5 F6000") == ["ok"]
+    s.host.ok("M400", 10)
+    assert s.positions()["x"] == 20.0
+
+
+def test_two_parts_on_one_pin_are_refused():
+    text = shipped_text("i3").replace('pin = "D9"', 'pin = "D8"')
+    with pytest.raises(ConfigError) as error:
+        config.load_text(text, "i3.toml")
+    assert "D8" in str(error.value)
+
+
+def test_an_upload_that_cannot_begin_moves_nothing(tmp_path):
+    with Scenario("i3", card=str(tmp_path)) as s:
+        s.host.ok("G92 X0 Y0 Z0")
+        s.host.ok("M932")
+        assert s.host.ok("M28 Fnowhere/new.g")[0].startswith("Error:")
+        assert s.host.ok("G1 X10 F6000")[0] == "Error:PreviousCommandFailed"
+        s.passes(1)
+        assert s.positions()["x"] == 20.0
+
+
+def test_reports_do_not_wait_for_moves(s):
+    s.host.ok("G1 X100 F600")
+    other = Host(s)
+    start = s.loop.time()
+    other.ok("M114")
+    other.ok("M105")
+    assert s.loop.time() - start < 0.05
+    assert s.positions()["x"] < 100

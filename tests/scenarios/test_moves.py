@@ -1,0 +1,184 @@
+"""Moves as programs ask for them, on the mechanics: modes, feed rates, limits, dwells, arcs."""
+
+import re
+
+import pytest
+from tests.console.scenario import Scenario
+
+
+@pytest.fixture
+def s():
+    with Scenario("i3") as scenario:
+        scenario.host.ok("M302 P1")
+        scenario.host.ok("G92 X0 Y0 Z0 E0")
+        yield scenario
+
+
+def position(s):
+    line = s.host.ok("M114")[0]
+    return {k: float(v) for k, v in re.findall(r"([XYZE]):(-?[\d.]+)", line.split("Count")[0])}
+
+
+def took(s, *lines):
+    """Seconds from the first of these lines to rest."""
+    start = s.loop.time()
+    for line in lines:
+        s.host.ok(line, 60)
+    s.host.ok("M400", 60)
+    return s.loop.time() - start
+
+
+@pytest.mark.parametrize(
+    ("modes", "x", "e"),
+    [
+        (["G90", "M82"], 5, 2),
+        (["G90", "M83"], 5, 3),
+        (["G91", "M82"], 15, 3),
+        (["G91", "M83"], 15, 3),
+    ],
+)
+def test_modes_of_axes_and_extruder(s, modes, x, e):
+    s.host.ok("G1 X10 E1 F6000")
+    for mode in modes:
+        s.host.ok(mode)
+    s.host.ok("G1 X5 E2")
+    s.host.ok("M400")
+    assert (position(s)["X"], position(s)["E"]) == (x, e)
+    assert s.positions()["x"] == 20 + x
+    s.host.ok("G92 E0")
+    assert position(s)["E"] == 0
+    assert s.positions()["e"] == pytest.approx(e, abs=0.01)
+
+
+def test_r_makes_one_move_absolute(s):
+    s.host.ok("G1 X10 F6000")
+    s.host.ok("G91")
+    s.host.ok("G1 X5 R")
+    assert position(s)["X"] == 5
+    s.host.ok("G1 X5")
+    assert position(s)["X"] == 10
+
+
+def test_the_feed_rate_stays_and_m220_scales_it(s):
+    first = took(s, "G1 X20 F600")
+    assert first == pytest.approx(2.0, abs=0.3)  # a standing machine takes a while to begin
+    assert took(s, "G1 X0") == pytest.approx(first, abs=0.1)  # without F
+    s.host.ok("M220 S50")
+    assert took(s, "G1 X20") == pytest.approx(first + 2.0, abs=0.1)
+    assert took(s, "G1 X0 F1200") == pytest.approx(first, abs=0.1)
+
+
+def test_a_dwell_takes_its_time_whatever_m220_says(s):
+    s.host.ok("M220 S50")
+    for line, seconds in (("G4 S6", 6.0), ("G4 P500", 0.5), ("G4", 0.0)):
+        assert took(s, line) == pytest.approx(seconds, abs=0.3), line
+    assert took(s, "G4 S6") - took(s, "G4 S2") == pytest.approx(4.0, abs=0.02)
+
+
+def test_a_nominal_time_is_kept(s):
+    assert took(s, "G1 X20 T5") == pytest.approx(5.0, abs=0.3)
+    assert s.positions()["x"] == 40.0
+
+
+@pytest.mark.parametrize("target", ["X251", "X-1", "Y9999", "Z-0.1"])
+def test_a_target_beyond_the_limits_is_refused_and_nothing_moves(target):
+    with Scenario("i3") as s:
+        s.host.ok("G28", 60)
+        before = s.positions()
+        assert f"{target[0]} " in s.host.ok(f"G1 {target}")[0]
+        s.passes(1)
+        assert s.positions() == before
+        assert position(s) == {"X": 0, "Y": 0, "Z": 0, "E": 0}
+
+
+def test_a_feed_rate_that_is_none_is_refused(s):
+    for line in ("G1 X1 F0", "G1 X1 F-5"):
+        assert "must be above 0" in s.host.ok(line)[0]
+    assert position(s)["X"] == 0
+    assert s.host.ok("G1 X1 F600") == ["ok"]
+
+
+def test_a_whole_circle_ends_where_it_began(s):
+    s.host.ok("G1 X60 Y50 F6000")
+    s.host.ok("M400")
+    at = s.positions()
+    widest = [0.0]
+
+    def watch():
+        widest[0] = max(widest[0], at["x"] - s.positions()["x"])
+        return s.printer.drive.standing and widest[0] > 0
+
+    s.host.send("G2 X60 Y50 I-10 J0 F1200")
+    assert s.until(watch, 20)
+    assert widest[0] == pytest.approx(20, abs=0.05)
+    assert s.positions() == at
+    assert "arc" in s.host.ok("G2 X60 Y50 R0")[0]
+
+
+def test_a_move_of_forty_seconds_takes_forty_seconds(s):
+    assert took(s, "G1 X200 F300") == pytest.approx(40, abs=0.5)
+    assert s.positions()["x"] == 220.0
+
+
+def test_a_thousand_tiny_moves_do_not_drift(s):
+    s.host.ok("G91")
+    for _ in range(1000):
+        s.host.send("G1 X0.007 F6000")
+    s.host.ok("M400", 60)
+    assert s.positions()["x"] == 27.0
+
+
+def test_firmware_retraction(s):
+    s.host.ok("G1 E5 F600")
+    s.host.ok("M207 S2 F1200 Z0.4")
+    s.host.ok("G10")
+    s.host.ok("G10")  # the second counts for nothing
+    s.host.ok("M400")
+    assert s.positions()["e"] == pytest.approx(3, abs=0.01)
+    assert s.positions()["z"] == 20.4
+    s.host.ok("G11")
+    s.host.ok("M400")
+    assert s.positions()["e"] == pytest.approx(5, abs=0.01)
+    assert s.positions()["z"] == 20.0
+
+
+def test_inches(s):
+    s.host.ok("G20")
+    s.host.ok("G1 X1 F60")
+    s.host.ok("M400")
+    assert s.positions()["x"] == 45.4
+
+
+def test_a_laser_is_on_between_m3_and_m5():
+    with Scenario("laser") as s:
+        s.host.ok("G92 X0 Y0 Z0")
+        s.host.ok("M3 S500")
+        s.host.ok("M400")
+        s.passes(0.2)
+        half = s.board.output_value("laser")
+        assert half > 0
+        s.host.ok("M3 S1000")
+        s.host.ok("M400")
+        s.passes(0.2)
+        assert s.board.output_value("laser") == pytest.approx(2 * half, rel=0.01)
+        s.host.ok("M5")
+        s.host.ok("M400")
+        s.passes(0.2)
+        assert s.board.output_value("laser") == 0
+
+
+def test_e_is_a_length_and_volumes_are_refused(s):
+    assert "E is a length" in s.host.ok("M200 D1.75")[0]
+    for line in ("M200 D0", "M200 S0 D1.75", "M200"):
+        assert s.host.ok(line) == ["ok"], line
+
+
+@pytest.mark.parametrize(
+    ("line", "homed"),
+    [("G28 W", "xyz"), ("G28 O", "xyz"), ("g28 x y", "xy"), ("G28 XY", "xy"), ("G28 X0 Z0", "xz")],
+)
+def test_letters_that_slicers_put_behind_g28(line, homed):
+    with Scenario("i3") as s:
+        s.host.ok(line, 60)
+        at = s.positions()
+        assert {a for a in "xyz" if abs(at[a]) < 0.02} == set(homed)

@@ -1,0 +1,131 @@
+"""Heaters and fans as hosts and slicers use them."""
+
+import re
+
+import pytest
+from tests.console.scenario import Host, Scenario
+
+
+@pytest.fixture
+def two():
+    with Scenario("dual-extruder") as scenario:
+        yield scenario
+
+
+@pytest.fixture
+def s():
+    with Scenario("i3") as scenario:
+        yield scenario
+
+
+def target(s, name="hotend"):
+    return s.printer.connection.heaters[name].target
+
+
+def test_m105_tells_every_heater_in_one_line(two):
+    number = r"-?\d+\.\d\d"
+    heater = rf":{number} /{number}"
+    line = rf"ok T{heater} T0{heater} T1{heater} B{heater} @:\d+ @0:\d+ @1:\d+ B@:\d+"
+    assert re.fullmatch(line, *two.host.ok("M105"))
+    two.host.ok("M104 T1 S60 F")
+    (told,) = two.host.ok("M105")
+    assert "T0:25.04 /0.00" in told
+    assert "T1:25.04 /60.00" in told
+    two.host.ok("T1")
+    assert re.match(rf"ok T:{number} /60.00 T0", two.host.ok("M105")[0])  # T: the active tool
+
+
+def test_p_names_a_heater_as_t_does(two):
+    two.host.ok("M104 P1 S50 F")
+    assert target(two, "hotend1") == 50
+    two.host.ok("M104 T0 P1 S40 F")  # T first
+    assert (target(two), target(two, "hotend1")) == (40, 50)
+
+
+def test_m116_waits_for_all_heaters_of_one_line(two):
+    two.host.ok("M104 T0 S40 F")
+    two.host.ok("M104 T1 S90 F")
+    two.host.ok("M116 T0 T1", 300)
+    assert two.printer.connection.heaters["hotend1"].celsius == pytest.approx(90, abs=2.1)
+    two.host.ok("M140 S35 F")
+    two.host.ok("M116", 300)
+    assert two.printer.connection.heaters["bed"].celsius == pytest.approx(35, abs=2.1)
+
+
+def test_each_tool_keeps_its_own_temperature(two):
+    two.host.ok("M104 S50 F")
+    two.host.ok("T1")
+    two.host.ok("M104 S70 F")
+    assert (target(two), target(two, "hotend1")) == (50, 70)
+
+
+def test_another_console_may_look_and_change_while_one_waits(s):
+    s.host.send("M109 S200")
+    s.passes(3)
+    other = Host(s)
+    assert "/200.00" in other.ok("M105")[0]
+    other.send("M140 S40 F")
+    s.passes(300)
+    assert target(s, "bed") in (0, 40)
+    s.host.expect("^ok", 1)
+    other.ok("M105")
+    assert target(s, "bed") == 40
+
+
+def test_a_wait_says_that_it_heats_and_ends_within_two_degrees(s):
+    s.host.send("M190 S45")
+    s.host.expect("^echo:busy: heating$", 3)
+    s.host.expect("^ok$", 300)
+    assert s.printer.connection.heaters["bed"].celsius == pytest.approx(45, abs=2.1)
+
+
+@pytest.mark.parametrize(("line", "share"), [("M106", 1.0), ("M106 S128", 0.5), ("M106 S999", 1.0)])
+def test_m106_sets_the_fan_and_m107_stops_it(s, line, share):
+    s.host.ok("M106 S255")
+    s.passes(1)
+    full = s.board.output_value("part")
+    assert full > 0
+    s.host.ok("M107")
+    s.passes(1)
+    assert s.board.output_value("part") == 0
+    s.host.ok(line)
+    s.passes(1)
+    assert s.board.output_value("part") == pytest.approx(share * full, rel=0.01)
+
+
+def test_a_fan_acts_in_its_place_among_the_moves(s):
+    s.host.ok("G92 X0 Y0 Z0")
+    s.host.send("G1 X30 F600", "M106 S255")
+    assert s.until(lambda: s.board.output_value("part") > 0, 10)
+    assert s.positions()["x"] == pytest.approx(50, abs=0.15)
+
+
+def test_a_fan_that_is_not_there_is_named(s):
+    for line in ("M106 P5 S255", "M107 P5"):
+        assert s.host.ok(line)[0].startswith("echo:P is 5: expected 0."), line
+    with Scenario("cnc") as cnc:
+        assert cnc.host.ok("M106 S255") == ["ok"]  # no fan at all, none named
+
+
+def test_filament_is_guarded_by_the_hotend_of_its_tool(two):
+    two.host.ok("G92 X0 Y0 Z0 E0")
+    two.host.ok("M104 T0 S200 F")
+    two.host.ok("M116 T0", 300)
+    assert two.host.ok("G1 E1 F600") == ["ok"]
+    two.host.ok("T1")
+    assert "cold extrusion prevented" in two.host.ok("G1 E2 F600")[0]
+    two.host.ok("M302 P1")
+    assert two.host.ok("G1 E2 F600") == ["ok"]
+
+
+def test_a_heater_that_is_off_is_not_waited_for(s):
+    s.host.ok("M109 S0", 5)
+    s.host.ok("M116 T0 B0", 5)
+    s.host.ok("M190", 5)
+
+
+def test_settings_below_zero_do_not_open_the_guards(s):
+    assert "S is -4" in s.host.ok("M302 S-4")[0]
+    assert s.host.ok("M302")[0] == "echo:Cold extrudes are disabled (min temp 170C)"
+    s.host.ok("M145 S0 H-5 B-5 F-5")
+    assert s.host.ok("M145")[0] == "M145 S0 H0 B0 F0"
