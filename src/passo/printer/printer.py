@@ -183,7 +183,7 @@ class Printer:
         """M112: heaters, motors and everything else off at once, until M999."""
         if self.halted:
             return
-        self.halted = reason
+        self.halted = reason.rstrip(".")
         for name in self.heaters:
             self.connection.set_target(name, 0.0)
         self.connection.command("emergency_stop")
@@ -335,7 +335,7 @@ class Printer:
             try:
                 await self.drive.run()
             except MachineError as error:
-                self.halted = self.halted or str(error)
+                self.halted = self.halted or str(error).rstrip(".")
                 self.tell(f"Error:Printer halted: {self.halted}. Make it safe, then send M999")
                 self.drive.end_waits()
                 await self._revived.wait()
