@@ -259,7 +259,8 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
         recover_feed_ = has('F') ? value_of('F', 0) / 60 : recover_feed_;
         return;
       case 221:
-        if (has('S')) flow = std::clamp(value_of('S', 100) / 100, 0.01, 10.0);
+        if (!has('S')) break;  // a question
+        flow = std::clamp(value_of('S', 100) / 100, 0.01, 10.0);
         return;
       default:
         break;

@@ -127,6 +127,12 @@ def test_a_new_feed_factor_acts_on_moves_that_are_planned(s):
     assert s.printer.job.speed_factor == 4
 
 
+def test_the_flow_is_told(s):
+    assert s.host.ok("M221")[0] == "echo:E0 Flow: 100%"
+    s.host.ok("M221 S95")
+    assert s.host.ok("M221")[0] == "echo:E0 Flow: 95%"
+
+
 def test_motors_go_off_by_axis_and_forget_where_they_are(s):
     s.host.ok("G28", 60)
     on = {x: s.board.output_value(f"{x}-enable") for x in "xyze"}

@@ -39,6 +39,7 @@ class MotionCommands:
             "M205": self._junction,
             "M206": self._home_offsets,
             "M218": self._tool_offset,
+            "M221": self._flow,
             "M569": self._drivers,
         }
 
@@ -188,6 +189,12 @@ class MotionCommands:
         for tool, (x, y, z) in enumerate(self._printer.job.tool_offsets):
             if tool > 0:
                 yield f"M218 T{tool} X{x:.10g} Y{y:.10g} Z{z:.10g}"
+
+    def _flow(self, _: Command, reply: Reply) -> Wait | None:
+        """Without S; with it the interpreter does it."""
+        job = self._printer.job
+        reply.say(f"echo:E{job.tool} Flow: {job.flow * 100:g}%")
+        return None
 
     def _babystep(self, command: Command, _: Reply) -> Wait | None:
         words = command.words()
