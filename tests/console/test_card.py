@@ -268,6 +268,21 @@ def test_auto0_is_started(folder):
         assert s.positions()["x"] == 33.0
 
 
+def test_a_fault_of_the_program_leaves_nothing_hot(folder, monkeypatch):
+    def broken(*_):
+        raise RuntimeError("by the test")
+
+    with Scenario("i3", card=str(folder)) as s:
+        s.host.ok("M140 S60")
+        s.passes(1)
+        monkeypatch.setattr(s.printer, "run_command", broken)
+        s.host.ok("M32 square.gcode")
+        s.host.expect("Error:Printer halted: a fault of the program, RuntimeError: by the test", 5)
+        s.passes(4)
+        assert s.board.output_value("bed") == 0
+        assert s.printer.connection.heaters["bed"].target == 0
+
+
 def test_without_a_card_every_command_says_so():
     with Scenario("i3") as s:
         for command in ("M20", "M21", "M23 x.g", "M30 x.g"):

@@ -100,6 +100,22 @@ def test_a_print_goes_on_after_a_power_cut(machine, places):
     assert journal_of(state) is None
 
 
+def test_a_recovery_that_is_stopped_leaves_the_heaters_off(places):
+    arguments, _ = places
+    with Scenario("i3", **arguments) as s:
+        s.host.ok("M140 S90")
+        s.host.ok("M32 wall.gcode")
+        s.passes(20)
+    with Scenario("i3", **arguments) as s:
+        s.host.send("M1000")
+        s.until(lambda: s.printer.heating, 60)
+        s.passes(1)
+        s.host.send("M108")
+        s.host.expect("it was stopped", 2)
+        assert s.printer.connection.heaters["bed"].target == 0
+        assert "Not SD printing" in s.host.ok("M27")[0]
+
+
 def test_another_file_is_not_gone_on_with(places, tmp_path):
     arguments, state = places
     with Scenario("i3", **arguments) as s:

@@ -10,6 +10,7 @@ from passo.errors import CommandError, PassoError, Problem
 from passo.job.journal import Journal, Moment, Program
 from passo.job.recovery import Recovery
 from passo.job.runner import Runner, State
+from passo.printer.printer import Stopped
 from passo.printer.waits import Handler, Procedure, Reply, Wait
 from passo.printer.words import Command
 
@@ -125,8 +126,10 @@ class RecoveryCommands:
             return
         try:
             offset = await Recovery(self._printer, program, moment, reader).run()
-        except PassoError:
+        except (PassoError, Stopped):
             self._runner.seek(0)
+            for heater in self._printer.heaters:
+                self._printer.set_target_now(heater, 0.0)
             raise
         self._runner.seek(offset, moment.line)
         reply.say(f"echo:Printing {self._runner.name} from line {moment.line}")

@@ -158,6 +158,7 @@ class Recovery:
             printer.set_target_now(name, celsius)
         hot = tuple(n for n, celsius in self._moment.targets_c.items() if celsius > 0)
         await printer.wait(Temperatures(hot), Silence())
+        printer.raise_if_interrupted()
         for fan, share in self._moment.fans.items():
             printer.set_fan(fan, share)
 

@@ -154,7 +154,9 @@ class Runner:
             raise _refusal("job.no-file")
         self.state = State.PRINTING
         self._resumed.clear()
-        self._task = asyncio.get_running_loop().create_task(self._print())
+        task = asyncio.get_running_loop().create_task(self._print())
+        task.add_done_callback(self._over)
+        self._task = task  # the loop alone would not keep it
 
     def pause(self) -> None:
         """Brakes to a stop on the path at once; `start` goes on from there."""
@@ -222,6 +224,14 @@ class Runner:
         except (Stopped, PassoError) as error:
             self._failed = str(error)
         self._end()
+
+    def _over(self, task: asyncio.Task[None]) -> None:
+        """A print that ends by a fault of the program must not leave heaters on."""
+        fault = None if task.cancelled() else task.exception()
+        if fault is not None:
+            self._failed = f"{type(fault).__name__}: {fault}"
+            self._printer.halt(f"a fault of the program, {self._failed}")
+            self._end()
 
     def _stopped(self, reason: str) -> None:
         """The machine was stopped in mid-print: the file stays where it is."""
