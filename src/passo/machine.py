@@ -55,7 +55,7 @@ class Machine:
         """
         job = _core.Job(self._spec, False)
         job.keep_moves(True)
-        commands = Commands(self.config, job, NoHeat(job), [1] * output_count(self.config))
+        commands = Commands(self.config, job, NoHeat(), [1] * output_count(self.config))
         limits = job.limit_names
         for _ in run_program(job, commands, path):
             yield from self._moves(job, limits)

@@ -153,3 +153,11 @@ def test_help_imports_nothing_heavy():
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert "pydantic" not in out.stdout
     assert "passo._core" not in out.stdout
+
+
+def test_an_unsafe_temperature_is_a_warning_and_heats_nothing(tmp_path, capsys):
+    path = tmp_path / "hot.gcode"
+    path.write_text("G28\nM104 S999\nG1 X10 F3000\n")
+    assert main(["print", str(path), "--json"]) == 0
+    (warning,) = json.loads(capsys.readouterr().out)["warnings"]
+    assert warning.startswith(f"{path}:2: M104: heater hotend was switched off: 999 C is outside")

@@ -189,3 +189,18 @@ def test_tools_take_turns_at_work_and_on_standby():
         s.host.ok("T0")
         s.passes(1)
         assert (first.target, second.target) == (200, 160)
+
+
+def test_tools_that_share_a_hotend_heat_it():
+    with Scenario("multi-material") as s:
+        s.host.ok("M104 T3 S200")
+        s.passes(1)
+        assert heater(s).target == 200
+        assert "there is no hotend with number 7" in s.host.ok("M104 T7 S200")[0]
+
+
+def test_an_unsafe_temperature_of_a_tool_is_refused_too(s):
+    s.host.ok("M104 S150")
+    s.passes(1)
+    assert "outside of its safe range" in s.host.ok("G10 P0 S999")[0]
+    assert heater(s).target == 0

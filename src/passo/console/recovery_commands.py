@@ -129,7 +129,7 @@ class RecoveryCommands:
         except (PassoError, Stopped):
             self._runner.seek(0)
             for heater in self._printer.heaters:
-                self._printer.set_target_now(heater, 0.0)
+                self._printer.set_target(heater, 0.0, at_once=True)
             raise
         self._runner.seek(offset, moment.line)
         reply.say(f"echo:Printing {self._runner.name} from line {moment.line}")

@@ -38,17 +38,10 @@ class Estimate:
 
 
 class NoHeat:
-    """Temperatures are taken as reached; a wait for them still stops the machine."""
+    """Nothing heats in an estimate: temperatures are taken as reached."""
 
-    def __init__(self, job: _core.Job) -> None:
-        self._job = job
-
-    def set_target(self, heater: str, celsius: float) -> None:
-        """Nothing heats in an estimate."""
-
-    def wait_for(self, heaters: list[str]) -> None:
-        """The machine comes to a stop; heating takes no time."""
-        self._job.flush()
+    def set_target(self, heater: str, celsius: float, *, at_once: bool = False) -> None:
+        """Forgets it."""
 
 
 def estimate(
@@ -61,7 +54,7 @@ def estimate(
     """Plans the file on the machine. Raises InputError."""
     spec = machine.core_spec()
     job = _core.Job(spec, False, clamp, ignore_tools)
-    commands = Commands(machine, job, NoHeat(job), [1] * output_count(machine))
+    commands = Commands(machine, job, NoHeat(), [1] * output_count(machine))
     for _ in run_program(job, commands, path):
         pass
     plan = job.statistics()

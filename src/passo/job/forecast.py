@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from passo import _core
 from passo.errors import PassoError
 from passo.job.estimate import NoHeat
+from passo.job.program import at_rest, read_program
 from passo.printer.commands import Commands
 from passo.printer.wiring import output_count
-from passo.printer.words import Command
 
 if TYPE_CHECKING:
     from passo.card import Reader
@@ -24,30 +25,18 @@ async def forecast(machine: MachineConfig, reader: Reader) -> float | None:
     """Seconds of motion and dwell in a file, without heating; None if it cannot be planned to its
     end. Takes its time: the event loop has others to serve. Closes the reader."""
     job = _core.Job(machine.core_spec(), False, True, True)
-    commands = Commands(machine, job, NoHeat(job), [1] * output_count(machine))
-    status = _core.JobStatus
+    commands = Commands(machine, job, NoHeat(), [1] * output_count(machine))
     try:
-        while not commands.ended:
-            found = job.advance(most=_PIECE)
-            if found == status.EVENT:
-                wait = commands.run(Command(*job.event))
-                if wait is not None:
-                    commands.settle(wait)
-            elif found == status.NEED_INPUT:
-                data = reader.read(_PIECE)
-                if data:
-                    job.feed(data)
-                else:
-                    job.finish()
-                await asyncio.sleep(_REST_S)
-            elif found == status.ERROR:
-                job.abandon()
-            elif found == status.END:
-                break
+        for _ in read_program(job, commands, _pieces(reader), "", at_rest(job)):
+            await asyncio.sleep(_REST_S)
     except PassoError:
         return None
     finally:
         reader.close()
-    job.flush()
     plan = job.statistics()
     return plan["move_s"] + plan["dwell_s"]
+
+
+def _pieces(reader: Reader) -> Iterator[bytes]:
+    while data := reader.read(_PIECE):
+        yield data

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from passo import _core
 from passo.board.faults import HeaterFault
 from passo.errors import MachineError, Problem
-from passo.job.program import run_program
+from passo.job.program import heated, run_program
 from passo.job.result import PrintResult, cpu_s, peak_rss_mb
 from passo.printer.commands import Commands
 from passo.printer.wiring import connect
@@ -75,8 +75,11 @@ class Print:
         self._trace_s = 0.0
         self.temperatures: dict[str, list[tuple[float, float]]] = {n: [] for n in self._heaters}
 
-    def set_target(self, heater: str, celsius: float) -> None:
-        """Sets a heater's target when the moves so far are done."""
+    def set_target(self, heater: str, celsius: float, *, at_once: bool = False) -> None:
+        """Sets a heater's target when the moves so far are done, or at once."""
+        if at_once:
+            self.connection.set_target(heater, celsius)
+            return
         self.job.mark(self._heaters.index(heater), round(celsius * 100))
 
     def watch(self, watcher: Callable[[], None]) -> None:
@@ -111,10 +114,11 @@ class Print:
         """Prints the file to its end. Raises InputError or MachineError."""
         result = PrintResult(file=str(path), machine=self._machine.name)
         self.base = self.connection.start_job(self.job.messages)
+        settle = heated(self.job, self.wait_for)
         if self._trace_s > 0:
             for stepper in self.connection.board.steppers:
                 self.board.trace_steps(stepper.name, 0, self.base + round(self._trace_s * self._hz))
-        for share in run_program(self.job, self._commands, path):
+        for share in run_program(self.job, self._commands, path, settle):
             self._share = share
             self._watch()
             self._run_to(self.job.handed_out - _HORIZON_S * self._hz)

@@ -1,53 +1,94 @@
-"""Running a program through a job: the one loop that all uses share."""
+"""Reading a program through a job without consoles: the one loop that all such uses share."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 from passo import _core
-from passo.errors import InputError
+from passo.errors import CommandError, InputError
 from passo.job.source import chunks, open_source
 from passo.printer.commands import Commands
 from passo.printer.faults import problem_of
+from passo.printer.waits import Homing, Temperatures, Wait
 from passo.printer.words import Command
 
 _MOST_MESSAGES = 1 << 15
 
+Settle = Callable[[Wait], None]
+
+
+def at_rest(job: _core.Job) -> Settle:
+    """Waits of a plan alone: homing sets positions, all else only stops the machine."""
+
+    def settle(wait: Wait) -> None:
+        if isinstance(wait, Homing):
+            job.settle_position()
+        else:
+            job.flush()
+
+    return settle
+
+
+def heated(job: _core.Job, wait_for: Callable[[list[str]], None]) -> Settle:
+    """As `at_rest`, but temperatures are waited for."""
+    rest = at_rest(job)
+
+    def settle(wait: Wait) -> None:
+        if isinstance(wait, Temperatures):
+            wait_for(list(wait.heaters))
+        else:
+            rest(wait)
+
+    return settle
+
+
+def read_program(
+    job: _core.Job, commands: Commands, pieces: Iterable[bytes], name: str, settle: Settle
+) -> Iterator[None]:
+    """Feeds the pieces to the job and its commands to the printer, to the end.
+
+    Yields whenever the job has made progress or has as many messages as it may; whoever takes them
+    does so then. At the last yield the job is flushed. Commands that are refused become warnings.
+    Raises InputError with `name` as the file.
+    """
+    status = _core.JobStatus
+    source = iter(pieces)
+    while not commands.ended:
+        found = job.advance(most=_MOST_MESSAGES)
+        if found == status.EVENT:
+            command = Command(*job.event)
+            try:
+                wait = commands.run(command)
+            except CommandError as error:
+                commands.refuse(command, error)
+                continue
+            if wait is not None:
+                settle(wait)
+        elif found == status.NEED_INPUT:
+            data = next(source, b"")
+            if data:
+                job.feed(data)
+            else:
+                job.finish()
+        elif found == status.ERROR:
+            raise InputError([problem_of(job, name)])
+        elif found == status.END:
+            break
+        if found != status.EVENT:
+            yield
+    job.flush()
+    yield
+
 
 def run_program(
-    job: _core.Job, commands: Commands, path: str | os.PathLike[str]
+    job: _core.Job, commands: Commands, path: str | os.PathLike[str], settle: Settle | None = None
 ) -> Iterator[float]:
-    """Feeds the file to the job and its commands to the printer, to the end.
-
-    Yields the share of the file read, whenever the job has made progress or has as many messages
-    as it may; whoever takes them does so then. At the last yield the job is flushed. Raises
-    InputError.
-    """
+    """`read_program` with a file; yields the share of it that is read. Without `settle` nothing is
+    waited for. Raises InputError."""
     name = str(path)
-    status = _core.JobStatus
     with open_source(path) as source:
         size = max(os.fstat(source.fileno()).st_size, 1)
         pieces = chunks(source, name)
-        share = 0.0
-        while not commands.ended:
-            found = job.advance(most=_MOST_MESSAGES)
-            if found == status.EVENT:
-                wait = commands.run(Command(*job.event))
-                if wait is not None:
-                    commands.settle(wait)
-            elif found == status.NEED_INPUT:
-                data = next(pieces, b"")
-                if data:
-                    job.feed(data)
-                    share = min(source.tell() / size, 1.0)
-                else:
-                    job.finish()
-            elif found == status.ERROR:
-                raise InputError([problem_of(job, name)])
-            elif found == status.END:
-                break
-            if found != status.EVENT:
-                yield share
-    job.flush()
-    yield 1.0
+        for _ in read_program(job, commands, pieces, name, settle or at_rest(job)):
+            yield min(source.tell() / size, 1.0)

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from passo import _core
 from passo.errors import CommandError, Problem
+from passo.job.estimate import NoHeat
 from passo.job.journal import Moment, Program
+from passo.job.program import at_rest, read_program
 from passo.job.runner import Reader
 from passo.printer.commands import Commands
-from passo.printer.faults import problem_of
 from passo.printer.switches import home_point
-from passo.printer.waits import Homing, Silence, Temperatures
+from passo.printer.waits import Homing, Silence, Temperatures, Wait
 from passo.printer.wiring import output_count
-from passo.printer.words import Command
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -22,20 +23,6 @@ if TYPE_CHECKING:
 
 _CHUNK = 1 << 16
 _X, _Y, _Z, _E, _SLOTS = 0, 1, 2, 3, 8  # the core's order of positions
-
-
-class _Remembered:
-    """Heat that is only noted."""
-
-    def __init__(self, job: _core.Job) -> None:
-        self._job = job
-
-    def set_target(self, heater: str, celsius: float) -> None:
-        """The journal knows the targets better."""
-
-    def wait_for(self, heaters: list[str]) -> None:
-        """The machine stops; nothing is waited for."""
-        self._job.flush()
 
 
 def offset_of_line(reader: Reader, line: int) -> int:
@@ -60,32 +47,27 @@ def offset_of_line(reader: Reader, line: int) -> int:
 
 def state_before(machine: MachineConfig, reader: Reader, end: int) -> _core.Job:
     """A job that has read the first `end` bytes of a program, without motion: where the machine is
-    then, and in which state the program. Raises CommandError."""
+    then, and in which state the program. Raises InputError."""
     job = _core.Job(machine.core_spec(), False, False, False)
-    commands = Commands(machine, job, _Remembered(job), [1] * output_count(machine))
-    status = _core.JobStatus
-    reader.seek(0)
-    left = end
-    while True:
-        found = job.advance()
-        if found == status.EVENT:
-            wait = commands.run(Command(*job.event))
-            if isinstance(wait, Homing):
-                _home(machine, job, wait.letters)
-            elif wait is not None:
-                job.flush()
-        elif found == status.ERROR:
-            raise CommandError([problem_of(job, "")])
-        elif found == status.NEED_INPUT:
-            data = reader.read(min(_CHUNK, left))
-            if not data:
-                break
-            left -= len(data)
-            job.feed(data)
+    commands = Commands(machine, job, NoHeat(), [1] * output_count(machine))
+    rest = at_rest(job)
+
+    def settle(wait: Wait) -> None:
+        if isinstance(wait, Homing):
+            _home(machine, job, wait.letters)
         else:
-            break
-    job.flush()
+            rest(wait)
+
+    for _ in read_program(job, commands, _up_to(reader, end), "", settle):
+        pass
     return job
+
+
+def _up_to(reader: Reader, end: int) -> Iterator[bytes]:
+    reader.seek(0)
+    while end > 0 and (data := reader.read(min(_CHUNK, end))):
+        end -= len(data)
+        yield data
 
 
 def _home(machine: MachineConfig, job: _core.Job, letters: str) -> None:
@@ -155,7 +137,7 @@ class Recovery:
     async def _warm(self) -> None:
         printer = self._printer
         for name, celsius in self._moment.targets_c.items():
-            printer.set_target_now(name, celsius)
+            printer.set_target(name, celsius, at_once=True)
         hot = tuple(n for n, celsius in self._moment.targets_c.items() if celsius > 0)
         await printer.wait(Temperatures(hot), Silence())
         printer.raise_if_interrupted()

@@ -182,7 +182,7 @@ class Runner:
             printer.job.forget_suspended()
         self._resumed.set()
         for heater in printer.heaters:
-            printer.set_target_now(heater, 0.0)
+            printer.set_target(heater, 0.0, at_once=True)
         printer.drive.before_moves()
         printer.commands.fans_off()
         printer.drive.after_moves()

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from math import sqrt
 from typing import TYPE_CHECKING, Protocol
 
 from passo.config.drives import axis_order
+from passo.errors import CommandError, Problem
 from passo.gcode.dialect import BY_CODE, Kind
 from passo.printer.waits import Homing, Person, Still, Temperatures, Wait
 from passo.printer.words import Command
@@ -16,14 +18,16 @@ if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
 
 
+_LETTERED = re.compile(r"([TPBC])\s*(\d*)", re.IGNORECASE)
+_AT_ONCE = re.compile(r"\bF", re.IGNORECASE)
+_KINDS = {"T": "hotend", "P": "hotend", "B": "bed", "C": "chamber"}
+
+
 class Heat(Protocol):
-    """Where temperatures are set and waited for."""
+    """Where temperatures are set."""
 
-    def set_target(self, heater: str, celsius: float) -> None:
-        """Sets a heater's target when the moves so far are done; 0 is off."""
-
-    def wait_for(self, heaters: list[str]) -> None:
-        """Lets time pass until these heaters have reached their targets."""
+    def set_target(self, heater: str, celsius: float, *, at_once: bool = False) -> None:
+        """Sets a heater's target when the moves so far are done, or at once; 0 is off."""
 
 
 class Commands:
@@ -40,6 +44,7 @@ class Commands:
         self.unknown: dict[str, tuple[int, int]] = {}
         self.waits: dict[str, tuple[int, int]] = {}
         self.missing_tools: dict[str, tuple[int, int]] = {}
+        self.refused: dict[str, tuple[int, int]] = {}
         names = [*machine.heaters, *machine.fans, *(["laser"] if machine.laser else [])]
         self._outputs = {name: (i, full_scale[i]) for i, name in enumerate(names)}
         self._tool = 0
@@ -60,13 +65,13 @@ class Commands:
             "M18": lambda _: Still(),
             "M84": lambda _: Still(),
             "M400": lambda _: Still(),
-            "M104": lambda c: self._temperature(c, "hotend", wait=False),
-            "M109": lambda c: self._temperature(c, "hotend", wait=True),
-            "M140": lambda c: self._temperature(c, "bed", wait=False),
-            "M190": lambda c: self._temperature(c, "bed", wait=True),
-            "M141": lambda c: self._temperature(c, "chamber", wait=False),
-            "M191": lambda c: self._temperature(c, "chamber", wait=True),
-            "M116": lambda _: Temperatures(tuple(self._machine.heaters)),
+            "M104": lambda c: self._set_temperature(c, "hotend"),
+            "M140": lambda c: self._set_temperature(c, "bed"),
+            "M141": lambda c: self._set_temperature(c, "chamber"),
+            "M109": lambda c: self._reach_temperature(c, "hotend"),
+            "M190": lambda c: self._reach_temperature(c, "bed"),
+            "M191": lambda c: self._reach_temperature(c, "chamber"),
+            "M116": self._reach_all,
             "M106": self._fan_on,
             "M107": self._fan_off,
             "M200": self._volumes,
@@ -99,14 +104,9 @@ class Commands:
             return Person(row.text)
         return None
 
-    def settle(self, wait: Wait) -> None:
-        """Waits in a print without a person: homing sets positions, a person takes no time."""
-        if isinstance(wait, Temperatures):
-            self._heat.wait_for(list(wait.heaters))
-        elif isinstance(wait, Homing):
-            self._job.settle_position()
-        else:
-            self._job.flush()
+    def refuse(self, command: Command, error: CommandError) -> None:
+        """A command that was not carried out, in a print that goes on."""
+        _count(self.refused, f"{command.code}: {error}", command.line)
 
     def warnings(self, file: str, clamped: int) -> list[str]:
         """One sentence for each code that meant nothing, waited for nobody, or was ignored."""
@@ -114,6 +114,7 @@ class Commands:
             (self.unknown, "{} is unknown and was skipped"),
             (self.waits, "{} waits for a person; nobody is here, so it took no time"),
             (self.missing_tools, "tool {} does not exist and was ignored"),
+            (self.refused, "{}"),
         )
         lines = [
             f"{file}:{line}: {text.format(code)} ({times} {'time' if times == 1 else 'times'})"
@@ -164,22 +165,69 @@ class Commands:
             share = self._spindle / self._machine.laser.full_scale if self._spindle_on else 0.0
             self.set_output("laser", share)
 
-    def _heater(self, kind: str, tool: int) -> str | None:
+    def heater(self, kind: str, number: int | None = None) -> str:
+        """The heater of a kind: a hotend by its tool's number, the active tool's by default; others
+        by their own. Tools may share a hotend. Raises CommandError if there is none."""
         names = [name for name, heater in self._machine.heaters.items() if heater.kind == kind]
-        if not names:
-            return None
-        return names[tool] if 0 <= tool < len(names) else names[0]
+        tools = self._machine.tools
+        index = number if number is not None else self._job.tool if kind == "hotend" else 0
+        if kind == "hotend" and 0 <= index < len(tools):
+            own = tools[index].heater
+            if own is not None:
+                return own
+            if len(names) == 1:
+                return names[0]
+        if not 0 <= index < len(names):
+            values = {"axis": kind, "value": index, "limit": len(names)}
+            raise CommandError([Problem("heat.unknown", values=values)])
+        return names[index]
 
-    def _temperature(self, command: Command, kind: str, *, wait: bool) -> Wait | None:
+    def _numbered(self, words: dict[str, float]) -> int | None:
+        number = words.get("T", words.get("P"))
+        return None if number is None else int(number)
+
+    def _exists(self, kind: str, words: dict[str, float]) -> bool:
+        """A machine without such heaters lets a command pass that numbers none."""
+        there = any(heater.kind == kind for heater in self._machine.heaters.values())
+        return there or self._numbered(words) is not None
+
+    def _heat_to(self, name: str, target: float | None, *, at_once: bool = False) -> None:
+        """Sets a target. Without one the heater goes off; outside of the safe range too, at once,
+        and CommandError is raised."""
+        heater = self._machine.heaters[name]
+        if target is None or target <= 0:
+            self._heat.set_target(name, 0.0, at_once=at_once)
+        elif heater.min_c <= target <= heater.max_c:
+            self._heat.set_target(name, target, at_once=at_once)
+        else:
+            self._heat.set_target(name, 0.0, at_once=True)
+            limit = f"{heater.min_c:g} to {heater.max_c:g}"
+            values = {"axis": name, "value": target, "limit": limit}
+            raise CommandError([Problem("heat.unsafe-target", values=values)])
+
+    def _set_temperature(self, command: Command, kind: str) -> None:
         words = command.words()
-        heater = self._heater(kind, int(words.get("T", self._job.tool)))
-        if heater is None:
+        if self._exists(kind, words):
+            name = self.heater(kind, self._numbered(words))
+            at_once = _AT_ONCE.search(command.text) is not None
+            self._heat_to(name, words.get("S", words.get("R")), at_once=at_once)
+
+    def _reach_temperature(self, command: Command, kind: str) -> Wait | None:
+        words = command.words()
+        if not self._exists(kind, words):
             return None
-        target = words.get("S", words.get("R"))
-        if target is not None:
-            limit = self._machine.heaters[heater].max_c
-            self._heat.set_target(heater, min(max(target, 0.0), limit))
-        return Temperatures((heater,), cooling="R" in words) if wait else None
+        name = self.heater(kind, self._numbered(words))
+        if "S" in words or "R" in words:
+            self._heat_to(name, words.get("S", words.get("R")))
+        return Temperatures((name,), cooling="R" in words)
+
+    def _reach_all(self, command: Command) -> Wait | None:
+        """M116 waits for all heaters that it names, without letters for every one."""
+        names = [
+            self.heater(_KINDS[letter.upper()], int(number or 0))
+            for letter, number in _LETTERED.findall(command.text)
+        ]
+        return Temperatures(tuple(names or self._machine.heaters), cooling=True)
 
     def _tool_temperatures(self, command: Command) -> None:
         """G10 P: the temperature of a tool at work (S) and on standby (R). The tool at work takes
@@ -193,17 +241,16 @@ class Commands:
         self._heat_tool(tool, at_once)
 
     def _heat_tool(self, tool: int, celsius: float | None) -> None:
-        heater = self._heater("hotend", tool)
-        if heater is not None and celsius is not None:
-            self._heat.set_target(heater, max(celsius, 0.0))
+        if celsius is not None and self._exists("hotend", {}):
+            self._heat_to(self.heater("hotend", tool), celsius)
 
     def _tool_changed(self, tool: int) -> None:
         """The tool that leaves goes on standby, the one that comes to work."""
         before, self._tool = self._tool, tool
-        if tool == before or self._heater("hotend", tool) == self._heater("hotend", before):
-            return
-        self._heat_tool(before, self._tool_c.get(before, (None, None))[1])
-        self._heat_tool(tool, self._tool_c.get(tool, (None, None))[0])
+        standby, work = (self._tool_c.get(t, (None, None))[i] for t, i in ((before, 1), (tool, 0)))
+        if tool != before:
+            self._heat_tool(before, standby)
+            self._heat_tool(tool, work)  # last, where both share a hotend
 
     def _fan(self, command: Command) -> str | None:
         number = int(command.words().get("P", 0))

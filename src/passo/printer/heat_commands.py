@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from passo.errors import CommandError, Problem
-from passo.printer.waits import Handler, Reply, Temperatures, Wait
+from passo.printer.waits import Handler, Reply, Wait
 from passo.printer.words import Command
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
 
 _COLD_C = 170.0  # filament does not move below it, unless M302 says otherwise
-_LETTERED = re.compile(r"([TPBC])\s*(\d*)", re.IGNORECASE)
 _PRESET_MARGIN_C = 15.0  # presets stay so far below a heater's limit
 
 
@@ -26,8 +24,7 @@ class Preset:
 
 
 class HeatCommands:
-    """Heaters and fans of one printer. Set-points take effect in step with the moves; with F, or
-    where the command waits, at once."""
+    """What only a living printer has of heaters and fans; set-points are in `Commands`."""
 
     def __init__(self, printer: Printer) -> None:
         self._printer = printer
@@ -36,13 +33,6 @@ class HeatCommands:
         self.cold_c = _COLD_C
         self.cold_allowed = False
         self.planned: dict[str, Handler] = {
-            "M104": lambda c, r: self._set(c, "hotend"),
-            "M140": lambda c, r: self._set(c, "bed"),
-            "M141": lambda c, r: self._set(c, "chamber"),
-            "M109": lambda c, r: self._set_and_wait(c, "hotend"),
-            "M190": lambda c, r: self._set_and_wait(c, "bed"),
-            "M191": lambda c, r: self._set_and_wait(c, "chamber"),
-            "M116": lambda c, r: self._wait(c),
             "M106": lambda c, r: self._fan(c),
             "M107": lambda c, r: self._fan(c),
         }
@@ -51,66 +41,6 @@ class HeatCommands:
             "M302": self._cold_extrusion,
             "M922": self._rearm,
         }
-
-    # -- set-points -------------------------------------------------------------------------------
-
-    def named(self, kind: str, words: dict[str, float]) -> str:
-        """The heater of a kind that T, or else P, numbers. Raises CommandError if there is none."""
-        names = [n for n, h in self._machine.heaters.items() if h.kind == kind]
-        number = words.get("T", words.get("P"))
-        if kind == "hotend" and number is None:
-            number = min(self._printer.job.tool, max(len(names) - 1, 0))
-        index = int(number or 0)
-        if not 0 <= index < len(names):
-            raise _refusal("heat.unknown", axis=kind, value=index, limit=len(names))
-        return names[index]
-
-    def _target(self, name: str, target: float | None) -> float:
-        """The target to set; without one, and outside of the safe range, the heater goes off."""
-        heater = self._machine.heaters[name]
-        if target is None or target <= 0:
-            return 0.0
-        if not heater.min_c <= target <= heater.max_c:
-            self._printer.set_target_now(name, 0.0)
-            limit = f"{heater.min_c:g} to {heater.max_c:g}"
-            raise _refusal("heat.unsafe-target", axis=name, value=target, limit=limit)
-        return target
-
-    def _set(self, command: Command, kind: str) -> Wait | None:
-        words = command.words()
-        if not self._exists(kind, words):
-            return None
-        name = self.named(kind, words)
-        target = self._target(name, words.get("S", words.get("R")))
-        if re.search(r"\bF", command.text, re.IGNORECASE):
-            self._printer.set_target_now(name, target)
-        else:
-            self._printer.set_target(name, target)
-        return None
-
-    def _exists(self, kind: str, words: dict[str, float]) -> bool:
-        """A machine without such heaters lets the command pass, if it names none."""
-        any_there = any(h.kind == kind for h in self._machine.heaters.values())
-        return any_there or "T" in words or "P" in words
-
-    def _set_and_wait(self, command: Command, kind: str) -> Wait | None:
-        words = command.words()
-        if not self._exists(kind, words):
-            return None
-        name = self.named(kind, words)
-        if "S" in words or "R" in words:
-            target = self._target(name, words.get("S", words.get("R")))
-            self._printer.set_target(name, target)
-        return Temperatures((name,), cooling="R" in words)
-
-    def _wait(self, command: Command) -> Wait | None:
-        kinds = {"T": "hotend", "P": "hotend", "B": "bed", "C": "chamber"}
-        names: list[str] = []
-        for letter, number in _LETTERED.findall(command.text):
-            words = {"P": float(number or 0)}
-            names.append(self.named(kinds[letter.upper()], words))
-        heaters = names or self._printer.heaters
-        return Temperatures(tuple(heaters), cooling=True)
 
     # -- fans -------------------------------------------------------------------------------------
 
@@ -171,10 +101,9 @@ class HeatCommands:
         """The active tool's hotend lets filament move."""
         if self.cold_allowed:
             return True
-        names = [n for n, h in self._machine.heaters.items() if h.kind == "hotend"]
-        if not names:
+        if all(h.kind != "hotend" for h in self._machine.heaters.values()):
             return True
-        name = names[min(self._printer.job.tool, len(names) - 1)]
+        name = self._printer.commands.heater("hotend")
         return self._printer.connection.heaters[name].celsius >= self.cold_c
 
     # -- faults -----------------------------------------------------------------------------------

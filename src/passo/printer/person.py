@@ -67,7 +67,7 @@ class PersonCommands:
     def _mains_off(self) -> None:
         printer = self._printer
         for name in printer.heaters:
-            printer.set_target_now(name, 0.0)
+            printer.set_target(name, 0.0, at_once=True)
         printer.motors.all_off()
 
     def _kill_after(self, command: Command, reply: Reply) -> Wait | None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from passo import _core
 from passo.config.drives import axis_order
-from passo.errors import CommandError, MachineError, Problem
+from passo.errors import CommandError, MachineError
 from passo.printer.commands import Commands
 from passo.printer.drive import MOST_QUEUED, TICK_S, Drive
 from passo.printer.endstop_watch import EndstopWatch
@@ -132,7 +132,7 @@ class Printer:
         if 0 < config.heaters_off_s < idle_s:
             for name in self.heaters:
                 if self.connection.heaters[name].target > 0:
-                    self.set_target_now(name, 0.0)
+                    self.set_target(name, 0.0, at_once=True)
                     self.tell(f"echo:Heater {name} off after standing idle")
 
     def lock(self, axes: Iterable[str]) -> None:
@@ -154,25 +154,20 @@ class Printer:
         for listener in list(self.listeners):
             listener(text)
 
-    def set_target(self, heater: str, celsius: float) -> None:
-        """Sets a heater's target when the moves so far are done."""
+    def set_target(self, heater: str, celsius: float, *, at_once: bool = False) -> None:
+        """Sets a heater's target when the moves so far are done, or at once."""
+        if at_once:
+            self.connection.set_target(heater, celsius)
+            return
         self.drive.before_moves()
         self.job.mark(self.heaters.index(heater), round(celsius * 100))
         self.drive.after_moves()
-
-    def wait_for(self, heaters: list[str]) -> None:
-        """Not used: waits of a living printer are awaited."""
-        raise NotImplementedError
 
     def set_fan(self, fan: str, share: float) -> None:
         """Sets a fan's speed, 0 to 1, when the moves so far are done."""
         self.drive.before_moves()
         self.commands.set_output(fan, share)
         self.drive.after_moves()
-
-    def set_target_now(self, heater: str, celsius: float) -> None:
-        """Sets a heater's target at once."""
-        self._apply_target(self.heaters.index(heater), celsius)
 
     def go_on(self) -> None:
         """M108: ends the wait that goes on, for moves, temperatures or a person. Moves go on."""
@@ -265,9 +260,10 @@ class Printer:
             self.select(console=True)
             wait = self._go_on(reply)
 
-    def _carried_out(self, handler: Handler, command: Command, reply: Reply) -> Wait | None:
+    def _carried_out(self, handler: Handler | None, command: Command, reply: Reply) -> Wait | None:
+        """By a handler of a living printer, or as in a print without consoles."""
         try:
-            return handler(command, reply)
+            return handler(command, reply) if handler else self.commands.run(command)
         except CommandError as error:
             reply.fail(str(error))
             return None
@@ -276,10 +272,8 @@ class Printer:
         """Carries out a command that the interpreter handed out."""
         self.drive.before_moves()
         handler = self.planned.get(command.code) or self.immediate.get(command.code)
-        if handler is not None:
-            return self._carried_out(handler, command, reply)
         before = self.commands.unknown.get(command.code)
-        wait = self.commands.run(command)
+        wait = self._carried_out(handler, command, reply)
         if self.commands.unknown.get(command.code) != before:
             reply.say(f'echo:Unknown command: "{command.code}"')
         return wait
@@ -390,17 +384,13 @@ class Printer:
                     if wait is not None:
                         return wait
                 elif found == status.ERROR:
-                    self.fail(problem_of(self.job, ""), reply)
+                    reply.fail(str(problem_of(self.job, "")))
                     self.job.abandon()
                     return None
                 else:
                     return None
         finally:
             self.drive.after_moves()
-
-    def fail(self, problem: Problem, reply: Reply) -> None:
-        """Says what is wrong with a line that was not carried out."""
-        reply.fail(str(problem))
 
     async def _reach(self, wait: Temperatures, reply: Reply) -> None:
         self.heating = True
@@ -439,9 +429,5 @@ class Printer:
         reply.say("echo:busy: paused for user")
         end = self.drive.now + wait.seconds * self.drive.hz
         await self.drive.until(
-            lambda: (
-                self._skip.is_set()
-                or bool(self.halted)
-                or (wait.seconds > 0 and self.drive.now >= end)
-            )
+            lambda: self.interrupted or (wait.seconds > 0 and self.drive.now >= end)
         )

@@ -40,7 +40,7 @@ class TuneCommands:
     def _named(self, words: dict[str, float], otherwise: int = 0) -> str:
         number = int(words.get("H", words.get("E", otherwise)))
         kind = _KINDS.get(number, "hotend")
-        return self._printer.heat.named(kind, {"P": float(max(number, 0))})
+        return self._printer.commands.heater(kind, max(number, 0))
 
     def number_of(self, name: str) -> int:
         """H of a heater: hotends from 0, the bed -1, a chamber -2."""
@@ -183,7 +183,7 @@ class TuneCommands:
             self._before = heater.control
             heater.take_samples()
             heater.set_control(tune.control)
-            self._printer.set_target_now(name, tune.target_c)
+            self._printer.set_target(name, tune.target_c, at_once=True)
         for sample in heater.take_samples():
             for line in tune.feed(sample):
                 # A failed tune is no reason for a host to disconnect.
@@ -200,7 +200,7 @@ class TuneCommands:
         """The heater off and, where asked for, with what the tune has found."""
         printer = self._printer
         heater = printer.connection.heaters[name]
-        printer.set_target_now(name, 0.0)
+        printer.set_target(name, 0.0, at_once=True)
         fan = self._machine.heaters[name].fan
         if fan is not None and isinstance(tune, StepTune):
             printer.set_fan(fan, 0.0)
