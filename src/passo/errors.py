@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
-from typing import Any
+from typing import Any, Self
 
 
 class ExitStatus(IntEnum):
@@ -346,6 +346,20 @@ class PassoError(Exception):
         self.problems = tuple(problems)
         self.status = problems[0].entry.status
 
+    @classmethod
+    def of(
+        cls,
+        code: str,
+        file: str = "",
+        line: int | None = None,
+        /,
+        *,
+        hint: str = "",
+        **values: object,
+    ) -> Self:
+        """The error of one problem: a code of the catalogue, its place, its values."""
+        return cls([Problem(code, file, line, values, hint)])
+
 
 class ConfigError(PassoError):
     """A machine file or its name is wrong."""
@@ -357,6 +371,11 @@ class InputError(PassoError):
 
 class CommandError(PassoError):
     """A command could not be carried out; the printer itself is well."""
+
+    @classmethod
+    def bad_value(cls, word: str, value: float, limit: str) -> Self:
+        """A word of the command has a value that is not within its limit."""
+        return cls.of("command.value", axis=word, value=f"{value:g}", limit=limit)
 
 
 class MachineError(PassoError):

@@ -262,4 +262,4 @@ class Connection:
 
     def _shutdown(self) -> MachineError:
         reason = self.dictionary.name_of("static_string_id", self.link.shutdown_reason)
-        return MachineError([Problem("machine.shutdown", values={"value": reason})])
+        return MachineError.of("machine.shutdown", value=reason)

@@ -8,7 +8,7 @@ import os
 import stat
 from pathlib import Path
 
-from passo.card.api import failure
+from passo.errors import CardError
 
 
 class Device:
@@ -25,7 +25,9 @@ class Device:
             # On a block device O_EXCL means: not while a file system on it is mounted.
             mode = Path(path).stat().st_mode
             if not (stat.S_ISBLK(mode) or stat.S_ISREG(mode)):
-                raise failure("card.absent", self.path, value="neither folder, image nor device")
+                raise CardError.of(
+                    "card.absent", self.path, value="neither folder, image nor device"
+                )
             exclusive = os.O_EXCL if stat.S_ISBLK(mode) else 0
             flags = os.O_CLOEXEC | exclusive
             try:
@@ -37,15 +39,15 @@ class Device:
                 self.read_only = True
         except OSError as error:
             if error.errno == errno.EBUSY:
-                raise failure("card.busy", self.path, value="it is mounted") from error
-            raise failure("card.absent", self.path, value=error.strerror) from error
+                raise CardError.of("card.busy", self.path, value="it is mounted") from error
+            raise CardError.of("card.absent", self.path, value=error.strerror) from error
         try:
             sharing = fcntl.LOCK_SH if self.read_only else fcntl.LOCK_EX
             fcntl.flock(self._file, sharing | fcntl.LOCK_NB)
             self.size = os.lseek(self._file, 0, os.SEEK_END)
         except OSError as error:
             os.close(self._file)
-            raise failure("card.busy", self.path, value="another program has it") from error
+            raise CardError.of("card.busy", self.path, value="another program has it") from error
 
     def read(self, offset: int, count: int) -> bytearray:
         data = bytearray(count)
@@ -58,9 +60,11 @@ class Device:
             try:
                 count = os.preadv(self._opened(), [into[done:]], offset + done)
             except OSError as error:
-                raise failure("card.removed", self.path, value=error.strerror) from error
+                raise CardError.of("card.removed", self.path, value=error.strerror) from error
             if not count:
-                raise failure("card.removed", self.path, value=f"it ends at {offset + done} bytes")
+                raise CardError.of(
+                    "card.removed", self.path, value=f"it ends at {offset + done} bytes"
+                )
             done += count
 
     def write(self, offset: int, data: bytes | bytearray | memoryview) -> None:
@@ -71,14 +75,14 @@ class Device:
                 offset += count
                 left = left[count:]
         except OSError as error:
-            raise failure("card.removed", self.path, value=error.strerror) from error
+            raise CardError.of("card.removed", self.path, value=error.strerror) from error
 
     def flush(self) -> None:
         """A barrier: what was written before is on the medium before anything written later."""
         try:
             os.fdatasync(self._opened())
         except OSError as error:
-            raise failure("card.removed", self.path, value=error.strerror) from error
+            raise CardError.of("card.removed", self.path, value=error.strerror) from error
 
     def close(self) -> None:
         if self._file is not None:
@@ -87,5 +91,5 @@ class Device:
 
     def _opened(self) -> int:
         if self._file is None:
-            raise failure("card.removed", self.path, value="it was unmounted")
+            raise CardError.of("card.removed", self.path, value="it was unmounted")
         return self._file

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from passo.console.card_commands import CardCommands
-from passo.errors import CommandError, PassoError, Problem
+from passo.errors import CommandError, PassoError
 from passo.job.journal import Journal, Moment, Program
 from passo.job.recovery import Recovery
 from passo.job.runner import Runner, State
@@ -107,14 +107,14 @@ class RecoveryCommands:
 
     def _go_on(self, command: Command, reply: Reply) -> Wait | None:
         if self._interrupted is None:
-            raise CommandError([Problem("job.nothing-interrupted")])
+            raise CommandError.of("job.nothing-interrupted")
         program, moment = self._interrupted
         if "C" in command.text.upper():
             self._interrupted = None
             self._journal.end()
             return None
         if program.machine != self._printer.machine.uuid:
-            raise CommandError([Problem("job.other-machine", program.path)])
+            raise CommandError.of("job.other-machine", program.path)
         return Procedure(lambda: self._recover(program, moment, reply))
 
     async def _recover(self, program: Program, moment: Moment, reply: Reply) -> None:

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Protocol
 
 from passo.console.session import Session
-from passo.errors import PassoError, Problem
+from passo.errors import PassoError
 from passo.printer.printer import Printer
 
 _AT_ONCE = 4096  # bytes; asyncio would read 256 KiB, whose lines keep all others waiting for 0.8 s
@@ -41,8 +41,7 @@ class ConsoleError(PassoError):
 
 def _cannot(what: str, error: Exception) -> ConsoleError:
     why = error.strerror if isinstance(error, OSError) else None
-    values = {"axis": what, "value": why or str(error)}
-    return ConsoleError([Problem("console.unopened", values=values)])
+    return ConsoleError.of("console.unopened", axis=what, value=why or str(error))
 
 
 class _Wire(asyncio.Protocol):
@@ -241,5 +240,6 @@ async def open_stdin(printer: Printer, opened: Opened, ended: Callable[[], None]
     try:
         return await _join(wire, os.dup(sys.stdin.fileno()), os.dup(sys.stdout.fileno()))
     except (ValueError, OSError):
-        values = {"axis": wire.place, "value": "it, or standard output, is a file"}
-        raise ConsoleError([Problem("console.unopened", values=values)]) from None
+        raise ConsoleError.of(
+            "console.unopened", axis=wire.place, value="it, or standard output, is a file"
+        ) from None

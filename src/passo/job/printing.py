@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from passo import _core
 from passo.board.faults import HeaterFault
-from passo.errors import MachineError, Problem
+from passo.errors import MachineError
 from passo.job.program import heated, run_program
 from passo.job.result import PrintResult, cpu_s, peak_rss_mb
 from passo.printer.commands import Commands
@@ -176,8 +176,9 @@ class Print:
     def _too_slow(self, heaters: list[str]) -> MachineError:
         name = next(name for name in heaters if self._on_its_way(name))
         heater = self.connection.heaters[name]
-        values = {"axis": name, "value": heater.celsius, "limit": heater.target}
-        return MachineError([Problem("machine.slow-heater", values=values)])
+        return MachineError.of(
+            "machine.slow-heater", axis=name, value=heater.celsius, limit=heater.target
+        )
 
     def _fill(self, result: PrintResult, name: str) -> None:
         machine, job, link = self._machine, self.job, self.connection.link

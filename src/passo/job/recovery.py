@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from passo import _core
-from passo.errors import CommandError, Problem
+from passo.errors import CommandError
 from passo.job.estimate import NoHeat
 from passo.job.journal import Moment, Program
 from passo.job.program import at_rest, read_program
@@ -92,7 +92,7 @@ class Recovery:
         self._moment, self._reader = moment, reader
         head = self._read_head()
         if reader.size != program.size or Program.crc_of(head) != program.crc:
-            raise CommandError([Problem("job.other-file", program.path)])
+            raise CommandError.of("job.other-file", program.path)
 
     def _read_head(self) -> bytes:
         self._reader.seek(0)
@@ -162,7 +162,7 @@ class Recovery:
         places = [target.get(slot, math.nan) for slot in range(_SLOTS)]
         printer.drive.before_moves()
         if not printer.job.move_to(places, speed_mm_s):
-            raise CommandError([Problem("job.other-file", self._program.path)])
+            raise CommandError.of("job.other-file", self._program.path)
         printer.drive.flush()
         await printer.drive.until(lambda: printer.drive.standing or printer.interrupted)
         printer.raise_if_interrupted()

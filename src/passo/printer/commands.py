@@ -8,7 +8,7 @@ from math import sqrt
 from typing import TYPE_CHECKING, Protocol
 
 from passo.config.drives import axis_order
-from passo.errors import CommandError, Problem
+from passo.errors import CommandError
 from passo.gcode.dialect import BY_CODE, Kind
 from passo.printer.waits import Homing, Person, Still, Temperatures, Wait
 from passo.printer.words import Command
@@ -178,8 +178,7 @@ class Commands:
             if len(names) == 1:
                 return names[0]
         if not 0 <= index < len(names):
-            values = {"axis": kind, "value": index, "limit": len(names)}
-            raise CommandError([Problem("heat.unknown", values=values)])
+            raise CommandError.of("heat.unknown", axis=kind, value=index, limit=len(names))
         return names[index]
 
     def _numbered(self, words: dict[str, float]) -> int | None:
@@ -202,8 +201,7 @@ class Commands:
         else:
             self._heat.set_target(name, 0.0, at_once=True)
             limit = f"{heater.min_c:g} to {heater.max_c:g}"
-            values = {"axis": name, "value": target, "limit": limit}
-            raise CommandError([Problem("heat.unsafe-target", values=values)])
+            raise CommandError.of("heat.unsafe-target", axis=name, value=target, limit=limit)
 
     def _set_temperature(self, command: Command, kind: str) -> None:
         words = command.words()

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from passo.board.endstops import Endstops
 from passo.config.drives import axis_order
-from passo.errors import CommandError, Problem
+from passo.errors import CommandError
 from passo.geometry.base import Unreachable
 from passo.printer.switches import Switch, home_point, is_actuator, steppers_of, switches
 
@@ -239,10 +239,10 @@ class Homer:
 
     def _problem(self, code: str, switch: Switch, limit: float) -> CommandError:
         homing = self._machine.homing[switch.home]
-        values = {
-            "axis": switch.home.upper(),
-            "value": f"switch {switch.name} at {switch.pin}",
-            "limit": f"{limit:g}",
-            "position": f"{homing.position:g}",
-        }
-        return CommandError([Problem(code, values=values)])
+        return CommandError.of(
+            code,
+            axis=switch.home.upper(),
+            value=f"switch {switch.name} at {switch.pin}",
+            limit=f"{limit:g}",
+            position=f"{homing.position:g}",
+        )
