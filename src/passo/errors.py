@@ -304,6 +304,7 @@ class Problem:
 
     @property
     def entry(self) -> Entry:
+        """The row of the catalogue."""
         return CATALOGUE[self.code]
 
     @property

@@ -41,6 +41,7 @@ class Layout:
 
     @property
     def last_cluster(self) -> int:
+        """The highest number of a cluster; the first is 2."""
         return self.clusters + 1
 
     def offset(self, cluster: int) -> int:

@@ -50,11 +50,13 @@ class Device:
             raise CardError.of("card.busy", self.path, value="another program has it") from error
 
     def read(self, offset: int, count: int) -> bytearray:
+        """`count` bytes from `offset`, all of them. Raises CardError."""
         data = bytearray(count)
         self.read_into(offset, memoryview(data))
         return data
 
     def read_into(self, offset: int, into: memoryview) -> None:
+        """Fills `into` with the bytes from `offset`. Raises CardError."""
         done = 0
         while done < len(into):
             try:
@@ -68,6 +70,7 @@ class Device:
             done += count
 
     def write(self, offset: int, data: bytes | bytearray | memoryview) -> None:
+        """Writes all of `data`; durable after `flush`. Raises CardError."""
         left = memoryview(data)
         try:
             while left:
@@ -85,6 +88,7 @@ class Device:
             raise CardError.of("card.removed", self.path, value=error.strerror) from error
 
     def close(self) -> None:
+        """Lets go of the medium; closing twice is allowed."""
         if self._file is not None:
             os.close(self._file)
             self._file = None

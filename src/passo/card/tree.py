@@ -43,15 +43,19 @@ class OpenFiles:
             raise CardError.of("card.busy", path, value="it is being read")
 
     def begin_read(self, path: str) -> None:
+        """A reader opens; any number may."""
         self.check(path, to_read=True)
         self._read[fold(path)] += 1
 
     def end_read(self, path: str) -> None:
+        """A reader is closed."""
         self._read[fold(path)] -= 1
 
     def begin_write(self, path: str) -> None:
+        """The one writer opens."""
         self.check(path)
         self._written.add(fold(path))
 
     def end_write(self, path: str) -> None:
+        """The writer is closed, or was not opened after all."""
         self._written.discard(fold(path))

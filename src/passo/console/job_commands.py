@@ -39,7 +39,7 @@ class Stopwatch:
         return self._since_s is not None
 
     def start(self) -> None:
-        """Counts from now on; a watch that was stopped begins anew."""
+        """Counts from now on, beside what it has counted before."""
         if self._since_s is None:
             self._since_s = self._printer.drive.now_s
 

@@ -62,13 +62,8 @@ class RecoveryCommands:
         if reader is None:
             return
         self._interrupted = None
-        reader.seek(0)
-        head = b""
-        while len(head) < 1 << 16 and (piece := reader.read((1 << 16) - len(head))):
-            head += piece
+        program = Program.of(self._printer.machine.uuid, self._runner.path, reader)
         reader.seek(self._runner.offset)
-        machine = self._printer.machine
-        program = Program(machine.uuid, self._runner.path, reader.size, Program.crc_of(head))
         try:
             self._journal.begin(program, self._moment(self._runner.first_line, self._z()))
         except OSError as error:

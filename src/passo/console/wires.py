@@ -20,6 +20,7 @@ from passo.printer.printer import Printer
 _AT_ONCE = 4096  # bytes; asyncio would read 256 KiB, whose lines keep all others waiting for 0.8 s
 _ROOM = 1 << 16  # bytes that may wait for a reader before dispensable ones are dropped
 _DEAD = 1 << 20  # and before all are
+# Any baud rate: termios2 of Linux (asm-generic/ioctls.h and termbits.h, as on x86 and ARM).
 _TCGETS2, _TCSETS2 = 0x802C542A, 0x402C542B
 _BOTHER, _CBAUD = 0o010000, 0o010017
 

@@ -90,18 +90,8 @@ class Recovery:
     def __init__(self, printer: Printer, program: Program, moment: Moment, reader: Reader) -> None:
         self._printer, self._program = printer, program
         self._moment, self._reader = moment, reader
-        head = self._read_head()
-        if reader.size != program.size or Program.crc_of(head) != program.crc:
+        if Program.of(program.machine, program.path, reader) != program:
             raise CommandError.of("job.other-file", program.path)
-
-    def _read_head(self) -> bytes:
-        self._reader.seek(0)
-        data = b""
-        while piece := self._reader.read(_CHUNK):
-            data += piece
-            if len(data) >= _CHUNK:
-                break
-        return data
 
     async def run(self) -> int:
         """Brings the machine to where the print goes on; returns the offset to read from."""
