@@ -43,6 +43,11 @@ class Motion {
   const PlanStatistics& plan() const { return plan_; }
   const Cpu& cpu() const { return cpu_; }
   MessageQueue& messages() { return messages_; }
+  // Messages that wait to be taken.
+  size_t waiting() {
+    auto held = messages_.hold();
+    return messages_.size();
+  }
   const StepStatistics& steps(size_t i) const { return compressors_[i].statistics(); }
   Compressor& compressor(size_t i) { return compressors_[i]; }
   int64_t count(size_t i) const { return solvers_[i].count(); }
@@ -305,6 +310,7 @@ class Motion {
 
   // What ended before the last command taken can no longer be replanned.
   void forget() {
+    auto held = messages_.hold();
     double taken = double(messages_.taken_until());
     while (!history_.empty() && history_.front().end() < taken) history_.pop_front();
     while (!placed_.empty() && double(placed_.front().clock) < taken) placed_.pop_front();
@@ -313,6 +319,7 @@ class Motion {
 
   // Moves to messages_ all that no later message can precede.
   void merge(bool all) {
+    auto held = messages_.hold();
     double limit = planner_.clock();
     for (Compressor& c : compressors_) limit = std::min(limit, c.next_clock(planner_.clock()));
     for (;;) {
@@ -332,6 +339,7 @@ class Motion {
   // Revokes steps, messages and moves from a clock ≥ `ticks` on; that clock goes to ticks_of_cut_,
   // the revoked moves to `rest`. Returns the speed² at the cut.
   double cut(double ticks, std::vector<Move>& rest) {
+    auto held = messages_.hold();  // what the link has taken stays as it is until all is cut
     merge(true);
     int64_t at = std::max(int64_t(std::ceil(ticks)), messages_.taken_until());
     ticks_of_cut_ = std::min(double(at), planner_.clock());

@@ -550,7 +550,9 @@ def expand_steps(rows: bytes, from_clock: int, to_clock: int) -> bytes:
 def expand_directions(rows: bytes, from_clock: int, to_clock: int, sign: int) -> bytes:
     """int8 directions of the steps of expand_steps(), times sign (+1 or -1)."""
 
-class PumpStop(enum.Enum):
+class Stop(enum.Enum):
+    """Why time stopped passing."""
+
     TIME = 0
 
     SHUTDOWN = 1
@@ -558,6 +560,8 @@ class PumpStop(enum.Enum):
     HEATERS = 2
 
     FAULT = 3
+
+    CLOSED = 4
 
 class Pump:
     """Runs a link and a device in virtual time."""
@@ -574,7 +578,38 @@ class Pump:
 
     def take_recorded(self) -> bytes: ...
 
-    def run(self, until: int, until_heaters: bool = False) -> PumpStop: ...
+    def run(self, until: int, until_heaters: bool = False) -> Stop: ...
+
+class LiveWire:
+    """
+    Drives a link over a file descriptor, which it owns, in real time and a thread of its own.
+    """
+
+    def __init__(self, link: Link, fd: int) -> None: ...
+
+    @property
+    def now(self) -> int: ...
+
+    @property
+    def latest_s(self) -> float:
+        """The most that the thread was late to send what was due."""
+
+    def use_board_clock(self) -> None:
+        """Once the link is synchronous: `now` is the board's clock from here on."""
+
+    def stop(self) -> None:
+        """No byte moves any more."""
+
+    def run(self, until: int, until_heaters: bool = False) -> Stop: ...
+
+class LiveBoard:
+    """
+    Lets a device answer on a file descriptor, which it owns, in real time and a thread of its own; look at the device only after `stop`.
+    """
+
+    def __init__(self, device: Device, fd: int, clock_hz: float) -> None: ...
+
+    def stop(self) -> None: ...
 
 def sincos(x: float) -> tuple[float, float]: ...
 

@@ -283,6 +283,18 @@ CATALOGUE: Mapping[str, Entry] = {
         " than {limit:.2f} of full power",
         "Check cartridge, sensor and fan, or tune its model again",
     ),
+    "machine.unreachable": Entry(
+        "board",
+        "the board cannot be reached at {axis}: {value}",
+        "Check its cable and supply, and link and port in the machine file",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.closed": Entry(
+        "board",
+        "the connection to the board has ended",
+        "Check its cable and supply, and start again",
+        ExitStatus.MACHINE_FAULT,
+    ),
     "machine.shutdown": Entry(
         "board",
         "the board shut down: {value}",

@@ -20,6 +20,19 @@ _PER_MM = ("steps_per_mm", "rotation_distance_mm")
 _LIMIT_KEYS = ("speed_{}_s", "accel_{}_s2", "min_{}", "max_{}")
 
 
+def check_link(data: Raw) -> Iterator[Finding]:
+    """A board that is not simulated has an address of the right form."""
+    board = table(data, "board")
+    link, port = board.get("link", "simulated"), board.get("port")
+    path = ("board", "port")
+    if link == "serial" and not port:
+        yield Finding("config.missing-key", path, None, "a serial device such as /dev/ttyUSB0")
+    host, _, number_ = port.rpartition(":") if isinstance(port, str) else ("", "", "")
+    if link == "tcp" and not (host and number_.isdecimal() and 0 < int(number_) < 65536):
+        code = "config.missing-key" if port is None else "config.value"
+        yield Finding(code, path, port, "host:port, such as 192.168.1.20:8888")
+
+
 def check_axes(data: Raw, actuators: tuple[str, ...]) -> Iterator[Finding]:
     """X, Y and Z are there, further axes are few and named apart, and ranges are ranges."""
     axes = table(data, "axes")
@@ -190,6 +203,7 @@ def check_all(
 ) -> Iterator[Finding]:
     """All checks; those that need the geometry are skipped where it is not known."""
     parts: list[Callable[[Raw], Iterator[Finding]]] = [check_references, check_heaters, check_pins]
+    yield from check_link(data)
     yield from check_axes(data, actuators)
     if actuators:
         yield from check_steppers(data, actuators, rotary)

@@ -40,14 +40,18 @@ class Board(Model):
     """A controller board. `base` names a shipped board whose values hold unless given here.
 
     Tools that wire a machine speak of `sockets` and of the names in `pins`; both lead to pins of
-    the microcontroller. `compression_tolerance_us` bounds how far a step may be from its ideal
-    time; `move_count` is the number of commands that the board can hold.
+    the microcontroller. `link` says where the board is: simulated, on the serial device `port` at
+    `baud`, or at the network address `port` (host:port). `compression_tolerance_us` bounds how far
+    a step may be from its ideal time; `move_count` is the number of commands that the board can
+    hold.
     """
 
     base: str | None = None
     name: str
     mcu: str
-    link: Literal["simulated"] = "simulated"
+    link: Literal["simulated", "serial", "tcp"] = "simulated"
+    port: str | None = None
+    baud: Annotated[int, Field(ge=1200, le=4_000_000)] = 250_000
     clock_hz: Annotated[int, Field(ge=1_000_000, le=1_000_000_000)]
     move_count: Annotated[int, Field(ge=16, le=65_535)]
     compression_tolerance_us: Annotated[float, Field(gt=0, le=25)] = 2.0

@@ -15,7 +15,7 @@ from passo.errors import MachineError
 from passo.job.program import heated, run_program
 from passo.job.result import PrintResult, cpu_s, peak_rss_mb
 from passo.printer.commands import Commands
-from passo.printer.wiring import connect
+from passo.printer.wiring import connect_simulated
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -59,7 +59,7 @@ class Print:
         self._hz = machine.board.clock_hz
         self._heaters = list(machine.heaters)
         self._marks: deque[tuple[int, int, int]] = deque()
-        self.connection, self.board = connect(machine)
+        self.connection, self.board = connect_simulated(machine)
         self.connection.on_fault = self._heater_failed
         outputs = self.connection.board.outputs
         self.job = _core.Job(
@@ -200,7 +200,8 @@ class Print:
             for s, wanted in result.net_steps_expected.items()
             if result.final_steps[s] != wanted
         ]
-        board = self.connection.pump.device_cpu_s
+        wire = self.connection.wire
+        board = wire.device_cpu_s if isinstance(wire, _core.Pump) else 0.0
         result.cpu_s = job.cpu() | {
             "wire": max(self._wire_cpu_s - board, 0.0),
             "board": board,

@@ -26,8 +26,9 @@ class Drive:
     """Lets print time pass on one board and one plan. One task runs `run`; all else is called from
     the same event loop.
 
-    Time is tied to the loop's, or `free`: then it passes, as fast as it goes, only while something
-    waits for it, or moves are left and no host has spoken for a moment.
+    Time is the board's own, if that is live; else it is tied to the loop's, or `free`: then it
+    passes, as fast as it goes, only while something waits for it, or moves are left and no host has
+    spoken for a moment.
     """
 
     def __init__(
@@ -58,7 +59,7 @@ class Drive:
     @property
     def now(self) -> int:
         """Print time in ticks of the job's clock."""
-        if self._free:
+        if self._free or self._connection.port.live:
             return self._connection.now - self.base
         passed = self._loop.time() - self._start_s
         return self._start_clock + int(passed * self.hz) - self.base
@@ -190,8 +191,8 @@ class Drive:
 
     def _run(self, job_clock: int) -> None:
         until = self.base + job_clock
-        if until > self._connection.now:
-            self._connection.run(until)
+        if until > self._connection.now or self._connection.port.live:
+            self._connection.run(until)  # a live board may have news at any time
 
     def _settle(self, now: int) -> None:
         """A plan that runs dry is settled for a stop; what came in since takes the stop back, but

@@ -15,6 +15,7 @@ from passo.board.description import (
     Stepper,
     bare,
 )
+from passo.board.ports import InProcess, Port, SerialPort, TcpPort
 from passo.heat.control import control_of, limits_of, model_of
 from passo.heat.sensors import open_is_high, sensor_table, share_at
 from passo.printer.switches import Switch, home_point, is_actuator, switches, weights_of
@@ -208,18 +209,33 @@ def _at_maximum(machine: MachineConfig, switch: Switch) -> bool:
     return machine.homing[switch.home].direction == "max"
 
 
-def connect(machine: MachineConfig) -> tuple[Connection, SimulatedBoard]:
-    """A connection to the board that the machine file names, identified and configured, and the
-    simulated board itself, to look at. Raises MachineError."""
+def connect_simulated(machine: MachineConfig) -> tuple[Connection, SimulatedBoard]:
+    """A connection to a simulated board for the machine, identified and configured, and the board
+    itself, to look at. Raises MachineError."""
     board = board_description(machine)
     simulated = simulated_board(machine, board)
-    connection = Connection(board, simulated.device)
-    connection.connect()
-    return connection, simulated
+    return _connected(board, InProcess(simulated.device)), simulated
+
+
+def connect(machine: MachineConfig) -> tuple[Connection, SimulatedBoard | None]:
+    """A connection to the board that the machine file names, identified and configured, and the
+    board itself where it is simulated. Raises MachineError."""
+    board = machine.board
+    if board.link == "simulated":
+        return connect_simulated(machine)
+    place = board.port or ""
+    if board.link == "serial":
+        return _connected(board_description(machine), SerialPort(place, board.baud)), None
+    host, _, number = place.rpartition(":")
+    return _connected(board_description(machine), TcpPort(host.strip("[]"), int(number))), None
 
 
 def reconnected(old: Connection) -> Connection:
     """A new connection to the board of `old`, which is reset. Raises MachineError."""
-    connection = Connection(old.board, old.device, old.now)
+    return _connected(old.board, old.port)
+
+
+def _connected(board: BoardDescription, port: Port) -> Connection:
+    connection = Connection(board, port)
     connection.connect()
     return connection
