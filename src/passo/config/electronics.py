@@ -41,9 +41,10 @@ class Board(Model):
 
     Tools that wire a machine speak of `sockets` and of the names in `pins`; both lead to pins of
     the microcontroller. `link` says where the board is: simulated, on the serial device `port` at
-    `baud`, or at the network address `port` (host:port). `compression_tolerance_us` bounds how far
-    a step may be from its ideal time; `move_count` is the number of commands that the board can
-    hold.
+    `baud`, or at the network address `port` (host:port). A simulated board is a model of one
+    ("virtual") or runs Passo's firmware ("passo"): to the tick the same, but slower.
+    `compression_tolerance_us` bounds how far a step may be from its ideal time; `move_count` is the
+    number of commands that the board can hold.
     """
 
     base: str | None = None
@@ -52,6 +53,7 @@ class Board(Model):
     link: Literal["simulated", "serial", "tcp"] = "simulated"
     port: str | None = None
     baud: Annotated[int, Field(ge=1200, le=4_000_000)] = 250_000
+    firmware: Literal["virtual", "passo"] = "virtual"
     clock_hz: Annotated[int, Field(ge=1_000_000, le=1_000_000_000)]
     move_count: Annotated[int, Field(ge=16, le=65_535)]
     compression_tolerance_us: Annotated[float, Field(gt=0, le=25)] = 2.0
