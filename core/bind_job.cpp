@@ -1,5 +1,6 @@
 // passo._core.Job: whole programs through one machine.
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
@@ -357,11 +358,22 @@ void bind_job(nb::module_& m) {
           },
           "tool"_a, "axis"_a, "mm"_a)
       .def(
-          "shift_zero",
-          [](JobView& self, int axis, double mm) {
-            self.job.interpreter.shift_zero(slot_of_axis(axis), mm);
+          "shift_from",
+          [](JobView& self, double ticks, int axis, double mm) {
+            if (axis < 0 || axis > 2) throw nb::value_error("X, Y or Z");
+            return self.job.shift_from(ticks, axis, mm);
           },
-          "axis"_a, "mm"_a, "The program's zero moves by so much, from its next move on.")
+          "ticks"_a, "axis"_a, "mm"_a,
+          "From this clock on all lies so much further; returns the clock of the cut, None if that "
+          "is out of range, see error.")
+      .def(
+          "shift",
+          [](JobView& self, int axis, double mm) {
+            if (axis < 0 || axis > 2) throw nb::value_error("X, Y or Z");
+            return self.job.shift(axis, mm);
+          },
+          "axis"_a, "mm"_a,
+          "The same behind all moves so far; False if that is out of range, see error.")
       .def_prop_ro("tool_offsets",
                    [](JobView& self) {
                      std::vector<std::vector<double>> offsets;

@@ -101,6 +101,14 @@ void bind_motion(nb::module_& m) {
           "ticks"_a,
           "Plans anew from this clock on with the limits of now; returns the clock of the cut.")
       .def(
+          "shift_from",
+          [](RecordedMotion& self, double ticks, int axis, double mm) {
+            if (axis < 0 || axis > 2) throw nb::value_error("X, Y or Z");
+            return self.motion.shift_from(ticks, axis, mm, 0);
+          },
+          "ticks"_a, "axis"_a, "mm"_a,
+          "From this clock on all lies so much further; returns the clock of the cut.")
+      .def(
           "hold_from",
           [](RecordedMotion& self, double ticks) { return self.motion.hold_from(ticks); },
           "ticks"_a,

@@ -123,6 +123,7 @@ class Bounds {
   // The part of m between two fractions of its length.
   static void cut(const Move& m, double from, double to, Move& part) {
     part.d = m.d * (to - from);
+    part.duration = m.duration * (to - from);
     for (int j = 0; j < kAxes; ++j) {
       if (from > 0) part.p0[j] = m.p0[j] + (m.p1[j] - m.p0[j]) * from;
       if (to < 1) part.p1[j] = m.p0[j] + (m.p1[j] - m.p0[j]) * to;

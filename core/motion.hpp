@@ -119,6 +119,56 @@ class Motion {
     return ticks_of_cut_;
   }
 
+  // As replan_from, and all that is still to come lies `mm` further along slot j (X, Y or Z): the
+  // machine leans over to it in mid-move, or by a move of its own at the end. What is suspended
+  // goes on from the shifted place. Not while moves are held, but not suspended.
+  double shift_from(double ticks, int j, double mm, size_t extruder) {
+    if (aside_) {
+      for (Move& m : aside_->moves) m.p0[j] += mm, m.p1[j] += mm;
+      aside_->stop[j] += mm;
+      aside_->end[j] += mm;
+      return planner_.clock();
+    }
+    std::vector<Move> rest;
+    double speed2 = cut(ticks, rest);
+    planner_.take_queue(rest);
+    double left = planner_.shift(rest, speed2, j, mm);
+    planner_.resume(std::move(rest), speed2, ticks_of_cut_);
+    process(false);
+    if (left != 0) push_shift(j, left, extruder);
+    return ticks_of_cut_;
+  }
+  // Shifts what comes behind all moves so far, by a move of its own.
+  void push_shift(int j, double mm, size_t extruder) {
+    MoveRequest m{};
+    std::copy_n(planner_.position(), kAxes, m.target);
+    m.target[j] += mm;
+    if (extruder < machine_.extruders.size()) m.target[kE] = planner_.extruder_position(extruder);
+    m.extruder = uint16_t(extruder);
+    m.feed_mm_s = m.radius_mm = kInfinity;
+    m.kind = MoveKind::travel;
+    m.moved = uint8_t(1u << j);
+    push(m);
+  }
+  // Whether `allowed` holds for the ends of all moves that shift_from would shift, each `mm`
+  // further.
+  bool allows_shift(double ticks, int j, double mm,
+                    const std::function<bool(const double*)>& allowed) const {
+    auto beside = [&](const double* end) {
+      double p[kAxes];
+      std::copy_n(end, kAxes, p);
+      p[j] += mm;
+      return allowed(p);
+    };
+    auto ends = [&](const Move& m) { return beside(m.p1); };
+    if (aside_)
+      return beside(aside_->stop) && beside(aside_->end) &&
+             std::all_of(aside_->moves.begin(), aside_->moves.end(), ends);
+    return std::all_of(history_.begin(), history_.end(),
+                       [&](const Move& m) { return m.end() <= ticks || ends(m); }) &&
+           planner_.all_queued(ends) && beside(planner_.position());
+  }
+
   // As replan_from, but brakes to a stop on the path. What is left of it waits for `release`.
   double hold_from(double ticks) {
     std::vector<Move> rest;

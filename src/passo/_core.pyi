@@ -717,6 +717,11 @@ class Motion:
         Plans anew from this clock on with the limits of now; returns the clock of the cut.
         """
 
+    def shift_from(self, ticks: float, axis: int, mm: float) -> float:
+        """
+        From this clock on all lies so much further; returns the clock of the cut.
+        """
+
     def hold_from(self, ticks: float) -> float:
         """
         Brakes to a stop on the path from this clock on; returns the clock of the cut.
@@ -931,8 +936,15 @@ class Job:
 
     def set_tool_offset(self, tool: int, axis: int, mm: float) -> None: ...
 
-    def shift_zero(self, axis: int, mm: float) -> None:
-        """The program's zero moves by so much, from its next move on."""
+    def shift_from(self, ticks: float, axis: int, mm: float) -> float | None:
+        """
+        From this clock on all lies so much further; returns the clock of the cut, None if that is out of range, see error.
+        """
+
+    def shift(self, axis: int, mm: float) -> bool:
+        """
+        The same behind all moves so far; False if that is out of range, see error.
+        """
 
     @property
     def tool_offsets(self) -> list[list[float]]: ...

@@ -11,6 +11,7 @@ from passo.board.endstops import Endstops
 from passo.config.drives import axis_order
 from passo.errors import CommandError, Problem
 from passo.geometry.base import Unreachable
+from passo.printer.slots import Z, slot_of_axis
 from passo.printer.switches import Switch, home_point, is_actuator, steppers_of, switches
 
 if TYPE_CHECKING:
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
 
 _REST_S = 0.001  # the board looks at a switch at least this often
 _ARMED_S = 0.005  # switches count from so long before the first step
-_SLOTS = 8  # X, Y, Z, E and four further axes, as the core counts positions
 _OVERRUN = 1.2  # a switch is sought this far beyond the axis' whole range
 _SLOW_OVERRUN = 2.0  # and this many times the retraction on the slow way
 
@@ -103,8 +103,9 @@ class Homer:
             axis = self._axes.index(name)
             own = tuple(s for s in self._switches if s.home == name)
             sign = 1.0 if homing.direction == "max" else -1.0
-            slot = axis if axis < 3 else axis + 1
-            ways.append(_Way(name, axis, slot, sign, homing.position, 1.0, homing, own))
+            ways.append(
+                _Way(name, axis, slot_of_axis(axis), sign, homing.position, 1.0, homing, own)
+            )
         return ways
 
     def _lift(self, arms: Sequence[str]) -> _Way:
@@ -114,7 +115,7 @@ class Homer:
         low = self._lifted(-self._travel(homing, arms[0]))
         scale = abs(top - low) / self._travel(homing, arms[0])
         own = tuple(s for s in self._switches if s.home in arms)
-        return _Way("z", 2, 2, math.copysign(1.0, top - low), top, scale, homing, own)
+        return _Way("z", Z, Z, math.copysign(1.0, top - low), top, scale, homing, own)
 
     def _lifted(self, by: float) -> float:
         """Z with all arms so far beyond home."""
@@ -180,14 +181,14 @@ class Homer:
         times = [t / v for t, v in zip(travel, speeds, strict=True)]
         passed = 0.0
         for end in sorted(set(times)):
-            target = self._target()
+            target: dict[int, float] = {}
             square = 0.0
             for way, time, speed in zip(ways, times, speeds, strict=True):
                 if time >= end:
                     v = speed * way.scale
                     target[way.slot] = self._at(way.slot) + way.sign * v * (end - passed)
                     square += v * v
-            printer.job.move_to(target, math.sqrt(square), False)
+            drive.move(target, math.sqrt(square), limited=False)
             passed = end
         printer.drive.flush()
         try:
@@ -214,22 +215,18 @@ class Homer:
     async def _go(self, by: Sequence[float], ways: Sequence[_Way]) -> None:
         """A move of all these axes, by so much towards their switches."""
         printer = self._printer
-        target = self._target()
+        target: dict[int, float] = {}
         square = 0.0
         for way, distance in zip(ways, by, strict=True):
             target[way.slot] = self._at(way.slot) + way.sign * distance * way.scale
             square += (way.config.fast * way.scale) ** 2
-        printer.drive.before_moves()
-        printer.job.move_to(target, math.sqrt(square), False)
+        printer.drive.move(target, math.sqrt(square), limited=False)
         printer.drive.flush()
         await printer.drive.until(lambda: printer.drive.standing or printer.interrupted)
         printer.raise_if_interrupted()
 
     def _steps(self, way: _Way) -> float:
         return max(self._machine.steppers[s].steps_per_unit for s in way.steppers)
-
-    def _target(self) -> list[float]:
-        return [math.nan] * _SLOTS
 
     def _at(self, slot: int) -> float:
         return self._printer.job.machine_position[slot]

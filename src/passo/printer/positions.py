@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from passo.geometry.base import Unreachable
+from passo.printer.slots import E, slot_of_axis
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
-
-_E = 3  # slot of the active extruder in the core's positions
 
 
 class Positions:
@@ -62,12 +61,11 @@ class Positions:
         machine_ends = job.machine_position
         found: dict[str, float] = {}
         for i, letter in enumerate(letters):
-            slot = i if i < 3 else i + 1
             place = places[i]
             if place is not None:
-                found[letter] = place + ends[i] - machine_ends[slot]
+                found[letter] = place + ends[i] - machine_ends[slot_of_axis(i)]
         extruder = machine.tools[job.tool].extruder if machine.tools else None
         index = list(machine.extruders).index(extruder) if extruder else 0
         if ("extruder", index) in real:
-            found["E"] = real[("extruder", index)] + e_end - machine_ends[_E]
+            found["E"] = real[("extruder", index)] + e_end - machine_ends[E]
         return found, counts
