@@ -299,18 +299,30 @@ void bind_job(nb::module_& m) {
           "A straight move in machine coordinates (NaN: stay), outside of soft limits. False if an "
           "actuator does not reach it, unless its limits are not to count.")
       .def(
-          "set_axis",
-          [](JobView& self, int axis, double position) {
+          "set_axes",
+          [](JobView& self, const std::vector<std::pair<int, double>>& places) {
             Job& job = self.job;
             job.motion.flush();
             double p[kAxes];
             std::copy_n(job.motion.planner().position(), kAxes, p);
-            p[slot_of_axis(axis)] = position;
-            job.interpreter.set_axis(slot_of_axis(axis), position);
-            job.interpreter.lock(slot_of_axis(axis), false);
+            for (auto [axis, mm] : places) {
+              p[slot_of_axis(axis)] = mm;
+              job.interpreter.set_axis(slot_of_axis(axis), mm);
+              job.interpreter.lock(slot_of_axis(axis), false);
+            }
             job.motion.set_position(p, job.interpreter.extruder());
           },
-          "axis"_a, "position_mm"_a, "The axis of this number is here now, without motion.")
+          "places"_a, "These axes, by number, are here now (mm), without motion.")
+      .def(
+          "use_joints",
+          [](JobView& self, bool on) {
+            self.job.motion.flush();
+            self.job.motion.use_joints(on);
+          },
+          "on"_a,
+          "X, Y and Z are from now on the first three actuators of a nonlinear geometry, or the "
+          "axes "
+          "again; only while the machine stands, and set_axes must say where they are.")
       .def(
           "renew_steppers",
           [](JobView& self, const std::vector<size_t>& steppers) {

@@ -915,8 +915,13 @@ class Job:
         A straight move in machine coordinates (NaN: stay), outside of soft limits. False if an actuator does not reach it, unless its limits are not to count.
         """
 
-    def set_axis(self, axis: int, position_mm: float) -> None:
-        """The axis of this number is here now, without motion."""
+    def set_axes(self, places: Sequence[tuple[int, float]]) -> None:
+        """These axes, by number, are here now (mm), without motion."""
+
+    def use_joints(self, on: bool) -> None:
+        """
+        X, Y and Z are from now on the first three actuators of a nonlinear geometry, or the axes again; only while the machine stands, and set_axes must say where they are.
+        """
 
     def renew_steppers(self, steppers: Sequence[int]) -> None:
         """

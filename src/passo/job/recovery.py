@@ -14,7 +14,7 @@ from passo.job.program import at_rest, read_program
 from passo.job.runner import Reader
 from passo.printer.commands import Commands
 from passo.printer.slots import E, X, Y, Z
-from passo.printer.switches import home_point
+from passo.printer.switches import axes_of_arms, home_point
 from passo.printer.waits import Homing, Silence, Temperatures, Wait
 from passo.printer.wiring import output_count
 
@@ -76,11 +76,11 @@ def _home(machine: MachineConfig, job: _core.Job, letters: str) -> None:
         job.settle_position()
         return
     job.abandon()
-    names = list("xyz")
-    together = machine.geometry.lifts_together
-    for i, at in enumerate(home_point(machine)):
-        if together or not letters or names[i].upper() in letters:
-            job.set_axis(i, at)
+    names = {n for n in "xyz" if not letters or n.upper() in letters}
+    if names & set(axes_of_arms(machine)):
+        names |= set(axes_of_arms(machine))
+    point = home_point(machine)
+    job.set_axes([(i, point[i]) for i, name in enumerate("xyz") if name in names])
 
 
 class Recovery:
@@ -126,11 +126,11 @@ class Recovery:
             return
         raise_mm = machine.park.raise_mm if machine.park else 0.0
         z = self._moment.z_mm
-        printer.job.set_axis(Z, z)
+        printer.job.set_axes([(Z, z)])
         await self._go({Z: min(z + raise_mm, max(machine.axes["z"].max_mm, z))}, math.inf)
         if not machine.homing:
-            for axis in (X, Y):
-                printer.job.set_axis(axis, home_point(machine)[axis])
+            point = home_point(machine)
+            printer.job.set_axes([(axis, point[axis]) for axis in (X, Y)])
             return
         await printer.homer.home("XY")
 

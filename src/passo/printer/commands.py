@@ -131,8 +131,7 @@ class Commands:
     def _set_position(self, command: Command) -> None:
         """Of axes that do not know where they are; the interpreter does the others."""
         axes = axis_order(self._machine.axes)
-        for letter, value in command.words().items():
-            self._job.set_axis(axes.index(letter.lower()), value)
+        self._job.set_axes([(axes.index(k.lower()), v) for k, v in command.words().items()])
 
     def _end(self, _: Command) -> Wait:
         self.ended = True
