@@ -429,6 +429,17 @@ void bind_job(nb::module_& m) {
           "Line of the program's move that is under way, or was last, at a clock (0: none), and "
           "the "
           "Z to which it goes. Clocks must not go back.")
+      .def(
+          "position_at",
+          [](JobView& self, double ticks) -> std::optional<std::vector<double>> {
+            auto p = self.job.motion.position_at(ticks);
+            if (!p) return std::nullopt;
+            return std::vector<double>(p->begin(), p->end());
+          },
+          "ticks"_a,
+          "Where the plan was at a clock not much more than a second ago, as machine_position; "
+          "None "
+          "if it is longer ago.")
       .def_prop_rw(
           "cold", [](JobView& self) { return self.job.interpreter.cold; },
           [](JobView& self, bool cold) { self.job.interpreter.cold = cold; },

@@ -2,6 +2,7 @@
 // clocks, with the way back: what is not yet sent can be planned anew.
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <deque>
 #include <functional>
@@ -227,6 +228,18 @@ class Motion {
     if (lines_.empty() || lines_[0].start > ticks) return {0, 0};
     return {lines_[0].number, lines_[0].z};
   }
+  // Where the plan was at `ticks`, in the last second or so: X, Y, Z, the extruder of that move and
+  // further axes. Nothing if that is longer ago.
+  std::optional<std::array<double, kAxes>> position_at(double ticks) const {
+    auto next = std::upper_bound(history_.begin(), history_.end(), ticks,
+                                 [](double t, const Move& m) { return t < m.start; });
+    if (next == history_.begin()) return std::nullopt;
+    const Move& m = *std::prev(next);
+    double part = m.kind == MoveKind::dwell ? 1 : along(m, ticks - m.start).first / m.d;
+    std::array<double, kAxes> p;
+    for (size_t j = 0; j < p.size(); ++j) p[j] = m.p0[j] + (m.p1[j] - m.p0[j]) * part;
+    return p;
+  }
   // After hold_from: puts what is held aside, with its records, so that other moves may come first,
   // from where the machine stands. `resume` takes it up again; the machine must be back there.
   void suspend() {
@@ -281,6 +294,7 @@ class Motion {
   }
 
  private:
+  static constexpr double kKeptSeconds = 1.0;  // of motion that is under way or done already
   Machine machine_;  // its steps per unit and tool offsets may change while it stands
   Planner planner_;
   bool with_steps_;
@@ -360,7 +374,8 @@ class Motion {
   // What ended before the last command taken can no longer be replanned.
   void forget() {
     double taken = double(messages_.taken_until());
-    while (!history_.empty() && history_.front().end() < taken) history_.pop_front();
+    double past = taken - kKeptSeconds * machine_.clock_hz;
+    while (!history_.empty() && history_.front().end() < past) history_.pop_front();
     while (!placed_.empty() && double(placed_.front().clock) < taken) placed_.pop_front();
     for (Compressor& c : compressors_) c.forget_resets(messages_.taken_until());
   }
@@ -437,27 +452,29 @@ class Motion {
       finish(rest, done);
       return 0;
     }
-    double hz = machine_.clock_hz, v, s;
-    double t0 = std::min(tau, done.t_acc) / hz,
-           t1 = std::clamp(tau - done.t_acc, 0.0, done.t_cru) / hz;
-    double t2 = std::max(0.0, tau - done.t_acc - done.t_cru) / hz;
-    s = done.v0 * t0 + 0.5 * done.a * t0 * t0 + done.vc * t1 + done.vc * t2 -
-        0.5 * done.b * t2 * t2;
-    v = t2 > 0 ? done.vc - done.b * t2 : tau > done.t_acc ? done.vc : done.v0 + done.a * t0;
-    s = std::clamp(s, 0.0, done.d);
+    auto [s, v] = along(done, tau);
     double part = s / done.d;
     Move left = done;
     Bounds::cut(done, part, 1, left);
     Bounds::cut(Move(done), 0, part, done);
     done.d_acc = std::min(done.d_acc, s);
     done.d_cru = std::min(done.d_cru, s - done.d_acc);
-    done.t_acc = t0 * hz;
-    done.t_cru = t1 * hz;
-    done.t_dec = t2 * hz;
+    done.t_dec = std::max(0.0, tau - done.t_acc - done.t_cru);
+    done.t_cru = std::clamp(tau - done.t_acc, 0.0, done.t_cru);
+    done.t_acc = std::min(tau, done.t_acc);
     left.inner = true;
     rest[0] = left;
     finish(rest, done);
     return v * v;
+  }
+  // Way and speed of a move, `tau` ticks after its start.
+  std::pair<double, double> along(const Move& m, double tau) const {
+    double hz = machine_.clock_hz;
+    double t0 = std::min(tau, m.t_acc) / hz, t1 = std::clamp(tau - m.t_acc, 0.0, m.t_cru) / hz;
+    double t2 = std::clamp(tau - m.t_acc - m.t_cru, 0.0, m.t_dec) / hz;
+    double s = m.v0 * t0 + 0.5 * m.a * t0 * t0 + m.vc * t1 + m.vc * t2 - 0.5 * m.b * t2 * t2;
+    double v = t2 > 0 ? m.vc - m.b * t2 : tau > m.t_acc ? m.vc : m.v0 + m.a * t0;
+    return {std::clamp(s, 0.0, m.d), v};
   }
   void finish(std::vector<Move>& rest, const Move& done) {
     rest[0].records = 0;

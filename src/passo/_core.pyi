@@ -974,6 +974,11 @@ class Job:
         Line of the program's move that is under way, or was last, at a clock (0: none), and the Z to which it goes. Clocks must not go back.
         """
 
+    def position_at(self, ticks: float) -> list[float] | None:
+        """
+        Where the plan was at a clock not much more than a second ago, as machine_position; None if it is longer ago.
+        """
+
     @property
     def cold(self) -> bool:
         """While it is set, moves of filament are errors."""

@@ -35,6 +35,23 @@ class Positions:
             found[name] = net + row["count"] - row["expected_net"]
         return found
 
+    def at(self, clock: int) -> dict[str, float]:
+        """The program's coordinates of where the plan was at a clock of the job, about a second ago
+        at most, else of where the machine is now. Lets time pass; raises MachineError."""
+        job = self._printer.job
+        found = job.position_at(clock)
+        if found is None:
+            return self.now()[0]
+        letters = [row["letter"] for row in self._printer.machine.core_spec()["axes"]]
+        slots = [*(slot_of_axis(i) for i in range(len(letters))), E]
+        ends = job.machine_position
+        return {
+            letter: found[slot] + place - ends[slot]
+            for letter, slot, place in zip(
+                [*letters, "E"], slots, job.program_position, strict=True
+            )
+        }
+
     def now(self) -> tuple[dict[str, float], dict[str, int]]:
         """The program's coordinates of what the motors have done, by axis letter and E, and the
         motors' counts. Lets time pass; raises MachineError."""
