@@ -253,6 +253,12 @@ void bind_job(nb::module_& m) {
           "replan_from",
           [](JobView& self, double ticks) { return self.job.motion.replan_from(ticks); }, "ticks"_a)
       .def(
+          "skip_dwell_from",
+          [](JobView& self, double ticks) { return self.job.motion.skip_dwell_from(ticks); },
+          "ticks"_a,
+          "Ends the dwell that is under way at this clock; returns the clock of the cut, None if "
+          "there is no dwell.")
+      .def(
           "hold_from", [](JobView& self, double ticks) { return self.job.motion.hold_from(ticks); },
           "ticks"_a)
       .def("release", [](JobView& self) { self.job.motion.release(); })

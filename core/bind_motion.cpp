@@ -3,6 +3,7 @@
 #include "bind_motion.hpp"
 
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
@@ -108,6 +109,11 @@ void bind_motion(nb::module_& m) {
           },
           "ticks"_a, "axis"_a, "mm"_a,
           "From this clock on all lies so much further; returns the clock of the cut.")
+      .def(
+          "skip_dwell_from",
+          [](RecordedMotion& self, double ticks) { return self.motion.skip_dwell_from(ticks); },
+          "ticks"_a,
+          "Ends the dwell that is under way at this clock; returns the clock of the cut, or None.")
       .def(
           "hold_from",
           [](RecordedMotion& self, double ticks) { return self.motion.hold_from(ticks); },

@@ -119,7 +119,7 @@ class Motion {
   double replan_from(double ticks) {
     std::vector<Move> rest;
     double speed2 = cut(ticks, rest);
-    planner_.resume(std::move(rest), speed2, ticks_of_cut_);
+    resume_plan(rest, speed2, ticks_of_cut_);
     process(false);
     return ticks_of_cut_;
   }
@@ -138,7 +138,7 @@ class Motion {
     double speed2 = cut(ticks, rest);
     planner_.take_queue(rest);
     double left = planner_.shift(rest, speed2, j, mm);
-    planner_.resume(std::move(rest), speed2, ticks_of_cut_);
+    resume_plan(rest, speed2, ticks_of_cut_);
     process(false);
     if (left != 0) push_shift(j, left, extruder);
     return ticks_of_cut_;
@@ -172,6 +172,19 @@ class Motion {
     return std::all_of(history_.begin(), history_.end(),
                        [&](const Move& m) { return m.end() <= ticks || ends(m); }) &&
            planner_.all_queued(ends) && beside(planner_.position());
+  }
+
+  // Ends the dwell that is under way at `ticks`, if there is one; returns the clock of the cut.
+  std::optional<double> skip_dwell_from(double ticks) {
+    auto m = std::find_if(history_.begin(), history_.end(),
+                          [&](const Move& x) { return x.end() > ticks; });
+    if (m == history_.end() || m->kind != MoveKind::dwell || m->start > ticks) return std::nullopt;
+    std::vector<Move> rest;
+    double speed2 = cut(ticks, rest);
+    if (!rest.empty() && rest[0].kind == MoveKind::dwell) rest[0].duration = 0;
+    resume_plan(rest, speed2, ticks_of_cut_);
+    process(false);
+    return ticks_of_cut_;
   }
 
   // As replan_from, but brakes to a stop on the path. What is left of it waits for `release`.
@@ -208,7 +221,7 @@ class Motion {
       braking.push_back(m);
     }
     held_.assign(rest.begin() + long(i), rest.end());
-    planner_.resume(std::move(braking), speed2, ticks_of_cut_);
+    resume_plan(braking, speed2, ticks_of_cut_);
     flush();
     return ticks_of_cut_;
   }
@@ -216,7 +229,7 @@ class Motion {
   void release() {
     std::vector<Move> rest;
     rest.swap(held_);
-    planner_.resume(std::move(rest), 0, planner_.clock());
+    resume_plan(rest, 0, planner_.clock());
     process(false);
   }
   size_t held() const { return held_.size(); }
@@ -328,6 +341,9 @@ class Motion {
   int64_t handed_out_ = 0;   // clock of the last message merged
   double ticks_of_cut_ = 0;
 
+  void resume_plan(std::vector<Move>& moves, double speed2, double clock) {
+    unattached_ += planner_.resume(std::move(moves), speed2, clock);
+  }
   double now() const { return cpu_clock_ ? cpu_clock_() : 0; }
   void process(bool still) {
     double start = now();

@@ -73,8 +73,9 @@ class Planner {
 
   // Goes on at `clock` with speed² `speed2` in the midst of rest[0]: these moves, settled before,
   // and all that is queued are planned anew with the limits of now. Where the new limits ask for
-  // less speed than the machine has, it brakes as the old plan could.
-  void resume(std::vector<Move> rest, double speed2, double clock) {
+  // less speed than the machine has, it brakes as the old plan could. Returns how many records were
+  // due at the start of moves that are none any more, with no other behind them.
+  uint16_t resume(std::vector<Move> rest, double speed2, double clock) {
     rest.insert(rest.end(), queue_.begin() + long(head_), queue_.end());
     stand(clock);
     speed2_ = speed2;
@@ -90,6 +91,7 @@ class Planner {
       enqueue(m, false);
     }
     settle(false);
+    return carried;
   }
 
   // More records are due at the start of what is queued; false if nothing is.

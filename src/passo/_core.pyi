@@ -722,6 +722,11 @@ class Motion:
         From this clock on all lies so much further; returns the clock of the cut.
         """
 
+    def skip_dwell_from(self, ticks: float) -> float | None:
+        """
+        Ends the dwell that is under way at this clock; returns the clock of the cut, or None.
+        """
+
     def hold_from(self, ticks: float) -> float:
         """
         Brakes to a stop on the path from this clock on; returns the clock of the cut.
@@ -877,6 +882,11 @@ class Job:
         """The machine stands until then; only after flush."""
 
     def replan_from(self, ticks: float) -> float: ...
+
+    def skip_dwell_from(self, ticks: float) -> float | None:
+        """
+        Ends the dwell that is under way at this clock; returns the clock of the cut, None if there is no dwell.
+        """
 
     def hold_from(self, ticks: float) -> float: ...
 

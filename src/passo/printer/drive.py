@@ -138,6 +138,12 @@ class Drive:
         self._revoke(cut)
         return True
 
+    def skip_dwell(self) -> None:
+        """Ends a dwell that is under way, as early as it can be taken back."""
+        cut = self._job.skip_dwell_from(self._earliest())
+        if cut is not None:
+            self._revoke(cut)
+
     def hold(self) -> None:
         """Brakes to a stop on the path; what is left is held."""
         self._revoke(self._job.hold_from(self._earliest()))
