@@ -772,6 +772,16 @@ class Motion:
         Plans anew from this clock on with the limits of now; returns the clock of the cut.
         """
 
+    def shift_from(self, ticks: float, axis: int, mm: float) -> float:
+        """
+        From this clock on all lies so much further; returns the clock of the cut.
+        """
+
+    def skip_dwell_from(self, ticks: float) -> float | None:
+        """
+        Ends the dwell that is under way at this clock; returns the clock of the cut, or None.
+        """
+
     def hold_from(self, ticks: float) -> float:
         """
         Brakes to a stop on the path from this clock on; returns the clock of the cut.
@@ -928,6 +938,11 @@ class Job:
 
     def replan_from(self, ticks: float) -> float: ...
 
+    def skip_dwell_from(self, ticks: float) -> float | None:
+        """
+        Ends the dwell that is under way at this clock; returns the clock of the cut, None if there is no dwell.
+        """
+
     def hold_from(self, ticks: float) -> float: ...
 
     def release(self) -> None: ...
@@ -965,8 +980,13 @@ class Job:
         A straight move in machine coordinates (NaN: stay), outside of soft limits. False if an actuator does not reach it, unless its limits are not to count.
         """
 
-    def set_axis(self, axis: int, position_mm: float) -> None:
-        """The axis of this number is here now, without motion."""
+    def set_axes(self, places: Sequence[tuple[int, float]]) -> None:
+        """These axes, by number, are here now (mm), without motion."""
+
+    def use_joints(self, on: bool) -> None:
+        """
+        X, Y and Z are from now on the first three actuators of a nonlinear geometry, or the axes again; only while the machine stands, and set_axes must say where they are.
+        """
 
     def renew_steppers(self, steppers: Sequence[int]) -> None:
         """
@@ -986,8 +1006,15 @@ class Job:
 
     def set_tool_offset(self, tool: int, axis: int, mm: float) -> None: ...
 
-    def shift_zero(self, axis: int, mm: float) -> None:
-        """The program's zero moves by so much, from its next move on."""
+    def shift_from(self, ticks: float, axis: int, mm: float) -> float | None:
+        """
+        From this clock on all lies so much further; returns the clock of the cut, None if that is out of range, see error.
+        """
+
+    def shift(self, axis: int, mm: float) -> bool:
+        """
+        The same behind all moves so far; False if that is out of range, see error.
+        """
 
     @property
     def tool_offsets(self) -> list[list[float]]: ...
@@ -1010,6 +1037,11 @@ class Job:
     def line_at(self, ticks: float) -> tuple[int, float]:
         """
         Line of the program's move that is under way, or was last, at a clock (0: none), and the Z to which it goes. Clocks must not go back.
+        """
+
+    def position_at(self, ticks: float) -> list[float] | None:
+        """
+        Where the plan was at a clock not much more than a second ago, as machine_position; None if it is longer ago.
         """
 
     @property

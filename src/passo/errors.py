@@ -186,13 +186,13 @@ CATALOGUE: Mapping[str, Entry] = {
     ),
     "machine.switch-missed": Entry(
         "homing",
-        "axis {axis} was not homed: {value} was not pressed within {limit} towards {position}",
+        "{axis} was not homed: {value} was not pressed within {limit} towards {position}",
         "Look whether the axis moved towards it, and what M119 says while you press it",
         ExitStatus.MACHINE_FAULT,
     ),
     "machine.switch-stuck": Entry(
         "homing",
-        "axis {axis} was not homed: {value} is still pressed {limit} away from {position}",
+        "{axis} was not homed: {value} is still pressed {limit} away from {position}",
         "Check its wiring and the ! in front of its pin, or give it a longer way back",
         ExitStatus.MACHINE_FAULT,
     ),

@@ -170,11 +170,11 @@ def check_pins(data: Raw) -> Iterator[Finding]:
     yield from claim(("laser", "pin"), table(data, "laser").get("pin"))
 
 
-def check_homing(data: Raw, actuators: tuple[str, ...], homed_actuators: bool) -> Iterator[Finding]:
+def check_homing(data: Raw, actuators: tuple[str, ...], arms: tuple[str, ...]) -> Iterator[Finding]:
     """What is homed exists and has either one switch or one for each of its motors."""
     axes = axis_order(table(data, "axes"))
     drivable = Drivable(actuators, axes, table(data, "extruders"))
-    names = [*axes, *(actuators if homed_actuators else ())]
+    names = [*arms, *axes[2:]] if arms else axes
     sections = dict(tables(data, "homing"))
     for name, homing in sections.items():
         path = ("homing", name)
@@ -190,8 +190,8 @@ def check_homing(data: Raw, actuators: tuple[str, ...], homed_actuators: bool) -
             if content is None or drivable.of(stepper, content.get("drives")) is None:
                 limit = "the name of a motor of this axis"
                 yield Finding("config.value", (*path, "stepper_pins", stepper), stepper, limit)
-    if homed_actuators and any(a in sections for a in actuators):
-        for name in actuators:
+    if any(name in sections for name in arms):
+        for name in arms:
             if name not in sections:
                 yield Finding(
                     "config.missing-key", ("homing", name), None, "a table like its twins'"
@@ -199,7 +199,7 @@ def check_homing(data: Raw, actuators: tuple[str, ...], homed_actuators: bool) -
 
 
 def check_all(
-    data: Raw, actuators: tuple[str, ...], rotary: tuple[str, ...], *, lifts_together: bool = False
+    data: Raw, actuators: tuple[str, ...], rotary: tuple[str, ...], arms: tuple[str, ...] = ()
 ) -> Iterator[Finding]:
     """All checks; those that need the geometry are skipped where it is not known."""
     parts: list[Callable[[Raw], Iterator[Finding]]] = [check_references, check_heaters, check_pins]
@@ -207,6 +207,6 @@ def check_all(
     yield from check_axes(data, actuators)
     if actuators:
         yield from check_steppers(data, actuators, rotary)
-        yield from check_homing(data, actuators, lifts_together)
+        yield from check_homing(data, actuators, arms)
     for check in parts:
         yield from check(data)

@@ -14,6 +14,7 @@ from pydantic import ValidationError
 
 from passo.config.checks import check_all
 from passo.config.findings import Finding, did_you_mean, table
+from passo.config.home_checks import check_home
 from passo.config.kinds import KINDS
 from passo.config.lines import key_lines, line_of
 from passo.config.machine import MachineConfig
@@ -86,11 +87,11 @@ def load_text(text: str, file: str = "<text>") -> MachineConfig:
     kind = table(data, "geometry").get("kind")
     model = KINDS.get(kind) if isinstance(kind, str) else None
     if model:
-        findings += check_all(
-            data, model.actuators, model.rotary, lifts_together=model.lifts_together
-        )
+        findings += check_all(data, model.actuators, model.rotary, model.arms)
     else:
         findings += check_all(data, (), ())
+    if machine is not None and not findings:
+        findings += check_home(machine)
     if findings or machine is None:
         raise ConfigError(_problems(findings, text, file))
     return machine

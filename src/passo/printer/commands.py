@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Protocol
 from passo.config.drives import axis_order
 from passo.errors import CommandError
 from passo.gcode.dialect import BY_CODE, Kind
+from passo.printer.faults import problem_of
 from passo.printer.waits import Homing, Person, Still, Temperatures, Wait
 from passo.printer.words import Command
 
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 
 _LETTERED = re.compile(r"([TPBC])\s*(\d*)", re.IGNORECASE)
 _AT_ONCE = re.compile(r"\bF", re.IGNORECASE)
+_BABYSTEP_MM = 2.0  # at most, with one command
 _KINDS = {"T": "hotend", "P": "hotend", "B": "bed", "C": "chamber"}
 
 
@@ -80,6 +82,7 @@ class Commands:
             "M204": lambda c: self.accelerations(c.words()),
             "M205": self._junction,
             "M220": self._speed,
+            "M290": self._babystep,
             "G10": self._tool_temperatures,
             "SET_VELOCITY_LIMIT": self._velocity_limit,
         }
@@ -128,8 +131,7 @@ class Commands:
     def _set_position(self, command: Command) -> None:
         """Of axes that do not know where they are; the interpreter does the others."""
         axes = axis_order(self._machine.axes)
-        for letter, value in command.words().items():
-            self._job.set_axis(axes.index(letter.lower()), value)
+        self._job.set_axes([(axes.index(k.lower()), v) for k, v in command.words().items()])
 
     def _end(self, _: Command) -> Wait:
         self.ended = True
@@ -297,6 +299,21 @@ class Commands:
         percent = command.words().get("S", 0)
         if percent > 0:
             self._job.speed_factor = min(max(percent, 10.0), 1000.0) / 100
+
+    def babysteps(self, command: Command) -> list[tuple[int, float]]:
+        """M290: numbers of axes with how far they go, mm; S is Z's. Raises CommandError."""
+        words = command.words()
+        words.setdefault("Z", words.get("S", 0.0))
+        found = [(i, words[letter]) for i, letter in enumerate("XYZ") if words.get(letter)]
+        for i, mm in found:
+            if abs(mm) > _BABYSTEP_MM:
+                raise CommandError.bad_value("XYZ"[i], mm, f"at most {_BABYSTEP_MM:g} mm")
+        return found
+
+    def _babystep(self, command: Command) -> None:
+        for axis, mm in self.babysteps(command):
+            if not self._job.shift(axis, mm):
+                raise CommandError([problem_of(self._job, "")])
 
     def _velocity_limit(self, command: Command) -> None:
         values: dict[str, float] = {}

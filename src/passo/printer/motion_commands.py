@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from passo.config.drives import axis_order
 from passo.errors import CommandError
+from passo.printer.faults import problem_of
 from passo.printer.waits import Handler, Reply, Still, Wait
 from passo.printer.words import Command
 
@@ -14,7 +15,6 @@ if TYPE_CHECKING:
     from passo.printer.printer import Printer
 
 _PERCENT = (10.0, 1000.0)  # of M220
-_BABYSTEP_MM = 2.0  # at most, with one command
 
 
 class MotionCommands:
@@ -40,6 +40,7 @@ class MotionCommands:
             "M206": self._home_offsets,
             "M218": self._tool_offset,
             "M221": self._flow,
+            "M290": lambda c, r: self._printer.commands.run(c),
             "M569": self._drivers,
         }
 
@@ -197,14 +198,9 @@ class MotionCommands:
         return None
 
     def _babystep(self, command: Command, _: Reply) -> Wait | None:
-        words = command.words()
-        changes = {k: v for k, v in words.items() if k.lower() in self._axes[:3]}
-        if "S" in words:
-            changes.setdefault("Z", words["S"])
-        for letter, mm in changes.items():
-            if abs(mm) > _BABYSTEP_MM:
-                raise CommandError.bad_value(letter, mm, f"at most {_BABYSTEP_MM:g} mm")
-            self._printer.job.shift_zero(self._axes.index(letter.lower()), mm)
+        for axis, mm in self._printer.commands.babysteps(command):
+            if not self._printer.drive.shift(axis, mm):
+                raise CommandError([problem_of(self._printer.job, "")])
         return None
 
     # -- overrides --------------------------------------------------------------------------------

@@ -170,7 +170,9 @@ class Printer:
         self.drive.after_moves()
 
     def go_on(self) -> None:
-        """M108: ends the wait that goes on, for moves, temperatures or a person. Moves go on."""
+        """M108: ends the wait that goes on, for moves, time, temperatures or a person. Moves go
+        on."""
+        self.drive.skip_dwell()
         self._impatient = True
         self._skip.set()
 

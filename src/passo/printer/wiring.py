@@ -18,7 +18,15 @@ from passo.board.description import (
 from passo.board.ports import InProcess, Port, SerialPort, TcpPort
 from passo.heat.control import control_of, limits_of, model_of
 from passo.heat.sensors import open_is_high, sensor_table, share_at
-from passo.printer.switches import Switch, home_point, is_actuator, switches, weights_of
+from passo.printer.switches import (
+    Switch,
+    axes_of_arms,
+    home_point,
+    is_actuator,
+    pressed_point,
+    switches,
+    weights_of,
+)
 
 if TYPE_CHECKING:
     from passo.config.heat import Heater as HeaterConfig
@@ -173,11 +181,11 @@ def _actuators(machine: MachineConfig) -> tuple[Actuator, ...]:
     point = list(home_point(machine))
     for name, homing in machine.homing.items():
         away = -_AWAY if homing.direction == "max" else _AWAY
-        if is_actuator(machine, name):
+        if axes_of_arms(machine) and name in geometry.actuators:
             q[geometry.actuators.index(name)] += away
         elif name in "xyz":
             point["xyz".index(name)] += away
-    if not geometry.lifts_together:
+    if not axes_of_arms(machine):
         x, y, z = point
         q = list(geometry.inverse((x, y, z)))
     askew = {n: i * _ASKEW for h in machine.homing.values() for i, n in enumerate(h.stepper_pins)}
@@ -197,7 +205,7 @@ def _felt_at(
     homing = machine.homing[switch.home]
     if is_actuator(machine, switch.home) or len(weights) == 1:
         return homing.position
-    q = machine.geometry.inverse(home_point(machine))
+    q = machine.geometry.inverse(pressed_point(machine, switch))
     total = 0.0
     for name, weight in weights:
         driven = machine.drivable.of(name, machine.steppers[name].drives)
