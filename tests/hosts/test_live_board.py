@@ -7,11 +7,13 @@ import ctypes
 import os
 import socket
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from tests.console.scenario import Scenario
 
 from passo import _core, config
+from passo.cli.main import main
 from passo.config.machine import MachineConfig
 from passo.errors import MachineError
 from passo.printer.wiring import board_description, connect, simulated_board
@@ -102,6 +104,28 @@ def test_an_emergency_stop_is_over_after_m999(cable: Cable) -> None:
     cable.live.stop()
     assert cable.board.device.fault == ""
     assert cable.board.net_steps("x") == 160
+
+
+def test_heaters_are_off_when_the_printer_ends(cable: Cable) -> None:
+    with Scenario(cable.machine, loop=asyncio.new_event_loop()) as scenario:
+        scenario.host.ok("M104 S200")
+        scenario.passes(2.0)
+        assert scenario.printer.connection.heaters["hotend"].power > 0.5
+    cable.live.stop()
+    assert cable.board.device.fault == ""
+    assert cable.board.output_value("hotend") == 0
+    assert cable.board.temperature("hotend") > 22.0
+
+
+def test_a_board_keeps_its_own_time(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "mine.toml"
+    text = Path(config.__file__).with_name("machines").joinpath("i3.toml").read_text()
+    link = 'base = "ramps"\nlink = "serial"\nport = "/dev/ttyUSB7"'
+    file.write_text(text.replace('base = "ramps"', link))
+    assert main(["serve", "--machine", str(file), "--clock", "fast"]) == 2
+    assert "/dev/ttyUSB7 keeps its own time: leave --clock out" in capsys.readouterr().err
+    assert main(["serve", "--machine", str(file)]) == 5
+    assert "the board cannot be reached at /dev/ttyUSB7" in capsys.readouterr().err
 
 
 def test_a_board_that_is_not_there_is_named() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import TypeAlias
 
@@ -28,6 +29,7 @@ _STEP_S = 0.01
 _PATIENCE_S = 0.5
 _TRIES = 5
 _LEAD_S = 0.25
+_FAREWELL_S = 0.6
 _RESET_S = 0.05  # a board that has been told to reset has begun to by then
 _SLOTS_BY_HEATER = 4
 
@@ -149,6 +151,16 @@ class Connection:
         )
         self.board = replace(self.board, sensors=tuple(sensors))
         loop.set_sensor(heater_options(self.board, entry, self.dictionary))
+
+    def close(self) -> None:
+        """Switches the heaters off and lets go of the board. Raises nothing."""
+        if isinstance(self.wire, _core.LiveWire):
+            for heater in self.heaters.values():
+                heater.target = 0.0
+            # Each heater is set anew with the next report of its sensor.
+            with suppress(MachineError):
+                self.run(self.now + self._ticks(_FAREWELL_S))
+            self.wire.stop()
 
     def net_steps(self, stepper: str) -> int:
         """Steps forward less steps backward that the board has made since it was configured. Lets

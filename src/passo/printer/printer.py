@@ -143,9 +143,11 @@ class Printer:
                 self.job.lock_axis(order.index(name), True)
 
     def close(self) -> None:
-        """Lets go of files; nothing may be asked of the printer after that."""
+        """Lets go of files and of the board, heaters off; nothing may be asked of the printer after
+        that."""
         for closer in self.closers:
             closer()
+        self.connection.close()
 
     # -- what others may ask ----------------------------------------------------------------------
 
