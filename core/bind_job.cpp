@@ -296,6 +296,17 @@ void bind_job(nb::module_& m) {
           },
           "End of the plan: X, Y, Z, E and further axes, in machine mm.")
       .def(
+          "set_laser",
+          [](JobView& self, uint16_t target, uint32_t full) {
+            self.job.motion.set_laser(target, full);
+          },
+          "target"_a, "full"_a, "This output is a laser, fully on at `full`.")
+      .def(
+          "follow_speed", [](JobView& self, double share) { self.job.motion.follow_speed(share); },
+          "share"_a,
+          "The laser's share of full power, at the feed rate of the moves that follow; it is less "
+          "where they are slower, and none while nothing moves. 0: records alone set it.")
+      .def(
           "move_to",
           [](JobView& self, const std::vector<double>& target, double feed_mm_s, bool limited) {
             if (target.size() != kAxes) throw nb::value_error("eight positions");

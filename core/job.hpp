@@ -116,6 +116,7 @@ class Job {
     m.extruder = uint16_t(interpreter.extruder());
     m.feed_mm_s = feed_mm_s;
     m.radius_mm = kInfinity;
+    m.rapid = true;  // no laser burns on it
     if (limited && motion.planner().constraints().checks_reach() && !reach(m)) return false;
     motion.push(m);
     abandon();

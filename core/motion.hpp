@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "compressor.hpp"
+#include "laser.hpp"
 #include "message_queue.hpp"
 #include "planner.hpp"
 #include "statistics.hpp"
@@ -76,6 +77,15 @@ class Motion {
     ++unattached_;
     if (planner_.queued() == 0) place(planner_.clock(), std::exchange(unattached_, 0));
   }
+
+  // Output `target` is a laser, fully on at `full`.
+  void set_laser(uint16_t target, uint32_t full) {
+    laser_target_ = target;
+    laser_full_ = full;
+  }
+  // The laser's share of full power, on moves pushed from now on, where they go as fast as they
+  // were told to; elsewhere less, as they are slower. 0: records alone set it.
+  void follow_speed(double share) { planner_.laser_share = share; }
 
   // Settles all, for a stop at the end, and hands out every message.
   void flush() {
@@ -343,7 +353,10 @@ class Motion {
   };
   std::optional<Aside> aside_;
   uint16_t unattached_ = 0;  // last records_ that wait for a move to follow
-  int64_t handed_out_ = 0;   // clock of the last message merged
+  uint16_t laser_target_ = kMark;
+  uint32_t laser_full_ = 0, light_ = 0;  // light_: the last value sent while following_
+  bool following_ = false;               // the laser's power is that of the speed, not of a record
+  int64_t handed_out_ = 0;               // clock of the last message merged
   double ticks_of_cut_ = 0;
 
   void resume_plan(std::vector<Move>& moves, double speed2, double clock) {
@@ -356,11 +369,15 @@ class Motion {
     for (const Move& m : moves) {
       plan_.add(m, machine_.clock_hz, 1);
       place(m.start, m.records);
+      if (with_steps_) light(m);
       if (on_move) on_move(m);
       if (keeps_lines_ && m.line > 0 && (lines_.empty() || lines_.back().number != m.line))
         lines_.push_back({m.start, m.line, m.p1[kZ]});
     }
-    if (still) place(planner_.clock(), std::exchange(unattached_, 0));
+    if (still) {
+      dim(planner_.clock());
+      place(planner_.clock(), std::exchange(unattached_, 0));
+    }
     if (with_steps_) {
       for (size_t i = 0; i < solvers_.size(); ++i) {
         for (const Move& m : moves) solvers_[i].solve(m, compressors_[i].steps());
@@ -378,6 +395,32 @@ class Motion {
     moves.clear();
   }
 
+  // Power that follows the speed of a move; off when the next one is none that has it.
+  void light(const Move& m) {
+    if (m.duty == 0) return dim(m.start);
+    each_speed(m, machine_.clock_hz, [&](double ticks, double speed) {
+      set_light(ticks, uint32_t(std::min(1.0, m.duty * speed) * laser_full_ + 0.5));
+    });
+    following_ = true;
+  }
+  // After a cut between two moves: the one before it has the last word on the laser.
+  bool still_following() const {
+    if (history_.empty() || history_.back().duty == 0) return false;
+    for (const Record& r : placed_)
+      if (r.target == laser_target_ && double(r.clock) >= history_.back().end() - 1) return false;
+    return true;
+  }
+  void dim(double ticks) {
+    if (std::exchange(following_, false)) set_light(ticks, 0);
+  }
+  void set_light(double ticks, uint32_t value) {
+    if (following_ && value == light_) return;
+    following_ = true;
+    light_ = value;
+    int64_t clock = std::max(int64_t(std::floor(ticks + 0.5)), handed_out_);
+    pins_.push({clock, clock, value, 0, 0, laser_target_, MessageKind::pin, 0});
+  }
+
   // The next n records are due at `ticks`.
   void place(double ticks, uint16_t n) {
     for (; n > 0; --n) {
@@ -388,6 +431,7 @@ class Motion {
         marks_.push_back(r);
       else
         pins_.push({r.clock, r.clock, r.value, 0, 0, r.target, MessageKind::pin, 0});
+      if (r.target == laser_target_) following_ = false;
       placed_.push_back(r);
     }
   }
@@ -450,6 +494,9 @@ class Motion {
       rest.push_back(history_[i]);
     }
     history_.resize(first);
+    bool midway = !rest.empty() && rest[0].start < ticks_of_cut_;
+    following_ = midway ? rest[0].duty > 0 : still_following();
+    light_ = laser_full_ + 1;  // what is kept of it is not known
     // Records that no move of the rest brings along were due at the end of the plan, or late.
     size_t brought = 0;
     for (const Move& m : rest) brought += m.start >= ticks_of_cut_ ? m.records : 0;

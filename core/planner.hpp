@@ -30,6 +30,7 @@ class Planner {
   Constraints& constraints() { return bounds_.constraints(); }
   const Constraints& constraints() const { return bounds_.constraints(); }
   double speed_factor = 1;  // M220
+  double laser_share = 0;   // of full power, at the feed rate of moves to come
 
   // Settled moves that the caller has not taken yet; it clears the vector.
   std::vector<Move>& settled() { return settled_; }
@@ -160,6 +161,8 @@ class Planner {
     m.moved = r.moved;
     m.inner = r.arc_inner;
     m.rapid = r.rapid;
+    bool dark = r.rapid || r.kind == MoveKind::dwell || !(r.feed_mm_s < kInfinity);
+    m.duty = dark ? 0 : laser_share / r.feed_mm_s;
     return m;
   }
 

@@ -975,6 +975,14 @@ class Job:
     def machine_position(self) -> list[float]:
         """End of the plan: X, Y, Z, E and further axes, in machine mm."""
 
+    def set_laser(self, target: int, full: int) -> None:
+        """This output is a laser, fully on at `full`."""
+
+    def follow_speed(self, share: float) -> None:
+        """
+        The laser's share of full power, at the feed rate of the moves that follow; it is less where they are slower, and none while nothing moves. 0: records alone set it.
+        """
+
     def move_to(self, target: Sequence[float], feed_mm_s: float, limited: bool = True) -> bool:
         """
         A straight move in machine coordinates (NaN: stay), outside of soft limits. False if an actuator does not reach it, unless its limits are not to count.

@@ -68,7 +68,13 @@ TABLE: tuple[Row, ...] = (
     Row("M1", _H, _X, "S(s) P(ms) text", "Waits for a person, M108 or the time."),
     Row("M2", _P, _X, "", "Ends the program."),
     Row("M3", _P, _N, "S", "Laser or spindle on."),
-    Row("M4", _P, _N, "S", "Laser or spindle on, power with speed."),
+    Row(
+        "M4",
+        _P,
+        _N,
+        "S",
+        "Laser on; less where the head is slower, dark at rest and on G0.",
+    ),
     Row("M5", _P, _N, "", "Laser or spindle off."),
     Row("M17", _Q, _N, "X Y Z E", "Motors on; a move turns them on anyway."),
     Row(

@@ -53,7 +53,9 @@ class Commands:
         self._tool_c: dict[int, tuple[float | None, float | None]] = {}  # at work, on standby
         self.fans: dict[str, float] = {}  # as last set, 0 to 1
         self._spindle = 0.0
-        self._spindle_on = False
+        self._spindle_mode = ""  # M3: as set, M4: with the speed, or off
+        if machine.laser:
+            job.set_laser(*self._outputs["laser"])
         self.ended = False
         self._handlers: dict[str, Callable[[Command], Wait | None]] = {
             "G28": lambda c: Homing(c.text),
@@ -151,11 +153,11 @@ class Commands:
 
     def _spindle_start(self, command: Command) -> None:
         self._spindle = command.words().get("S", self._spindle)
-        self._spindle_on = True
+        self._spindle_mode = command.code
         self._laser()
 
     def _spindle_stop(self, _: Command) -> None:
-        self._spindle_on = False
+        self._spindle_mode = ""
         self._laser()
 
     def _spindle_power(self, command: Command) -> None:
@@ -164,8 +166,9 @@ class Commands:
 
     def _laser(self) -> None:
         if self._machine.laser:
-            share = self._spindle / self._machine.laser.full_scale if self._spindle_on else 0.0
-            self.set_output("laser", share)
+            share = max(0.0, self._spindle / self._machine.laser.full_scale)
+            self._job.follow_speed(share if self._spindle_mode == "M4" else 0.0)
+            self.set_output("laser", share if self._spindle_mode == "M3" else 0.0)
 
     def heater(self, kind: str, number: int | None = None) -> str:
         """The heater of a kind: a hotend by its tool's number, the active tool's by default; others
