@@ -75,13 +75,13 @@ def test_a_dwell_takes_its_time_whatever_m220_says(s):
     assert took(s, "G4 S6") - took(s, "G4 S2") == pytest.approx(4.0, abs=0.02)
 
 
-@pytest.mark.parametrize(("command", "further"), [("M108", 60.0), ("M410", 0.0)])
-def test_a_dwell_ends_when_somebody_wants_it(s, command, further):
+@pytest.mark.parametrize(("command", "dwell_s", "further"), [("M108", 600, 60), ("M410", 1.9, 0)])
+def test_a_dwell_ends_when_somebody_wants_it(s, command, dwell_s, further):
     """The moves behind it go on after M108, and are forgotten after a stop."""
     other = Host(s)
     before = s.positions()["x"]
-    s.host.send("G4 S600", "M106 S255", "G1 X60 F6000")
-    s.passes(5)
+    s.host.send(f"G4 S{dwell_s}", "M106 S255", "G1 X60 F6000")
+    s.passes(1)
     other.send(command)
     s.passes(0.3)
     assert s.printer.drive.standing == (command == "M410")
