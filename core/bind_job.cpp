@@ -221,6 +221,14 @@ void bind_job(nb::module_& m) {
           "target"_a, "value"_a,
           "A timed record for output `target`, due between the moves before and after.")
       .def(
+          "record_at",
+          [](JobView& self, double ticks, uint16_t target, uint32_t value) {
+            self.job.motion.record_at(ticks, target, value);
+          },
+          "ticks"_a, "target"_a, "value"_a,
+          "A record for output `target` at this clock, whatever moves are planned; it cannot be "
+          "revoked.")
+      .def(
           "mark",
           [](JobView& self, uint16_t target, uint32_t value) {
             self.job.motion.record(uint16_t(Motion::kMark + target), value);

@@ -72,6 +72,15 @@ class Motion {
     if (planner_.queued() == 0) place(planner_.clock(), std::exchange(unattached_, 0));
   }
 
+  // A record for output `target`, due at `ticks` in the midst of the moves. It cannot be revoked:
+  // no cut may be asked for at an earlier clock any more.
+  void record_at(double ticks, uint16_t target, uint32_t value) {
+    int64_t clock = int64_t(std::ceil(ticks));
+    MessageQueue& queue = clock < handed_out_ ? messages_ : pins_;
+    queue.insert({clock, clock, value, 0, 0, target, MessageKind::pin, 0});
+    merge(false);
+  }
+
   // Settles all, for a stop at the end, and hands out every message.
   void flush() {
     planner_.flush();

@@ -864,6 +864,11 @@ class Job:
         A timed record for output `target`, due between the moves before and after.
         """
 
+    def record_at(self, ticks: float, target: int, value: int) -> None:
+        """
+        A record for output `target` at this clock, whatever moves are planned; it cannot be revoked.
+        """
+
     def mark(self, target: int, value: int) -> None:
         """A timed record for the host itself, see take_marks."""
 

@@ -55,6 +55,7 @@ class Commands:
         self._spindle = 0.0
         self._spindle_on = False
         self.ended = False
+        self.record_at_once = job.record  # without a living printer there is no such haste
         self._handlers: dict[str, Callable[[Command], Wait | None]] = {
             "G28": lambda c: Homing(c.text),
             "G92": self._set_position,
@@ -74,8 +75,8 @@ class Commands:
             "M190": lambda c: self._reach_temperature(c, "bed"),
             "M191": lambda c: self._reach_temperature(c, "chamber"),
             "M116": self._reach_all,
-            "M106": self._fan_on,
-            "M107": self._fan_off,
+            "M106": lambda c: self._set_fan(c, c.words().get("S", 255) / 255),
+            "M107": lambda c: self._set_fan(c, 0.0),
             "M200": self._volumes,
             "M201": lambda c: self._axis_limits(c, "accel"),
             "M203": lambda c: self._axis_limits(c, "speed"),
@@ -142,12 +143,13 @@ class Commands:
         for fan in self._machine.fans:
             self.set_output(fan, 0.0)
 
-    def set_output(self, output: str, share: float) -> None:
-        """Sets an output, 0 to 1, when the moves so far are done."""
+    def set_output(self, output: str, share: float, *, at_once: bool = False) -> None:
+        """Sets an output, 0 to 1, when the moves so far are done, or at once."""
         if output in self._machine.fans:
             self.fans[output] = share
         index, full = self._outputs[output]
-        self._job.record(index, round(min(max(share, 0.0), 1.0) * full))
+        record = self.record_at_once if at_once else self._job.record
+        record(index, round(min(max(share, 0.0), 1.0) * full))
 
     def _spindle_start(self, command: Command) -> None:
         self._spindle = command.words().get("S", self._spindle)
@@ -258,17 +260,11 @@ class Commands:
         number = int(command.words().get("P", 0))
         return next((n for n, fan in self._machine.fans.items() if fan.number == number), None)
 
-    def _fan_on(self, command: Command) -> None:
+    def _set_fan(self, command: Command, share: float) -> None:
         fan = self._fan(command)
         if fan is not None:
-            self.set_output(
-                fan, command.words().get("S", 255) / 255 * self._machine.fans[fan].max_power
-            )
-
-    def _fan_off(self, command: Command) -> None:
-        fan = self._fan(command)
-        if fan is not None:
-            self.set_output(fan, 0.0)
+            at_once = _AT_ONCE.search(command.text) is not None
+            self.set_output(fan, share * self._machine.fans[fan].max_power, at_once=at_once)
 
     def _volumes(self, command: Command) -> None:
         words = command.words()
