@@ -414,6 +414,16 @@ void bind_job(nb::module_& m) {
             return std::make_tuple(r.mm, r.feed_mm_s, r.hop_mm, r.recover_mm, r.recover_feed_mm_s);
           },
           "(mm, mm/s, hop mm, extra mm, mm/s back or 0) of M207 and M208.")
+      .def_prop_ro(
+          "filament_diameters",
+          [](JobView& self) -> std::optional<std::vector<double>> {
+            const Interpreter& i = self.job.interpreter;
+            if (!i.volumetric()) return std::nullopt;
+            return i.diameters();
+          },
+          "mm, of each extruder, where E is a volume (M200); else None.")
+      .def_prop_ro("auto_retract",
+                   [](JobView& self) { return self.job.interpreter.auto_retract(); })
       .def(
           "limit",
           [](JobView& self, const std::string& name) {

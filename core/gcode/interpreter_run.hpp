@@ -148,8 +148,9 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
   auto has = [&](char letter) {
     return std::any_of(w, end, [&](const Word& x) { return x.letter == letter; });
   };
-  bool numbers = minor == 0 && (command.letter == 'G' ? code == 4 || code == 92
-                                                      : code == 207 || code == 208 || code == 221);
+  bool numbers = minor == 0 &&
+                 (command.letter == 'G' ? code == 4 || code == 92
+                                        : code == 200 || code == 207 || code == 208 || code == 221);
   for (const Word* x = w; numbers && x < end; ++x) {
     if (!sound(*x)) return;
     if (x->letter == 'F' && !(x->value > 0)) return fail(Fault::feedrate, "F", x->value, 0);
@@ -248,6 +249,22 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
       case 83:
         absolute_e_ = false;
         return;
+      case 200: {
+        if (w == end) break;  // a question
+        double tool = value_of('T', double(tool_)), mm = value_of('D', 1);
+        if (!(tool >= 0 && tool < double(machine_->tools.size())))
+          return fail(Fault::missing_tool, "T", tool, double(machine_->tools.size()));
+        if (mm != 0 && !(mm >= kThinnest && mm <= kThickest))
+          return fail(Fault::number, "D", mm, kThickest);
+        int extruder = machine_->tools[size_t(tool)].extruder;
+        if (has('D') && mm > 0 && extruder >= 0) diameter_[size_t(extruder)] = mm;
+        volumetric_ = mm > 0 && value_of('S', 1) != 0;
+        return;
+      }
+      case 209:
+        if (!has('S')) break;  // a question
+        auto_retract_ = value_of('S', 0) != 0;
+        return;
       case 207:
         retract_mm_ = value_of('S', retract_mm_);
         retract_feed_ = has('F') ? value_of('F', 0) / 60 : retract_feed_;
@@ -279,17 +296,21 @@ inline void Interpreter::run_motion(int code, const Word* w, const Word* end) {
   if (w == end) return;
   double value[26] = {}, feed = feed_, duration = 0, laser = 0;
   uint32_t have = 0;
-  bool absolute = absolute_, absolute_e = absolute_ && absolute_e_, keeps_feed = true,
-       has_laser = false;
+  uint32_t relative = this->relative();
+  bool keeps_feed = true, has_laser = false;
   int turns = 0;
   for (const Word* x = w; x < end; ++x) {
     std::string shown(1, x->letter);
     int slot = x->letter >= 'A' && x->letter <= 'Z' ? letter_slot_[x->letter - 'A'] : -1;
-    if (x->letter == 'R' &&
-        code < 2) {  // these axes, or all that are not named: the other way round
+    if (x->letter == 'R' && code < 2) {  // all are absolute but those right behind it
       if (x->number) continue;
-      absolute = absolute_e = true;
+      relative = 0;
       keeps_feed = false;
+      for (; x + 1 < end && !x[1].number && x[1].begin == x->end; ++x) {
+        if (x[1].letter < 'A' || x[1].letter > 'Z') break;
+        relative |= 1u << (x[1].letter - 'A');
+        keeps_feed |= x[1].letter == 'F';
+      }
       continue;
     }
     if (x->letter < 'A' || x->letter > 'Z') return fail(Fault::word, shown, 0, 0);
@@ -326,7 +347,7 @@ inline void Interpreter::run_motion(int code, const Word* w, const Word* end) {
     move_.feed_mm_s = feed;
     return run_arc(code == 2, value, have, turns);
   }
-  if (!target(value, axes, absolute, absolute_e)) return;
+  if (!target(value, axes, relative) || retracts(axes)) return;
   move_.feed_mm_s = feed;
   move_.duration_s = duration;
   move_.radius_mm = kInfinity;
@@ -350,7 +371,7 @@ inline void Interpreter::run_arc(bool clockwise, const double* value, uint32_t h
     if ((have >> k & 1) && letter_slot_[k] >= 0) axes |= 1u << k;
   double feed = move_.feed_mm_s, start[kAxes];
   std::copy(position_, position_ + kAxes, start);
-  if (!target(value, axes, absolute_, absolute_ && absolute_e_)) return;
+  if (!target(value, axes, relative())) return;
   double end[kAxes];
   std::copy(move_.target, move_.target + kAxes, end);
   double du = end[u] - start[u], dv = end[v] - start[v], cu, cv;

@@ -973,6 +973,13 @@ class Job:
     def retraction(self) -> tuple[float, float, float, float, float]:
         """(mm, mm/s, hop mm, extra mm, mm/s back or 0) of M207 and M208."""
 
+    @property
+    def filament_diameters(self) -> list[float] | None:
+        """mm, of each extruder, where E is a volume (M200); else None."""
+
+    @property
+    def auto_retract(self) -> bool: ...
+
     def limit(self, name: str) -> float:
         """A limit as set_limit takes it."""
 

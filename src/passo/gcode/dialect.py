@@ -40,8 +40,16 @@ _M, _P, _H, _Q = Kind.MOTION, Kind.PRINTER, Kind.PERSON, Kind.QUIET
 _I, _N, _X, _A = When.IMMEDIATE, When.PLANNED, When.EXCLUSIVE, When.AHEAD
 
 TABLE: tuple[Row, ...] = (
-    Row("G0", _M, _N, "X Y Z E F(mm/min) T(s) R", "Moves in a straight line, without work."),
-    Row("G1", _M, _N, "X Y Z E F(mm/min) T(s) R S(laser)", "Moves in a straight line."),
+    Row(
+        "G0", _M, _N, "X Y Z E F(mm/min) T(s) R(letters)", "Moves in a straight line, without work."
+    ),
+    Row(
+        "G1",
+        _M,
+        _N,
+        "X Y Z E F(mm/min) T(s) R(letters) S(laser)",
+        "Moves in a straight line; with R to absolute positions, but relative ones of its letters.",
+    ),
     Row("G2", _M, _N, "X Y Z E F I J K R P(turns)", "Moves clockwise on an arc or a helix."),
     Row(
         "G3", _M, _N, "X Y Z E F I J K R P(turns)", "Moves counter-clockwise on an arc or a helix."
@@ -67,6 +75,7 @@ TABLE: tuple[Row, ...] = (
     Row("M0", _H, _X, "S(s) P(ms) text", "Waits for a person, M108 or the time."),
     Row("M1", _H, _X, "S(s) P(ms) text", "Waits for a person, M108 or the time."),
     Row("M2", _P, _X, "", "Ends the program."),
+    Row("EOF", _P, _X, "", "Ends the program."),
     Row("M3", _P, _N, "S", "Laser or spindle on."),
     Row("M4", _P, _N, "S", "Laser or spindle on, power with speed."),
     Row("M5", _P, _N, "", "Laser or spindle off."),
@@ -172,7 +181,13 @@ TABLE: tuple[Row, ...] = (
     Row("M155", _Q, _I, "S(s)", "Tells the temperatures every S seconds."),
     Row("M190", _P, _X, "S(°C) R(°C) P", "Sets the bed's temperature and waits for it."),
     Row("M191", _P, _X, "S(°C) R(°C) P", "Sets the chamber's temperature and waits for it."),
-    Row("M200", _P, _N, "S D(mm)", "Refused where it says that E is a volume: E is a length."),
+    Row(
+        "M200",
+        _M,
+        _N,
+        "D(mm) T S",
+        "E is a volume of filament with this diameter, in mm³; with D0 or S0 a length again.",
+    ),
     Row("M201", _P, _N, "X Y Z E (mm/s²)", "Sets the axes' accelerations, at most the machine's."),
     Row("M203", _P, _N, "X Y Z E (mm/s)", "Sets the axes' speeds, at most the machine's."),
     Row("M204", _P, _N, "S P R T (mm/s²)", "Sets accelerations: all, print, retract, travel."),
@@ -180,6 +195,13 @@ TABLE: tuple[Row, ...] = (
     Row("M206", _Q, _N, "X Y Z (mm)", "Added to the axes' home positions."),
     Row("M207", _M, _N, "S(mm) F Z(mm) R(mm)", "Sets how G10 retracts."),
     Row("M208", _M, _N, "S(mm) F", "Sets how G11 takes it back."),
+    Row(
+        "M209",
+        _M,
+        _N,
+        "S",
+        "S1: moves of E alone, by 0.1 to 10 mm, retract as G10 and G11 do.",
+    ),
     Row("M218", _Q, _N, "T X Y Z (mm)", "A tool's offset."),
     Row("M220", _P, _I, "S(%)", "Scales the speed, of what is planned too."),
     Row("M221", _M, _N, "S(%)", "Scales the extrusion."),
@@ -238,7 +260,6 @@ TABLE: tuple[Row, ...] = (
             ("M7", "Mist coolant."),
             ("M8", "Coolant."),
             ("M9", "Coolant off."),
-            ("M209", "Retraction by guess; G10 and G11 are what retracts."),
             ("M413", "Resuming after a power cut: always on where there is a place for it."),
             ("M486", "Object labels."),
             ("M862", "Checks of a Prusa printer."),

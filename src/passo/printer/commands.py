@@ -61,6 +61,7 @@ class Commands:
             "G92": self._set_position,
             "M2": self._end,
             "M30": self._end,
+            "EOF": self._end,
             "M3": self._spindle_start,
             "M4": self._spindle_start,
             "M5": self._spindle_stop,
@@ -77,7 +78,6 @@ class Commands:
             "M116": self._reach_all,
             "M106": lambda c: self._set_fan(c, c.words().get("S", 255) / 255),
             "M107": lambda c: self._set_fan(c, 0.0),
-            "M200": self._volumes,
             "M201": lambda c: self._axis_limits(c, "accel"),
             "M203": lambda c: self._axis_limits(c, "speed"),
             "M204": lambda c: self.accelerations(c.words()),
@@ -265,11 +265,6 @@ class Commands:
         if fan is not None:
             at_once = _AT_ONCE.search(command.text) is not None
             self.set_output(fan, share * self._machine.fans[fan].max_power, at_once=at_once)
-
-    def _volumes(self, command: Command) -> None:
-        words = command.words()
-        if words.get("D", 0) > 0 and words.get("S", 1) != 0:
-            _count(self.unknown, "M200 with D", command.line)
 
     def _axis_limits(self, command: Command, what: str) -> None:
         for letter, value in command.words().items():

@@ -32,7 +32,8 @@ class MotionCommands:
         }
         self.planned: dict[str, Handler] = {
             "M92": self._scales,
-            "M200": self._volumes,
+            "M200": lambda c, r: self._say(r, *self.filament_lines()),
+            "M209": lambda c, r: self._say(r, f"M209 S{int(printer.job.auto_retract)}"),
             "M201": lambda c, r: self._axis_limits(c, r, "accel"),
             "M203": lambda c, r: self._axis_limits(c, r, "speed"),
             "M204": self._accelerations,
@@ -148,12 +149,30 @@ class MotionCommands:
         """M205 with what holds now."""
         return f"M205 J{self._printer.job.limit('junction_deviation'):.10g}"
 
-    def _volumes(self, command: Command, _: Reply) -> Wait | None:
-        """E is a length. A program that means volumes would push far too much filament."""
-        words = command.words()
-        if words.get("D", 0) > 0 and words.get("S", 1) != 0:
-            raise _refusal("D", words["D"], "0, as E is a length and not a volume")
+    def _say(self, reply: Reply, *lines: str) -> Wait | None:
+        """Answers a question; with words the interpreter has carried the command out."""
+        for line in lines:
+            reply.say(line)
         return None
+
+    def filament_lines(self) -> Iterator[str]:
+        """M200 for each tool where E is a volume, else that it is a length."""
+        diameters = self._printer.job.filament_diameters
+        if diameters is None:
+            yield "M200 S0"
+            return
+        for tool, row in enumerate(self._machine.core_spec()["tools"]):
+            if row["extruder"] >= 0:
+                yield f"M200 T{tool} D{diameters[row['extruder']]:.10g}"
+
+    def retraction_lines(self) -> Iterator[str]:
+        """M207 to M209 with what holds now."""
+        job = self._printer.job
+        mm, feed, hop, extra, back = job.retraction
+        yield f"M207 S{mm:.10g} F{feed * 60:.10g} Z{hop:.10g} R{extra:.10g}"
+        if back > 0:
+            yield f"M208 S{extra:.10g} F{back * 60:.10g}"
+        yield f"M209 S{int(job.auto_retract)}"
 
     # -- offsets ----------------------------------------------------------------------------------
 

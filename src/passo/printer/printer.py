@@ -384,6 +384,7 @@ class Printer:
                 found = self.job.advance()
                 if found == status.EVENT:
                     wait = self.run_command(Command(*self.job.event), reply)
+                    self.commands.ended = False  # a console has no program to end
                     if wait is not None:
                         return wait
                 elif found == status.ERROR:
