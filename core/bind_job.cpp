@@ -131,6 +131,7 @@ void bind_job(nb::module_& m) {
       .value("NOT_HOMED", Fault::not_homed)
       .value("COLD", Fault::cold)
       .value("GARBAGE", Fault::garbage)
+      .value("UNSAVED", Fault::unsaved)
       .value("UNREACHABLE", Fault::unreachable)
       .value("ACTUATOR", Fault::actuator);
   nb::class_<JobView>(m, "Job", "A G-code program through one machine. Not thread-safe.")

@@ -41,6 +41,7 @@ enum class Fault : uint8_t {
   not_homed,
   cold,
   garbage,
+  unsaved,
   unreachable,
   actuator
 };
@@ -96,9 +97,10 @@ class Interpreter {
   }
   // Takes up the program again as `before` left it, except for what the console has not said yet.
   void resume(const Interpreter& before) {
-    Lines console = std::move(sources_[1]);
+    Interpreter mine = std::move(*this);
     *this = before;
-    sources_[1] = std::move(console);
+    sources_[1] = std::move(mine.sources_[1]);
+    std::copy(std::begin(mine.saved_), std::end(mine.saved_), saved_);
   }
   // Takes the state that a program has in another interpreter of the same machine; what is unread
   // here, and which axes know where they are, stays.
@@ -248,6 +250,12 @@ class Interpreter {
   bool absolute_ = true, absolute_e_ = true;
   int motion_ = -1;  // modal G0…G3; -1: none given yet
   int plane_ = 17;
+  static constexpr int kSaved = 2;
+  struct Saved {
+    bool valid = false;
+    double at[kAxes];
+  };
+  Saved saved_[kSaved];  // machine positions of G60
   bool retracted_ = false, auto_retract_ = false;
   uint8_t locked_ = 0;  // a bit for each axis slot
   double hop_ = 0;
@@ -445,6 +453,8 @@ class Interpreter {
   void run_modal(const Word* first, const Word* last);
   void run_motion(int code, const Word* first, const Word* last);
   void run_arc(bool clockwise, const double* value, uint32_t have, int turns);
+  void run_saved(bool save, const Word* first, const Word* last);
+  void queue_straight(double feed, double duration, bool rapid);
   void run_retract(bool in);
   void select_tool(const Word& word);
   bool next_chord();

@@ -205,9 +205,16 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
           if (x->letter >= 'A' && x->letter <= 'Z' && letter_slot_[x->letter - 'A'] >= 0 &&
               x->letter != 'E')
             letters += x->letter;
-        home(letters);
+        // O: only what does not know where it is, which the caller must find out.
+        if (has('O') && letter_slot_['O' - 'A'] < 0)
+          letters += 'O';
+        else
+          home(letters);
         return emit('G', 28, 0, "", letters);
       }
+      case 60:
+      case 61:
+        return run_saved(code == 60, w, end);
       case 90:
         absolute_ = true;
         return run_modal(w, end);
@@ -217,7 +224,7 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
       case 92: {
         // An axis that does not know where it is learns it; of others only the zero moves.
         bool any = false;
-        std::string learned;
+        std::string learned, actuators;
         auto set = [&](char letter, int j, double value) {
           if (j == kE)
             logical_e_ = value;
@@ -228,13 +235,17 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
         };
         for (const Word* x = w; x < end; ++x) {
           int j = x->letter >= 'A' && x->letter <= 'Z' ? letter_slot_[x->letter - 'A'] : -1;
-          if (j < 0) continue;
           any = true;
+          if (j < 0) {
+            actuators += x->letter + std::to_string(x->value) + " ";
+            continue;
+          }
           set(x->letter, j, x->value * unit_);
         }
         for (char letter = 'A'; !any && letter <= 'Z'; ++letter)
           if (letter_slot_[letter - 'A'] >= 0) set(letter, letter_slot_[letter - 'A'], 0);
         if (!learned.empty()) emit('G', 92, 0, "", learned);
+        if (!actuators.empty()) emit('G', 92, 1, "", actuators);
         return;
       }
       default:
@@ -348,17 +359,54 @@ inline void Interpreter::run_motion(int code, const Word* w, const Word* end) {
     return run_arc(code == 2, value, have, turns);
   }
   if (!target(value, axes, relative) || retracts(axes)) return;
+  queue_straight(feed, duration, code == 0);
+}
+
+// The target that move_ has now.
+inline void Interpreter::queue_straight(double feed, double duration, bool rapid) {
   move_.feed_mm_s = feed;
   move_.duration_s = duration;
   move_.radius_mm = kInfinity;
   move_.arc_inner = false;
-  move_.rapid = code == 0;
+  move_.rapid = rapid;
   move_.line = line_of_move();
   Item item{};
   item.found = Found::move;
   item.move = move_;
   item.move.kind = MoveKind::travel;
   pending_.push_back(std::move(item));
+}
+
+// G60 saves where the machine is as S; G61 goes there with the axes that it names, so far beside it
+// as their words say, with X, Y, Z if it names none. F counts for this move alone.
+inline void Interpreter::run_saved(bool save, const Word* w, const Word* end) {
+  double value[26] = {}, feed = kInfinity, slot = 0;
+  uint32_t have = 0;
+  for (const Word* x = w; x < end; ++x) {
+    if (x->number && !sound(*x)) return;
+    int k = x->letter - 'A';
+    if (x->letter == 'S' && x->number) slot = x->value;
+    if (x->letter == 'F' && x->number && x->value > 0) feed = x->value * unit_ / 60;
+    if (k < 0 || k >= 26 || letter_slot_[k] < 0) continue;
+    have |= 1u << k;
+    value[k] = x->number ? x->value * unit_ : 0;
+  }
+  if (!(slot == 0 || slot == 1)) return fail(Fault::number, "S", slot, kSaved - 1);
+  Saved& saved = saved_[int(slot)];
+  if (save) {
+    saved.valid = true;
+    std::copy(position_, position_ + kAxes, saved.at);
+    return emit('G', 60, 0, "", "S" + std::to_string(int(slot)));
+  }
+  if (!saved.valid) return fail(Fault::unsaved, "S", slot, 0);
+  if (have == 0) have = 1u << ('X' - 'A') | 1u << ('Y' - 'A') | 1u << ('Z' - 'A');
+  for (int k = 0; k < 26; ++k) {  // as relative words
+    if ((have >> k & 1) == 0) continue;
+    int j = letter_slot_[k];
+    double by = saved.at[j] + value[k] - position_[j];
+    value[k] = (j == kE ? by / e_scale() : by) / unit_;
+  }
+  if (target(value, have, ~0u)) queue_straight(feed, 0, false);
 }
 
 inline void Interpreter::run_arc(bool clockwise, const double* value, uint32_t have, int turns) {

@@ -793,9 +793,11 @@ class Fault(enum.Enum):
 
     GARBAGE = 10
 
-    UNREACHABLE = 11
+    UNSAVED = 11
 
-    ACTUATOR = 12
+    UNREACHABLE = 12
+
+    ACTUATOR = 13
 
 class Job:
     """A G-code program through one machine. Not thread-safe."""

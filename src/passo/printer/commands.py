@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING, Protocol
 from passo.config.drives import axis_order
 from passo.errors import CommandError, Problem
 from passo.gcode.dialect import BY_CODE, Kind
+from passo.geometry.base import Unreachable
 from passo.printer.faults import problem_of
+from passo.printer.slots import E
 from passo.printer.waits import Homing, Person, Still, Temperatures, Wait
 from passo.printer.words import Command
 
@@ -59,6 +61,7 @@ class Commands:
         self._handlers: dict[str, Callable[[Command], Wait | None]] = {
             "G28": lambda c: Homing(c.text),
             "G92": self._set_position,
+            "G92.1": self._set_actuators,
             "M2": self._end,
             "M30": self._end,
             "EOF": self._end,
@@ -133,6 +136,30 @@ class Commands:
         """Of axes that do not know where they are; the interpreter does the others."""
         axes = axis_order(self._machine.axes)
         self._job.set_axes([(axes.index(k.lower()), v) for k, v in command.words().items()])
+
+    def _set_actuators(self, command: Command) -> None:
+        """G92 with letters of motors: where the nozzle is follows from all of them. Raises
+        CommandError where they lead nowhere, or another one is not known."""
+        geometry, job = self._machine.geometry, self._job
+        words = command.words()
+        given = {n: words[n.upper()] for n in geometry.actuators if n.upper() in words}
+        if not given:
+            return
+        locked = [i for i in job.locked_axes if i < E]
+        if locked and len(given) < len(set(geometry.actuators) - {"z"}):
+            raise CommandError([Problem("input.not-homed", values={"axis": "XYZ"[locked[0]]})])
+        try:
+            x, y, z = job.machine_position[:E]
+            known = dict.fromkeys(geometry.actuators, z)
+            if not locked:
+                known = dict(zip(geometry.actuators, geometry.inverse((x, y, z)), strict=True))
+            a, b, c = (known | given).values()
+            point = geometry.forward((a, b, c))
+        except Unreachable as error:
+            values = {"axis": "G92", "value": command.text, "limit": str(error)}
+            raise CommandError([Problem("command.value", values=values)]) from None
+        ways = 3 if geometry.lifts_together or 2 not in locked else 2
+        job.set_axes(list(enumerate(point))[:ways])
 
     def _end(self, _: Command) -> Wait:
         self.ended = True

@@ -33,6 +33,7 @@ class MotionCommands:
         self.planned: dict[str, Handler] = {
             "M92": self._scales,
             "M200": lambda c, r: self._say(r, *self.filament_lines()),
+            "G60": self._saved,
             "M209": lambda c, r: self._say(r, f"M209 S{int(printer.job.auto_retract)}"),
             "M201": lambda c, r: self._axis_limits(c, r, "accel"),
             "M203": lambda c, r: self._axis_limits(c, r, "speed"),
@@ -180,15 +181,27 @@ class MotionCommands:
         words = command.words()
         if not words:
             reply.say(self.home_offset_line())
-        for letter, value in words.items():
-            if letter.lower() in self.home_offset_mm:
-                self.home_offset_mm[letter.lower()] = value
+        offsets = {a: words[a.upper()] for a in self.home_offset_mm if a.upper() in words}
+        for name, mm in offsets.items():
+            axis = self._machine.axes[name]
+            longest = axis.max_mm - axis.min_mm
+            if abs(mm) > longest:
+                raise _refusal(name.upper(), mm, f"at most the {longest:g} mm of the axis")
+        self.home_offset_mm |= offsets
         return None
 
     def home_offset_line(self) -> str:
         """M206 with what holds now."""
         words = [f"{a.upper()}{mm:.10g}" for a, mm in self.home_offset_mm.items()]
         return f"M206 {' '.join(words)}"
+
+    def _saved(self, command: Command, reply: Reply) -> Wait | None:
+        """G60; the interpreter has saved the position."""
+        *axes, e = self._printer.job.program_position
+        places = zip([a.upper() for a in self._axes], axes, strict=True)
+        where = " ".join(f"{letter}:{at + 0.0:.2f}" for letter, at in places)
+        reply.say(f"Saved position {command.text}<-{where} E:{e + 0.0:.2f}")
+        return None
 
     def _tool_offset(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
