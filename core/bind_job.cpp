@@ -423,6 +423,15 @@ void bind_job(nb::module_& m) {
             return i.diameters();
           },
           "mm, of each extruder, where E is a volume (M200); else None.")
+      .def_prop_ro(
+          "filament_changes",
+          [](JobView& self) {
+            std::vector<std::pair<double, double>> lengths;
+            for (const auto& c : self.job.interpreter.changes())
+              lengths.emplace_back(c.load_mm, c.unload_mm);
+            return lengths;
+          },
+          "mm that M701 pushes in and M702 pulls out, of each extruder.")
       .def_prop_ro("auto_retract",
                    [](JobView& self) { return self.job.interpreter.auto_retract(); })
       .def(

@@ -63,7 +63,8 @@ class Interpreter {
 
   Interpreter(const Machine& machine, std::vector<double> home, bool laser)
       : machine_(&machine), home_(std::move(home)), laser_(laser),
-        extruder_(machine.extruders.size(), 0.0), diameter_(machine.extruders.size(), kUsualMm) {
+        extruder_(machine.extruders.size(), 0.0), diameter_(machine.extruders.size(), kUsualMm),
+        change_(machine.extruders.size(), Change{100, 100}) {
     std::fill(std::begin(letter_slot_), std::end(letter_slot_), int8_t(-1));
     for (size_t i = 0; i < machine.axes.size(); ++i)
       letter_slot_[machine.axes[i].letter - 'A'] = int8_t(slot_of_axis(int(i)));
@@ -147,6 +148,10 @@ class Interpreter {
   bool volumetric() const { return volumetric_; }
   const std::vector<double>& diameters() const { return diameter_; }
   bool auto_retract() const { return auto_retract_; }
+  struct Change {
+    double load_mm, unload_mm;  // M603, of filament
+  };
+  const std::vector<Change>& changes() const { return change_; }
   // A locked axis does not know where it is: moves of it fail until it is homed or set by G92.
   void lock(int j, bool locked) {
     locked_ = uint8_t(locked ? locked_ | 1u << j : locked_ & ~(1u << j));
@@ -218,6 +223,7 @@ class Interpreter {
  private:
   static constexpr double kPi = 3.141592653589793;
   static constexpr double kLeastRetract = 0.1, kMostRetract = 10;  // mm, of M209
+  static constexpr double kLongestChange = 5000;                   // mm, of M603
   static constexpr double kThinnest = 0.1, kThickest = 10;         // mm, of filament
   struct Item {
     Found found;
@@ -243,8 +249,10 @@ class Interpreter {
   double logical_e_ = 0;          // the program's E
   std::vector<double> extruder_;  // machine position of each extruder
   static constexpr double kUsualMm = 1.75;
-  std::vector<double> diameter_;  // of each extruder's filament, mm
-  bool volumetric_ = false;       // E is mm³
+  std::vector<double> diameter_;                          // of each extruder's filament, mm
+  bool volumetric_ = false;                               // E is mm³
+  static constexpr double kLoadMmS = 6, kUnloadMmS = 20;  // speeds of M701 and M702
+  std::vector<Change> change_;                            // of each extruder
   size_t tool_ = 0, active_ = 0;
   double unit_ = 1, feed_ = kInfinity;
   bool absolute_ = true, absolute_e_ = true;
@@ -455,6 +463,8 @@ class Interpreter {
   void run_arc(bool clockwise, const double* value, uint32_t have, int turns);
   void run_saved(bool save, const Word* first, const Word* last);
   void queue_straight(double feed, double duration, bool rapid);
+  bool run_filament(int code, const Word* first, const Word* last);
+  void queue_step(int j, double by, double feed);
   void run_retract(bool in);
   void select_tool(const Word& word);
   bool next_chord();

@@ -276,6 +276,11 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
         if (!has('S')) break;  // a question
         auto_retract_ = value_of('S', 0) != 0;
         return;
+      case 603:
+      case 701:
+      case 702:
+        if (run_filament(code, w, end)) return;
+        break;
       case 207:
         retract_mm_ = value_of('S', retract_mm_);
         retract_feed_ = has('F') ? value_of('F', 0) / 60 : retract_feed_;
@@ -465,36 +470,74 @@ inline bool Interpreter::next_chord() {
   return ready();
 }
 
+// A move of slot j by so much, of which the program's own coordinates know nothing.
+inline void Interpreter::queue_step(int j, double by, double feed) {
+  if (by == 0) return;
+  Item item{};
+  item.found = Found::move;
+  MoveRequest& m = item.move;
+  const double* from = position_;
+  for (const Item& x : pending_)
+    if (x.found == Found::move) from = x.move.target;
+  std::copy(from, from + kAxes, m.target);
+  m.target[j] += by;
+  m.feed_mm_s = feed;
+  m.radius_mm = kInfinity;
+  m.line = line_of_move();
+  m.kind = MoveKind::travel;
+  m.moved = uint8_t(1u << j);
+  pending_.push_back(std::move(item));
+}
+
+// M603 sets the lengths of a tool's filament path; M701 pushes the filament of the tool in use in,
+// M702 pulls it out, lifted by Z meanwhile. False: a question.
+inline bool Interpreter::run_filament(int code, const Word* w, const Word* end) {
+  auto length_of = [&](char letter, double otherwise) {
+    for (const Word* x = w; x < end; ++x)
+      if (x->letter == letter && x->number) return x->value;
+    return otherwise;
+  };
+  if (code == 603 && w == end) return false;
+  double tool = length_of('T', double(tool_));
+  bool there = tool >= 0 && tool < double(machine_->tools.size()) &&
+               machine_->tools[size_t(tool)].extruder >= 0;
+  if (!there || (code != 603 && tool != double(tool_))) {
+    fail(Fault::missing_tool, "T", tool, double(machine_->tools.size()));
+    return true;
+  }
+  Change& change = change_[size_t(machine_->tools[size_t(tool)].extruder)];
+  double load = length_of('L', change.load_mm), unload = length_of('U', change.unload_mm);
+  double lift = std::clamp(length_of('Z', 0), 0.0, std::max(0.0, high_[kZ] - position_[kZ]));
+  if (!(load >= 0 && unload >= 0 && std::max(load, unload) <= kLongestChange)) {
+    fail(Fault::number, load > kLongestChange || load < 0 ? "L" : "U",
+         load > kLongestChange || load < 0 ? load : unload, kLongestChange);
+  } else if (code == 603) {
+    change = {load, unload};
+  } else if (cold) {
+    fail(Fault::cold, "E", 0, 0);
+  } else if (lift > 0 && locked(kZ)) {
+    fail(Fault::not_homed, axis_name(kZ), 0, 0);
+  } else {
+    queue_step(kZ, lift, kInfinity);
+    queue_step(kE, code == 701 ? load : -unload, code == 701 ? kLoadMmS : kUnloadMmS);
+    queue_step(kZ, -lift, kInfinity);
+  }
+  return true;
+}
+
 // Firmware retraction (G10, G11): filament first, then the hop; back in the reverse order.
 inline void Interpreter::run_retract(bool in) {
   if (in == retracted_ || machine_->extruders.empty()) return;
   if (cold) return fail(Fault::cold, "E", 0, 0);
   retracted_ = in;
-  auto step = [&](int j, double by, double feed) {
-    if (by == 0) return;
-    Item item{};
-    item.found = Found::move;
-    MoveRequest& m = item.move;
-    const MoveRequest* last = nullptr;
-    for (const Item& x : pending_)
-      if (x.found == Found::move) last = &x.move;
-    std::copy(last ? last->target : position_, (last ? last->target : position_) + kAxes, m.target);
-    m.target[j] += by;
-    m.feed_mm_s = feed;
-    m.radius_mm = kInfinity;
-    m.line = line_of_move();
-    m.kind = MoveKind::travel;
-    m.moved = uint8_t(1u << j);
-    pending_.push_back(std::move(item));
-  };
   if (in) {
-    step(kE, -retract_mm_, retract_feed_);
+    queue_step(kE, -retract_mm_, retract_feed_);
     hop_ = std::clamp(retract_hop_, 0.0, std::max(0.0, high_[kZ] - position_[kZ]));
-    step(kZ, hop_, kInfinity);
+    queue_step(kZ, hop_, kInfinity);
   } else {
-    step(kZ, -hop_, kInfinity);
+    queue_step(kZ, -hop_, kInfinity);
     hop_ = 0;
-    step(kE, retract_mm_ + recover_mm_, recover_feed_ > 0 ? recover_feed_ : retract_feed_);
+    queue_step(kE, retract_mm_ + recover_mm_, recover_feed_ > 0 ? recover_feed_ : retract_feed_);
   }
 }
 

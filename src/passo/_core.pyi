@@ -980,6 +980,10 @@ class Job:
         """mm, of each extruder, where E is a volume (M200); else None."""
 
     @property
+    def filament_changes(self) -> list[tuple[float, float]]:
+        """mm that M701 pushes in and M702 pulls out, of each extruder."""
+
+    @property
     def auto_retract(self) -> bool: ...
 
     def limit(self, name: str) -> float:

@@ -238,6 +238,28 @@ def test_a_slicer_s_own_retractions_become_those_of_the_firmware(s):
     assert s.positions()["e"] == pytest.approx(24.95, abs=0.02)
 
 
+def test_filament_is_loaded_and_unloaded(s):
+    """The program's E does not change by it."""
+    s.host.ok("M603 L40 U25")
+    assert s.host.ok("M603")[0] == "M603 T0 L40 U25"
+    s.host.ok("G1 E2 F600")
+    assert took(s, "M701") == pytest.approx(40 / 6, abs=1)
+    assert s.positions()["e"] == pytest.approx(42, abs=0.01)
+    s.host.ok("M702 U10 Z5")
+    assert s.until(lambda: s.positions()["z"] == 25, 3)
+    s.host.ok("M400", 60)
+    assert s.positions()["e"] == pytest.approx(32, abs=0.01)
+    assert s.positions()["z"] == 20
+    s.host.ok("G1 E3")
+    s.host.ok("M400", 60)
+    assert s.positions()["e"] == pytest.approx(33, abs=0.01)
+    assert position(s)["E"] == 3
+    assert "does not exist" in s.host.ok("M701 T1")[0]
+    assert "L" in s.host.ok("M701 L9999")[0]
+    s.host.ok("M302 P0")
+    assert "cold" in s.host.ok("M702")[0]
+
+
 def test_letters_behind_r_are_relative(s):
     s.host.ok("G1 X10 Y10 F6000")
     s.host.ok("G1 X5 Y5 F600 RX")

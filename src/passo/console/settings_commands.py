@@ -47,6 +47,7 @@ class SettingsCommands:
         if self._printer.machine.extruders:
             yield "Filament", list(motion.filament_lines())
             yield "Firmware retraction", list(motion.retraction_lines())
+            yield "Filament change", list(motion.change_lines())
         yield "Idle times", [f"M84 S{self._printer.motors.idle_s:.10g}"]
         yield "Cold extrusion", [f"M302 S{heat.cold_c:.10g} P{int(heat.cold_allowed)}"]
 

@@ -44,6 +44,7 @@ class MotionCommands:
             "M221": self._flow,
             "M290": lambda c, r: self._printer.commands.run(c),
             "M569": self._drivers,
+            "M603": lambda c, r: self._say(r, *self.change_lines()),
         }
 
     # -- scales and limits ------------------------------------------------------------------------
@@ -165,6 +166,15 @@ class MotionCommands:
         for tool, row in enumerate(self._machine.core_spec()["tools"]):
             if row["extruder"] >= 0:
                 yield f"M200 T{tool} D{diameters[row['extruder']]:.10g}"
+
+    def change_lines(self) -> Iterator[str]:
+        """M603 for each tool."""
+        lengths = self._printer.job.filament_changes
+        for tool, row in enumerate(self._machine.core_spec()["tools"]):
+            extruder: int = row["extruder"]
+            if extruder >= 0:
+                load, unload = lengths[extruder]
+                yield f"M603 T{tool} L{load:.10g} U{unload:.10g}"
 
     def retraction_lines(self) -> Iterator[str]:
         """M207 to M209 with what holds now."""
