@@ -131,6 +131,7 @@ void bind_job(nb::module_& m) {
       .value("NOT_HOMED", Fault::not_homed)
       .value("COLD", Fault::cold)
       .value("GARBAGE", Fault::garbage)
+      .value("UNSAVED", Fault::unsaved)
       .value("UNREACHABLE", Fault::unreachable)
       .value("ACTUATOR", Fault::actuator);
   nb::class_<JobView>(m, "Job", "A G-code program through one machine. Not thread-safe.")
@@ -220,6 +221,14 @@ void bind_job(nb::module_& m) {
           },
           "target"_a, "value"_a,
           "A timed record for output `target`, due between the moves before and after.")
+      .def(
+          "record_at",
+          [](JobView& self, double ticks, uint16_t target, uint32_t value) {
+            self.job.motion.record_at(ticks, target, value);
+          },
+          "ticks"_a, "target"_a, "value"_a,
+          "A record for output `target` at this clock, whatever moves are planned; it cannot be "
+          "revoked.")
       .def(
           "mark",
           [](JobView& self, uint16_t target, uint32_t value) {
@@ -417,6 +426,25 @@ void bind_job(nb::module_& m) {
             return std::make_tuple(r.mm, r.feed_mm_s, r.hop_mm, r.recover_mm, r.recover_feed_mm_s);
           },
           "(mm, mm/s, hop mm, extra mm, mm/s back or 0) of M207 and M208.")
+      .def_prop_ro(
+          "filament_diameters",
+          [](JobView& self) -> std::optional<std::vector<double>> {
+            const Interpreter& i = self.job.interpreter;
+            if (!i.volumetric()) return std::nullopt;
+            return i.diameters();
+          },
+          "mm, of each extruder, where E is a volume (M200); else None.")
+      .def_prop_ro(
+          "filament_changes",
+          [](JobView& self) {
+            std::vector<std::pair<double, double>> lengths;
+            for (const auto& c : self.job.interpreter.changes())
+              lengths.emplace_back(c.load_mm, c.unload_mm);
+            return lengths;
+          },
+          "mm that M701 pushes in and M702 pulls out, of each extruder.")
+      .def_prop_ro("auto_retract",
+                   [](JobView& self) { return self.job.interpreter.auto_retract(); })
       .def(
           "limit",
           [](JobView& self, const std::string& name) {

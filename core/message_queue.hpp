@@ -19,6 +19,15 @@ class MessageQueue {
     if (size() == ring_.size()) grow();
     ring_[tail_++ & (ring_.size() - 1)] = message;
   }
+  // Behind all messages whose clocks are not later.
+  void insert(const Message& message) {
+    push(message);
+    for (size_t i = tail_ - 1; i != head_; --i) {
+      Message &before = ring_[(i - 1) & (ring_.size() - 1)], &here = ring_[i & (ring_.size() - 1)];
+      if (before.clock <= here.clock) break;
+      std::swap(before, here);
+    }
+  }
   const Message& operator[](size_t i) const { return ring_[(head_ + i) & (ring_.size() - 1)]; }
   const Message& front() const { return (*this)[0]; }
   const Message& back() const { return (*this)[size() - 1]; }

@@ -86,6 +86,15 @@ class Motion {
   // The laser's share of full power, on moves pushed from now on, where they go as fast as they
   // were told to; elsewhere less, as they are slower. 0: records alone set it.
   void follow_speed(double share) { planner_.laser_share = share; }
+  // A record for output `target`, due at `ticks` in the midst of the moves. It cannot be revoked:
+  // no cut may be asked for at an earlier clock any more.
+  void record_at(double ticks, uint16_t target, uint32_t value) {
+    auto held = messages_.hold();
+    int64_t clock = int64_t(std::ceil(ticks));
+    MessageQueue& queue = clock < handed_out_ ? messages_ : pins_;
+    queue.insert({clock, clock, value, 0, 0, target, MessageKind::pin, 0});
+    merge(false);
+  }
 
   // Settles all, for a stop at the end, and hands out every message.
   void flush() {

@@ -11,7 +11,8 @@
 namespace passo {
 
 // Moves follow their own path until the shift begins, then lean towards it by a small slope until
-// they are as far beside it as they shall be.
+// they are as far beside it as they shall be. A move that would have to be slower for it, or would
+// become shorter, so that the way to brake might not suffice, does not lean.
 class Shift {
  public:
   Shift(const Bounds& bounds, const JunctionRule& junction, const Limits& limits)
@@ -37,7 +38,7 @@ class Shift {
 
  private:
   static constexpr double kSteepest = 0.05, kGentlest = 0.001;  // mm of shift for a mm of way
-  static constexpr double kSlower = 0.95;  // a slope that leaves a move less of its speed is steep
+  static constexpr double kEqual = 1 - 1e-9;
 
   const Bounds& bounds_;
   const JunctionRule& junction_;
@@ -54,21 +55,20 @@ class Shift {
     double slope = kSteepest, corner2 = 0;
     Move leaning = m;
     for (;; slope *= 0.5) {
+      if (slope < kGentlest) return out.push_back(m);
       leaning = m;
       leaning.p1[j] += std::copysign(slope * way(m), mm);
       bounds_.apply(leaning);
       corner2 = junction_.cap2(m, leaning, limits_);
-      if (slope < kGentlest || (leaning.a >= kSlower * m.a && leaning.vn2 >= kSlower * m.vn2 &&
-                                corner2 >= kSlower * m.vn2))
+      double least2 = kEqual * m.vn2;
+      if (leaning.d >= kEqual * m.d && leaning.a >= kEqual * m.a && leaning.vn2 >= least2 &&
+          corner2 >= least2)
         break;
     }
     Move rest = m;
-    // Too fast for the corner: the way to brake comes first.
+    // Still faster than it shall be: the way to brake comes first.
     double braking = std::max(0.0, (speed2 - std::min(corner2, leaning.vn2)) / (2 * m.b));
-    if (speed2 > 0 && braking >= m.d) {
-      out.push_back(m);
-      return;
-    }
+    if (speed2 > 0 && braking >= m.d) return out.push_back(m);
     if (speed2 > 0 && braking > 0) {
       out.push_back(m);
       split(m, braking / m.d, out.back(), rest);

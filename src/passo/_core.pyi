@@ -848,9 +848,11 @@ class Fault(enum.Enum):
 
     GARBAGE = 10
 
-    UNREACHABLE = 11
+    UNSAVED = 11
 
-    ACTUATOR = 12
+    UNREACHABLE = 12
+
+    ACTUATOR = 13
 
 class Job:
     """A G-code program through one machine. Not thread-safe."""
@@ -917,6 +919,11 @@ class Job:
     def record(self, target: int, value: int) -> None:
         """
         A timed record for output `target`, due between the moves before and after.
+        """
+
+    def record_at(self, ticks: float, target: int, value: int) -> None:
+        """
+        A record for output `target` at this clock, whatever moves are planned; it cannot be revoked.
         """
 
     def mark(self, target: int, value: int) -> None:
@@ -1030,6 +1037,17 @@ class Job:
     @property
     def retraction(self) -> tuple[float, float, float, float, float]:
         """(mm, mm/s, hop mm, extra mm, mm/s back or 0) of M207 and M208."""
+
+    @property
+    def filament_diameters(self) -> list[float] | None:
+        """mm, of each extruder, where E is a volume (M200); else None."""
+
+    @property
+    def filament_changes(self) -> list[tuple[float, float]]:
+        """mm that M701 pushes in and M702 pulls out, of each extruder."""
+
+    @property
+    def auto_retract(self) -> bool: ...
 
     def limit(self, name: str) -> float:
         """A limit as set_limit takes it."""

@@ -230,6 +230,7 @@ CATALOGUE: Mapping[str, Entry] = {
         "heater {axis} was switched off: {value:g} C is outside of its safe range, {limit} C",
         "Give a temperature within it, or change min_c and max_c of the heater",
     ),
+    "input.unsaved": _input("moves", "no position was saved as {value}", "Save one with G60 first"),
     "input.not-homed": _input(
         "homing",
         "axis {axis} does not know where it is",

@@ -44,14 +44,10 @@ class SettingsCommands:
         yield "Heater sensors", list(tunes.sensor_lines())
         yield "Heater PID", list(tunes.gain_lines())
         yield "Material presets", list(heat.preset_lines())
-        mm, feed, hop, extra, back = job.retraction
-        yield (
-            "Firmware retraction",
-            [
-                f"M207 S{mm:.10g} F{feed * 60:.10g} Z{hop:.10g} R{extra:.10g}",
-                *([f"M208 S{extra:.10g} F{back * 60:.10g}"] if back > 0 else []),
-            ],
-        )
+        if self._printer.machine.extruders:
+            yield "Filament", list(motion.filament_lines())
+            yield "Firmware retraction", list(motion.retraction_lines())
+            yield "Filament change", list(motion.change_lines())
         yield "Idle times", [f"M84 S{self._printer.motors.idle_s:.10g}"]
         yield "Cold extrusion", [f"M302 S{heat.cold_c:.10g} P{int(heat.cold_allowed)}"]
 

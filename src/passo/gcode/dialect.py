@@ -40,8 +40,16 @@ _M, _P, _H, _Q = Kind.MOTION, Kind.PRINTER, Kind.PERSON, Kind.QUIET
 _I, _N, _X, _A = When.IMMEDIATE, When.PLANNED, When.EXCLUSIVE, When.AHEAD
 
 TABLE: tuple[Row, ...] = (
-    Row("G0", _M, _N, "X Y Z E F(mm/min) T(s) R", "Moves in a straight line, without work."),
-    Row("G1", _M, _N, "X Y Z E F(mm/min) T(s) R S(laser)", "Moves in a straight line."),
+    Row(
+        "G0", _M, _N, "X Y Z E F(mm/min) T(s) R(letters)", "Moves in a straight line, without work."
+    ),
+    Row(
+        "G1",
+        _M,
+        _N,
+        "X Y Z E F(mm/min) T(s) R(letters) S(laser)",
+        "Moves in a straight line; with R to absolute positions, but relative ones of its letters.",
+    ),
     Row("G2", _M, _N, "X Y Z E F I J K R P(turns)", "Moves clockwise on an arc or a helix."),
     Row(
         "G3", _M, _N, "X Y Z E F I J K R P(turns)", "Moves counter-clockwise on an arc or a helix."
@@ -58,15 +66,31 @@ TABLE: tuple[Row, ...] = (
         "G28",
         _P,
         _X,
-        "X Y Z",
-        "Homes these axes, all without letters; without a console it sets them to home.",
+        "X Y Z O",
+        "Homes these axes, all without letters, with O only those that do not know where they are;"
+        " without a console it sets them to home.",
+    ),
+    Row("G60", _M, _N, "S(0-1)", "Saves the position."),
+    Row(
+        "G61",
+        _M,
+        _N,
+        "S(0-1) X Y Z E F(mm/min)",
+        "Moves these axes to the saved position, or so far beside it; X, Y and Z without letters.",
     ),
     Row("G90", _M, _N, "", "Positions are absolute."),
     Row("G91", _M, _N, "", "Positions are relative, the extruder's too."),
-    Row("G92", _M, _N, "X Y Z E", "Sets the program's position without motion."),
+    Row(
+        "G92",
+        _M,
+        _N,
+        "X Y Z E, A B C",
+        "Sets the program's position without motion; letters of motors say where these are.",
+    ),
     Row("M0", _H, _X, "S(s) P(ms) text", "Waits for a person, M108 or the time."),
     Row("M1", _H, _X, "S(s) P(ms) text", "Waits for a person, M108 or the time."),
     Row("M2", _P, _X, "", "Ends the program."),
+    Row("EOF", _P, _X, "", "Ends the program."),
     Row("M3", _P, _N, "S", "Laser or spindle on."),
     Row(
         "M4",
@@ -144,8 +168,8 @@ TABLE: tuple[Row, ...] = (
         "Sets the hotend's temperature; without S it goes off, with F at once.",
     ),
     Row("M105", _Q, _I, "", "Tells the temperatures."),
-    Row("M106", _P, _N, "S(0-255) P", "Sets a fan's speed."),
-    Row("M107", _P, _N, "P", "Turns a fan off."),
+    Row("M106", _P, _N, "S(0-255) P F", "Sets a fan's speed, with F at once."),
+    Row("M107", _P, _N, "P F", "Turns a fan off, with F at once."),
     Row("M108", _Q, _A, "", "Ends the wait that goes on."),
     Row(
         "M109",
@@ -178,7 +202,13 @@ TABLE: tuple[Row, ...] = (
     Row("M155", _Q, _I, "S(s)", "Tells the temperatures every S seconds."),
     Row("M190", _P, _X, "S(°C) R(°C) P", "Sets the bed's temperature and waits for it."),
     Row("M191", _P, _X, "S(°C) R(°C) P", "Sets the chamber's temperature and waits for it."),
-    Row("M200", _P, _N, "S D(mm)", "Refused where it says that E is a volume: E is a length."),
+    Row(
+        "M200",
+        _M,
+        _N,
+        "D(mm) T S",
+        "E is a volume of filament with this diameter, in mm³; with D0 or S0 a length again.",
+    ),
     Row("M201", _P, _N, "X Y Z E (mm/s²)", "Sets the axes' accelerations, at most the machine's."),
     Row("M203", _P, _N, "X Y Z E (mm/s)", "Sets the axes' speeds, at most the machine's."),
     Row("M204", _P, _N, "S P R T (mm/s²)", "Sets accelerations: all, print, retract, travel."),
@@ -186,6 +216,13 @@ TABLE: tuple[Row, ...] = (
     Row("M206", _Q, _N, "X Y Z (mm)", "Added to the axes' home positions."),
     Row("M207", _M, _N, "S(mm) F Z(mm) R(mm)", "Sets how G10 retracts."),
     Row("M208", _M, _N, "S(mm) F", "Sets how G11 takes it back."),
+    Row(
+        "M209",
+        _M,
+        _N,
+        "S",
+        "S1: moves of E alone, by 0.1 to 10 mm, retract as G10 and G11 do.",
+    ),
     Row("M218", _Q, _N, "T X Y Z (mm)", "A tool's offset."),
     Row("M220", _P, _I, "S(%)", "Scales the speed, of what is planned too."),
     Row("M221", _M, _N, "S(%)", "Scales the extrusion."),
@@ -213,6 +250,9 @@ TABLE: tuple[Row, ...] = (
     Row("M600", _H, _X, "", "Waits for a person to change the filament."),
     Row("M601", _H, _X, "", "Pauses."),
     Row("M602", _Q, _I, "", "Ends a pause."),
+    Row("M603", _M, _N, "T L(mm) U(mm)", "Lengths of filament that M701 loads and M702 unloads."),
+    Row("M701", _M, _N, "T L(mm) Z(mm)", "Loads filament, lifted by Z meanwhile."),
+    Row("M702", _M, _N, "T U(mm) Z(mm)", "Unloads filament, lifted by Z meanwhile."),
     Row("M876", _Q, _I, "S P", "The answer to a prompt."),
     Row("M921", _Q, _I, "S(s)", "Tells what each heater's controller does, every S seconds."),
     Row("M922", _Q, _I, "", "Heaters that a fault has switched off may heat again."),
@@ -244,7 +284,6 @@ TABLE: tuple[Row, ...] = (
             ("M7", "Mist coolant."),
             ("M8", "Coolant."),
             ("M9", "Coolant off."),
-            ("M209", "Retraction by guess; G10 and G11 are what retracts."),
             ("M413", "Resuming after a power cut: always on where there is a place for it."),
             ("M486", "Object labels."),
             ("M862", "Checks of a Prusa printer."),

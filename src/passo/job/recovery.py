@@ -76,6 +76,7 @@ def _home(machine: MachineConfig, job: _core.Job, letters: str) -> None:
         job.settle_position()
         return
     job.abandon()
+    letters = letters.replace("O", "")
     names = {n for n in "xyz" if not letters or n.upper() in letters}
     if names & set(axes_of_arms(machine)):
         names |= set(axes_of_arms(machine))

@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING, Protocol
 from passo.config.drives import axis_order
 from passo.errors import CommandError
 from passo.gcode.dialect import BY_CODE, Kind
+from passo.geometry.base import Unreachable
 from passo.printer.faults import problem_of
+from passo.printer.slots import E
 from passo.printer.waits import Homing, Person, Still, Temperatures, Wait
 from passo.printer.words import Command
 
@@ -57,11 +59,14 @@ class Commands:
         if machine.laser:
             job.set_laser(*self._outputs["laser"])
         self.ended = False
+        self.record_at_once = job.record  # without a living printer there is no such haste
         self._handlers: dict[str, Callable[[Command], Wait | None]] = {
             "G28": lambda c: Homing(c.text),
             "G92": self._set_position,
+            "G92.1": self._set_actuators,
             "M2": self._end,
             "M30": self._end,
+            "EOF": self._end,
             "M3": self._spindle_start,
             "M4": self._spindle_start,
             "M5": self._spindle_stop,
@@ -76,9 +81,8 @@ class Commands:
             "M190": lambda c: self._reach_temperature(c, "bed"),
             "M191": lambda c: self._reach_temperature(c, "chamber"),
             "M116": self._reach_all,
-            "M106": self._fan_on,
-            "M107": self._fan_off,
-            "M200": self._volumes,
+            "M106": lambda c: self._set_fan(c, c.words().get("S", 255) / 255),
+            "M107": lambda c: self._set_fan(c, 0.0),
             "M201": lambda c: self._axis_limits(c, "accel"),
             "M203": lambda c: self._axis_limits(c, "speed"),
             "M204": lambda c: self.accelerations(c.words()),
@@ -135,6 +139,31 @@ class Commands:
         axes = axis_order(self._machine.axes)
         self._job.set_axes([(axes.index(k.lower()), v) for k, v in command.words().items()])
 
+    def _set_actuators(self, command: Command) -> None:
+        """G92 with letters of motors: where the nozzle is follows from all of them. Raises
+        CommandError where they lead nowhere, or another one is not known."""
+        geometry, job = self._machine.geometry, self._job
+        words = command.words()
+        given = {n: words[n.upper()] for n in geometry.actuators if n.upper() in words}
+        if not given:
+            return
+        locked = [i for i in job.locked_axes if i < E]
+        if locked and len(given) < len(set(geometry.actuators) - {"z"}):
+            raise CommandError.of("input.not-homed", axis="XYZ"[locked[0]])
+        try:
+            x, y, z = job.machine_position[:E]
+            known = dict.fromkeys(geometry.actuators, z)
+            if not locked:
+                known = dict(zip(geometry.actuators, geometry.inverse((x, y, z)), strict=True))
+            a, b, c = (known | given).values()
+            point = geometry.forward((a, b, c))
+        except Unreachable as error:
+            raise CommandError.of(
+                "command.value", axis="G92", value=command.text, limit=str(error)
+            ) from None
+        ways = 3 if geometry.lifts_together or 2 not in locked else 2
+        job.set_axes(list(enumerate(point))[:ways])
+
     def _end(self, _: Command) -> Wait:
         self.ended = True
         return Still()
@@ -144,12 +173,13 @@ class Commands:
         for fan in self._machine.fans:
             self.set_output(fan, 0.0)
 
-    def set_output(self, output: str, share: float) -> None:
-        """Sets an output, 0 to 1, when the moves so far are done."""
+    def set_output(self, output: str, share: float, *, at_once: bool = False) -> None:
+        """Sets an output, 0 to 1, when the moves so far are done, or at once."""
         if output in self._machine.fans:
             self.fans[output] = share
         index, full = self._outputs[output]
-        self._job.record(index, round(min(max(share, 0.0), 1.0) * full))
+        record = self.record_at_once if at_once else self._job.record
+        record(index, round(min(max(share, 0.0), 1.0) * full))
 
     def _spindle_start(self, command: Command) -> None:
         self._spindle = command.words().get("S", self._spindle)
@@ -259,22 +289,11 @@ class Commands:
         number = int(command.words().get("P", 0))
         return next((n for n, fan in self._machine.fans.items() if fan.number == number), None)
 
-    def _fan_on(self, command: Command) -> None:
+    def _set_fan(self, command: Command, share: float) -> None:
         fan = self._fan(command)
         if fan is not None:
-            self.set_output(
-                fan, command.words().get("S", 255) / 255 * self._machine.fans[fan].max_power
-            )
-
-    def _fan_off(self, command: Command) -> None:
-        fan = self._fan(command)
-        if fan is not None:
-            self.set_output(fan, 0.0)
-
-    def _volumes(self, command: Command) -> None:
-        words = command.words()
-        if words.get("D", 0) > 0 and words.get("S", 1) != 0:
-            _count(self.unknown, "M200 with D", command.line)
+            at_once = _AT_ONCE.search(command.text) is not None
+            self.set_output(fan, share * self._machine.fans[fan].max_power, at_once=at_once)
 
     def _axis_limits(self, command: Command, what: str) -> None:
         for letter, value in command.words().items():

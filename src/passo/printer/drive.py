@@ -139,6 +139,11 @@ class Drive:
         self._revoke(cut)
         return True
 
+    def record_at_once(self, target: int, value: int) -> None:
+        """Sets an output, by number, as early as the board can be told in time."""
+        self._job.record_at(self._earliest(), target, value)
+        self.after_moves()
+
     def skip_dwell(self) -> None:
         """Ends a dwell that is under way, as early as it can be taken back."""
         cut = self._job.skip_dwell_from(self._earliest())

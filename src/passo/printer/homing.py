@@ -79,13 +79,17 @@ class Homer:
 
     async def home(self, letters: str) -> None:
         """Homes the axes of these letters, all by default. An axis without a switch is taken to be
-        at home already. An axis that does not find its switch no longer knows where it is."""
-        names = [a for a in self._axes if a.upper() in letters] if letters else self._axes
+        at home already. An axis that does not find its switch no longer knows where it is. With the
+        letter O axes that know where they are stay."""
+        names = [a for a in self._axes if a.upper() in letters] or self._axes
+        if "O" in letters and self._machine.unhomed_moves == "refuse":
+            unknown = [self._axes[i] for i in self._printer.job.locked_axes]
+            names = [name for name in names if name in unknown]
         fixed = [name for name in names if name not in self.axes]
         self._printer.job.set_axes([(self._axes.index(n), self._home_of(n)) for n in fixed])
         self._printer.endstops.pause()
         batch: list[_Way] = []
-        for way in self._ways(names, everything=not letters):
+        for way in self._ways(names, everything=not letters.strip("O")):
             if any(way.steppers & other.steppers for other in batch):
                 await self._together(batch)
                 batch = []

@@ -32,7 +32,9 @@ class MotionCommands:
         }
         self.planned: dict[str, Handler] = {
             "M92": self._scales,
-            "M200": self._volumes,
+            "M200": lambda c, r: self._say(r, *self.filament_lines()),
+            "G60": self._saved,
+            "M209": lambda c, r: self._say(r, f"M209 S{int(printer.job.auto_retract)}"),
             "M201": lambda c, r: self._axis_limits(c, r, "accel"),
             "M203": lambda c, r: self._axis_limits(c, r, "speed"),
             "M204": self._accelerations,
@@ -42,6 +44,7 @@ class MotionCommands:
             "M221": self._flow,
             "M290": lambda c, r: self._printer.commands.run(c),
             "M569": self._drivers,
+            "M603": lambda c, r: self._say(r, *self.change_lines()),
         }
 
     # -- scales and limits ------------------------------------------------------------------------
@@ -148,12 +151,39 @@ class MotionCommands:
         """M205 with what holds now."""
         return f"M205 J{self._printer.job.limit('junction_deviation'):.10g}"
 
-    def _volumes(self, command: Command, _: Reply) -> Wait | None:
-        """E is a length. A program that means volumes would push far too much filament."""
-        words = command.words()
-        if words.get("D", 0) > 0 and words.get("S", 1) != 0:
-            raise CommandError.bad_value("D", words["D"], "0, as E is a length and not a volume")
+    def _say(self, reply: Reply, *lines: str) -> Wait | None:
+        """Answers a question; with words the interpreter has carried the command out."""
+        for line in lines:
+            reply.say(line)
         return None
+
+    def filament_lines(self) -> Iterator[str]:
+        """M200 for each tool where E is a volume, else that it is a length."""
+        diameters = self._printer.job.filament_diameters
+        if diameters is None:
+            yield "M200 S0"
+            return
+        for tool, row in enumerate(self._machine.core_spec()["tools"]):
+            if row["extruder"] >= 0:
+                yield f"M200 T{tool} D{diameters[row['extruder']]:.10g}"
+
+    def change_lines(self) -> Iterator[str]:
+        """M603 for each tool."""
+        lengths = self._printer.job.filament_changes
+        for tool, row in enumerate(self._machine.core_spec()["tools"]):
+            extruder: int = row["extruder"]
+            if extruder >= 0:
+                load, unload = lengths[extruder]
+                yield f"M603 T{tool} L{load:.10g} U{unload:.10g}"
+
+    def retraction_lines(self) -> Iterator[str]:
+        """M207 to M209 with what holds now."""
+        job = self._printer.job
+        mm, feed, hop, extra, back = job.retraction
+        yield f"M207 S{mm:.10g} F{feed * 60:.10g} Z{hop:.10g} R{extra:.10g}"
+        if back > 0:
+            yield f"M208 S{extra:.10g} F{back * 60:.10g}"
+        yield f"M209 S{int(job.auto_retract)}"
 
     # -- offsets ----------------------------------------------------------------------------------
 
@@ -161,15 +191,29 @@ class MotionCommands:
         words = command.words()
         if not words:
             reply.say(self.home_offset_line())
-        for letter, value in words.items():
-            if letter.lower() in self.home_offset_mm:
-                self.home_offset_mm[letter.lower()] = value
+        offsets = {a: words[a.upper()] for a in self.home_offset_mm if a.upper() in words}
+        for name, mm in offsets.items():
+            axis = self._machine.axes[name]
+            longest = axis.max_mm - axis.min_mm
+            if abs(mm) > longest:
+                raise CommandError.bad_value(
+                    name.upper(), mm, f"at most the {longest:g} mm of the axis"
+                )
+        self.home_offset_mm |= offsets
         return None
 
     def home_offset_line(self) -> str:
         """M206 with what holds now."""
         words = [f"{a.upper()}{mm:.10g}" for a, mm in self.home_offset_mm.items()]
         return f"M206 {' '.join(words)}"
+
+    def _saved(self, command: Command, reply: Reply) -> Wait | None:
+        """G60; the interpreter has saved the position."""
+        *axes, e = self._printer.job.program_position
+        places = zip([a.upper() for a in self._axes], axes, strict=True)
+        where = " ".join(f"{letter}:{at + 0.0:.2f}" for letter, at in places)
+        reply.say(f"Saved position {command.text}<-{where} E:{e + 0.0:.2f}")
+        return None
 
     def _tool_offset(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()

@@ -109,6 +109,7 @@ class Printer:
         full = [connection.full_scale(o.name) for o in connection.board.outputs]
         self.commands = Commands(machine, self.job, self, full)
         self.drive = Drive(connection, self.job, free=self._free, set_target=self._apply_target)
+        self.commands.record_at_once = self.drive.record_at_once
         self.drive.on_motion = self.motors.all_on
         self.drive.on_pass = self._time_passed
         self.homer = Homer(self)
@@ -385,6 +386,7 @@ class Printer:
                 found = self.job.advance()
                 if found == status.EVENT:
                     wait = self.run_command(Command(*self.job.event), reply)
+                    self.commands.ended = False  # a console has no program to end
                     if wait is not None:
                         return wait
                 elif found == status.ERROR:
