@@ -219,8 +219,8 @@ class Compressor {
   }
 
   void prepare(size_t n) {
-    lo_.resize(n);
-    hi_.resize(n);
+    lo_.resize(n + 3);  // as Stabbing wants it
+    hi_.resize(n + 3);
     steps_.ticks.push_back(1e18);
     windows(steps_.ticks.data() + 1, lo_.data() + 1, hi_.data() + 1, int(n) - 1, tolerance_,
             least_);
@@ -252,7 +252,7 @@ class Compressor {
         if (renew_ || t[i] - double(last_) > kIdle) reset_clock(t[i]);
         Command c;
         size_t stop;
-        for (size_t look : {kLook, size_t(Stabbing::kLongest)}) {
+        for (size_t look : {kLook, size_t(kLongestCommand)}) {
           stop = std::min(end, i + look);
           if (t[stop - 1] - t[i] > longest_)
             stop = size_t(std::upper_bound(t + i, t + stop, t[i] + longest_) - t);
