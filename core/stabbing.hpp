@@ -27,6 +27,8 @@ struct StabbingTables {
   double reciprocal[kLongestCommand + 4] = {};  // [i] = 1/i
   double halves[24] = {};                       // 0, ½, 1 …
   double beyond[8] = {};                        // 0, 0, 0, 0, then far away
+  double counts[4] = {1, 2, 3, 4};
+  double triangles[4] = {0, 1, 3, 6};  // m(m + 1)/2
   constexpr StabbingTables() {
     for (int i = 1; i < kLongestCommand + 4; ++i) reciprocal[i] = 1.0 / i;
     for (int m = 0; m < 24; ++m) halves[m] = 0.5 * m;
@@ -54,13 +56,15 @@ using Vector = WideLanes;
 class Stabbing {
  public:
   // lo[m] ≤ time of step m ≤ hi[m], each window holding an integer; `last` is the integer time of
-  // the step before. Returns a command of 1 ≤ count ≤ n ≤ kLongestCommand. `lo` and `hi` must be
-  // numbers up to the next multiple of four behind n, but what they are there does not matter.
-  Command longest(const double* lo, const double* hi, int n, double last) {
+  // the step before. Returns a command of 1 ≤ count ≤ n ≤ kLongestCommand; when its steps come goes
+  // to `executed`. All three arrays must go on up to the next multiple of four behind n; there `lo`
+  // and `hi` may be any numbers, and anything may be written to `executed`.
+  Command longest(const double* lo, const double* hi, int n, double last, double* executed) {
 #if defined(PASSO_CHOOSES)
-    return has_avx2_ ? longest_avx2(lo, hi, n, last) : longest_baseline(lo, hi, n, last);
+    return has_avx2_ ? longest_avx2(lo, hi, n, last, executed)
+                     : longest_baseline(lo, hi, n, last, executed);
 #else
-    return search_.longest(lo, hi, n, last);
+    return search_.longest(lo, hi, n, last, executed);
 #endif
   }
 
@@ -70,13 +74,14 @@ class Stabbing {
   wide::Search avx2_;
   bool has_avx2_ = __builtin_cpu_supports("avx2");
 
-  [[gnu::noinline]] Command longest_baseline(const double* lo, const double* hi, int n,
-                                             double last) {
-    return baseline_.longest(lo, hi, n, last);
+  [[gnu::noinline]] Command longest_baseline(const double* lo, const double* hi, int n, double last,
+                                             double* executed) {
+    return baseline_.longest(lo, hi, n, last, executed);
   }
   [[gnu::noinline, gnu::target("avx2")]] Command longest_avx2(const double* lo, const double* hi,
-                                                              int n, double last) {
-    return avx2_.longest(lo, hi, n, last);
+                                                              int n, double last,
+                                                              double* executed) {
+    return avx2_.longest(lo, hi, n, last, executed);
   }
 #elif defined(__AVX2__)
   wide::Search search_;

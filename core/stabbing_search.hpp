@@ -4,8 +4,9 @@
 class Search {
  public:
   // As Stabbing::longest.
-  PASSO_SEARCH_INLINE Command longest(const double* lo, const double* hi, int n, double last) {
-    return block<0>(lo, hi, n, last, Vector(kFar), Vector(-kFar));
+  PASSO_SEARCH_INLINE Command longest(const double* lo, const double* hi, int n, double last,
+                                      double* executed) {
+    return block<0>(lo, hi, n, last, executed, Vector(kFar), Vector(-kFar));
   }
 
  private:
@@ -26,7 +27,7 @@ class Search {
   // has its own code up to the end, so that their number is a matter of one branch.
   template <int m>
   PASSO_SEARCH_INLINE Command block(const double* lo, const double* hi, int n, double last,
-                                    Vector most, Vector least) {
+                                    double* executed, Vector most, Vector least) {
     const Vector origin(last), far(kFar), back(-kFar), half(0.5), third(1.0 / 3);
     Vector r = Vector::load(kStabbing.reciprocal + m + 1);
     Vector low = (Vector::load(lo + m) - origin) * r, high = (Vector::load(hi + m) - origin) * r;
@@ -53,24 +54,45 @@ class Search {
     least.store(least_ + m + 1);
     unsigned crossed = above(least, most);
     if (crossed || n <= m + 4)
-      return finish<m / 4 + 1>(lo, hi, std::min(n, m + std::countr_zero(crossed | 16)), last);
+      return finish<m / 4 + 1>(lo, hi, std::min(n, m + std::countr_zero(crossed | 16)), last,
+                               executed);
     if constexpr (m + 4 < kPairs) {
-      return block<m + 4>(lo, hi, n, last, most.last(), least.last());
+      return block<m + 4>(lo, hi, n, last, executed, most.last(), least.last());
     } else {
       Command command = extend(lo, hi, n, last);
-      return command.count >= kPairs ? command : finish<kPairs / 4>(lo, hi, kPairs, last);
+      if (command.count >= kPairs) {
+        execute(command, command.count, last, executed);
+        return command;
+      }
+      return finish<kPairs / 4>(lo, hi, kPairs, last, executed);
     }
   }
 
   // The longest command of at most `count` steps, all within the first `blocks`.
   template <int blocks>
-  PASSO_SEARCH_INLINE Command finish(const double* lo, const double* hi, int count,
-                                     double last) const {
-    for (; count >= 2; --count) {
-      Command command = shortened<blocks>(lo, hi, count, last);
-      if (command.count > 0) return command;
+  PASSO_SEARCH_INLINE Command finish(const double* lo, const double* hi, int count, double last,
+                                     double* executed) const {
+    Command command{0, 0, 0};
+    for (; count >= 2 && command.count == 0; --count)
+      command = shortened<blocks>(lo, hi, count, last);
+    if (command.count == 0) command = single(lo, hi, last);
+    execute(command, 4 * blocks, last, executed);
+    return command;
+  }
+
+  // The times of `count` steps and some more, up to a multiple of four.
+  PASSO_SEARCH_INLINE static void execute(const Command& c, int count, double last,
+                                          double* executed) {
+    const Vector sixteenth(16 * c.add);
+    Vector at = Vector(last) + Vector(c.interval) * Vector::load(kStabbing.counts) +
+                Vector(c.add) * Vector::load(kStabbing.triangles);
+    Vector step =
+        Vector(4 * c.interval + 6 * c.add) + Vector(4 * c.add) * Vector::load(kStabbing.counts);
+    at.store(executed);
+    for (int m = 4; m < count; m += 4, step = step + sixteenth) {
+      at = at + step;
+      at.store(executed + m);
     }
-    return single(lo, hi, last);
   }
 
   // The integer nearest to the middle of the range of add: if there is one in it, it is.
