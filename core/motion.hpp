@@ -237,6 +237,8 @@ class Motion {
   std::vector<int64_t> set_apart_;  // steps by which positions were set without motion
   std::deque<Compressor> compressors_;
   MessageQueue messages_, pins_;
+  std::vector<MessageQueue*> merged_;  // pins_ and those of the compressors
+  std::vector<int64_t> next_clocks_;   // of each of them
   std::deque<Record> records_, placed_, marks_;
   std::deque<Move> history_;
   std::vector<Move> held_;
@@ -315,14 +317,25 @@ class Motion {
   void merge(bool all) {
     double limit = planner_.clock();
     for (Compressor& c : compressors_) limit = std::min(limit, c.next_clock(planner_.clock()));
+    // Which comes next is as good as random: the comparisons must not be branches.
+    std::vector<MessageQueue*>& queues = merged_;
+    queues.assign(1, &pins_);
+    for (Compressor& c : compressors_) queues.push_back(&c.messages());
+    next_clocks_.clear();
+    for (MessageQueue* queue : queues) next_clocks_.push_back(queue->next_clock());
+    const int64_t end = all ? kNoMessage : int64_t(std::ceil(limit));
     for (;;) {
-      MessageQueue* first = pins_.empty() ? nullptr : &pins_;
-      for (Compressor& c : compressors_)
-        if (!c.messages().empty() && (!first || c.messages().front().clock < first->front().clock))
-          first = &c.messages();
-      if (!first || (!all && double(first->front().clock) >= limit)) break;
-      messages_.push(first->front());
-      first->pop();
+      int64_t clock = next_clocks_[0];
+      size_t first = 0;
+      for (size_t i = 1; i < queues.size(); ++i) {
+        bool sooner = next_clocks_[i] < clock;
+        clock = sooner ? next_clocks_[i] : clock;
+        first = sooner ? i : first;
+      }
+      if (clock >= end) break;
+      messages_.push(queues[first]->front());
+      queues[first]->pop();
+      next_clocks_[first] = queues[first]->next_clock();
     }
     if (!messages_.empty()) handed_out_ = std::max(handed_out_, messages_.back().clock);
     if (all)
