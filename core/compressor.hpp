@@ -260,7 +260,7 @@ class Compressor {
       bool open = !still && (last_run || run_end > known);
       while (i < end) {
         if (renew_ || t[i] - double(last_) > kIdle) reset_clock(t[i]);
-        int left = int(std::min(end - i, size_t(kLongestCommand))), n = std::min(left, kLook);
+        int left = int(std::min(end - i, size_t(kMostSteps))), n = std::min(left, kLook);
         double before = double(last_);
         Command c = stabbing_.longest(&lo_[i], &hi_[i], n, before, &executed_[i]);
         if ((c.count == n && n < left) || t[i + size_t(c.count) - 1] - t[i] > longest_) {

@@ -240,7 +240,8 @@ class Motion {
   std::vector<MessageQueue*> merged_;  // pins_ and those of the compressors
   std::vector<int64_t> next_clocks_;   // of each of them
   std::deque<Record> records_, placed_, marks_;
-  std::deque<Move> history_;
+  std::vector<Move> history_;
+  size_t history_begin_ = 0;  // moves before it are forgotten
   std::vector<Move> held_;
   bool keeps_lines_ = false;
   struct Line {
@@ -275,18 +276,15 @@ class Motion {
     }
     if (still) place(planner_.clock(), std::exchange(unattached_, 0));
     if (with_steps_) {
-      for (size_t i = 0; i < solvers_.size(); ++i) {
+      for (size_t i = 0; i < solvers_.size(); ++i)
         for (const Move& m : moves) solvers_[i].solve(m, compressors_[i].steps());
-        double solved = now();
-        cpu_.steps += solved - start;
-        compressors_[i].advance(planner_.clock(), still);
-        start = now();
-        cpu_.compress += start - solved;
-      }
+      double solved = now();
+      cpu_.steps += solved - start;
+      for (Compressor& c : compressors_) c.advance(planner_.clock(), still);
       forget();
       history_.insert(history_.end(), moves.begin(), moves.end());
       merge(still);
-      cpu_.compress += now() - start;
+      cpu_.compress += now() - solved;
     }
     moves.clear();
   }
@@ -308,7 +306,12 @@ class Motion {
   // What ended before the last command taken can no longer be replanned.
   void forget() {
     double taken = double(messages_.taken_until());
-    while (!history_.empty() && history_.front().end() < taken) history_.pop_front();
+    while (history_begin_ < history_.size() && history_[history_begin_].end() < taken)
+      ++history_begin_;
+    if (2 * history_begin_ >= history_.size()) {
+      history_.erase(history_.begin(), history_.begin() + long(history_begin_));
+      history_begin_ = 0;
+    }
     while (!placed_.empty() && double(placed_.front().clock) < taken) placed_.pop_front();
     for (Compressor& c : compressors_) c.forget_resets(messages_.taken_until());
   }
@@ -364,7 +367,7 @@ class Motion {
     }
     while (!marks_.empty() && marks_.back().clock > at) marks_.pop_back();
     size_t first = history_.size();
-    while (first > 0 && history_[first - 1].end() > ticks_of_cut_) --first;
+    while (first > history_begin_ && history_[first - 1].end() > ticks_of_cut_) --first;
     for (size_t i = first; i < history_.size(); ++i) {
       plan_.add(history_[i], machine_.clock_hz, -1);
       rest.push_back(history_[i]);

@@ -52,7 +52,7 @@ class Pump {
   Ticks now_;
   Bytes down_, up_, recorded_;
   bool recording_ = false;
-  static constexpr unsigned kSample = 61;
+  static constexpr unsigned kSample = 251;
   double (*cpu_clock_)();
   unsigned exchanges_ = 0;
   double device_cpu_ = 0;
