@@ -2,12 +2,16 @@
 #pragma once
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
 #include <mutex>
 #include <vector>
 
 #include "types.hpp"
 
 namespace passo {
+
+inline constexpr int64_t kNoMessage = std::numeric_limits<int64_t>::max();
 
 // A ring that grows; one thread at a time may use it, and once it is shared, whoever holds it.
 class MessageQueue {
@@ -30,6 +34,7 @@ class MessageQueue {
   }
   const Message& operator[](size_t i) const { return ring_[(head_ + i) & (ring_.size() - 1)]; }
   const Message& front() const { return (*this)[0]; }
+  int64_t next_clock() const { return empty() ? kNoMessage : front().clock; }
   const Message& back() const { return (*this)[size() - 1]; }
   void pop() {
     taken_until_ = std::max(taken_until_, front().end_clock);

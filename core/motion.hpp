@@ -342,8 +342,11 @@ class Motion {
   std::vector<int64_t> set_apart_;  // steps by which positions were set without motion
   std::deque<Compressor> compressors_;
   MessageQueue messages_, pins_;
+  std::vector<MessageQueue*> merged_;  // pins_ and those of the compressors
+  std::vector<int64_t> next_clocks_;   // of each of them
   std::deque<Record> records_, placed_, marks_;
-  std::deque<Move> history_;
+  std::vector<Move> history_;
+  size_t history_begin_ = 0;  // moves before it are forgotten
   std::vector<Move> held_;
   bool keeps_lines_ = false;
   struct Line {
@@ -388,18 +391,15 @@ class Motion {
       place(planner_.clock(), std::exchange(unattached_, 0));
     }
     if (with_steps_) {
-      for (size_t i = 0; i < solvers_.size(); ++i) {
+      for (size_t i = 0; i < solvers_.size(); ++i)
         for (const Move& m : moves) solvers_[i].solve(m, compressors_[i].steps());
-        double solved = now();
-        cpu_.steps += solved - start;
-        compressors_[i].advance(planner_.clock(), still);
-        start = now();
-        cpu_.compress += start - solved;
-      }
+      double solved = now();
+      cpu_.steps += solved - start;
+      for (Compressor& c : compressors_) c.advance(planner_.clock(), still);
       forget();
       history_.insert(history_.end(), moves.begin(), moves.end());
       merge(still);
-      cpu_.compress += now() - start;
+      cpu_.compress += now() - solved;
     }
     moves.clear();
   }
@@ -450,7 +450,12 @@ class Motion {
     auto held = messages_.hold();
     double taken = double(messages_.taken_until());
     double past = taken - kKeptSeconds * machine_.clock_hz;
-    while (!history_.empty() && history_.front().end() < past) history_.pop_front();
+    while (history_begin_ < history_.size() && history_[history_begin_].end() < past)
+      ++history_begin_;
+    if (2 * history_begin_ >= history_.size()) {
+      history_.erase(history_.begin(), history_.begin() + long(history_begin_));
+      history_begin_ = 0;
+    }
     while (!placed_.empty() && double(placed_.front().clock) < taken) placed_.pop_front();
     for (Compressor& c : compressors_) c.forget_resets(messages_.taken_until());
   }
@@ -460,14 +465,25 @@ class Motion {
     auto held = messages_.hold();
     double limit = planner_.clock();
     for (Compressor& c : compressors_) limit = std::min(limit, c.next_clock(planner_.clock()));
+    // Which comes next is as good as random: the comparisons must not be branches.
+    std::vector<MessageQueue*>& queues = merged_;
+    queues.assign(1, &pins_);
+    for (Compressor& c : compressors_) queues.push_back(&c.messages());
+    next_clocks_.clear();
+    for (MessageQueue* queue : queues) next_clocks_.push_back(queue->next_clock());
+    const int64_t end = all ? kNoMessage : int64_t(std::ceil(limit));
     for (;;) {
-      MessageQueue* first = pins_.empty() ? nullptr : &pins_;
-      for (Compressor& c : compressors_)
-        if (!c.messages().empty() && (!first || c.messages().front().clock < first->front().clock))
-          first = &c.messages();
-      if (!first || (!all && double(first->front().clock) >= limit)) break;
-      messages_.push(first->front());
-      first->pop();
+      int64_t clock = next_clocks_[0];
+      size_t first = 0;
+      for (size_t i = 1; i < queues.size(); ++i) {
+        bool sooner = next_clocks_[i] < clock;
+        clock = sooner ? next_clocks_[i] : clock;
+        first = sooner ? i : first;
+      }
+      if (clock >= end) break;
+      messages_.push(queues[first]->front());
+      queues[first]->pop();
+      next_clocks_[first] = queues[first]->next_clock();
     }
     if (!messages_.empty()) handed_out_ = std::max(handed_out_, messages_.back().clock);
     if (all)
@@ -497,7 +513,7 @@ class Motion {
     }
     while (!marks_.empty() && marks_.back().clock > at) marks_.pop_back();
     size_t first = history_.size();
-    while (first > 0 && history_[first - 1].end() > ticks_of_cut_) --first;
+    while (first > history_begin_ && history_[first - 1].end() > ticks_of_cut_) --first;
     for (size_t i = first; i < history_.size(); ++i) {
       plan_.add(history_[i], machine_.clock_hz, -1);
       rest.push_back(history_[i]);
