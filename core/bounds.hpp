@@ -22,9 +22,10 @@ class Bounds {
   const Constraints& constraints() const { return constraints_; }
   bool nonlinear() const { return !constraints_.actuators.empty(); }
 
-  // Fills d, vn2, a, b, cartesian and the limits' names. False if the move covers no distance and
-  // takes no time.
+  // Fills d, vn2, a, b, cartesian and the limits' names, and clears what the budget sets. False if
+  // the move covers no distance and takes no time.
   bool apply(Move& m) const {
+    m.curved_steps = m.tolerance = m.step_load = m.command_load = 0;
     if (m.kind == MoveKind::dwell) {
       m.d = m.vn2 = 0;
       m.a = m.b = 1;
@@ -116,6 +117,7 @@ class Bounds {
       p.inner = m.inner || first > 0;
       if (part.v * part.v < p.vn2) p.vn2 = part.v * part.v, p.speed_limit = part.speed_id;
       if (part.a < p.a) p.a = p.b = part.a, p.accel_limit = part.accel_id;
+      p.curved_steps = part.steps * p.d;
       first = last;
     }
   }
@@ -139,7 +141,7 @@ class Bounds {
   static constexpr double kAlike = 0.7;  // caps within this ratio share a part
 
   struct Sample {
-    double v, a;
+    double v, a, steps;  // steps of all actuators by path length
     LimitId speed_id, accel_id;
   };
   const Machine& machine_;
@@ -149,8 +151,8 @@ class Bounds {
   std::vector<Sample> samples_;
 
   static Sample worse(const Sample& x, const Sample& y) {
-    return {std::min(x.v, y.v), std::min(x.a, y.a), x.v < y.v ? x.speed_id : y.speed_id,
-            x.a < y.a ? x.accel_id : y.accel_id};
+    return {std::min(x.v, y.v), std::min(x.a, y.a), std::max(x.steps, y.steps),
+            x.v < y.v ? x.speed_id : y.speed_id, x.a < y.a ? x.accel_id : y.accel_id};
   }
 
   Sample sample(const Move& m, double s) const {
@@ -176,7 +178,10 @@ class Bounds {
       double left = row.accel - q2[i] * v * v;
       if (q1[i] * a > left) a = left / q1[i], accel_id = row.accel_id;
     }
-    return {v, a, speed_id, accel_id};
+    double steps = 0;
+    for (const StepperSpec& s : machine_.steppers)
+      if (s.drive == Drive::actuator && s.index < n) steps += q1[s.index] * s.steps_per_unit;
+    return {v, a, steps, speed_id, accel_id};
   }
 };
 

@@ -1,5 +1,6 @@
 // What a plan adds up to: times by kind, limit, layer and feature, distances, filament.
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -13,6 +14,13 @@ struct PlanStatistics {
   double move_s = 0, dwell_s = 0, travel_mm = 0, print_mm = 0;
   std::vector<double> filament_mm;                  // net, by extruder
   std::vector<double> limit_s, layer_s, feature_s;  // by LimitId, layer, feature
+  // Where most was asked of the board's budgets: line, and share of what they hold (≤ 1: kept).
+  struct Load {
+    uint32_t line = 0;
+    double share = 0;
+  };
+  Load most_steps, most_commands;
+  double widened_s = 0, widest_ticks = 0;  // time with a wider tolerance, and the widest
 
   // sign -1 takes back what a replan revokes.
   void add(const Move& m, double hz, int sign) {
@@ -25,6 +33,12 @@ struct PlanStatistics {
     }
     if (!m.inner) moves += sign;
     move_s += seconds;
+    if (m.step_load > most_steps.share) most_steps = {m.line, m.step_load};
+    if (m.command_load > most_commands.share) most_commands = {m.line, m.command_load};
+    if (m.tolerance > 0) {
+      widened_s += seconds;
+      widest_ticks = std::max(widest_ticks, m.tolerance);
+    }
     bool slow = m.vc * m.vc < m.vn2 * (1 - 1e-9);
     grow(limit_s, slow ? LimitId(kJunction) : m.speed_limit) += m.t_cru * per_tick;
     grow(limit_s, m.accel_limit) += (m.t_acc + m.t_dec) * per_tick;

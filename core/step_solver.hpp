@@ -17,8 +17,27 @@ struct Steps {
     size_t first;  // index in `ticks`
     int dir;       // +1 or -1
   };
+  struct Widening {
+    size_t first;      // index in `ticks`
+    double tolerance;  // ticks; 0: the board's own
+  };
   std::vector<double> ticks;
   std::vector<Run> runs;
+  std::vector<Widening> widenings;  // where the tolerance changes, from the board's own at first
+
+  // The steps to come have this tolerance.
+  void set_tolerance(double tolerance) {
+    if ((widenings.empty() ? 0 : widenings.back().tolerance) == tolerance) return;
+    if (!widenings.empty() && widenings.back().first == ticks.size()) widenings.pop_back();
+    widenings.push_back({ticks.size(), tolerance});
+  }
+  // The n ticks from index `from` on are taken out, or n ticks in front of all.
+  void move_widenings(size_t from, size_t n) {
+    for (Widening& w : widenings)
+      if (w.first > from) w.first = std::max(w.first - std::min(n, w.first), from);
+    while (widenings.size() > 1 && widenings[1].first <= 1) widenings.erase(widenings.begin());
+    if (widenings.size() == 1 && widenings[0].tolerance == 0) widenings.clear();
+  }
 };
 
 // t[j] = base + sign * sqrt(c0 + c1 * j)
@@ -113,6 +132,7 @@ class StepSolver {
   void solve(const Move& m, Steps& out) {
     if (spec_.drive == Drive::extruder && m.extruder != spec_.index) return;
     if (m.kind == MoveKind::dwell) return;
+    out.set_tolerance(m.tolerance);
     if (linear_)
       solve_linear(m, out);
     else

@@ -680,6 +680,10 @@ class Move:
         """continues the path of the move before it"""
 
     @property
+    def tolerance_ticks(self) -> float:
+        """by which its steps may miss their ideal times; 0: the board's own"""
+
+    @property
     def speed_limit(self) -> int:
         """index in the names of limits"""
 
