@@ -3,6 +3,7 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "constraints.hpp"
 #include "machine.hpp"
@@ -15,19 +16,24 @@ namespace passo {
 // times, which saves commands, and if that is not enough it gets slower.
 class MoveBudget {
  public:
-  // Commands of a motor for a move: this many, and for each second of changing speed so many more,
-  // but never more than it makes steps. Fitted to random and to curved paths of 0.02 to 1 mm a move
-  // at 3000 mm/s² and 2 µs.
-  static constexpr double kCommandsPerMove = 2, kCommandsPerSecond = 300;
+  // Commands of a motor for a move: so many, and more while its speed changes, in each second the
+  // second figure times the root of its acceleration in steps/s²; but never more than its steps.
+  // Fitted at 2 µs to random and curved paths of 0.02 to 1 mm a move, 3000 and 20000 mm/s².
+  static constexpr double kPerMove = 2, kPerRampSecond = 0.6;
 
   explicit MoveBudget(const Machine& machine)
-      : machine_(machine), budget_(machine.budget), own_tolerance_(machine.tolerance),
+      : budget_(machine.budget), own_tolerance_(machine.tolerance),
         widest_(machine.widest_tolerance()),
         saving_(std::sqrt(std::sqrt(widest_ / own_tolerance_))),
         limit_(machine.budget.by_link ? kLink : kBoard) {
     for (const StepperSpec& s : machine.steppers) {
-      double c[3];
-      if (s.drive == Drive::actuator && !machine.geometry->linear(s.index, c)) ++curved_motors_;
+      Motor motor{&s, {}, -1, 0};
+      if (s.drive != Drive::actuator)
+        motor.axis = s.drive == Drive::axis ? slot_of_axis(s.index) : int(kE);
+      else if (!machine.geometry->linear(s.index, motor.c))
+        ++curved_motors_;
+      if (s.drive != Drive::actuator || machine.geometry->linear(s.index, motor.c))
+        straight_.push_back(motor);
     }
   }
 
@@ -49,7 +55,7 @@ class MoveBudget {
       return;
     }
     double steps = m.curved_steps;
-    for (const StepperSpec& s : machine_.steppers) steps += straight_steps(m, s);
+    for (Motor& motor : straight_) steps += motor.count(m);
     double most = budget_.step_rate * m.d;  // at this, speed × steps
     if (m.vn2 * steps * steps > most * most) {
       m.step_load = std::sqrt(m.vn2) * steps / most;
@@ -75,7 +81,23 @@ class MoveBudget {
     }
   };
 
-  const Machine& machine_;
+  // A motor whose steps are even along a move.
+  struct Motor {
+    const StepperSpec* spec;  // its scale may change while the machine stands
+    double c[3];
+    int axis;      // ≥ 0: this axis alone drives it
+    double steps;  // of the move at hand
+    double count(const Move& m) {
+      double way = 0;
+      if (axis < 0)
+        for (int j = 0; j < 3; ++j) way += c[j] * (m.p1[j] - m.p0[j]);
+      else if (axis != kE || m.extruder == spec->index)
+        way = m.p1[axis] - m.p0[axis];
+      return steps = std::fabs(way) * spec->steps_per_unit;
+    }
+  };
+
+  std::vector<Motor> straight_;
   Budget budget_;
   double own_tolerance_, widest_, saving_;  // saving: commands at own / commands at widest
   LimitId limit_;
@@ -83,25 +105,16 @@ class MoveBudget {
   double reach2_ = 0;  // speed² that the move before reaches at most
   double ahead_ = 0;   // commands beyond the rate
 
-  double straight_steps(const Move& m, const StepperSpec& s) const {
-    double way;
-    if (s.drive == Drive::extruder) {
-      way = m.extruder == s.index ? m.p1[kE] - m.p0[kE] : 0;
-    } else if (s.drive == Drive::axis) {
-      way = m.p1[slot_of_axis(s.index)] - m.p0[slot_of_axis(s.index)];
-    } else {
-      double c[3];
-      if (!machine_.geometry->linear(s.index, c)) return 0;
-      way = 0;
-      for (int j = 0; j < 3; ++j) way += c[j] * (m.p1[j] - m.p0[j]);
-    }
-    return std::fabs(way) * s.steps_per_unit;
-  }
-
   void spend(Move& m, Soonest& soonest, double start2) {
-    double each = kCommandsPerMove + kCommandsPerSecond * soonest.ramp_s;
-    double commands = std::min(m.curved_steps, curved_motors_ * each);
-    for (const StepperSpec& s : machine_.steppers) commands += std::min(straight_steps(m, s), each);
+    double of_ramp = kPerRampSecond * soonest.ramp_s * std::sqrt(m.a / m.d);
+    double commands = 0;
+    auto add = [&](double steps, int motors) {
+      double least = kPerMove * motors;
+      commands +=
+          steps <= least ? steps : std::min(steps, least + of_ramp * std::sqrt(steps * motors));
+    };
+    if (curved_motors_ > 0) add(m.curved_steps, curved_motors_);
+    for (const Motor& motor : straight_) add(motor.steps, 1);
     double room = budget_.burst - ahead_;
     double allowed = budget_.command_rate * soonest.seconds + room;
     if (!(commands > allowed)) {  // also where no actuator position exists, and so no number
