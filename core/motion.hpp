@@ -60,8 +60,29 @@ class Motion {
   std::function<void(const Move&)> on_move;
 
   void push(const MoveRequest& request) {
+    if (std::exchange(in_pieces_, false)) flush();
     if (planner_.push(request, unattached_)) unattached_ = 0;
     if (!planner_.settled().empty()) process(false);
+  }
+
+  // Takes pieces, already planned, from where and when the moves pushed so far have ended; `start`s
+  // are set here. Each begins where the one before it ends, to kJoint mm, and the first one where
+  // the machine is. They are never planned anew: a cut among them falls behind the last. Throws
+  // std::invalid_argument, and takes none, if they do not join, or a motor cannot follow.
+  static constexpr double kJoint = 1e-6;
+  void add_pieces(std::vector<Piece> pieces) {
+    if (!in_pieces_) flush();
+    check(pieces);
+    for (Piece& p : pieces) {
+      in_pieces_ = true;
+      p.start = planner_.clock();
+      plan_.add(p);
+      for (size_t i = 0; i < solvers_.size(); ++i) solvers_[i].solve(p, compressors_[i].steps());
+      planner_.wait_until(p.start + p.seconds * machine_.clock_hz);
+      planner_.set_position(p.end, p.extruder);
+      pieces_end_ = planner_.clock();
+    }
+    process(false);
   }
 
   // A record for output `target`, due when the moves pushed so far are done.
@@ -73,6 +94,7 @@ class Motion {
 
   // Settles all, for a stop at the end, and hands out every message.
   void flush() {
+    in_pieces_ = false;
     planner_.flush();
     process(true);
   }
@@ -259,6 +281,28 @@ class Motion {
   uint16_t unattached_ = 0;  // last records_ that wait for a move to follow
   int64_t handed_out_ = 0;   // clock of the last message merged
   double ticks_of_cut_ = 0;
+  bool in_pieces_ = false;  // what comes next may go on from pieces without a stop
+  double pieces_end_ = 0;   // ticks
+
+  void check(const std::vector<Piece>& pieces) const {
+    const double* from = planner_.position();
+    for (const Piece& p : pieces) {
+      if (!(p.seconds > 0 && p.seconds < kInfinity))
+        throw std::invalid_argument("a piece needs a time above 0");
+      for (int j = 0; j < kAxes; ++j) {
+        double before = j == kE && p.extruder < machine_.extruders.size() && &p == pieces.data()
+                            ? planner_.extruder_position(p.extruder)
+                            : from[j];
+        // Written so that numbers that are none fail too.
+        if (!(std::fabs(p.c[j][0] - before) <= kJoint))
+          throw std::invalid_argument("a piece does not start where the one before it ends");
+        if (!(std::fabs(p.position(j, p.seconds) - p.end[j]) <= kJoint))
+          throw std::invalid_argument("a piece does not end where it says");
+      }
+      from = p.end;
+      for (const StepperSpec& spec : machine_.steppers) PieceSolver(machine_, spec).check(p);
+    }
+  }
 
   double now() const { return cpu_clock_ ? cpu_clock_() : 0; }
   void process(bool still) {
@@ -333,7 +377,9 @@ class Motion {
   // the revoked moves to `rest`. Returns the speed² at the cut.
   double cut(double ticks, std::vector<Move>& rest) {
     merge(true);
-    int64_t at = std::max(int64_t(std::ceil(ticks)), messages_.taken_until());
+    in_pieces_ = false;
+    int64_t at =
+        std::max(int64_t(std::ceil(std::max(ticks, pieces_end_))), messages_.taken_until());
     ticks_of_cut_ = std::min(double(at), planner_.clock());
     double speed2 = planner_.speed2();
     if (double(at) >= planner_.clock()) return speed2;

@@ -6,6 +6,7 @@
 
 #include "machine.hpp"
 #include "move.hpp"
+#include "pieces.hpp"
 
 namespace passo {
 
@@ -48,6 +49,11 @@ struct PlanStatistics {
           sign * std::sqrt(dx * dx + dy * dy + dz * dz);
     }
     if (m.extruder < filament_mm.size()) filament_mm[m.extruder] += sign * (m.p1[kE] - m.p0[kE]);
+  }
+
+  void add(const Piece& p) {
+    move_s += p.seconds;
+    if (p.extruder < filament_mm.size()) filament_mm[p.extruder] += p.end[kE] - p.c[kE][0];
   }
 
  private:

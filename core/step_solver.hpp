@@ -7,6 +7,7 @@
 
 #include "machine.hpp"
 #include "move.hpp"
+#include "piece_solver.hpp"
 #include "simd.hpp"
 
 namespace passo {
@@ -108,7 +109,7 @@ struct TimeLaw {
 class StepSolver {
  public:
   StepSolver(const Machine& machine, const StepperSpec& spec)
-      : machine_(machine), spec_(spec), hz_(machine.clock_hz) {
+      : machine_(machine), spec_(spec), hz_(machine.clock_hz), pieces_(machine, spec) {
     for (double& c : c_) c = 0;
     linear_ = true;
     if (spec.drive == Drive::extruder) {
@@ -139,6 +140,13 @@ class StepSolver {
       solve_path(m, out);
   }
 
+  // Appends the steps of the piece.
+  void solve(const Piece& p, Steps& out) {
+    out.set_tolerance(0);
+    auto step = [&out](double ticks, int dir) { *extend(out, 1, dir) = ticks; };
+    count_ = pieces_.solve(p, count_, count_at(p.end), step);
+  }
+
  private:
   const Machine& machine_;
   const StepperSpec& spec_;
@@ -148,6 +156,7 @@ class StepSolver {
   double c_[3];
   int64_t count_ = 0;
   Crossings crossings_;
+  PieceSolver pieces_;
 
   double position(const double* p) const {
     if (axis_ >= 0) return p[axis_] * spec_.steps_per_unit;

@@ -703,6 +703,11 @@ class Motion:
         Adds a move to the absolute target: one number an axis, then E. Raises ValueError.
         """
 
+    def add_pieces(self, pieces: Sequence[tuple[float, Sequence[Sequence[float]]]], end: Sequence[float] | None = None, extruder: int = 0) -> None:
+        """
+        Motion that is planned already, behind what was pushed so far: of each piece its seconds, and for each axis, then E, up to six coefficients of a polynomial of time: mm, mm/s, mm/s^2 and so on. Pieces join to 1e-6 mm; `end` says where the last one ends if not where its polynomials do. Raises ValueError.
+        """
+
     def record(self, target: int, value: int) -> None:
         """A timed record, due when the moves pushed so far are done."""
 
@@ -752,6 +757,9 @@ class Motion:
 
     def ideal_ticks(self, move: Move, stepper: int, count: int) -> tuple[list[float], int]:
         """Unrounded step times of one motor in one move, and its count after it."""
+
+    def ideal_piece_ticks(self, seconds: float, coefficients: Sequence[Sequence[float]], stepper: int, count: int, extruder: int = 0) -> tuple[list[float], int]:
+        """The same for one piece that starts at tick 0."""
 
 class JobStatus(enum.Enum):
     NEED_INPUT = 0

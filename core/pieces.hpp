@@ -1,0 +1,39 @@
+// The other way into the step solver: stretches of time in which every axis is a polynomial of
+// time. Filters of motion make them: what bends a trapezoid of speed is a sum of such stretches.
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "types.hpp"
+
+namespace passo {
+
+struct Piece {
+  static constexpr int kTerms = 6;  // degree 5
+  double start;                     // ticks since the start of the job
+  double seconds;                   // > 0
+  double c[kAxes][kTerms];          // position of an axis = Σ c[k] t^k mm, t in s from `start`
+  double end[kAxes];                // where it ends, exactly: what the last step is rounded from
+  uint16_t extruder;                // that moves by c[kE]
+
+  static double at(const double* k, double t) {
+    return ((((k[5] * t + k[4]) * t + k[3]) * t + k[2]) * t + k[1]) * t + k[0];
+  }
+  static double slope_at(const double* k, double t) {
+    return (((5 * k[5] * t + 4 * k[4]) * t + 3 * k[3]) * t + 2 * k[2]) * t + k[1];
+  }
+  double position(int axis, double t) const { return at(c[axis], t); }
+  double speed(int axis, double t) const { return slope_at(c[axis], t); }
+  // No point of X, Y, Z is farther than this from where the piece starts, nor its way longer, mm.
+  double longest_way() const {
+    double way = 0;
+    for (int j = 0; j < 3; ++j) {
+      double power = seconds;
+      for (int k = 1; k < kTerms; ++k, power *= seconds) way += k * std::fabs(c[j][k]) * power;
+    }
+    return way;
+  }
+};
+
+}  // namespace passo
