@@ -1,12 +1,14 @@
 // Moves from bytes through planner, step solver and compressor: every command must be one that the
 // board accepts, and the steps must add up to the rounded targets. Lengths go down to nanometres
-// and feed rates from crawling to absurd; the board's budget may be short.
+// and feed rates from crawling to absurd; the board's budget may be short, and some moves come as
+// polynomials of time that swing beyond both ends.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
+#include <stdexcept>
 #include <vector>
 
 #include "geometry/cartesian.hpp"
@@ -58,6 +60,23 @@ struct Board {
   }
 };
 
+// From rest to rest, and by the way a swing: with τ = t/seconds,
+// P = a + (b - a)(10 τ³ - 15 τ⁴ + 6 τ⁵) + mm τ²(1 - τ)²(1 - 2 τ).
+Piece swing(const double* a, const double* b, double seconds, double mm) {
+  const double rest[] = {0, 0, 0, 10, -15, 6}, wave[] = {0, 0, 1, -4, 5, -2};
+  Piece piece{};
+  piece.seconds = seconds;
+  for (int j = 0; j < kAxes; ++j) {
+    double power = 1;
+    for (int k = 0; k < Piece::kTerms; ++k, power *= seconds)
+      piece.c[j][k] = ((k == 0 ? a[j] : 0) + (b[j] - a[j]) * rest[k] +
+                       (j < 4 ? mm * (j + 1) / 4 * wave[k] : 0)) /
+                      power;
+    piece.end[j] = b[j];
+  }
+  return piece;
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
@@ -87,6 +106,17 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     move.kind = !travels                   ? MoveKind::extrude
                 : move.target[kE] > at[kE] ? MoveKind::print
                                            : MoveKind::travel;
+    if (p[11] & 64) {
+      Piece piece = swing(at, move.target, std::pow(1.3, p[10] % 64 - 48), p[9] - 128.0);
+      try {
+        motion.add_pieces({piece});
+      } catch (const std::invalid_argument&) {  // too fast or too far for a motor
+        std::copy(at, at + kAxes, move.target);
+        continue;
+      }
+      std::copy(move.target, move.target + kAxes, at);
+      continue;
+    }
     std::copy(move.target, move.target + kAxes, at);
     move.feed_mm_s = p[10] ? std::pow(1.2, p[10] - 64) + 0.05 : kInfinity;
     move.radius_mm = p[0] & 16 ? 0.01 + p[11] : kInfinity;
