@@ -70,6 +70,26 @@ void add_pieces(RecordedMotion& self, const std::vector<std::tuple<double, Rows>
   self.motion.add_pieces(std::move(list));
 }
 
+void set_height_map(RecordedMotion& self, const std::tuple<double, double>& first,
+                    const std::tuple<double, double>& spacing, const Rows& heights) {
+  if (heights.empty()) return self.motion.set_height_map(nullptr);
+  std::vector<double> all;
+  for (const auto& row : heights) {
+    if (row.size() != heights[0].size()) throw nb::value_error("rows of heights differ in length");
+    for (double z : row)
+      if (!(std::fabs(z) < 1e3)) throw nb::value_error("a height is beyond 1000 mm");
+    all.insert(all.end(), row.begin(), row.end());
+  }
+  if (heights.size() < 2 || heights[0].size() < 2)
+    throw nb::value_error("heights need two rows of two at least");
+  auto [x, y] = first;
+  auto [dx, dy] = spacing;
+  if (!(std::fabs(x) < 1e6 && std::fabs(y) < 1e6 && dx > 0 && dy > 0))
+    throw nb::value_error("heights need a place, and a spacing above 0");
+  self.motion.set_height_map(std::make_shared<HeightMap>(x, y, dx, dy, int(heights[0].size()),
+                                                         int(heights.size()), std::move(all)));
+}
+
 void push(RecordedMotion& self, const std::vector<double>& target, double feed,
           const std::string& kind, int extruder, double duration, double radius, bool inner,
           uint32_t line) {
@@ -112,6 +132,11 @@ void bind_motion(nb::module_& m) {
       .def("push", &push, "target"_a, "feed_mm_s"_a, "kind"_a = "travel", "extruder"_a = 0,
            "duration_s"_a = 0.0, "radius_mm"_a = kInfinity, "inner"_a = false, "line"_a = 0,
            "Adds a move to the absolute target: one number an axis, then E. Raises ValueError.")
+      .def(
+          "set_height_map", &set_height_map, "first"_a, "spacing"_a, "heights"_a,
+          "What the bed adds to Z: heights in mm on an even grid, rows along X, the first one at "
+          "the Y of `first`; bilinear in between, level beyond. No rows: the bed is flat. No motor "
+          "moves, but Z of the plan changes; only while nothing is queued. Raises ValueError.")
       .def(
           "add_pieces", &add_pieces, "pieces"_a, "end"_a = nb::none(), "extruder"_a = 0,
           "Motion that is planned already, behind what was pushed so far: of each piece its "

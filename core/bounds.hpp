@@ -65,17 +65,20 @@ class Bounds {
                          : accel_id == kRetractAccel ? limits_.retract_accel
                                                      : limits_.travel_accel);
     a = std::min(a, kHighestAccel * per_mm);
-    double inverse = 1 / m.d;
+    double inverse = 1 / m.d, climb = 0;  // climb: of the bed below the way, at most
+    if (machine_.height_map)
+      climb =
+          machine_.height_map->steepest() * std::sqrt(delta[0] * delta[0] + delta[1] * delta[1]);
     auto tighten = [&](const Row& row, double distance) {
       double part = std::fabs(distance) * inverse;
       if (part * v > row.speed) v = row.speed / part, speed_id = row.speed_id;
       if (part * a > row.accel) a = row.accel / part, accel_id = row.accel_id;
     };
     for (const Row& row : constraints_.rows) {
-      if (row.axis >= 0)
-        tighten(row, delta[row.axis]);
-      else
-        tighten(row, row.c[0] * delta[0] + row.c[1] * delta[1] + row.c[2] * delta[2]);
+      double way = row.axis >= 0 ? delta[row.axis]
+                                 : row.c[0] * delta[0] + row.c[1] * delta[1] + row.c[2] * delta[2];
+      if (climb > 0) way = std::fabs(way) + std::fabs(row.c[kZ]) * climb;
+      tighten(row, way);
     }
     if (delta[kE] != 0) tighten(constraints_.extruders[m.extruder], delta[kE]);
     if (m.radius < kInfinity && v * v > a * m.radius * per_mm)

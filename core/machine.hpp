@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "geometry/geometry.hpp"
+#include "height_map.hpp"
 #include "types.hpp"
 
 namespace passo {
@@ -76,6 +77,12 @@ struct Machine {
   Limits limits;
   Budget budget;
   std::shared_ptr<const Geometry> geometry;
+  std::shared_ptr<const HeightMap> height_map;  // none: the bed is flat
+
+  // The nozzle's height for the geometry: Z of the program and what the bed adds.
+  double raised(const double* p) const {
+    return height_map ? p[2] + height_map->at(p[0], p[1]) : p[2];
+  }
 
   // Ticks by which a step may miss its ideal time where the board's budget asks for it.
   double widest_tolerance() const {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <deque>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -120,6 +121,16 @@ class Motion {
     int64_t count = solvers_[i].count_at(position);
     set_apart_[i] += count - solvers_[i].count();
     solvers_[i].set_count(count);
+  }
+  // From now on the bed adds these heights to Z (none: it is flat). No motor moves: what changes is
+  // the Z of the plan, which is then where the machine is. Only after flush.
+  void set_height_map(std::shared_ptr<const HeightMap> map) {
+    double position[kAxes];
+    std::copy_n(planner_.position(), kAxes, position);
+    double height = machine_.raised(position);
+    machine_.height_map = std::move(map);
+    position[kZ] = height - (machine_.raised(position) - position[kZ]);
+    planner_.set_position(position, machine_.extruders.size());
   }
   void set_tool_offset(size_t tool, int j, double mm) { machine_.tools[tool].offset[j] = mm; }
 

@@ -1,4 +1,4 @@
-// The steps of one motor along pieces.
+// The steps of one motor along pieces, and along moves above a bed that is not flat.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -21,24 +21,51 @@ class PieceSolver {
       row_[spec.drive == Drive::extruder ? kE : slot_of_axis(spec.index)] = 1;
   }
 
-  // Calls step(ticks, direction) for each step from `count` on, and once more for each that the
-  // rounded end, `target`, still wants. Returns `target`.
+  // What the bed adds to Z moves this motor.
+  bool raised() const {
+    return machine_.height_map && spec_.drive == Drive::actuator && (!straight_ || row_[kZ] != 0);
+  }
+
+  // Calls step(ticks, direction) for each step from `count` on. At the end of a path, also for each
+  // that its rounded end, `target`, still wants. Returns the count after them.
   template <class Step>
-  int64_t solve(const Piece& p, int64_t count, int64_t target, Step&& step) {
+  int64_t solve(const Piece& p, int64_t count, int64_t target, bool ends_path, Step&& step) {
     if (!moves(p)) return count;
-    return straight_ ? solve_along(Straight(*this, p), p, 1, count, target, step)
-                     : solve_along(Curved(*this, p), p, parts(p), count, target, step);
+    if (!raised()) {
+      double whole[] = {0, p.seconds};
+      if (straight_)
+        count = solve_along(Straight(*this, p), p, whole, 1, count, step);
+      else
+        count = solve_along(Curved{*this, p, {}}, p, whole, parts(p), count, step);
+    } else {
+      find_lines(p);
+      for (size_t i = 1; i < lines_.size(); ++i) {
+        double middle = 0.5 * (lines_[i - 1] + lines_[i]);
+        Curved curve{*this, p, cell_at(p, middle)};
+        // A straight motor above one cell follows t to the fourth power, if the piece is a move's.
+        int n = straight_ && p.degree() <= 2 ? 1 : parts(p);
+        count = solve_along(curve, p, &lines_[i - 1], n, count, step);
+      }
+    }
+    if (!ends_path) return count;
+    for (int dir = target > count ? 1 : -1; count != target; count += dir)
+      step(p.start + p.seconds * machine_.clock_hz, dir);
+    return count;
   }
 
   // Throws std::invalid_argument if the motor cannot reach a position, or not so fast. Looked at
-  // each kSampleMm, and at kLeastSamples times at least.
+  // each kSampleMm, and kLeastSamples times at least.
   void check(const Piece& p) const {
     if (!moves(p)) return;
     int n = std::max(parts(p), kLeastSamples);
     for (int i = 0; i <= n; ++i) {
-      double t = p.seconds * i / n;
-      double q = straight_ ? Straight(*this, p).value(t) : Curved(*this, p).value(t);
-      double rate = straight_ ? Straight(*this, p).slope(t) : Curved(*this, p).slope(t);
+      double t = p.seconds * i / n, q, rate;
+      if (straight_ && !raised()) {
+        q = Straight(*this, p).value(t), rate = Straight(*this, p).slope(t);
+      } else {
+        Curved curve{*this, p, raised() ? cell_at(p, t) : HeightMap::Cell{}};
+        q = curve.value(t), rate = curve.slope(t);
+      }
       q /= spec_.steps_per_unit;
       // Written so that a position that is none fails too.
       if (!(q >= spec_.min - 1e-6 && q <= spec_.max + 1e-6))
@@ -57,13 +84,13 @@ class PieceSolver {
   const StepperSpec& spec_;
   bool straight_ = true;
   double row_[kAxes];  // of a straight motor: its position by those of the axes
-  std::vector<double> turns_;
+  std::vector<double> turns_, lines_;
 
   bool moves(const Piece& p) const {
     return spec_.drive != Drive::extruder || p.extruder == spec_.index;
   }
   static int parts(const Piece& p) {
-    return std::clamp(int(std::ceil(std::min(p.longest_way() / kSampleMm, 4096.0))), 1, 4096);
+    return int(std::ceil(std::clamp(p.longest_way() / kSampleMm, 1.0, 4096.0)));
   }
 
   // Position in steps over the seconds of a piece.
@@ -80,43 +107,80 @@ class PieceSolver {
     double value(double t) const { return Piece::at(k, t); }
     double slope(double t) const { return Piece::slope_at(k, t); }
   };
+  // The same by the geometry's inverse, above one cell of the bed; a flat one is all zeros.
   struct Curved {
     const PieceSolver& s;
     const Piece& p;
-    Curved(const PieceSolver& solver, const Piece& piece) : s(solver), p(piece) {}
+    HeightMap::Cell bed;
     double value(double t) const {
-      double point[3] = {p.position(kX, t), p.position(kY, t), p.position(kZ, t)};
-      return s.machine_.geometry->inverse(s.spec_.index, point) * s.spec_.steps_per_unit;
+      double at[3] = {p.position(kX, t), p.position(kY, t), p.position(kZ, t)};
+      at[kZ] += bed.at(at[kX], at[kY]);
+      return s.machine_.geometry->inverse(s.spec_.index, at) * s.spec_.steps_per_unit;
     }
     // By path position along the tangent, which passes one unit in a second.
     double slope(double t) const {
-      Path tangent{{}, {}, 1};
-      for (int j = 0; j < 3; ++j) {
-        tangent.p0[j] = p.position(j, t);
-        tangent.p1[j] = tangent.p0[j] + p.speed(j, t);
-      }
+      double x = p.position(kX, t), y = p.position(kY, t), z = p.position(kZ, t) + bed.at(x, y);
+      double vx = p.speed(kX, t), vy = p.speed(kY, t);
+      double vz = p.speed(kZ, t) + bed.slope_x(y) * vx + bed.slope_y(x) * vy;
+      Path tangent{{x, y, z}, {x + vx, y + vy, z + vz}, 1};
       double first, second;
       s.machine_.geometry->slopes(s.spec_.index, tangent, 0, first, second);
       return first * s.spec_.steps_per_unit;
     }
   };
+  struct Axis {
+    const double* k;
+    double value(double t) const { return Piece::at(k, t); }
+    double slope(double t) const { return Piece::slope_at(k, t); }
+  };
 
+  HeightMap::Cell cell_at(const Piece& p, double t) const {
+    return machine_.height_map->cell(p.position(kX, t), p.position(kY, t));
+  }
+
+  // lines_: 0, the times at which the way crosses a line of the height map, and the piece's end.
+  void find_lines(const Piece& p) {
+    const HeightMap& map = *machine_.height_map;
+    lines_.assign(1, 0.0);
+    for (int j : {kX, kY}) {
+      Axis axis{p.c[j]};
+      turns_.clear();
+      Turns<Axis>(axis, kExact, turns_).find(0, p.seconds);
+      double a = 0;
+      for (double b : turns_) {
+        double from = axis.value(a), to = axis.value(b), dir = to > from ? 1 : -1;
+        for (int i = 0; i < map.lines(j); ++i)
+          if ((map.line(j, i) - from) * (map.line(j, i) - to) < 0)
+            lines_.push_back(crossing(axis, map.line(j, i), dir, a, b));
+        a = b;
+      }
+    }
+    lines_.push_back(p.seconds);
+    std::sort(lines_.begin(), lines_.end());
+    lines_.erase(std::unique(lines_.begin(), lines_.end()), lines_.end());
+  }
+
+  // From span[0] to span[1] seconds, first looked at in so many parts.
   template <class Curve, class Step>
-  int64_t solve_along(const Curve& curve, const Piece& p, int parts, int64_t count, int64_t target,
-                      Step&& step) {
+  int64_t solve_along(const Curve& curve, const Piece& p, const double* span, int parts,
+                      int64_t count, Step&& step) {
     turns_.clear();
     Turns<Curve> turns(curve, kExact, turns_);
-    for (int i = 0; i < parts; ++i) turns.find(p.seconds * i / parts, p.seconds * (i + 1) / parts);
-    double t = 0;
-    for (size_t i = 0; i < turns_.size(); ++i) {
-      bool last = i + 1 == turns_.size();
-      int64_t to = last ? target : int64_t(std::floor(curve.value(turns_[i]) + 0.5));
-      int dir = to > count ? 1 : -1;
-      for (; count != to; count += dir) {
-        t = crossing(curve, double(count) + 0.5 * dir, dir, t, turns_[i]);
+    double t = span[0], seconds = span[1] - span[0];
+    for (int i = 0; i < parts; ++i)
+      turns.find(span[0] + seconds * i / parts,
+                 i + 1 == parts ? span[1] : span[0] + seconds * (i + 1) / parts);
+    double from = curve.value(t);
+    for (double turn : turns_) {
+      double to = curve.value(turn);
+      int64_t target = int64_t(std::floor(to + 0.5));
+      int dir = to > from ? 1 : -1;
+      for (; (target - count) * dir > 0; count += dir) {
+        t = crossing(curve, double(count) + 0.5 * dir, dir, t, turn);
         step(p.start + t * machine_.clock_hz, dir);
       }
-      t = turns_[i];
+      t = turn;
+      from = to;
     }
     return count;
   }

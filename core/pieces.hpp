@@ -25,6 +25,12 @@ struct Piece {
   }
   double position(int axis, double t) const { return at(c[axis], t); }
   double speed(int axis, double t) const { return slope_at(c[axis], t); }
+  // The highest power of t in X, Y and Z.
+  int degree() const {
+    for (int k = kTerms - 1; k > 0; --k)
+      if (c[kX][k] != 0 || c[kY][k] != 0 || c[kZ][k] != 0) return k;
+    return 0;
+  }
   // No point of X, Y, Z is farther than this from where the piece starts, nor its way longer, mm.
   double longest_way() const {
     double way = 0;

@@ -134,7 +134,9 @@ class StepSolver {
     if (spec_.drive == Drive::extruder && m.extruder != spec_.index) return;
     if (m.kind == MoveKind::dwell) return;
     out.set_tolerance(m.tolerance);
-    if (linear_)
+    if (m.cartesian && pieces_.raised())
+      solve_raised(m, out);
+    else if (linear_)
       solve_linear(m, out);
     else
       solve_path(m, out);
@@ -144,7 +146,7 @@ class StepSolver {
   void solve(const Piece& p, Steps& out) {
     out.set_tolerance(0);
     auto step = [&out](double ticks, int dir) { *extend(out, 1, dir) = ticks; };
-    count_ = pieces_.solve(p, count_, count_at(p.end), step);
+    count_ = pieces_.solve(p, count_, count_at(p.end), true, step);
   }
 
  private:
@@ -159,9 +161,13 @@ class StepSolver {
   PieceSolver pieces_;
 
   double position(const double* p) const {
-    if (axis_ >= 0) return p[axis_] * spec_.steps_per_unit;
-    if (linear_) return (c_[0] * p[0] + c_[1] * p[1] + c_[2] * p[2]) * spec_.steps_per_unit;
-    return machine_.geometry->inverse(spec_.index, p) * spec_.steps_per_unit;
+    double at[3] = {p[0], p[1], p[2]};
+    if (pieces_.raised())
+      at[kZ] = machine_.raised(p);
+    else if (axis_ >= 0)
+      return p[axis_] * spec_.steps_per_unit;
+    if (linear_) return (c_[0] * at[0] + c_[1] * at[1] + c_[2] * at[2]) * spec_.steps_per_unit;
+    return machine_.geometry->inverse(spec_.index, at) * spec_.steps_per_unit;
   }
 
   static double* extend(Steps& out, size_t n, int dir) {
@@ -182,6 +188,30 @@ class StepSolver {
     double* t = extend(out, size_t(n), int(dir));
     TimeLaw(m, hz_).even(std::clamp(s0, 0.0, m.d), std::max(per_step, 1e-12), int(n), t);
     count_ = target;
+  }
+
+  // Above a bed that is not flat: the phases of the move as pieces.
+  void solve_raised(const Move& m, Steps& out) {
+    auto step = [&out](double ticks, int dir) { *extend(out, 1, dir) = ticks; };
+    int64_t target = count_at(m.p1);
+    double d_dec = m.d - m.d_acc - m.d_cru, begin[] = {0, m.d_acc, m.d_acc + m.d_cru};
+    double ticks[] = {m.t_acc, m.t_cru, m.t_dec}, way[] = {m.d_acc, m.d_cru, d_dec};
+    double speed[] = {m.v0, m.vc, m.vc}, accel[] = {m.a, 0, -m.b}, start = m.start;
+    int last = m.t_dec > 0 ? 2 : m.t_cru > 0 ? 1 : 0;
+    for (int i = 0; i <= last; start += ticks[i++]) {
+      if (!(ticks[i] > 0 && way[i] > 0) && i < last) continue;
+      Piece p{};
+      p.start = start;
+      p.seconds = ticks[i] / hz_;
+      p.extruder = m.extruder;
+      for (int j = 0; j < 3; ++j) {
+        double u = (m.p1[j] - m.p0[j]) / m.d;
+        p.c[j][0] = m.p0[j] + u * begin[i];
+        p.c[j][1] = u * speed[i];
+        p.c[j][2] = 0.5 * u * accel[i];
+      }
+      count_ = pieces_.solve(p, count_, target, i == last, step);
+    }
   }
 
   void solve_path(const Move& m, Steps& out) {

@@ -703,6 +703,11 @@ class Motion:
         Adds a move to the absolute target: one number an axis, then E. Raises ValueError.
         """
 
+    def set_height_map(self, first: tuple[float, float], spacing: tuple[float, float], heights: Sequence[Sequence[float]]) -> None:
+        """
+        What the bed adds to Z: heights in mm on an even grid, rows along X, the first one at the Y of `first`; bilinear in between, level beyond. No rows: the bed is flat. No motor moves, but Z of the plan changes; only while nothing is queued. Raises ValueError.
+        """
+
     def add_pieces(self, pieces: Sequence[tuple[float, Sequence[Sequence[float]]]], end: Sequence[float] | None = None, extruder: int = 0) -> None:
         """
         Motion that is planned already, behind what was pushed so far: of each piece its seconds, and for each axis, then E, up to six coefficients of a polynomial of time: mm, mm/s, mm/s^2 and so on. Pieces join to 1e-6 mm; `end` says where the last one ends if not where its polynomials do. Raises ValueError.

@@ -1,7 +1,7 @@
 // Moves from bytes through planner, step solver and compressor: every command must be one that the
 // board accepts, and the steps must add up to the rounded targets. Lengths go down to nanometres
 // and feed rates from crawling to absurd; the board's budget may be short, and some moves come as
-// polynomials of time that swing beyond both ends.
+// polynomials of time that swing beyond both ends, and the bed may not be flat.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -90,6 +90,12 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   Board board;
   int64_t before[4];
   for (size_t i = 0; i < 4; ++i) before[i] = motion.count(i);
+  if (data[0] & 16) {
+    std::vector<double> heights{0.1, -0.2, 0.3, 0.5, 0, -0.4, 0.2, 0.2, -0.1};
+    motion.set_height_map(std::make_shared<HeightMap>(-30, -20, 25, 17, 3, 3, heights));
+    std::copy_n(motion.planner().position(), kAxes, at);
+    std::copy_n(at, kAxes, move.target);
+  }
   for (size_t i = 1; i + 12 <= size; i += 12) {
     const uint8_t* p = data + i;
     bool travels = false;

@@ -104,7 +104,7 @@ def pieces_of(move):
 
 @pytest.mark.parametrize("name", CASES)
 def test_a_move_and_its_phases_make_the_same_steps(name):
-    model, spec, middle = machine(name)
+    _, spec, middle = machine(name)
     random = Random(name)
     moves_way, pieces_way = Motion(spec), Motion(spec)
     start = [*middle, 0.0]
