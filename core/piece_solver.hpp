@@ -90,7 +90,7 @@ class PieceSolver {
     return spec_.drive != Drive::extruder || p.extruder == spec_.index;
   }
   static int parts(const Piece& p) {
-    return int(std::ceil(std::clamp(p.longest_way() / kSampleMm, 1.0, 4096.0)));
+    return int(std::ceil(std::clamp(p.way() / kSampleMm, 1.0, 4096.0)));
   }
 
   // Position in steps over the seconds of a piece.

@@ -1,7 +1,6 @@
 // The other way into the step solver: stretches of time in which every axis is a polynomial of
 // time. Filters of motion make them: what bends a trapezoid of speed is a sum of such stretches.
 #pragma once
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
@@ -31,14 +30,20 @@ struct Piece {
       if (c[kX][k] != 0 || c[kY][k] != 0 || c[kZ][k] != 0) return k;
     return 0;
   }
-  // No point of X, Y, Z is farther than this from where the piece starts, nor its way longer, mm.
-  double longest_way() const {
-    double way = 0;
-    for (int j = 0; j < 3; ++j) {
-      double power = seconds;
-      for (int k = 1; k < kTerms; ++k, power *= seconds) way += k * std::fabs(c[j][k]) * power;
+  // Length of the way in X, Y, Z, by chords: a polynomial turns too seldom to hide between them.
+  double way() const {
+    constexpr int kChords = 32;
+    double sum = 0, from[3] = {c[kX][0], c[kY][0], c[kZ][0]};
+    for (int i = 1; i <= kChords; ++i) {
+      double square = 0;
+      for (int j = 0; j < 3; ++j) {
+        double to = position(j, seconds * i / kChords);
+        square += (to - from[j]) * (to - from[j]);
+        from[j] = to;
+      }
+      sum += std::sqrt(square);
     }
-    return way;
+    return sum;
   }
 };
 
