@@ -110,7 +110,7 @@ def _with_board(data: dict[str, Any]) -> Iterable[Finding]:
         base = next(iter(get_close_matches(str(base), shipped_boards(), 1)), "ramps")
     shipped = tomllib.loads((_HERE / "boards" / f"{base}.toml").read_text())
     merged = {**shipped, **own}
-    for key in ("sockets", "pins"):
+    for key in ("budget", "sockets", "pins"):
         if isinstance(merged[key], dict):
             merged[key] = {**table(shipped, key), **table(own, key)}
     data["board"] = merged
