@@ -189,6 +189,11 @@ TABLE: tuple[Row, ...] = (
     Row("M119", _Q, _I, "", "Tells which switches are pressed."),
     Row("M120", _Q, _I, "", "Endstops are watched while the machine moves."),
     Row("M121", _Q, _I, "", "Endstops count only for homing."),
+    Row("M122", _Q, _I, "S", "Tells the limits of the axes; they cannot be turned off."),
+    Row("M123", _Q, _I, "X Y Z", "Tells the logic of the switches, which the machine file sets."),
+    Row(
+        "M124", _Q, _I, "X Y Z", "Tells the pull-ups of the switches, which the machine file sets."
+    ),
     Row("M140", _P, _N, "S(°C) P F", "Sets the bed's temperature."),
     Row("M141", _P, _N, "S(°C) P F", "Sets the chamber's temperature."),
     Row("M145", _Q, _I, "S H B F", "Material presets."),
@@ -229,6 +234,7 @@ TABLE: tuple[Row, ...] = (
     Row("M305", _Q, _I, "H A B C R L O", "A heater's thermistor: R25, beta, C, pull-up, offsets."),
     Row("M306", _Q, _I, "H", "Tells a heater's limits."),
     Row("M400", _P, _X, "", "Waits until the machine is still."),
+    Row("M408", _Q, _I, "S(0-3)", "The printer's state as JSON; S2 with machine, S3 with print."),
     Row("M410", _Q, _A, "", "Brakes to a stop and forgets what was planned."),
     Row("M500", _Q, _N, "", "Stores the settings."),
     Row("M501", _Q, _N, "", "Takes the stored settings."),
