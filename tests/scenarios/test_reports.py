@@ -17,6 +17,7 @@ def status(s, line="M408"):
 
 
 def test_m408_tells_the_state_as_json(s):
+    s.passes(1)
     first = status(s)
     assert first["status"] == "I"
     assert first["coords"]["axesHomed"] == [0, 0, 0]

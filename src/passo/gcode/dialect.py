@@ -191,9 +191,7 @@ TABLE: tuple[Row, ...] = (
     Row("M121", _Q, _I, "", "Endstops count only for homing."),
     Row("M122", _Q, _I, "S", "Tells the limits of the axes; they cannot be turned off."),
     Row("M123", _Q, _I, "X Y Z", "Tells the logic of the switches, which the machine file sets."),
-    Row(
-        "M124", _Q, _I, "X Y Z", "Tells the pull-ups of the switches, which the machine file sets."
-    ),
+    Row("M124", _Q, _I, "X Y Z", "As M123: it tells the pull-ups, too."),
     Row("M140", _P, _N, "S(°C) P F", "Sets the bed's temperature."),
     Row("M141", _P, _N, "S(°C) P F", "Sets the chamber's temperature."),
     Row("M145", _Q, _I, "S H B F", "Material presets."),
