@@ -162,8 +162,8 @@ TABLE: tuple[Row, ...] = (
         "Sets the hotend's temperature; without S it goes off, with F at once.",
     ),
     Row("M105", _Q, _I, "", "Tells the temperatures."),
-    Row("M106", _P, _N, "S(0-255) P F", "Sets a fan's speed, with F at once."),
-    Row("M107", _P, _N, "P F", "Turns a fan off, with F at once."),
+    Row("M106", _P, _N, "S(0-255) P F", "Sets a fan's speed. F: at once."),
+    Row("M107", _P, _N, "P F", "Turns a fan off. F: at once."),
     Row("M108", _Q, _A, "", "Ends the wait that goes on."),
     Row(
         "M109",
