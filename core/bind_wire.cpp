@@ -1,5 +1,6 @@
 // Python's view of frames, the link, the virtual board and the pump between them.
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/map.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/variant.h>
@@ -7,6 +8,9 @@
 
 #include "cpu_clock.hpp"
 #include "message_queue.hpp"
+#include "wire/firmware_board.hpp"
+#include "wire/live_board.hpp"
+#include "wire/live_wire.hpp"
 #include "wire/pump.hpp"
 #include "wire/virtual_board.hpp"
 
@@ -158,6 +162,13 @@ void bind_frames(nb::module_& m) {
            "List of (name, values) of a frame's payload. ValueError if it is malformed.");
 }
 
+// A call of a link whose thread may be using it.
+template <auto F, class... A>
+auto held(Link& link, A... arguments) {
+  std::lock_guard lock(link.guard());
+  return (link.*F)(arguments...);
+}
+
 void bind_link(nb::module_& m) {
   nb::enum_<MessageKind>(m, "MessageKind")
       .value("QUEUE_STEP", MessageKind::queue_step)
@@ -171,12 +182,20 @@ void bind_link(nb::module_& m) {
           "push",
           [](MessageQueue& q, MessageKind kind, uint16_t target, int64_t clock, int64_t end_clock,
              uint32_t interval, uint16_t count, int16_t add, bool dir) {
+            auto held = q.hold();
             q.push({clock, end_clock, interval, count, add, target, kind, uint8_t(dir)});
           },
           "kind"_a, "target"_a, "clock"_a, "end_clock"_a = 0, "interval"_a = 0, "count"_a = 0,
           "add"_a = 0, "dir"_a = false)
-      .def("clear", &MessageQueue::clear)
-      .def("__len__", &MessageQueue::size);
+      .def("clear",
+           [](MessageQueue& q) {
+             auto held = q.hold();
+             q.clear();
+           })
+      .def("__len__", [](MessageQueue& q) {
+        auto held = q.hold();
+        return q.size();
+      });
   nb::enum_<PinKind>(m, "PinKind").value("DIGITAL", PinKind::digital).value("PWM", PinKind::pwm);
   nb::class_<Link>(m, "Link", "The host's end of a board's wire; times in ticks.")
       .def(nb::init<double>(), "clock_hz"_a)
@@ -184,12 +203,14 @@ void bind_link(nb::module_& m) {
           "set_dictionary",
           [](Link& l, const FormatList& commands, const FormatList& reports,
              size_t receive_window) {
+            std::lock_guard lock(l.guard());
             l.set_dictionary(make_formats(commands), make_formats(reports), receive_window);
           },
           "commands"_a, "reports"_a, "receive_window"_a)
       .def(
           "send",
           [](Link& l, const std::string& name, const nb::list& values) {
+            std::lock_guard lock(l.guard());
             l.send(name, to_values(values));
           },
           "name"_a, "values"_a,
@@ -197,6 +218,7 @@ void bind_link(nb::module_& m) {
       .def(
           "take_responses",
           [](Link& l) {
+            std::lock_guard lock(l.guard());
             nb::list list;
             for (const Response& r : l.inbox())
               list.append(nb::make_tuple(r.format->name, to_dict(*r.format, r.values)));
@@ -204,59 +226,104 @@ void bind_link(nb::module_& m) {
             return list;
           },
           nb::sig("def take_responses(self) -> list[tuple[str, dict[str, int | bytes]]]"))
-      .def("follow_clock", &Link::follow_clock, "now"_a)
-      .def_prop_ro("synchronous", &Link::synchronous)
-      .def_prop_ro("lost", &Link::lost)
+      .def("follow_clock", &held<&Link::follow_clock, Ticks>, "now"_a)
+      .def_prop_ro("synchronous", &held<&Link::synchronous>)
+      .def_prop_ro("lost", &held<&Link::lost>)
       .def(
-          "clock_at", [](const Link& l, Ticks host) { return l.clock().clock_at(host); },
+          "clock_at",
+          [](Link& l, Ticks host) {
+            std::lock_guard lock(l.guard());
+            return l.clock().clock_at(host);
+          },
           "host_ticks"_a)
       .def(
-          "host_at", [](const Link& l, Ticks clock) { return l.clock().host_at(clock); }, "clock"_a)
-      .def_prop_ro("clock_rate", [](const Link& l) { return l.clock().rate(); })
+          "host_at",
+          [](Link& l, Ticks clock) {
+            std::lock_guard lock(l.guard());
+            return l.clock().host_at(clock);
+          },
+          "clock"_a)
+      .def_prop_ro("clock_rate",
+                   [](Link& l) {
+                     std::lock_guard lock(l.guard());
+                     return l.clock().rate();
+                   })
       .def(
           "add_stepper",
           [](Link& l, const std::string& name, uint32_t oid, bool invert) {
+            std::lock_guard lock(l.guard());
             l.job().add_stepper(l.commands(), name, oid, invert);
           },
           "name"_a, "oid"_a, "invert"_a)
       .def(
           "add_pin",
           [](Link& l, const std::string& name, uint32_t oid, PinKind kind) {
+            std::lock_guard lock(l.guard());
             l.job().add_pin(l.commands(), name, oid, kind);
           },
           "name"_a, "oid"_a, "kind"_a)
       .def(
-          "set_slots", [](Link& l, size_t slots) { l.job().set_slots(slots); }, "slots"_a)
+          "set_slots",
+          [](Link& l, size_t slots) {
+            std::lock_guard lock(l.guard());
+            l.job().set_slots(slots);
+          },
+          "slots"_a)
       .def(
-          "set_queue", [](Link& l, MessageQueue* q) { l.job().set_queue(q); }, "queue"_a.none(),
-          nb::keep_alive<1, 2>())
-      .def("start_job", &Link::start_job, "base_clock"_a)
-      .def("stop_job", [](Link& l) { l.job().stop(); })
+          "set_queue",
+          [](Link& l, MessageQueue* q) {
+            std::lock_guard lock(l.guard());
+            l.set_queue(q);
+          },
+          "queue"_a.none(), nb::keep_alive<1, 2>())
+      .def("start_job", &held<&Link::start_job, Ticks>, "base_clock"_a)
+      .def("stop_job",
+           [](Link& l) {
+             std::lock_guard lock(l.guard());
+             l.job().stop();
+           })
       .def(
           "add_heater",
-          [](Link& l, const HeaterOptions& options) -> Heater& { return l.add_heater(options); },
+          [](Link& l, const HeaterOptions& options) -> Heater& {
+            std::lock_guard lock(l.guard());
+            return l.add_heater(options);
+          },
           "options"_a, nb::rv_policy::reference_internal)
-      .def_prop_ro("shut_down", &Link::shut_down)
-      .def_prop_ro("shutdown_reason", &Link::shutdown_reason)
+      .def_prop_ro("shut_down", &held<&Link::shut_down>)
+      .def_prop_ro("shutdown_reason", &held<&Link::shutdown_reason>)
       .def(
-          "restart", &Link::restart,
+          "restart", &held<&Link::restart>,
           "The board begins anew: what was on its way is forgotten, its numbering is learnt again.")
-      .def_prop_ro("wire_bytes", &Link::wire_bytes)
-      .def_prop_ro("frames", &Link::frames)
-      .def_prop_ro("retransmitted_bytes", &Link::retransmitted_bytes)
-      .def_prop_ro("bad_frames", &Link::bad_frames)
-      .def_prop_ro("queue_steps", [](Link& l) { return l.job().queue_steps(); })
-      .def_prop_ro("messages", [](Link& l) { return l.job().messages(); })
-      .def_prop_ro("stream_hash", [](Link& l) { return l.job().hash(); })
+      .def_prop_ro("wire_bytes", &held<&Link::wire_bytes>)
+      .def_prop_ro("frames", &held<&Link::frames>)
+      .def_prop_ro("retransmitted_bytes", &held<&Link::retransmitted_bytes>)
+      .def_prop_ro("bad_frames", &held<&Link::bad_frames>)
+      .def_prop_ro("queue_steps",
+                   [](Link& l) {
+                     std::lock_guard lock(l.guard());
+                     return l.job().queue_steps();
+                   })
+      .def_prop_ro("messages",
+                   [](Link& l) {
+                     std::lock_guard lock(l.guard());
+                     return l.job().messages();
+                   })
+      .def_prop_ro("stream_hash",
+                   [](Link& l) {
+                     std::lock_guard lock(l.guard());
+                     return l.job().hash();
+                   })
       .def(
           "feed",
           [](Link& l, const nb::bytes& data, Ticks now) {
+            std::lock_guard lock(l.guard());
             l.feed(data_of(data), data.size(), now);
           },
           "data"_a, "now"_a)
       .def(
           "poll",
           [](Link& l, Ticks now) {
+            std::lock_guard lock(l.guard());
             Bytes out;
             Ticks next = l.poll(now, out);
             return nb::make_tuple(to_bytes(out.data(), out.size()), next);
@@ -265,7 +332,7 @@ void bind_link(nb::module_& m) {
           "(bytes to send, host time of the next call)");
 }
 
-nb::bytes runs_of(std::vector<StepRun>& runs) {
+nb::bytes runs_of(const std::vector<StepRun>& runs) {
   std::vector<int64_t> words;
   for (const StepRun& r : runs) {
     words.push_back(r.start);
@@ -274,7 +341,6 @@ nb::bytes runs_of(std::vector<StepRun>& runs) {
     words.push_back(r.add);
     words.push_back(r.dir);
   }
-  runs.clear();
   return to_bytes(words.data(), words.size() * sizeof(int64_t));
 }
 nb::bytes steps_of(const nb::bytes& packed, Ticks from, Ticks to, int sign) {
@@ -297,19 +363,14 @@ nb::bytes steps_of(const nb::bytes& packed, Ticks from, Ticks to, int sign) {
                    : to_bytes(ticks.data(), ticks.size() * sizeof(int64_t));
 }
 
-BoardMotor& motor_of(VirtualBoard& b, uint32_t pin) {
-  BoardMotor* motor = b.motor(pin);
-  if (!motor) throw nb::key_error("no stepper is configured on this pin");
-  return *motor;
-}
-BoardOutput& output_of(VirtualBoard& b, uint32_t pin) {
-  BoardOutput* output = b.output(pin);
-  if (!output) throw nb::key_error("no output is configured on this pin");
-  return *output;
+std::vector<std::pair<int64_t, uint32_t>> changes_of(const std::vector<PinChange>& list) {
+  std::vector<std::pair<int64_t, uint32_t>> changes;
+  for (const PinChange& c : list) changes.emplace_back(c.clock, c.value);
+  return changes;
 }
 
 // The body as it is now.
-HeatedBody& body_of(VirtualBoard& b, uint32_t sensor_pin) {
+HeatedBody& body_of(Bench& b, uint32_t sensor_pin) {
   b.plant().run_until(b.now());
   for (HeatedBody& body : b.plant().bodies)
     if (body.sensor_pin == sensor_pin) return body;
@@ -317,6 +378,13 @@ HeatedBody& body_of(VirtualBoard& b, uint32_t sensor_pin) {
 }
 
 void bind_board(nb::module_& m) {
+  nb::register_exception_translator([](const std::exception_ptr& p, void*) {
+    try {
+      std::rethrow_exception(p);
+    } catch (const UnknownPin& e) {
+      PyErr_SetString(PyExc_KeyError, e.what());
+    }
+  });
   nb::class_<Device>(m, "Device", "The far end of a link, in virtual time.")
       .def(
           "feed",
@@ -334,45 +402,37 @@ void bind_board(nb::module_& m) {
           "now"_a)
       .def_prop_ro("next_deadline", &Device::next_deadline)
       .def_prop_ro("stopped", &Device::stopped);
-  nb::class_<VirtualBoard, Device>(m, "VirtualBoard",
-                                   "A complete board in virtual time; pins by number.")
-      .def(
-          "__init__",
-          [](VirtualBoard* self, double clock_hz, uint32_t move_count, uint32_t adc_max,
-             uint32_t pwm_max, const nb::bytes& identify, Ticks start) {
-            new (self)
-                VirtualBoard({clock_hz, move_count, adc_max, pwm_max, from_bytes(identify), start});
-          },
-          "clock_hz"_a, "move_count"_a, "adc_max"_a, "pwm_max"_a, "identify"_a, "start"_a = 0)
+  nb::class_<Bench, Device>(m, "Bench",
+                            "A simulated board with the plant around it; pins by number.")
       .def(
           "add_actuator",
-          [](VirtualBoard& b, uint32_t step_pin, double start, double per_step) {
+          [](Bench& b, uint32_t step_pin, double start, double per_step) {
             b.plant().actuators.push_back({step_pin, start, per_step});
           },
           "step_pin"_a, "start"_a, "per_step"_a)
       .def(
           "add_switch",
-          [](VirtualBoard& b, uint32_t pin, std::vector<std::pair<uint32_t, double>> weights,
+          [](Bench& b, uint32_t pin, std::vector<std::pair<uint32_t, double>> weights,
              double position, bool at_maximum, bool pressed_level) {
             b.plant().switches.push_back(
                 {pin, std::move(weights), position, at_maximum, pressed_level});
           },
           "pin"_a, "weights"_a, "position"_a, "at_maximum"_a, "pressed_level"_a,
           "Pressed at or beyond `position` of the weighted sum of actuators: (step pin, weight).")
-      .def("place", &VirtualBoard::place, "step_pin"_a, "position"_a,
+      .def("place", &Bench::place, "step_pin"_a, "position"_a,
            "Somebody moves the motor's actuator by hand.")
       .def(
           "force_switch",
-          [](VirtualBoard& b, uint32_t pin, int pressed) {
+          [](Bench& b, uint32_t pin, int pressed) {
             for (Switch& s : b.plant().switches)
               if (s.pin == pin) s.forced = pressed;
           },
           "pin"_a, "pressed"_a, "A fault: never pressed (0), always (1); -1 ends it.")
       .def(
           "add_body",
-          [](VirtualBoard& b, uint32_t heater_pin, uint32_t sensor_pin, double ambient_c,
-             double rise_c, double time_constant_s, double sensor_time_constant_s,
-             const Points& adc_ratio, uint32_t fan_pin, double fan_loss) {
+          [](Bench& b, uint32_t heater_pin, uint32_t sensor_pin, double ambient_c, double rise_c,
+             double time_constant_s, double sensor_time_constant_s, const Points& adc_ratio,
+             uint32_t fan_pin, double fan_loss) {
             HeatedBody body{heater_pin,
                             sensor_pin,
                             ambient_c,
@@ -388,80 +448,89 @@ void bind_board(nb::module_& m) {
           "sensor_time_constant_s"_a, "adc_ratio"_a, "fan_pin"_a = 0, "fan_loss"_a = 0.0)
       .def(
           "force_adc",
-          [](VirtualBoard& b, uint32_t sensor_pin, double ratio) {
+          [](Bench& b, uint32_t sensor_pin, double ratio) {
             body_of(b, sensor_pin).forced_ratio = ratio;
           },
           "sensor_pin"_a, "ratio"_a,
           "A fault: the ADC sees this share of full scale; negative ends it.")
       .def(
           "force_heater",
-          [](VirtualBoard& b, uint32_t sensor_pin, double duty) {
+          [](Bench& b, uint32_t sensor_pin, double duty) {
             body_of(b, sensor_pin).forced_duty = duty;
           },
           "sensor_pin"_a, "duty"_a,
           "A fault: the heater does this whatever its pin says; negative ends it.")
       .def(
           "add_noise",
-          [](VirtualBoard& b, uint32_t sensor_pin, double share) {
-            body_of(b, sensor_pin).noise = share;
-          },
+          [](Bench& b, uint32_t sensor_pin, double share) { body_of(b, sensor_pin).noise = share; },
           "sensor_pin"_a, "share"_a, "A fault: the ADC errs by up to this share of full scale.")
       .def(
           "drop_sensor",
-          [](VirtualBoard& b, uint32_t sensor_pin, bool fallen) {
+          [](Bench& b, uint32_t sensor_pin, bool fallen) {
             body_of(b, sensor_pin).fallen = fallen;
           },
           "sensor_pin"_a, "fallen"_a, "A fault: the sensor feels the room instead of its body.")
       .def(
           "temperature",
-          [](VirtualBoard& b, uint32_t sensor_pin) { return body_of(b, sensor_pin).body_c; },
+          [](Bench& b, uint32_t sensor_pin) { return body_of(b, sensor_pin).body_c; },
           "sensor_pin"_a)
+      .def("net_steps", &Bench::net_steps, "step_pin"_a)
+      .def("steps", &Bench::steps, "step_pin"_a)
+      .def("position", &Bench::position, "step_pin"_a)
+      .def("trace_steps", &Bench::trace_steps, "step_pin"_a, "from_clock"_a, "to_clock"_a)
       .def(
-          "net_steps",
-          [](VirtualBoard& b, uint32_t pin) { return motor_of(b, pin).net_at(b.now()); },
-          "step_pin"_a)
-      .def(
-          "steps", [](VirtualBoard& b, uint32_t pin) { return motor_of(b, pin).steps_at(b.now()); },
-          "step_pin"_a)
-      .def(
-          "last_step", [](VirtualBoard& b, uint32_t pin) { return motor_of(b, pin).last_clock(); },
-          "step_pin"_a)
-      .def("position", &VirtualBoard::position, "step_pin"_a)
-      .def(
-          "trace_steps",
-          [](VirtualBoard& b, uint32_t pin, Ticks from, Ticks to) {
-            motor_of(b, pin).trace(from, to);
-          },
-          "step_pin"_a, "from_clock"_a, "to_clock"_a)
-      .def(
-          "take_steps",
-          [](VirtualBoard& b, uint32_t pin) {
-            motor_of(b, pin).retire(b.now());
-            return runs_of(motor_of(b, pin).traced());
-          },
+          "take_steps", [](Bench& b, uint32_t pin) { return runs_of(b.take_steps(pin)); },
           "step_pin"_a,
-          "Traced commands done so far, as int64 rows (start, interval, count, add, direction).")
+          "Traced steps done so far, as int64 rows (start, interval, count, add, direction).")
+      .def("output_value", &Bench::output_value, "pin"_a)
+      .def("trace_output", &Bench::trace_output, "pin"_a)
       .def(
-          "output_value", [](VirtualBoard& b, uint32_t pin) { return output_of(b, pin).value(); },
-          "pin"_a)
-      .def(
-          "trace_output", [](VirtualBoard& b, uint32_t pin) { output_of(b, pin).trace(); }, "pin"_a)
-      .def(
-          "take_changes",
-          [](VirtualBoard& b, uint32_t pin) {
-            std::vector<std::pair<int64_t, uint32_t>> changes;
-            for (const PinChange& c : output_of(b, pin).traced())
-              changes.emplace_back(c.clock, c.value);
-            output_of(b, pin).traced().clear();
-            return changes;
-          },
+          "take_changes", [](Bench& b, uint32_t pin) { return changes_of(b.take_changes(pin)); },
           "pin"_a, "List of (clock, value) since the last call.")
-      .def_prop_ro("fault",
-                   [](const VirtualBoard& b) { return std::string(kFaults[size_t(b.fault())]); })
-      .def_prop_ro("now", &VirtualBoard::now)
-      .def_prop_ro("peak_slots", &VirtualBoard::peak_slots)
-      .def_prop_ro("frames", &VirtualBoard::frames)
-      .def_prop_ro("naks", &VirtualBoard::naks);
+      .def_prop_ro("fault", &Bench::fault, "Why it is shut down, or an empty string.")
+      .def_prop_ro("frames", &Bench::frames)
+      .def_prop_ro("naks", &Bench::naks)
+      .def_prop_ro("now", &Bench::now);
+  nb::class_<VirtualBoard, Bench>(m, "VirtualBoard",
+                                  "A complete board in virtual time; pins by number.")
+      .def(
+          "__init__",
+          [](VirtualBoard* self, double clock_hz, uint32_t move_count, uint32_t adc_max,
+             uint32_t pwm_max, const nb::bytes& identify, Ticks start) {
+            new (self)
+                VirtualBoard({clock_hz, move_count, adc_max, pwm_max, from_bytes(identify), start});
+          },
+          "clock_hz"_a, "move_count"_a, "adc_max"_a, "pwm_max"_a, "identify"_a, "start"_a = 0)
+      .def("last_step", &VirtualBoard::last_step, "step_pin"_a)
+      .def_prop_ro("peak_slots", &VirtualBoard::peak_slots);
+  nb::class_<FirmwareBoard, Bench>(m, "FirmwareBoard",
+                                   "A board run by the firmware itself, in virtual time.")
+      .def(
+          "__init__",
+          [](FirmwareBoard* self, const std::string& library, uint32_t clock_hz,
+             uint16_t move_count, uint32_t adc_max, const nb::bytes& identify, Ticks start,
+             std::map<int, std::string> faults) {
+            new (self) FirmwareBoard(library, {clock_hz, move_count, adc_max, from_bytes(identify),
+                                               start, std::move(faults)});
+          },
+          "library"_a, "clock_hz"_a, "move_count"_a, "adc_max"_a, "identify"_a, "start"_a,
+          "faults"_a)
+      .def("add_motor", &FirmwareBoard::add_motor, "step_pin"_a, "dir_pin"_a, "step_inverted"_a,
+           "A motor driver on these pins; to be told before the board moves it.")
+      .def("trace_edges", &FirmwareBoard::trace_edges, "pin"_a)
+      .def(
+          "take_edges",
+          [](FirmwareBoard& b, uint32_t pin) { return changes_of(b.take_edges(pin)); }, "pin"_a,
+          "List of (clock, level) since the last call.");
+  m.def(
+      "firmware_dictionary",
+      [](const std::string& library) {
+        FirmwareLibrary firmware(library);
+        size_t size;
+        const uint8_t* data = firmware->built_dictionary(&size);
+        return to_bytes(data, size);
+      },
+      "library"_a, "The dictionary that was built into a firmware library, compressed.");
   m.def(
       "expand_steps",
       [](const nb::bytes& rows, Ticks from, Ticks to) { return steps_of(rows, from, to, 0); },
@@ -474,11 +543,12 @@ void bind_board(nb::module_& m) {
       },
       "rows"_a, "from_clock"_a, "to_clock"_a, "sign"_a,
       "int8 directions of the steps of expand_steps(), times sign (+1 or -1).");
-  nb::enum_<Pump::Stop>(m, "PumpStop")
-      .value("TIME", Pump::Stop::time)
-      .value("SHUTDOWN", Pump::Stop::shutdown)
-      .value("HEATERS", Pump::Stop::heaters)
-      .value("FAULT", Pump::Stop::fault);
+  nb::enum_<Stop>(m, "Stop", "Why time stopped passing.")
+      .value("TIME", Stop::time)
+      .value("SHUTDOWN", Stop::shutdown)
+      .value("HEATERS", Stop::heaters)
+      .value("FAULT", Stop::fault)
+      .value("CLOSED", Stop::closed);
   nb::class_<Pump>(m, "Pump", "Runs a link and a device in virtual time.")
       .def(
           "__init__",
@@ -497,6 +567,25 @@ void bind_board(nb::module_& m) {
            })
       .def("run", &Pump::run, "until"_a, "until_heaters"_a = false,
            nb::call_guard<nb::gil_scoped_release>());
+  nb::class_<LiveWire>(m, "LiveWire",
+                       "Drives a link over a file descriptor, which it owns, in real time and a "
+                       "thread of its own.")
+      .def(nb::init<Link&, int>(), "link"_a, "fd"_a, nb::keep_alive<1, 2>())
+      .def_prop_ro("now", &LiveWire::now)
+      .def_prop_ro("latest_s", &LiveWire::latest_s,
+                   "The most that the thread was late to send what was due.")
+      .def("use_board_clock", &LiveWire::use_board_clock,
+           "Once the link is synchronous: `now` is the board's clock from here on.")
+      .def("stop", &LiveWire::stop, "No byte moves any more.",
+           nb::call_guard<nb::gil_scoped_release>())
+      .def("run", &LiveWire::run, "until"_a, "until_heaters"_a = false,
+           nb::call_guard<nb::gil_scoped_release>());
+  nb::class_<LiveBoard>(m, "LiveBoard",
+                        "Lets a device answer on a file descriptor, which it owns, in real time "
+                        "and a thread of its own; look at the device only after `stop`.")
+      .def(nb::init<Device&, int, double>(), "device"_a, "fd"_a, "clock_hz"_a,
+           nb::keep_alive<1, 2>())
+      .def("stop", &LiveBoard::stop, nb::call_guard<nb::gil_scoped_release>());
 }
 
 }  // namespace

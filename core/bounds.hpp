@@ -20,7 +20,7 @@ class Bounds {
 
   Constraints& constraints() { return constraints_; }
   const Constraints& constraints() const { return constraints_; }
-  bool nonlinear() const { return !constraints_.actuators.empty(); }
+  bool nonlinear() const { return !constraints_.actuators.empty() && !machine_.joints; }
 
   // Fills d, vn2, a, b, cartesian and the limits' names, and clears what the budget sets. False if
   // the move covers no distance and takes no time.
@@ -66,7 +66,7 @@ class Bounds {
                                                      : limits_.travel_accel);
     a = std::min(a, kHighestAccel * per_mm);
     double inverse = 1 / m.d, climb = 0;  // climb: of the bed below the way, at most
-    if (machine_.height_map)
+    if (machine_.height_map && !machine_.joints)
       climb =
           machine_.height_map->steepest() * std::sqrt(delta[0] * delta[0] + delta[1] * delta[1]);
     auto tighten = [&](const Row& row, double distance) {
@@ -74,7 +74,11 @@ class Bounds {
       if (part * v > row.speed) v = row.speed / part, speed_id = row.speed_id;
       if (part * a > row.accel) a = row.accel / part, accel_id = row.accel_id;
     };
+    for (size_t i = 0; machine_.joints && i < constraints_.actuators.size(); ++i)
+      tighten(constraints_.actuators[i], delta[i]);
+    double c[3];
     for (const Row& row : constraints_.rows) {
+      if (machine_.joints && row.axis < 3 && !machine_.geometry->linear(row.axis, c)) continue;
       double way = row.axis >= 0 ? delta[row.axis]
                                  : row.c[0] * delta[0] + row.c[1] * delta[1] + row.c[2] * delta[2];
       if (climb > 0) way = std::fabs(way) + std::fabs(row.c[kZ]) * climb;
@@ -128,6 +132,7 @@ class Bounds {
   // The part of m between two fractions of its length.
   static void cut(const Move& m, double from, double to, Move& part) {
     part.d = m.d * (to - from);
+    part.duration = m.duration * (to - from);
     for (int j = 0; j < kAxes; ++j) {
       if (from > 0) part.p0[j] = m.p0[j] + (m.p1[j] - m.p0[j]) * from;
       if (to < 1) part.p1[j] = m.p0[j] + (m.p1[j] - m.p0[j]) * to;

@@ -211,13 +211,16 @@ class Compressor {
     }
   }
 
-  // After a cut or a stop a step may be due at once, at or before the last executed one.
+  bool resets(double first) const { return renew_ || first - double(last_) > kIdle; }
+
+  // After a cut or a stop a step may be due at once, at or before the last executed one, or when
+  // the clock is to be set anew.
   void set_apart() {
     crowded_ = false;
     double apart = std::max(reversal_, least_);
-    for (size_t k = 1; k < steps_.ticks.size() && steps_.ticks[k] < steps_.ticks[k - 1] + apart;
-         ++k)
-      steps_.ticks[k] = steps_.ticks[k - 1] + apart;
+    double least = (resets(steps_.ticks[1]) ? double(std::max(last_, floor_)) : steps_.ticks[0]);
+    for (size_t k = 1; k < steps_.ticks.size() && steps_.ticks[k] < least + apart; ++k)
+      steps_.ticks[k] = least += apart;
   }
 
   void prepare(size_t n) {
@@ -262,7 +265,7 @@ class Compressor {
       size_t end = std::min(run_end, known);
       bool open = !still && (last_run || run_end > known);
       while (i < end) {
-        if (renew_ || t[i] - double(last_) > kIdle) reset_clock(t[i]);
+        if (resets(t[i])) reset_clock(t[i]);
         Command c;
         size_t stop;
         for (size_t look : {kLook, size_t(Stabbing::kLongest)}) {

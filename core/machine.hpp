@@ -78,6 +78,7 @@ struct Machine {
   Budget budget;
   std::shared_ptr<const Geometry> geometry;
   std::shared_ptr<const HeightMap> height_map;  // none: the bed is flat
+  bool joints = false;  // X, Y, Z of positions are the first three actuators' own, for homing
 
   // The nozzle's height for the geometry: Z of the program and what the bed adds.
   double raised(const double* p) const {

@@ -2,13 +2,14 @@
 #pragma once
 #include <algorithm>
 #include <cstddef>
+#include <mutex>
 #include <vector>
 
 #include "types.hpp"
 
 namespace passo {
 
-// A ring that grows; one thread at a time may use it.
+// A ring that grows; one thread at a time may use it, and once it is shared, whoever holds it.
 class MessageQueue {
  public:
   MessageQueue() : ring_(1 << 12) {}
@@ -27,6 +28,12 @@ class MessageQueue {
   }
   // Latest end of all messages taken so far: they can no longer be revoked.
   int64_t taken_until() const { return taken_until_; }
+  // From now on a link's thread takes messages while others add and revoke them.
+  void share() { shared_ = true; }
+  // Keeps the queue to the caller while the result lives, if it is shared.
+  std::unique_lock<std::recursive_mutex> hold() {
+    return shared_ ? std::unique_lock(guard_) : std::unique_lock(guard_, std::defer_lock);
+  }
   void clear() { head_ = tail_; }
 
  private:
@@ -38,6 +45,8 @@ class MessageQueue {
   std::vector<Message> ring_;  // size is a power of two
   size_t head_ = 0, tail_ = 0;
   int64_t taken_until_ = 0;
+  std::recursive_mutex guard_;  // cutting a plan hands messages on within
+  bool shared_ = false;
 };
 
 }  // namespace passo

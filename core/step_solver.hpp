@@ -136,7 +136,7 @@ class StepSolver {
     out.set_tolerance(m.tolerance);
     if (m.cartesian && pieces_.raised())
       solve_raised(m, out);
-    else if (linear_)
+    else if (linear_ || machine_.joints)
       solve_linear(m, out);
     else
       solve_path(m, out);
@@ -161,6 +161,8 @@ class StepSolver {
   PieceSolver pieces_;
 
   double position(const double* p) const {
+    if (machine_.joints && spec_.drive == Drive::actuator)
+      return p[spec_.index] * spec_.steps_per_unit;
     double at[3] = {p[0], p[1], p[2]};
     if (pieces_.raised())
       at[kZ] = machine_.raised(p);

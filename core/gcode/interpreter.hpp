@@ -119,8 +119,21 @@ class Interpreter {
   }
   // The active tool's offset is about to become `mm` along axis slot j.
   void shift_tool(int j, double mm) { origin_[j] += mm - tool_offset(j); }
-  // The program's zero moves by so much along axis slot j, from its next move on.
+  // The program's zero moves by so much along slot j (X, Y or Z).
   void shift_zero(int j, double mm) { origin_[j] += mm; }
+  // The machine lies so much further along slot j, and all that the program still does with it.
+  void shift(int j, double mm) {
+    origin_[j] += mm;
+    position_[j] += mm;
+    arc_.shift(j, mm);
+    for (Item& item : pending_) item.move.target[j] += mm;
+  }
+  // Whether axis slot j may be at this machine position; else what the error says.
+  bool in_range(int j, double at, GcodeError& error) const {
+    if (at >= low_[j] - 1e-6 && at <= high_[j] + 1e-6) return true;
+    error = {0, Fault::out_of_range, axis_name(j), at, at < low_[j] ? low_[j] : high_[j], {}};
+    return false;
+  }
   // M207 and M208.
   struct Retraction {
     double mm, feed_mm_s, hop_mm, recover_mm, recover_feed_mm_s;

@@ -76,6 +76,7 @@ class JobStream {
   Fill fill(uint8_t* payload, size_t& size, Ticks& first, Ticks now) {
     slot_wait_ = kNever;
     if (!running_ || !queue_) return Fill::dry;
+    auto held = queue_->hold();
     const Ticks limit = now + horizon_ - base_;
     while (!queue_->empty()) {
       const Message& m = queue_->front();
@@ -101,7 +102,9 @@ class JobStream {
   Ticks must_leave(Ticks first) const { return first - horizon_ + quantum_; }
   // Board clock at which fill() is worth calling again.
   Ticks wake() const {
-    if (!running_ || !queue_ || queue_->empty()) return kNever;
+    if (!running_ || !queue_) return kNever;
+    auto held = queue_->hold();
+    if (queue_->empty()) return kNever;
     Ticks due = must_leave(queue_->front().clock + base_);
     return slot_wait_ == kNever ? due : std::max(due, slot_wait_);
   }

@@ -5,13 +5,12 @@
 
 #include "device.hpp"
 #include "link.hpp"
+#include "stop.hpp"
 
 namespace passo::wire {
 
 class Pump {
  public:
-  enum class Stop : uint8_t { time, shutdown, heaters, fault };
-
   // Host time equals the device's clock and begins at `start`.
   // `cpu_clock` gives CPU seconds, or is null.
   Pump(Link& link, Device& device, Ticks start, double (*cpu_clock)() = nullptr)
@@ -35,7 +34,7 @@ class Pump {
       Ticks next = exchange();
       if (link_.shut_down()) return Stop::shutdown;
       if (link_.take_fault()) return Stop::fault;
-      if (until_heaters && all_reached()) return Stop::heaters;
+      if (until_heaters && link_.heaters_reached()) return Stop::heaters;
       next = std::min(next, device_.next_deadline());
       if (next > until) {
         now_ = std::max(now_, until);
@@ -73,11 +72,6 @@ class Pump {
       if (up_.empty()) return next;
       link_.feed(up_.data(), up_.size(), now_);
     }
-  }
-  bool all_reached() const {
-    for (const auto& heater : link_.heaters())
-      if (heater->target() > 0 && !heater->reached() && !heater->faulty()) return false;
-    return true;
   }
 };
 

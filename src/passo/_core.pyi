@@ -2,7 +2,7 @@
 Native core of Passo: parse, plan, solve step times, compress, frame, virtual board.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 import enum
 from typing import Any
 
@@ -473,10 +473,8 @@ class Device:
     @property
     def stopped(self) -> bool: ...
 
-class VirtualBoard(Device):
-    """A complete board in virtual time; pins by number."""
-
-    def __init__(self, clock_hz: float, move_count: int, adc_max: int, pwm_max: int, identify: bytes, start: int = 0) -> None: ...
+class Bench(Device):
+    """A simulated board with the plant around it; pins by number."""
 
     def add_actuator(self, step_pin: int, start: float, per_step: float) -> None: ...
 
@@ -511,15 +509,13 @@ class VirtualBoard(Device):
 
     def steps(self, step_pin: int) -> int: ...
 
-    def last_step(self, step_pin: int) -> int: ...
-
     def position(self, step_pin: int) -> float: ...
 
     def trace_steps(self, step_pin: int, from_clock: int, to_clock: int) -> None: ...
 
     def take_steps(self, step_pin: int) -> bytes:
         """
-        Traced commands done so far, as int64 rows (start, interval, count, add, direction).
+        Traced steps done so far, as int64 rows (start, interval, count, add, direction).
         """
 
     def output_value(self, pin: int) -> int: ...
@@ -530,13 +526,8 @@ class VirtualBoard(Device):
         """List of (clock, value) since the last call."""
 
     @property
-    def fault(self) -> str: ...
-
-    @property
-    def now(self) -> int: ...
-
-    @property
-    def peak_slots(self) -> int: ...
+    def fault(self) -> str:
+        """Why it is shut down, or an empty string."""
 
     @property
     def frames(self) -> int: ...
@@ -544,13 +535,44 @@ class VirtualBoard(Device):
     @property
     def naks(self) -> int: ...
 
+    @property
+    def now(self) -> int: ...
+
+class VirtualBoard(Bench):
+    """A complete board in virtual time; pins by number."""
+
+    def __init__(self, clock_hz: float, move_count: int, adc_max: int, pwm_max: int, identify: bytes, start: int = 0) -> None: ...
+
+    def last_step(self, step_pin: int) -> int: ...
+
+    @property
+    def peak_slots(self) -> int: ...
+
+class FirmwareBoard(Bench):
+    """A board run by the firmware itself, in virtual time."""
+
+    def __init__(self, library: str, clock_hz: int, move_count: int, adc_max: int, identify: bytes, start: int, faults: Mapping[int, str]) -> None: ...
+
+    def add_motor(self, step_pin: int, dir_pin: int, step_inverted: bool) -> None:
+        """A motor driver on these pins; to be told before the board moves it."""
+
+    def trace_edges(self, pin: int) -> None: ...
+
+    def take_edges(self, pin: int) -> list[tuple[int, int]]:
+        """List of (clock, level) since the last call."""
+
+def firmware_dictionary(library: str) -> bytes:
+    """The dictionary that was built into a firmware library, compressed."""
+
 def expand_steps(rows: bytes, from_clock: int, to_clock: int) -> bytes:
     """int64 clocks of all steps of take_steps() within from…to."""
 
 def expand_directions(rows: bytes, from_clock: int, to_clock: int, sign: int) -> bytes:
     """int8 directions of the steps of expand_steps(), times sign (+1 or -1)."""
 
-class PumpStop(enum.Enum):
+class Stop(enum.Enum):
+    """Why time stopped passing."""
+
     TIME = 0
 
     SHUTDOWN = 1
@@ -558,6 +580,8 @@ class PumpStop(enum.Enum):
     HEATERS = 2
 
     FAULT = 3
+
+    CLOSED = 4
 
 class Pump:
     """Runs a link and a device in virtual time."""
@@ -574,7 +598,38 @@ class Pump:
 
     def take_recorded(self) -> bytes: ...
 
-    def run(self, until: int, until_heaters: bool = False) -> PumpStop: ...
+    def run(self, until: int, until_heaters: bool = False) -> Stop: ...
+
+class LiveWire:
+    """
+    Drives a link over a file descriptor, which it owns, in real time and a thread of its own.
+    """
+
+    def __init__(self, link: Link, fd: int) -> None: ...
+
+    @property
+    def now(self) -> int: ...
+
+    @property
+    def latest_s(self) -> float:
+        """The most that the thread was late to send what was due."""
+
+    def use_board_clock(self) -> None:
+        """Once the link is synchronous: `now` is the board's clock from here on."""
+
+    def stop(self) -> None:
+        """No byte moves any more."""
+
+    def run(self, until: int, until_heaters: bool = False) -> Stop: ...
+
+class LiveBoard:
+    """
+    Lets a device answer on a file descriptor, which it owns, in real time and a thread of its own; look at the device only after `stop`.
+    """
+
+    def __init__(self, device: Device, fd: int, clock_hz: float) -> None: ...
+
+    def stop(self) -> None: ...
 
 def sincos(x: float) -> tuple[float, float]: ...
 
@@ -729,6 +784,16 @@ class Motion:
     def replan_from(self, ticks: float) -> float:
         """
         Plans anew from this clock on with the limits of now; returns the clock of the cut.
+        """
+
+    def shift_from(self, ticks: float, axis: int, mm: float) -> float:
+        """
+        From this clock on all lies so much further; returns the clock of the cut.
+        """
+
+    def skip_dwell_from(self, ticks: float) -> float | None:
+        """
+        Ends the dwell that is under way at this clock; returns the clock of the cut, or None.
         """
 
     def hold_from(self, ticks: float) -> float:
@@ -890,6 +955,11 @@ class Job:
 
     def replan_from(self, ticks: float) -> float: ...
 
+    def skip_dwell_from(self, ticks: float) -> float | None:
+        """
+        Ends the dwell that is under way at this clock; returns the clock of the cut, None if there is no dwell.
+        """
+
     def hold_from(self, ticks: float) -> float: ...
 
     def release(self) -> None: ...
@@ -922,13 +992,26 @@ class Job:
     def machine_position(self) -> list[float]:
         """End of the plan: X, Y, Z, E and further axes, in machine mm."""
 
+    def set_laser(self, target: int, full: int) -> None:
+        """This output is a laser, fully on at `full`."""
+
+    def follow_speed(self, share: float) -> None:
+        """
+        The laser's share of full power, at the feed rate of the moves that follow; it is less where they are slower, and none while nothing moves. 0: records alone set it.
+        """
+
     def move_to(self, target: Sequence[float], feed_mm_s: float, limited: bool = True) -> bool:
         """
         A straight move in machine coordinates (NaN: stay), outside of soft limits. False if an actuator does not reach it, unless its limits are not to count.
         """
 
-    def set_axis(self, axis: int, position_mm: float) -> None:
-        """The axis of this number is here now, without motion."""
+    def set_axes(self, places: Sequence[tuple[int, float]]) -> None:
+        """These axes, by number, are here now (mm), without motion."""
+
+    def use_joints(self, on: bool) -> None:
+        """
+        X, Y and Z are from now on the first three actuators of a nonlinear geometry, or the axes again; only while the machine stands, and set_axes must say where they are.
+        """
 
     def renew_steppers(self, steppers: Sequence[int]) -> None:
         """
@@ -948,8 +1031,15 @@ class Job:
 
     def set_tool_offset(self, tool: int, axis: int, mm: float) -> None: ...
 
-    def shift_zero(self, axis: int, mm: float) -> None:
-        """The program's zero moves by so much, from its next move on."""
+    def shift_from(self, ticks: float, axis: int, mm: float) -> float | None:
+        """
+        From this clock on all lies so much further; returns the clock of the cut, None if that is out of range, see error.
+        """
+
+    def shift(self, axis: int, mm: float) -> bool:
+        """
+        The same behind all moves so far; False if that is out of range, see error.
+        """
 
     @property
     def tool_offsets(self) -> list[list[float]]: ...
@@ -972,6 +1062,11 @@ class Job:
     def line_at(self, ticks: float) -> tuple[int, float]:
         """
         Line of the program's move that is under way, or was last, at a clock (0: none), and the Z to which it goes. Clocks must not go back.
+        """
+
+    def position_at(self, ticks: float) -> list[float] | None:
+        """
+        Where the plan was at a clock not much more than a second ago, as machine_position; None if it is longer ago.
         """
 
     @property

@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from tests.console.scenario import Scenario
+from tests.console.scenario import Host, Scenario
 
 
 @pytest.fixture
@@ -73,6 +73,24 @@ def test_a_dwell_takes_its_time_whatever_m220_says(s):
     for line, seconds in (("G4 S6", 6.0), ("G4 P500", 0.5), ("G4", 0.0)):
         assert took(s, line) == pytest.approx(seconds, abs=0.3), line
     assert took(s, "G4 S6") - took(s, "G4 S2") == pytest.approx(4.0, abs=0.02)
+
+
+@pytest.mark.parametrize(("command", "further"), [("M108", 60.0), ("M410", 0.0)])
+def test_a_dwell_ends_when_somebody_wants_it(s, command, further):
+    """The moves behind it go on after M108, and are forgotten after a stop."""
+    other = Host(s)
+    before = s.positions()["x"]
+    s.host.send("G4 S600", "M106 S255", "G1 X60 F6000")
+    s.passes(5)
+    other.send(command)
+    s.passes(0.3)
+    assert s.printer.drive.standing == (command == "M410")
+    assert s.until(lambda: s.printer.drive.standing, 1)
+    assert s.positions()["x"] == before + further
+    assert (s.board.output_value("part") > 0) == (command == "M108")
+    assert s.host.ok("G1 X30 F6000") == ["ok"]
+    s.host.ok("M400")
+    assert s.positions()["x"] == before + 30.0
 
 
 def test_a_nominal_time_is_kept(s):

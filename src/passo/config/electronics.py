@@ -42,7 +42,8 @@ class Budget(Model):
 
     Steps may take `step_share` of the processor's time at `cycles_per_step`, commands
     `command_share` at `cycles_per_command`, frames and all. `cpu_hz` is the board's clock unless
-    given. `link_bytes_s` is what the link carries in bytes/s; without it, it bounds nothing.
+    given. `link_bytes_s` is what the link carries in bytes/s; without it, a serial link carries 95
+    of 100 bytes that fit its `baud`, and others bound nothing.
     """
 
     cpu_hz: Annotated[int, Field(ge=1_000_000, le=10_000_000_000)] | None = None
@@ -56,6 +57,7 @@ class Budget(Model):
 # Bytes on the wire of a command, with its share of the frame and of changes of direction: 8.05 to
 # 8.28 on sliced files of 1.6 million commands.
 _COMMAND_BYTES = 8.3
+_BYTES_PER_BAUD = 0.095  # ten bits a byte; some are repeated or come late
 # A burst of so many seconds of commands may come ahead, but never more than half of the slots.
 _BURST_S = 0.1
 
@@ -64,15 +66,21 @@ class Board(Model):
     """A controller board. `base` names a shipped board whose values hold unless given here.
 
     Tools that wire a machine speak of `sockets` and of the names in `pins`; both lead to pins of
-    the microcontroller. `compression_tolerance_us` bounds how far a step may be from its ideal
-    time, unless the board's budget asks for more; `move_count` is the number of commands that the
-    board can hold. Without a `budget` the planner takes the board and its link to be fast enough.
+    the microcontroller. `link` says where the board is: simulated, on the serial device `port` at
+    `baud`, or at the network address `port` (host:port). A simulated board is a model of one
+    ("virtual") or runs Passo's firmware ("passo"): to the tick the same, but slower.
+    `compression_tolerance_us` bounds how far a step may be from its ideal time, unless the board's
+    budget asks for more; `move_count` is the number of commands that the board can hold. Without a
+    `budget` the planner takes the board and its link to be fast enough.
     """
 
     base: str | None = None
     name: str
     mcu: str
-    link: Literal["simulated"] = "simulated"
+    link: Literal["simulated", "serial", "tcp"] = "simulated"
+    port: str | None = None
+    baud: Annotated[int, Field(ge=1200, le=4_000_000)] = 250_000
+    firmware: Literal["virtual", "passo"] = "virtual"
     clock_hz: Annotated[int, Field(ge=1_000_000, le=1_000_000_000)]
     move_count: Annotated[int, Field(ge=16, le=65_535)]
     compression_tolerance_us: Annotated[float, Field(gt=0, le=25)] = 2.0
@@ -87,7 +95,8 @@ class Board(Model):
             return None
         cpu_hz = budget.cpu_hz or self.clock_hz
         by_board = budget.command_share * cpu_hz / budget.cycles_per_command
-        by_link = (budget.link_bytes_s or inf) / _COMMAND_BYTES
+        serial = _BYTES_PER_BAUD * self.baud if self.link == "serial" else inf
+        by_link = (budget.link_bytes_s or serial) / _COMMAND_BYTES
         commands_s = min(by_board, by_link)
         return {
             "steps_s": budget.step_share * cpu_hz / budget.cycles_per_step,

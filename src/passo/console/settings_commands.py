@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from passo.console.options import OptionCommands
-from passo.errors import CommandError, Problem
+from passo.errors import CommandError
 from passo.job.settings import Store
 from passo.printer.waits import Handler, Reply, Silence, Wait
 from passo.printer.words import Command
@@ -77,7 +77,7 @@ class SettingsCommands:
 
     def _needed(self) -> Store:
         if self._store is None:
-            raise CommandError([Problem("settings.nowhere")])
+            raise CommandError.of("settings.nowhere")
         return self._store
 
     def store(self) -> int:
@@ -94,7 +94,7 @@ class SettingsCommands:
     def _load(self, _: Command, reply: Reply) -> Wait | None:
         stored = self._needed().load()
         if stored is None:
-            raise CommandError([Problem("settings.none")])
+            raise CommandError.of("settings.none")
         self.restore(stored)
         reply.say(f"echo:Stored settings retrieved ({len(stored)} commands)")
         return None
@@ -118,6 +118,6 @@ class SettingsCommands:
     def _check(self, _: Command, reply: Reply) -> Wait | None:
         stored = self._needed().load()
         if stored is None:
-            raise CommandError([Problem("settings.none")])
+            raise CommandError.of("settings.none")
         reply.say(f"echo:Stored settings are sound ({len(stored)} commands)")
         return None

@@ -3,25 +3,21 @@
 from __future__ import annotations
 
 import asyncio
-import fcntl
 import os
-import struct
 import sys
-import termios
 import tty
 from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol
 
 from passo.console.session import Session
-from passo.errors import PassoError, Problem
+from passo.errors import PassoError
 from passo.printer.printer import Printer
+from passo.serial_line import open_serial_line
 
 _AT_ONCE = 4096  # bytes; asyncio would read 256 KiB, whose lines keep all others waiting for 0.8 s
 _ROOM = 1 << 16  # bytes that may wait for a reader before dispensable ones are dropped
 _DEAD = 1 << 20  # and before all are
-_TCGETS2, _TCSETS2 = 0x802C542A, 0x402C542B
-_BOTHER, _CBAUD = 0o010000, 0o010017
 
 Opened = Callable[[Session], None]
 
@@ -41,8 +37,7 @@ class ConsoleError(PassoError):
 
 def _cannot(what: str, error: Exception) -> ConsoleError:
     why = error.strerror if isinstance(error, OSError) else None
-    values = {"axis": what, "value": why or str(error)}
-    return ConsoleError([Problem("console.unopened", values=values)])
+    return ConsoleError.of("console.unopened", axis=what, value=why or str(error))
 
 
 class _Wire(asyncio.Protocol):
@@ -158,21 +153,9 @@ async def open_pty(printer: Printer, path: str, opened: Opened) -> Console:
 async def open_serial(printer: Printer, device: str, baud: int, opened: Opened) -> Console:
     """A serial device at any rate that its driver can do. Raises ConsoleError."""
     try:
-        port = os.open(device, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+        port = open_serial_line(device, baud)
     except OSError as error:
         raise _cannot(f"the serial device {device}", error) from None
-    try:
-        tty.setraw(port)
-        attributes = bytearray(44)
-        fcntl.ioctl(port, _TCGETS2, attributes, True)
-        inputs, outputs, control, local, line, keys, _, _ = struct.unpack("4IB19s2I", attributes)
-        control = (control & ~_CBAUD) | _BOTHER | termios.CLOCAL | termios.CREAD
-        termios2 = struct.pack("4IB19s2I", inputs, outputs, control, local, line, keys, baud, baud)
-        fcntl.ioctl(port, _TCSETS2, termios2)
-    except (OSError, termios.error) as error:
-        os.close(port)
-        why = error if isinstance(error, OSError) else OSError(*error.args)
-        raise _cannot(f"the serial device {device}", why) from None
     wire = _Wire(printer, opened, f"serial {device} at {baud}")
     return await _join(wire, port, os.dup(port))
 
@@ -241,5 +224,6 @@ async def open_stdin(printer: Printer, opened: Opened, ended: Callable[[], None]
     try:
         return await _join(wire, os.dup(sys.stdin.fileno()), os.dup(sys.stdout.fileno()))
     except (ValueError, OSError):
-        values = {"axis": wire.place, "value": "it, or standard output, is a file"}
-        raise ConsoleError([Problem("console.unopened", values=values)]) from None
+        raise ConsoleError.of(
+            "console.unopened", axis=wire.place, value="it, or standard output, is a file"
+        ) from None

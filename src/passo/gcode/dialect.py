@@ -68,7 +68,13 @@ TABLE: tuple[Row, ...] = (
     Row("M1", _H, _X, "S(s) P(ms) text", "Waits for a person, M108 or the time."),
     Row("M2", _P, _X, "", "Ends the program."),
     Row("M3", _P, _N, "S", "Laser or spindle on."),
-    Row("M4", _P, _N, "S", "Laser or spindle on, power with speed."),
+    Row(
+        "M4",
+        _P,
+        _N,
+        "S",
+        "Laser on; less where the head is slower, dark at rest and on G0.",
+    ),
     Row("M5", _P, _N, "", "Laser or spindle off."),
     Row("M17", _Q, _N, "X Y Z E", "Motors on; a move turns them on anyway."),
     Row(
@@ -183,7 +189,7 @@ TABLE: tuple[Row, ...] = (
     Row("M218", _Q, _N, "T X Y Z (mm)", "A tool's offset."),
     Row("M220", _P, _I, "S(%)", "Scales the speed, of what is planned too."),
     Row("M221", _M, _N, "S(%)", "Scales the extrusion."),
-    Row("M290", _Q, _I, "X Y Z (mm)", "Shifts the moves that follow."),
+    Row("M290", _P, _I, "X Y Z (mm)", "Shifts all that is not done yet, in mid-move."),
     Row("M300", _Q, _N, "S P", "Beep, where there is a beeper."),
     Row("M302", _Q, _I, "S(°C) P", "Allows cold extrusion, or tells whether it is."),
     Row("M301", _Q, _I, "H P I D", "A heater's PID gains, in 1/255 of full power; H-1 is the bed."),

@@ -8,8 +8,9 @@ from math import sqrt
 from typing import TYPE_CHECKING, Protocol
 
 from passo.config.drives import axis_order
-from passo.errors import CommandError, Problem
+from passo.errors import CommandError
 from passo.gcode.dialect import BY_CODE, Kind
+from passo.printer.faults import problem_of
 from passo.printer.waits import Homing, Person, Still, Temperatures, Wait
 from passo.printer.words import Command
 
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 
 _LETTERED = re.compile(r"([TPBC])\s*(\d*)", re.IGNORECASE)
 _AT_ONCE = re.compile(r"\bF", re.IGNORECASE)
+_BABYSTEP_MM = 2.0  # at most, with one command
 _KINDS = {"T": "hotend", "P": "hotend", "B": "bed", "C": "chamber"}
 
 
@@ -51,7 +53,9 @@ class Commands:
         self._tool_c: dict[int, tuple[float | None, float | None]] = {}  # at work, on standby
         self.fans: dict[str, float] = {}  # as last set, 0 to 1
         self._spindle = 0.0
-        self._spindle_on = False
+        self._spindle_mode = ""  # M3: as set, M4: with the speed, or off
+        if machine.laser:
+            job.set_laser(*self._outputs["laser"])
         self.ended = False
         self._handlers: dict[str, Callable[[Command], Wait | None]] = {
             "G28": lambda c: Homing(c.text),
@@ -80,6 +84,7 @@ class Commands:
             "M204": lambda c: self.accelerations(c.words()),
             "M205": self._junction,
             "M220": self._speed,
+            "M290": self._babystep,
             "G10": self._tool_temperatures,
             "SET_VELOCITY_LIMIT": self._velocity_limit,
         }
@@ -128,8 +133,7 @@ class Commands:
     def _set_position(self, command: Command) -> None:
         """Of axes that do not know where they are; the interpreter does the others."""
         axes = axis_order(self._machine.axes)
-        for letter, value in command.words().items():
-            self._job.set_axis(axes.index(letter.lower()), value)
+        self._job.set_axes([(axes.index(k.lower()), v) for k, v in command.words().items()])
 
     def _end(self, _: Command) -> Wait:
         self.ended = True
@@ -149,11 +153,11 @@ class Commands:
 
     def _spindle_start(self, command: Command) -> None:
         self._spindle = command.words().get("S", self._spindle)
-        self._spindle_on = True
+        self._spindle_mode = command.code
         self._laser()
 
     def _spindle_stop(self, _: Command) -> None:
-        self._spindle_on = False
+        self._spindle_mode = ""
         self._laser()
 
     def _spindle_power(self, command: Command) -> None:
@@ -162,8 +166,9 @@ class Commands:
 
     def _laser(self) -> None:
         if self._machine.laser:
-            share = self._spindle / self._machine.laser.full_scale if self._spindle_on else 0.0
-            self.set_output("laser", share)
+            share = max(0.0, self._spindle / self._machine.laser.full_scale)
+            self._job.follow_speed(share if self._spindle_mode == "M4" else 0.0)
+            self.set_output("laser", share if self._spindle_mode == "M3" else 0.0)
 
     def heater(self, kind: str, number: int | None = None) -> str:
         """The heater of a kind: a hotend by its tool's number, the active tool's by default; others
@@ -178,8 +183,7 @@ class Commands:
             if len(names) == 1:
                 return names[0]
         if not 0 <= index < len(names):
-            values = {"axis": kind, "value": index, "limit": len(names)}
-            raise CommandError([Problem("heat.unknown", values=values)])
+            raise CommandError.of("heat.unknown", axis=kind, value=index, limit=len(names))
         return names[index]
 
     def _numbered(self, words: dict[str, float]) -> int | None:
@@ -202,8 +206,7 @@ class Commands:
         else:
             self._heat.set_target(name, 0.0, at_once=True)
             limit = f"{heater.min_c:g} to {heater.max_c:g}"
-            values = {"axis": name, "value": target, "limit": limit}
-            raise CommandError([Problem("heat.unsafe-target", values=values)])
+            raise CommandError.of("heat.unsafe-target", axis=name, value=target, limit=limit)
 
     def _set_temperature(self, command: Command, kind: str) -> None:
         words = command.words()
@@ -299,6 +302,21 @@ class Commands:
         percent = command.words().get("S", 0)
         if percent > 0:
             self._job.speed_factor = min(max(percent, 10.0), 1000.0) / 100
+
+    def babysteps(self, command: Command) -> list[tuple[int, float]]:
+        """M290: numbers of axes with how far they go, mm; S is Z's. Raises CommandError."""
+        words = command.words()
+        words.setdefault("Z", words.get("S", 0.0))
+        found = [(i, words[letter]) for i, letter in enumerate("XYZ") if words.get(letter)]
+        for i, mm in found:
+            if abs(mm) > _BABYSTEP_MM:
+                raise CommandError.bad_value("XYZ"[i], mm, f"at most {_BABYSTEP_MM:g} mm")
+        return found
+
+    def _babystep(self, command: Command) -> None:
+        for axis, mm in self.babysteps(command):
+            if not self._job.shift(axis, mm):
+                raise CommandError([problem_of(self._job, "")])
 
     def _velocity_limit(self, command: Command) -> None:
         values: dict[str, float] = {}

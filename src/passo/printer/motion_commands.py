@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from passo.config.drives import axis_order
-from passo.errors import CommandError, Problem
+from passo.errors import CommandError
+from passo.printer.faults import problem_of
 from passo.printer.waits import Handler, Reply, Still, Wait
 from passo.printer.words import Command
 
@@ -14,7 +15,6 @@ if TYPE_CHECKING:
     from passo.printer.printer import Printer
 
 _PERCENT = (10.0, 1000.0)  # of M220
-_BABYSTEP_MM = 2.0  # at most, with one command
 
 
 class MotionCommands:
@@ -40,6 +40,7 @@ class MotionCommands:
             "M206": self._home_offsets,
             "M218": self._tool_offset,
             "M221": self._flow,
+            "M290": lambda c, r: self._printer.commands.run(c),
             "M569": self._drivers,
         }
 
@@ -76,7 +77,7 @@ class MotionCommands:
             if letter == "T":
                 continue
             if not 1e-3 < value < 1e6:
-                raise _refusal(letter, value, "steps per mm above 0")
+                raise CommandError.bad_value(letter, value, "steps per mm above 0")
             changes += [(i, value) for i in self._places(letter)]
         return Still(lambda: self._rescale(changes))
 
@@ -138,7 +139,7 @@ class MotionCommands:
         deviation = words.get("J")
         if deviation is not None:
             if not 0.001 <= deviation <= 0.3:
-                raise _refusal("J", deviation, "0.001 to 0.3 mm")
+                raise CommandError.bad_value("J", deviation, "0.001 to 0.3 mm")
             self._printer.job.set_limit("junction_deviation", deviation)
             self._printer.drive.replan()
         return None
@@ -151,7 +152,7 @@ class MotionCommands:
         """E is a length. A program that means volumes would push far too much filament."""
         words = command.words()
         if words.get("D", 0) > 0 and words.get("S", 1) != 0:
-            raise _refusal("D", words["D"], "0, as E is a length and not a volume")
+            raise CommandError.bad_value("D", words["D"], "0, as E is a length and not a volume")
         return None
 
     # -- offsets ----------------------------------------------------------------------------------
@@ -175,7 +176,7 @@ class MotionCommands:
         offsets = self._printer.job.tool_offsets
         tool = int(words.get("T", words.get("H", self._printer.job.tool)))
         if not 0 <= tool < len(offsets):
-            raise _refusal("T", tool, f"a tool below {len(offsets)}")
+            raise CommandError.bad_value("T", tool, f"a tool below {len(offsets)}")
         axes = {letter: value for letter, value in words.items() if letter in "XYZ"}
         if not axes:
             for line in self.tool_offset_lines():
@@ -197,14 +198,9 @@ class MotionCommands:
         return None
 
     def _babystep(self, command: Command, _: Reply) -> Wait | None:
-        words = command.words()
-        changes = {k: v for k, v in words.items() if k.lower() in self._axes[:3]}
-        if "S" in words:
-            changes.setdefault("Z", words["S"])
-        for letter, mm in changes.items():
-            if abs(mm) > _BABYSTEP_MM:
-                raise _refusal(letter, mm, f"at most {_BABYSTEP_MM:g} mm")
-            self._printer.job.shift_zero(self._axes.index(letter.lower()), mm)
+        for axis, mm in self._printer.commands.babysteps(command):
+            if not self._printer.drive.shift(axis, mm):
+                raise CommandError([problem_of(self._printer.job, "")])
         return None
 
     # -- overrides --------------------------------------------------------------------------------
@@ -217,7 +213,7 @@ class MotionCommands:
             return None
         low, high = _PERCENT
         if words["S"] <= 0:
-            raise _refusal("S", words["S"], f"{low:g} to {high:g} percent")
+            raise CommandError.bad_value("S", words["S"], f"{low:g} to {high:g} percent")
         job.speed_factor = min(max(words["S"], low), high) / 100
         self._printer.drive.replan()
         return None
@@ -225,7 +221,7 @@ class MotionCommands:
     def _drivers(self, command: Command, reply: Reply) -> Wait | None:
         """What the machine file says of the drivers; it is fixed when the board is configured."""
         if command.words():
-            raise CommandError([Problem("command.fixed", values={"value": "steppers"})])
+            raise CommandError.of("command.fixed", value="steppers")
         reply.say("Reporting Stepper control")
         for row in self._machine.core_spec()["steppers"]:
             reply.say(
@@ -233,9 +229,3 @@ class MotionCommands:
                 f" pulse(us):{row['pulse_s'] * 1e6:g} delay(us):{row['dir_setup_s'] * 1e6:g}"
             )
         return None
-
-
-def _refusal(axis: str, value: float, limit: str) -> CommandError:
-    return CommandError(
-        [Problem("command.value", values={"axis": axis, "value": f"{value:g}", "limit": limit})]
-    )

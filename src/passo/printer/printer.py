@@ -143,9 +143,11 @@ class Printer:
                 self.job.lock_axis(order.index(name), True)
 
     def close(self) -> None:
-        """Lets go of files; nothing may be asked of the printer after that."""
+        """Lets go of files and of the board, heaters off; nothing may be asked of the printer after
+        that."""
         for closer in self.closers:
             closer()
+        self.connection.close()
 
     # -- what others may ask ----------------------------------------------------------------------
 
@@ -170,7 +172,9 @@ class Printer:
         self.drive.after_moves()
 
     def go_on(self) -> None:
-        """M108: ends the wait that goes on, for moves, temperatures or a person. Moves go on."""
+        """M108: ends the wait that goes on, for moves, time, temperatures or a person. Moves go
+        on."""
+        self.drive.skip_dwell()
         self._impatient = True
         self._skip.set()
 
