@@ -66,7 +66,7 @@ class Bounds {
                                                      : limits_.travel_accel);
     a = std::min(a, kHighestAccel * per_mm);
     double inverse = 1 / m.d, climb = 0;  // climb: of the bed below the way, at most
-    if (machine_.height_map)
+    if (machine_.height_map && !machine_.joints)
       climb =
           machine_.height_map->steepest() * std::sqrt(delta[0] * delta[0] + delta[1] * delta[1]);
     auto tighten = [&](const Row& row, double distance) {

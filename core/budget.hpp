@@ -22,18 +22,17 @@ class MoveBudget {
   static constexpr double kPerMove = 2, kPerRampSecond = 0.6;
 
   explicit MoveBudget(const Machine& machine)
-      : budget_(machine.budget), own_tolerance_(machine.tolerance),
+      : machine_(machine), budget_(machine.budget), own_tolerance_(machine.tolerance),
         widest_(machine.widest_tolerance()),
         saving_(std::sqrt(std::sqrt(widest_ / own_tolerance_))),
         limit_(machine.budget.by_link ? kLink : kBoard) {
     for (const StepperSpec& s : machine.steppers) {
-      Motor motor{&s, {}, -1, 0};
+      Motor motor{&s, {}, -1, -1, 0};
       if (s.drive != Drive::actuator)
         motor.axis = s.drive == Drive::axis ? slot_of_axis(s.index) : int(kE);
       else if (!machine.geometry->linear(s.index, motor.c))
-        ++curved_motors_;
-      if (s.drive != Drive::actuator || machine.geometry->linear(s.index, motor.c))
-        straight_.push_back(motor);
+        motor.joint = s.index, ++curved_motors_;
+      motors_.push_back(motor);
     }
   }
 
@@ -55,7 +54,7 @@ class MoveBudget {
       return;
     }
     double steps = m.curved_steps;
-    for (Motor& motor : straight_) steps += motor.count(m);
+    for (Motor& motor : motors_) steps += motor.count(m, machine_.joints);
     double most = budget_.step_rate * m.d;  // at this, speed × steps
     if (m.vn2 * steps * steps > most * most) {
       m.step_load = std::sqrt(m.vn2) * steps / most;
@@ -81,15 +80,18 @@ class MoveBudget {
     }
   };
 
-  // A motor whose steps are even along a move.
+  // A motor, and its steps in the move at hand where they are even along it.
   struct Motor {
     const StepperSpec* spec;  // its scale may change while the machine stands
     double c[3];
-    int axis;      // ≥ 0: this axis alone drives it
-    double steps;  // of the move at hand
-    double count(const Move& m) {
+    int axis;   // ≥ 0: this axis alone drives it
+    int joint;  // ≥ 0: a nonlinear actuator, even only where positions are those of the actuators
+    double steps;
+    double count(const Move& m, bool joints) {
       double way = 0;
-      if (axis < 0)
+      if (joint >= 0)
+        way = joints ? m.p1[joint] - m.p0[joint] : 0;
+      else if (axis < 0)
         for (int j = 0; j < 3; ++j) way += c[j] * (m.p1[j] - m.p0[j]);
       else if (axis != kE || m.extruder == spec->index)
         way = m.p1[axis] - m.p0[axis];
@@ -97,7 +99,8 @@ class MoveBudget {
     }
   };
 
-  std::vector<Motor> straight_;
+  const Machine& machine_;
+  std::vector<Motor> motors_;
   Budget budget_;
   double own_tolerance_, widest_, saving_;  // saving: commands at own / commands at widest
   LimitId limit_;
@@ -114,7 +117,7 @@ class MoveBudget {
           steps <= least ? steps : std::min(steps, least + of_ramp * std::sqrt(steps * motors));
     };
     if (curved_motors_ > 0) add(m.curved_steps, curved_motors_);
-    for (const Motor& motor : straight_) add(motor.steps, 1);
+    for (const Motor& motor : motors_) add(motor.steps, 1);
     double room = budget_.burst - ahead_;
     double allowed = budget_.command_rate * soonest.seconds + room;
     if (!(commands > allowed)) {  // also where no actuator position exists, and so no number

@@ -77,8 +77,8 @@ struct Machine {
   Limits limits;
   Budget budget;
   std::shared_ptr<const Geometry> geometry;
-  bool joints = false;  // X, Y, Z of positions are the first three actuators' own, for homing
   std::shared_ptr<const HeightMap> height_map;  // none: the bed is flat
+  bool joints = false;  // X, Y, Z of positions are the first three actuators' own, for homing
 
   // The nozzle's height for the geometry: Z of the program and what the bed adds.
   double raised(const double* p) const {

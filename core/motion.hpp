@@ -147,10 +147,6 @@ class Motion {
     set_apart_[i] += count - solvers_[i].count();
     solvers_[i].set_count(count);
   }
-  // While `on`, X, Y and Z of all positions are those of the first three actuators of a nonlinear
-  // geometry, each of which moves by itself. Only while the machine stands; where it is must be set
-  // after either change.
-  void use_joints(bool on) { machine_.joints = on && planner_.constraints().actuators.size() >= 3; }
   // From now on the bed adds these heights to Z (none: it is flat). No motor moves: what changes is
   // the Z of the plan, which is then where the machine is. Only after flush.
   void set_height_map(std::shared_ptr<const HeightMap> map) {
@@ -161,6 +157,10 @@ class Motion {
     position[kZ] = height - (machine_.raised(position) - position[kZ]);
     planner_.set_position(position, machine_.extruders.size());
   }
+  // While `on`, X, Y and Z of all positions are those of the first three actuators of a nonlinear
+  // geometry, each of which moves by itself. Only while the machine stands; where it is must be set
+  // after either change.
+  void use_joints(bool on) { machine_.joints = on && planner_.constraints().actuators.size() >= 3; }
   void set_tool_offset(size_t tool, int j, double mm) { machine_.tools[tool].offset[j] = mm; }
 
   // After an endstop has stopped motors on the board: the next step of motor i tells its clock and

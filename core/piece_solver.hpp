@@ -23,7 +23,8 @@ class PieceSolver {
 
   // What the bed adds to Z moves this motor.
   bool raised() const {
-    return machine_.height_map && spec_.drive == Drive::actuator && (!straight_ || row_[kZ] != 0);
+    return machine_.height_map && !machine_.joints && spec_.drive == Drive::actuator &&
+           (!straight_ || row_[kZ] != 0);
   }
 
   // Calls step(ticks, direction) for each step from `count` on. At the end of a path, also for each

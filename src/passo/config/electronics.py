@@ -42,7 +42,8 @@ class Budget(Model):
 
     Steps may take `step_share` of the processor's time at `cycles_per_step`, commands
     `command_share` at `cycles_per_command`, frames and all. `cpu_hz` is the board's clock unless
-    given. `link_bytes_s` is what the link carries in bytes/s; without it, it bounds nothing.
+    given. `link_bytes_s` is what the link carries in bytes/s; without it, a serial link carries 95
+    of 100 bytes that fit its `baud`, and others bound nothing.
     """
 
     cpu_hz: Annotated[int, Field(ge=1_000_000, le=10_000_000_000)] | None = None
@@ -56,6 +57,7 @@ class Budget(Model):
 # Bytes on the wire of a command, with its share of the frame and of changes of direction: 8.05 to
 # 8.28 on sliced files of 1.6 million commands.
 _COMMAND_BYTES = 8.3
+_BYTES_PER_BAUD = 0.095  # ten bits a byte; some are repeated or come late
 # A burst of so many seconds of commands may come ahead, but never more than half of the slots.
 _BURST_S = 0.1
 
@@ -93,7 +95,8 @@ class Board(Model):
             return None
         cpu_hz = budget.cpu_hz or self.clock_hz
         by_board = budget.command_share * cpu_hz / budget.cycles_per_command
-        by_link = (budget.link_bytes_s or inf) / _COMMAND_BYTES
+        serial = _BYTES_PER_BAUD * self.baud if self.link == "serial" else inf
+        by_link = (budget.link_bytes_s or serial) / _COMMAND_BYTES
         commands_s = min(by_board, by_link)
         return {
             "steps_s": budget.step_share * cpu_hz / budget.cycles_per_step,
