@@ -5,6 +5,9 @@
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
+#include <stdexcept>
+
 #include "cpu_clock.hpp"
 #include "message_queue.hpp"
 #include "wire/pump.hpp"
