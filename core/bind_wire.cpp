@@ -6,6 +6,9 @@
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
+#include <stdexcept>
+
 #include "cpu_clock.hpp"
 #include "message_queue.hpp"
 #include "wire/firmware_board.hpp"
@@ -68,8 +71,10 @@ FormatList declarations(const Declaration* begin, const Declaration* end) {
 }
 
 nb::bytes vlq(int64_t value) {
-  uint8_t buffer[kVlqMax];
-  return to_bytes(buffer, size_t(put_vlq(buffer, uint32_t(value)) - buffer));
+  uint8_t plain[kVlqMax], any[kVlqRoom];
+  uint8_t *end = put_vlq(plain, uint32_t(value)), *same = put_vlq_any(any, uint32_t(value));
+  if (!std::equal(plain, end, any, same)) throw std::logic_error("two encodings of one integer");
+  return to_bytes(plain, size_t(end - plain));
 }
 std::pair<int64_t, size_t> read_vlq(const nb::bytes& data) {
   Reader in{data_of(data), data_of(data) + data.size()};
