@@ -20,8 +20,6 @@ def scanned(data: bytes) -> list[tuple[int, bytes]]:
         length = data[0]
         crc = int.from_bytes(data[length - 3 : length - 1], "big")
         assert wire.crc16(data[: length - 3]) == crc
-            data[length - 3 : length - 1], "big"
-        )
         frames.append((data[1] & 15, data[2 : length - 3]))
         data = data[length:]
     return frames
