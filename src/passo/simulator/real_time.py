@@ -1,4 +1,4 @@
-"""A simulated board at the other end of a serial line, in real time: for hosts that are not Passo."""
+"""A simulated board at the other end of a serial line, in real time, for any host."""
 
 from __future__ import annotations
 
@@ -6,16 +6,18 @@ import os
 import select
 import time
 import tty
+from contextlib import suppress
 from pathlib import Path
 
 from passo.simulator.board import SimulatedBoard
 
 _SLICE_S = 0.001
+_STALL_S = 0.01
 
 
 class SerialBoard:
-    """A board behind a pseudo-terminal. Its clock runs with the computer's; it is late by what the
-    computer is late, a millisecond as a rule, and the reports and edges carry the true clocks."""
+    """A board behind a pseudo-terminal. Its clock runs with the computer's but stands still while
+    the computer does not let it run, as a chip's would that is stopped."""
 
     def __init__(self, board: SimulatedBoard, link: Path) -> None:
         """Makes `link` a symbolic link to the terminal that a host opens. Raises OSError."""
@@ -28,8 +30,8 @@ class SerialBoard:
         self._link = link
         link.unlink(missing_ok=True)
         link.symlink_to(os.ttyname(host_end))
-        self._begin_s = time.monotonic()
-        self._start_clock = board.device.now
+        self._seen_s = time.monotonic()
+        self._now_s = board.device.now / board.board.clock_hz
         self._unsent = b""
 
     def run(self, seconds: float) -> None:
@@ -41,17 +43,14 @@ class SerialBoard:
 
     def pass_bytes(self) -> None:
         """Lets the board take what came and say what it has to say, now."""
-        hz = self.board.board.clock_hz
-        now = self._start_clock + int((time.monotonic() - self._begin_s) * hz)
-        try:
+        seen_s, self._seen_s = self._seen_s, time.monotonic()
+        self._now_s += min(self._seen_s - seen_s, _STALL_S)
+        now = int(self._now_s * self.board.board.clock_hz)
+        with suppress(BlockingIOError):  # nothing came
             self.board.device.feed(os.read(self._fd, 4096), now)
-        except BlockingIOError:
-            pass
         self._unsent += self.board.device.poll(now)
-        try:
+        with suppress(BlockingIOError):  # nobody reads: the line is full
             self._unsent = self._unsent[os.write(self._fd, self._unsent) :]
-        except BlockingIOError:
-            pass  # nobody reads: the line is full
 
     def close(self) -> None:
         """Takes the line away."""
