@@ -587,9 +587,20 @@ void bind_board(nb::module_& m) {
            nb::call_guard<nb::gil_scoped_release>());
   nb::class_<LiveBoard>(m, "LiveBoard",
                         "Lets a device answer on a file descriptor, which it owns, in real time "
-                        "and a thread of its own; look at the device only after `stop`.")
+                        "and a thread of its own; look at the device in `look`, or after `stop`.")
       .def(nb::init<Device&, int, double>(), "device"_a, "fd"_a, "clock_hz"_a,
            nb::keep_alive<1, 2>())
+      .def(
+          "look",
+          [](LiveBoard& b, const nb::callable& at) {
+            std::unique_lock lock(b.guard(), std::defer_lock);
+            {
+              nb::gil_scoped_release released;
+              lock.lock();
+            }
+            return at();
+          },
+          "at"_a, "What the function returns, which may use the device.")
       .def("stop", &LiveBoard::stop, nb::call_guard<nb::gil_scoped_release>());
 }
 

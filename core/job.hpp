@@ -179,7 +179,10 @@ class Job {
   double now() const { return cpu_clock_ ? cpu_clock_() : 0; }
 
   bool push_batch() {
-    for (const MoveRequest& m : batch_) {
+    for (MoveRequest& m : batch_) {
+      // Filament alone moves nothing else, also where a move before it was left out.
+      if (m.kind == MoveKind::extrude && unreachable_skipped > 0)
+        std::copy_n(motion.planner().position(), 3, m.target);
       if (motion.planner().constraints().checks_reach() && m.kind != MoveKind::dwell &&
           m.kind != MoveKind::extrude && !reach(m)) {
         if (!interpreter.clamp) return false;

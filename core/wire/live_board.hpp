@@ -2,7 +2,9 @@
 #pragma once
 #include <algorithm>
 #include <atomic>
+#include <mutex>
 #include <thread>
+#include <utility>
 
 #include "cable.hpp"
 #include "device.hpp"
@@ -11,12 +13,15 @@ namespace passo::wire {
 
 class LiveBoard {
  public:
-  // Begins at once, at the device's clock 0. The device belongs to the thread until stop().
+  // Begins at once, at the device's clock 0. Until stop() the device is used under guard() only.
+  // Its clock runs with the computer's, but stands still while the computer does not let it run, as
+  // that of a chip would which is stopped.
   LiveBoard(Device& device, int fd, double clock_hz)
-      : device_(device), cable_(fd), hz_(clock_hz), start_(monotonic_ticks(clock_hz)),
+      : device_(device), cable_(fd), hz_(clock_hz), seen_(monotonic_ticks(clock_hz)),
         thread_([this] { serve(); }) {}
   ~LiveBoard() { stop(); }
 
+  std::mutex& guard() { return guard_; }
   void stop() {
     if (!thread_.joinable()) return;
     stopping_ = true;
@@ -26,26 +31,35 @@ class LiveBoard {
   }
 
  private:
-  static constexpr double kIdleSeconds = 1;
+  static constexpr double kLookSeconds = 0.002, kStallSeconds = 0.01;
 
   Device& device_;
   Cable cable_;
   double hz_;
-  Ticks start_;
+  Ticks now_ = 0, seen_;
+  std::mutex guard_;
   std::atomic<bool> stopping_{false};
   std::thread thread_;
 
-  Ticks now() const { return monotonic_ticks(hz_) - start_; }
+  Ticks now() {
+    Ticks before = std::exchange(seen_, monotonic_ticks(hz_));
+    return now_ += std::min(seen_ - before, Ticks(kStallSeconds * hz_));
+  }
   void serve() {
     while (!stopping_ && cable_.open()) {
-      device_.poll(now(), cable_.outgoing());
+      double sleep = kLookSeconds;
+      {
+        std::lock_guard lock(guard_);
+        device_.poll(now(), cable_.outgoing());
+        if (Ticks due = device_.next_deadline(); due != kNever)
+          sleep = std::clamp(double(due - now_) / hz_, 0.0, sleep);
+      }
       cable_.write_out();
-      double sleep = kIdleSeconds;
-      if (Ticks due = device_.next_deadline(); due != kNever)
-        sleep = std::clamp(double(due - now()) / hz_, 0.0, sleep);
       const Bytes& in = cable_.wait(sleep);
+      std::lock_guard lock(guard_);
       if (!in.empty()) device_.feed(in.data(), in.size(), now());
     }
+    std::lock_guard lock(guard_);
     device_.poll(now(), cable_.outgoing());  // what it was still doing
   }
 };

@@ -2,7 +2,7 @@
 Native core of Passo: parse, plan, solve step times, compress, frame, virtual board.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 import enum
 from typing import Any
 
@@ -624,10 +624,13 @@ class LiveWire:
 
 class LiveBoard:
     """
-    Lets a device answer on a file descriptor, which it owns, in real time and a thread of its own; look at the device only after `stop`.
+    Lets a device answer on a file descriptor, which it owns, in real time and a thread of its own; look at the device in `look`, or after `stop`.
     """
 
     def __init__(self, device: Device, fd: int, clock_hz: float) -> None: ...
+
+    def look(self, at: Callable) -> object:
+        """What the function returns, which may use the device."""
 
     def stop(self) -> None: ...
 

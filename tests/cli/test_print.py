@@ -136,6 +136,15 @@ def test_policies(capsys, tmp_path):
     ]
 
 
+def test_filament_alone_goes_nowhere_after_a_move_that_was_left_out(capsys, tmp_path):
+    path = tmp_path / "p.gcode"
+    path.write_text("G92 X0 Y0 Z50\nM83\nG1 X20 F3000\nG1 X74 Y74 Z160\nG1 E2 F300\n")
+    result = printed(capsys, str(path), "--machine", "delta", "--out-of-range", "clamp")
+    # The towers stand where the point (20, 0, 50) has them, as without the move out of reach.
+    path.write_text("G92 X0 Y0 Z50\nM83\nG1 X20 F3000\nG1 E2 F300\n")
+    assert result["final_steps"] == printed(capsys, str(path), "--machine", "delta")["final_steps"]
+
+
 def test_json_errors_are_an_object(capsys, tmp_path):
     path = tmp_path / "p.gcode"
     path.write_text("G1 X300 F3000\n")

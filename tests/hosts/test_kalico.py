@@ -7,19 +7,17 @@ import os
 import re
 import select
 import subprocess
-import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from tests.firmware.library import library_for_older_hosts
+from tests.hosts.cable import Cable
 
 from passo import config
-from passo.printer.wiring import board_description, simulated_board
 from passo.simulator import SimulatedBoard
 from passo.simulator import dictionary as simulated
-from passo.simulator.real_time import SerialBoard
 
 HERE = Path(__file__).parent
 PATIENCE_S = 40
@@ -40,37 +38,24 @@ def library(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def board(
-    tmp_path: Path, library: Path, monkeypatch: pytest.MonkeyPatch
-) -> Iterator[SimulatedBoard]:
-    """The shipped i3's board, on the serial line `tmp_path / "board"`."""
+def cable(library: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Cable]:
+    """The shipped i3's board on a serial line."""
     monkeypatch.setattr(simulated, "firmware_library", lambda: library)
     monkeypatch.setattr("passo.simulator.board.firmware_library", lambda: library)
     machine = config.load("i3")
     chosen = machine.board.model_copy(update={"firmware": "passo"})
     machine = machine.model_copy(update={"board": chosen})
-    made = simulated_board(machine, board_description(machine))
-    line = SerialBoard(made, tmp_path / "board")
-    ended = threading.Event()
-
-    def serve() -> None:
-        while not ended.is_set():
-            line.run(0.05)
-
-    thread = threading.Thread(target=serve)
-    thread.start()
-    yield made
-    ended.set()
-    thread.join()
-    line.close()
+    cable = Cable(machine)
+    yield cable
+    cable.close()
 
 
 class Kalico:
     """A running Kalico, spoken to over its own pty."""
 
-    def __init__(self, hosts: Path, folder: Path) -> None:
+    def __init__(self, hosts: Path, folder: Path, device: str) -> None:
         text = (HERE / "kalico.cfg").read_text(encoding="utf-8")
-        (folder / "printer.cfg").write_text(text.format(serial=folder / "board"), encoding="utf-8")
+        (folder / "printer.cfg").write_text(text.format(serial=device), encoding="utf-8")
         self.log = folder / "kalico.log"
         words = [hosts / "python", "-m", "klippy", "printer.cfg", "-l", self.log, "-I", "printer"]
         self.process = subprocess.Popen(
@@ -120,8 +105,8 @@ class Kalico:
 
 
 @pytest.fixture
-def kalico(hosts: Path, board: SimulatedBoard, tmp_path: Path) -> Iterator[Kalico]:
-    host = Kalico(hosts, tmp_path)
+def kalico(hosts: Path, cable: Cable, tmp_path: Path) -> Iterator[Kalico]:
+    host = Kalico(hosts, tmp_path, cable.path)
     try:
         host.wait()
         yield host
@@ -133,27 +118,29 @@ def net_steps(board: SimulatedBoard) -> dict[str, int]:
     return {s.name: board.net_steps(s.name) for s in board.board.steppers}
 
 
-def test_it_homes_prints_and_heats(board, kalico):
+def test_it_homes_prints_and_heats(cable, kalico):
+    board = cable.board
     kalico.tell("G28")
     first, *rest = PRINT.splitlines()
     kalico.tell(first)
     kalico.tell("M400")
-    before = net_steps(board)
+    before = cable.look(lambda: net_steps(board))
     for axis, at in (("x", 50), ("y", 40), ("z", 2)):
-        assert board.position(axis) == pytest.approx(at, abs=0.02)
+        assert cable.look(lambda axis=axis: board.position(axis)) == pytest.approx(at, abs=0.02)
     for line in rest:
         kalico.tell(line)
     kalico.tell("M400")
-    after = net_steps(board)
+    after = cable.look(lambda: net_steps(board))
     assert {axis: after[axis] - before[axis] for axis in after} == STEPS
-    assert board.device.fault == ""
+    assert cable.look(lambda: board.device.fault) == ""
     assert re.search(r"T0:2[45]\.\d /0\.0", kalico.tell("M105"))
     kalico.tell("M104 S200")
     kalico.tell("G4 P4000")
-    assert board.temperature("hotend") > 30
+    assert cable.look(lambda: board.temperature("hotend")) > 30
     kalico.close()  # nobody renews the heater any more
     end = time.monotonic() + PATIENCE_S
-    while board.device.fault == "" and time.monotonic() < end:
+    while cable.look(lambda: board.device.fault) == "" and time.monotonic() < end:
         time.sleep(0.1)
+    cable.cut()
     assert board.device.fault == "Missed scheduling of next digital out event"
     assert board.output_value("hotend") == 0

@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import asyncio
 import ctypes
-import os
 import socket
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from tests.console.scenario import Scenario
+from tests.hosts.cable import Cable
 
-from passo import _core, config
+from passo import config
 from passo.cli.main import main
 from passo.config.machine import MachineConfig
 from passo.errors import MachineError
-from passo.printer.wiring import board_description, connect, simulated_board
-from passo.simulator import SimulatedBoard
+from passo.printer.wiring import connect
 
 MACHINE = config.load("i3")
 STALL_US = 500_000
@@ -34,31 +33,17 @@ def on(link: str, port: str) -> MachineConfig:
     return MACHINE.model_copy(update={"board": board})
 
 
-class Cable:
-    """A simulated board that answers in real time at one end of a pty."""
-
-    def __init__(self) -> None:
-        self.board: SimulatedBoard = simulated_board(MACHINE, board_description(MACHINE))
-        master, self._slave = os.openpty()
-        self.machine = on("serial", os.ttyname(self._slave))
-        hz = float(MACHINE.board.clock_hz)
-        self.live = _core.LiveBoard(self.board.device, master, hz)
-
-    def end(self) -> None:
-        """Unplugs it."""
-        self.live.stop()
-        os.close(self._slave)
-
-
-@pytest.fixture
-def cable() -> Iterator[Cable]:
-    cable = Cable()
+@pytest.fixture(params=["virtual", "passo"])
+def cable(request: pytest.FixtureRequest) -> Iterator[Cable]:
+    """A model of a board, or one that runs the firmware."""
+    board = MACHINE.board.model_copy(update={"firmware": request.param})
+    cable = Cable(MACHINE.model_copy(update={"board": board}))
     yield cable
-    cable.end()
+    cable.close()
 
 
 def test_a_stall_of_the_interpreter_delays_no_step(cable: Cable) -> None:
-    with Scenario(cable.machine, loop=asyncio.new_event_loop()) as scenario:
+    with Scenario(on("serial", cable.path), loop=asyncio.new_event_loop()) as scenario:
         host = scenario.host
         host.ok("G92 X0 Y0 Z0")
         host.ok("M302 P1")
@@ -72,22 +57,22 @@ def test_a_stall_of_the_interpreter_delays_no_step(cable: Cable) -> None:
         assert not scenario.printer.drive.standing
         scenario.until(lambda: scenario.printer.drive.standing, 20.0)
         assert scenario.printer.halted == ""
-    cable.live.stop()
+    cable.cut()
     assert cable.board.device.fault == ""
     steps = {s.name: cable.board.net_steps(s.name) for s in cable.board.board.steppers}
     assert steps == {"x": 800, "y": 780, "z": 0, "e": round(1.95 * 95.5)}
 
 
 def test_a_cut_cable_halts_the_printer(cable: Cable) -> None:
-    with Scenario(cable.machine, loop=asyncio.new_event_loop()) as scenario:
+    with Scenario(on("serial", cable.path), loop=asyncio.new_event_loop()) as scenario:
         scenario.host.ok("G92 X0 Y0 Z0")
-        cable.live.stop()
+        cable.cut()
         scenario.host.expect("connection to the board has ended", 5.0)
         assert "connection to the board" in scenario.printer.halted
 
 
 def test_an_emergency_stop_is_over_after_m999(cable: Cable) -> None:
-    with Scenario(cable.machine, loop=asyncio.new_event_loop()) as scenario:
+    with Scenario(on("serial", cable.path), loop=asyncio.new_event_loop()) as scenario:
         host = scenario.host
         host.ok("G92 X0")
         host.send("G1 X50 F600")
@@ -97,21 +82,22 @@ def test_an_emergency_stop_is_over_after_m999(cable: Cable) -> None:
         scenario.until(lambda: scenario.printer.halted != "", 2.0)
         host.send("M999")
         host.expect("ready again", 10.0)
+        before = cable.look(lambda: cable.board.position("x"))
         host.ok("G92 X0")
         host.ok("G1 X2 F600")
         host.ok("M400")
         assert scenario.printer.halted == ""
-    cable.live.stop()
+    cable.cut()
     assert cable.board.device.fault == ""
-    assert cable.board.net_steps("x") == 160
+    assert cable.board.position("x") == pytest.approx(before + 2.0)
 
 
 def test_heaters_are_off_when_the_printer_ends(cable: Cable) -> None:
-    with Scenario(cable.machine, loop=asyncio.new_event_loop()) as scenario:
+    with Scenario(on("serial", cable.path), loop=asyncio.new_event_loop()) as scenario:
         scenario.host.ok("M104 S200")
         scenario.passes(2.0)
         assert scenario.printer.connection.heaters["hotend"].power > 0.5
-    cable.live.stop()
+    cable.cut()
     assert cable.board.device.fault == ""
     assert cable.board.output_value("hotend") == 0
     assert cable.board.temperature("hotend") > 22.0
