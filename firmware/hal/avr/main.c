@@ -34,6 +34,7 @@ void hal_reset(void) {
   cli();
   clear();
   __asm__ volatile("jmp 0");
+  __builtin_unreachable();
 }
 
 int main(void) {

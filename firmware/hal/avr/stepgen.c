@@ -64,7 +64,7 @@ struct axis {
   struct move *oldest, *newest;
 };
 
-static struct axis axes[BOARD_UNITS];
+static struct axis axes[BOARD_UNITS];  // zero after a reset
 static uint8_t taken[BOARD_UNITS];
 
 void stepgen_start(void) {
@@ -114,14 +114,13 @@ bool stepgen_setup(uint8_t axis, uint16_t step_pin, uint16_t direction_pin, bool
   unit->active = false;
   unit->next = NULL;
   const struct wiring *row = &wiring[chosen];
-  axes[axis] = (struct axis){
-      .unit = unit,
-      .compare = (volatile uint16_t *)pgm_read_word(&row->compare),
-      .flags = (volatile uint8_t *)pgm_read_word(&row->flags),
-      .enable = (volatile uint8_t *)pgm_read_word(&row->enable),
-      .offset = timer_offset[pgm_read_byte(&row->timer)],
-      .bit = pgm_read_byte(&row->bit),
-  };
+  struct axis *a = &axes[axis];
+  a->unit = unit;
+  a->compare = (volatile uint16_t *)pgm_read_word(&row->compare);
+  a->flags = (volatile uint8_t *)pgm_read_word(&row->flags);
+  a->enable = (volatile uint8_t *)pgm_read_word(&row->enable);
+  a->offset = timer_offset[pgm_read_byte(&row->timer)];
+  a->bit = pgm_read_byte(&row->bit);
   return true;
 }
 

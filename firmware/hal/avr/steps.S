@@ -64,7 +64,7 @@
   push r30
   push r31
   .endif
-step\n:
+.Lstep\n:
   .if !\fixed
   lds r30, unit\n + UNIT_STEP_PIN
   lds r31, unit\n + UNIT_STEP_PIN + 1
@@ -74,8 +74,8 @@ step\n:
   lds t0, unit\n + UNIT_COUNT
   dec t0
   sts unit\n + UNIT_COUNT, t0
-  breq next_jump\n
-plan\n:
+  breq .Lnext_jump\n
+.Lplan\n:
   lds interval0, unit\n + UNIT_INTERVAL
   lds interval1, unit\n + UNIT_INTERVAL + 1
   lds t0, \ocr
@@ -88,7 +88,7 @@ plan\n:
   lds u1, \tcnt + 1
   cp u0, t0
   cpc u1, t1
-  brpl late\n
+  brpl .Llate\n
   lds t0, unit\n + UNIT_ADD
   lds t1, unit\n + UNIT_ADD + 1
   add interval0, t0
@@ -100,9 +100,9 @@ plan\n:
   .endif
   TOGGLE \fixed, \step_pin, mask
   LEAVE \fixed
-next_jump\n:
-  rjmp next\n
-late\n:
+.Lnext_jump\n:
+  rjmp .Lnext\n
+.Llate\n:
   lds t0, unit\n + UNIT_ADD
   lds t1, unit\n + UNIT_ADD + 1
   add interval0, t0
@@ -121,8 +121,8 @@ late\n:
   bld t0, \bit
   out (\tifr) - __SFR_OFFSET, t0  // only this unit's flag, so not sbi
   WAIT \n, UNIT_REST  // the pin stays low as long as a pulse
-  rjmp step\n
-next\n:
+  rjmp .Lstep\n
+.Lnext\n:
   push r28
   push r29
   .if \fixed
@@ -139,7 +139,7 @@ next\n:
   .endif
   TOGGLE \fixed, \step_pin, mask
   clr mask                        // the pulse is over
-  brcs stop\n
+  brcs .Lstop\n
   lds t0, unit\n + UNIT_TOGGLE
   .if !\fixed
   lds r30, unit\n + UNIT_DIR_PIN
@@ -152,8 +152,8 @@ next\n:
   .endif
   pop r29
   pop r28
-  rjmp plan\n
-stop\n:
+  rjmp .Lplan\n
+.Lstop\n:
   lds r30, \timsk
   andi r30, ~(1 << \bit)
   sts \timsk, r30
@@ -183,8 +183,9 @@ step_next:
 1:
   ldd r30, Y + UNIT_MODE
   tst r30
-  brne wide_next
-load:
+  breq .Lload
+  rjmp .Lwide_next
+.Lload:
   ldd r30, Y + UNIT_NEXT
   ldd r31, Y + UNIT_NEXT + 1
   adiw r30, 0
@@ -207,11 +208,11 @@ load:
   ldd interval0, Z + MOVE_INTERVAL
   ldd interval1, Z + MOVE_INTERVAL + 1
   sbrs t0, MOVE_FAST_BIT
-  rjmp load_wide
+  rjmp .Lload_wide
   ldd t0, Z + MOVE_COUNT
   ldd t1, Z + MOVE_COUNT + 1
 // Short intervals: t1:t0 steps from interval1:interval0 on.
-fast:
+.Lfast:
   std Y + UNIT_INTERVAL, interval0
   std Y + UNIT_INTERVAL + 1, interval1
   std Y + UNIT_COUNT, t0
@@ -225,7 +226,7 @@ fast:
   clc
   ret
 
-load_wide:
+.Lload_wide:
   ldd t0, Z + MOVE_COUNT
   ldd t1, Z + MOVE_COUNT + 1
   std Y + UNIT_LEFT, t0
@@ -236,7 +237,7 @@ load_wide:
   std Y + UNIT_MODE, r30
 // The next step is t1:t0:interval1:interval0 ticks away: the odd ticks of that first, then pieces of
 // 32768.
-begin_wide:
+.Lbegin_wide:
   std Y + UNIT_WIDE, interval0
   std Y + UNIT_WIDE + 1, interval1
   std Y + UNIT_WIDE + 2, t0
@@ -247,17 +248,17 @@ begin_wide:
   lsr interval1
   mov u1, interval0
   or u1, interval1
-  brne piece
+  brne .Lpiece
   mov u1, t0          // nothing odd: begin with a whole piece, if there is one
   or u1, t1
-  breq piece
+  breq .Lpiece
   ldi r30, 1
   sub t0, r30
   sbc t1, u0
   ldi r30, 0x80
   mov interval1, r30
 // A wait of interval1:interval0, followed by t1:t0 whole pieces.
-piece:
+.Lpiece:
   std Y + UNIT_INTERVAL, interval0
   std Y + UNIT_INTERVAL + 1, interval1
   std Y + UNIT_CHUNKS, t0
@@ -274,7 +275,7 @@ piece:
   ret
 
 // r30: the mode.
-wide_next:
+.Lwide_next:
   ldd t0, Y + UNIT_CHUNKS
   ldd t1, Y + UNIT_CHUNKS + 1
   mov u1, t0
@@ -286,7 +287,7 @@ wide_next:
   ldi r31, 1
   sub t0, r31
   sbc t1, u0
-  rjmp piece
+  rjmp .Lpiece
 1:                    // that was a step
   ldd interval0, Y + UNIT_LEFT
   ldd interval1, Y + UNIT_LEFT + 1
@@ -299,7 +300,7 @@ wide_next:
   or u1, interval1
   brne 2f
   std Y + UNIT_MODE, u0
-  rjmp load
+  rjmp .Lload
 2:
   sbrs r30, 1         // MODE_THEN_FAST
   rjmp 3f
@@ -312,7 +313,7 @@ wide_next:
   ldd r31, Y + UNIT_ADD + 1
   add interval0, r30
   adc interval1, r31
-  rjmp fast
+  rjmp .Lfast
 3:
   ldd interval0, Y + UNIT_WIDE
   ldd interval1, Y + UNIT_WIDE + 1
@@ -325,11 +326,11 @@ wide_next:
   adc t0, u0
   adc t1, u0
   sbrs r31, 7         // a negative add takes one more from the upper half
-  rjmp begin_wide
+  rjmp .Lbegin_wide
   ldi r30, 1
   sub t0, r30
   sbc t1, u0
-  rjmp begin_wide
+  rjmp .Lbegin_wide
 
 #define STEP_FIXED(n, timer, unit, step_port, step_bit, dir_port, dir_bit) \
   STEP_INTERRUPT n, TIMER##timer##_COMP##unit##_vect, OCR##timer##unit##L, TCNT##timer##L, \
