@@ -42,7 +42,7 @@ struct host_functions {
   // The dictionary that the build made, without pins and clock.
   const uint8_t *(*built_dictionary)(size_t *size);
 };
-const struct host_functions *passo_firmware(void);
+__attribute__((visibility("default"))) const struct host_functions *passo_firmware(void);
 
 #ifdef __cplusplus
 }
