@@ -26,9 +26,9 @@
 // Right behind the vectors, where their jumps reach with rjmp.
   .section .progmem.gcc.steps, "ax", @progbits
 
-// Waits 3 cycles for each of what `loops` of unit n says, and one more.
-.macro WAIT n, loops
-  lds t0, unit\n + \loops
+// Lengthens the pulse of a unit with free pins.
+.macro HOLD n
+  lds t0, unit\n + UNIT_HOLD
   dec t0
   brne .-4
 .endm
@@ -96,7 +96,7 @@
   sts unit\n + UNIT_INTERVAL, interval0
   sts unit\n + UNIT_INTERVAL + 1, interval1
   .if !\fixed
-  WAIT \n, UNIT_HOLD
+  HOLD \n
   .endif
   TOGGLE \fixed, \step_pin, mask
   LEAVE \fixed
@@ -108,19 +108,17 @@
   add interval0, t0
   adc interval1, t1
   .if !\fixed
-  WAIT \n, UNIT_HOLD
+  HOLD \n
   .endif
   TOGGLE \fixed, \step_pin, mask
   sts unit\n + UNIT_INTERVAL, interval0
   sts unit\n + UNIT_INTERVAL + 1, interval1
-  lds t0, late_steps
-  inc t0
-  sts late_steps, t0
   set
   clr t0
   bld t0, \bit
   out (\tifr) - __SFR_OFFSET, t0  // only this unit's flag, so not sbi
-  WAIT \n, UNIT_REST  // the pin stays low as long as a pulse
+  rjmp .+0                        // the pin is low for 17 cycles, 1 us at 16 MHz
+  rjmp .+0
   rjmp .Lstep\n
 .Lnext\n:
   push r28
@@ -133,7 +131,7 @@
   ldi r29, hi8(unit\n)
   rcall step_next
   .if !\fixed
-  WAIT \n, UNIT_HOLD
+  HOLD \n
   lds r30, unit\n + UNIT_STEP_PIN
   lds r31, unit\n + UNIT_STEP_PIN + 1
   .endif

@@ -60,8 +60,8 @@ def _library() -> ctypes.CDLL:
         "edges_lost": (number, [pointer]),
         "entries": (number, [pointer]),
         "rescues": (number, [pointer]),
+        "siblings": (number, [pointer]),
         "channels": (number, [pointer]),
-        "bytes": (number, [pointer]),
         "ram": (ctypes.c_uint8, [pointer, ctypes.c_int]),
     }
     for name, (result, arguments) in signatures.items():
@@ -82,8 +82,8 @@ def pin_name(number: int) -> str:
 class AvrBench:
     """One chip that runs an image; time is counted in its cycles and passes in `run` only.
 
-    The defects of the simulator that it makes up for are listed in bench.c. `entries`, `rescues`
-    and `channels` count how often it did.
+    The defects of the simulator that it makes up for are listed in bench.c. `entries`, `rescues`,
+    `siblings` and `channels` count how often it did.
     """
 
     def __init__(self, image: Path, mcu: str = "atmega2560", hz: int = 16_000_000) -> None:
@@ -115,6 +115,10 @@ class AvrBench:
     @property
     def rescues(self) -> int:
         return self._library.bench_rescues(self._bench)
+
+    @property
+    def siblings(self) -> int:
+        return self._library.bench_siblings(self._bench)
 
     @property
     def channels(self) -> int:
