@@ -41,13 +41,15 @@ class Board(Model):
 
     Tools that wire a machine speak of `sockets` and of the names in `pins`; both lead to pins of
     the microcontroller. `compression_tolerance_us` bounds how far a step may be from its ideal
-    time; `move_count` is the number of commands that the board can hold.
+    time; `move_count` is the number of commands that the board can hold. A simulated board is a
+    model of one ("virtual") or runs Passo's firmware ("passo"): to the tick the same, but slower.
     """
 
     base: str | None = None
     name: str
     mcu: str
     link: Literal["simulated"] = "simulated"
+    firmware: Literal["virtual", "passo"] = "virtual"
     clock_hz: Annotated[int, Field(ge=1_000_000, le=1_000_000_000)]
     move_count: Annotated[int, Field(ge=16, le=65_535)]
     compression_tolerance_us: Annotated[float, Field(gt=0, le=25)] = 2.0
