@@ -120,7 +120,7 @@ static void on_overflow(avr_irq_t* irq, uint32_t pending, void* param) {
   (void)irq;
   Bench* b = ((Probe*)param)->bench;
   avr_timer_t* timer = b->timers[((Probe*)param)->index];
-  if (!pending || timer->wgm_op_mode_size != 16) return;
+  if (!pending || timer->tov_top != 0xffff) return;
   uint64_t late = b->avr->cycle - (timer->tov_base + timer->tov_cycles);
   for (int i = 0; i < AVR_TIMER_COMP_COUNT; ++i) {
     avr_timer_comp_t* unit = &timer->comp[i];
