@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import pytest
 
 from .boards import HZ, MELZI, MELZI_PINS, OTHER_PINS, RAMPS, RAMPS_PINS, motors
@@ -73,6 +75,6 @@ def test_the_highest_rates_are_kept_up(board, pins, count, interval):
         assert mean == pytest.approx(interval, abs=0.01)
         late = [cycle - i * interval for i, cycle in enumerate(rises)]
         assert max(late) - min(late) < 1300
-    widths = [b.cycle - a.cycle for a, b in zip(edges, edges[1:], strict=False) if a.pin == b.pin]
+    widths = [b.cycle - a.cycle for a, b in itertools.pairwise(edges) if a.pin == b.pin]
     assert min(widths) >= 17
     connection.bench.close()

@@ -62,7 +62,7 @@ def test_motors_get_the_units_that_are_left_and_three_stay_free():
     ("board", "reason"),
     [
         (AvrBoard("atmega8"), "no firmware for atmega8"),
-        (replace(MELZI, motors=MELZI.motors + (Motor("PA0", "PA1"),)), "at most 4 motors"),
+        (replace(MELZI, motors=(*MELZI.motors, Motor("PA0", "PA1"))), "at most 4 motors"),
         (AvrBoard("atmega2560", (Motor("PF0", "PF1", "TIMER5C"),)), "TIMER5C is taken"),
         (AvrBoard("atmega2560", (Motor("X", "PF1"),)), "X is no pin"),
     ],
