@@ -23,6 +23,7 @@
 #include <string.h>
 
 enum { kPins = 96, kChannels = 16, kCarriages = 8, kTimers = 8, kQueue = 1 << 16 };
+enum { kEdges = 1, kRises = 2 };
 enum { kSlice = 400, kBitsPerByte = 10, kFifo = 32, kSupplyMillivolts = 5000 };
 
 typedef struct {
@@ -55,7 +56,7 @@ struct Bench {
   int timer_count;
   avr_irq_t* pin_irq[kPins];
   uint8_t level[kPins], watched[kPins];
-  uint64_t high_cycles[kPins], high_since[kPins];
+  uint64_t high_cycles[kPins], high_since[kPins], rises[kPins];
   uint16_t millivolts[kChannels];
   Carriage carriages[kCarriages];
   int carriage_count;
@@ -85,11 +86,12 @@ static void on_pin(avr_irq_t* irq, uint32_t value, void* param) {
   uint64_t now = b->avr->cycle;
   if (b->level[pin] == level) return;
   b->level[pin] = level;
+  b->rises[pin] += level;
   if (level)
     b->high_since[pin] = now;
   else
     b->high_cycles[pin] += now - b->high_since[pin];
-  if (b->watched[pin]) {
+  if (b->watched[pin] == kEdges || (b->watched[pin] == kRises && level)) {
     if (b->edge_count < b->edge_room)
       b->edges[b->edge_count++] = (Edge){now, (uint16_t)pin, level};
     else
@@ -264,12 +266,15 @@ int bench_receive(Bench* b, uint8_t* data, int room) {
   return count;
 }
 
+// What is traced of a pin: nothing, kEdges or kRises.
 void bench_watch(Bench* b, int pin, int watched) { b->watched[pin] = (uint8_t)watched; }
 void bench_set_pin(Bench* b, int pin, int level) { set_level(b, pin, level); }
 int bench_level(const Bench* b, int pin) { return b->level[pin]; }
 void bench_set_voltage(Bench* b, int channel, int millivolts) {
   b->millivolts[channel] = (uint16_t)millivolts;
 }
+
+uint64_t bench_rises(const Bench* b, int pin) { return b->rises[pin]; }
 
 // Cycles for which a pin has been high since the start.
 uint64_t bench_high_cycles(const Bench* b, int pin) {

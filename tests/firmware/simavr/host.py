@@ -2,24 +2,34 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from itertools import pairwise
+
 from passo import _core
 from passo.board.connection import Connection
-from passo.board.description import BoardDescription
+from passo.board.description import BoardDescription, Sensor
 
 from .bench import AvrBench
 
 QUANTUM = 8000
+WORLD = 160_000
 
 
 class BenchPump:
     """Stands where the native pump does: carries bytes between a link and a bench. What the chip
-    says arrives at most `QUANTUM` cycles late."""
+    says arrives at most `QUANTUM` cycles late. `world` is called every `WORLD` cycles."""
 
     def __init__(self, link: _core.Link, bench: AvrBench) -> None:
         self._link = link
         self._bench = bench
         self.now = bench.cycle
         self.heaters: dict[str, _core.Heater] = {}
+        self.world: list[Callable[[], None]] = []
+        self._next_world = bench.cycle
+
+    @property
+    def device_cpu_s(self) -> float:
+        return 0.0
 
     def run(self, until: int, until_heaters: bool = False) -> _core.PumpStop:
         while True:
@@ -36,6 +46,10 @@ class BenchPump:
                 self._bench.run(self.now)
                 return _core.PumpStop.TIME
             self.now = deadline
+            if self.now >= self._next_world:
+                self._next_world += WORLD
+                for part in self.world:
+                    part()
 
     def _exchange(self) -> int:
         while True:
@@ -57,3 +71,41 @@ class AvrConnection(Connection):
         self.bench = bench
         self.pump = BenchPump(self.link, bench)
         self.pump.heaters = self.heaters
+
+
+class Hotend:
+    """A heated body with a thermistor: `rise_c` above the room at full power, reached with a time
+    constant. Called by the pump."""
+
+    def __init__(
+        self,
+        bench: AvrBench,
+        pin: str,
+        channel: int,
+        sensor: Sensor,
+        celsius: float = 25.0,
+        rise_c: float = 300.0,
+        time_constant_s: float = 20.0,
+    ) -> None:
+        self._bench, self._pin, self._channel = bench, pin, channel
+        self._table = sensor.table
+        self._room_c, self._rise_c, self._time_constant_s = 25.0, rise_c, time_constant_s
+        self._then, self._high = bench.cycle, bench.high_cycles(pin)
+        self.celsius = celsius
+        self._show()
+
+    def __call__(self) -> None:
+        now, high = self._bench.cycle, self._bench.high_cycles(self._pin)
+        seconds = (now - self._then) / self._bench.hz
+        duty = (high - self._high) / max(now - self._then, 1)
+        self._then, self._high = now, high
+        balance = self._room_c + duty * self._rise_c - self.celsius
+        self.celsius += balance * seconds / self._time_constant_s
+        self._show()
+
+    def _show(self) -> None:
+        below, above = next(
+            (a, b) for a, b in pairwise(self._table) if self.celsius <= b[0] or b == self._table[-1]
+        )
+        share = (self.celsius - below[0]) / (above[0] - below[0])
+        self._bench.set_voltage(self._channel, 5.0 * (below[1] + share * (above[1] - below[1])))

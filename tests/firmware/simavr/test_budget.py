@@ -6,6 +6,7 @@ import itertools
 
 import pytest
 
+from .bench import NOTHING
 from .boards import HZ, MELZI, MELZI_PINS, OTHER_PINS, RAMPS, RAMPS_PINS, motors
 
 LEAD = HZ // 10
@@ -28,7 +29,7 @@ def _begin(connection, count, interval, steps):
 def _passes(count, board, pins, interval):
     """Passes of the foreground in 5 s while so many motors run."""
     connection = motors(max(count, 1), board, pins)
-    connection.bench.watch((step for step, _ in pins[: max(count, 1)]), watched=False)
+    connection.bench.watch((step for step, _ in pins[: max(count, 1)]), NOTHING)
     if count:
         _begin(connection, count, interval, 11 * HZ // interval)
     found = []
