@@ -12,6 +12,7 @@ BIN := .venv/bin
 STUB := $(BIN)/python -m nanobind.stubgen -q -m passo._core -o
 CORE := $(shell find core -name '*.cpp' -o -name '*.hpp')
 FIRMWARE := $(shell find firmware -name '*.[chS]')
+HOST_FIRMWARE := $(wildcard firmware/core/*.c firmware/hal/common/*.c firmware/hal/host/host.c)
 FUZZERS := $(patsubst tests/fuzz/%.cpp,build/fuzz/%,$(wildcard tests/fuzz/fuzz_*.cpp))
 PYTHON_HEADERS = $(shell $(PYTHON) -c "import os, sysconfig; \
   print(os.path.exists(sysconfig.get_path('include') + '/Python.h'))")
@@ -59,6 +60,20 @@ fuzz: $(FUZZERS)
 	    -artifact_prefix=$$fuzzer. $$fuzzer.corpus $$(ls -d tests/fuzz/seeds/$$(basename $$fuzzer) \
 	    2>/dev/null) || exit 1; \
 	done
+
+# The firmware's part in C, with its tables.
+build/fuzz/firmware/.built: $(FIRMWARE) src/passo/toolchain/declarations.py src/passo/toolchain/tables.py
+	tools/debian.sh clang libclang-rt-14-dev
+	@mkdir -p $(@D)
+	PYTHONPATH=src $(PYTHON) -S -m passo.toolchain $(@D) $(HOST_FIRMWARE)
+	cd $(@D) && clang -std=c11 -O1 -g -fsanitize=fuzzer-no-link,address,undefined \
+	  -fno-sanitize-recover=all -fno-strict-aliasing -c -I. $(addprefix -I$(CURDIR)/firmware/,core \
+	  hal hal/common hal/host) $(addprefix $(CURDIR)/,$(HOST_FIRMWARE)) tables.c
+	@touch $@
+
+build/fuzz/fuzz_firmware: tests/fuzz/fuzz_firmware.cpp build/fuzz/firmware/.built $(CORE)
+	clang++ -std=c++20 -O1 -g -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all \
+	  -Icore -Ifirmware/hal/host -Ibuild/fuzz/firmware $< build/fuzz/firmware/*.o -o $@
 
 build/fuzz/%: tests/fuzz/%.cpp $(CORE)
 	tools/debian.sh clang libclang-rt-14-dev

@@ -10,14 +10,20 @@
 
 #define ANALOG_VALUES_MAX 24
 
+// A sum of `sample_count` samples, `sample_ticks` apart, every `rest_ticks` from `clock` on.
+struct analog_query {
+  uint32_t clock, sample_ticks, rest_ticks;
+  uint16_t minimum, maximum;
+  uint8_t sample_count;  // 0: no more
+  uint8_t range_checks;  // 0: none
+  uint8_t report_size;   // bytes that make a report
+};
+
 struct analog_in {
   struct object object;
   struct hal_analog analog;
   struct timer timer;
-  // The foreground's, while the timer stands still.
-  uint32_t sample_ticks, rest_ticks;
-  uint16_t minimum, maximum;
-  uint8_t sample_count, range_checks, report_size;
+  struct analog_query query;  // the foreground's, while the timer stands still
   // Written by the timer; by the foreground under hal_irq_save().
   uint32_t due;  // the sample that is waited for
   uint32_t begin;  // first sample of the sum that comes next
@@ -29,3 +35,7 @@ struct analog_in {
 
 // Reports what is ready. Foreground.
 void analog_in_task(void);
+// Begins anew as `query` says. Foreground.
+void analog_in_query(uint8_t oid, const struct analog_query *query);
+// Tells `size` bytes of sums, low byte first: in analog_report.c.
+void analog_in_report(uint8_t oid, uint32_t next_clock, const uint8_t *values, uint8_t size);

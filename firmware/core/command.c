@@ -44,8 +44,8 @@ void command_run(const uint8_t *payload, const uint8_t *end) {
   while (in.at != in.end) {
     uint32_t args[ARGUMENTS_MAX];
     uint32_t index = read_vlq(&in) - COMMAND_FIRST;
-    const struct command *row = &commands[index];
-    if (in.at == NULL || index >= COMMAND_COUNT || !read_arguments(&in, row, args)) {
+    const struct command *row = index < COMMAND_COUNT ? &commands[index] : NULL;
+    if (in.at == NULL || row == NULL || !read_arguments(&in, row, args)) {
       shut_down(SHUTDOWN_BAD_COMMAND);
       return;
     }

@@ -42,8 +42,8 @@ void control_start(uint32_t clock_high) {
   timer_add(&heartbeat);
 }
 
-void control_task(bool busy) {
-  uint32_t now = hal_clock(), spent = now - low;
+void control_task(uint32_t began, bool busy) {
+  uint32_t now = hal_clock(), spent = now - began;
   if (now < low) ++high;
   low = now;
   ++passes;

@@ -3,6 +3,7 @@
 #include "analog_in.h"
 #include "control.h"
 #include "frame.h"
+#include "hal.h"
 #include "object.h"
 #include "scheduler.h"
 #include "shutdown.h"
@@ -19,6 +20,7 @@ void core_start(uint32_t clock_high) {
 }
 
 bool core_task(void) {
+  uint32_t began = hal_clock();
   bool busy = frame_task();
   if (task_woken()) {
     busy = true;
@@ -26,6 +28,6 @@ bool core_task(void) {
     analog_in_task();
     shutdown_task();
   }
-  control_task(busy);
+  control_task(began, busy);
   return busy;
 }

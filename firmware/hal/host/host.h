@@ -12,7 +12,8 @@ extern "C" {
 // The board's surroundings. All are called with `owner`, from within the functions below.
 struct host_surroundings {
   void *owner;
-  // A pin changes its level; `clock` is not before now, nor before the last call's.
+  // A pin changes its level; `clock` is not before now. Calls come in the order of their clocks but
+  // for the ends of step pulses, which are told together with their beginning.
   void (*edge)(void *owner, uint16_t pin, bool level, int64_t clock);
   // An output takes a value, of `full` that means fully on.
   void (*output)(void *owner, uint16_t pin, uint32_t value, uint32_t full, int64_t clock);

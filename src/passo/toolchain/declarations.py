@@ -68,7 +68,7 @@ def _arguments(text: str) -> list[Constant]:
     for match in _ARGUMENT.finditer(text):
         argument = match.group(1)
         if argument.startswith('"'):
-            arguments.append("".join(_LITERAL.findall(argument)))
+            arguments.append("".join(_LITERAL.findall(argument)).replace('\\"', '"'))
         elif re.fullmatch(r"(0x[0-9a-fA-F]+|\d+)[uUlL]*", argument):
             arguments.append(int(argument.rstrip("uUlL"), 0))
         else:

@@ -102,6 +102,10 @@ def _header(found: Declarations) -> str:
         "#pragma once",
         f"#define COMMAND_FIRST {_FIRST_COMMAND}",
         f"#define COMMAND_COUNT {len(found.commands)}",
+        *(
+            f"#define COMMAND_{message_name(t).upper()} {n}"
+            for t, n in command_numbers(found).items()
+        ),
         *(f"#define REPORT_{name} {n}" for name, n in reports.items()),
         *(f"#define SHUTDOWN_{name} {n}" for name, n in shutdown_numbers(found).items()),
     ]
