@@ -16,7 +16,7 @@
 #define HAL_CLOCK_HZ BOARD_CLOCK_HZ
 #define HAL_STEPPERS BOARD_UNITS
 #define HAL_PWM_MAX 255
-#define HAL_SHORTEST_PERIOD 1600
+#define HAL_SHORTEST_PERIOD 200
 #define HAL_ANALOG_WAIT 1800  // 13 cycles of the converter at 1/128 of the clock, and a little
 
 #ifdef __AVR_ATmega2560__

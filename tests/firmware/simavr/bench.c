@@ -57,6 +57,7 @@ struct Bench {
   avr_irq_t* pin_irq[kPins];
   uint8_t level[kPins], watched[kPins];
   uint64_t high_cycles[kPins], high_since[kPins], rises[kPins];
+  uint8_t driven[kPins / 8], driven_high[kPins / 8];
   uint16_t millivolts[kChannels];
   Carriage carriages[kCarriages];
   int carriage_count;
@@ -71,7 +72,17 @@ struct Bench {
 
 static void put(Bytes* queue, uint8_t byte) { queue->data[queue->head++ % kQueue] = byte; }
 
-static void set_level(Bench* b, int pin, int level) { avr_raise_irq(b->pin_irq[pin], level); }
+// Drives a pin from outside, more strongly than the chip's own pull-up.
+static void set_level(Bench* b, int pin, int level) {
+  uint8_t bit = (uint8_t)(1 << pin % 8);
+  uint8_t *driven = &b->driven[pin / 8], *high = &b->driven_high[pin / 8];
+  *driven |= bit;
+  *high = level ? *high | bit : *high & (uint8_t)~bit;
+  char port = (char)('A' + pin / 8);
+  avr_ioport_external_t pull = {.name = (unsigned)port, .mask = *driven, .value = *high};
+  avr_ioctl(b->avr, AVR_IOCTL_IOPORT_SET_EXTERNAL(port), &pull);
+  avr_raise_irq(b->pin_irq[pin], (uint32_t)level);
+}
 
 static void press(Bench* b, const Carriage* c) {
   int pressed = c->position < c->pressed_below;

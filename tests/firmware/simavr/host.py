@@ -26,6 +26,7 @@ class BenchPump:
         self.heaters: dict[str, _core.Heater] = {}
         self.world: list[Callable[[], None]] = []
         self._next_world = bench.cycle
+        self._faults: dict[str, int] = {}
 
     @property
     def device_cpu_s(self) -> float:
@@ -36,7 +37,9 @@ class BenchPump:
             deadline = self._exchange()
             if self._link.shut_down:
                 return _core.PumpStop.SHUTDOWN
-            if any(h.fault is not None for h in self.heaters.values()):
+            faults = {name: h.fault.clock for name, h in self.heaters.items() if h.fault}
+            if faults != self._faults:
+                self._faults = faults
                 return _core.PumpStop.FAULT
             if until_heaters and all(h.target == 0 or h.reached for h in self.heaters.values()):
                 return _core.PumpStop.HEATERS
@@ -85,7 +88,7 @@ class Hotend:
         sensor: Sensor,
         celsius: float = 25.0,
         rise_c: float = 300.0,
-        time_constant_s: float = 20.0,
+        time_constant_s: float = 10.0,
     ) -> None:
         self._bench, self._pin, self._channel = bench, pin, channel
         self._table = sensor.table
