@@ -13,7 +13,7 @@ from passo.errors import MachineError
 from .boards import HZ, RAMPS_PINS, bench
 from .host import AvrConnection, Hotend
 
-CONTROL = _core.PidControl(kp=0.03, ki=0.004, kd=0.0)
+CONTROL = _core.PidControl(kp=0.03, ki=0.015, kd=0.0)
 
 
 def _heated(control: _core.PidControl | None = CONTROL) -> tuple[AvrConnection, Hotend]:
@@ -36,7 +36,7 @@ def _heated(control: _core.PidControl | None = CONTROL) -> tuple[AvrConnection, 
 def test_a_heater_reaches_its_target_and_stays_there():
     connection, hotend = _heated()
     connection.set_target("hotend", 100.0)
-    connection.run(connection.now + 25 * HZ)
+    connection.run(connection.now + 20 * HZ)
     highest = lowest = hotend.celsius
     for _ in range(20):
         connection.run(connection.now + HZ // 4)
