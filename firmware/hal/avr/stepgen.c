@@ -56,7 +56,7 @@ struct axis {
   int32_t position;           // as if all settled moves were complete
   struct move *settled;       // the first that is not counted, or null
   struct move *dropped_from;  // after a stop: where the moves begin that were not loaded
-  bool dropped;
+  bool dropped, stopped;
   uint8_t direction;  // of the last move queued
   // The foreground's.
   struct move *oldest, *newest;
@@ -192,7 +192,7 @@ bool stepgen_append(uint8_t axis, struct move *move, uint32_t first) {
     if (unit->next == NULL) unit->next = move;
   } else {
     int32_t ticks = (int32_t)(first - hal_clock());
-    if (ticks < SOONEST) {
+    if (a->stopped || ticks < SOONEST) {
       hal_irq_restore(irq);
       return false;
     }
@@ -216,6 +216,7 @@ void stepgen_stop(uint8_t axis) {
   volatile struct unit *unit = a->unit;
   hal_irq_t irq = hal_irq_save();
   *a->enable &= (uint8_t)~a->bit;
+  a->stopped = true;
   if (unit->active) {
     unit->active = false;
     a->direction = loaded_direction(unit);
@@ -226,6 +227,8 @@ void stepgen_stop(uint8_t axis) {
   }
   hal_irq_restore(irq);
 }
+
+void stepgen_resume(uint8_t axis) { axes[axis].stopped = false; }
 
 int32_t stepgen_position(uint8_t axis) {
   struct axis *a = &axes[axis];

@@ -65,7 +65,8 @@ struct Bench {
   uint32_t edge_count, edge_room;
   uint64_t edges_lost;
   Bytes to_board, from_board;
-  unsigned entry_cycles;
+  unsigned entry_cycles, depth;
+  uint64_t interrupted_at, interrupt_cycles;
   uint64_t entries, rescues, siblings, channels;
   Probe probes[kPins + kTimers];
 };
@@ -119,9 +120,15 @@ static void on_pin(avr_irq_t* irq, uint32_t value, void* param) {
 static void on_interrupt(avr_irq_t* irq, uint32_t running, void* param) {
   (void)irq;
   Bench* b = param;
-  if (!running) return;
-  b->entries++;
   avr_t* avr = b->avr;
+  if (!running) {
+    // The return takes as long as the entry, and is still to be counted.
+    if (b->depth > 0 && --b->depth == 0)
+      b->interrupt_cycles += avr->cycle + b->entry_cycles - b->interrupted_at;
+    return;
+  }
+  b->entries++;
+  if (b->depth++ == 0) b->interrupted_at = avr->cycle;
   avr->cycle += b->entry_cycles;
   // The length of the burst was fixed before; without this, timers due within it come late.
   avr->run_cycle_count -=
@@ -284,6 +291,9 @@ int bench_level(const Bench* b, int pin) { return b->level[pin]; }
 void bench_set_voltage(Bench* b, int channel, int millivolts) {
   b->millivolts[channel] = (uint16_t)millivolts;
 }
+
+// Cycles spent in interrupts since the start, from entry to return.
+uint64_t bench_interrupt_cycles(const Bench* b) { return b->interrupt_cycles; }
 
 uint64_t bench_rises(const Bench* b, int pin) { return b->rises[pin]; }
 

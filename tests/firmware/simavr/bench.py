@@ -50,6 +50,7 @@ def _library() -> ctypes.CDLL:
         "set_pin": (None, [pointer, ctypes.c_int, ctypes.c_int]),
         "level": (ctypes.c_int, [pointer, ctypes.c_int]),
         "set_voltage": (None, [pointer, ctypes.c_int, ctypes.c_int]),
+        "interrupt_cycles": (number, [pointer]),
         "rises": (number, [pointer, ctypes.c_int]),
         "high_cycles": (number, [pointer, ctypes.c_int]),
         "add_carriage": (
@@ -108,6 +109,11 @@ class AvrBench:
     @property
     def cycle(self) -> int:
         return self._library.bench_cycle(self._bench)
+
+    @property
+    def interrupt_cycles(self) -> int:
+        """Cycles spent in interrupts since the start, from entry to return."""
+        return self._library.bench_interrupt_cycles(self._bench)
 
     @property
     def entries(self) -> int:

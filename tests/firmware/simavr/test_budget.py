@@ -14,7 +14,7 @@ SETTLED = 256
 
 
 def _begin(connection, count, interval, steps):
-    """All motors from the same tick on; returns when the first step is about to come."""
+    """All motors from the same tick on; returns 6 ms before the first step."""
     start = connection.link.clock_at(connection.now) + LEAD
     for oid in range(count):
         connection.command(f"reset_step_clock oid={oid} clock={start % 2**32}")
@@ -26,28 +26,28 @@ def _begin(connection, count, interval, steps):
     connection.run(connection.now + LEAD - HZ // 160)
 
 
-def _passes(count, board, pins, interval):
-    """Passes of the foreground in 5 s while so many motors run."""
-    connection = motors(max(count, 1), board, pins)
-    connection.bench.watch((step for step, _ in pins[: max(count, 1)]), NOTHING)
-    if count:
-        _begin(connection, count, interval, 11 * HZ // interval)
-    found = []
-    while len(found) < 2:
-        connection.run(connection.now + HZ // 2)
-        found += [v["count"] for name, v in connection.take_responses() if name == "stats"]
-    connection.bench.close()
-    return found[1]
-
-
 @pytest.mark.parametrize(
     ("board", "pins", "budget"),
     [(RAMPS, RAMPS_PINS, 57), (MELZI, MELZI_PINS, 55), (RAMPS, OTHER_PINS, 74)],
     ids=["2560", "1284P", "free pins"],
 )
 def test_a_step_costs_no_more_cycles_than_its_budget(board, pins, budget):
-    idle, busy = _passes(0, board, pins, 0), _passes(3, board, pins, 1000)
-    assert budget - 2 < (1 - busy / idle) * 1000 / 3 <= budget
+    connection = motors(3, board, pins)
+    chip = connection.bench
+    chip.watch((step for step, _ in pins[:3]), NOTHING)
+    idle = chip.interrupt_cycles
+    chip.run_for(HZ)
+    idle = chip.interrupt_cycles - idle
+    connection.pump.now = chip.cycle
+    _begin(connection, 3, 1000, 20_000)
+    chip.run_for(HZ // 100)
+    busy, steps = chip.interrupt_cycles, sum(chip.rises(step) for step, _ in pins[:3])
+    chip.run_for(HZ)
+    busy = chip.interrupt_cycles - busy
+    steps = sum(chip.rises(step) for step, _ in pins[:3]) - steps
+    assert steps == pytest.approx(48_000, abs=3)
+    assert budget - 2 < (busy - idle) / steps <= budget
+    chip.close()
 
 
 @pytest.mark.parametrize(
