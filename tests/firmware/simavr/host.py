@@ -33,9 +33,10 @@ class BenchPump:
         return 0.0
 
     def run(self, until: int, until_heaters: bool = False) -> _core.PumpStop:
+        shut_down = self._link.shut_down  # asked further, it needs time to answer
         while True:
             deadline = self._exchange()
-            if self._link.shut_down:
+            if self._link.shut_down and not shut_down:
                 return _core.PumpStop.SHUTDOWN
             faults = {name: h.fault.clock for name, h in self.heaters.items() if h.fault}
             if faults != self._faults:
@@ -47,7 +48,7 @@ class BenchPump:
             if deadline > until:
                 self.now = max(self.now, until)
                 self._bench.run(self.now)
-                return _core.PumpStop.TIME
+                return _core.PumpStop.SHUTDOWN if shut_down else _core.PumpStop.TIME
             self.now = deadline
             if self.now >= self._next_world:
                 self._next_world += WORLD
