@@ -34,7 +34,8 @@ check: .venv/.built .venv/.dev
 	$(BIN)/pyright --pythonpath $(BIN)/python
 	$(BIN)/lint-imports
 	$(STUB) build/_core.pyi && diff src/passo/_core.pyi build/_core.pyi
-	$(BIN)/clang-format --dry-run --Werror $(CORE) $(wildcard tests/fuzz/*.cpp)
+	$(BIN)/clang-format --dry-run --Werror $(CORE) $(filter %.c %.h,$(FIRMWARE)) \
+	  $(wildcard tests/fuzz/*.cpp)
 
 # The types of the native core, for editors and pyright; run it after changing a binding.
 stub: .venv/.built
@@ -43,7 +44,7 @@ stub: .venv/.built
 format: .venv/.dev
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
-	$(BIN)/clang-format -i $(CORE) $(wildcard tests/fuzz/*.cpp)
+	$(BIN)/clang-format -i $(CORE) $(filter %.c %.h,$(FIRMWARE)) $(wildcard tests/fuzz/*.cpp)
 
 bench: .venv/.built
 	$(BIN)/python bench/run.py

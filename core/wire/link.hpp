@@ -260,18 +260,22 @@ class Link {
     ++samples_;
   }
   // analog_in_state oid next_clock values: next_clock is that of the next report; the newest of the
-  // values (16 bits each) counts.
+  // values (16 bits each) counts. Boards with older firmware send one value, as a number.
   bool take_temperature(const std::vector<Value>& values, Ticks now) {
     if (values.size() != 3) return false;
     bool taken = false;
     for (size_t i = 0; i < heaters_.size(); ++i) {
       Heater& heater = *heaters_[i];
       if (int64_t(heater.options().sensor_oid) != std::get<int64_t>(values[0])) continue;
-      const auto& data = std::get<std::string>(values[2]);
-      if (data.size() < 2 || !sync_.ready()) return true;
+      uint32_t sum, value;
+      if (const auto* data = std::get_if<std::string>(&values[2])) {
+        if (data->size() < 2) return true;
+        sum = uint8_t(data->end()[-2]) | uint32_t(uint8_t(data->end()[-1])) << 8;
+      } else {
+        sum = uint32_t(std::get<int64_t>(values[2]));
+      }
+      if (!sync_.ready()) return true;
       taken = true;
-      uint32_t sum = uint8_t(data[data.size() - 2]) | uint32_t(uint8_t(data[data.size() - 1])) << 8,
-               value;
       Ticks next = sync_.unwrap(uint32_t(std::get<int64_t>(values[1])));
       Ticks clock = next - Ticks(heater.options().query.rest_ticks);
       int32_t fan = heater.options().fan_target;
@@ -286,10 +290,15 @@ class Link {
   void query(const HeaterOptions& o, Ticks clock, bool wide, Ticks now) {
     const SensorQuery& q = o.query;
     Ticks due = std::max(clock, sync_.clock_at(now) + Ticks(kHeaterLeadSeconds * hz_));
-    send("query_analog_in",
-         {int64_t(o.sensor_oid), int64_t(uint32_t(due)), int64_t(q.sample_ticks),
-          int64_t(q.sample_count), int64_t(q.rest_ticks), int64_t(2), int64_t(wide ? 0 : q.minimum),
-          int64_t(wide ? o.adc_full : q.maximum), int64_t(q.range_checks)});
+    std::vector<Value> values = {int64_t(o.sensor_oid), int64_t(uint32_t(due)),
+                                 int64_t(q.sample_ticks), int64_t(q.sample_count),
+                                 int64_t(q.rest_ticks)};
+    // Older firmware does not ask how many bytes make a report.
+    if (commands_.at("query_analog_in").parameters.size() == 9) values.push_back(int64_t(2));
+    values.push_back(int64_t(wide ? 0 : q.minimum));
+    values.push_back(int64_t(wide ? o.adc_full : q.maximum));
+    values.push_back(int64_t(q.range_checks));
+    send("query_analog_in", values);
   }
   void set_power(size_t i, uint32_t value, Ticks now) {
     const HeaterOptions& o = heaters_[i]->options();

@@ -25,7 +25,7 @@ struct analog_in {
   struct timer timer;
   struct analog_query query;  // the foreground's, while the timer stands still
   // Written by the timer; by the foreground under hal_irq_save().
-  uint32_t due;  // the sample that is waited for
+  uint32_t due;    // the sample that is waited for
   uint32_t begin;  // first sample of the sum that comes next
   uint32_t sum;
   uint8_t samples, outside;

@@ -1,6 +1,6 @@
 // Numbers and checksums on the wire. A number of 32 bits takes one to five bytes, seven bits each,
-// the high ones first; bit 7 says that more follow. A first byte with bits 6 and 5 both set begins a
-// negative number.
+// the high ones first; bit 7 says that more follow. A first byte with bits 6 and 5 both set begins
+// a negative number.
 #pragma once
 #include <stdint.h>
 

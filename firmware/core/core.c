@@ -1,6 +1,7 @@
 #include "core.h"
 
 #include "analog_in.h"
+#include "buttons.h"
 #include "control.h"
 #include "frame.h"
 #include "hal.h"
@@ -26,6 +27,7 @@ bool core_task(void) {
     busy = true;
     trsync_task();
     analog_in_task();
+    buttons_task();
     shutdown_task();
   }
   control_task(began, busy);

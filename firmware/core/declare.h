@@ -9,8 +9,8 @@
 //   DECL_ENUMERATION("name", "KEY", value)
 //   DECL_ENUMERATION_RANGE("name", "PA0", first, count)  PA0, PA1, …
 //
-// Types of parameters: %c a byte, %hu a word, %u %i %hi a long, %*s bytes (at most one of these in a
-// command: args[] holds their number, command_bytes() tells where they are).
+// Types of parameters: %c a byte, %hu a word, %u %i %hi a long, %*s bytes (at most one of these in
+// a command: args[] holds their number, command_bytes() tells where they are).
 #pragma once
 #include <stdint.h>
 

@@ -12,7 +12,7 @@
 struct frame_counts frame_counts;
 
 static uint8_t received[FRAME_MAX];
-static uint8_t size;  // bytes of `received`; no frame is complete in them
+static uint8_t size;   // bytes of `received`; no frame is complete in them
 static bool skipping;  // up to the next sync
 static uint8_t sequence;
 
@@ -66,7 +66,8 @@ static bool complete(void) {
   uint8_t length = received[0];
   const uint8_t *trailer = received + length - FRAME_TRAILER;
   uint16_t crc = checksum(received, (uint8_t)(length - FRAME_TRAILER));
-  return trailer[2] == FRAME_SYNC && trailer[0] == (uint8_t)(crc >> 8) && trailer[1] == (uint8_t)crc;
+  return trailer[2] == FRAME_SYNC && trailer[0] == (uint8_t)(crc >> 8) &&
+         trailer[1] == (uint8_t)crc;
 }
 
 // Looks at the bytes received; true if they did for a frame, good or bad.

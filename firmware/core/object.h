@@ -18,6 +18,7 @@ enum object_type {
   OBJECT_ANALOG_IN,
   OBJECT_DIGITAL_OUT,
   OBJECT_PWM_OUT,
+  OBJECT_BUTTONS,
 };
 
 // What is done to every object of one kind.

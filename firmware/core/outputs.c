@@ -41,7 +41,8 @@ static bool plan(struct output *output) {
   bool any = false;
   uint32_t wake = 0;
   if (output->first != NULL) wake = output->first->clock, any = true;
-  if (output->watched && (!any || before(output->expires, wake))) wake = output->expires, any = true;
+  if (output->watched && (!any || before(output->expires, wake)))
+    wake = output->expires, any = true;
   if (output->toggling && (!any || before(output->toggle, wake))) wake = output->toggle, any = true;
   output->timer.wake = wake;
   output->waiting = any;
@@ -59,7 +60,7 @@ static bool run(struct timer *timer) {
   }
   if (output->watched && !before(clock, output->expires)) {
     shut_down(output->object.kind->type == OBJECT_PWM_OUT ? SHUTDOWN_MISSED_PWM
-                                                           : SHUTDOWN_MISSED_DIGITAL);
+                                                          : SHUTDOWN_MISSED_DIGITAL);
     return false;
   }
   if (output->toggling && !before(clock, output->toggle)) {
@@ -187,8 +188,8 @@ void command_update_digital_out(const uint32_t *args) {
   hal_irq_restore(irq);
 }
 
-DECL_COMMAND(command_set_digital_out_pwm_cycle,
-             "set_digital_out_pwm_cycle oid=%c cycle_ticks=%u", 0);
+DECL_COMMAND(command_set_digital_out_pwm_cycle, "set_digital_out_pwm_cycle oid=%c cycle_ticks=%u",
+             0);
 void command_set_digital_out_pwm_cycle(const uint32_t *args) {
   struct output *output = object_get(args[0], OBJECT_DIGITAL_OUT);
   if (output == NULL) return;

@@ -33,7 +33,7 @@ struct output {
   // Written by foreground and timer under hal_irq_save().
   struct change *first, *last;
   uint32_t value;
-  uint32_t expires;  // if `watched`
-  uint32_t toggle;   // the next edge of software PWM, if `toggling`
+  uint32_t expires;                        // if `watched`
+  uint32_t toggle;                         // the next edge of software PWM, if `toggling`
   bool watched, toggling, level, waiting;  // waiting: the timer is going
 };

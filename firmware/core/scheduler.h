@@ -22,8 +22,8 @@ void scheduler_start(void);
 // Called by the hardware layer: see hal.h.
 void sched_interrupt(void);
 
-// Sets a timer going at timer->wake; it must not be going. Nothing happens while shut down, unless it
-// is lasting; a clock that is past shuts down. Any context but the timer's own run().
+// Sets a timer going at timer->wake; it must not be going. Nothing happens while shut down, unless
+// it is lasting; a clock that is past shuts down. Any context but the timer's own run().
 void timer_add(struct timer *timer);
 // Stops a timer, going or not. Any context.
 void timer_remove(struct timer *timer);

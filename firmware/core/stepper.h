@@ -13,8 +13,8 @@ struct stepper {
   // The foreground's, under hal_irq_save(): see trsync.h.
   struct trsync *group;  // or null
   struct stepper *next_of_group;
-  uint32_t last;                  // clock of the last step queued; the foreground's
-  uint8_t axis, direction;        // the foreground's
+  uint32_t last;            // clock of the last step queued; the foreground's
+  uint8_t axis, direction;  // the foreground's
   // Steps are ignored until reset_step_clock. Written by foreground and timer.
   volatile bool halted;
 };

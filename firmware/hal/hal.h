@@ -17,7 +17,8 @@
 //   HAL_ARENA             bytes for configured objects and move slots
 //   HAL_MOVES_MAX         move slots, at most (the host counts no more than 1024)
 //   HAL_SHORTEST_PERIOD   ticks between two samples of an input that the chip can keep up with
-//   HAL_PWM_MAX           the value of a PWM output that means fully on; also, with ADC_MAX, CLOCK_FREQ,
+//   HAL_PWM_MAX           the value of a PWM output that means fully on; also, with ADC_MAX,
+//   CLOCK_FREQ,
 //                         MCU and RECEIVE_WINDOW (bytes that the console holds), a DECL_CONSTANT
 //   HAL_ANALOG_WAIT       ticks after which a conversion that was not ready is asked for again
 //   hal_irq_t             what hal_irq_save() returns

@@ -50,6 +50,8 @@ void configure() {
                                           {COMMAND_CONFIG_TRSYNC, {7}},
                                           {COMMAND_SET_DIGITAL_OUT_PWM_CYCLE, {3, 5000}},
                                           {COMMAND_STEPPER_STOP_ON_TRIGGER, {0, 7}},
+                                          {COMMAND_CONFIG_BUTTONS, {8, 4}},
+                                          {COMMAND_BUTTONS_ADD, {8, 0, 10, 1}},
                                           {COMMAND_FINALIZE_CONFIG, {1}}};
   for (const Line& line : lines) {
     uint8_t payload[64], *end = passo::wire::put_vlq(payload, line.command);

@@ -13,17 +13,15 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from tests.firmware.library import library_for_older_hosts
 
 from passo import config
 from passo.printer.wiring import board_description, simulated_board
 from passo.simulator import SimulatedBoard
 from passo.simulator import dictionary as simulated
 from passo.simulator.real_time import SerialBoard
-from passo.toolchain.declarations import gather
-from passo.toolchain.tables import dictionary, write_tables
 
 HERE = Path(__file__).parent
-FIRMWARE = HERE.parents[1] / "firmware"
 PATIENCE_S = 40
 PRINT = """\
 G1 X50 Y40 Z2 F9000
@@ -38,24 +36,7 @@ STEPS = {"x": -352, "y": 1384, "z": 160, "e": 525}  # of all but the first line
 
 @pytest.fixture
 def library(tmp_path: Path) -> Path:
-    """The firmware as a library, with analog inputs in the words of older hosts."""
-    core = [s for s in FIRMWARE.glob("core/*.c") if s.name != "analog_report.c"]
-    sources = [
-        *sorted(core),
-        FIRMWARE / "alternative/analog_value.c",
-        FIRMWARE / "hal/common/stepgen.c",
-        FIRMWARE / "hal/host/host.c",
-    ]
-    found = gather(sources)
-    sources += write_tables(found, dictionary(found, version="test"), tmp_path)
-    folders = [*(FIRMWARE / f for f in ("core", "hal", "hal/common", "hal/host")), tmp_path]
-    made = tmp_path / "firmware.so"
-    subprocess.run(
-        ["cc", "-std=c11", "-O2", "-shared", "-fPIC", "-fno-strict-aliasing", "-Wall", "-Wextra",
-         "-Werror", *(f"-I{f}" for f in folders), *map(str, sources), "-o", str(made)],
-        check=True,
-    )  # fmt: skip
-    return made
+    return library_for_older_hosts(tmp_path)
 
 
 @pytest.fixture

@@ -6,8 +6,8 @@
 //   \_ loaded: the foreground takes them back (stepgen_reclaim)
 //                 \_ waiting: the interrupt loads them
 //
-// `oldest` and `newest` are the foreground's; what else the interrupt writes, the foreground touches
-// under hal_irq_save().
+// `oldest` and `newest` are the foreground's; what else the interrupt writes, the foreground
+// touches under hal_irq_save().
 #pragma once
 #include <stdint.h>
 

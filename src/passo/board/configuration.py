@@ -104,6 +104,8 @@ def checksum(lines: list[str]) -> int:
 def queries(board: BoardDescription, dictionary: Dictionary, clock: int) -> list[str]:
     """Starts the reports of every sensor, the first at board clock `clock`, evenly spread."""
     oids = Oids.of(board)
+    # Older firmware does not ask how many bytes make a report.
+    size = " bytes_per_report=2" if dictionary.takes("query_analog_in", "bytes_per_report") else ""
     lines: list[str] = []
     for i, sensor in enumerate(board.sensors):
         begin = clock + int(SENSOR_PERIOD_S * board.clock_hz * i / len(board.sensors))
@@ -111,7 +113,7 @@ def queries(board: BoardDescription, dictionary: Dictionary, clock: int) -> list
         lines.append(
             f"query_analog_in oid={oids.sensors[sensor.name]} clock={begin & 0xFFFFFFFF}"
             f" sample_ticks={q.sample_ticks} sample_count={q.sample_count}"
-            f" rest_ticks={q.rest_ticks} bytes_per_report=2"
+            f" rest_ticks={q.rest_ticks}{size}"
             f" min_value={q.minimum} max_value={q.maximum} range_check_count={q.range_checks}"
         )
     return lines

@@ -71,6 +71,11 @@ class Dictionary:
             for key, blob in parameters
         ]
 
+    def takes(self, command: str, parameter: str) -> bool:
+        """Whether the board knows the command, and that with this parameter."""
+        texts = (text for _, text in self.commands if text.split(" ", 1)[0] == command)
+        return any(word.startswith(f"{parameter}=") for text in texts for word in text.split())
+
     def name_of(self, kind: str, number: int) -> str:
         """The enumeration's name for a number, or the number itself as text."""
         for name, value in self.enumerations.get(kind, {}).items():
