@@ -13,13 +13,13 @@ static volatile uint16_t clock_high;
 
 // What timer `n` counts beyond timer 1: both low bytes are read one after the other, 2 ticks apart,
 // and hold the high bytes.
-#define MEASURE(n)                                                                     \
-  do {                                                                                 \
-    uint8_t low1, low, high1, high;                                                    \
-    __asm__ volatile("lds %0, %4\n lds %1, %5\n lds %2, %4+1\n lds %3, %5+1"           \
-                     : "=&r"(low1), "=&r"(low), "=&r"(high1), "=&r"(high)              \
-                     : "n"(_SFR_MEM_ADDR(TCNT1)), "n"(_SFR_MEM_ADDR(TCNT##n)));        \
-    timer_offset[n] = (uint16_t)((high << 8 | low) - (high1 << 8 | low1) - 2);         \
+#define MEASURE(n)                                                              \
+  do {                                                                          \
+    uint8_t low1, low, high1, high;                                             \
+    __asm__ volatile("lds %0, %4\n lds %1, %5\n lds %2, %4+1\n lds %3, %5+1"    \
+                     : "=&r"(low1), "=&r"(low), "=&r"(high1), "=&r"(high)       \
+                     : "n"(_SFR_MEM_ADDR(TCNT1)), "n"(_SFR_MEM_ADDR(TCNT##n))); \
+    timer_offset[n] = (uint16_t)((high << 8 | low) - (high1 << 8 | low1) - 2);  \
   } while (0)
 
 void clock_start(void) {
@@ -47,8 +47,8 @@ uint32_t hal_clock(void) {
   return (uint32_t)high << 16 | low;
 }
 
-// The alarm: a compare of 16 bits, or of 8 bits in units of 64 ticks. One that is further away comes
-// early, which hal_alarm() allows.
+// The alarm: a compare of 16 bits, or of 8 bits in units of 64 ticks. One that is further away
+// comes early, which hal_alarm() allows.
 #ifdef TCNT5
 #define ALARM_MASK TIMSK5
 #define ALARM_FLAGS TIFR5

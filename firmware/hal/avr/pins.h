@@ -4,7 +4,20 @@
 #include <stdint.h>
 
 #define PIN_NUMBER(port, bit) (PORT_##port * 8 + (bit))
-enum { PORT_A, PORT_B, PORT_C, PORT_D, PORT_E, PORT_F, PORT_G, PORT_H, PORT_I, PORT_J, PORT_K, PORT_L };
+enum {
+  PORT_A,
+  PORT_B,
+  PORT_C,
+  PORT_D,
+  PORT_E,
+  PORT_F,
+  PORT_G,
+  PORT_H,
+  PORT_I,
+  PORT_J,
+  PORT_K,
+  PORT_L
+};
 
 // The address of the pin's PINx and its bit; false if the chip has no such pin, or the console has
 // it.

@@ -8,10 +8,10 @@
 //   `position`    the unit      loaded
 //
 // The foreground counts what has been loaded when it comes by, and gives back what it has counted.
+#include "stepgen.h"
+
 #include <avr/interrupt.h>
 #include <stddef.h>
-
-#include "stepgen.h"
 
 #include "clock.h"
 #include "hal.h"
@@ -34,12 +34,16 @@ struct wiring {
   volatile uint8_t *flags, *enable;
 };
 
-#define FIXED(n, timer, unit, step_port, step_bit, dir_port, dir_bit)     \
-  [n] = {PIN_NUMBER(step_port, step_bit), PIN_NUMBER(dir_port, dir_bit),  \
-         1 << OCIE##timer##unit,          timer,                          \
-         &OCR##timer##unit,               &TIFR##timer, &TIMSK##timer},
-#define FREE(n, timer, unit) \
-  [n] = {FREE_PIN,         FREE_PIN,     1 << OCIE##timer##unit, timer, \
+#define FIXED(n, timer, unit, step_port, step_bit, dir_port, dir_bit) \
+  [n] = {PIN_NUMBER(step_port, step_bit),                             \
+         PIN_NUMBER(dir_port, dir_bit),                               \
+         1 << OCIE##timer##unit,                                      \
+         timer,                                                       \
+         &OCR##timer##unit,                                           \
+         &TIFR##timer,                                                \
+         &TIMSK##timer},
+#define FREE(n, timer, unit)                                             \
+  [n] = {FREE_PIN,          FREE_PIN,     1 << OCIE##timer##unit, timer, \
          &OCR##timer##unit, &TIFR##timer, &TIMSK##timer},
 
 static const struct wiring wiring[BOARD_UNITS] PROGMEM = {BOARD_FIXED(FIXED) BOARD_FREE(FREE)};

@@ -13,12 +13,12 @@
 #define UNIT_WIDE 12       // wide: interval before the step
 #define UNIT_LEFT 16       // wide: steps not made yet
 #define UNIT_STEP_MASK 18
-#define UNIT_TOGGLE 19     // bit of the direction pin if it changes now, else 0
+#define UNIT_TOGGLE 19  // bit of the direction pin if it changes now, else 0
 #define UNIT_DIR_MASK 20
-#define UNIT_ACTIVE 21     // steps are due
-#define UNIT_STEP_PIN 22   // address of the step pin's PINx; writing a 1 there toggles the pin
+#define UNIT_ACTIVE 21    // steps are due
+#define UNIT_STEP_PIN 22  // address of the step pin's PINx; writing a 1 there toggles the pin
 #define UNIT_DIR_PIN 24
-#define UNIT_HOLD 26       // loops of 3 cycles by which a pulse is lengthened, if pins are free
+#define UNIT_HOLD 26  // loops of 3 cycles by which a pulse is lengthened, if pins are free
 #define UNIT_SIZE 27
 
 #define MODE_WIDE 1
