@@ -41,10 +41,15 @@ ISR(TIMER1_OVF_vect) { ++clock_high; }
 
 uint32_t hal_clock(void) {
   hal_irq_t irq = hal_irq_save();
-  uint16_t low = TCNT1, high = clock_high;
-  if ((TIFR1 & 1 << TOV1) && low < 0x8000) ++high;
+  union {
+    struct {
+      uint16_t low, high;
+    };
+    uint32_t clock;
+  } now = {{TCNT1, clock_high}};
+  if ((TIFR1 & 1 << TOV1) && now.low < 0x8000) ++now.high;
   hal_irq_restore(irq);
-  return (uint32_t)high << 16 | low;
+  return now.clock;
 }
 
 // The alarm: a compare of 16 bits, or of 8 bits in units of 64 ticks. One that is further away

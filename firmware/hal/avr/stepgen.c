@@ -19,8 +19,8 @@
 #include "unit.h"
 
 #define FREE_PIN 0xff
-// Ticks between reading the clock and the first interrupt that can be set up in time.
-#define SOONEST 300
+// Ticks that it takes to set a unit going: a first step that is closer is refused.
+#define SOONEST 250
 // How long a pulse is at least without waiting loops.
 #define PULSE_FIXED 34
 #define PULSE_FREE 38
@@ -155,11 +155,16 @@ static bool settle(struct axis *a) {
   return found;
 }
 
-// Sets an idle unit going: its first step comes `ticks` from `now`, later ones as the move says.
-static void begin(struct axis *a, struct move *move, uint32_t first, uint32_t ticks) {
+// Sets an idle unit going: its first step comes at `first`, for which the compare stands already,
+// in `ticks`; later ones come as the move says.
+static void begin(struct axis *a, struct move *move, uint32_t ticks) {
   volatile struct unit *unit = a->unit;
-  uint16_t chunks = (uint16_t)(ticks / PIECE);
-  if (chunks > 0) --chunks;  // the first wait takes up to two pieces
+  uint16_t chunks = (uint16_t)((ticks << 1) >> 16);  // pieces of 32768
+  if (chunks > 0) --chunks;                          // the first wait takes up to two
+  if (chunks & 1) {
+    *a->compare += PIECE;
+    *a->flags = a->bit;
+  }
   unit->mode = move->direction & 1 << MOVE_FAST_BIT ? MODE_WIDE | MODE_THEN_FAST : MODE_WIDE;
   unit->chunks = chunks;
   unit->count = 1;
@@ -171,8 +176,6 @@ static void begin(struct axis *a, struct move *move, uint32_t first, uint32_t ti
   unit->next = NULL;
   if (move->direction & 1 << MOVE_TOGGLE_BIT) *unit->dir_pin = unit->dir_mask;
   unit->active = true;
-  *a->compare = (uint16_t)first + a->offset + (chunks & 1 ? PIECE : 0);
-  *a->flags = a->bit;
   *a->enable |= a->bit;
 }
 
@@ -195,12 +198,15 @@ bool stepgen_append(uint8_t axis, struct move *move, uint32_t first) {
   if (unit->active) {
     if (unit->next == NULL) unit->next = move;
   } else {
+    // Before the clock is read: a match that comes later cannot be missed.
+    *a->compare = (uint16_t)first + a->offset;
+    *a->flags = a->bit;
     int32_t ticks = (int32_t)(first - hal_clock());
     if (a->stopped || ticks < SOONEST) {
       hal_irq_restore(irq);
       return false;
     }
-    begin(a, move, first, (uint32_t)ticks);
+    begin(a, move, (uint32_t)ticks);
   }
   a->direction = direction & 1;
   if (a->oldest == NULL)

@@ -21,6 +21,8 @@ DEMO = Path(__file__).parents[3] / "examples" / "demo.gcode.xz"
 SLOW = ("M104", "M109", "M140", "M190", "G4", "G28")
 WARM_UP = ("M104 S150", "M140 S50", "M106 S200", "G28")
 MOVES = 700
+RAM_BEGIN = 0x200
+STACK_SPARE = 300
 CHANNELS = {"PK5": 13, "PK6": 14}
 
 
@@ -124,4 +126,7 @@ def test_a_minute_of_a_print_is_exact(tmp_path, monkeypatch):
         assert late[len(late) * 99 // 100] - late[0] <= 250, name
         assert late[-1] - late[0] <= 600, name
     assert bench.rescues > 0
+    # The stack grows down from the end of the memory, towards the static data.
+    bottom = RAM_BEGIN + image(board).ram
+    assert not any(bench.ram(bottom + i) for i in range(STACK_SPARE))
     assert sum(result.steps.values()) > 120_000

@@ -8,6 +8,8 @@ from random import Random
 import pytest
 from tests.board.bench import Planner
 
+from passo.errors import MachineError
+
 from .bench import Edge
 from .boards import HZ, MELZI, MELZI_PINS, OTHER_PINS, RAMPS, RAMPS_PINS, motors
 
@@ -128,3 +130,37 @@ def test_the_position_is_known_between_steps():
     assert connection.net_steps("m0") == connection.bench.position(carriage)
     assert connection.bench.position(carriage) == sum(planner.directions[0])
     connection.bench.close()
+
+
+def _start(ahead: int) -> int | None:
+    """A lone step due `ahead` ticks after its command is sent: how late it comes, to a constant, or
+    None if the board refuses."""
+    connection = motors(1)
+    clock = connection.link.clock_at(connection.now)
+    connection.command(f"reset_step_clock oid=0 clock={clock % 2**32}")
+    connection.command(f"queue_step oid=0 interval={ahead} count=1 add=0")
+    try:
+        connection.run(connection.now + HZ // 50)
+    except MachineError:
+        return None
+    finally:
+        edges = connection.bench.edges()
+        connection.bench.close()
+    return edges[0].cycle - clock - ahead
+
+
+def test_a_start_at_the_last_moment_is_on_time_or_refused():
+    refused, made = 1000, HZ // 100
+    normal = _start(made)
+    assert normal is not None
+    assert _start(refused) is None
+    while made - refused > 1:
+        middle = (refused + made) // 2
+        if _start(middle) is None:
+            refused = middle
+        else:
+            made = middle
+    for ahead in (made, made + 1, made + 7, made + 40):
+        late = _start(ahead)
+        assert late is not None
+        assert late - normal < 100
