@@ -5,9 +5,6 @@
 #include "hal.h"
 #include "scheduler.h"
 
-// The next alarm: so many ticks are needed to set it.
-#define SOONEST 60
-
 uint16_t timer_offset[6];
 static volatile uint16_t clock_high;
 
@@ -58,6 +55,7 @@ uint32_t hal_clock(void) {
 #define ALARM_MASK TIMSK5
 #define ALARM_FLAGS TIFR5
 #define ALARM_BIT OCIE5C
+#define SOONEST 40  // ticks to the alarm of a clock that is past
 #else
 #define ALARM_MASK TIMSK2
 #define ALARM_FLAGS TIFR2
@@ -70,18 +68,18 @@ static volatile bool running, asked;
 static volatile uint32_t asked_for;
 
 static void set_alarm(uint32_t clock) {
-  int32_t left = (int32_t)(clock - hal_clock());
-#ifdef TCNT5
-  if (left < SOONEST)
-    OCR5C = TCNT5 + SOONEST;
-  else
-    OCR5C = (uint16_t)clock + timer_offset[5];
-#else
-  uint8_t units = left < SOONEST ? 2 : left >= UNIT * FARTHEST ? FARTHEST : left / UNIT + 2;
-  OCR2A = TCNT2 + units;
-#endif
-  ALARM_FLAGS = 1 << ALARM_BIT;
   ALARM_MASK |= 1 << ALARM_BIT;
+#ifdef TCNT5
+  // Before the clock is read: a match that comes later cannot be missed.
+  OCR5C = (uint16_t)clock + timer_offset[5];
+  ALARM_FLAGS = 1 << ALARM_BIT;
+  if ((int32_t)(clock - hal_clock()) <= 0) OCR5C = TCNT5 + SOONEST;
+#else
+  int32_t left = (int32_t)(clock - hal_clock());
+  uint8_t units = left < UNIT ? 2 : left >= UNIT * FARTHEST ? FARTHEST : left / UNIT + 2;
+  OCR2A = TCNT2 + units;
+  ALARM_FLAGS = 1 << ALARM_BIT;
+#endif
 }
 
 void hal_alarm(uint32_t clock) {
@@ -98,11 +96,13 @@ void hal_alarm(uint32_t clock) {
 // Called by the alarm's interrupt with interrupts enabled; leaves with them disabled, so that the
 // interrupts of two alarms do not nest.
 void alarm_due(void) {
+  cli();
+  ALARM_MASK &= (uint8_t)~(1 << ALARM_BIT);  // it could match again before the timers are through
   running = true;
   asked = false;
+  sei();
   sched_interrupt();
   cli();
   running = false;
-  ALARM_MASK &= (uint8_t)~(1 << ALARM_BIT);
   if (asked) set_alarm(asked_for);
 }
