@@ -19,6 +19,8 @@ enum object_type {
   OBJECT_DIGITAL_OUT,
   OBJECT_PWM_OUT,
   OBJECT_BUTTONS,
+  OBJECT_SPI,
+  OBJECT_SPI_SHUTDOWN,
 };
 
 // What is done to every object of one kind.

@@ -17,9 +17,9 @@
 //   HAL_ARENA             bytes for configured objects and move slots
 //   HAL_MOVES_MAX         move slots, at most (the host counts no more than 1024)
 //   HAL_SHORTEST_PERIOD   ticks between two samples of an input that the chip can keep up with
-//   HAL_PWM_MAX           the value of a PWM output that means fully on; also, with ADC_MAX,
-//   CLOCK_FREQ,
-//                         MCU and RECEIVE_WINDOW (bytes that the console holds), a DECL_CONSTANT
+//   HAL_PWM_MAX           the value of a PWM output that means fully on. With CLOCK_FREQ, ADC_MAX,
+//                         MCU and RECEIVE_WINDOW (bytes that the console holds) it is also
+//                         declared as a constant of the dictionary
 //   HAL_ANALOG_WAIT       ticks after which a conversion that was not ready is asked for again
 //   hal_irq_t             what hal_irq_save() returns
 //   struct hal_output, struct hal_input, struct hal_analog, struct hal_pwm
@@ -28,6 +28,7 @@
 // and may define
 //   hal_crc16(crc, byte)  a faster step of the frame's checksum than the one in codec.h
 //   HAL_DICTIONARY, HAL_DICTIONARY_SIZE   another dictionary than the build's
+//   HAL_WAIT(ticks)       waits some microseconds at most; else the core reads the clock
 //   HAL_WATCH_OUTPUT(pin, value, full)    sees the value of each output as it changes
 // A function declared below may be defined `static inline` in chip.h.
 #pragma once

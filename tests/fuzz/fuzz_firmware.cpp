@@ -52,6 +52,8 @@ void configure() {
                                           {COMMAND_STEPPER_STOP_ON_TRIGGER, {0, 7}},
                                           {COMMAND_CONFIG_BUTTONS, {8, 4}},
                                           {COMMAND_BUTTONS_ADD, {8, 0, 10, 1}},
+                                          {COMMAND_CONFIG_SPI, {9, 11, 0}},
+                                          {COMMAND_SPI_SET_SW_BUS, {9, 12, 13, 14, 3, 16}},
                                           {COMMAND_FINALIZE_CONFIG, {1}}};
   for (const Line& line : lines) {
     uint8_t payload[64], *end = passo::wire::put_vlq(payload, line.command);
