@@ -62,6 +62,7 @@ def _library() -> ctypes.CDLL:
         "edges_lost": (number, [pointer]),
         "entries": (number, [pointer]),
         "rescues": (number, [pointer]),
+        "revivals": (number, [pointer]),
         "siblings": (number, [pointer]),
         "channels": (number, [pointer]),
         "ram": (ctypes.c_uint8, [pointer, ctypes.c_int]),
@@ -85,7 +86,7 @@ class AvrBench:
     """One chip that runs an image; time is counted in its cycles and passes in `run` only.
 
     The defects of the simulator that it makes up for are listed in bench.c. `entries`, `rescues`,
-    `siblings` and `channels` count how often it did.
+    `revivals`, `siblings` and `channels` count how often it did.
     """
 
     def __init__(self, image: Path, mcu: str = "atmega2560", hz: int = 16_000_000) -> None:
@@ -122,6 +123,10 @@ class AvrBench:
     @property
     def rescues(self) -> int:
         return self._library.bench_rescues(self._bench)
+
+    @property
+    def revivals(self) -> int:
+        return self._library.bench_revivals(self._bench)
 
     @property
     def siblings(self) -> int:
