@@ -7,6 +7,8 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <mutex>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,35 +18,59 @@
 
 namespace passo::wire {
 
-// A copy of the firmware library for one board: its state is that of the copy.
+// A copy of the firmware library for one board: its state is that of the copy. Copies that are
+// given back wait for the next board, which powers them on anew.
 class FirmwareLibrary {
  public:
   // Throws std::runtime_error if it cannot be loaded.
-  explicit FirmwareLibrary(const std::string& path) {
-    std::string copy = (std::filesystem::temp_directory_path() / "passo-firmware-XXXXXX").string();
-    int file = mkstemp(copy.data());
-    if (file < 0) throw std::runtime_error("no temporary file for the firmware's library");
-    close(file);
-    bool copied = bool(std::ofstream(copy, std::ios::binary)
-                       << std::ifstream(path, std::ios::binary).rdbuf());
-    handle_ = copied ? dlopen(copy.c_str(), RTLD_NOW | RTLD_LOCAL) : nullptr;
-    unlink(copy.c_str());
-    void* symbol = handle_ ? dlsym(handle_, "passo_firmware") : nullptr;
-    if (!symbol) {
-      if (handle_) dlclose(handle_);
-      throw std::runtime_error("'" + path + "' is no firmware library");
+  explicit FirmwareLibrary(const std::string& path) : path_(path) {
+    {
+      std::lock_guard lock(mutex());
+      auto& waiting = idle()[path];
+      if (!waiting.empty()) {
+        functions_ = waiting.back();
+        waiting.pop_back();
+        return;
+      }
     }
-    functions_ = reinterpret_cast<decltype(&passo_firmware)>(symbol)();
+    functions_ = load(path);
   }
-  ~FirmwareLibrary() { dlclose(handle_); }
+  ~FirmwareLibrary() {
+    std::lock_guard lock(mutex());
+    idle()[path_].push_back(functions_);
+  }
   FirmwareLibrary(const FirmwareLibrary&) = delete;
   FirmwareLibrary& operator=(const FirmwareLibrary&) = delete;
 
   const host_functions* operator->() const { return functions_; }
 
  private:
-  void* handle_ = nullptr;
-  const host_functions* functions_ = nullptr;
+  std::string path_;
+  const host_functions* functions_;
+
+  static std::mutex& mutex() {
+    static auto* mutex = new std::mutex;  // boards may outlive what is destroyed at exit
+    return *mutex;
+  }
+  static std::map<std::string, std::vector<const host_functions*>>& idle() {
+    static auto* idle = new std::map<std::string, std::vector<const host_functions*>>;
+    return *idle;
+  }
+  // The loader knows a file by its place on the disk, so that each copy needs a file of its own.
+  static const host_functions* load(const std::string& path) {
+    std::string copy = (std::filesystem::temp_directory_path() / "passo-firmware-XXXXXX").string();
+    int file = mkstemp(copy.data());
+    if (file < 0) throw std::runtime_error("no temporary file for the firmware's library");
+    close(file);
+    bool copied = bool(std::ofstream(copy, std::ios::binary)
+                       << std::ifstream(path, std::ios::binary).rdbuf());
+    void* handle = copied ? dlopen(copy.c_str(), RTLD_NOW | RTLD_LOCAL) : nullptr;
+    unlink(copy.c_str());
+    void* symbol = handle ? dlsym(handle, "passo_firmware") : nullptr;
+    if (symbol) return reinterpret_cast<decltype(&passo_firmware)>(symbol)();
+    if (handle) dlclose(handle);
+    throw std::runtime_error("'" + path + "' is no firmware library");
+  }
 };
 
 class FirmwareBoard : public Bench {

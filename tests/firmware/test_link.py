@@ -6,8 +6,11 @@ import random
 
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.board.bench import HZ
 from tests.oracles import wire
 from tests.simulator.raw import RawBoard
+
+from passo import _core
 
 WINDOW = 12
 PINGS = 25
@@ -136,3 +139,14 @@ def test_answers_carry_the_number_after_the_frame():
         answers = scanned(board.device.poll(board.now))
         assert [n for n, _ in answers] == [(sequence + 1) % 16] * 2
         assert [bool(p) for _, p in answers] == [True, False]
+
+
+def test_statistics_come_every_five_seconds():
+    board = RawBoard()
+    for _ in range(3):
+        board.now += 5 * HZ
+        frames = _core.FrameScanner().feed(board.device.poll(board.now))
+        [(name, values)] = [m for _, payload in frames for m in board.reports.decode(payload)]
+        assert name == "stats"
+        assert values["count"] > 0
+        assert (values["sum"], values["sumsq"]) == (0, 0)  # work takes no virtual time

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import zlib
+from functools import cache
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
@@ -43,8 +44,12 @@ def firmware_faults() -> dict[int, str]:
 
 def _firmware() -> dict[str, Any]:
     """What the firmware's sources declare."""
-    built = _core.firmware_dictionary(str(firmware_library()))
-    return json.loads(zlib.decompress(built))
+    return json.loads(_declared(firmware_library()))
+
+
+@cache
+def _declared(library: Path) -> bytes:
+    return zlib.decompress(_core.firmware_dictionary(str(library)))
 
 
 def _virtual() -> dict[str, Any]:
