@@ -78,6 +78,7 @@ void command_queue_step(const uint32_t *args) {
   uint32_t first_step = stepper->last + interval;
   if (!stepgen_append(stepper->axis, move, first_step)) {
     move_free(move);
+    if (stepper->halted) return;  // in this moment
     shut_down(hal_clock() - first_step > LATE ? SHUTDOWN_STEP_TOO_LATE : SHUTDOWN_TIMER_TOO_CLOSE);
     return;
   }
@@ -103,6 +104,7 @@ void command_reset_step_clock(const uint32_t *args) {
   } else if (!is_shut_down()) {
     stepper->last = args[1];
     stepper->halted = false;
+    stepgen_resume(stepper->axis);
   }
   hal_irq_restore(irq);
 }

@@ -100,13 +100,15 @@ bool stepgen_setup(uint8_t axis, uint16_t step_pin, uint16_t direction_pin, bool
                    uint16_t pulse_ticks);
 // Queues a move whose first step is due at `first`; the generator needs that only if the axis is
 // idle, for the core keeps it equal to the end of what is queued plus the interval. False, and the
-// move not taken, if the axis is idle and `first` is past. Foreground.
+// move not taken, if the axis is idle and `first` is past, or after a stop. Foreground.
 bool stepgen_append(uint8_t axis, struct move *move, uint32_t first);
 // True until the last step queued has been made. Any context.
 bool stepgen_active(uint8_t axis);
 // No further edge from now on; what is queued is dropped, to be reclaimed. Any context, also while
 // the foreground is inside another call for the same axis.
 void stepgen_stop(uint8_t axis);
+// Takes moves again. Any context.
+void stepgen_resume(uint8_t axis);
 // Steps made with direction 1 less those with direction 0, since setup. Any context.
 int32_t stepgen_position(uint8_t axis);
 // A move that the generator has no use for any more (as soon as it is loaded), or null. Foreground.

@@ -4,7 +4,7 @@
 
 static struct axis {
   struct hal_output step, direction_pin;
-  bool invert, active;
+  bool invert, active, stopped;
   uint8_t direction;  // level of its pin
   uint16_t pulse_ticks;
   uint32_t next, interval;  // clock of the next step; and from it to the one after
@@ -83,8 +83,8 @@ bool stepgen_append(uint8_t index, struct move *move, uint32_t first) {
   struct axis *axis = &axes[index];
   move->next = NULL;
   hal_irq_t irq = hal_irq_save();
-  bool late = !axis->active && (int32_t)(first - hal_clock()) < 0;
-  if (!late) {
+  bool taken = !axis->stopped && (axis->active || (int32_t)(first - hal_clock()) >= 0);
+  if (taken) {
     if (axis->newest != NULL)
       axis->newest->next = move;
     else
@@ -99,7 +99,7 @@ bool stepgen_append(uint8_t index, struct move *move, uint32_t first) {
     }
   }
   hal_irq_restore(irq);
-  return !late;
+  return taken;
 }
 
 bool stepgen_active(uint8_t index) { return axes[index].active; }
@@ -116,8 +116,11 @@ void stepgen_stop(uint8_t index) {
   axis->end -= left(axis);
   axis->active = false;
   axis->waiting = NULL;
+  axis->stopped = true;
   hal_irq_restore(irq);
 }
+
+void stepgen_resume(uint8_t index) { axes[index].stopped = false; }
 
 int32_t stepgen_position(uint8_t index) {
   hal_irq_t irq = hal_irq_save();

@@ -1,0 +1,143 @@
+"""The chip's modules: reset, pins, pulse width modulation, the alarm."""
+
+from __future__ import annotations
+
+import pytest
+from tests.board.bench import TABLE
+
+from passo.board import BoardDescription, Endstop, Output, Sensor, Stepper
+from passo.board.endstops import Endstops
+from passo.errors import MachineError
+
+from .boards import HZ, MELZI, OTHER_PINS, RAMPS, RAMPS_PINS, bench, motors
+from .host import AvrConnection
+
+OCR2A, TCCR2A, TCCR2B, DDRH = 0xB3, 0xB0, 0xB1, 0x101
+
+
+def test_the_dictionary_names_chip_and_pins():
+    connection = motors(1, MELZI, (("PD7", "PC5"),))
+    dictionary = connection.dictionary
+    assert dictionary.constants["MCU"] == "atmega1284p"
+    assert dictionary.number("CLOCK_FREQ") == HZ
+    assert dictionary.enumerations["pin"]["PD7"] == 31
+    assert "PE0" not in dictionary.enumerations["pin"]
+    assert connection.move_count > 900
+    connection.bench.close()
+
+
+def test_a_board_configured_otherwise_is_reset():
+    chip = bench()
+    first = BoardDescription(HZ, outputs=(Output("light", "PH5", default_on=True),))
+    AvrConnection(first, chip).connect()
+    assert chip.level("PH5") == 1
+    second = BoardDescription(HZ, (Stepper("x", *RAMPS_PINS[0]),), (Output("fan", "PH3"),))
+    connection = AvrConnection(second, chip)
+    connection.connect()
+    assert chip.ram(DDRH) & 1 << 5 == 0
+    connection.switch("fan", True)
+    connection.run(connection.now + HZ // 10)
+    assert chip.level("PH3") == 1
+    assert connection.net_steps("x") == 0
+    assert connection.move_count > 450
+    chip.close()
+
+
+def test_the_same_configuration_is_kept():
+    chip = bench()
+    description = BoardDescription(HZ, outputs=(Output("light", "PH5"),))
+    connection = AvrConnection(description, chip)
+    connection.connect()
+    connection.switch("light", True)
+    connection.run(connection.now + HZ // 10)
+    AvrConnection(description, chip).connect()
+    assert chip.level("PH5") == 1
+    chip.close()
+
+
+def test_pulse_width_modulation_by_a_timer():
+    chip = bench()
+    description = BoardDescription(HZ, outputs=(Output("laser", "PB4", "pwm", HZ // 500),))
+    connection = AvrConnection(description, chip)
+    connection.connect()
+    assert chip.ram(OCR2A) == 0
+    assert chip.ram(TCCR2A) == 0b1000_0001  # phase correct, to OC2A
+    assert chip.ram(TCCR2B) == 4  # 1/64: 490 Hz is nearest
+    connection.command(
+        f"queue_pwm_out oid=0 clock={connection.link.clock_at(connection.now) + HZ // 10} value=200"
+    )
+    connection.run(connection.now + HZ // 20)
+    assert chip.ram(OCR2A) == 0
+    connection.run(connection.now + HZ // 10)
+    assert chip.ram(OCR2A) == 200
+    chip.close()
+
+
+@pytest.mark.parametrize(
+    ("description", "reason"),
+    [
+        (
+            BoardDescription(
+                HZ,
+                tuple(
+                    Stepper(f"m{i}", *pins) for i, pins in enumerate((*OTHER_PINS, ("PC4", "PC6")))
+                ),
+            ),
+            "Pins cannot drive a stepper",
+        ),
+        (
+            BoardDescription(HZ, (Stepper("x", *RAMPS_PINS[0], pulse_ticks=500),)),
+            "Pins cannot drive a stepper",
+        ),
+        (BoardDescription(HZ, outputs=(Output("o", "PG6"),)), "Not a valid output pin"),
+        (BoardDescription(HZ, outputs=(Output("o", "PE1"),)), "Not a valid output pin"),
+        (BoardDescription(HZ, outputs=(Output("o", "PH5", "pwm", 1000),)), "Not a valid PWM pin"),
+        (BoardDescription(HZ, sensors=(Sensor("s", "PA0", TABLE),)), "Not a valid ADC pin"),
+    ],
+)
+def test_what_the_chip_cannot_do_is_refused(description, reason):
+    with pytest.raises(MachineError, match=reason):
+        AvrConnection(description, bench(RAMPS)).connect()
+
+
+def test_inputs_are_read_with_and_without_pull_up():
+    chip = bench()
+    description = BoardDescription(HZ, endstops=(Endstop("a", "^PE4"), Endstop("b", "!PD3")))
+    connection = AvrConnection(description, chip)
+    chip.set_pin("PD3", False)
+    connection.connect()
+    endstops = Endstops(connection)
+    assert endstops.pressed("a")
+    assert endstops.pressed("b")
+    chip.set_pin("PE4", False)
+    chip.set_pin("PD3", True)
+    assert not endstops.pressed("a")
+    assert not endstops.pressed("b")
+    chip.close()
+
+
+@pytest.mark.parametrize("board", [RAMPS, MELZI])
+def test_outputs_change_at_their_clock(board):
+    chip = bench(board)
+    outputs = (Output("a", "PA1"), Output("b", "PA2"))
+    description = BoardDescription(HZ, outputs=outputs, mcu=board.mcu)
+    connection = AvrConnection(description, chip)
+    connection.connect()
+    chip.watch(["PA1", "PA2"])
+    clock = connection.link.clock_at(connection.now) + HZ // 5
+    # The second follows the first closer and closer, and then from further and further away.
+    gaps = [*range(20, 1000, 25), *range(20_000, 200_000, 6_007)]
+    firsts = [clock + k * 210_011 for k in range(len(gaps))]
+    seconds = [first + gap for first, gap in zip(firsts, gaps, strict=True)]
+    for k, (first, second) in enumerate(zip(firsts, seconds, strict=True)):
+        connection.command(f"queue_digital_out oid=0 clock={first} on_ticks={(k + 1) % 2}")
+        connection.command(f"queue_digital_out oid=1 clock={second} on_ticks={(k + 1) % 2}")
+        connection.run(connection.now + HZ // 100)
+    connection.run(connection.now + HZ)
+    edges = chip.edges()
+    late = []
+    for pin, planned in (("PA1", firsts), ("PA2", seconds)):
+        made = [e.cycle for e in edges if e.pin == pin]
+        late += [cycle - due for cycle, due in zip(made, planned, strict=True)]
+    assert max(late) - min(late) <= (700 if board is RAMPS else 900)
+    chip.close()
