@@ -1,8 +1,8 @@
-"""The board and what is wired to it besides motors and heaters: fans, a laser."""
+"""What is wired to a board besides motors and heaters: fans, a laser."""
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import Field
 
@@ -26,33 +26,6 @@ class Laser(Model):
     full_scale: Positive = 255.0
     energy_letter: Letter | None = None
     density_letter: Letter | None = None
-
-
-class Socket(Model):
-    """The pins of a board's place for a stepper driver."""
-
-    step: Pin
-    direction: Pin
-    enable: Pin
-
-
-class Board(Model):
-    """A controller board. `base` names a shipped board whose values hold unless given here.
-
-    Tools that wire a machine speak of `sockets` and of the names in `pins`; both lead to pins of
-    the microcontroller. `compression_tolerance_us` bounds how far a step may be from its ideal
-    time; `move_count` is the number of commands that the board can hold.
-    """
-
-    base: str | None = None
-    name: str
-    mcu: str
-    link: Literal["simulated"] = "simulated"
-    clock_hz: Annotated[int, Field(ge=1_000_000, le=1_000_000_000)]
-    move_count: Annotated[int, Field(ge=16, le=65_535)]
-    compression_tolerance_us: Annotated[float, Field(gt=0, le=25)] = 2.0
-    sockets: dict[str, Socket] = {}
-    pins: dict[str, Pin] = {}
 
 
 Fans = dict[Name, Fan]
