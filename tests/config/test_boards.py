@@ -181,7 +181,7 @@ PORTS = {
     "pico": (250_000, "usb", "uf2", 12),
 }
 COMPARE = {
-    "ramps": ["TIMER3A", "TIMER3B", "TIMER3C", "TIMER5A", "TIMER5B"],
+    "ramps": ["TIMER3A", "TIMER3B", "TIMER3C", "TIMER4A", "TIMER4B"],
     "melzi": ["TIMER1A", "TIMER1B", "TIMER3A", "TIMER3B"],
 }
 

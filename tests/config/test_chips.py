@@ -7,7 +7,7 @@ from passo.config.chips import Pulse, chip, chip_names, expanded, numbering
 # name: pins, analog inputs, pins with hardware PWM, compare units, flash and RAM in KiB
 SIZES = {
     "atmega1284p": (32, 8, 8, 4, 128, 16),
-    "atmega2560": (86, 16, 15, 12, 256, 8),
+    "atmega2560": (86, 16, 15, 11, 256, 8),
     "mk20dx128": (40, 10, 12, 0, 128, 16),
     "mk20dx256": (40, 10, 14, 0, 256, 64),
     "rp2040": (30, 4, 30, 0, 2048, 256),

@@ -18,15 +18,15 @@ from pydantic import Field
 from passo.config.base import Model
 
 _HERE = Path(__file__).parent
+_TIMES_STEPS = "times steps"
 _RANGE = re.compile(r"(.*?)(\d+)(?:-(\d+))?")
 
 
 class Timer(Model):
-    """A timer with the pins that each of its channels can pulse. One with `steps` gives each
-    channel's compare unit to a motor; `firmware` says what the firmware itself uses it for."""
+    """A timer with the pins that each of its channels could pulse, if the firmware did not use it
+    for what `firmware` says."""
 
     bits: Literal[8, 16, 32]
-    steps: bool = False
     firmware: str = ""
     outputs: dict[str, list[str]] = {}
 
@@ -39,6 +39,7 @@ class _Data(Model):
     ram_bytes: Annotated[int, Field(gt=0)]
     ram_start: Annotated[int, Field(ge=0)]
     adc_bits: Literal[10, 12]
+    alarm: str = "SysTick"
     pins: list[str]
     adc: list[str] = []
     adc_channels: dict[str, int] = {}
@@ -56,7 +57,8 @@ class Pulse:
 @dataclass(frozen=True)
 class Chip:
     """A microcontroller. `pins` are in the order of its ports; `adc` gives the channel of each
-    analog input, `pwm` the timers' channels that reach a pin. Sizes and addresses in bytes."""
+    analog input, `pwm` the timers' channels that reach a pin; `alarm` wakes the firmware. Sizes and
+    addresses in bytes."""
 
     key: str
     name: str
@@ -66,6 +68,7 @@ class Chip:
     ram_bytes: int
     ram_start: int
     adc_bits: int
+    alarm: str
     pins: tuple[str, ...]
     adc: dict[str, int]
     timers: dict[str, Timer]
@@ -73,14 +76,15 @@ class Chip:
 
     @property
     def compare_units(self) -> tuple[str, ...]:
-        """The units that can time a motor's steps, such as TIMER3A; empty where one alarm of the
-        chip times them all."""
-        return tuple(
+        """The units that can time a motor's steps, such as TIMER3A; empty where the chip's alarm
+        times them all."""
+        units = (
             f"{name}{channel}"
             for name, timer in self.timers.items()
-            if timer.steps
+            if timer.firmware == _TIMES_STEPS
             for channel in timer.outputs
         )
+        return tuple(unit for unit in units if unit != self.alarm)
 
 
 def expanded(items: Iterable[str]) -> list[str]:
@@ -120,6 +124,7 @@ def chip(name: str) -> Chip:
         ram_bytes=data.ram_bytes,
         ram_start=data.ram_start,
         adc_bits=data.adc_bits,
+        alarm=data.alarm,
         pins=tuple(expanded(data.pins)),
         adc=data.adc_channels or {pin: i for i, pin in enumerate(expanded(data.adc))},
         timers=data.timers,

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from passo.config.board_files import known_pins
-from passo.config.chips import Chip, chip, chip_names
-from passo.config.findings import Finding, array, did_you_mean, key_text, table, tables
+from passo.config.chips import Chip, Pulse, chip, chip_names
+from passo.config.findings import Finding, array, did_you_mean, table, tables
 from passo.config.lines import Path
 
 Raw = Mapping[str, Any]
@@ -118,7 +118,6 @@ class _Owners:
         mcu = self.board.get("mcu")
         self.chip: Chip | None = chip(mcu) if mcu in chip_names() else None
         self.pins: dict[str, Claim] = {}
-        self.timers: dict[str, tuple[Path, str]] = {}
         self.units: dict[str, Path] = {}
 
     def check(self) -> Iterator[Finding]:
@@ -151,7 +150,7 @@ class _Owners:
         return Finding("config.value", claim.path, claim.pin, limit, hint)
 
     def _check_steps(self) -> Iterator[Finding]:
-        """Compare units that time steps, and with each its timer's counting."""
+        """Each compare unit times the steps of one motor."""
         sockets = table(self.board, "sockets")
         units = self.chip.compare_units if self.chip else ()
         for name, stepper in tables(self.data, "steppers"):
@@ -169,33 +168,20 @@ class _Owners:
             if owner != path:
                 limit = f"a compare unit of its own: {unit} belongs to"
                 yield Finding("config.conflict", path, word, limit, owner=owner)
-            self.timers.setdefault(unit[:-1], (path, "times the steps of"))
 
     def _check_need(self, claim: Claim, chip: Chip) -> Iterator[Finding]:
         pin = self._pin(claim.pin)
         if claim.need == "analog" and pin not in chip.adc:
             yield self._unsuited(claim, list(chip.adc))
         elif claim.need == "pwm":
-            free = [p for p in chip.pwm if self._free_timer(p, chip)]
+            free = [p for p, ways in chip.pwm.items() if _free(ways, chip)]
             if pin not in chip.pwm:
                 yield self._unsuited(claim, free)
             elif pin not in free:
-                pulse = chip.pwm[pin][0]
-                why = f"{pulse.timer} " + self._use_of(pulse.timer, chip)
+                timer = chip.pwm[pin][0].timer
+                why = f"{timer} {chip.timers[timer].firmware}"
                 limit = f"a pin whose timer is free: {why}; {self._offer(free)}"
                 yield Finding("config.conflict", claim.path, claim.pin, limit)
-
-    def _free_timer(self, pin: str, chip: Chip) -> bool:
-        return any(
-            pulse.timer not in self.timers and not chip.timers[pulse.timer].firmware
-            for pulse in chip.pwm[pin]
-        )
-
-    def _use_of(self, timer: str, chip: Chip) -> str:
-        if timer in self.timers:
-            path, does = self.timers[timer]
-            return f"{does} {key_text(path[:-1])}"
-        return f"is {chip.timers[timer].firmware}"
 
     def _unsuited(self, claim: Claim, able: list[str]) -> Finding:
         limit = f"{_NEEDS[claim.need]}; {self._offer(able)}"
@@ -209,3 +195,8 @@ class _Owners:
         free = [pin for pin in able if pin not in self.pins]
         words = [f"{printed[p]} ({p})" if p in printed and printed[p] != p else p for p in free]
         return f"free here: {', '.join(words)}" if words else "none is free here"
+
+
+def _free(ways: tuple[Pulse, ...], chip: Chip) -> bool:
+    """Whether the firmware leaves one of these timers alone."""
+    return any(not chip.timers[pulse.timer].firmware for pulse in ways)
