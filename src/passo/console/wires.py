@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import asyncio
-import fcntl
 import os
-import struct
 import sys
-import termios
 import tty
 from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol
 
+from passo.board.serial_port import open_serial_port
 from passo.console.session import Session
 from passo.errors import PassoError, Problem
 from passo.printer.printer import Printer
@@ -20,8 +18,6 @@ from passo.printer.printer import Printer
 _AT_ONCE = 4096  # bytes; asyncio would read 256 KiB, whose lines keep all others waiting for 0.8 s
 _ROOM = 1 << 16  # bytes that may wait for a reader before dispensable ones are dropped
 _DEAD = 1 << 20  # and before all are
-_TCGETS2, _TCSETS2 = 0x802C542A, 0x402C542B
-_BOTHER, _CBAUD = 0o010000, 0o010017
 
 Opened = Callable[[Session], None]
 
@@ -158,21 +154,9 @@ async def open_pty(printer: Printer, path: str, opened: Opened) -> Console:
 async def open_serial(printer: Printer, device: str, baud: int, opened: Opened) -> Console:
     """A serial device at any rate that its driver can do. Raises ConsoleError."""
     try:
-        port = os.open(device, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+        port = open_serial_port(device, baud)
     except OSError as error:
         raise _cannot(f"the serial device {device}", error) from None
-    try:
-        tty.setraw(port)
-        attributes = bytearray(44)
-        fcntl.ioctl(port, _TCGETS2, attributes, True)
-        inputs, outputs, control, local, line, keys, _, _ = struct.unpack("4IB19s2I", attributes)
-        control = (control & ~_CBAUD) | _BOTHER | termios.CLOCAL | termios.CREAD
-        termios2 = struct.pack("4IB19s2I", inputs, outputs, control, local, line, keys, baud, baud)
-        fcntl.ioctl(port, _TCSETS2, termios2)
-    except (OSError, termios.error) as error:
-        os.close(port)
-        why = error if isinstance(error, OSError) else OSError(*error.args)
-        raise _cannot(f"the serial device {device}", why) from None
     wire = _Wire(printer, opened, f"serial {device} at {baud}")
     return await _join(wire, port, os.dup(port))
 

@@ -1,0 +1,1 @@
+"""Builds the firmware: its declarations, its tables, its images."""
