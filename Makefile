@@ -11,6 +11,7 @@ DEMO ?= demo
 BIN := .venv/bin
 STUB := $(BIN)/python -m nanobind.stubgen -q -m passo._core -o
 CORE := $(shell find core -name '*.cpp' -o -name '*.hpp')
+FIRMWARE := $(shell find firmware -name '*.[chS]')
 FUZZERS := $(patsubst tests/fuzz/%.cpp,build/fuzz/%,$(wildcard tests/fuzz/fuzz_*.cpp))
 PYTHON_HEADERS = $(shell $(PYTHON) -c "import os, sysconfig; \
   print(os.path.exists(sysconfig.get_path('include') + '/Python.h'))")
@@ -91,7 +92,7 @@ build/%.gcode: examples/%.gcode.xz
 	from PyPI: see above" >&2; exit 1; }
 	@touch $@
 
-.venv/.built: .venv/.run pyproject.toml CMakeLists.txt $(CORE)
+.venv/.built: .venv/.run pyproject.toml CMakeLists.txt $(CORE) $(FIRMWARE)
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/pip install -q --disable-pip-version-check --no-deps \
 	  --no-build-isolation -e .
 	@touch $@

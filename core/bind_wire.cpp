@@ -7,6 +7,7 @@
 
 #include "cpu_clock.hpp"
 #include "message_queue.hpp"
+#include "wire/firmware_board.hpp"
 #include "wire/pump.hpp"
 #include "wire/virtual_board.hpp"
 
@@ -266,7 +267,7 @@ void bind_link(nb::module_& m) {
           "(bytes to send, host time of the next call)");
 }
 
-nb::bytes runs_of(std::vector<StepRun>& runs) {
+nb::bytes runs_of(const std::vector<StepRun>& runs) {
   std::vector<int64_t> words;
   for (const StepRun& r : runs) {
     words.push_back(r.start);
@@ -275,7 +276,6 @@ nb::bytes runs_of(std::vector<StepRun>& runs) {
     words.push_back(r.add);
     words.push_back(r.dir);
   }
-  runs.clear();
   return to_bytes(words.data(), words.size() * sizeof(int64_t));
 }
 nb::bytes steps_of(const nb::bytes& packed, Ticks from, Ticks to, int sign) {
@@ -298,19 +298,14 @@ nb::bytes steps_of(const nb::bytes& packed, Ticks from, Ticks to, int sign) {
                    : to_bytes(ticks.data(), ticks.size() * sizeof(int64_t));
 }
 
-BoardMotor& motor_of(VirtualBoard& b, uint32_t pin) {
-  BoardMotor* motor = b.motor(pin);
-  if (!motor) throw nb::key_error("no stepper is configured on this pin");
-  return *motor;
-}
-BoardOutput& output_of(VirtualBoard& b, uint32_t pin) {
-  BoardOutput* output = b.output(pin);
-  if (!output) throw nb::key_error("no output is configured on this pin");
-  return *output;
+std::vector<std::pair<int64_t, uint32_t>> changes_of(const std::vector<PinChange>& list) {
+  std::vector<std::pair<int64_t, uint32_t>> changes;
+  for (const PinChange& c : list) changes.emplace_back(c.clock, c.value);
+  return changes;
 }
 
 // The body as it is now.
-HeatedBody& body_of(VirtualBoard& b, uint32_t sensor_pin) {
+HeatedBody& body_of(Bench& b, uint32_t sensor_pin) {
   b.plant().run_until(b.now());
   for (HeatedBody& body : b.plant().bodies)
     if (body.sensor_pin == sensor_pin) return body;
@@ -318,6 +313,13 @@ HeatedBody& body_of(VirtualBoard& b, uint32_t sensor_pin) {
 }
 
 void bind_board(nb::module_& m) {
+  nb::register_exception_translator([](const std::exception_ptr& p, void*) {
+    try {
+      std::rethrow_exception(p);
+    } catch (const UnknownPin& e) {
+      PyErr_SetString(PyExc_KeyError, e.what());
+    }
+  });
   nb::class_<Device>(m, "Device", "The far end of a link, in virtual time.")
       .def(
           "feed",
@@ -335,45 +337,37 @@ void bind_board(nb::module_& m) {
           "now"_a)
       .def_prop_ro("next_deadline", &Device::next_deadline)
       .def_prop_ro("stopped", &Device::stopped);
-  nb::class_<VirtualBoard, Device>(m, "VirtualBoard",
-                                   "A complete board in virtual time; pins by number.")
-      .def(
-          "__init__",
-          [](VirtualBoard* self, double clock_hz, uint32_t move_count, uint32_t adc_max,
-             uint32_t pwm_max, const nb::bytes& identify, Ticks start) {
-            new (self)
-                VirtualBoard({clock_hz, move_count, adc_max, pwm_max, from_bytes(identify), start});
-          },
-          "clock_hz"_a, "move_count"_a, "adc_max"_a, "pwm_max"_a, "identify"_a, "start"_a = 0)
+  nb::class_<Bench, Device>(m, "Bench",
+                            "A simulated board with the plant around it; pins by number.")
       .def(
           "add_actuator",
-          [](VirtualBoard& b, uint32_t step_pin, double start, double per_step) {
+          [](Bench& b, uint32_t step_pin, double start, double per_step) {
             b.plant().actuators.push_back({step_pin, start, per_step});
           },
           "step_pin"_a, "start"_a, "per_step"_a)
       .def(
           "add_switch",
-          [](VirtualBoard& b, uint32_t pin, std::vector<std::pair<uint32_t, double>> weights,
+          [](Bench& b, uint32_t pin, std::vector<std::pair<uint32_t, double>> weights,
              double position, bool at_maximum, bool pressed_level) {
             b.plant().switches.push_back(
                 {pin, std::move(weights), position, at_maximum, pressed_level});
           },
           "pin"_a, "weights"_a, "position"_a, "at_maximum"_a, "pressed_level"_a,
           "Pressed at or beyond `position` of the weighted sum of actuators: (step pin, weight).")
-      .def("place", &VirtualBoard::place, "step_pin"_a, "position"_a,
+      .def("place", &Bench::place, "step_pin"_a, "position"_a,
            "Somebody moves the motor's actuator by hand.")
       .def(
           "force_switch",
-          [](VirtualBoard& b, uint32_t pin, int pressed) {
+          [](Bench& b, uint32_t pin, int pressed) {
             for (Switch& s : b.plant().switches)
               if (s.pin == pin) s.forced = pressed;
           },
           "pin"_a, "pressed"_a, "A fault: never pressed (0), always (1); -1 ends it.")
       .def(
           "add_body",
-          [](VirtualBoard& b, uint32_t heater_pin, uint32_t sensor_pin, double ambient_c,
-             double rise_c, double time_constant_s, double sensor_time_constant_s,
-             const Points& adc_ratio, uint32_t fan_pin, double fan_loss) {
+          [](Bench& b, uint32_t heater_pin, uint32_t sensor_pin, double ambient_c, double rise_c,
+             double time_constant_s, double sensor_time_constant_s, const Points& adc_ratio,
+             uint32_t fan_pin, double fan_loss) {
             HeatedBody body{heater_pin,
                             sensor_pin,
                             ambient_c,
@@ -393,80 +387,88 @@ void bind_board(nb::module_& m) {
           "What hangs on this output pin is on when the pin is low.")
       .def(
           "force_adc",
-          [](VirtualBoard& b, uint32_t sensor_pin, double ratio) {
+          [](Bench& b, uint32_t sensor_pin, double ratio) {
             body_of(b, sensor_pin).forced_ratio = ratio;
           },
           "sensor_pin"_a, "ratio"_a,
           "A fault: the ADC sees this share of full scale; negative ends it.")
       .def(
           "force_heater",
-          [](VirtualBoard& b, uint32_t sensor_pin, double duty) {
+          [](Bench& b, uint32_t sensor_pin, double duty) {
             body_of(b, sensor_pin).forced_duty = duty;
           },
           "sensor_pin"_a, "duty"_a,
           "A fault: the heater does this whatever its pin says; negative ends it.")
       .def(
           "add_noise",
-          [](VirtualBoard& b, uint32_t sensor_pin, double share) {
-            body_of(b, sensor_pin).noise = share;
-          },
+          [](Bench& b, uint32_t sensor_pin, double share) { body_of(b, sensor_pin).noise = share; },
           "sensor_pin"_a, "share"_a, "A fault: the ADC errs by up to this share of full scale.")
       .def(
           "drop_sensor",
-          [](VirtualBoard& b, uint32_t sensor_pin, bool fallen) {
+          [](Bench& b, uint32_t sensor_pin, bool fallen) {
             body_of(b, sensor_pin).fallen = fallen;
           },
           "sensor_pin"_a, "fallen"_a, "A fault: the sensor feels the room instead of its body.")
       .def(
           "temperature",
-          [](VirtualBoard& b, uint32_t sensor_pin) { return body_of(b, sensor_pin).body_c; },
+          [](Bench& b, uint32_t sensor_pin) { return body_of(b, sensor_pin).body_c; },
           "sensor_pin"_a)
+      .def("net_steps", &Bench::net_steps, "step_pin"_a)
+      .def("steps", &Bench::steps, "step_pin"_a)
+      .def("position", &Bench::position, "step_pin"_a)
+      .def("trace_steps", &Bench::trace_steps, "step_pin"_a, "from_clock"_a, "to_clock"_a)
       .def(
-          "net_steps",
-          [](VirtualBoard& b, uint32_t pin) { return motor_of(b, pin).net_at(b.now()); },
-          "step_pin"_a)
-      .def(
-          "steps", [](VirtualBoard& b, uint32_t pin) { return motor_of(b, pin).steps_at(b.now()); },
-          "step_pin"_a)
-      .def(
-          "last_step", [](VirtualBoard& b, uint32_t pin) { return motor_of(b, pin).last_clock(); },
-          "step_pin"_a)
-      .def("position", &VirtualBoard::position, "step_pin"_a)
-      .def(
-          "trace_steps",
-          [](VirtualBoard& b, uint32_t pin, Ticks from, Ticks to) {
-            motor_of(b, pin).trace(from, to);
-          },
-          "step_pin"_a, "from_clock"_a, "to_clock"_a)
-      .def(
-          "take_steps",
-          [](VirtualBoard& b, uint32_t pin) {
-            motor_of(b, pin).retire(b.now());
-            return runs_of(motor_of(b, pin).traced());
-          },
+          "take_steps", [](Bench& b, uint32_t pin) { return runs_of(b.take_steps(pin)); },
           "step_pin"_a,
-          "Traced commands done so far, as int64 rows (start, interval, count, add, direction).")
+          "Traced steps done so far, as int64 rows (start, interval, count, add, direction).")
+      .def("output_value", &Bench::output_value, "pin"_a)
+      .def("trace_output", &Bench::trace_output, "pin"_a)
       .def(
-          "output_value", [](VirtualBoard& b, uint32_t pin) { return output_of(b, pin).value(); },
-          "pin"_a)
-      .def(
-          "trace_output", [](VirtualBoard& b, uint32_t pin) { output_of(b, pin).trace(); }, "pin"_a)
-      .def(
-          "take_changes",
-          [](VirtualBoard& b, uint32_t pin) {
-            std::vector<std::pair<int64_t, uint32_t>> changes;
-            for (const PinChange& c : output_of(b, pin).traced())
-              changes.emplace_back(c.clock, c.value);
-            output_of(b, pin).traced().clear();
-            return changes;
-          },
+          "take_changes", [](Bench& b, uint32_t pin) { return changes_of(b.take_changes(pin)); },
           "pin"_a, "List of (clock, value) since the last call.")
+      .def_prop_ro("now", &Bench::now);
+  nb::class_<VirtualBoard, Bench>(m, "VirtualBoard",
+                                  "A complete board in virtual time; pins by number.")
+      .def(
+          "__init__",
+          [](VirtualBoard* self, double clock_hz, uint32_t move_count, uint32_t adc_max,
+             uint32_t pwm_max, const nb::bytes& identify, Ticks start) {
+            new (self)
+                VirtualBoard({clock_hz, move_count, adc_max, pwm_max, from_bytes(identify), start});
+          },
+          "clock_hz"_a, "move_count"_a, "adc_max"_a, "pwm_max"_a, "identify"_a, "start"_a = 0)
+      .def("last_step", &VirtualBoard::last_step, "step_pin"_a)
       .def_prop_ro("fault",
                    [](const VirtualBoard& b) { return std::string(kFaults[size_t(b.fault())]); })
-      .def_prop_ro("now", &VirtualBoard::now)
       .def_prop_ro("peak_slots", &VirtualBoard::peak_slots)
       .def_prop_ro("frames", &VirtualBoard::frames)
       .def_prop_ro("naks", &VirtualBoard::naks);
+  nb::class_<FirmwareBoard, Bench>(m, "FirmwareBoard",
+                                   "A board run by the firmware itself, in virtual time.")
+      .def(
+          "__init__",
+          [](FirmwareBoard* self, const std::string& library, uint32_t clock_hz,
+             uint16_t move_count, uint32_t adc_max, const nb::bytes& identify, Ticks start) {
+            new (self) FirmwareBoard(library,
+                                     {clock_hz, move_count, adc_max, from_bytes(identify), start});
+          },
+          "library"_a, "clock_hz"_a, "move_count"_a, "adc_max"_a, "identify"_a, "start"_a = 0)
+      .def("add_motor", &FirmwareBoard::add_motor, "step_pin"_a, "dir_pin"_a, "step_inverted"_a,
+           "A motor driver on these pins; to be told before the board moves it.")
+      .def("trace_edges", &FirmwareBoard::trace_edges, "pin"_a)
+      .def(
+          "take_edges",
+          [](FirmwareBoard& b, uint32_t pin) { return changes_of(b.take_edges(pin)); }, "pin"_a,
+          "List of (clock, level) since the last call.");
+  m.def(
+      "firmware_dictionary",
+      [](const std::string& library) {
+        FirmwareLibrary firmware(library);
+        size_t size;
+        const uint8_t* data = firmware->built_dictionary(&size);
+        return to_bytes(data, size);
+      },
+      "library"_a, "The dictionary that was built into a firmware library, compressed.");
   m.def(
       "expand_steps",
       [](const nb::bytes& rows, Ticks from, Ticks to) { return steps_of(rows, from, to, 0); },

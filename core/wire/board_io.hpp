@@ -5,16 +5,10 @@
 #include <deque>
 #include <vector>
 
+#include "bench.hpp"
 #include "board_protocol.hpp"
-#include "device.hpp"
-#include "plant.hpp"
 
 namespace passo::wire {
-
-struct PinChange {
-  Ticks clock;
-  uint32_t value;
-};
 
 // A digital output (with optional software PWM: value = ticks on of each cycle) or a PWM output.
 class BoardOutput {

@@ -6,32 +6,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "bench.hpp"
 #include "board_protocol.hpp"
-#include "device.hpp"
 
 namespace passo::wire {
-
-struct StepRun {
-  Ticks start, end;  // clock of the step before the first, and of the last
-  uint32_t interval;
-  uint16_t count;
-  int16_t add;
-  int8_t dir;  // +1 or -1
-
-  Ticks at(int64_t k) const { return start + k * int64_t(interval) + add * (k * (k - 1) / 2); }
-  // Number of steps done at `clock`.
-  int64_t done(Ticks clock) const {
-    int64_t low = 0, high = count;
-    while (low < high) {
-      int64_t middle = (low + high + 1) / 2;
-      if (at(middle) <= clock)
-        low = middle;
-      else
-        high = middle - 1;
-    }
-    return low;
-  }
-};
 
 class BoardMotor {
  public:

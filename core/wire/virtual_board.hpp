@@ -4,21 +4,22 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <stdexcept>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
+#include "bench.hpp"
 #include "board_io.hpp"
 #include "board_motor.hpp"
 #include "board_protocol.hpp"
-#include "device.hpp"
 #include "dictionary.hpp"
 #include "frame.hpp"
-#include "plant.hpp"
 
 namespace passo::wire {
 
-class VirtualBoard : public Device {
+class VirtualBoard : public Bench {
  public:
   struct Options {
     double clock_hz = 16e6;
@@ -29,8 +30,7 @@ class VirtualBoard : public Device {
   };
 
   explicit VirtualBoard(Options options)
-      : options_(std::move(options)), plant_(options_.clock_hz, options_.adc_max, options_.start),
-        now_(options_.start) {
+      : Bench(options.clock_hz, options.adc_max, options.start), options_(std::move(options)) {
     for (const Declaration& d : kCommands) {
       Format format(d.id, d.text);
       Shape& shape = shapes_[size_t(d.id)];
@@ -45,11 +45,9 @@ class VirtualBoard : public Device {
     }
   }
 
-  Plant& plant() { return plant_; }
   uint32_t crc() const { return crc_; }
   Fault fault() const { return fault_; }
   bool stopped() const override { return fault_ != Fault::none; }
-  Ticks now() const { return now_; }
   // Most move slots seen in use whenever they were counted.
   size_t peak_slots() const { return peak_slots_; }
   uint64_t frames() const { return frames_; }
@@ -83,24 +81,21 @@ class VirtualBoard : public Device {
   }
   Ticks next_deadline() const override { return next_; }
 
-  // What a person sees on the bench: motors and outputs by their pin; null if not configured.
-  BoardMotor* motor(uint32_t step_pin) {
-    for (auto& [oid, part] : parts_)
-      if (auto* motor = std::get_if<BoardMotor>(&part))
-        if (motor->step_pin == step_pin) return motor;
-    return nullptr;
+  int64_t net_steps(uint32_t step_pin) override { return motor(step_pin).net_at(now_); }
+  int64_t steps(uint32_t step_pin) override { return motor(step_pin).steps_at(now_); }
+  // Clock of the last step queued.
+  Ticks last_step(uint32_t step_pin) { return motor(step_pin).last_clock(); }
+  void trace_steps(uint32_t step_pin, Ticks from, Ticks to) override {
+    motor(step_pin).trace(from, to);
   }
-  BoardOutput* output(uint32_t pin) {
-    for (auto& [oid, part] : parts_)
-      if (auto* output = std::get_if<BoardOutput>(&part))
-        if (output->pin() == pin) return output;
-    return nullptr;
+  std::vector<StepRun> take_steps(uint32_t step_pin) override {
+    motor(step_pin).retire(now_);
+    return std::exchange(motor(step_pin).traced(), {});
   }
-  // Actuator position of a motor (mm or degrees) now.
-  double position(uint32_t step_pin) { return plant_.position(step_pin, net(step_pin)); }
-  // Somebody moves a motor's actuator by hand.
-  void place(uint32_t step_pin, double position) {
-    plant_.place(step_pin, net(step_pin), position);
+  uint32_t output_value(uint32_t pin) override { return output_on(pin).value(); }
+  void trace_output(uint32_t pin) override { output_on(pin).trace(); }
+  std::vector<PinChange> take_changes(uint32_t pin) override {
+    return std::exchange(output_on(pin).traced(), {});
   }
 
  private:
@@ -115,7 +110,6 @@ class VirtualBoard : public Device {
   };
 
   const Options options_;
-  Plant plant_;
   Scanner scanner_;
   Bytes out_;
   Shape shapes_[size_t(Command::end_)] = {};
@@ -123,7 +117,7 @@ class VirtualBoard : public Device {
   std::vector<BoardMotor*> motors_;  // by oid, null where there is none
   std::vector<BoardOutput*> outputs_;
   uint64_t sequence_ = 0, frames_ = 0, naks_ = 0;
-  Ticks now_, next_ = kNever;
+  Ticks next_ = kNever;
   std::optional<uint32_t> oids_;
   bool finalized_ = false;
   uint32_t crc_ = 0;
@@ -482,12 +476,25 @@ class VirtualBoard : public Device {
   void report_trsync(uint32_t oid, const BoardTrsync& group) {
     report(Report::trsync_state, {oid, group.armed, group.reason, uint32_t(now_)});
   }
-  int64_t net(uint32_t step_pin) {
-    BoardMotor* found = motor(step_pin);
+  int64_t net(uint32_t step_pin) override {
+    BoardMotor* found = find_motor(step_pin);
     return found ? found->net_at(now_) : 0;
   }
-  bool level(uint32_t pin) {
-    return plant_.level(pin, [this](uint32_t step_pin) { return net(step_pin); });
+  BoardMotor* find_motor(uint32_t step_pin) {
+    for (auto& [oid, part] : parts_)
+      if (auto* motor = std::get_if<BoardMotor>(&part))
+        if (motor->step_pin == step_pin) return motor;
+    return nullptr;
+  }
+  BoardMotor& motor(uint32_t step_pin) {
+    BoardMotor* found = find_motor(step_pin);
+    if (!found) throw UnknownPin("no stepper is configured on this pin");
+    return *found;
+  }
+  BoardOutput& output_on(uint32_t pin) {
+    for (BoardOutput* output : outputs_)
+      if (output->pin() == pin) return *output;
+    throw UnknownPin("no output is configured on this pin");
   }
 
   // ---- state

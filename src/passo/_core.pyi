@@ -474,10 +474,8 @@ class Device:
     @property
     def stopped(self) -> bool: ...
 
-class VirtualBoard(Device):
-    """A complete board in virtual time; pins by number."""
-
-    def __init__(self, clock_hz: float, move_count: int, adc_max: int, pwm_max: int, identify: bytes, start: int = 0) -> None: ...
+class Bench(Device):
+    """A simulated board with the plant around it; pins by number."""
 
     def add_actuator(self, step_pin: int, start: float, per_step: float) -> None: ...
 
@@ -515,15 +513,13 @@ class VirtualBoard(Device):
 
     def steps(self, step_pin: int) -> int: ...
 
-    def last_step(self, step_pin: int) -> int: ...
-
     def position(self, step_pin: int) -> float: ...
 
     def trace_steps(self, step_pin: int, from_clock: int, to_clock: int) -> None: ...
 
     def take_steps(self, step_pin: int) -> bytes:
         """
-        Traced commands done so far, as int64 rows (start, interval, count, add, direction).
+        Traced steps done so far, as int64 rows (start, interval, count, add, direction).
         """
 
     def output_value(self, pin: int) -> int: ...
@@ -534,10 +530,17 @@ class VirtualBoard(Device):
         """List of (clock, value) since the last call."""
 
     @property
-    def fault(self) -> str: ...
+    def now(self) -> int: ...
+
+class VirtualBoard(Bench):
+    """A complete board in virtual time; pins by number."""
+
+    def __init__(self, clock_hz: float, move_count: int, adc_max: int, pwm_max: int, identify: bytes, start: int = 0) -> None: ...
+
+    def last_step(self, step_pin: int) -> int: ...
 
     @property
-    def now(self) -> int: ...
+    def fault(self) -> str: ...
 
     @property
     def peak_slots(self) -> int: ...
@@ -547,6 +550,22 @@ class VirtualBoard(Device):
 
     @property
     def naks(self) -> int: ...
+
+class FirmwareBoard(Bench):
+    """A board run by the firmware itself, in virtual time."""
+
+    def __init__(self, library: str, clock_hz: int, move_count: int, adc_max: int, identify: bytes, start: int = 0) -> None: ...
+
+    def add_motor(self, step_pin: int, dir_pin: int, step_inverted: bool) -> None:
+        """A motor driver on these pins; to be told before the board moves it."""
+
+    def trace_edges(self, pin: int) -> None: ...
+
+    def take_edges(self, pin: int) -> list[tuple[int, int]]:
+        """List of (clock, level) since the last call."""
+
+def firmware_dictionary(library: str) -> bytes:
+    """The dictionary that was built into a firmware library, compressed."""
 
 def expand_steps(rows: bytes, from_clock: int, to_clock: int) -> bytes:
     """int64 clocks of all steps of take_steps() within from…to."""

@@ -6,19 +6,30 @@ from array import array
 
 from passo import _core
 from passo.board.description import BoardDescription, bare, inverted
-from passo.simulator.dictionary import ADC_MAX, PWM_MAX, compressed_dictionary, pin_numbers
+from passo.simulator.dictionary import (
+    ADC_MAX,
+    PWM_MAX,
+    Firmware,
+    compressed_dictionary,
+    firmware_library,
+    pin_numbers,
+)
 from passo.simulator.plant import PlantDescription
 
 
 class SimulatedBoard:
-    """A virtual board with the plant around it. `device` is what a connection talks to; all else
-    only looks, or makes faults. Clocks are board ticks."""
+    """A board with the plant around it. `device` is what a connection talks to; all else only
+    looks, or makes faults. Clocks are board ticks.
+
+    The board is a model of one (`firmware` "virtual"), or one that runs Passo's firmware ("passo");
+    both do the same to the tick."""
 
     def __init__(
         self,
         board: BoardDescription,
         plant: PlantDescription | None = None,
         start_clock: int = 0,
+        firmware: Firmware = "virtual",
     ) -> None:
         plant = plant or PlantDescription()
         self.board = board
@@ -26,15 +37,34 @@ class SimulatedBoard:
         self._steppers = {s.name: s for s in board.steppers}
         self._outputs = {o.name: self._pins[bare(o.pin)] for o in board.outputs}
         self._sensors = {s.name: self._pins[bare(s.pin)] for s in board.sensors}
-        self.device = _core.VirtualBoard(
-            clock_hz=float(board.clock_hz),
-            move_count=board.move_count,
+        self.device: _core.Bench
+        if firmware == "passo":
+            self.device = self._firmware_board(start_clock)
+        else:
+            self.device = _core.VirtualBoard(
+                clock_hz=float(board.clock_hz),
+                move_count=board.move_count,
+                adc_max=ADC_MAX,
+                pwm_max=PWM_MAX,
+                identify=compressed_dictionary(board),
+                start=start_clock,
+            )
+        self._add_plant(plant)
+
+    def _firmware_board(self, start_clock: int) -> _core.FirmwareBoard:
+        device = _core.FirmwareBoard(
+            str(firmware_library()),
+            clock_hz=self.board.clock_hz,
+            move_count=self.board.move_count,
             adc_max=ADC_MAX,
-            pwm_max=PWM_MAX,
-            identify=compressed_dictionary(board),
+            identify=compressed_dictionary(self.board, firmware="passo"),
             start=start_clock,
         )
-        self._add_plant(plant)
+        for s in self.board.steppers:
+            device.add_motor(
+                self._step_pin(s.name), self._pins[bare(s.dir_pin)], inverted(s.step_pin)
+            )
+        return device
 
     def _add_plant(self, plant: PlantDescription) -> None:
         for a in plant.actuators:

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import json
 import zlib
-from typing import Any
+from pathlib import Path
+from typing import Any, Literal, TypeAlias
 
 from passo import __version__, _core
 from passo.board.description import BoardDescription, bare
+
+Firmware: TypeAlias = Literal["virtual", "passo"]
 
 ADC_MAX = 1023
 PWM_MAX = 255
@@ -19,9 +22,27 @@ def pin_numbers(board: BoardDescription) -> dict[str, int]:
     return {name: i for i, name in enumerate(sorted({bare(pin) for pin in board.pins}))}
 
 
-def compressed_dictionary(board: BoardDescription) -> bytes:
+def firmware_library() -> Path:
+    """The firmware as a library, which the package's build puts beside its core."""
+    return Path(_core.__file__).with_name("firmware_host.so")
+
+
+def compressed_dictionary(board: BoardDescription, firmware: Firmware = "virtual") -> bytes:
     """zlib-compressed JSON; the same bytes for the same description."""
-    raw: dict[str, Any] = {
+    raw = _virtual() if firmware == "virtual" else _firmware()
+    raw["enumerations"]["pin"] = pin_numbers(board)
+    raw["config"] |= {"CLOCK_FREQ": board.clock_hz, "MCU": board.mcu}
+    return zlib.compress(json.dumps(raw, sort_keys=True).encode(), 9)
+
+
+def _firmware() -> dict[str, Any]:
+    """What the firmware's sources declare."""
+    built = _core.firmware_dictionary(str(firmware_library()))
+    return json.loads(zlib.decompress(built))
+
+
+def _virtual() -> dict[str, Any]:
+    return {
         "app": "Passo virtual board",
         "version": __version__,
         "license": "Apache-2.0",
@@ -29,18 +50,14 @@ def compressed_dictionary(board: BoardDescription) -> bytes:
         "commands": {text: number for number, text in _core.board_commands()},
         "responses": {text: number for number, text in _core.board_reports()},
         "enumerations": {
-            "pin": pin_numbers(board),
             "static_string_id": {
                 text: number for number, text in enumerate(_core.board_faults()) if text
             },
         },
         "config": {
-            "CLOCK_FREQ": board.clock_hz,
-            "MCU": board.mcu,
             "ADC_MAX": ADC_MAX,
             "PWM_MAX": PWM_MAX,
             "RECEIVE_WINDOW": RECEIVE_WINDOW,
             "STATS_SUMSQ_BASE": 256,
         },
     }
-    return zlib.compress(json.dumps(raw, sort_keys=True).encode(), 9)

@@ -1,0 +1,101 @@
+#include "analog_in.h"
+
+#include <stddef.h>
+
+#include "command.h"
+#include "shutdown.h"
+
+DECL_SHUTDOWN(ADC_RANGE, "ADC out of range");
+DECL_SHUTDOWN(ADC_PIN, "Not a valid ADC pin");
+DECL_REPORT("analog_in_state oid=%c next_clock=%u values=%*s");
+
+// Takes a complete sum.
+static void take(struct analog_in *in) {
+  if (in->ready) in->size = in->ready = 0;  // the foreground did not come to send it
+  in->values[in->size++] = (uint8_t)in->sum;
+  in->values[in->size++] = (uint8_t)(in->sum >> 8);
+  if (in->size >= in->report_size) {
+    in->ready = in->size;
+    task_wake();
+  }
+  if (in->sum >= in->minimum && in->sum <= in->maximum) {
+    in->outside = 0;
+  } else if (in->range_checks != 0 && ++in->outside >= in->range_checks) {
+    in->outside = 0;
+    shut_down(SHUTDOWN_ADC_RANGE);
+  }
+}
+
+static bool run(struct timer *timer) {
+  struct analog_in *in = (struct analog_in *)((char *)timer - offsetof(struct analog_in, timer));
+  uint16_t value;
+  if (!hal_analog_read(&in->analog, &value)) {
+    timer->wake = hal_clock() + HAL_ANALOG_WAIT;
+    return true;
+  }
+  in->sum += value;
+  in->due += in->sample_ticks;
+  if (++in->samples == in->sample_count) {
+    in->begin += in->rest_ticks;
+    take(in);
+    in->due = in->begin;
+    in->samples = 0;
+    in->sum = 0;
+  }
+  timer->wake = in->due;
+  return true;
+}
+
+static const struct object_kind kind = {OBJECT_ANALOG_IN, NULL};
+
+void analog_in_task(void) {
+  struct analog_in *in;
+  for (int16_t oid = -1; (in = object_next(&oid, OBJECT_ANALOG_IN)) != NULL;) {
+    uint8_t values[sizeof in->values];
+    hal_irq_t irq = hal_irq_save();
+    uint8_t size = in->ready;
+    uint32_t next = in->begin;
+    for (uint8_t i = 0; i < size; ++i) values[i] = in->values[i];
+    if (size > 0) in->size = in->ready = 0;
+    hal_irq_restore(irq);
+    if (size > 0)
+      report_bytes(REPORT_ANALOG_IN_STATE, (uint32_t[]){(uint8_t)oid, next}, 2, values, size);
+  }
+}
+
+DECL_COMMAND(command_config_analog_in, "config_analog_in oid=%c pin=%u", 0);
+void command_config_analog_in(const uint32_t *args) {
+  struct analog_in *in = object_add(args[0], &kind, sizeof *in);
+  if (in == NULL) return;
+  in->timer.run = run;
+  in->timer.lasting = true;
+  if (args[1] > 0xffff || !hal_analog_setup(&in->analog, (uint16_t)args[1]))
+    shut_down(SHUTDOWN_ADC_PIN);
+}
+
+DECL_COMMAND(command_query_analog_in,
+             "query_analog_in oid=%c clock=%u sample_ticks=%u sample_count=%c rest_ticks=%u"
+             " bytes_per_report=%c min_value=%hu max_value=%hu range_check_count=%c",
+             0);
+void command_query_analog_in(const uint32_t *args) {
+  struct analog_in *in = object_get(args[0], OBJECT_ANALOG_IN);
+  if (in == NULL) return;
+  timer_remove(&in->timer);
+  hal_analog_cancel(&in->analog);
+  in->sample_count = (uint8_t)args[3];
+  if (in->sample_count == 0) return;
+  if (args[4] < HAL_SHORTEST_PERIOD) {
+    shut_down(SHUTDOWN_PERIOD_TOO_SHORT);
+    return;
+  }
+  in->sample_ticks = args[2];
+  in->rest_ticks = args[4];
+  in->report_size = args[5] < sizeof in->values ? (uint8_t)args[5] : sizeof in->values;
+  in->minimum = (uint16_t)args[6];
+  in->maximum = (uint16_t)args[7];
+  in->range_checks = (uint8_t)args[8];
+  in->timer.wake = in->begin = in->due = args[1];
+  in->sum = 0;
+  in->samples = in->outside = in->size = in->ready = 0;
+  timer_add(&in->timer);
+}

@@ -1,0 +1,31 @@
+#include "core.h"
+
+#include "analog_in.h"
+#include "control.h"
+#include "frame.h"
+#include "object.h"
+#include "scheduler.h"
+#include "shutdown.h"
+#include "stepper.h"
+#include "trsync.h"
+
+void core_start(uint32_t clock_high) {
+  shutdown_start();
+  scheduler_start();
+  objects_start();
+  steppers_start();
+  frame_start();
+  control_start(clock_high);
+}
+
+bool core_task(void) {
+  bool busy = frame_task();
+  if (task_woken()) {
+    busy = true;
+    trsync_task();
+    analog_in_task();
+    shutdown_task();
+  }
+  control_task(busy);
+  return busy;
+}

@@ -1,0 +1,10 @@
+// The firmware, as the hardware layer starts and drives it.
+#pragma once
+#include <stdbool.h>
+#include <stdint.h>
+
+// Once after each reset, with interrupts off or on. `clock_high`: see control_start().
+void core_start(uint32_t clock_high);
+// One pass of the foreground; false if it found nothing to do. To be called for ever; when it is
+// false the chip may sleep until an interrupt.
+bool core_task(void);

@@ -1,0 +1,53 @@
+// The objects that the host configures, by number (oid), and the pool of move slots.
+//
+// Both live in one arena: objects are taken from its front while the host configures; what is left
+// becomes slots when it finalizes. Nothing is given back until the chip is reset.
+#pragma once
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "declare.h"
+#include "declared.h"
+#include "hal.h"
+
+enum object_type {
+  OBJECT_STEPPER = 1,
+  OBJECT_ENDSTOP,
+  OBJECT_TRSYNC,
+  OBJECT_ANALOG_IN,
+  OBJECT_DIGITAL_OUT,
+  OBJECT_PWM_OUT,
+};
+
+// What is done to every object of one kind.
+struct object_kind {
+  uint8_t type;
+  void (*shut_down)(void *object);  // under hal_irq_save(), any context; or null
+};
+
+// Begins every object.
+struct object {
+  const struct object_kind *kind;
+};
+
+void objects_start(void);
+
+// A new object, zeroed. Null, after a shutdown, if the number is taken or the arena is full.
+void *object_add(uint32_t oid, const struct object_kind *kind, uint16_t size);
+// The object of this type, or null after a shutdown. The second form looks without consequences.
+void *object_get(uint32_t oid, uint8_t type);
+void *object_find(uint32_t oid, uint8_t type);
+// The next object of this type after *oid (start with -1), or null; for (;;) over all of them.
+void *object_next(int16_t *oid, uint8_t type);
+// Shuts down every object; under hal_irq_save().
+void objects_shut_down(void);
+
+// Whether the configuration is complete. The second form shuts down if it is not.
+bool is_finalized(void);
+bool check_finalized(void);
+// Slots in the pool, 0 before the configuration is complete.
+uint16_t move_count(void);
+// A slot, or null after a shutdown. Foreground.
+struct move *move_take(void);
+// Any context.
+void move_free(struct move *move);

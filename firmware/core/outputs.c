@@ -1,0 +1,226 @@
+#include "outputs.h"
+
+#include <stddef.h>
+
+#include "command.h"
+#include "shutdown.h"
+
+DECL_SHUTDOWN(MISSED_DIGITAL, "Missed scheduling of next digital out event");
+DECL_SHUTDOWN(MISSED_PWM, "Missed scheduling of next hard pwm event");
+DECL_SHUTDOWN(OUTPUT_BUSY, "Output updated while its queue holds commands");
+DECL_SHUTDOWN(OUTPUT_PIN, "Not a valid output pin");
+DECL_SHUTDOWN(PWM_PIN, "Not a valid PWM pin");
+DECL_SHUTDOWN(DURATION_TOO_LONG, "Duration too long for the clock");
+
+#ifndef HAL_WATCH_OUTPUT
+#define HAL_WATCH_OUTPUT(pin, value, full) ((void)0)
+#endif
+
+static void write_level(struct output *output, bool level) {
+  output->level = level;
+  hal_output_write(&output->digital, level);
+}
+
+// The output takes `value` at `clock`, which is now or was due a moment ago.
+static void set(struct output *output, uint32_t clock, uint32_t value) {
+  output->value = value;
+  output->watched = output->max_duration != 0 && value != output->default_value;
+  output->expires = clock + output->max_duration;
+  HAL_WATCH_OUTPUT(output->pin, value, output->full);
+  if (output->object.kind->type == OBJECT_PWM_OUT) {
+    hal_pwm_write(&output->pwm, (uint16_t)value);
+    return;
+  }
+  output->toggling = value != 0 && value != output->full;
+  output->toggle = clock + value;
+  write_level(output, value != 0);
+}
+
+// The earliest of what is to come, into timer->wake; false if there is nothing.
+static bool plan(struct output *output) {
+  bool any = false;
+  uint32_t wake = 0;
+  if (output->first != NULL) wake = output->first->clock, any = true;
+  if (output->watched && (!any || before(output->expires, wake))) wake = output->expires, any = true;
+  if (output->toggling && (!any || before(output->toggle, wake))) wake = output->toggle, any = true;
+  output->timer.wake = wake;
+  output->waiting = any;
+  return any;
+}
+
+static bool run(struct timer *timer) {
+  struct output *output = (struct output *)((char *)timer - offsetof(struct output, timer));
+  uint32_t clock = timer->wake;
+  struct change *change;
+  while ((change = output->first) != NULL && !before(clock, change->clock)) {
+    output->first = change->next;
+    set(output, change->clock, change->value);
+    move_free((struct move *)(void *)change);
+  }
+  if (output->watched && !before(clock, output->expires)) {
+    shut_down(output->object.kind->type == OBJECT_PWM_OUT ? SHUTDOWN_MISSED_PWM
+                                                           : SHUTDOWN_MISSED_DIGITAL);
+    return false;
+  }
+  if (output->toggling && !before(clock, output->toggle)) {
+    write_level(output, !output->level);
+    output->toggle += output->level ? output->value : output->full - output->value;
+  }
+  return plan(output);
+}
+
+static void shut_down_output(void *object) {
+  struct output *output = object;
+  timer_remove(&output->timer);
+  while (output->first != NULL) {
+    struct change *change = output->first;
+    output->first = change->next;
+    move_free((struct move *)(void *)change);
+  }
+  set(output, 0, output->default_value);
+  output->watched = output->waiting = false;
+}
+
+static const struct object_kind digital_kind = {OBJECT_DIGITAL_OUT, shut_down_output};
+static const struct object_kind pwm_kind = {OBJECT_PWM_OUT, shut_down_output};
+
+// A new output whose pin has been set up already: it must not run before that.
+static void configure(uint32_t oid, const struct object_kind *kind, const struct output *wanted) {
+  if ((int32_t)wanted->max_duration < 0) {
+    shut_down(SHUTDOWN_DURATION_TOO_LONG);
+    return;
+  }
+  hal_irq_t irq = hal_irq_save();
+  struct output *output = object_add(oid, kind, sizeof *output);
+  if (output != NULL) {
+    *output = *wanted;
+    output->object.kind = kind;
+    output->timer.run = run;
+    HAL_WATCH_OUTPUT(output->pin, output->value, output->full);
+    if (is_shut_down()) shut_down_output(output);
+  }
+  hal_irq_restore(irq);
+}
+
+DECL_COMMAND(command_config_digital_out,
+             "config_digital_out oid=%c pin=%u value=%c default_value=%c max_duration=%u", 0);
+void command_config_digital_out(const uint32_t *args) {
+  struct output wanted = {.pin = (uint16_t)args[1],
+                          .full = 1,
+                          .value = args[2] != 0,
+                          .default_value = args[3] != 0,
+                          .max_duration = args[4]};
+  if (args[1] > 0xffff || !hal_output_setup(&wanted.digital, wanted.pin, args[2] != 0))
+    shut_down(SHUTDOWN_OUTPUT_PIN);
+  else
+    configure(args[0], &digital_kind, &wanted);
+}
+
+DECL_COMMAND(command_config_pwm_out,
+             "config_pwm_out oid=%c pin=%u cycle_ticks=%u value=%hu default_value=%hu"
+             " max_duration=%u",
+             0);
+void command_config_pwm_out(const uint32_t *args) {
+  struct output wanted = {.pin = (uint16_t)args[1],
+                          .full = HAL_PWM_MAX,
+                          .value = args[3] < HAL_PWM_MAX ? args[3] : HAL_PWM_MAX,
+                          .default_value = args[4] < HAL_PWM_MAX ? args[4] : HAL_PWM_MAX,
+                          .max_duration = args[5]};
+  if (args[1] > 0xffff || !hal_pwm_setup(&wanted.pwm, wanted.pin, args[2], (uint16_t)wanted.value))
+    shut_down(SHUTDOWN_PWM_PIN);
+  else
+    configure(args[0], &pwm_kind, &wanted);
+}
+
+static void queue(struct output *output, uint32_t clock, uint32_t value) {
+  struct change *change = (struct change *)(void *)move_take();
+  if (change == NULL) return;
+  change->next = NULL;
+  change->clock = clock;
+  change->value = value < output->full ? value : output->full;
+  hal_irq_t irq = hal_irq_save();
+  if (is_shut_down()) {
+    move_free((struct move *)(void *)change);
+  } else if (before(clock, hal_clock())) {
+    move_free((struct move *)(void *)change);
+    shut_down(SHUTDOWN_TIMER_TOO_CLOSE);
+  } else {
+    if (output->first == NULL)
+      output->first = change;
+    else
+      output->last->next = change;
+    output->last = change;
+    if (!output->waiting || before(clock, output->timer.wake)) {
+      timer_remove(&output->timer);
+      output->timer.wake = clock;
+      output->waiting = true;
+      timer_add(&output->timer);
+    }
+  }
+  hal_irq_restore(irq);
+}
+
+DECL_COMMAND(command_queue_digital_out, "queue_digital_out oid=%c clock=%u on_ticks=%u", 0);
+void command_queue_digital_out(const uint32_t *args) {
+  struct output *output = object_get(args[0], OBJECT_DIGITAL_OUT);
+  if (output != NULL) queue(output, args[1], args[2]);
+}
+
+DECL_COMMAND(command_queue_pwm_out, "queue_pwm_out oid=%c clock=%u value=%hu", 0);
+void command_queue_pwm_out(const uint32_t *args) {
+  struct output *output = object_get(args[0], OBJECT_PWM_OUT);
+  if (output != NULL) queue(output, args[1], args[2]);
+}
+
+DECL_COMMAND(command_update_digital_out, "update_digital_out oid=%c value=%c", 0);
+void command_update_digital_out(const uint32_t *args) {
+  struct output *output = object_get(args[0], OBJECT_DIGITAL_OUT);
+  if (output == NULL || !check_finalized()) return;
+  hal_irq_t irq = hal_irq_save();
+  if (output->first != NULL) {
+    shut_down(SHUTDOWN_OUTPUT_BUSY);
+  } else if (!is_shut_down()) {
+    timer_remove(&output->timer);
+    set(output, hal_clock(), args[1] != 0 ? output->full : 0);
+    if (plan(output)) timer_add(&output->timer);
+  }
+  hal_irq_restore(irq);
+}
+
+DECL_COMMAND(command_set_digital_out_pwm_cycle,
+             "set_digital_out_pwm_cycle oid=%c cycle_ticks=%u", 0);
+void command_set_digital_out_pwm_cycle(const uint32_t *args) {
+  struct output *output = object_get(args[0], OBJECT_DIGITAL_OUT);
+  if (output == NULL) return;
+  hal_irq_t irq = hal_irq_save();
+  if ((int32_t)args[1] < 0) {
+    shut_down(SHUTDOWN_DURATION_TOO_LONG);
+  } else if (output->waiting) {
+    shut_down(SHUTDOWN_OUTPUT_BUSY);
+  } else {
+    uint32_t cycle = args[1] > 0 ? args[1] : 1;
+    output->value = output->value != 0 ? cycle : 0;
+    output->default_value = output->default_value != 0 ? cycle : 0;
+    output->full = cycle;
+  }
+  hal_irq_restore(irq);
+}
+
+DECL_COMMAND(command_set_digital_out, "set_digital_out pin=%u value=%c", 0);
+void command_set_digital_out(const uint32_t *args) {
+  struct hal_output output;
+  if (args[0] > 0xffff || !hal_output_setup(&output, (uint16_t)args[0], args[1] != 0))
+    shut_down(SHUTDOWN_OUTPUT_PIN);
+  else
+    HAL_WATCH_OUTPUT((uint16_t)args[0], args[1] != 0, 1);
+}
+
+DECL_COMMAND(command_set_pwm_out, "set_pwm_out pin=%u cycle_ticks=%u value=%hu", 0);
+void command_set_pwm_out(const uint32_t *args) {
+  struct hal_pwm pwm;
+  uint16_t value = args[2] < HAL_PWM_MAX ? (uint16_t)args[2] : HAL_PWM_MAX;
+  if (args[0] > 0xffff || !hal_pwm_setup(&pwm, (uint16_t)args[0], args[1], value))
+    shut_down(SHUTDOWN_PWM_PIN);
+  else
+    HAL_WATCH_OUTPUT((uint16_t)args[0], value, HAL_PWM_MAX);
+}

@@ -1,0 +1,21 @@
+// The state in which nothing moves and nothing heats.
+//
+// A shutdown, for whatever reason, halts all motors, puts all outputs to their default and disarms
+// what could start them again, before shut_down() returns. It lasts until clear_shutdown or reset.
+// The foreground may be interrupted by one in the midst of a command; so whatever a command sets in
+// motion it does under hal_irq_save() and only if !is_shut_down() there.
+#pragma once
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "declare.h"
+#include "declared.h"
+
+void shutdown_start(void);
+// `reason` is a SHUTDOWN_… number, not 0. Only the first one counts. Any context.
+void shut_down(uint8_t reason);
+bool is_shut_down(void);
+// Answers a command that is not obeyed now. Foreground.
+void report_refusal(void);
+// Reports what happened since the last call. Foreground.
+void shutdown_task(void);

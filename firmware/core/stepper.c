@@ -1,0 +1,116 @@
+#include "stepper.h"
+
+#include <stddef.h>
+
+#include "command.h"
+#include "scheduler.h"
+#include "shutdown.h"
+
+DECL_SHUTDOWN(STEP_TOO_LATE, "Stepper too far in past");
+DECL_SHUTDOWN(COUNT_ZERO, "Invalid count parameter");
+DECL_SHUTDOWN(STEPPER_ACTIVE, "Can't reset time when stepper active");
+DECL_SHUTDOWN(STEPPER_PINS, "Pins cannot drive a stepper");
+DECL_REPORT("stepper_position oid=%c pos=%i");
+
+// A first step later than this is not the last message's lateness any more.
+#define LATE (HAL_CLOCK_HZ / 1000)
+
+static uint8_t axes;
+
+static void shut_down_stepper(void *object) { stepper_halt(object); }
+static const struct object_kind kind = {OBJECT_STEPPER, shut_down_stepper};
+
+void steppers_start(void) { axes = 0; }
+
+void stepper_halt(struct stepper *stepper) {
+  hal_irq_t irq = hal_irq_save();
+  stepper->halted = true;
+  stepgen_stop(stepper->axis);
+  hal_irq_restore(irq);
+}
+
+void steppers_reclaim(void) {
+  for (uint8_t axis = 0; axis < axes; ++axis) {
+    struct move *move;
+    while ((move = stepgen_reclaim(axis)) != NULL) move_free(move);
+  }
+}
+
+DECL_COMMAND(command_config_stepper,
+             "config_stepper oid=%c step_pin=%u dir_pin=%u invert_step=%c step_pulse_ticks=%u", 0);
+void command_config_stepper(const uint32_t *args) {
+  if (args[4] > 0xffff ||
+      !stepgen_setup(axes, (uint16_t)args[1], (uint16_t)args[2], args[3] != 0, (uint16_t)args[4])) {
+    shut_down(SHUTDOWN_STEPPER_PINS);
+    return;
+  }
+  struct stepper *stepper = object_add(args[0], &kind, sizeof *stepper);
+  if (stepper != NULL) stepper->axis = axes++;
+}
+
+DECL_COMMAND(command_queue_step, "queue_step oid=%c interval=%u count=%hu add=%hi", 0);
+void command_queue_step(const uint32_t *args) {
+  struct stepper *stepper = object_get(args[0], OBJECT_STEPPER);
+  if (stepper == NULL) return;
+  uint32_t interval = args[1];
+  uint16_t count = (uint16_t)args[2];
+  int16_t add = (int16_t)args[3];
+  struct move *move = move_take();
+  if (move == NULL) return;
+  if (count == 0) {
+    shut_down(SHUTDOWN_COUNT_ZERO);
+    return;
+  }
+  // The last interval must not be negative, nor any that a clock of 32 bits cannot tell from one.
+  uint32_t change = (uint32_t)(add < 0 ? -(int32_t)add : add) * (uint16_t)(count - 1);
+  if ((int32_t)interval < 0 || (add < 0 ? change > interval : (int32_t)(interval + change) < 0)) {
+    shut_down(SHUTDOWN_STEP_TOO_LATE);
+    return;
+  }
+  if (stepper->halted) {
+    move_free(move);
+    return;
+  }
+  move->interval = interval;
+  move->count = count;
+  move->add = add;
+  move->direction = stepper->direction;
+  uint32_t first_step = stepper->last + interval;
+  if (!stepgen_append(stepper->axis, move, first_step)) {
+    move_free(move);
+    shut_down(hal_clock() - first_step > LATE ? SHUTDOWN_STEP_TOO_LATE : SHUTDOWN_TIMER_TOO_CLOSE);
+    return;
+  }
+  // count·(count - 1) / 2 without leaving 32 bits.
+  uint32_t pairs = (count & 1) ? (uint32_t)count * ((uint16_t)(count - 1) / 2)
+                               : (uint32_t)(count / 2) * (uint16_t)(count - 1);
+  stepper->last += interval * count + (uint32_t)(int32_t)add * pairs;
+}
+
+DECL_COMMAND(command_set_next_step_dir, "set_next_step_dir oid=%c dir=%c", 0);
+void command_set_next_step_dir(const uint32_t *args) {
+  struct stepper *stepper = object_get(args[0], OBJECT_STEPPER);
+  if (stepper != NULL && check_finalized()) stepper->direction = args[1] != 0;
+}
+
+DECL_COMMAND(command_reset_step_clock, "reset_step_clock oid=%c clock=%u", 0);
+void command_reset_step_clock(const uint32_t *args) {
+  struct stepper *stepper = object_get(args[0], OBJECT_STEPPER);
+  if (stepper == NULL || !check_finalized()) return;
+  hal_irq_t irq = hal_irq_save();
+  if (stepgen_active(stepper->axis)) {
+    shut_down(SHUTDOWN_STEPPER_ACTIVE);
+  } else if (!is_shut_down()) {
+    stepper->last = args[1];
+    stepper->halted = false;
+  }
+  hal_irq_restore(irq);
+}
+
+DECL_COMMAND(command_stepper_get_position, "stepper_get_position oid=%c", 0);
+void command_stepper_get_position(const uint32_t *args) {
+  struct stepper *stepper = object_get(args[0], OBJECT_STEPPER);
+  if (stepper == NULL) return;
+  uint32_t position = (uint32_t)stepgen_position(stepper->axis);
+  report(REPORT_STEPPER_POSITION, (uint32_t[]){args[0], position}, 2);
+}

@@ -1,0 +1,3 @@
+#pragma once
+
+void analog_start(void);

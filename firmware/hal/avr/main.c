@@ -1,0 +1,49 @@
+#include <avr/interrupt.h>
+#include <avr/wdt.h>
+
+#include "analog.h"
+#include "clock.h"
+#include "console.h"
+#include "core.h"
+#include "hal.h"
+#include "pins.h"
+#include "stepgen.h"
+
+// A boot loader, or a reset by the watchdog, may leave the watchdog running.
+__attribute__((naked, used, section(".init3"))) static void stop_watchdog(void) {
+  MCUSR = 0;
+  wdt_disable();
+}
+
+// Puts the chip's modules and pins into the state they have after a reset of the chip.
+static void clear(void) {
+  TIMSK0 = TIMSK1 = TIMSK2 = TIMSK3 = 0;
+  TCCR0A = TCCR0B = TCCR1B = TCCR2A = TCCR2B = TCCR3B = 0;
+#ifdef TCNT5
+  TIMSK4 = TIMSK5 = TCCR4B = TCCR5B = 0;
+#endif
+  ADCSRA = UCSR0B = 0;
+  volatile uint8_t *port;
+  uint8_t mask;
+  for (uint8_t pin = 0; pin < 96; ++pin)
+    if (pin_find(pin, &port, &mask)) pin_make_input(port, mask, false);
+}
+
+// Without the watchdog, whose reset some boot loaders do not survive.
+void hal_reset(void) {
+  cli();
+  clear();
+  __asm__ volatile("jmp 0");
+  __builtin_unreachable();
+}
+
+int main(void) {
+  clear();
+  clock_start();
+  console_start();
+  analog_start();
+  stepgen_start();
+  core_start(0);
+  sei();
+  for (;;) core_task();
+}

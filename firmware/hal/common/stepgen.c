@@ -1,0 +1,141 @@
+#include "stepgen.h"
+
+#include <stddef.h>
+
+static struct axis {
+  struct hal_output step, direction_pin;
+  bool invert, active;
+  uint8_t direction;  // level of its pin
+  uint16_t pulse_ticks;
+  uint32_t next, interval;  // clock of the next step; and from it to the one after
+  uint16_t count;           // steps left of the move, the next one included
+  int16_t add;
+  int32_t end;  // position when the move is done
+  struct move *oldest, *waiting, *newest;
+} axes[HAL_STEPPERS];
+static uint8_t axis_count;
+
+void stepgen_start(void) { axis_count = 0; }
+
+bool stepgen_setup(uint8_t index, uint16_t step_pin, uint16_t direction_pin, bool invert,
+                   uint16_t pulse_ticks) {
+  if (index >= HAL_STEPPERS) return false;
+  struct axis *axis = &axes[index];
+  *axis = (struct axis){.invert = invert, .pulse_ticks = pulse_ticks};
+  if (!hal_output_setup(&axis->step, step_pin, invert)) return false;
+  if (!hal_output_setup(&axis->direction_pin, direction_pin, false)) return false;
+  axis_count = (uint8_t)(index + 1);
+  return true;
+}
+
+// Begins the next move; under hal_irq_save() or in the interrupt.
+static void load(struct axis *axis) {
+  struct move *move = axis->waiting;
+  axis->active = move != NULL;
+  if (move == NULL) return;
+  axis->waiting = move->next;
+  axis->interval = move->interval;
+  axis->count = move->count;
+  axis->add = move->add;
+  axis->end += move->direction ? move->count : -(int32_t)move->count;
+  if (axis->direction != move->direction) {
+    axis->direction = move->direction;
+    hal_output_write(&axis->direction_pin, move->direction);
+  }
+}
+
+// The step after the one at axis->next.
+static void advance(struct axis *axis) {
+  axis->next += axis->interval;
+  axis->interval += (uint32_t)(int32_t)axis->add;
+}
+
+static void set_alarm(void) {
+  struct axis *soonest = NULL;
+  for (struct axis *axis = axes; axis < axes + axis_count; ++axis)
+    if (axis->active && (soonest == NULL || (int32_t)(axis->next - soonest->next) < 0))
+      soonest = axis;
+  if (soonest != NULL) stepgen_alarm(soonest->next);
+}
+
+void stepgen_interrupt(void) {
+  uint32_t now = hal_clock();
+  uint16_t pulse_ticks = 0;
+  struct axis *due[HAL_STEPPERS];
+  uint8_t due_count = 0;
+  for (struct axis *axis = axes; axis < axes + axis_count; ++axis) {
+    if (!axis->active || (int32_t)(now - axis->next) < 0) continue;
+    hal_output_write(&axis->step, !axis->invert);
+    if (axis->pulse_ticks > pulse_ticks) pulse_ticks = axis->pulse_ticks;
+    due[due_count++] = axis;
+  }
+  if (due_count > 0) stepgen_wait(now + pulse_ticks);
+  while (due_count > 0) {
+    struct axis *axis = due[--due_count];
+    hal_output_write(&axis->step, axis->invert);
+    if (--axis->count == 0) load(axis);
+    if (axis->active) advance(axis);
+  }
+  set_alarm();
+}
+
+bool stepgen_append(uint8_t index, struct move *move, uint32_t first) {
+  struct axis *axis = &axes[index];
+  move->next = NULL;
+  hal_irq_t irq = hal_irq_save();
+  bool late = !axis->active && (int32_t)(first - hal_clock()) < 0;
+  if (!late) {
+    if (axis->newest != NULL)
+      axis->newest->next = move;
+    else
+      axis->oldest = move;
+    axis->newest = move;
+    if (axis->waiting == NULL) axis->waiting = move;
+    if (!axis->active) {
+      load(axis);
+      axis->next = first - axis->interval;
+      advance(axis);
+      set_alarm();
+    }
+  }
+  hal_irq_restore(irq);
+  return !late;
+}
+
+bool stepgen_active(uint8_t index) { return axes[index].active; }
+
+// Steps left of the move under way, with their sign.
+static int32_t left(const struct axis *axis) {
+  if (!axis->active) return 0;
+  return axis->direction ? axis->count : -(int32_t)axis->count;
+}
+
+void stepgen_stop(uint8_t index) {
+  struct axis *axis = &axes[index];
+  hal_irq_t irq = hal_irq_save();
+  axis->end -= left(axis);
+  axis->active = false;
+  axis->waiting = NULL;
+  hal_irq_restore(irq);
+}
+
+int32_t stepgen_position(uint8_t index) {
+  hal_irq_t irq = hal_irq_save();
+  int32_t position = axes[index].end - left(&axes[index]);
+  hal_irq_restore(irq);
+  return position;
+}
+
+struct move *stepgen_reclaim(uint8_t index) {
+  struct axis *axis = &axes[index];
+  hal_irq_t irq = hal_irq_save();
+  struct move *move = axis->oldest;
+  if (move == axis->waiting) {
+    move = NULL;
+  } else {
+    axis->oldest = move->next;
+    if (axis->oldest == NULL) axis->newest = NULL;
+  }
+  hal_irq_restore(irq);
+  return move;
+}

@@ -1,0 +1,25 @@
+// The step generator for chips with one alarm to spare: all axes share it.
+//
+// Each axis holds its moves in one list, in their order:
+//
+//   oldest → … → next to load → … → newest
+//   \_ loaded: the foreground takes them back (stepgen_reclaim)
+//                 \_ waiting: the interrupt loads them
+//
+// `oldest` and `newest` are the foreground's; what else the interrupt writes, the foreground touches
+// under hal_irq_save().
+#pragma once
+#include <stdint.h>
+
+#include "hal.h"
+
+// What the chip's layer gives. Calls stepgen_interrupt() at `clock` or as soon after as can be; a
+// newer clock replaces the older.
+void stepgen_alarm(uint32_t clock);
+// Returns when `clock` has come: a few microseconds at most.
+void stepgen_wait(uint32_t clock);
+
+// Forgets all axes, as after power-on.
+void stepgen_start(void);
+// Called by the chip's layer, and interrupted by nothing that calls the functions of hal.h.
+void stepgen_interrupt(void);

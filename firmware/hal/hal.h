@@ -1,0 +1,111 @@
+// The contract between the core and the hardware layer of a family of chips. `chip.h` of that
+// family (found by the include path) says what its pins are and how wide its numbers; the rest is
+// this file.
+//
+// Three contexts, a later one interrupting an earlier one:
+//
+//   foreground   core_task(): commands, reports
+//   timer        sched_interrupt(), which the layer calls when the alarm is due; not reentrant
+//   generator    interrupts of the step generator and of the console; they call nothing in the core
+//
+// hal_irq_save() keeps the other two out. Clocks are 32-bit ticks of HAL_CLOCK_HZ and wrap; a is
+// before b if (int32_t)(a - b) < 0.
+//
+// chip.h defines
+//   HAL_CLOCK_HZ          ticks a second
+//   HAL_STEPPERS          axes of the step generator, at most
+//   HAL_ARENA             bytes for configured objects and move slots
+//   HAL_MOVES_MAX         move slots, at most (the host counts no more than 1024)
+//   HAL_SHORTEST_PERIOD   ticks between two samples of an input that the chip can keep up with
+//   HAL_PWM_MAX           the value of a PWM output that means fully on; also, with ADC_MAX, CLOCK_FREQ,
+//                         MCU and RECEIVE_WINDOW (bytes that the console holds), a DECL_CONSTANT
+//   HAL_ANALOG_WAIT       ticks after which a conversion that was not ready is asked for again
+//   hal_irq_t             what hal_irq_save() returns
+//   struct hal_output, struct hal_input, struct hal_analog, struct hal_pwm
+//   HAL_CONST, hal_const8(p), hal_const16(p), hal_const32(p), hal_const_pointer(p)
+//                         where constant tables live, and how a byte, … of them is read
+// and may define
+//   hal_crc16(crc, byte)  a faster step of the frame's checksum than the one in codec.h
+//   HAL_DICTIONARY, HAL_DICTIONARY_SIZE   another dictionary than the build's
+//   HAL_WATCH_OUTPUT(pin, value, full)    sees the value of each output as it changes
+// A function declared below may be defined `static inline` in chip.h.
+#pragma once
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "chip.h"
+
+// ---- Time
+
+uint32_t hal_clock(void);
+
+// Calls sched_interrupt() at `clock` or as soon after as can be; at once if that is past. A newer
+// clock replaces the older. It may be called too early as well: the core asks again. Any context.
+void hal_alarm(uint32_t clock);
+
+hal_irq_t hal_irq_save(void);
+void hal_irq_restore(hal_irq_t state);
+
+// Starts the chip anew, as if powered on; does not return. Foreground.
+_Noreturn void hal_reset(void);
+
+// ---- Console: foreground only
+
+// The next byte received, or -1.
+int16_t hal_console_read(void);
+// Bytes that hal_console_write() takes now without waiting; 64 at least when all has been sent.
+uint8_t hal_console_room(void);
+void hal_console_write(const uint8_t *data, uint8_t size);
+
+// ---- Pins: by the number that the dictionary's enumeration `pin` gives them
+
+// Each setup is false, and leaves the pin alone, if the pin cannot do this. Foreground.
+bool hal_output_setup(struct hal_output *output, uint16_t pin, bool level);
+bool hal_input_setup(struct hal_input *input, uint16_t pin, bool pull_up);
+bool hal_analog_setup(struct hal_analog *analog, uint16_t pin);
+// `cycle` is the wish; the nearest that the chip can do is taken. 0 ≤ value ≤ HAL_PWM_MAX.
+bool hal_pwm_setup(struct hal_pwm *pwm, uint16_t pin, uint32_t cycle, uint16_t value);
+
+// Any context.
+void hal_output_write(const struct hal_output *output, bool level);
+bool hal_input_read(const struct hal_input *input);
+void hal_pwm_write(const struct hal_pwm *pwm, uint16_t value);
+
+// Timer context. True and the value of one conversion if it is ready; otherwise starts it, when the
+// converter is free, and is false: ask again HAL_ANALOG_WAIT later.
+bool hal_analog_read(const struct hal_analog *analog, uint16_t *value);
+// Forgets a conversion that was started and not read. Any context.
+void hal_analog_cancel(const struct hal_analog *analog);
+
+// ---- Step generator: hal/common/stepgen.c over one alarm, or the chip's own
+
+// Steps of one motor: step k of `count` (from 1) comes (k - 1)·add + interval after the one before.
+// A slot of the pool that all motors and outputs share. From stepgen_append() until
+// stepgen_reclaim() it belongs to the generator, which writes `next` alone.
+struct move {
+  struct move *next;
+  uint32_t interval;
+  uint16_t count;  // not 0
+  int16_t add;
+  uint8_t direction;  // level of the direction pin, 0 or 1
+};
+
+// Axes are numbered from 0 in the order of their setup. `invert`: the step pin rests high. The
+// generator keeps a pulse at least `pulse_ticks` long, and changes the direction pin at once after
+// the last pulse of the move before. Foreground, before any other call for that axis.
+// False if a pin cannot do it or the axis is one too many.
+bool stepgen_setup(uint8_t axis, uint16_t step_pin, uint16_t direction_pin, bool invert,
+                   uint16_t pulse_ticks);
+// Queues a move whose first step is due at `first`; the generator needs that only if the axis is
+// idle, for the core keeps it equal to the end of what is queued plus the interval. False, and the
+// move not taken, if the axis is idle and `first` is past. Foreground.
+bool stepgen_append(uint8_t axis, struct move *move, uint32_t first);
+// True until the last step queued has been made. Any context.
+bool stepgen_active(uint8_t axis);
+// No further edge from now on; what is queued is dropped, to be reclaimed. Any context, also while
+// the foreground is inside another call for the same axis.
+void stepgen_stop(uint8_t axis);
+// Steps made with direction 1 less those with direction 0, since setup. Any context.
+int32_t stepgen_position(uint8_t axis);
+// A move that the generator has no use for any more (as soon as it is loaded), or null. Foreground.
+struct move *stepgen_reclaim(uint8_t axis);

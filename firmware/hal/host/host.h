@@ -1,0 +1,49 @@
+// What a program sees of the firmware when it is a library: one board for each copy that is loaded,
+// in virtual time. Clocks are 64 bits wide and never run backwards.
+#pragma once
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+// The board's surroundings. All are called with `owner`, from within the functions below.
+struct host_surroundings {
+  void *owner;
+  // A pin changes its level; `clock` is not before now, nor before the last call's.
+  void (*edge)(void *owner, uint16_t pin, bool level, int64_t clock);
+  // An output takes a value, of `full` that means fully on.
+  void (*output)(void *owner, uint16_t pin, uint32_t value, uint32_t full, int64_t clock);
+  bool (*level)(void *owner, uint16_t pin, int64_t clock);
+  uint16_t (*analog)(void *owner, uint16_t pin, int64_t clock);
+};
+struct host_options {
+  uint32_t clock_hz;
+  uint16_t moves_max;
+  const uint8_t *dictionary;  // compressed; not copied
+  uint16_t dictionary_size;
+  int64_t start;  // clock at power-on
+};
+
+struct host_functions {
+  // Powers the board on.
+  void (*start)(const struct host_options *options, const struct host_surroundings *surroundings);
+  // Runs to `now`, then takes what came over the wire.
+  void (*feed)(const uint8_t *data, size_t size, int64_t now);
+  // Does all that is due until `now`.
+  void (*run)(int64_t now);
+  // When the board next does something that may be heard; steps are not. INT64_MAX: never.
+  int64_t (*next)(void);
+  // What the board has to say: `size` bytes, forgotten at the next call of any of these.
+  const uint8_t *(*take)(size_t *size);
+  bool (*stopped)(void);
+  // The dictionary that the build made, without pins and clock.
+  const uint8_t *(*built_dictionary)(size_t *size);
+};
+__attribute__((visibility("default"))) const struct host_functions *passo_firmware(void);
+
+#ifdef __cplusplus
+}
+#endif

@@ -1,0 +1,12 @@
+"""`python -m passo.toolchain DIRECTORY SOURCE…`: the tables of a firmware whose dictionary needs no
+more than its sources declare. For the package's own build, which has no package yet."""
+
+import sys
+from pathlib import Path
+
+from passo import __version__
+from passo.toolchain.declarations import gather
+from passo.toolchain.tables import dictionary, write_tables
+
+found = gather(sorted(map(Path, sys.argv[2:])))
+write_tables(found, dictionary(found, version=__version__), Path(sys.argv[1]))
