@@ -1,5 +1,6 @@
 // Python's view of frames, the link, the virtual board and the pump between them.
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/map.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/variant.h>
@@ -426,6 +427,9 @@ void bind_board(nb::module_& m) {
       .def(
           "take_changes", [](Bench& b, uint32_t pin) { return changes_of(b.take_changes(pin)); },
           "pin"_a, "List of (clock, value) since the last call.")
+      .def_prop_ro("fault", &Bench::fault, "Why it is shut down, or an empty string.")
+      .def_prop_ro("frames", &Bench::frames)
+      .def_prop_ro("naks", &Bench::naks)
       .def_prop_ro("now", &Bench::now);
   nb::class_<VirtualBoard, Bench>(m, "VirtualBoard",
                                   "A complete board in virtual time; pins by number.")
@@ -438,21 +442,19 @@ void bind_board(nb::module_& m) {
           },
           "clock_hz"_a, "move_count"_a, "adc_max"_a, "pwm_max"_a, "identify"_a, "start"_a = 0)
       .def("last_step", &VirtualBoard::last_step, "step_pin"_a)
-      .def_prop_ro("fault",
-                   [](const VirtualBoard& b) { return std::string(kFaults[size_t(b.fault())]); })
-      .def_prop_ro("peak_slots", &VirtualBoard::peak_slots)
-      .def_prop_ro("frames", &VirtualBoard::frames)
-      .def_prop_ro("naks", &VirtualBoard::naks);
+      .def_prop_ro("peak_slots", &VirtualBoard::peak_slots);
   nb::class_<FirmwareBoard, Bench>(m, "FirmwareBoard",
                                    "A board run by the firmware itself, in virtual time.")
       .def(
           "__init__",
           [](FirmwareBoard* self, const std::string& library, uint32_t clock_hz,
-             uint16_t move_count, uint32_t adc_max, const nb::bytes& identify, Ticks start) {
-            new (self) FirmwareBoard(library,
-                                     {clock_hz, move_count, adc_max, from_bytes(identify), start});
+             uint16_t move_count, uint32_t adc_max, const nb::bytes& identify, Ticks start,
+             std::map<int, std::string> faults) {
+            new (self) FirmwareBoard(library, {clock_hz, move_count, adc_max, from_bytes(identify),
+                                               start, std::move(faults)});
           },
-          "library"_a, "clock_hz"_a, "move_count"_a, "adc_max"_a, "identify"_a, "start"_a = 0)
+          "library"_a, "clock_hz"_a, "move_count"_a, "adc_max"_a, "identify"_a, "start"_a,
+          "faults"_a)
       .def("add_motor", &FirmwareBoard::add_motor, "step_pin"_a, "dir_pin"_a, "step_inverted"_a,
            "A motor driver on these pins; to be told before the board moves it.")
       .def("trace_edges", &FirmwareBoard::trace_edges, "pin"_a)

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -51,6 +52,11 @@ class Bench : public Device {
 
   Plant& plant() { return plant_; }
   Ticks now() const { return now_; }
+
+  // Why it is shut down, or "". Frames executed and refused.
+  virtual std::string fault() const = 0;
+  virtual uint64_t frames() const = 0;
+  virtual uint64_t naks() const = 0;
 
   // Steps forward minus steps backward until now, and steps both ways.
   virtual int64_t net_steps(uint32_t step_pin) = 0;

@@ -53,8 +53,9 @@ class FirmwareBoard : public Bench {
     uint32_t clock_hz = 16000000;
     uint16_t move_count = 1024;
     uint32_t adc_max = 1023;
-    Bytes identify;   // zlib-compressed dictionary
-    Ticks start = 0;  // clock at power-on
+    Bytes identify;                     // zlib-compressed dictionary
+    Ticks start = 0;                    // clock at power-on
+    std::map<int, std::string> faults;  // the dictionary's reasons by their numbers
   };
 
   FirmwareBoard(const std::string& library, Options options)
@@ -85,7 +86,13 @@ class FirmwareBoard : public Bench {
     out.insert(out.end(), said, said + size);
   }
   Ticks next_deadline() const override { return firmware_->next(); }
-  bool stopped() const override { return firmware_->stopped(); }
+  bool stopped() const override { return firmware_->state().reason != 0; }
+  std::string fault() const override {
+    uint8_t reason = firmware_->state().reason;
+    return reason == 0 ? "" : options_.faults.at(reason);
+  }
+  uint64_t frames() const override { return firmware_->state().frames; }
+  uint64_t naks() const override { return firmware_->state().naks; }
 
   int64_t net_steps(uint32_t step_pin) override { return motor(step_pin).net; }
   int64_t steps(uint32_t step_pin) override { return motor(step_pin).steps; }

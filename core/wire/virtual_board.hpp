@@ -46,12 +46,12 @@ class VirtualBoard : public Bench {
   }
 
   uint32_t crc() const { return crc_; }
-  Fault fault() const { return fault_; }
+  std::string fault() const override { return kFaults[size_t(fault_)]; }
   bool stopped() const override { return fault_ != Fault::none; }
   // Most move slots seen in use whenever they were counted.
   size_t peak_slots() const { return peak_slots_; }
-  uint64_t frames() const { return frames_; }
-  uint64_t naks() const { return naks_; }
+  uint64_t frames() const override { return frames_; }
+  uint64_t naks() const override { return naks_; }
 
   void feed(const uint8_t* data, size_t n, Ticks now) override {
     run_until(now);

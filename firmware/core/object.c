@@ -16,7 +16,7 @@ DECL_SHUTDOWN(SLOTS_EXHAUSTED, "Move queue overflow");
 DECL_REPORT("config is_config=%c crc=%u is_shutdown=%c move_count=%hu");
 
 static _Alignas(struct move) _Alignas(void *) uint8_t arena[HAL_ARENA];
-static uint16_t used;
+static size_t used;
 static struct object **objects;  // null before allocate_oids
 static uint8_t object_count;
 static bool finalized;
@@ -26,7 +26,8 @@ static uint16_t slots;
 static struct move *free_moves;
 
 void objects_start(void) {
-  used = object_count = 0;
+  used = 0;
+  object_count = 0;
   objects = NULL;
   finalized = false;
   crc = 0;
@@ -34,9 +35,8 @@ void objects_start(void) {
   free_moves = NULL;
 }
 
-static void *arena_take(uint16_t size) {
-  size = (uint16_t)((size + _Alignof(struct move) - 1) / _Alignof(struct move) *
-                    _Alignof(struct move));
+static void *arena_take(size_t size) {
+  size = (size + _Alignof(struct move) - 1) / _Alignof(struct move) * _Alignof(struct move);
   if (size > sizeof arena - used) {
     shut_down(SHUTDOWN_ARENA_FULL);
     return NULL;
@@ -47,7 +47,7 @@ static void *arena_take(uint16_t size) {
   return taken;
 }
 
-void *object_add(uint32_t oid, const struct object_kind *kind, uint16_t size) {
+void *object_add(uint32_t oid, const struct object_kind *kind, size_t size) {
   if (oid >= object_count || finalized || objects[oid] != NULL) {
     shut_down(SHUTDOWN_OID_TAKEN);
     return NULL;
@@ -120,7 +120,7 @@ void command_allocate_oids(const uint32_t *args) {
     shut_down(SHUTDOWN_OID_TAKEN);
     return;
   }
-  struct object **list = arena_take((uint16_t)(args[0] * sizeof(struct object *)));
+  struct object **list = arena_take(args[0] * sizeof(struct object *));
   if (list == NULL) return;
   objects = list;
   object_count = (uint8_t)args[0];
@@ -132,8 +132,8 @@ void command_finalize_config(const uint32_t *args) {
     shut_down(SHUTDOWN_FINALIZED);
     return;
   }
-  slots = (uint16_t)((sizeof arena - used) / sizeof(struct move));
-  if (slots > HAL_MOVES_MAX) slots = HAL_MOVES_MAX;
+  size_t room = (sizeof arena - used) / sizeof(struct move);
+  slots = room < HAL_MOVES_MAX ? (uint16_t)room : HAL_MOVES_MAX;
   struct move *moves = (struct move *)(void *)(arena + used);
   for (uint16_t i = slots; i > 0; --i) move_free(&moves[i - 1]);
   crc = args[0];

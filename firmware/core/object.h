@@ -4,6 +4,7 @@
 // becomes slots when it finalizes. Nothing is given back until the chip is reset.
 #pragma once
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include "declare.h"
@@ -33,7 +34,7 @@ struct object {
 void objects_start(void);
 
 // A new object, zeroed. Null, after a shutdown, if the number is taken or the arena is full.
-void *object_add(uint32_t oid, const struct object_kind *kind, uint16_t size);
+void *object_add(uint32_t oid, const struct object_kind *kind, size_t size);
 // The object of this type, or null after a shutdown. The second form looks without consequences.
 void *object_get(uint32_t oid, uint8_t type);
 void *object_find(uint32_t oid, uint8_t type);

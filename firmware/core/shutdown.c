@@ -33,6 +33,8 @@ void shut_down(uint8_t why) {
 
 bool is_shut_down(void) { return reason != 0; }
 
+uint8_t shutdown_reason(void) { return reason; }
+
 void report_refusal(void) { report(REPORT_IS_SHUTDOWN, (uint32_t[]){reason}, 1); }
 
 void shutdown_task(void) {

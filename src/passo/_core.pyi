@@ -2,7 +2,7 @@
 Native core of Passo: parse, plan, solve step times, compress, frame, virtual board.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 import enum
 from typing import Any
 
@@ -530,6 +530,16 @@ class Bench(Device):
         """List of (clock, value) since the last call."""
 
     @property
+    def fault(self) -> str:
+        """Why it is shut down, or an empty string."""
+
+    @property
+    def frames(self) -> int: ...
+
+    @property
+    def naks(self) -> int: ...
+
+    @property
     def now(self) -> int: ...
 
 class VirtualBoard(Bench):
@@ -540,21 +550,12 @@ class VirtualBoard(Bench):
     def last_step(self, step_pin: int) -> int: ...
 
     @property
-    def fault(self) -> str: ...
-
-    @property
     def peak_slots(self) -> int: ...
-
-    @property
-    def frames(self) -> int: ...
-
-    @property
-    def naks(self) -> int: ...
 
 class FirmwareBoard(Bench):
     """A board run by the firmware itself, in virtual time."""
 
-    def __init__(self, library: str, clock_hz: int, move_count: int, adc_max: int, identify: bytes, start: int = 0) -> None: ...
+    def __init__(self, library: str, clock_hz: int, move_count: int, adc_max: int, identify: bytes, start: int, faults: Mapping[int, str]) -> None: ...
 
     def add_motor(self, step_pin: int, dir_pin: int, step_inverted: bool) -> None:
         """A motor driver on these pins; to be told before the board moves it."""

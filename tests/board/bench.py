@@ -11,6 +11,7 @@ from passo import _core
 from passo.board import BoardDescription, Connection, Endstop, Heater, Output, Sensor, Stepper
 from passo.board.description import Control
 from passo.simulator import Actuator, Body, PlantDescription, SimulatedBoard, Switch
+from passo.simulator.dictionary import Firmware
 
 HZ = 16_000_000
 MS = HZ // 1000
@@ -51,6 +52,12 @@ def description(
     )
 
 
+class Kind:
+    """What the simulated boards of the tests run: tests/simulator/conftest.py changes it."""
+
+    firmware: Firmware = "virtual"
+
+
 @dataclass
 class Bench:
     """A connected simulated board."""
@@ -58,7 +65,7 @@ class Bench:
     board: BoardDescription = field(default_factory=description)
 
     def __post_init__(self) -> None:
-        self.simulated = SimulatedBoard(self.board, PLANT, START)
+        self.simulated = SimulatedBoard(self.board, PLANT, START, Kind.firmware)
         self.device = self.simulated.device
         self.connection = Connection(self.board, self.device, START)
         self.connection.connect()

@@ -1,28 +1,29 @@
-"""A virtual board spoken to frame by frame."""
+"""A simulated board spoken to frame by frame."""
 
 from __future__ import annotations
 
-from tests.board.bench import PLANT, START, description
+from tests.board.bench import PLANT, START, Kind, description
 from tests.oracles import wire
 
 from passo import _core
 from passo.board import Dictionary
 from passo.simulator import SimulatedBoard
+from passo.simulator.dictionary import compressed_dictionary
 
 
 class RawBoard:
     """Sends each command in a frame of its own; `tell` returns the reports that came back."""
 
     def __init__(self, move_count: int = 1024) -> None:
-        self.simulated = SimulatedBoard(description(move_count), PLANT, START)
+        self.simulated = SimulatedBoard(description(move_count), PLANT, START, Kind.firmware)
         self.device = self.simulated.device
         self.now = START
         self.sequence = 0
-        from passo.simulator.dictionary import compressed_dictionary
-
-        self.dictionary = Dictionary.parse(compressed_dictionary(self.simulated.board))
+        self.compressed = compressed_dictionary(self.simulated.board, Kind.firmware)
+        self.dictionary = Dictionary.parse(self.compressed)
         self.commands = _core.Formats(self.dictionary.commands)
         self.reports = _core.Formats(self.dictionary.reports)
+        self.read()  # the firmware says that it is starting
 
     def feed(self, payload: bytes) -> list[tuple[str, dict]]:
         self.device.feed(wire.frame(payload, self.sequence), self.now)
@@ -31,7 +32,8 @@ class RawBoard:
 
     def read(self) -> list[tuple[str, dict]]:
         frames = _core.FrameScanner().feed(self.device.poll(self.now))
-        return [m for _, payload in frames for m in self.reports.decode(payload)]
+        messages = [m for _, payload in frames for m in self.reports.decode(payload)]
+        return [m for m in messages if m[0] != "stats"]
 
     def tell(self, text: str) -> list[tuple[str, dict]]:
         return self.feed(self.commands.encode(*self.dictionary.values(text)))

@@ -5,11 +5,10 @@ from __future__ import annotations
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tests.board.bench import HZ, START, Bench, description
+from tests.board.bench import HZ, START, Bench
 from tests.oracles import wire
 
 from passo import _core
-from passo.simulator.dictionary import compressed_dictionary
 
 from .raw import RawBoard
 
@@ -52,7 +51,7 @@ def test_identify_gives_the_dictionary_piece_by_piece():
     while part := board.tell(f"identify offset={len(data)} count=40")[0][1]["data"]:
         assert len(part) <= 40
         data += part
-    assert data == compressed_dictionary(description())
+    assert data == board.compressed
     assert board.tell("identify offset=4294967295 count=255")[0][1]["data"] == b""
 
 

@@ -109,7 +109,6 @@ def test_the_slot_of_a_command_is_free_when_it_begins():
         board.tell("queue_step oid=0 interval=1000 count=2 add=0")
     board.tell("queue_step oid=0 interval=1000 count=2 add=0")
     assert board.device.fault == ""
-    assert board.device.peak_slots == 15
     board.tell("queue_step oid=0 interval=1000 count=2 add=0")
     assert board.device.fault == "Move queue overflow"
     board = RawBoard(move_count=16)
@@ -177,7 +176,8 @@ def test_motion_stops_at_once_and_outputs_go_to_their_default(board):
 
 def test_after_a_shutdown_only_questions_are_answered(board):
     board.tell("emergency_stop")
-    refused = [("is_shutdown", {"static_string_id": 1})]
+    reason = board.dictionary.enumerations["static_string_id"]["Command request"]
+    refused = [("is_shutdown", {"static_string_id": reason})]
     assert board.tell(FIRST) == refused
     assert board.tell("update_digital_out oid=2 value=1") == refused
     assert board.simulated.output_value("fan") == 0

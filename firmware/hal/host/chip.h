@@ -9,7 +9,7 @@ extern uint16_t host_dictionary_size;
 
 #define HAL_CLOCK_HZ host_clock_hz
 #define HAL_STEPPERS 32
-#define HAL_ARENA 65000
+#define HAL_ARENA (1 << 21)
 #define HAL_MOVES_MAX host_moves_max
 #define HAL_SHORTEST_PERIOD 100
 #define HAL_ANALOG_WAIT 100

@@ -6,6 +6,7 @@
 
 #include "command.h"
 #include "core.h"
+#include "frame.h"
 #include "hal.h"
 #include "scheduler.h"
 #include "shutdown.h"
@@ -116,6 +117,7 @@ static void begin(void) {
   not_before = now;
   stepgen_start();
   core_start((uint32_t)((uint64_t)now >> 32));
+  work();
 }
 
 static void run(int64_t until) {
@@ -169,6 +171,10 @@ static const uint8_t *take(size_t *size) {
   return sent;
 }
 
+static struct host_state state(void) {
+  return (struct host_state){shutdown_reason(), frame_counts.frames, frame_counts.naks};
+}
+
 static const uint8_t *built_dictionary(size_t *size) {
   *size = dictionary_size;
   return dictionary;
@@ -176,7 +182,7 @@ static const uint8_t *built_dictionary(size_t *size) {
 
 const struct host_functions *passo_firmware(void) {
   static const struct host_functions functions = {
-      start, feed, run, next, take, is_shut_down, built_dictionary,
+      start, feed, run, next, take, state, built_dictionary,
   };
   return &functions;
 }

@@ -27,6 +27,11 @@ struct host_options {
   int64_t start;  // clock at power-on
 };
 
+struct host_state {
+  uint8_t reason;         // number of the shutdown's reason, or 0
+  uint32_t frames, naks;  // since the last reset
+};
+
 struct host_functions {
   // Powers the board on.
   void (*start)(const struct host_options *options, const struct host_surroundings *surroundings);
@@ -38,7 +43,7 @@ struct host_functions {
   int64_t (*next)(void);
   // What the board has to say: `size` bytes, forgotten at the next call of any of these.
   const uint8_t *(*take)(size_t *size);
-  bool (*stopped)(void);
+  struct host_state (*state)(void);
   // The dictionary that the build made, without pins and clock.
   const uint8_t *(*built_dictionary)(size_t *size);
 };

@@ -67,7 +67,8 @@ class Board(Model):
     `card`, or one of the `displays`. `reserved` pins belong to the board itself.
 
     `compression_tolerance_us` bounds how far a step may be from its ideal time; `move_count` is the
-    number of commands that the board can hold. `dictionary` is the file of a data dictionary as
+    number of commands that the board can hold. A simulated board is a model of one ("virtual") or
+    runs Passo's firmware ("passo"): to the tick the same, but slower. `dictionary` is the file of a data dictionary as
     Klipper's build leaves it, for boards of the kind `klipper`.
     """
 
@@ -77,6 +78,7 @@ class Board(Model):
     notes: list[str] = []
     mcu: str
     link: Literal["simulated"] = "simulated"
+    firmware: Literal["virtual", "passo"] = "virtual"
     clock_hz: Annotated[int, Field(ge=1_000_000, le=1_000_000_000)]
     move_count: Annotated[int, Field(ge=16, le=65_535)]
     compression_tolerance_us: Annotated[float, Field(gt=0, le=25)] = 2.0

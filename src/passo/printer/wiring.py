@@ -156,7 +156,7 @@ def simulated_board(machine: MachineConfig, board: BoardDescription) -> Simulate
             for name, heater in machine.heaters.items()
         ),
     )
-    return SimulatedBoard(board, plant)
+    return SimulatedBoard(board, plant, firmware=machine.board.firmware)
 
 
 def _actuators(machine: MachineConfig) -> tuple[Actuator, ...]:

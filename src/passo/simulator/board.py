@@ -11,6 +11,7 @@ from passo.simulator.dictionary import (
     PWM_MAX,
     Firmware,
     compressed_dictionary,
+    firmware_faults,
     firmware_library,
     pin_numbers,
 )
@@ -59,6 +60,7 @@ class SimulatedBoard:
             adc_max=ADC_MAX,
             identify=compressed_dictionary(self.board, firmware="passo"),
             start=start_clock,
+            faults=firmware_faults(),
         )
         for s in self.board.steppers:
             device.add_motor(

@@ -35,6 +35,12 @@ def compressed_dictionary(board: BoardDescription, firmware: Firmware = "virtual
     return zlib.compress(json.dumps(raw, sort_keys=True).encode(), 9)
 
 
+def firmware_faults() -> dict[int, str]:
+    """The reasons for a shutdown that the firmware knows, by their numbers."""
+    reasons = _firmware()["enumerations"]["static_string_id"]
+    return {number: text for text, number in reasons.items()}
+
+
 def _firmware() -> dict[str, Any]:
     """What the firmware's sources declare."""
     built = _core.firmware_dictionary(str(firmware_library()))
