@@ -68,8 +68,8 @@ class Board(Model):
 
     `compression_tolerance_us` bounds how far a step may be from its ideal time; `move_count` is the
     number of commands that the board can hold. A simulated board is a model of one ("virtual") or
-    runs Passo's firmware ("passo"): to the tick the same, but slower. `dictionary` is the file of a data dictionary as
-    Klipper's build leaves it, for boards of the kind `klipper`.
+    runs Passo's firmware ("passo"): to the tick the same, but slower. `dictionary` is the file of a
+    data dictionary as Klipper's build leaves it, for boards of the kind `klipper`.
     """
 
     base: str | None = None
