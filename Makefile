@@ -23,7 +23,8 @@ demo: .venv/.built build/$(DEMO).gcode
 	$(BIN)/passo print build/$(DEMO).gcode --machine i3
 
 test: .venv/.built .venv/.dev .venv/hosts/.installed
-	tools/debian.sh g++-aarch64-linux-gnu g++-arm-linux-gnueabihf qemu-user-static dosfstools mtools
+	tools/debian.sh g++-aarch64-linux-gnu g++-arm-linux-gnueabihf qemu-user-static dosfstools \
+	  mtools gcc-avr avr-libc
 	$(BIN)/python -m pytest
 
 check: .venv/.built .venv/.dev

@@ -46,10 +46,8 @@ def port() -> Iterator[Port]:
 def about(image: Path, dictionary: bytes, mcu: str = "atmega2560") -> None:
     hashes = (sha256(image.read_bytes()).hexdigest(), sha256(dictionary).hexdigest())
     sizes = (100, 262_144, 10, 8192)
-    it = About(
-        "ramps", "RAMPS 1.4", mcu, image.name, hashes[0], *sizes, "0.1.0-test", "gcc", "", {}
-    )
-    write_about(replace(it, dictionary_sha256=hashes[1]), image)
+    names = ("ramps", "RAMPS 1.4", mcu, image.name)
+    write_about(About(*names, hashes[0], *sizes, "0.1.0-test", "gcc", hashes[1], {}), image)
 
 
 def flashed(name: str, where: str | None, image: Path, served: Port | None = None) -> list[str]:
