@@ -50,6 +50,8 @@ def _facts(board: Board, chip: Chip) -> Iterator[str]:
         yield f"- console: {uart}, {board.console.baud} baud{only}"
     if board.flash:
         yield f"- flashed with {board.flash.method}"
+        yield from (f"- before: {text}" for text in board.flash.before)
+        yield from (f"- after: {text}" for text in board.flash.after)
     yield ""
 
 
