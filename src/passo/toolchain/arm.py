@@ -24,6 +24,10 @@ STACK = 4096
 _RECEIVE_WINDOW = 192
 _CPU = {"cortex-m0plus": "cortex-m0+", "cortex-m3": "cortex-m3", "cortex-m4": "cortex-m4"}
 _LOAD = 1
+_COMPILE = (
+    *("-std=gnu11", "-Os", "-Wall", "-Wextra", "-ffreestanding", "-fno-builtin"),
+    *("-fno-strict-aliasing", "-ffunction-sections", "-fdata-sections", "-fshort-enums"),
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,8 +114,7 @@ def sources(firmware: Path, chip: Chip) -> list[Path]:
 def flags(command: list[str], chip: Chip) -> list[str]:
     """How a compiler compiles and links for a chip."""
     cpu = _CPU[chip.core]
-    common = "-std=gnu11 -Os -Wall -Wextra -ffreestanding -fno-builtin -fno-strict-aliasing".split()
-    common += "-ffunction-sections -fdata-sections -fshort-enums -nostartfiles -nostdlib".split()
+    common = [*_COMPILE, "-nostartfiles", "-nostdlib"]
     if command[0] == "arm-none-eabi-gcc":
         # A loop in memcpy() must not become a call of memcpy().
         common.append("-fno-tree-loop-distribute-patterns")

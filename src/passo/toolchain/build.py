@@ -6,12 +6,15 @@ import hashlib
 import shutil
 import subprocess
 import tempfile
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import passo
 from passo import _core
+from passo.config.board import Console
 from passo.errors import FirmwareError, Problem
-from passo.toolchain import avr
+from passo.toolchain import arm, avr
 from passo.toolchain.images import About, write_about
 from passo.toolchain.tables import compress
 from passo.toolchain.targets import LAYERS, Target, no_firmware
@@ -23,6 +26,17 @@ def firmware_folder() -> Path:
     return checkout if checkout.is_dir() else Path(_core.__file__).with_name("firmware")
 
 
+@dataclass(frozen=True, slots=True)
+class _Made:
+    """What a family's build gives."""
+
+    image: Path
+    flash: int
+    ram: int
+    dictionary: dict[str, Any]
+    compiler: list[str]
+
+
 def build(target: Target, output: Path) -> tuple[Path, About]:
     """Builds the image of a target into the folder `output`. Returns its path, and what the JSON
     file beside it says.
@@ -31,17 +45,15 @@ def build(target: Target, output: Path) -> tuple[Path, About]:
     firmware for that chip yet, if the compiler is missing, or if the build fails.
     """
     chip = target.chip
-    if chip.core not in LAYERS:
+    if chip.key not in LAYERS:
         raise no_firmware(target.name, f"that for the {chip.name} is not written yet")
-    if shutil.which("avr-gcc") is None:
-        raise _problem("firmware.tool", target, "avr-gcc (Debian: gcc-avr, avr-libc)")
+    make = _make_avr if chip.core == "avr" else _make_arm
     try:
         output.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory() as folder:
-            board, firmware = _avr_board(target), firmware_folder()
-            made = avr.build(board, firmware, Path(folder), _version(board, firmware))
-            image = output / f"{target.name}.hex"
-            shutil.copyfile(made.hex, image)
+            made = make(target, Path(folder))
+            image = output / f"{target.name}{made.image.suffix}"
+            shutil.copyfile(made.image, image)
     except avr.FirmwareError as error:
         raise _problem("firmware.build", target, str(error)) from None
     except OSError as error:
@@ -58,7 +70,7 @@ def build(target: Target, output: Path) -> tuple[Path, About]:
         ram_bytes=made.ram,
         ram_size=chip.ram_bytes,
         version=made.dictionary["version"],
-        compiler=_compiler("avr-gcc"),
+        compiler=_name_of(made.compiler),
         dictionary_sha256=hashlib.sha256(compress(made.dictionary)).hexdigest(),
         dictionary=made.dictionary,
     )
@@ -66,26 +78,46 @@ def build(target: Target, output: Path) -> tuple[Path, About]:
     return image, about
 
 
-def _avr_board(target: Target) -> avr.AvrBoard:
-    console = target.board.console
-    if console is None:
-        raise no_firmware(target.name, "the board file names no console")
+def _make_avr(target: Target, folder: Path) -> _Made:
+    if shutil.which("avr-gcc") is None:
+        raise _problem("firmware.tool", target, "avr-gcc (Debian: gcc-avr, avr-libc)")
+    console, firmware = _console(target), firmware_folder()
     motors = (avr.Motor(m.step_pin, m.direction_pin, m.compare) for m in target.motors)
-    return avr.AvrBoard(target.board.mcu, tuple(motors), target.board.clock_hz, console.baud)
+    board = avr.AvrBoard(target.board.mcu, tuple(motors), target.board.clock_hz, console.baud)
+    made = avr.build(board, firmware, folder, _version(avr.board_header(board), firmware))
+    return _Made(made.hex, made.flash, made.ram, made.dictionary, ["avr-gcc"])
 
 
-def _version(board: avr.AvrBoard, firmware: Path) -> str:
+def _make_arm(target: Target, folder: Path) -> _Made:
+    compiler = arm.compiler()
+    if compiler is None:
+        tools = "arm-none-eabi-gcc (Debian: gcc-arm-none-eabi; or the package ziglang from PyPI)"
+        raise _problem("firmware.tool", target, tools)
+    console, firmware = _console(target), firmware_folder()
+    pins = tuple(console.pins)
+    board = arm.ArmBoard(target.chip, target.board.clock_hz, console.baud, pins)
+    made = arm.build(board, firmware, folder, compiler, _version(arm.board_header(board), firmware))
+    return _Made(made.bin, made.flash, made.ram, made.dictionary, compiler)
+
+
+def _console(target: Target) -> Console:
+    if target.board.console is None:
+        raise no_firmware(target.name, "the board file names no console")
+    return target.board.console
+
+
+def _version(header: str, firmware: Path) -> str:
     """Passo's version and a digest of all that the image is made from, so that a board tells which
     image it runs."""
-    digest = hashlib.sha256(avr.board_header(board).encode())
+    digest = hashlib.sha256(header.encode())
     for path in sorted(firmware.rglob("*.[chS]")):
         digest.update(path.read_bytes())
     return f"{passo.__version__}-{digest.hexdigest()[:12]}"
 
 
-def _compiler(command: str) -> str:
+def _name_of(compiler: list[str]) -> str:
     """The compiler's name and version, as it says itself."""
-    done = subprocess.run([command, "--version"], capture_output=True, text=True, check=False)
+    done = subprocess.run([*compiler, "--version"], capture_output=True, text=True, check=False)
     return done.stdout.partition("\n")[0]
 
 

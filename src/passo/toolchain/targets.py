@@ -9,9 +9,10 @@ from passo import config
 from passo.config.board import Board
 from passo.config.chips import Chip
 from passo.errors import FirmwareError, Problem
+from passo.toolchain import arm, avr
 
-# Families of chips that firmware/hal has a layer for.
-LAYERS = ("avr",)
+# Chips that firmware/hal has a layer for.
+LAYERS = (*avr.CHIPS, *arm.CHIPS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +83,7 @@ def state(board: Board) -> str:
     if board.chip is None:
         return "runs Klipper's"
     parts = [f"incomplete: {board.incomplete}"] if board.incomplete else []
-    if board.chip.core not in LAYERS:
+    if board.mcu not in LAYERS:
         parts.append("no image yet")
     return ", ".join(parts) or "ready"
 
