@@ -58,14 +58,12 @@ class Protection {
   Fault check(const Sight& s) {
     time_ += s.dt;
     Fault fault = range(s);
+    if (outside_ > 0) return told(fault, s);  // the next report tells; this one is no temperature
     if (fault.kind == FaultKind::none) fault = jumps(s);
     if (fault.kind == FaultKind::none) fault = way_up(s);
     if (fault.kind == FaultKind::none) fault = switched_off(s);
     if (fault.kind == FaultKind::none) fault = deviation(s);
-    fault.celsius = s.celsius;
-    before_ = s.celsius;
-    known_ = true;
-    return fault;
+    return told(fault, s);
   }
 
  private:
@@ -85,6 +83,12 @@ class Protection {
   double off_since_ = 0, coldest_ = 0, coldest_at_ = 0;
   double deviating_since_ = 0;
 
+  Fault told(Fault fault, const Sight& s) {
+    fault.celsius = s.celsius;
+    before_ = s.celsius;
+    known_ = true;
+    return fault;
+  }
   Fault range(const Sight& s) {
     Fault fault;
     if (s.open)

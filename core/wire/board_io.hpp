@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <deque>
+#include <utility>
 #include <vector>
 
 #include "bench.hpp"
@@ -74,24 +75,28 @@ class BoardOutput {
   }
 };
 
-// Reports the sum of `count` samples every `rest` ticks; `range_checks` sums in a row outside
-// minimum…maximum are a fault. All samples of one sum are taken as equal to the last.
+// Reports the sum of `count` samples, `sample` ticks apart, every `rest` ticks; `range_checks` sums
+// in a row outside minimum…maximum are a fault.
 struct BoardAnalogIn {
   uint32_t pin;
   Ticks begin = kNever, sample = 0, rest = 0;
-  uint32_t count = 0, minimum = 0, maximum = 0, range_checks = 0, outside = 0;
+  uint32_t count = 0, taken = 0, sum = 0, minimum = 0, maximum = 0, range_checks = 0, outside = 0;
   size_t report_size = 0;
   Bytes values;
 
   explicit BoardAnalogIn(uint32_t pin_) : pin(pin_) {}
-  Ticks next() const { return begin == kNever ? kNever : begin + sample * (count - 1); }
-  // Adds a sum to `values`; true if it is the last of too many outside the range.
+  Ticks next() const { return begin == kNever ? kNever : begin + sample * taken; }
+  // Takes a sample, and adds a sum to `values` if that was its last; true if it is one too many
+  // outside the range.
   bool run(Plant& plant) {
-    uint32_t sum = count * plant.adc(pin, next());
+    sum += plant.adc(pin, next());
+    if (++taken < count) return false;
+    uint32_t whole = std::exchange(sum, 0);
+    taken = 0;
     begin += rest;
-    values.push_back(uint8_t(sum));
-    values.push_back(uint8_t(sum >> 8));
-    if (sum >= minimum && sum <= maximum) {
+    values.push_back(uint8_t(whole));
+    values.push_back(uint8_t(whole >> 8));
+    if (whole >= minimum && whole <= maximum) {
       outside = 0;
       return false;
     }

@@ -350,7 +350,7 @@ class VirtualBoard : public Bench {
         in.minimum = a[6];
         in.maximum = a[7];
         in.range_checks = a[8];
-        in.outside = 0;
+        in.outside = in.taken = in.sum = 0;
         in.values.clear();
         break;
       }

@@ -21,10 +21,9 @@
 #define FREE_PIN 0xff
 // Ticks between reading the clock and the first interrupt that can be set up in time.
 #define SOONEST 300
-// How long a pulse is at least, and the pause after a late one, without waiting loops.
+// How long a pulse is at least without waiting loops.
 #define PULSE_FIXED 34
 #define PULSE_FREE 38
-#define PAUSE 18
 #define PULSE_MAX 400
 #define PIECE 32768UL
 
@@ -46,7 +45,6 @@ struct wiring {
 static const struct wiring wiring[BOARD_UNITS] PROGMEM = {BOARD_FIXED(FIXED) BOARD_FREE(FREE)};
 
 volatile struct unit units[BOARD_UNITS];
-volatile uint8_t late_steps;
 
 struct axis {
   volatile struct unit *unit;
@@ -87,11 +85,6 @@ static uint8_t choose(uint16_t step_pin, uint16_t direction_pin, uint16_t pulse_
   return free;
 }
 
-// Loops of 3 ticks that make `base` ticks as long as `ticks`; at least one.
-static uint8_t loops(uint16_t ticks, uint8_t base) {
-  return ticks <= base ? 1 : (uint8_t)(1 + (ticks - base + 2) / 3);
-}
-
 bool stepgen_setup(uint8_t axis, uint16_t step_pin, uint16_t direction_pin, bool invert,
                    uint16_t pulse_ticks) {
   volatile uint8_t *step_port, *dir_port;
@@ -109,8 +102,7 @@ bool stepgen_setup(uint8_t axis, uint16_t step_pin, uint16_t direction_pin, bool
   unit->step_mask = step_mask;
   unit->dir_pin = dir_port;
   unit->dir_mask = dir_mask;
-  unit->hold = loops(pulse_ticks, PULSE_FREE);
-  unit->rest = loops(pulse_ticks, PAUSE);
+  unit->hold = pulse_ticks <= PULSE_FREE ? 1 : (uint8_t)(1 + (pulse_ticks - PULSE_FREE + 2) / 3);
   unit->active = false;
   unit->next = NULL;
   const struct wiring *row = &wiring[chosen];

@@ -26,9 +26,9 @@
 // Right behind the vectors, where their jumps reach with rjmp.
   .section .progmem.gcc.steps, "ax", @progbits
 
-// Waits 3 cycles for each of what `loops` of unit n says, and one more.
-.macro WAIT n, loops
-  lds t0, unit\n + \loops
+// Lengthens the pulse of a unit with free pins.
+.macro HOLD n
+  lds t0, unit\n + UNIT_HOLD
   dec t0
   brne .-4
 .endm
@@ -55,7 +55,7 @@
   reti
 .endm
 
-.macro STEP_INTERRUPT n, vector, ocr, tcnt, tifr, timsk, bit, fixed, step_pin, dir_pin
+.macro STEP_INTERRUPT n, vector, ocr, tcnt, tifr, timsk, bit, fixed, step_pin, step_mask, dir_pin, dir_mask
   .equ unit\n, units + \n * UNIT_SIZE
   .global \vector
 \vector:
@@ -96,7 +96,7 @@
   sts unit\n + UNIT_INTERVAL, interval0
   sts unit\n + UNIT_INTERVAL + 1, interval1
   .if !\fixed
-  WAIT \n, UNIT_HOLD
+  HOLD \n
   .endif
   TOGGLE \fixed, \step_pin, mask
   LEAVE \fixed
@@ -108,37 +108,123 @@
   add interval0, t0
   adc interval1, t1
   .if !\fixed
-  WAIT \n, UNIT_HOLD
+  HOLD \n
   .endif
   TOGGLE \fixed, \step_pin, mask
   sts unit\n + UNIT_INTERVAL, interval0
   sts unit\n + UNIT_INTERVAL + 1, interval1
-  lds t0, late_steps
-  inc t0
-  sts late_steps, t0
+.Lagain\n:
   set
   clr t0
   bld t0, \bit
   out (\tifr) - __SFR_OFFSET, t0  // only this unit's flag, so not sbi
-  WAIT \n, UNIT_REST  // the pin stays low as long as a pulse
+  rjmp .+0                        // the pin is low for 17 cycles, 1 us at 16 MHz
+  rjmp .+0
   rjmp .Lstep\n
+
+// The 256th step of a move, or its last.
 .Lnext\n:
-  push r28
-  push r29
+  lds t0, unit\n + UNIT_COUNT_HIGH
+  tst t0
+  breq 1f
+  dec t0
+  sts unit\n + UNIT_COUNT_HIGH, t0
+  rjmp .Lplan\n
+1:
   .if \fixed
   push r30
   push r31
   .endif
+  lds r30, unit\n + UNIT_MODE
+  tst r30
+  brne .Lwide\n
+  lds r30, unit\n + UNIT_NEXT
+  lds r31, unit\n + UNIT_NEXT + 1
+  adiw r30, 0
+  breq .Lwide\n                   // nothing left
+  ldd u1, Z + MOVE_DIRECTION
+  sbrs u1, MOVE_FAST_BIT
+.Lwide\n:
+  rjmp .Lslow\n
+  ldd t0, Z + MOVE_NEXT
+  ldd t1, Z + MOVE_NEXT + 1
+  sts unit\n + UNIT_NEXT, t0
+  sts unit\n + UNIT_NEXT + 1, t1
+  ldd t0, Z + MOVE_COUNT
+  ldd t1, Z + MOVE_COUNT + 1
+  sts unit\n + UNIT_COUNT, t0
+  tst t0
+  brne 1f
+  dec t1
+1:
+  sts unit\n + UNIT_COUNT_HIGH, t1
+  ldd interval0, Z + MOVE_INTERVAL
+  ldd interval1, Z + MOVE_INTERVAL + 1
+  lds t0, \ocr
+  lds t1, \ocr + 1
+  add t0, interval0
+  adc t1, interval1
+  sts \ocr + 1, t1
+  sts \ocr, t0
+  ldd u0, Z + MOVE_ADD
+  sts unit\n + UNIT_ADD, u0
+  add interval0, u0
+  ldd u0, Z + MOVE_ADD + 1
+  sts unit\n + UNIT_ADD + 1, u0
+  adc interval1, u0
+  sts unit\n + UNIT_INTERVAL, interval0
+  sts unit\n + UNIT_INTERVAL + 1, interval1
+  .if \fixed
+  ldi r30, \step_mask
+  sts unit\n + UNIT_MASK, r30
+  TOGGLE \fixed, \step_pin, mask
+  ldi r30, \dir_mask
+  sbrc u1, MOVE_TOGGLE_BIT
+  TOGGLE \fixed, \dir_pin, r30
+  .else
+  lds u0, unit\n + UNIT_STEP_MASK
+  sts unit\n + UNIT_MASK, u0
+  lds r30, unit\n + UNIT_STEP_PIN
+  lds r31, unit\n + UNIT_STEP_PIN + 1
+  push t0
+  HOLD \n
+  pop t0
+  TOGGLE \fixed, \step_pin, mask
+  lds r30, unit\n + UNIT_DIR_PIN
+  lds r31, unit\n + UNIT_DIR_PIN + 1
+  lds u0, unit\n + UNIT_DIR_MASK
+  sbrc u1, MOVE_TOGGLE_BIT
+  st Z, u0
+  .endif
+  lds u0, \tcnt
+  lds u1, \tcnt + 1
+  cp u0, t0
+  cpc u1, t1
+  .if \fixed
+  pop r31
+  pop r30
+  .endif
+  brpl 1f
+  LEAVE \fixed
+1:
+  rjmp .Lagain\n
+
+// Long intervals, and the end.
+.Lslow\n:
+  push r28
+  push r29
   ldi r28, lo8(unit\n)
   ldi r29, hi8(unit\n)
   rcall step_next
   .if !\fixed
-  WAIT \n, UNIT_HOLD
+  HOLD \n
   lds r30, unit\n + UNIT_STEP_PIN
   lds r31, unit\n + UNIT_STEP_PIN + 1
   .endif
   TOGGLE \fixed, \step_pin, mask
   clr mask                        // the pulse is over
+  pop r29
+  pop r28
   brcs .Lstop\n
   lds t0, unit\n + UNIT_TOGGLE
   .if !\fixed
@@ -150,8 +236,6 @@
   pop r31
   pop r30
   .endif
-  pop r29
-  pop r28
   rjmp .Lplan\n
 .Lstop\n:
   lds r30, \timsk
@@ -162,25 +246,15 @@
   pop r31
   pop r30
   .endif
-  pop r29
-  pop r28
   LEAVE \fixed
 .endm
 
-// What follows the interrupt that ended a move, its 256th step, or a piece of a long interval.
-// Y: the unit. Sets interval, count and mask for the next interrupt and toggle for this one; carry
-// if nothing is left to do. Changes Z, t0 to u1.
+// What follows the interrupt that ended a move or a piece of a long interval. Y: the unit. Sets
+// interval, count and mask for the next interrupt and toggle for this one; carry if nothing is left
+// to do. Changes Z, t0 to u1.
 step_next:
   clr u0
   std Y + UNIT_TOGGLE, u0
-  ldd t0, Y + UNIT_COUNT_HIGH
-  tst t0
-  breq 1f
-  dec t0
-  std Y + UNIT_COUNT_HIGH, t0
-  clc
-  ret
-1:
   ldd r30, Y + UNIT_MODE
   tst r30
   breq .Lload
@@ -209,7 +283,7 @@ step_next:
   ldd interval1, Z + MOVE_INTERVAL + 1
   sbrs t0, MOVE_FAST_BIT
   rjmp .Lload_wide
-  ldd t0, Z + MOVE_COUNT
+  ldd t0, Z + MOVE_COUNT  // after a move with long intervals
   ldd t1, Z + MOVE_COUNT + 1
 // Short intervals: t1:t0 steps from interval1:interval0 on.
 .Lfast:
@@ -334,10 +408,11 @@ step_next:
 
 #define STEP_FIXED(n, timer, unit, step_port, step_bit, dir_port, dir_bit) \
   STEP_INTERRUPT n, TIMER##timer##_COMP##unit##_vect, OCR##timer##unit##L, TCNT##timer##L, \
-    TIFR##timer, TIMSK##timer, OCIE##timer##unit, 1, PIN##step_port, PIN##dir_port $
+    TIFR##timer, TIMSK##timer, OCIE##timer##unit, 1, PIN##step_port, 1 << step_bit, \
+    PIN##dir_port, 1 << dir_bit $
 #define STEP_FREE(n, timer, unit) \
   STEP_INTERRUPT n, TIMER##timer##_COMP##unit##_vect, OCR##timer##unit##L, TCNT##timer##L, \
-    TIFR##timer, TIMSK##timer, OCIE##timer##unit, 0, 0, 0 $
+    TIFR##timer, TIMSK##timer, OCIE##timer##unit, 0, 0, 0, 0, 0 $
 
 BOARD_FIXED(STEP_FIXED)
 BOARD_FREE(STEP_FREE)

@@ -19,8 +19,7 @@
 #define UNIT_STEP_PIN 22   // address of the step pin's PINx; writing a 1 there toggles the pin
 #define UNIT_DIR_PIN 24
 #define UNIT_HOLD 26       // loops of 3 cycles by which a pulse is lengthened, if pins are free
-#define UNIT_REST 27       // the same for the time between two pulses that come late
-#define UNIT_SIZE 28
+#define UNIT_SIZE 27
 
 #define MODE_WIDE 1
 #define MODE_THEN_FAST 2  // after the first step the rest of the move has short intervals
@@ -51,13 +50,13 @@ struct unit {
   uint16_t left;
   uint8_t step_mask, toggle, dir_mask, active;
   volatile uint8_t *step_pin, *dir_pin;
-  uint8_t hold, rest;
+  uint8_t hold;
 };
 
 _Static_assert(offsetof(struct unit, next) == UNIT_NEXT, "steps.S");
 _Static_assert(offsetof(struct unit, wide) == UNIT_WIDE, "steps.S");
 _Static_assert(offsetof(struct unit, active) == UNIT_ACTIVE, "steps.S");
-_Static_assert(offsetof(struct unit, rest) == UNIT_REST, "steps.S");
+_Static_assert(offsetof(struct unit, hold) == UNIT_HOLD, "steps.S");
 _Static_assert(sizeof(struct unit) == UNIT_SIZE, "steps.S");
 _Static_assert(offsetof(struct move, interval) == MOVE_INTERVAL, "steps.S");
 _Static_assert(offsetof(struct move, count) == MOVE_COUNT, "steps.S");
@@ -65,5 +64,4 @@ _Static_assert(offsetof(struct move, add) == MOVE_ADD, "steps.S");
 _Static_assert(offsetof(struct move, direction) == MOVE_DIRECTION, "steps.S");
 
 extern volatile struct unit units[];
-extern volatile uint8_t late_steps;  // steps that were made without leaving the interrupt
 #endif

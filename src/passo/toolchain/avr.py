@@ -1,4 +1,4 @@
-"""Images for AVR chips: what a board needs, the sources and flags, and the checks of a build."""
+"""Images for AVR chips: sources, flags, the board's header, and the checks of a build."""
 
 from __future__ import annotations
 

@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 SOURCE = Path(__file__).with_name("bench.c")
 FLAGS = ["-O2", "-Wall", "-Wextra", "-std=gnu11", "-shared", "-fPIC"]
-EDGES = 1 << 20
-SLICE = 1 << 16
+ROOM = 1 << 20
+NOTHING, EDGES, RISES = range(3)
 
 
 class Edge(NamedTuple):
@@ -50,6 +50,7 @@ def _library() -> ctypes.CDLL:
         "set_pin": (None, [pointer, ctypes.c_int, ctypes.c_int]),
         "level": (ctypes.c_int, [pointer, ctypes.c_int]),
         "set_voltage": (None, [pointer, ctypes.c_int, ctypes.c_int]),
+        "rises": (number, [pointer, ctypes.c_int]),
         "high_cycles": (number, [pointer, ctypes.c_int]),
         "add_carriage": (
             ctypes.c_int,
@@ -60,8 +61,8 @@ def _library() -> ctypes.CDLL:
         "edges_lost": (number, [pointer]),
         "entries": (number, [pointer]),
         "rescues": (number, [pointer]),
+        "siblings": (number, [pointer]),
         "channels": (number, [pointer]),
-        "bytes": (number, [pointer]),
         "ram": (ctypes.c_uint8, [pointer, ctypes.c_int]),
     }
     for name, (result, arguments) in signatures.items():
@@ -82,13 +83,13 @@ def pin_name(number: int) -> str:
 class AvrBench:
     """One chip that runs an image; time is counted in its cycles and passes in `run` only.
 
-    The defects of the simulator that it makes up for are listed in bench.c. `entries`, `rescues`
-    and `channels` count how often it did.
+    The defects of the simulator that it makes up for are listed in bench.c. `entries`, `rescues`,
+    `siblings` and `channels` count how often it did.
     """
 
     def __init__(self, image: Path, mcu: str = "atmega2560", hz: int = 16_000_000) -> None:
         self._library = _library()
-        self._bench = self._library.bench_new(str(image).encode(), mcu.encode(), hz, EDGES)
+        self._bench = self._library.bench_new(str(image).encode(), mcu.encode(), hz, ROOM)
         if not self._bench:
             raise ValueError(f"{image} does not run on a simulated {mcu}")
         self._buffer = ctypes.create_string_buffer(1 << 16)
@@ -117,6 +118,10 @@ class AvrBench:
         return self._library.bench_rescues(self._bench)
 
     @property
+    def siblings(self) -> int:
+        return self._library.bench_siblings(self._bench)
+
+    @property
     def channels(self) -> int:
         return self._library.bench_channels(self._bench)
 
@@ -134,9 +139,14 @@ class AvrBench:
         count = self._library.bench_receive(self._bench, self._buffer, len(self._buffer))
         return self._buffer.raw[:count]
 
-    def watch(self, pins: Iterable[str], watched: bool = True) -> None:
+    def watch(self, pins: Iterable[str], what: int = EDGES) -> None:
+        """Traces all edges of these pins, or `RISES` or `NOTHING` of them."""
         for pin in pins:
-            self._library.bench_watch(self._bench, pin_number(pin), watched)
+            self._library.bench_watch(self._bench, pin_number(pin), what)
+
+    def rises(self, pin: str) -> int:
+        """Rising edges since the start."""
+        return self._library.bench_rises(self._bench, pin_number(pin))
 
     def edges(self) -> list[Edge]:
         """The edges of the watched pins since the last call; none may have been lost."""

@@ -1,0 +1,130 @@
+"""Every step at its time, with its direction, whatever the interval."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from random import Random
+
+import pytest
+from tests.board.bench import Planner
+
+from .bench import Edge
+from .boards import HZ, MELZI, MELZI_PINS, OTHER_PINS, RAMPS, RAMPS_PINS, motors
+
+PULSE = 32
+
+
+def _moves(random: Random, count: int) -> list[tuple[bool, int, int, int]]:
+    """(forward, interval, count, add): short and long intervals, all kinds of ramps and lengths."""
+    moves = []
+    for _ in range(count):
+        shape = random.randrange(5)
+        if shape == 0:
+            interval, steps = random.randrange(400, 3000), random.randrange(1, 700)
+            add = random.randrange(-300 // steps, 300 // steps + 1)
+        elif shape == 1:
+            interval, steps = random.randrange(40_000, 2_000_000), random.randrange(1, 5)
+            add = random.randrange(-8000, 8000)
+        elif shape == 2:  # from short to long and back
+            interval, steps, add = random.choice([(32_000, 6, 300), (34_000, 9, -400)])
+        elif shape == 3:  # whole pieces, and one tick beside them
+            interval, add = random.choice([32767, 32768, 32769, 65536, 98304]), 0
+            steps = random.randrange(1, 4)
+        else:
+            interval, steps = random.choice([1000, 1500]), random.choice([255, 256, 257, 512, 513])
+            add = 0
+        moves.append((random.random() < 0.5, interval, steps, add))
+    return moves
+
+
+def _check(edges: Sequence[Edge], pins: tuple[str, str], planner: Planner, target: int) -> int:
+    """Counts, directions, pulses and set-up are exact; returns by how much lateness varies."""
+    _step, direction = pins
+    mine = [e for e in edges if e.pin in pins]
+    level, turned, rises, directions, fell = 0, -HZ, [], [], -HZ
+    for e in mine:
+        if e.pin == direction:
+            assert e.cycle >= fell  # not within a pulse
+            level, turned = e.level, e.cycle
+        elif e.level:
+            assert e.cycle - fell >= 17
+            assert e.cycle - turned >= 40
+            rises.append(e.cycle)
+            directions.append(1 if level else -1)
+        else:
+            assert e.cycle - rises[-1] >= PULSE
+            fell = e.cycle
+    assert directions == planner.directions[target]
+    late = [cycle - clock for cycle, clock in zip(rises, planner.clocks[target], strict=True)]
+    return max(late) - min(late)
+
+
+@pytest.mark.parametrize(
+    ("board", "pins"),
+    [(RAMPS, RAMPS_PINS), (MELZI, MELZI_PINS), (RAMPS, OTHER_PINS)],
+    ids=["2560", "1284P", "free pins"],
+)
+def test_steps_of_every_kind_come_on_time(board, pins):
+    connection = motors(2, board, pins)
+    connection.bench.watch(direction for _, direction in pins[:2])
+    random = Random(7)
+    # The second motor walks on alone when the first is done; the queue is sorted by clock.
+    planner = Planner()
+    planned: list[tuple[int, tuple[bool, int, int, int]]] = []
+    for target, count in ((0, 120), (1, 160)):
+        planned += [(target, move) for move in _moves(random, count)]
+    now = [HZ // 4, HZ // 4]
+    todo = [[move for t, move in planned if t == target] for target in (0, 1)]
+    for target in (0, 1):
+        planner.steps(target, True, HZ // 4 + 1000 * target, 1)
+    while todo[0] or todo[1]:
+        target = 0 if todo[0] and (not todo[1] or now[0] <= now[1]) else 1
+        planner.steps(target, *todo[target].pop(0))
+        now[target] = planner.clocks[target][-1]
+    connection.start_job(planner.queue)
+    edges = []
+    while connection.now < max(now) + 2 * HZ:
+        connection.run(connection.now + HZ // 10)
+        edges += connection.bench.edges()
+    assert _check(edges, pins[0], planner, 0) < 450
+    assert _check(edges, pins[1], planner, 1) < 450
+    for name, target in (("m0", 0), ("m1", 1)):
+        assert connection.net_steps(name) == sum(planner.directions[target])
+    connection.bench.close()
+
+
+def test_longer_pulses_take_a_free_unit():
+    connection = motors(1, pulse_ticks=80)
+    planner = Planner()
+    planner.steps(0, True, HZ // 4, 1)
+    planner.steps(0, True, 2000, 500, 3)
+    connection.start_job(planner.queue)
+    connection.run(connection.now + HZ)
+    edges = connection.bench.edges()
+    widths = {b.cycle - a.cycle for a, b in zip(edges[::2], edges[1::2], strict=True)}
+    assert len(edges) == 2 * 501
+    assert min(widths) >= 80
+    assert max(widths) < 200
+    connection.bench.close()
+
+
+def test_the_position_is_known_between_steps():
+    connection = motors(1)
+    carriage = connection.bench.add_carriage(*RAMPS_PINS[0])
+    planner = Planner()
+    planner.steps(0, True, HZ // 4, 1)
+    for k in range(30):
+        planner.steps(0, k % 7 != 3, 700 + 37 * k, 300 - 7 * k)
+        planner.steps(0, k % 5 != 1, 45_000, 3, -9_000)
+    connection.start_job(planner.queue)
+    connection.run(connection.now + HZ // 3)
+    for _ in range(40):
+        before = connection.bench.position(carriage)
+        told = connection.net_steps("m0")
+        after = connection.bench.position(carriage)
+        assert abs(told - before) <= abs(after - before) + 20
+        connection.run(connection.now + HZ // 50)
+    connection.run(connection.now + HZ)
+    assert connection.net_steps("m0") == connection.bench.position(carriage)
+    assert connection.bench.position(carriage) == sum(planner.directions[0])
+    connection.bench.close()
