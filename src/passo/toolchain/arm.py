@@ -107,6 +107,7 @@ def sources(firmware: Path, chip: Chip) -> list[Path]:
         *firmware.glob("hal/common/*.c"),
         *layer.glob("*.c"),
         *(layer / chip.key).glob("*.c"),
+        firmware / "hal" / "plain" / "string.c",
     ]
     return sorted(found)
 

