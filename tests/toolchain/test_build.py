@@ -124,13 +124,6 @@ def test_boards_and_builds_know_the_same_chips() -> None:
         assert {f"P{port}" for port in known.ports} == {pin[:2] for pin in it.pins}
 
 
-def test_without_a_compiler(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("PATH", str(tmp_path))
-    with pytest.raises(FirmwareError, match=r"the program avr-gcc .* is missing") as caught:
-        build(board_target("ramps"), tmp_path)
-    assert caught.value.status == 2
-
-
 def test_where_nothing_can_be_written(tmp_path: Path) -> None:
     path = tmp_path / "file"
     path.write_text("")
