@@ -354,3 +354,40 @@ def test_unknown_board() -> None:
 )
 def test_marks_before_names(outer: str, inner: str, pin: str) -> None:
     assert joined_marks(outer, inner) == pin
+
+
+@pytest.mark.parametrize(
+    ("name", "led", "select"),
+    [
+        ("ramps", "D13", "D53"),
+        ("melzi", "PA4", "PA0"),
+        ("radds", "D37", "D4"),
+        ("ramps-fd", "D13", "D4"),
+        ("duet-0.6", "PB24", None),
+        ("4pi", "PC22", None),
+        ("teensy3-mk20dx256", "T13", None),
+        ("stm32f429-discovery", "PG13", None),
+        ("stm32f407-discovery", "PD12", None),
+        ("pico", "GP25", None),
+    ],
+)
+def test_lights_and_cards(name: str, led: str, select: str | None) -> None:
+    board = config.load_board(name)
+    assert board.pin("LED") == board.pin(led)
+    assert board.card.get("select") == (board.pin(select) if select else None)
+
+
+@pytest.mark.parametrize(
+    ("name", "clock", "command", "data"),
+    [
+        ("duet-0.6", "PA19", "PA20", ["PA21", "PA22", "PA23", "PA24"]),
+        ("4pi", "PA3", "PA4", ["PA5", "PA6", "PA7", "PA8"]),
+    ],
+)
+def test_cards_on_four_wires(name: str, clock: str, command: str, data: list[str]) -> None:
+    card = config.load_board(name).card
+    assert [card["clock"], card["command"], *(card[f"data{i}"] for i in range(4))] == [
+        clock,
+        command,
+        *data,
+    ]

@@ -14,9 +14,14 @@ extern uint32_t data_begin[], data_end[], data_load[], bss_begin[], bss_end[], s
 // An interrupt that nobody wanted, or a fault: the board starts anew, outputs as after power-on.
 static void unexpected(void) { chip_reset(); }
 
+typedef void (*handler)(void);
+#define EXCEPTIONS 16
+extern const handler vectors[];
+
 _Noreturn void reset_handler(void) {
   for (uint32_t *to = data_begin, *from = data_load; to < data_end;) *to++ = *from++;
   for (uint32_t *to = bss_begin; to < bss_end;) *to++ = 0;
+  SCB_VTOR = (uint32_t)vectors;  // a loader may have set its own
   chip_start();
   alarm_start();
   console_start();
@@ -31,10 +36,7 @@ _Noreturn void reset_handler(void) {
 
 void hal_reset(void) { chip_reset(); }
 
-typedef void (*handler)(void);
-#define EXCEPTIONS 16
-
-__attribute__((section(".vectors"), used)) static const handler vectors[EXCEPTIONS + CHIP_IRQS] = {
+__attribute__((section(".vectors"), used)) const handler vectors[EXCEPTIONS + CHIP_IRQS] = {
     [0] = (handler)stack_top,
     [1] = reset_handler,
     [2 ... 6] = unexpected,
