@@ -112,6 +112,13 @@ void bind_protections(nb::module_& m) {
       .def(nb::self == nb::self);
 }
 
+// A call of a heater that its link's thread may be using.
+template <auto F, class... A>
+auto held(Heater& heater, A... arguments) {
+  std::lock_guard lock(heater.guard());
+  return (heater.*F)(arguments...);
+}
+
 void bind_heater(nb::module_& m) {
   nb::class_<Terms>(m, "HeatTerms",
                     "Error (°C) and shares of full power; of a relay, p is the mean of its two "
@@ -168,32 +175,39 @@ void bind_heater(nb::module_& m) {
           "control"_a, "limits"_a, "model"_a.none(), "fan_target"_a = -1, "fan_full"_a = 1.0,
           "inverted"_a = false, "fan_target: index of the fan's output among the link's pins.");
   nb::class_<Heater>(m, "Heater", "A heater loop beside the link.")
-      .def_prop_ro("celsius", &Heater::celsius)
-      .def_prop_rw("target", &Heater::target, &Heater::set_target)
-      .def_prop_ro("power", &Heater::power)
+      .def_prop_ro("celsius", &held<&Heater::celsius>)
+      .def_prop_rw("target", &held<&Heater::target>, &held<&Heater::set_target, double>)
+      .def_prop_ro("power", &held<&Heater::power>)
       .def_prop_ro("max_power", [](const Heater& h) { return h.options().max_power; })
-      .def_prop_ro("reached", &Heater::reached)
-      .def_prop_ro("terms", &Heater::terms, nb::rv_policy::copy)
-      .def_prop_ro("control", [](const Heater& h) { return h.control(); })
-      .def("set_control", &Heater::set_control, "control"_a,
+      .def_prop_ro("reached", &held<&Heater::reached>)
+      .def_prop_ro("terms", &held<&Heater::terms>)
+      .def_prop_ro("control", &held<&Heater::control>)
+      .def("set_control", &held<&Heater::set_control, const Control&>, "control"_a,
            "Takes over at once; a model also serves the protections.")
       .def_prop_ro("model",
-                   [](const Heater& h) {
+                   [](Heater& h) {
+                     std::lock_guard lock(h.guard());
                      return h.body() ? std::optional(h.body()->model()) : std::nullopt;
                    })
-      .def_prop_rw("limits", &Heater::limits, &Heater::set_limits, nb::rv_policy::copy)
-      .def_prop_rw("fan", &Heater::fan, &Heater::set_fan,
+      .def_prop_rw("limits", &held<&Heater::limits>,
+                   &held<&Heater::set_limits, const heat::ProtectionLimits&>)
+      .def_prop_rw("fan", &held<&Heater::fan>, &held<&Heater::set_fan, double>,
                    "Speed of the fan that cools this heater, 0 to 1, for its model.")
       .def_prop_ro(
           "fault",
-          [](const Heater& h) { return h.faulty() ? std::optional(h.fault()) : std::nullopt; },
+          [](Heater& h) {
+            std::lock_guard lock(h.guard());
+            return h.faulty() ? std::optional(h.fault()) : std::nullopt;
+          },
           "What is wrong; while it is not None the target is kept, but nothing heats.")
-      .def("set_sensor", &Heater::set_sensor, "options"_a,
+      .def("set_sensor", &held<&Heater::set_sensor, const HeaterOptions&>, "options"_a,
            "Takes over table, broken ends and query of these options, from the next report on.")
-      .def("rearm", &Heater::rearm, "Ends the fault: the heater heats to the target that it kept.")
+      .def("rearm", &held<&Heater::rearm>,
+           "Ends the fault: the heater heats to the target that it kept.")
       .def(
           "take_samples",
           [](Heater& h) {
+            std::lock_guard lock(h.guard());
             std::vector<HeatSample> taken(h.samples().begin(), h.samples().end());
             h.samples().clear();
             return taken;

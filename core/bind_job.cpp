@@ -1,5 +1,6 @@
 // passo._core.Job: whole programs through one machine.
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
@@ -130,6 +131,7 @@ void bind_job(nb::module_& m) {
       .value("NOT_HOMED", Fault::not_homed)
       .value("COLD", Fault::cold)
       .value("GARBAGE", Fault::garbage)
+      .value("UNSAVED", Fault::unsaved)
       .value("UNREACHABLE", Fault::unreachable)
       .value("ACTUATOR", Fault::actuator);
   nb::class_<JobView>(m, "Job", "A G-code program through one machine. Not thread-safe.")
@@ -220,6 +222,14 @@ void bind_job(nb::module_& m) {
           "target"_a, "value"_a,
           "A timed record for output `target`, due between the moves before and after.")
       .def(
+          "record_at",
+          [](JobView& self, double ticks, uint16_t target, uint32_t value) {
+            self.job.motion.record_at(ticks, target, value);
+          },
+          "ticks"_a, "target"_a, "value"_a,
+          "A record for output `target` at this clock, whatever moves are planned; it cannot be "
+          "revoked.")
+      .def(
           "mark",
           [](JobView& self, uint16_t target, uint32_t value) {
             self.job.motion.record(uint16_t(Motion::kMark + target), value);
@@ -251,6 +261,12 @@ void bind_job(nb::module_& m) {
       .def(
           "replan_from",
           [](JobView& self, double ticks) { return self.job.motion.replan_from(ticks); }, "ticks"_a)
+      .def(
+          "skip_dwell_from",
+          [](JobView& self, double ticks) { return self.job.motion.skip_dwell_from(ticks); },
+          "ticks"_a,
+          "Ends the dwell that is under way at this clock; returns the clock of the cut, None if "
+          "there is no dwell.")
       .def(
           "hold_from", [](JobView& self, double ticks) { return self.job.motion.hold_from(ticks); },
           "ticks"_a)
@@ -289,6 +305,17 @@ void bind_job(nb::module_& m) {
           },
           "End of the plan: X, Y, Z, E and further axes, in machine mm.")
       .def(
+          "set_laser",
+          [](JobView& self, uint16_t target, uint32_t full) {
+            self.job.motion.set_laser(target, full);
+          },
+          "target"_a, "full"_a, "This output is a laser, fully on at `full`.")
+      .def(
+          "follow_speed", [](JobView& self, double share) { self.job.motion.follow_speed(share); },
+          "share"_a,
+          "The laser's share of full power, at the feed rate of the moves that follow; it is less "
+          "where they are slower, and none while nothing moves. 0: records alone set it.")
+      .def(
           "move_to",
           [](JobView& self, const std::vector<double>& target, double feed_mm_s, bool limited) {
             if (target.size() != kAxes) throw nb::value_error("eight positions");
@@ -298,18 +325,30 @@ void bind_job(nb::module_& m) {
           "A straight move in machine coordinates (NaN: stay), outside of soft limits. False if an "
           "actuator does not reach it, unless its limits are not to count.")
       .def(
-          "set_axis",
-          [](JobView& self, int axis, double position) {
+          "set_axes",
+          [](JobView& self, const std::vector<std::pair<int, double>>& places) {
             Job& job = self.job;
             job.motion.flush();
             double p[kAxes];
             std::copy_n(job.motion.planner().position(), kAxes, p);
-            p[slot_of_axis(axis)] = position;
-            job.interpreter.set_axis(slot_of_axis(axis), position);
-            job.interpreter.lock(slot_of_axis(axis), false);
+            for (auto [axis, mm] : places) {
+              p[slot_of_axis(axis)] = mm;
+              job.interpreter.set_axis(slot_of_axis(axis), mm);
+              job.interpreter.lock(slot_of_axis(axis), false);
+            }
             job.motion.set_position(p, job.interpreter.extruder());
           },
-          "axis"_a, "position_mm"_a, "The axis of this number is here now, without motion.")
+          "places"_a, "These axes, by number, are here now (mm), without motion.")
+      .def(
+          "use_joints",
+          [](JobView& self, bool on) {
+            self.job.motion.flush();
+            self.job.motion.use_joints(on);
+          },
+          "on"_a,
+          "X, Y and Z are from now on the first three actuators of a nonlinear geometry, or the "
+          "axes "
+          "again; only while the machine stands, and set_axes must say where they are.")
       .def(
           "renew_steppers",
           [](JobView& self, const std::vector<size_t>& steppers) {
@@ -357,11 +396,22 @@ void bind_job(nb::module_& m) {
           },
           "tool"_a, "axis"_a, "mm"_a)
       .def(
-          "shift_zero",
-          [](JobView& self, int axis, double mm) {
-            self.job.interpreter.shift_zero(slot_of_axis(axis), mm);
+          "shift_from",
+          [](JobView& self, double ticks, int axis, double mm) {
+            if (axis < 0 || axis > 2) throw nb::value_error("X, Y or Z");
+            return self.job.shift_from(ticks, axis, mm);
           },
-          "axis"_a, "mm"_a, "The program's zero moves by so much, from its next move on.")
+          "ticks"_a, "axis"_a, "mm"_a,
+          "From this clock on all lies so much further; returns the clock of the cut, None if that "
+          "is out of range, see error.")
+      .def(
+          "shift",
+          [](JobView& self, int axis, double mm) {
+            if (axis < 0 || axis > 2) throw nb::value_error("X, Y or Z");
+            return self.job.shift(axis, mm);
+          },
+          "axis"_a, "mm"_a,
+          "The same behind all moves so far; False if that is out of range, see error.")
       .def_prop_ro("tool_offsets",
                    [](JobView& self) {
                      std::vector<std::vector<double>> offsets;
@@ -376,6 +426,25 @@ void bind_job(nb::module_& m) {
             return std::make_tuple(r.mm, r.feed_mm_s, r.hop_mm, r.recover_mm, r.recover_feed_mm_s);
           },
           "(mm, mm/s, hop mm, extra mm, mm/s back or 0) of M207 and M208.")
+      .def_prop_ro(
+          "filament_diameters",
+          [](JobView& self) -> std::optional<std::vector<double>> {
+            const Interpreter& i = self.job.interpreter;
+            if (!i.volumetric()) return std::nullopt;
+            return i.diameters();
+          },
+          "mm, of each extruder, where E is a volume (M200); else None.")
+      .def_prop_ro(
+          "filament_changes",
+          [](JobView& self) {
+            std::vector<std::pair<double, double>> lengths;
+            for (const auto& c : self.job.interpreter.changes())
+              lengths.emplace_back(c.load_mm, c.unload_mm);
+            return lengths;
+          },
+          "mm that M701 pushes in and M702 pulls out, of each extruder.")
+      .def_prop_ro("auto_retract",
+                   [](JobView& self) { return self.job.interpreter.auto_retract(); })
       .def(
           "limit",
           [](JobView& self, const std::string& name) {
@@ -405,6 +474,17 @@ void bind_job(nb::module_& m) {
           "Line of the program's move that is under way, or was last, at a clock (0: none), and "
           "the "
           "Z to which it goes. Clocks must not go back.")
+      .def(
+          "position_at",
+          [](JobView& self, double ticks) -> std::optional<std::vector<double>> {
+            auto p = self.job.motion.position_at(ticks);
+            if (!p) return std::nullopt;
+            return std::vector<double>(p->begin(), p->end());
+          },
+          "ticks"_a,
+          "Where the plan was at a clock not much more than a second ago, as machine_position; "
+          "None "
+          "if it is longer ago.")
       .def_prop_rw(
           "cold", [](JobView& self) { return self.job.interpreter.cold; },
           [](JobView& self, bool cold) { self.job.interpreter.cold = cold; },

@@ -3,6 +3,7 @@
 #include "bind_motion.hpp"
 
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
@@ -100,6 +101,19 @@ void bind_motion(nb::module_& m) {
           [](RecordedMotion& self, double ticks) { return self.motion.replan_from(ticks); },
           "ticks"_a,
           "Plans anew from this clock on with the limits of now; returns the clock of the cut.")
+      .def(
+          "shift_from",
+          [](RecordedMotion& self, double ticks, int axis, double mm) {
+            if (axis < 0 || axis > 2) throw nb::value_error("X, Y or Z");
+            return self.motion.shift_from(ticks, axis, mm, 0);
+          },
+          "ticks"_a, "axis"_a, "mm"_a,
+          "From this clock on all lies so much further; returns the clock of the cut.")
+      .def(
+          "skip_dwell_from",
+          [](RecordedMotion& self, double ticks) { return self.motion.skip_dwell_from(ticks); },
+          "ticks"_a,
+          "Ends the dwell that is under way at this clock; returns the clock of the cut, or None.")
       .def(
           "hold_from",
           [](RecordedMotion& self, double ticks) { return self.motion.hold_from(ticks); },

@@ -9,6 +9,8 @@
 #include "cpu_clock.hpp"
 #include "message_queue.hpp"
 #include "wire/firmware_board.hpp"
+#include "wire/live_board.hpp"
+#include "wire/live_wire.hpp"
 #include "wire/pump.hpp"
 #include "wire/virtual_board.hpp"
 
@@ -160,6 +162,13 @@ void bind_frames(nb::module_& m) {
            "List of (name, values) of a frame's payload. ValueError if it is malformed.");
 }
 
+// A call of a link whose thread may be using it.
+template <auto F, class... A>
+auto held(Link& link, A... arguments) {
+  std::lock_guard lock(link.guard());
+  return (link.*F)(arguments...);
+}
+
 void bind_link(nb::module_& m) {
   nb::enum_<MessageKind>(m, "MessageKind")
       .value("QUEUE_STEP", MessageKind::queue_step)
@@ -173,12 +182,20 @@ void bind_link(nb::module_& m) {
           "push",
           [](MessageQueue& q, MessageKind kind, uint16_t target, int64_t clock, int64_t end_clock,
              uint32_t interval, uint16_t count, int16_t add, bool dir) {
+            auto held = q.hold();
             q.push({clock, end_clock, interval, count, add, target, kind, uint8_t(dir)});
           },
           "kind"_a, "target"_a, "clock"_a, "end_clock"_a = 0, "interval"_a = 0, "count"_a = 0,
           "add"_a = 0, "dir"_a = false)
-      .def("clear", &MessageQueue::clear)
-      .def("__len__", &MessageQueue::size);
+      .def("clear",
+           [](MessageQueue& q) {
+             auto held = q.hold();
+             q.clear();
+           })
+      .def("__len__", [](MessageQueue& q) {
+        auto held = q.hold();
+        return q.size();
+      });
   nb::enum_<PinKind>(m, "PinKind").value("DIGITAL", PinKind::digital).value("PWM", PinKind::pwm);
   nb::class_<Link>(m, "Link", "The host's end of a board's wire; times in ticks.")
       .def(nb::init<double>(), "clock_hz"_a)
@@ -186,12 +203,14 @@ void bind_link(nb::module_& m) {
           "set_dictionary",
           [](Link& l, const FormatList& commands, const FormatList& reports,
              size_t receive_window) {
+            std::lock_guard lock(l.guard());
             l.set_dictionary(make_formats(commands), make_formats(reports), receive_window);
           },
           "commands"_a, "reports"_a, "receive_window"_a)
       .def(
           "send",
           [](Link& l, const std::string& name, const nb::list& values) {
+            std::lock_guard lock(l.guard());
             l.send(name, to_values(values));
           },
           "name"_a, "values"_a,
@@ -199,6 +218,7 @@ void bind_link(nb::module_& m) {
       .def(
           "take_responses",
           [](Link& l) {
+            std::lock_guard lock(l.guard());
             nb::list list;
             for (const Response& r : l.inbox())
               list.append(nb::make_tuple(r.format->name, to_dict(*r.format, r.values)));
@@ -206,60 +226,105 @@ void bind_link(nb::module_& m) {
             return list;
           },
           nb::sig("def take_responses(self) -> list[tuple[str, dict[str, int | bytes]]]"))
-      .def("follow_clock", &Link::follow_clock, "now"_a)
-      .def_prop_ro("synchronous", &Link::synchronous)
-      .def_prop_ro("lost", &Link::lost)
+      .def("follow_clock", &held<&Link::follow_clock, Ticks>, "now"_a)
+      .def_prop_ro("synchronous", &held<&Link::synchronous>)
+      .def_prop_ro("lost", &held<&Link::lost>)
       .def(
-          "clock_at", [](const Link& l, Ticks host) { return l.clock().clock_at(host); },
+          "clock_at",
+          [](Link& l, Ticks host) {
+            std::lock_guard lock(l.guard());
+            return l.clock().clock_at(host);
+          },
           "host_ticks"_a)
       .def(
-          "host_at", [](const Link& l, Ticks clock) { return l.clock().host_at(clock); }, "clock"_a)
-      .def_prop_ro("clock_rate", [](const Link& l) { return l.clock().rate(); })
+          "host_at",
+          [](Link& l, Ticks clock) {
+            std::lock_guard lock(l.guard());
+            return l.clock().host_at(clock);
+          },
+          "clock"_a)
+      .def_prop_ro("clock_rate",
+                   [](Link& l) {
+                     std::lock_guard lock(l.guard());
+                     return l.clock().rate();
+                   })
       .def(
           "add_stepper",
           [](Link& l, const std::string& name, uint32_t oid, bool invert) {
+            std::lock_guard lock(l.guard());
             l.job().add_stepper(l.commands(), name, oid, invert);
           },
           "name"_a, "oid"_a, "invert"_a)
       .def(
           "add_pin",
           [](Link& l, const std::string& name, uint32_t oid, PinKind kind, uint32_t inverted_full) {
+            std::lock_guard lock(l.guard());
             l.job().add_pin(l.commands(), name, oid, kind, inverted_full);
           },
           "name"_a, "oid"_a, "kind"_a, "inverted_full"_a = 0,
           "inverted_full: the value at full scale of a pin that is on when low.")
       .def(
-          "set_slots", [](Link& l, size_t slots) { l.job().set_slots(slots); }, "slots"_a)
+          "set_slots",
+          [](Link& l, size_t slots) {
+            std::lock_guard lock(l.guard());
+            l.job().set_slots(slots);
+          },
+          "slots"_a)
       .def(
-          "set_queue", [](Link& l, MessageQueue* q) { l.job().set_queue(q); }, "queue"_a.none(),
-          nb::keep_alive<1, 2>())
-      .def("start_job", &Link::start_job, "base_clock"_a)
-      .def("stop_job", [](Link& l) { l.job().stop(); })
+          "set_queue",
+          [](Link& l, MessageQueue* q) {
+            std::lock_guard lock(l.guard());
+            l.set_queue(q);
+          },
+          "queue"_a.none(), nb::keep_alive<1, 2>())
+      .def("start_job", &held<&Link::start_job, Ticks>, "base_clock"_a)
+      .def("stop_job",
+           [](Link& l) {
+             std::lock_guard lock(l.guard());
+             l.job().stop();
+           })
       .def(
           "add_heater",
-          [](Link& l, const HeaterOptions& options) -> Heater& { return l.add_heater(options); },
+          [](Link& l, const HeaterOptions& options) -> Heater& {
+            std::lock_guard lock(l.guard());
+            return l.add_heater(options);
+          },
           "options"_a, nb::rv_policy::reference_internal)
-      .def_prop_ro("shut_down", &Link::shut_down)
-      .def_prop_ro("shutdown_reason", &Link::shutdown_reason)
+      .def_prop_ro("shut_down", &held<&Link::shut_down>)
+      .def_prop_ro("shutdown_reason", &held<&Link::shutdown_reason>)
       .def(
-          "restart", &Link::restart,
+          "restart", &held<&Link::restart>,
           "The board begins anew: what was on its way is forgotten, its numbering is learnt again.")
-      .def_prop_ro("wire_bytes", &Link::wire_bytes)
-      .def_prop_ro("frames", &Link::frames)
-      .def_prop_ro("retransmitted_bytes", &Link::retransmitted_bytes)
-      .def_prop_ro("bad_frames", &Link::bad_frames)
-      .def_prop_ro("queue_steps", [](Link& l) { return l.job().queue_steps(); })
-      .def_prop_ro("messages", [](Link& l) { return l.job().messages(); })
-      .def_prop_ro("stream_hash", [](Link& l) { return l.job().hash(); })
+      .def_prop_ro("wire_bytes", &held<&Link::wire_bytes>)
+      .def_prop_ro("frames", &held<&Link::frames>)
+      .def_prop_ro("retransmitted_bytes", &held<&Link::retransmitted_bytes>)
+      .def_prop_ro("bad_frames", &held<&Link::bad_frames>)
+      .def_prop_ro("queue_steps",
+                   [](Link& l) {
+                     std::lock_guard lock(l.guard());
+                     return l.job().queue_steps();
+                   })
+      .def_prop_ro("messages",
+                   [](Link& l) {
+                     std::lock_guard lock(l.guard());
+                     return l.job().messages();
+                   })
+      .def_prop_ro("stream_hash",
+                   [](Link& l) {
+                     std::lock_guard lock(l.guard());
+                     return l.job().hash();
+                   })
       .def(
           "feed",
           [](Link& l, const nb::bytes& data, Ticks now) {
+            std::lock_guard lock(l.guard());
             l.feed(data_of(data), data.size(), now);
           },
           "data"_a, "now"_a)
       .def(
           "poll",
           [](Link& l, Ticks now) {
+            std::lock_guard lock(l.guard());
             Bytes out;
             Ticks next = l.poll(now, out);
             return nb::make_tuple(to_bytes(out.data(), out.size()), next);
@@ -483,11 +548,12 @@ void bind_board(nb::module_& m) {
       },
       "rows"_a, "from_clock"_a, "to_clock"_a, "sign"_a,
       "int8 directions of the steps of expand_steps(), times sign (+1 or -1).");
-  nb::enum_<Pump::Stop>(m, "PumpStop")
-      .value("TIME", Pump::Stop::time)
-      .value("SHUTDOWN", Pump::Stop::shutdown)
-      .value("HEATERS", Pump::Stop::heaters)
-      .value("FAULT", Pump::Stop::fault);
+  nb::enum_<Stop>(m, "Stop", "Why time stopped passing.")
+      .value("TIME", Stop::time)
+      .value("SHUTDOWN", Stop::shutdown)
+      .value("HEATERS", Stop::heaters)
+      .value("FAULT", Stop::fault)
+      .value("CLOSED", Stop::closed);
   nb::class_<Pump>(m, "Pump", "Runs a link and a device in virtual time.")
       .def(
           "__init__",
@@ -506,6 +572,25 @@ void bind_board(nb::module_& m) {
            })
       .def("run", &Pump::run, "until"_a, "until_heaters"_a = false,
            nb::call_guard<nb::gil_scoped_release>());
+  nb::class_<LiveWire>(m, "LiveWire",
+                       "Drives a link over a file descriptor, which it owns, in real time and a "
+                       "thread of its own.")
+      .def(nb::init<Link&, int>(), "link"_a, "fd"_a, nb::keep_alive<1, 2>())
+      .def_prop_ro("now", &LiveWire::now)
+      .def_prop_ro("latest_s", &LiveWire::latest_s,
+                   "The most that the thread was late to send what was due.")
+      .def("use_board_clock", &LiveWire::use_board_clock,
+           "Once the link is synchronous: `now` is the board's clock from here on.")
+      .def("stop", &LiveWire::stop, "No byte moves any more.",
+           nb::call_guard<nb::gil_scoped_release>())
+      .def("run", &LiveWire::run, "until"_a, "until_heaters"_a = false,
+           nb::call_guard<nb::gil_scoped_release>());
+  nb::class_<LiveBoard>(m, "LiveBoard",
+                        "Lets a device answer on a file descriptor, which it owns, in real time "
+                        "and a thread of its own; look at the device only after `stop`.")
+      .def(nb::init<Device&, int, double>(), "device"_a, "fd"_a, "clock_hz"_a,
+           nb::keep_alive<1, 2>())
+      .def("stop", &LiveBoard::stop, nb::call_guard<nb::gil_scoped_release>());
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ class Bounds {
 
   Constraints& constraints() { return constraints_; }
   const Constraints& constraints() const { return constraints_; }
-  bool nonlinear() const { return !constraints_.actuators.empty(); }
+  bool nonlinear() const { return !constraints_.actuators.empty() && !machine_.joints; }
 
   // Fills d, vn2, a, b, cartesian and the limits' names. False if the move covers no distance and
   // takes no time.
@@ -70,7 +70,11 @@ class Bounds {
       if (part * v > row.speed) v = row.speed / part, speed_id = row.speed_id;
       if (part * a > row.accel) a = row.accel / part, accel_id = row.accel_id;
     };
+    for (size_t i = 0; machine_.joints && i < constraints_.actuators.size(); ++i)
+      tighten(constraints_.actuators[i], delta[i]);
+    double c[3];
     for (const Row& row : constraints_.rows) {
+      if (machine_.joints && row.axis < 3 && !machine_.geometry->linear(row.axis, c)) continue;
       if (row.axis >= 0)
         tighten(row, delta[row.axis]);
       else
@@ -123,6 +127,7 @@ class Bounds {
   // The part of m between two fractions of its length.
   static void cut(const Move& m, double from, double to, Move& part) {
     part.d = m.d * (to - from);
+    part.duration = m.duration * (to - from);
     for (int j = 0; j < kAxes; ++j) {
       if (from > 0) part.p0[j] = m.p0[j] + (m.p1[j] - m.p0[j]) * from;
       if (to < 1) part.p1[j] = m.p0[j] + (m.p1[j] - m.p0[j]) * to;

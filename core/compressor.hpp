@@ -39,22 +39,32 @@ PASSO_SIMD inline void windows(const double* __restrict t, double* __restrict lo
   }
 }
 
-// Largest and summed squared error of the executed steps; `worst` > 0 if one leaves its window.
-PASSO_SIMD inline void check(const double* __restrict lo, const double* __restrict hi, int n,
-                             double last, double interval, double add, double& largest,
-                             double& square, double& worst) {
-  double big = 0, sum = 0, out = -1;
-  for (int m = 0; m < n; ++m) {
-    double k = m, at = last + interval * (k + 1) + 0.5 * add * (k * (k + 1));
-    double error = at - 0.5 * (lo[m] + hi[m]);
-    double size = error < 0 ? -error : error, beyond = size - 0.5 * (hi[m] - lo[m]);
-    big = size > big ? size : big;
-    out = beyond > out ? beyond : out;
-    sum += error * error;
+// Errors of executed steps: the largest, the sum of their squares, and by how much the worst of
+// them is beyond its window (less than 0: none is).
+struct Errors {
+  double largest = 0, square = 0, beyond = -1;
+};
+inline Errors errors(const double* t, const double* lo, const double* hi, const double* executed,
+                     size_t n) {
+  Errors e;
+  Lanes largest(0), square(0), beyond(-1);
+  size_t m = 0;
+  for (; m + 4 <= n; m += 4) {
+    Lanes at = Lanes::load(executed + m), error = at - Lanes::load(t + m);
+    largest = max(largest, max(error, Lanes(0) - error));
+    square = square + error * error;
+    beyond = max(beyond, max(Lanes::load(lo + m) - at, at - Lanes::load(hi + m)));
   }
-  largest = big;
-  square = sum;
-  worst = out;
+  double squares[4];
+  square.store(squares);
+  e = {largest.most(), (squares[0] + squares[1]) + (squares[2] + squares[3]), beyond.most()};
+  for (; m < n; ++m) {
+    double error = executed[m] - t[m];
+    e.largest = std::max(e.largest, std::fabs(error));
+    e.square += error * error;
+    e.beyond = std::max({e.beyond, lo[m] - executed[m], executed[m] - hi[m]});
+  }
+  return e;
 }
 
 class Compressor {
@@ -152,14 +162,14 @@ class Compressor {
   static constexpr double kLongestSeconds =
       0.1;  // span of a command: bounds what waits for more steps
   static constexpr double kLeadSeconds = 0.02;  // a command is due this long before its first step
-  static constexpr size_t kLook = 64;           // steps looked at first: most commands are shorter
+  static constexpr int kLook = 64;              // steps looked at first: most commands are shorter
   static constexpr double kIdle = 268435456;    // ticks: after a longer gap the clock is set anew
 
   double tolerance_, reversal_, least_, longest_, lead_, margin_;
   uint16_t target_;
-  Steps steps_;        // ticks[0] is the step before the first pending one
-  size_t joined_ = 0;  // runs before this one are checked for close reversals
-  std::vector<double> lo_, hi_;
+  Steps steps_;                             // ticks[0] is the step before the first pending one
+  size_t joined_ = 0;                       // runs before this one are checked for close reversals
+  std::vector<double> lo_, hi_, executed_;  // three more than `ticks`, as Stabbing wants it
   Stabbing stabbing_;
   MessageQueue messages_;
   StepStatistics statistics_;
@@ -209,18 +219,21 @@ class Compressor {
     }
   }
 
-  // After a cut or a stop a step may be due at once, at or before the last executed one.
+  bool resets(double first) const { return renew_ || first - double(last_) > kIdle; }
+
+  // After a cut or a stop a step may be due at once, at or before the last executed one, or when
+  // the clock is to be set anew.
   void set_apart() {
     crowded_ = false;
     double apart = std::max(reversal_, least_);
-    for (size_t k = 1; k < steps_.ticks.size() && steps_.ticks[k] < steps_.ticks[k - 1] + apart;
-         ++k)
-      steps_.ticks[k] = steps_.ticks[k - 1] + apart;
+    double least = (resets(steps_.ticks[1]) ? double(std::max(last_, floor_)) : steps_.ticks[0]);
+    for (size_t k = 1; k < steps_.ticks.size() && steps_.ticks[k] < least + apart; ++k)
+      steps_.ticks[k] = least += apart;
   }
 
   void prepare(size_t n) {
-    lo_.resize(n);
-    hi_.resize(n);
+    if (lo_.size() < n + 3)
+      for (auto* v : {&lo_, &hi_, &executed_}) v->resize(2 * (n + 3));
     steps_.ticks.push_back(1e18);
     windows(steps_.ticks.data() + 1, lo_.data() + 1, hi_.data() + 1, int(n) - 1, tolerance_,
             least_);
@@ -249,23 +262,30 @@ class Compressor {
       size_t end = std::min(run_end, known);
       bool open = !still && (last_run || run_end > known);
       while (i < end) {
-        if (renew_ || t[i] - double(last_) > kIdle) reset_clock(t[i]);
-        Command c;
-        size_t stop;
-        for (size_t look : {kLook, size_t(Stabbing::kLongest)}) {
-          stop = std::min(end, i + look);
-          if (t[stop - 1] - t[i] > longest_)
-            stop = size_t(std::upper_bound(t + i, t + stop, t[i] + longest_) - t);
-          c = stabbing_.longest(&lo_[i], &hi_[i], int(stop - i), double(last_));
-          if (i + size_t(c.count) < stop || stop < i + look) break;
+        if (resets(t[i])) reset_clock(t[i]);
+        int left = int(std::min(end - i, size_t(kMostSteps))), n = std::min(left, kLook);
+        double before = double(last_);
+        Command c = stabbing_.longest(&lo_[i], &hi_[i], n, before, &executed_[i]);
+        if ((c.count == n && n < left) || t[i + size_t(c.count) - 1] - t[i] > longest_) {
+          n = int(std::upper_bound(t + i, t + i + left, t[i] + longest_) - (t + i));
+          c = stabbing_.longest(&lo_[i], &hi_[i], n, before, &executed_[i]);
         }
-        bool waits = open && stop == end && frontier - margin_ <= t[i] + longest_;
-        if (waits && i + size_t(c.count) == end) return i;
+        if (open && i + size_t(c.count) == end && frontier - margin_ <= t[i] + longest_)
+          return check(i);
         emit(steps_.runs[r].dir, i, c);
         i += size_t(c.count);
       }
     }
-    return i;
+    return check(i);
+  }
+
+  // Steps before index `done` have become commands. Returns `done`.
+  size_t check(size_t done) {
+    Errors e = errors(&steps_.ticks[1], &lo_[1], &hi_[1], &executed_[1], done - 1);
+    if (e.beyond > 1e-5) throw std::logic_error("a command left the window of its steps");
+    statistics_.error_max = std::max(statistics_.error_max, e.largest);
+    statistics_.error_square += e.square;
+    return done;
   }
 
   int64_t due(double first) const {
@@ -281,11 +301,9 @@ class Compressor {
   }
 
   void emit(int dir, size_t i, const Command& c) {
-    double largest, square, worst;
-    check(&lo_[i], &hi_[i], c.count, double(last_), c.interval, c.add, largest, square, worst);
     int64_t interval = int64_t(c.interval), add = int64_t(c.add), count = c.count;
-    if (worst > 1e-5 || interval < 1 || interval + add * (count - 1) < 1 || interval > 0x7fffffff)
-      throw std::logic_error("a command left the window of its steps");
+    if (interval < 1 || interval + add * (count - 1) < 1 || interval > 0x7fffffff)
+      throw std::logic_error("a command without time between its steps");
     int64_t clock = due(steps_.ticks[i]),
             end = last_ + interval * count + add * (count * (count - 1) / 2);
     if (dir != dir_) {
@@ -301,8 +319,6 @@ class Compressor {
     statistics_.steps += count;
     statistics_.net += dir * count;
     ++statistics_.commands;
-    statistics_.error_max = std::max(statistics_.error_max, largest);
-    statistics_.error_square += square;
   }
 
   // Drops the steps before index `done`, keeping the last of them as ticks[0].

@@ -36,7 +36,7 @@ class Job {
   Status advance(double horizon, size_t most, bool to_boundary = false) {
     for (;;) {
       if (to_boundary ? interpreter.at_boundary()
-                      : motion.planner().clock() >= horizon || motion.messages().size() >= most)
+                      : motion.planner().clock() >= horizon || motion.waiting() >= most)
         return Status::full;
       double start = now();
       Found found = Found::move;
@@ -103,6 +103,8 @@ class Job {
   bool move_to(const double* target, double feed_mm_s, bool limited) {
     MoveRequest m{};
     std::copy_n(motion.planner().position(), kAxes, m.target);
+    if (interpreter.extruder() < motion.machine().extruders.size())
+      m.target[kE] = motion.planner().extruder_position(interpreter.extruder());
     bool travels = false;
     for (int j = 0; j < kAxes; ++j) {
       if (std::isnan(target[j])) continue;
@@ -114,9 +116,32 @@ class Job {
     m.extruder = uint16_t(interpreter.extruder());
     m.feed_mm_s = feed_mm_s;
     m.radius_mm = kInfinity;
+    m.rapid = true;  // no laser burns on it
     if (limited && motion.planner().constraints().checks_reach() && !reach(m)) return false;
     motion.push(m);
     abandon();
+    return true;
+  }
+
+  // All that follows from `ticks` on lies `mm` further along slot j (X, Y or Z), see
+  // Motion::shift_from; the program does not notice. Returns the clock of the cut; nothing if an
+  // end would be out of range, or the axis does not know where it is: error() says which.
+  std::optional<double> shift_from(double ticks, int j, double mm) {
+    if (!may_shift(ticks, j, mm)) return std::nullopt;
+    double cut = motion.shift_from(ticks, j, mm, interpreter.extruder());
+    if (aside_) {
+      aside_->shift(j, mm);
+      interpreter.shift_zero(j, mm);
+    } else {
+      interpreter.shift(j, mm);
+    }
+    return cut;
+  }
+  // The same in its place among the moves.
+  bool shift(int j, double mm) {
+    if (!may_shift(kInfinity, j, mm)) return false;
+    motion.push_shift(j, mm, interpreter.extruder());
+    interpreter.shift(j, mm);
     return true;
   }
 
@@ -168,7 +193,6 @@ class Job {
 
   // Whether every actuator reaches the whole line; else fills error_.
   bool reach(const MoveRequest& m) {
-    const Machine& machine = motion.machine();
     const double* from = motion.planner().position();
     double length = 0, p[3];
     for (int j = 0; j < 3; ++j) length += (m.target[j] - from[j]) * (m.target[j] - from[j]);
@@ -176,22 +200,37 @@ class Job {
     for (int i = 1; i <= n; ++i) {
       for (int j = 0; j < 3; ++j)
         p[j] = i == n ? m.target[j] : from[j] + (m.target[j] - from[j]) * i / n;
-      for (const StepperSpec& s : machine.steppers) {
-        if (s.drive != Drive::actuator) continue;
-        double q = machine.geometry->inverse(s.index, p);
-        if (q >= s.min - 1e-6 && q <= s.max + 1e-6) continue;
-        bool nowhere = !(std::fabs(q) < 1e12);
-        error_ = {m.line,
-                  nowhere ? Fault::unreachable : Fault::actuator,
-                  nowhere ? "" : s.name,
-                  nowhere ? 0 : q,
-                  q < s.min ? s.min : s.max,
-                  {0, 0, 0}};
-        for (int j = 0; j < 3; ++j) error_.point[j] = p[j];
-        return false;
-      }
+      if (!reach_point(p, m.line)) return false;
     }
     return true;
+  }
+  bool reach_point(const double* p, uint32_t line) {
+    const Machine& machine = motion.machine();
+    for (const StepperSpec& s : machine.steppers) {
+      if (s.drive != Drive::actuator) continue;
+      double q = machine.geometry->inverse(s.index, p);
+      if (q >= s.min - 1e-6 && q <= s.max + 1e-6) continue;
+      bool nowhere = !(std::fabs(q) < 1e12);
+      error_ = {line,
+                nowhere ? Fault::unreachable : Fault::actuator,
+                nowhere ? "" : s.name,
+                nowhere ? 0 : q,
+                q < s.min ? s.min : s.max,
+                {p[0], p[1], p[2]}};
+      return false;
+    }
+    return true;
+  }
+
+  bool may_shift(double ticks, int j, double mm) {
+    if (interpreter.locked(j)) {
+      error_ = {0, Fault::not_homed, motion.machine().axes[size_t(j)].name, 0, 0, {}};
+      return false;
+    }
+    bool reaches = motion.planner().constraints().checks_reach();
+    return motion.allows_shift(ticks, j, mm, [&](const double* p) {
+      return interpreter.in_range(j, p[j], error_) && (!reaches || reach_point(p, 0));
+    });
   }
 };
 

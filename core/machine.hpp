@@ -66,6 +66,7 @@ struct Machine {
   std::vector<StepperSpec> steppers;
   Limits limits;
   std::shared_ptr<const Geometry> geometry;
+  bool joints = false;  // X, Y, Z of positions are the first three actuators' own, for homing
 };
 
 // Index in MoveRequest::target of axis number i of Machine::axes.

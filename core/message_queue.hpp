@@ -2,13 +2,18 @@
 #pragma once
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <mutex>
 #include <vector>
 
 #include "types.hpp"
 
 namespace passo {
 
-// A ring that grows; one thread at a time may use it.
+inline constexpr int64_t kNoMessage = std::numeric_limits<int64_t>::max();
+
+// A ring that grows; one thread at a time may use it, and once it is shared, whoever holds it.
 class MessageQueue {
  public:
   MessageQueue() : ring_(1 << 12) {}
@@ -18,8 +23,18 @@ class MessageQueue {
     if (size() == ring_.size()) grow();
     ring_[tail_++ & (ring_.size() - 1)] = message;
   }
+  // Behind all messages whose clocks are not later.
+  void insert(const Message& message) {
+    push(message);
+    for (size_t i = tail_ - 1; i != head_; --i) {
+      Message &before = ring_[(i - 1) & (ring_.size() - 1)], &here = ring_[i & (ring_.size() - 1)];
+      if (before.clock <= here.clock) break;
+      std::swap(before, here);
+    }
+  }
   const Message& operator[](size_t i) const { return ring_[(head_ + i) & (ring_.size() - 1)]; }
   const Message& front() const { return (*this)[0]; }
+  int64_t next_clock() const { return empty() ? kNoMessage : front().clock; }
   const Message& back() const { return (*this)[size() - 1]; }
   void pop() {
     taken_until_ = std::max(taken_until_, front().end_clock);
@@ -27,6 +42,12 @@ class MessageQueue {
   }
   // Latest end of all messages taken so far: they can no longer be revoked.
   int64_t taken_until() const { return taken_until_; }
+  // From now on a link's thread takes messages while others add and revoke them.
+  void share() { shared_ = true; }
+  // Keeps the queue to the caller while the result lives, if it is shared.
+  std::unique_lock<std::recursive_mutex> hold() {
+    return shared_ ? std::unique_lock(guard_) : std::unique_lock(guard_, std::defer_lock);
+  }
   void clear() { head_ = tail_; }
 
  private:
@@ -38,6 +59,8 @@ class MessageQueue {
   std::vector<Message> ring_;  // size is a power of two
   size_t head_ = 0, tail_ = 0;
   int64_t taken_until_ = 0;
+  std::recursive_mutex guard_;  // cutting a plan hands messages on within
+  bool shared_ = false;
 };
 
 }  // namespace passo

@@ -2,6 +2,7 @@
 // clocks, with the way back: what is not yet sent can be planned anew.
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <deque>
 #include <functional>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "compressor.hpp"
+#include "laser.hpp"
 #include "message_queue.hpp"
 #include "planner.hpp"
 #include "statistics.hpp"
@@ -43,6 +45,11 @@ class Motion {
   const PlanStatistics& plan() const { return plan_; }
   const Cpu& cpu() const { return cpu_; }
   MessageQueue& messages() { return messages_; }
+  // Messages that wait to be taken.
+  size_t waiting() {
+    auto held = messages_.hold();
+    return messages_.size();
+  }
   const StepStatistics& steps(size_t i) const { return compressors_[i].statistics(); }
   Compressor& compressor(size_t i) { return compressors_[i]; }
   int64_t count(size_t i) const { return solvers_[i].count(); }
@@ -69,6 +76,24 @@ class Motion {
     records_.push_back({target, value, 0});
     ++unattached_;
     if (planner_.queued() == 0) place(planner_.clock(), std::exchange(unattached_, 0));
+  }
+
+  // Output `target` is a laser, fully on at `full`.
+  void set_laser(uint16_t target, uint32_t full) {
+    laser_target_ = target;
+    laser_full_ = full;
+  }
+  // The laser's share of full power, on moves pushed from now on, where they go as fast as they
+  // were told to; elsewhere less, as they are slower. 0: records alone set it.
+  void follow_speed(double share) { planner_.laser_share = share; }
+  // A record for output `target`, due at `ticks` in the midst of the moves. It cannot be revoked:
+  // no cut may be asked for at an earlier clock any more.
+  void record_at(double ticks, uint16_t target, uint32_t value) {
+    auto held = messages_.hold();
+    int64_t clock = int64_t(std::ceil(ticks));
+    MessageQueue& queue = clock < handed_out_ ? messages_ : pins_;
+    queue.insert({clock, clock, value, 0, 0, target, MessageKind::pin, 0});
+    merge(false);
   }
 
   // Settles all, for a stop at the end, and hands out every message.
@@ -99,6 +124,10 @@ class Motion {
     set_apart_[i] += count - solvers_[i].count();
     solvers_[i].set_count(count);
   }
+  // While `on`, X, Y and Z of all positions are those of the first three actuators of a nonlinear
+  // geometry, each of which moves by itself. Only while the machine stands; where it is must be set
+  // after either change.
+  void use_joints(bool on) { machine_.joints = on && planner_.constraints().actuators.size() >= 3; }
   void set_tool_offset(size_t tool, int j, double mm) { machine_.tools[tool].offset[j] = mm; }
 
   // After an endstop has stopped motors on the board: the next step of motor i tells its clock and
@@ -114,7 +143,70 @@ class Motion {
   double replan_from(double ticks) {
     std::vector<Move> rest;
     double speed2 = cut(ticks, rest);
-    planner_.resume(std::move(rest), speed2, ticks_of_cut_);
+    resume_plan(rest, speed2, ticks_of_cut_);
+    process(false);
+    return ticks_of_cut_;
+  }
+
+  // As replan_from, and all that is still to come lies `mm` further along slot j (X, Y or Z): the
+  // machine leans over to it in mid-move, or by a move of its own at the end. What is suspended
+  // goes on from the shifted place. Not while moves are held, but not suspended.
+  double shift_from(double ticks, int j, double mm, size_t extruder) {
+    if (aside_) {
+      for (Move& m : aside_->moves) m.p0[j] += mm, m.p1[j] += mm;
+      aside_->stop[j] += mm;
+      aside_->end[j] += mm;
+      return planner_.clock();
+    }
+    std::vector<Move> rest;
+    double speed2 = cut(ticks, rest);
+    planner_.take_queue(rest);
+    double left = planner_.shift(rest, speed2, j, mm);
+    resume_plan(rest, speed2, ticks_of_cut_);
+    process(false);
+    if (left != 0) push_shift(j, left, extruder);
+    return ticks_of_cut_;
+  }
+  // Shifts what comes behind all moves so far, by a move of its own.
+  void push_shift(int j, double mm, size_t extruder) {
+    MoveRequest m{};
+    std::copy_n(planner_.position(), kAxes, m.target);
+    m.target[j] += mm;
+    if (extruder < machine_.extruders.size()) m.target[kE] = planner_.extruder_position(extruder);
+    m.extruder = uint16_t(extruder);
+    m.feed_mm_s = m.radius_mm = kInfinity;
+    m.kind = MoveKind::travel;
+    m.moved = uint8_t(1u << j);
+    push(m);
+  }
+  // Whether `allowed` holds for the ends of all moves that shift_from would shift, each `mm`
+  // further.
+  bool allows_shift(double ticks, int j, double mm,
+                    const std::function<bool(const double*)>& allowed) const {
+    auto beside = [&](const double* end) {
+      double p[kAxes];
+      std::copy_n(end, kAxes, p);
+      p[j] += mm;
+      return allowed(p);
+    };
+    auto ends = [&](const Move& m) { return beside(m.p1); };
+    if (aside_)
+      return beside(aside_->stop) && beside(aside_->end) &&
+             std::all_of(aside_->moves.begin(), aside_->moves.end(), ends);
+    return std::all_of(history_.begin(), history_.end(),
+                       [&](const Move& m) { return m.end() <= ticks || ends(m); }) &&
+           planner_.all_queued(ends) && beside(planner_.position());
+  }
+
+  // Ends the dwell that is under way at `ticks`, if there is one; returns the clock of the cut.
+  std::optional<double> skip_dwell_from(double ticks) {
+    auto m = std::find_if(history_.begin(), history_.end(),
+                          [&](const Move& x) { return x.end() > ticks; });
+    if (m == history_.end() || m->kind != MoveKind::dwell || m->start > ticks) return std::nullopt;
+    std::vector<Move> rest;
+    double speed2 = cut(ticks, rest);
+    if (!rest.empty() && rest[0].kind == MoveKind::dwell) rest[0].duration = 0;
+    resume_plan(rest, speed2, ticks_of_cut_);
     process(false);
     return ticks_of_cut_;
   }
@@ -153,7 +245,7 @@ class Motion {
       braking.push_back(m);
     }
     held_.assign(rest.begin() + long(i), rest.end());
-    planner_.resume(std::move(braking), speed2, ticks_of_cut_);
+    resume_plan(braking, speed2, ticks_of_cut_);
     flush();
     return ticks_of_cut_;
   }
@@ -161,7 +253,7 @@ class Motion {
   void release() {
     std::vector<Move> rest;
     rest.swap(held_);
-    planner_.resume(std::move(rest), 0, planner_.clock());
+    resume_plan(rest, 0, planner_.clock());
     process(false);
   }
   size_t held() const { return held_.size(); }
@@ -172,6 +264,18 @@ class Motion {
     while (lines_.size() > 1 && lines_[1].start <= ticks) lines_.pop_front();
     if (lines_.empty() || lines_[0].start > ticks) return {0, 0};
     return {lines_[0].number, lines_[0].z};
+  }
+  // Where the plan was at `ticks`, in the last second or so: X, Y, Z, the extruder of that move and
+  // further axes. Nothing if that is longer ago.
+  std::optional<std::array<double, kAxes>> position_at(double ticks) const {
+    auto next = std::upper_bound(history_.begin(), history_.end(), ticks,
+                                 [](double t, const Move& m) { return t < m.start; });
+    if (next == history_.begin()) return std::nullopt;
+    const Move& m = *std::prev(next);
+    double part = m.kind == MoveKind::dwell ? 1 : along(m, ticks - m.start).first / m.d;
+    std::array<double, kAxes> p;
+    for (size_t j = 0; j < p.size(); ++j) p[j] = m.p0[j] + (m.p1[j] - m.p0[j]) * part;
+    return p;
   }
   // After hold_from: puts what is held aside, with its records, so that other moves may come first,
   // from where the machine stands. `resume` takes it up again; the machine must be back there.
@@ -227,6 +331,7 @@ class Motion {
   }
 
  private:
+  static constexpr double kKeptSeconds = 1.0;  // of motion that is under way or done already
   Machine machine_;  // its steps per unit and tool offsets may change while it stands
   Planner planner_;
   bool with_steps_;
@@ -237,8 +342,11 @@ class Motion {
   std::vector<int64_t> set_apart_;  // steps by which positions were set without motion
   std::deque<Compressor> compressors_;
   MessageQueue messages_, pins_;
+  std::vector<MessageQueue*> merged_;  // pins_ and those of the compressors
+  std::vector<int64_t> next_clocks_;   // of each of them
   std::deque<Record> records_, placed_, marks_;
-  std::deque<Move> history_;
+  std::vector<Move> history_;
+  size_t history_begin_ = 0;  // moves before it are forgotten
   std::vector<Move> held_;
   bool keeps_lines_ = false;
   struct Line {
@@ -257,9 +365,15 @@ class Motion {
   };
   std::optional<Aside> aside_;
   uint16_t unattached_ = 0;  // last records_ that wait for a move to follow
-  int64_t handed_out_ = 0;   // clock of the last message merged
+  uint16_t laser_target_ = kMark;
+  uint32_t laser_full_ = 0, light_ = 0;  // light_: the last value sent while following_
+  bool following_ = false;               // the laser's power is that of the speed, not of a record
+  int64_t handed_out_ = 0;               // clock of the last message merged
   double ticks_of_cut_ = 0;
 
+  void resume_plan(std::vector<Move>& moves, double speed2, double clock) {
+    unattached_ += planner_.resume(std::move(moves), speed2, clock);
+  }
   double now() const { return cpu_clock_ ? cpu_clock_() : 0; }
   void process(bool still) {
     double start = now();
@@ -267,26 +381,53 @@ class Motion {
     for (const Move& m : moves) {
       plan_.add(m, machine_.clock_hz, 1);
       place(m.start, m.records);
+      if (with_steps_) light(m);
       if (on_move) on_move(m);
       if (keeps_lines_ && m.line > 0 && (lines_.empty() || lines_.back().number != m.line))
         lines_.push_back({m.start, m.line, m.p1[kZ]});
     }
-    if (still) place(planner_.clock(), std::exchange(unattached_, 0));
+    if (still) {
+      dim(planner_.clock());
+      place(planner_.clock(), std::exchange(unattached_, 0));
+    }
     if (with_steps_) {
-      for (size_t i = 0; i < solvers_.size(); ++i) {
+      for (size_t i = 0; i < solvers_.size(); ++i)
         for (const Move& m : moves) solvers_[i].solve(m, compressors_[i].steps());
-        double solved = now();
-        cpu_.steps += solved - start;
-        compressors_[i].advance(planner_.clock(), still);
-        start = now();
-        cpu_.compress += start - solved;
-      }
+      double solved = now();
+      cpu_.steps += solved - start;
+      for (Compressor& c : compressors_) c.advance(planner_.clock(), still);
       forget();
       history_.insert(history_.end(), moves.begin(), moves.end());
       merge(still);
-      cpu_.compress += now() - start;
+      cpu_.compress += now() - solved;
     }
     moves.clear();
+  }
+
+  // Power that follows the speed of a move; off when the next one is none that has it.
+  void light(const Move& m) {
+    if (m.duty == 0) return dim(m.start);
+    each_speed(m, machine_.clock_hz, [&](double ticks, double speed) {
+      set_light(ticks, uint32_t(std::min(1.0, m.duty * speed) * laser_full_ + 0.5));
+    });
+    following_ = true;
+  }
+  // After a cut between two moves: the one before it has the last word on the laser.
+  bool still_following() const {
+    if (history_.empty() || history_.back().duty == 0) return false;
+    for (const Record& r : placed_)
+      if (r.target == laser_target_ && double(r.clock) >= history_.back().end() - 1) return false;
+    return true;
+  }
+  void dim(double ticks) {
+    if (std::exchange(following_, false)) set_light(ticks, 0);
+  }
+  void set_light(double ticks, uint32_t value) {
+    if (following_ && value == light_) return;
+    following_ = true;
+    light_ = value;
+    int64_t clock = std::max(int64_t(std::floor(ticks + 0.5)), handed_out_);
+    pins_.push({clock, clock, value, 0, 0, laser_target_, MessageKind::pin, 0});
   }
 
   // The next n records are due at `ticks`.
@@ -299,30 +440,50 @@ class Motion {
         marks_.push_back(r);
       else
         pins_.push({r.clock, r.clock, r.value, 0, 0, r.target, MessageKind::pin, 0});
+      if (r.target == laser_target_) following_ = false;
       placed_.push_back(r);
     }
   }
 
   // What ended before the last command taken can no longer be replanned.
   void forget() {
+    auto held = messages_.hold();
     double taken = double(messages_.taken_until());
-    while (!history_.empty() && history_.front().end() < taken) history_.pop_front();
+    double past = taken - kKeptSeconds * machine_.clock_hz;
+    while (history_begin_ < history_.size() && history_[history_begin_].end() < past)
+      ++history_begin_;
+    if (2 * history_begin_ >= history_.size()) {
+      history_.erase(history_.begin(), history_.begin() + long(history_begin_));
+      history_begin_ = 0;
+    }
     while (!placed_.empty() && double(placed_.front().clock) < taken) placed_.pop_front();
     for (Compressor& c : compressors_) c.forget_resets(messages_.taken_until());
   }
 
   // Moves to messages_ all that no later message can precede.
   void merge(bool all) {
+    auto held = messages_.hold();
     double limit = planner_.clock();
     for (Compressor& c : compressors_) limit = std::min(limit, c.next_clock(planner_.clock()));
+    // Which comes next is as good as random: the comparisons must not be branches.
+    std::vector<MessageQueue*>& queues = merged_;
+    queues.assign(1, &pins_);
+    for (Compressor& c : compressors_) queues.push_back(&c.messages());
+    next_clocks_.clear();
+    for (MessageQueue* queue : queues) next_clocks_.push_back(queue->next_clock());
+    const int64_t end = all ? kNoMessage : int64_t(std::ceil(limit));
     for (;;) {
-      MessageQueue* first = pins_.empty() ? nullptr : &pins_;
-      for (Compressor& c : compressors_)
-        if (!c.messages().empty() && (!first || c.messages().front().clock < first->front().clock))
-          first = &c.messages();
-      if (!first || (!all && double(first->front().clock) >= limit)) break;
-      messages_.push(first->front());
-      first->pop();
+      int64_t clock = next_clocks_[0];
+      size_t first = 0;
+      for (size_t i = 1; i < queues.size(); ++i) {
+        bool sooner = next_clocks_[i] < clock;
+        clock = sooner ? next_clocks_[i] : clock;
+        first = sooner ? i : first;
+      }
+      if (clock >= end) break;
+      messages_.push(queues[first]->front());
+      queues[first]->pop();
+      next_clocks_[first] = queues[first]->next_clock();
     }
     if (!messages_.empty()) handed_out_ = std::max(handed_out_, messages_.back().clock);
     if (all)
@@ -332,6 +493,7 @@ class Motion {
   // Revokes steps, messages and moves from a clock ≥ `ticks` on; that clock goes to ticks_of_cut_,
   // the revoked moves to `rest`. Returns the speed² at the cut.
   double cut(double ticks, std::vector<Move>& rest) {
+    auto held = messages_.hold();  // what the link has taken stays as it is until all is cut
     merge(true);
     int64_t at = std::max(int64_t(std::ceil(ticks)), messages_.taken_until());
     ticks_of_cut_ = std::min(double(at), planner_.clock());
@@ -351,12 +513,15 @@ class Motion {
     }
     while (!marks_.empty() && marks_.back().clock > at) marks_.pop_back();
     size_t first = history_.size();
-    while (first > 0 && history_[first - 1].end() > ticks_of_cut_) --first;
+    while (first > history_begin_ && history_[first - 1].end() > ticks_of_cut_) --first;
     for (size_t i = first; i < history_.size(); ++i) {
       plan_.add(history_[i], machine_.clock_hz, -1);
       rest.push_back(history_[i]);
     }
     history_.resize(first);
+    bool midway = !rest.empty() && rest[0].start < ticks_of_cut_;
+    following_ = midway ? rest[0].duty > 0 : still_following();
+    light_ = laser_full_ + 1;  // what is kept of it is not known
     // Records that no move of the rest brings along were due at the end of the plan, or late.
     size_t brought = 0;
     for (const Move& m : rest) brought += m.start >= ticks_of_cut_ ? m.records : 0;
@@ -383,27 +548,29 @@ class Motion {
       finish(rest, done);
       return 0;
     }
-    double hz = machine_.clock_hz, v, s;
-    double t0 = std::min(tau, done.t_acc) / hz,
-           t1 = std::clamp(tau - done.t_acc, 0.0, done.t_cru) / hz;
-    double t2 = std::max(0.0, tau - done.t_acc - done.t_cru) / hz;
-    s = done.v0 * t0 + 0.5 * done.a * t0 * t0 + done.vc * t1 + done.vc * t2 -
-        0.5 * done.b * t2 * t2;
-    v = t2 > 0 ? done.vc - done.b * t2 : tau > done.t_acc ? done.vc : done.v0 + done.a * t0;
-    s = std::clamp(s, 0.0, done.d);
+    auto [s, v] = along(done, tau);
     double part = s / done.d;
     Move left = done;
     Bounds::cut(done, part, 1, left);
     Bounds::cut(Move(done), 0, part, done);
     done.d_acc = std::min(done.d_acc, s);
     done.d_cru = std::min(done.d_cru, s - done.d_acc);
-    done.t_acc = t0 * hz;
-    done.t_cru = t1 * hz;
-    done.t_dec = t2 * hz;
+    done.t_dec = std::max(0.0, tau - done.t_acc - done.t_cru);
+    done.t_cru = std::clamp(tau - done.t_acc, 0.0, done.t_cru);
+    done.t_acc = std::min(tau, done.t_acc);
     left.inner = true;
     rest[0] = left;
     finish(rest, done);
     return v * v;
+  }
+  // Way and speed of a move, `tau` ticks after its start.
+  std::pair<double, double> along(const Move& m, double tau) const {
+    double hz = machine_.clock_hz;
+    double t0 = std::min(tau, m.t_acc) / hz, t1 = std::clamp(tau - m.t_acc, 0.0, m.t_cru) / hz;
+    double t2 = std::clamp(tau - m.t_acc - m.t_cru, 0.0, m.t_dec) / hz;
+    double s = m.v0 * t0 + 0.5 * m.a * t0 * t0 + m.vc * t1 + m.vc * t2 - 0.5 * m.b * t2 * t2;
+    double v = t2 > 0 ? m.vc - m.b * t2 : tau > m.t_acc ? m.vc : m.v0 + m.a * t0;
+    return {std::clamp(s, 0.0, m.d), v};
   }
   void finish(std::vector<Move>& rest, const Move& done) {
     rest[0].records = 0;

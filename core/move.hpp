@@ -19,6 +19,7 @@ struct Move {
   double start;                                 // ticks since the start of the job
   double t_acc, t_cru, t_dec;                   // ticks
   double vn2, vj2;                              // caps of v²: within the move; at its start
+  double duty;                                  // share of a laser's power at one unit of speed
   double feed, duration, radius, speed_factor;  // as requested, kept for replanning
   uint32_t line;
   uint16_t layer, feature, extruder;

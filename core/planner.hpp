@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <vector>
 
 #include "bounds.hpp"
 #include "junction.hpp"
 #include "machine.hpp"
 #include "move.hpp"
+#include "shift.hpp"
 
 namespace passo {
 
@@ -28,6 +30,7 @@ class Planner {
   Constraints& constraints() { return bounds_.constraints(); }
   const Constraints& constraints() const { return bounds_.constraints(); }
   double speed_factor = 1;  // M220
+  double laser_share = 0;   // of full power, at the feed rate of moves to come
 
   // Settled moves that the caller has not taken yet; it clears the vector.
   std::vector<Move>& settled() { return settled_; }
@@ -71,8 +74,9 @@ class Planner {
 
   // Goes on at `clock` with speed² `speed2` in the midst of rest[0]: these moves, settled before,
   // and all that is queued are planned anew with the limits of now. Where the new limits ask for
-  // less speed than the machine has, it brakes as the old plan could.
-  void resume(std::vector<Move> rest, double speed2, double clock) {
+  // less speed than the machine has, it brakes as the old plan could. Returns how many records were
+  // due at the start of moves that are none any more, with no other behind them.
+  uint16_t resume(std::vector<Move> rest, double speed2, double clock) {
     rest.insert(rest.end(), queue_.begin() + long(head_), queue_.end());
     stand(clock);
     speed2_ = speed2;
@@ -88,6 +92,7 @@ class Planner {
       enqueue(m, false);
     }
     settle(false);
+    return carried;
   }
 
   // More records are due at the start of what is queued; false if nothing is.
@@ -97,10 +102,23 @@ class Planner {
     return true;
   }
 
+  // Whether `allowed` holds for all that is queued.
+  bool all_queued(const std::function<bool(const Move&)>& allowed) const {
+    return std::all_of(queue_.begin() + long(head_), queue_.end(), allowed);
+  }
+
   // Moves what is queued to the end of `rest`.
   void take_queue(std::vector<Move>& rest) {
     rest.insert(rest.end(), queue_.begin() + long(head_), queue_.end());
     stand(clock_);
+  }
+
+  // Shifts these moves, taken from the plan with all of its queue, see Shift; what comes later
+  // starts beside where it would have.
+  double shift(std::vector<Move>& moves, double speed2, int j, double mm) {
+    double left = Shift(bounds_, junction_, limits_).apply(moves, speed2, j, mm);
+    position_[j] += mm - left;
+    return left;
   }
 
   // Forgets the queue: the machine stands from `clock` on.
@@ -143,6 +161,8 @@ class Planner {
     m.moved = r.moved;
     m.inner = r.arc_inner;
     m.rapid = r.rapid;
+    bool dark = r.rapid || r.kind == MoveKind::dwell || !(r.feed_mm_s < kInfinity);
+    m.duty = dark ? 0 : laser_share / r.feed_mm_s;
     return m;
   }
 

@@ -7,25 +7,19 @@
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && defined(__linux__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(PASSO_NO_CLONES)
 #define PASSO_SIMD __attribute__((target_clones("default", "arch=x86-64-v3")))
+// Functions written twice, one of them for AVX2, are chosen between when the program runs.
+#define PASSO_CHOOSES 1
 #else
 #define PASSO_SIMD
 #endif
 // What a cloned function calls must be part of it to be cloned with it.
 #define PASSO_INLINE __attribute__((always_inline)) inline
-#define PASSO_INLINE_LAMBDA __attribute__((always_inline))
+#define PASSO_INLINE_AVX2 __attribute__((always_inline, target("avx2"))) inline
 
 namespace passo {
 
 // Adding this moves the integer part of |x| < 2^51 into the low bits, rounded half to even.
 inline constexpr double kRoundMagic = 6755399441055744.0;
 inline double round_even(double x) { return (x + kRoundMagic) - kRoundMagic; }
-inline double floor_fast(double x) {
-  double r = round_even(x);
-  return r > x ? r - 1 : r;
-}
-inline double ceil_fast(double x) {
-  double r = round_even(x);
-  return r < x ? r + 1 : r;
-}
 
 }  // namespace passo

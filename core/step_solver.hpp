@@ -113,7 +113,7 @@ class StepSolver {
   void solve(const Move& m, Steps& out) {
     if (spec_.drive == Drive::extruder && m.extruder != spec_.index) return;
     if (m.kind == MoveKind::dwell) return;
-    if (linear_)
+    if (linear_ || machine_.joints)
       solve_linear(m, out);
     else
       solve_path(m, out);
@@ -130,6 +130,8 @@ class StepSolver {
   Crossings crossings_;
 
   double position(const double* p) const {
+    if (machine_.joints && spec_.drive == Drive::actuator)
+      return p[spec_.index] * spec_.steps_per_unit;
     if (axis_ >= 0) return p[axis_] * spec_.steps_per_unit;
     if (linear_) return (c_[0] * p[0] + c_[1] * p[1] + c_[2] * p[2]) * spec_.steps_per_unit;
     return machine_.geometry->inverse(spec_.index, p) * spec_.steps_per_unit;

@@ -46,6 +46,13 @@ class Arc {
     done_ = 0;
     return true;
   }
+  // All that is left of it lies so much further along slot j.
+  void shift(int j, double mm) {
+    start_[j] += mm;
+    end_[j] += mm;
+    if (j == u_) cu_ += mm;
+    if (j == v_) cv_ += mm;
+  }
   double radius() const { return std::max(radius0_, radius1_); }
   bool first() const { return done_ == 1; }
 

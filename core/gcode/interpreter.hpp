@@ -41,6 +41,7 @@ enum class Fault : uint8_t {
   not_homed,
   cold,
   garbage,
+  unsaved,
   unreachable,
   actuator
 };
@@ -62,7 +63,8 @@ class Interpreter {
 
   Interpreter(const Machine& machine, std::vector<double> home, bool laser)
       : machine_(&machine), home_(std::move(home)), laser_(laser),
-        extruder_(machine.extruders.size(), 0.0) {
+        extruder_(machine.extruders.size(), 0.0), diameter_(machine.extruders.size(), kUsualMm),
+        change_(machine.extruders.size(), Change{100, 100}) {
     std::fill(std::begin(letter_slot_), std::end(letter_slot_), int8_t(-1));
     for (size_t i = 0; i < machine.axes.size(); ++i)
       letter_slot_[machine.axes[i].letter - 'A'] = int8_t(slot_of_axis(int(i)));
@@ -90,15 +92,16 @@ class Interpreter {
     pending_.clear();
     arc_ = Arc();
     next_word_ = 0;
-    logical_e_ += (position[kE] - position_[kE]) / flow;
+    logical_e_ += (position[kE] - position_[kE]) / e_scale();
     std::copy(position, position + kAxes, position_);
     if (!extruder_.empty()) extruder_[active_] = position_[kE];
   }
   // Takes up the program again as `before` left it, except for what the console has not said yet.
   void resume(const Interpreter& before) {
-    Lines console = std::move(sources_[1]);
+    Interpreter mine = std::move(*this);
     *this = before;
-    sources_[1] = std::move(console);
+    sources_[1] = std::move(mine.sources_[1]);
+    std::copy(std::begin(mine.saved_), std::end(mine.saved_), saved_);
   }
   // Takes the state that a program has in another interpreter of the same machine; what is unread
   // here, and which axes know where they are, stays.
@@ -119,8 +122,21 @@ class Interpreter {
   }
   // The active tool's offset is about to become `mm` along axis slot j.
   void shift_tool(int j, double mm) { origin_[j] += mm - tool_offset(j); }
-  // The program's zero moves by so much along axis slot j, from its next move on.
+  // The program's zero moves by so much along slot j (X, Y or Z).
   void shift_zero(int j, double mm) { origin_[j] += mm; }
+  // The machine lies so much further along slot j, and all that the program still does with it.
+  void shift(int j, double mm) {
+    origin_[j] += mm;
+    position_[j] += mm;
+    arc_.shift(j, mm);
+    for (Item& item : pending_) item.move.target[j] += mm;
+  }
+  // Whether axis slot j may be at this machine position; else what the error says.
+  bool in_range(int j, double at, GcodeError& error) const {
+    if (at >= low_[j] - 1e-6 && at <= high_[j] + 1e-6) return true;
+    error = {0, Fault::out_of_range, axis_name(j), at, at < low_[j] ? low_[j] : high_[j], {}};
+    return false;
+  }
   // M207 and M208.
   struct Retraction {
     double mm, feed_mm_s, hop_mm, recover_mm, recover_feed_mm_s;
@@ -128,6 +144,14 @@ class Interpreter {
   Retraction retraction() const {
     return {retract_mm_, retract_feed_, retract_hop_, recover_mm_, recover_feed_};
   }
+  // M200: E is a volume, of filament with this diameter for each extruder; and M209.
+  bool volumetric() const { return volumetric_; }
+  const std::vector<double>& diameters() const { return diameter_; }
+  bool auto_retract() const { return auto_retract_; }
+  struct Change {
+    double load_mm, unload_mm;  // M603, of filament
+  };
+  const std::vector<Change>& changes() const { return change_; }
   // A locked axis does not know where it is: moves of it fail until it is homed or set by G92.
   void lock(int j, bool locked) {
     locked_ = uint8_t(locked ? locked_ | 1u << j : locked_ & ~(1u << j));
@@ -197,6 +221,10 @@ class Interpreter {
   }
 
  private:
+  static constexpr double kPi = 3.141592653589793;
+  static constexpr double kLeastRetract = 0.1, kMostRetract = 10;  // mm, of M209
+  static constexpr double kLongestChange = 5000;                   // mm, of M603
+  static constexpr double kThinnest = 0.1, kThickest = 10;         // mm, of filament
   struct Item {
     Found found;
     MoveRequest move;
@@ -220,12 +248,23 @@ class Interpreter {
   double origin_[kAxes] = {};     // machine position of the program's zero
   double logical_e_ = 0;          // the program's E
   std::vector<double> extruder_;  // machine position of each extruder
+  static constexpr double kUsualMm = 1.75;
+  std::vector<double> diameter_;                          // of each extruder's filament, mm
+  bool volumetric_ = false;                               // E is mm³
+  static constexpr double kLoadMmS = 6, kUnloadMmS = 20;  // speeds of M701 and M702
+  std::vector<Change> change_;                            // of each extruder
   size_t tool_ = 0, active_ = 0;
   double unit_ = 1, feed_ = kInfinity;
   bool absolute_ = true, absolute_e_ = true;
   int motion_ = -1;  // modal G0…G3; -1: none given yet
   int plane_ = 17;
-  bool retracted_ = false;
+  static constexpr int kSaved = 2;
+  struct Saved {
+    bool valid = false;
+    double at[kAxes];
+  };
+  Saved saved_[kSaved];  // machine positions of G60
+  bool retracted_ = false, auto_retract_ = false;
   uint8_t locked_ = 0;  // a bit for each axis slot
   double hop_ = 0;
   double retract_mm_ = 3, retract_feed_ = 45, retract_hop_ = 0, recover_mm_ = 0, recover_feed_ = 0;
@@ -269,6 +308,17 @@ class Interpreter {
     pending_.push_back(std::move(item));
   }
 
+  // mm of filament for a mm, or mm³, of the program's E.
+  double e_scale() const {
+    if (!volumetric_ || diameter_.empty()) return flow;
+    double r = 0.5 * diameter_[active_];
+    return flow / (kPi * r * r);
+  }
+  // Letters whose words count from where they are.
+  uint32_t relative() const {
+    return (absolute_ ? 0 : ~0u) | (absolute_ && absolute_e_ ? 0 : 1u << ('E' - 'A'));
+  }
+
   // The common line: upper case axis letters, E and F, each with a number. Found::end: done, no
   // move; Found::error: the line needs the general way.
   Found fast_move(const char* p, const char* end, bool rapid) {
@@ -294,7 +344,7 @@ class Interpreter {
 
   // Resolves the target of the letters in `have`; false if nothing moves. `move_` is the result.
   bool straight(const double* value, uint32_t have, double feed, double duration, bool rapid) {
-    if (!target(value, have, absolute_, absolute_ && absolute_e_)) return false;
+    if (!target(value, have, relative()) || retracts(have)) return false;
     move_.feed_mm_s = feed;
     move_.duration_s = duration;
     move_.radius_mm = kInfinity;
@@ -303,7 +353,18 @@ class Interpreter {
     return ready();
   }
 
-  bool target(const double* value, uint32_t have, bool absolute, bool absolute_e) {
+  // M209: a move of filament alone is what a slicer knows of retraction. The program believes in
+  // its E; what moves is what M207 and M208 say.
+  bool retracts(uint32_t have) {
+    double mm = move_.target[kE] - position_[kE];
+    if (!auto_retract_ || have != 1u << ('E' - 'A')) return false;
+    if (std::fabs(mm) < kLeastRetract || std::fabs(mm) > kMostRetract) return false;
+    run_retract(mm < 0);
+    return true;
+  }
+
+  // `relative`: a bit for each letter that counts from where it is.
+  bool target(const double* value, uint32_t have, uint32_t relative) {
     std::copy(position_, position_ + kAxes, move_.target);
     uint8_t moved = 0;
     const double e_before = logical_e_;
@@ -311,10 +372,11 @@ class Interpreter {
       int k = __builtin_ctz(left), j = letter_slot_[k];
       moved |= uint8_t(1u << j);
       double v = value[k] * unit_;
+      bool absolute = (relative >> k & 1) == 0;
       if (j == kE) {
-        double delta = absolute_e ? v - logical_e_ : v;
-        logical_e_ = absolute_e ? v : logical_e_ + v;
-        move_.target[kE] = position_[kE] + delta * flow;
+        double delta = absolute ? v - logical_e_ : v;
+        logical_e_ = absolute ? v : logical_e_ + v;
+        move_.target[kE] = position_[kE] + delta * e_scale();
         continue;
       }
       double t = (absolute ? v + origin_[j] : position_[j] + v);
@@ -399,6 +461,10 @@ class Interpreter {
   void run_modal(const Word* first, const Word* last);
   void run_motion(int code, const Word* first, const Word* last);
   void run_arc(bool clockwise, const double* value, uint32_t have, int turns);
+  void run_saved(bool save, const Word* first, const Word* last);
+  void queue_straight(double feed, double duration, bool rapid);
+  bool run_filament(int code, const Word* first, const Word* last);
+  void queue_step(int j, double by, double feed);
   void run_retract(bool in);
   void select_tool(const Word& word);
   bool next_chord();

@@ -148,8 +148,9 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
   auto has = [&](char letter) {
     return std::any_of(w, end, [&](const Word& x) { return x.letter == letter; });
   };
-  bool numbers = minor == 0 && (command.letter == 'G' ? code == 4 || code == 92
-                                                      : code == 207 || code == 208 || code == 221);
+  bool numbers = minor == 0 &&
+                 (command.letter == 'G' ? code == 4 || code == 92
+                                        : code == 200 || code == 207 || code == 208 || code == 221);
   for (const Word* x = w; numbers && x < end; ++x) {
     if (!sound(*x)) return;
     if (x->letter == 'F' && !(x->value > 0)) return fail(Fault::feedrate, "F", x->value, 0);
@@ -204,9 +205,16 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
           if (x->letter >= 'A' && x->letter <= 'Z' && letter_slot_[x->letter - 'A'] >= 0 &&
               x->letter != 'E')
             letters += x->letter;
-        home(letters);
+        // O: only what does not know where it is, which the caller must find out.
+        if (has('O') && letter_slot_['O' - 'A'] < 0)
+          letters += 'O';
+        else
+          home(letters);
         return emit('G', 28, 0, "", letters);
       }
+      case 60:
+      case 61:
+        return run_saved(code == 60, w, end);
       case 90:
         absolute_ = true;
         return run_modal(w, end);
@@ -216,7 +224,7 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
       case 92: {
         // An axis that does not know where it is learns it; of others only the zero moves.
         bool any = false;
-        std::string learned;
+        std::string learned, actuators;
         auto set = [&](char letter, int j, double value) {
           if (j == kE)
             logical_e_ = value;
@@ -227,13 +235,17 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
         };
         for (const Word* x = w; x < end; ++x) {
           int j = x->letter >= 'A' && x->letter <= 'Z' ? letter_slot_[x->letter - 'A'] : -1;
-          if (j < 0) continue;
           any = true;
+          if (j < 0) {
+            actuators += x->letter + std::to_string(x->value) + " ";
+            continue;
+          }
           set(x->letter, j, x->value * unit_);
         }
         for (char letter = 'A'; !any && letter <= 'Z'; ++letter)
           if (letter_slot_[letter - 'A'] >= 0) set(letter, letter_slot_[letter - 'A'], 0);
         if (!learned.empty()) emit('G', 92, 0, "", learned);
+        if (!actuators.empty()) emit('G', 92, 1, "", actuators);
         return;
       }
       default:
@@ -248,6 +260,27 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
       case 83:
         absolute_e_ = false;
         return;
+      case 200: {
+        if (w == end) break;  // a question
+        double tool = value_of('T', double(tool_)), mm = value_of('D', 1);
+        if (!(tool >= 0 && tool < double(machine_->tools.size())))
+          return fail(Fault::missing_tool, "T", tool, double(machine_->tools.size()));
+        if (mm != 0 && !(mm >= kThinnest && mm <= kThickest))
+          return fail(Fault::number, "D", mm, kThickest);
+        int extruder = machine_->tools[size_t(tool)].extruder;
+        if (has('D') && mm > 0 && extruder >= 0) diameter_[size_t(extruder)] = mm;
+        volumetric_ = mm > 0 && value_of('S', 1) != 0;
+        return;
+      }
+      case 209:
+        if (!has('S')) break;  // a question
+        auto_retract_ = value_of('S', 0) != 0;
+        return;
+      case 603:
+      case 701:
+      case 702:
+        if (run_filament(code, w, end)) return;
+        break;
       case 207:
         retract_mm_ = value_of('S', retract_mm_);
         retract_feed_ = has('F') ? value_of('F', 0) / 60 : retract_feed_;
@@ -279,17 +312,21 @@ inline void Interpreter::run_motion(int code, const Word* w, const Word* end) {
   if (w == end) return;
   double value[26] = {}, feed = feed_, duration = 0, laser = 0;
   uint32_t have = 0;
-  bool absolute = absolute_, absolute_e = absolute_ && absolute_e_, keeps_feed = true,
-       has_laser = false;
+  uint32_t relative = this->relative();
+  bool keeps_feed = true, has_laser = false;
   int turns = 0;
   for (const Word* x = w; x < end; ++x) {
     std::string shown(1, x->letter);
     int slot = x->letter >= 'A' && x->letter <= 'Z' ? letter_slot_[x->letter - 'A'] : -1;
-    if (x->letter == 'R' &&
-        code < 2) {  // these axes, or all that are not named: the other way round
+    if (x->letter == 'R' && code < 2) {  // all are absolute but those right behind it
       if (x->number) continue;
-      absolute = absolute_e = true;
+      relative = 0;
       keeps_feed = false;
+      for (; x + 1 < end && !x[1].number && x[1].begin == x->end; ++x) {
+        if (x[1].letter < 'A' || x[1].letter > 'Z') break;
+        relative |= 1u << (x[1].letter - 'A');
+        keeps_feed |= x[1].letter == 'F';
+      }
       continue;
     }
     if (x->letter < 'A' || x->letter > 'Z') return fail(Fault::word, shown, 0, 0);
@@ -326,18 +363,55 @@ inline void Interpreter::run_motion(int code, const Word* w, const Word* end) {
     move_.feed_mm_s = feed;
     return run_arc(code == 2, value, have, turns);
   }
-  if (!target(value, axes, absolute, absolute_e)) return;
+  if (!target(value, axes, relative) || retracts(axes)) return;
+  queue_straight(feed, duration, code == 0);
+}
+
+// The target that move_ has now.
+inline void Interpreter::queue_straight(double feed, double duration, bool rapid) {
   move_.feed_mm_s = feed;
   move_.duration_s = duration;
   move_.radius_mm = kInfinity;
   move_.arc_inner = false;
-  move_.rapid = code == 0;
+  move_.rapid = rapid;
   move_.line = line_of_move();
   Item item{};
   item.found = Found::move;
   item.move = move_;
   item.move.kind = MoveKind::travel;
   pending_.push_back(std::move(item));
+}
+
+// G60 saves where the machine is as S; G61 goes there with the axes that it names, so far beside it
+// as their words say, with X, Y, Z if it names none. F counts for this move alone.
+inline void Interpreter::run_saved(bool save, const Word* w, const Word* end) {
+  double value[26] = {}, feed = kInfinity, slot = 0;
+  uint32_t have = 0;
+  for (const Word* x = w; x < end; ++x) {
+    if (x->number && !sound(*x)) return;
+    int k = x->letter - 'A';
+    if (x->letter == 'S' && x->number) slot = x->value;
+    if (x->letter == 'F' && x->number && x->value > 0) feed = x->value * unit_ / 60;
+    if (k < 0 || k >= 26 || letter_slot_[k] < 0) continue;
+    have |= 1u << k;
+    value[k] = x->number ? x->value * unit_ : 0;
+  }
+  if (!(slot == 0 || slot == 1)) return fail(Fault::number, "S", slot, kSaved - 1);
+  Saved& saved = saved_[int(slot)];
+  if (save) {
+    saved.valid = true;
+    std::copy(position_, position_ + kAxes, saved.at);
+    return emit('G', 60, 0, "", "S" + std::to_string(int(slot)));
+  }
+  if (!saved.valid) return fail(Fault::unsaved, "S", slot, 0);
+  if (have == 0) have = 1u << ('X' - 'A') | 1u << ('Y' - 'A') | 1u << ('Z' - 'A');
+  for (int k = 0; k < 26; ++k) {  // as relative words
+    if ((have >> k & 1) == 0) continue;
+    int j = letter_slot_[k];
+    double by = saved.at[j] + value[k] - position_[j];
+    value[k] = (j == kE ? by / e_scale() : by) / unit_;
+  }
+  if (target(value, have, ~0u)) queue_straight(feed, 0, false);
 }
 
 inline void Interpreter::run_arc(bool clockwise, const double* value, uint32_t have, int turns) {
@@ -350,7 +424,7 @@ inline void Interpreter::run_arc(bool clockwise, const double* value, uint32_t h
     if ((have >> k & 1) && letter_slot_[k] >= 0) axes |= 1u << k;
   double feed = move_.feed_mm_s, start[kAxes];
   std::copy(position_, position_ + kAxes, start);
-  if (!target(value, axes, absolute_, absolute_ && absolute_e_)) return;
+  if (!target(value, axes, relative())) return;
   double end[kAxes];
   std::copy(move_.target, move_.target + kAxes, end);
   double du = end[u] - start[u], dv = end[v] - start[v], cu, cv;
@@ -396,36 +470,74 @@ inline bool Interpreter::next_chord() {
   return ready();
 }
 
+// A move of slot j by so much, of which the program's own coordinates know nothing.
+inline void Interpreter::queue_step(int j, double by, double feed) {
+  if (by == 0) return;
+  Item item{};
+  item.found = Found::move;
+  MoveRequest& m = item.move;
+  const double* from = position_;
+  for (const Item& x : pending_)
+    if (x.found == Found::move) from = x.move.target;
+  std::copy(from, from + kAxes, m.target);
+  m.target[j] += by;
+  m.feed_mm_s = feed;
+  m.radius_mm = kInfinity;
+  m.line = line_of_move();
+  m.kind = MoveKind::travel;
+  m.moved = uint8_t(1u << j);
+  pending_.push_back(std::move(item));
+}
+
+// M603 sets the lengths of a tool's filament path; M701 pushes the filament of the tool in use in,
+// M702 pulls it out, lifted by Z meanwhile. False: a question.
+inline bool Interpreter::run_filament(int code, const Word* w, const Word* end) {
+  auto length_of = [&](char letter, double otherwise) {
+    for (const Word* x = w; x < end; ++x)
+      if (x->letter == letter && x->number) return x->value;
+    return otherwise;
+  };
+  if (code == 603 && w == end) return false;
+  double tool = length_of('T', double(tool_));
+  bool there = tool >= 0 && tool < double(machine_->tools.size()) &&
+               machine_->tools[size_t(tool)].extruder >= 0;
+  if (!there || (code != 603 && tool != double(tool_))) {
+    fail(Fault::missing_tool, "T", tool, double(machine_->tools.size()));
+    return true;
+  }
+  Change& change = change_[size_t(machine_->tools[size_t(tool)].extruder)];
+  double load = length_of('L', change.load_mm), unload = length_of('U', change.unload_mm);
+  double lift = std::clamp(length_of('Z', 0), 0.0, std::max(0.0, high_[kZ] - position_[kZ]));
+  if (!(load >= 0 && unload >= 0 && std::max(load, unload) <= kLongestChange)) {
+    fail(Fault::number, load > kLongestChange || load < 0 ? "L" : "U",
+         load > kLongestChange || load < 0 ? load : unload, kLongestChange);
+  } else if (code == 603) {
+    change = {load, unload};
+  } else if (cold) {
+    fail(Fault::cold, "E", 0, 0);
+  } else if (lift > 0 && locked(kZ)) {
+    fail(Fault::not_homed, axis_name(kZ), 0, 0);
+  } else {
+    queue_step(kZ, lift, kInfinity);
+    queue_step(kE, code == 701 ? load : -unload, code == 701 ? kLoadMmS : kUnloadMmS);
+    queue_step(kZ, -lift, kInfinity);
+  }
+  return true;
+}
+
 // Firmware retraction (G10, G11): filament first, then the hop; back in the reverse order.
 inline void Interpreter::run_retract(bool in) {
   if (in == retracted_ || machine_->extruders.empty()) return;
   if (cold) return fail(Fault::cold, "E", 0, 0);
   retracted_ = in;
-  auto step = [&](int j, double by, double feed) {
-    if (by == 0) return;
-    Item item{};
-    item.found = Found::move;
-    MoveRequest& m = item.move;
-    const MoveRequest* last = nullptr;
-    for (const Item& x : pending_)
-      if (x.found == Found::move) last = &x.move;
-    std::copy(last ? last->target : position_, (last ? last->target : position_) + kAxes, m.target);
-    m.target[j] += by;
-    m.feed_mm_s = feed;
-    m.radius_mm = kInfinity;
-    m.line = line_of_move();
-    m.kind = MoveKind::travel;
-    m.moved = uint8_t(1u << j);
-    pending_.push_back(std::move(item));
-  };
   if (in) {
-    step(kE, -retract_mm_, retract_feed_);
+    queue_step(kE, -retract_mm_, retract_feed_);
     hop_ = std::clamp(retract_hop_, 0.0, std::max(0.0, high_[kZ] - position_[kZ]));
-    step(kZ, hop_, kInfinity);
+    queue_step(kZ, hop_, kInfinity);
   } else {
-    step(kZ, -hop_, kInfinity);
+    queue_step(kZ, -hop_, kInfinity);
     hop_ = 0;
-    step(kE, retract_mm_ + recover_mm_, recover_feed_ > 0 ? recover_feed_ : retract_feed_);
+    queue_step(kE, retract_mm_ + recover_mm_, recover_feed_ > 0 ? recover_feed_ : retract_feed_);
   }
 }
 

@@ -2,6 +2,7 @@
 // CRC-16/MCRF4XX high byte first, 0x7e. Integers in a payload are variable length quantities.
 #pragma once
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -61,6 +62,23 @@ inline uint8_t* put_vlq(uint8_t* p, uint32_t value) {
   if (v < -32 || v >= 96) *p++ = uint8_t(0x80 | ((v >> 7) & 0x7f));
   *p++ = uint8_t(v & 0x7f);
   return p;
+}
+
+// The same without branches, for values whose length is as good as random. Writes kVlqRoom bytes.
+inline constexpr size_t kVlqRoom = 8;
+inline uint8_t* put_vlq_any(uint8_t* p, uint32_t value) {
+  const unsigned more = unsigned(value + 32 >= 1u << 7) + unsigned(value + 4096 >= 1u << 14) +
+                        unsigned(value + 524288 >= 1u << 21) +
+                        unsigned(value + 67108864 >= 1u << 28);
+  uint64_t v = uint64_t(int64_t(int32_t(value)));
+  uint64_t groups = (v >> 28 & 0x7f) | (v >> 21 & 0x7f) << 8 | (v >> 14 & 0x7f) << 16 |
+                    (v >> 7 & 0x7f) << 24 | (v & 0x7f) << 32 | 0x80808080;
+  groups >>= 8 * (4 - more);
+  if constexpr (std::endian::native == std::endian::little)
+    std::memcpy(p, &groups, sizeof groups);
+  else
+    for (size_t i = 0; i <= more; ++i) p[i] = uint8_t(groups >> 8 * i);
+  return p + 1 + more;
 }
 
 // Reads values of one payload; `ok` turns false for good when they end too early.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <deque>
+#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -55,6 +56,8 @@ class Heater {
     set_control(o_.control);
   }
 
+  // Held by whoever uses a heater whose link has a thread.
+  std::mutex& guard() { return guard_; }
   const HeaterOptions& options() const { return o_; }
   double celsius() const { return celsius_; }
   double target() const { return target_; }
@@ -161,6 +164,7 @@ class Heater {
   static constexpr size_t kSamplesMax = 4096;
   static constexpr double kFullShare = 0.95;  // of all the power: as good as all
 
+  std::mutex guard_;
   HeaterOptions o_;
   heat::Controller controller_;
   heat::Protection protection_;

@@ -21,7 +21,7 @@ class JobStream {
   // A message leaves at most this long before its clock, and at least kHorizon - kQuantum unless it
   // was planned later: in between it waits for others to fill a frame.
   static constexpr double kHorizonSeconds = 0.150, kQuantumSeconds = 0.025;
-  static constexpr size_t kLongestCommand = 2 + 2 + 5 + 3 + 3;
+  static constexpr size_t kLongestCommand = 2 + 2 + 5 + 3 + kVlqRoom;
 
   explicit JobStream(double clock_hz)
       : horizon_(Ticks(kHorizonSeconds * clock_hz)), quantum_(Ticks(kQuantumSeconds * clock_hz)),
@@ -82,6 +82,7 @@ class JobStream {
   Fill fill(uint8_t* payload, size_t& size, Ticks& first, Ticks now) {
     slot_wait_ = kNever;
     if (!running_ || !queue_) return Fill::dry;
+    auto held = queue_->hold();
     const Ticks limit = now + horizon_ - base_;
     while (!queue_->empty()) {
       const Message& m = queue_->front();
@@ -107,7 +108,9 @@ class JobStream {
   Ticks must_leave(Ticks first) const { return first - horizon_ + quantum_; }
   // Board clock at which fill() is worth calling again.
   Ticks wake() const {
-    if (!running_ || !queue_ || queue_->empty()) return kNever;
+    if (!running_ || !queue_) return kNever;
+    auto held = queue_->hold();
+    if (queue_->empty()) return kNever;
     Ticks due = must_leave(queue_->front().clock + base_);
     return slot_wait_ == kNever ? due : std::max(due, slot_wait_);
   }
@@ -158,8 +161,8 @@ class JobStream {
   uint8_t* encode(const Message& m, uint8_t* p) const {
     switch (m.kind) {
       case MessageKind::queue_step:
-        p = put_vlq(put(p, steppers_[m.target].queue_step), m.interval);
-        return put_vlq(put_vlq(p, m.count), uint32_t(int32_t(m.add)));
+        p = put_vlq_any(put(p, steppers_[m.target].queue_step), m.interval);
+        return put_vlq_any(put_vlq(p, m.count), uint32_t(int32_t(m.add)));
       case MessageKind::set_dir:
         return put_vlq(put(p, steppers_[m.target].set_dir),
                        uint32_t(m.dir != 0) ^ uint32_t(steppers_[m.target].invert));

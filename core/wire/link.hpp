@@ -1,10 +1,12 @@
 // The host's end of a board's wire. No input, output, thread or clock of its own: the caller brings
-// bytes and host time (ticks of the nominal frequency) and takes bytes and the next deadline.
+// bytes and host time (ticks of the nominal frequency) and takes bytes and the next deadline. Where
+// a thread drives it (live_wire.hpp), all others hold guard() while they use it.
 #pragma once
 #include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -33,6 +35,9 @@ class Link {
   }
   Link(const Link&) = delete;
   Link& operator=(const Link&) = delete;
+
+  std::mutex& guard() { return guard_; }
+  double hz() const { return hz_; }
 
   // Replaces the two messages that every board knows by all of its dictionary.
   void set_dictionary(Formats commands, Formats reports, size_t receive_window) {
@@ -71,6 +76,17 @@ class Link {
   bool lost() const { return unanswered_ > kLostAfter; }
 
   JobStream& job() { return job_; }
+  // The messages of the job; other threads may use them as well, if one drives this link.
+  void set_queue(MessageQueue* queue) {
+    queue_ = queue;
+    if (live_ && queue) queue->share();
+    job_.set_queue(queue);
+  }
+  // From now on a thread drives this link.
+  void set_live() {
+    live_ = true;
+    set_queue(queue_);
+  }
   // Starts the job at board clock `base`: every motor's clock is set, then messages flow.
   void start_job(Ticks base) {
     for (size_t i = 0; i < job_.steppers(); ++i) {
@@ -88,6 +104,12 @@ class Link {
     return *heaters_.back();
   }
   const std::vector<std::unique_ptr<Heater>>& heaters() const { return heaters_; }
+  // No heater is on its way to its target.
+  bool heaters_reached() const {
+    for (const auto& heater : heaters_)
+      if (heater->target() > 0 && !heater->reached() && !heater->faulty()) return false;
+    return true;
+  }
   // True once after faults of heaters: the board has been sent the order to switch them off.
   bool take_fault() { return std::exchange(fault_, false); }
 
@@ -149,12 +171,15 @@ class Link {
       0.1;  // from a report to the change of power it causes
   static constexpr size_t kInboxMax = 4096;
 
+  std::mutex guard_;
   double hz_;
   Formats commands_, reports_;
   Scanner scanner_;
   Window window_;
   ClockSync sync_;
   JobStream job_;
+  MessageQueue* queue_ = nullptr;
+  bool live_ = false;
   std::deque<std::pair<Bytes, bool>> now_queue_;  // commands; true: a question for the clock
   std::deque<Response> inbox_;
   std::vector<std::unique_ptr<Heater>> heaters_;
@@ -266,6 +291,7 @@ class Link {
     bool taken = false;
     for (size_t i = 0; i < heaters_.size(); ++i) {
       Heater& heater = *heaters_[i];
+      std::lock_guard lock(heater.guard());
       if (int64_t(heater.options().sensor_oid) != std::get<int64_t>(values[0])) continue;
       const auto& data = std::get<std::string>(values[2]);
       if (data.size() < 2 || !sync_.ready()) return true;

@@ -5,13 +5,12 @@
 
 #include "device.hpp"
 #include "link.hpp"
+#include "stop.hpp"
 
 namespace passo::wire {
 
 class Pump {
  public:
-  enum class Stop : uint8_t { time, shutdown, heaters, fault };
-
   // Host time equals the device's clock and begins at `start`.
   // `cpu_clock` gives CPU seconds, or is null.
   Pump(Link& link, Device& device, Ticks start, double (*cpu_clock)() = nullptr)
@@ -35,7 +34,7 @@ class Pump {
       Ticks next = exchange();
       if (link_.shut_down()) return Stop::shutdown;
       if (link_.take_fault()) return Stop::fault;
-      if (until_heaters && all_reached()) return Stop::heaters;
+      if (until_heaters && link_.heaters_reached()) return Stop::heaters;
       next = std::min(next, device_.next_deadline());
       if (next > until) {
         now_ = std::max(now_, until);
@@ -52,7 +51,7 @@ class Pump {
   Ticks now_;
   Bytes down_, up_, recorded_;
   bool recording_ = false;
-  static constexpr unsigned kSample = 61;
+  static constexpr unsigned kSample = 251;
   double (*cpu_clock_)();
   unsigned exchanges_ = 0;
   double device_cpu_ = 0;
@@ -65,7 +64,12 @@ class Pump {
       Ticks next = link_.poll(now_, down_);
       if (recording_) recorded_.insert(recorded_.end(), down_.begin(), down_.end());
       bool sampled = cpu_clock_ && exchanges_++ % kSample == 0;
-      double idle = sampled ? cpu_clock_() : 0, before = sampled ? cpu_clock_() : 0;
+      double idle = 0, before = 0;
+      if (sampled) {
+        cpu_clock_();  // the first call after a while takes longer than the next
+        idle = cpu_clock_();
+        before = cpu_clock_();
+      }
       if (!down_.empty()) device_.feed(down_.data(), down_.size(), now_);
       device_.poll(now_, up_);
       // The clock's own cost, before - idle, is taken off.
@@ -73,11 +77,6 @@ class Pump {
       if (up_.empty()) return next;
       link_.feed(up_.data(), up_.size(), now_);
     }
-  }
-  bool all_reached() const {
-    for (const auto& heater : link_.heaters())
-      if (heater->target() > 0 && !heater->reached() && !heater->faulty()) return false;
-    return true;
   }
 };
 

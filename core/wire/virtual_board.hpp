@@ -374,7 +374,7 @@ class VirtualBoard : public Bench {
       }
       case Command::endstop_query_state: {
         BoardEndstop& e = get<BoardEndstop>(a[0]);
-        Ticks clock = e.hits > 0 ? e.first_hit : e.next_sample;
+        Ticks clock = e.hits > 0 ? e.first_hit + e.rest : e.next_sample;
         report(Report::endstop_state, {a[0], e.armed, uint32_t(clock), level(e.pin)});
         break;
       }

@@ -12,8 +12,8 @@ namespace passo::wire {
 class Window {
  public:
   static constexpr uint64_t kBlocks = 12;
-  static constexpr size_t kOverrun =
-      16;  // a frame under construction may overrun its end by a command
+  // A frame under construction may overrun its end by a command.
+  static constexpr size_t kOverrun = 24;
 
   explicit Window(double clock_hz)
       : rto_min_(Ticks(0.025 * clock_hz)), rto_max_(Ticks(5 * clock_hz)),

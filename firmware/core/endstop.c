@@ -79,7 +79,9 @@ void command_endstop_query_state(const uint32_t *args) {
   struct endstop *endstop = object_get(args[0], OBJECT_ENDSTOP);
   if (endstop == NULL) return;
   hal_irq_t irq = hal_irq_save();
-  uint32_t clock = endstop->hits > 0 ? endstop->first_hit : endstop->timer.wake;
+  // Of the look after the one that was last a first hit, so that the host can tell when that was.
+  uint32_t clock =
+      endstop->hits > 0 ? endstop->first_hit + endstop->rest_ticks : endstop->timer.wake;
   uint32_t values[] = {args[0], endstop->armed, clock, hal_input_read(&endstop->input)};
   hal_irq_restore(irq);
   report(REPORT_ENDSTOP_STATE, values, 4);

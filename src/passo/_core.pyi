@@ -574,7 +574,9 @@ def expand_steps(rows: bytes, from_clock: int, to_clock: int) -> bytes:
 def expand_directions(rows: bytes, from_clock: int, to_clock: int, sign: int) -> bytes:
     """int8 directions of the steps of expand_steps(), times sign (+1 or -1)."""
 
-class PumpStop(enum.Enum):
+class Stop(enum.Enum):
+    """Why time stopped passing."""
+
     TIME = 0
 
     SHUTDOWN = 1
@@ -582,6 +584,8 @@ class PumpStop(enum.Enum):
     HEATERS = 2
 
     FAULT = 3
+
+    CLOSED = 4
 
 class Pump:
     """Runs a link and a device in virtual time."""
@@ -598,7 +602,38 @@ class Pump:
 
     def take_recorded(self) -> bytes: ...
 
-    def run(self, until: int, until_heaters: bool = False) -> PumpStop: ...
+    def run(self, until: int, until_heaters: bool = False) -> Stop: ...
+
+class LiveWire:
+    """
+    Drives a link over a file descriptor, which it owns, in real time and a thread of its own.
+    """
+
+    def __init__(self, link: Link, fd: int) -> None: ...
+
+    @property
+    def now(self) -> int: ...
+
+    @property
+    def latest_s(self) -> float:
+        """The most that the thread was late to send what was due."""
+
+    def use_board_clock(self) -> None:
+        """Once the link is synchronous: `now` is the board's clock from here on."""
+
+    def stop(self) -> None:
+        """No byte moves any more."""
+
+    def run(self, until: int, until_heaters: bool = False) -> Stop: ...
+
+class LiveBoard:
+    """
+    Lets a device answer on a file descriptor, which it owns, in real time and a thread of its own; look at the device only after `stop`.
+    """
+
+    def __init__(self, device: Device, fd: int, clock_hz: float) -> None: ...
+
+    def stop(self) -> None: ...
 
 def sincos(x: float) -> tuple[float, float]: ...
 
@@ -741,6 +776,16 @@ class Motion:
         Plans anew from this clock on with the limits of now; returns the clock of the cut.
         """
 
+    def shift_from(self, ticks: float, axis: int, mm: float) -> float:
+        """
+        From this clock on all lies so much further; returns the clock of the cut.
+        """
+
+    def skip_dwell_from(self, ticks: float) -> float | None:
+        """
+        Ends the dwell that is under way at this clock; returns the clock of the cut, or None.
+        """
+
     def hold_from(self, ticks: float) -> float:
         """
         Brakes to a stop on the path from this clock on; returns the clock of the cut.
@@ -807,9 +852,11 @@ class Fault(enum.Enum):
 
     GARBAGE = 10
 
-    UNREACHABLE = 11
+    UNSAVED = 11
 
-    ACTUATOR = 12
+    UNREACHABLE = 12
+
+    ACTUATOR = 13
 
 class Job:
     """A G-code program through one machine. Not thread-safe."""
@@ -878,6 +925,11 @@ class Job:
         A timed record for output `target`, due between the moves before and after.
         """
 
+    def record_at(self, ticks: float, target: int, value: int) -> None:
+        """
+        A record for output `target` at this clock, whatever moves are planned; it cannot be revoked.
+        """
+
     def mark(self, target: int, value: int) -> None:
         """A timed record for the host itself, see take_marks."""
 
@@ -896,6 +948,11 @@ class Job:
         """The machine stands until then; only after flush."""
 
     def replan_from(self, ticks: float) -> float: ...
+
+    def skip_dwell_from(self, ticks: float) -> float | None:
+        """
+        Ends the dwell that is under way at this clock; returns the clock of the cut, None if there is no dwell.
+        """
 
     def hold_from(self, ticks: float) -> float: ...
 
@@ -929,13 +986,26 @@ class Job:
     def machine_position(self) -> list[float]:
         """End of the plan: X, Y, Z, E and further axes, in machine mm."""
 
+    def set_laser(self, target: int, full: int) -> None:
+        """This output is a laser, fully on at `full`."""
+
+    def follow_speed(self, share: float) -> None:
+        """
+        The laser's share of full power, at the feed rate of the moves that follow; it is less where they are slower, and none while nothing moves. 0: records alone set it.
+        """
+
     def move_to(self, target: Sequence[float], feed_mm_s: float, limited: bool = True) -> bool:
         """
         A straight move in machine coordinates (NaN: stay), outside of soft limits. False if an actuator does not reach it, unless its limits are not to count.
         """
 
-    def set_axis(self, axis: int, position_mm: float) -> None:
-        """The axis of this number is here now, without motion."""
+    def set_axes(self, places: Sequence[tuple[int, float]]) -> None:
+        """These axes, by number, are here now (mm), without motion."""
+
+    def use_joints(self, on: bool) -> None:
+        """
+        X, Y and Z are from now on the first three actuators of a nonlinear geometry, or the axes again; only while the machine stands, and set_axes must say where they are.
+        """
 
     def renew_steppers(self, steppers: Sequence[int]) -> None:
         """
@@ -955,8 +1025,15 @@ class Job:
 
     def set_tool_offset(self, tool: int, axis: int, mm: float) -> None: ...
 
-    def shift_zero(self, axis: int, mm: float) -> None:
-        """The program's zero moves by so much, from its next move on."""
+    def shift_from(self, ticks: float, axis: int, mm: float) -> float | None:
+        """
+        From this clock on all lies so much further; returns the clock of the cut, None if that is out of range, see error.
+        """
+
+    def shift(self, axis: int, mm: float) -> bool:
+        """
+        The same behind all moves so far; False if that is out of range, see error.
+        """
 
     @property
     def tool_offsets(self) -> list[list[float]]: ...
@@ -964,6 +1041,17 @@ class Job:
     @property
     def retraction(self) -> tuple[float, float, float, float, float]:
         """(mm, mm/s, hop mm, extra mm, mm/s back or 0) of M207 and M208."""
+
+    @property
+    def filament_diameters(self) -> list[float] | None:
+        """mm, of each extruder, where E is a volume (M200); else None."""
+
+    @property
+    def filament_changes(self) -> list[tuple[float, float]]:
+        """mm that M701 pushes in and M702 pulls out, of each extruder."""
+
+    @property
+    def auto_retract(self) -> bool: ...
 
     def limit(self, name: str) -> float:
         """A limit as set_limit takes it."""
@@ -979,6 +1067,11 @@ class Job:
     def line_at(self, ticks: float) -> tuple[int, float]:
         """
         Line of the program's move that is under way, or was last, at a clock (0: none), and the Z to which it goes. Clocks must not go back.
+        """
+
+    def position_at(self, ticks: float) -> list[float] | None:
+        """
+        Where the plan was at a clock not much more than a second ago, as machine_position; None if it is longer ago.
         """
 
     @property

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
-from typing import Any
+from typing import Any, Self
 
 
 class ExitStatus(IntEnum):
@@ -190,13 +190,13 @@ CATALOGUE: Mapping[str, Entry] = {
     ),
     "machine.switch-missed": Entry(
         "homing",
-        "axis {axis} was not homed: {value} was not pressed within {limit} towards {position}",
+        "{axis} was not homed: {value} was not pressed within {limit} towards {position}",
         "Look whether the axis moved towards it, and what M119 says while you press it",
         ExitStatus.MACHINE_FAULT,
     ),
     "machine.switch-stuck": Entry(
         "homing",
-        "axis {axis} was not homed: {value} is still pressed {limit} away from {position}",
+        "{axis} was not homed: {value} is still pressed {limit} away from {position}",
         "Check its wiring and the ! in front of its pin, or give it a longer way back",
         ExitStatus.MACHINE_FAULT,
     ),
@@ -234,6 +234,7 @@ CATALOGUE: Mapping[str, Entry] = {
         "heater {axis} was switched off: {value:g} C is outside of its safe range, {limit} C",
         "Give a temperature within it, or change min_c and max_c of the heater",
     ),
+    "input.unsaved": _input("moves", "no position was saved as {value}", "Save one with G60 first"),
     "input.not-homed": _input(
         "homing",
         "axis {axis} does not know where it is",
@@ -325,6 +326,18 @@ CATALOGUE: Mapping[str, Entry] = {
         "Flash it again, and check that this is the board on that port",
         ExitStatus.MACHINE_FAULT,
     ),
+    "machine.unreachable": Entry(
+        "board",
+        "the board cannot be reached at {axis}: {value}",
+        "Check its cable and supply, and link and port in the machine file",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.closed": Entry(
+        "board",
+        "the connection to the board has ended",
+        "Check its cable and supply, and start again",
+        ExitStatus.MACHINE_FAULT,
+    ),
     "machine.shutdown": Entry(
         "board",
         "the board shut down: {value}",
@@ -346,6 +359,7 @@ class Problem:
 
     @property
     def entry(self) -> Entry:
+        """The row of the catalogue."""
         return CATALOGUE[self.code]
 
     @property
@@ -388,6 +402,20 @@ class PassoError(Exception):
         self.problems = tuple(problems)
         self.status = problems[0].entry.status
 
+    @classmethod
+    def of(
+        cls,
+        code: str,
+        file: str = "",
+        line: int | None = None,
+        /,
+        *,
+        hint: str = "",
+        **values: object,
+    ) -> Self:
+        """The error of one problem: a code of the catalogue, its place, its values."""
+        return cls([Problem(code, file, line, values, hint)])
+
 
 class ConfigError(PassoError):
     """A machine file or its name is wrong."""
@@ -399,6 +427,11 @@ class InputError(PassoError):
 
 class CommandError(PassoError):
     """A command could not be carried out; the printer itself is well."""
+
+    @classmethod
+    def bad_value(cls, word: str, value: float, limit: str) -> Self:
+        """A word of the command has a value that is not within its limit."""
+        return cls.of("command.value", axis=word, value=f"{value:g}", limit=limit)
 
 
 class MachineError(PassoError):

@@ -10,6 +10,7 @@ from tests.oracles.wire import step_clocks
 from passo import _core
 from passo.board import BoardDescription, Connection, Endstop, Heater, Output, Sensor, Stepper
 from passo.board.description import Control
+from passo.board.ports import InProcess
 from passo.simulator import Actuator, Body, PlantDescription, SimulatedBoard, Switch
 from passo.simulator.dictionary import Firmware
 
@@ -67,7 +68,7 @@ class Bench:
     def __post_init__(self) -> None:
         self.simulated = SimulatedBoard(self.board, PLANT, START, Kind.firmware)
         self.device = self.simulated.device
-        self.connection = Connection(self.board, self.device, START)
+        self.connection = Connection(self.board, InProcess(self.device, START))
         self.connection.connect()
         self.link = self.connection.link
 

@@ -7,6 +7,7 @@ import pytest
 from passo import _core
 from passo.board import Connection, Dictionary, decode
 from passo.board.connection import BoardSilentError
+from passo.board.ports import InProcess
 from passo.errors import MachineError
 from passo.simulator import SimulatedBoard
 from passo.simulator.dictionary import compressed_dictionary
@@ -54,13 +55,13 @@ def test_a_job_is_executed_to_the_tick():
 
 def test_all_bytes_of_a_session_can_be_read():
     bench = Bench()
-    bench.connection.pump.record(True)
+    bench.connection.wire.record(True)
     before = bench.link.wire_bytes
     plan = Planner()
     plan.steps(0, True, 1234, 10, -3, lead=0)
     bench.connection.start_job(plan.queue)
     bench.run(0.3)
-    recorded = bench.connection.pump.take_recorded()
+    recorded = bench.connection.wire.take_recorded()
     assert len(recorded) == bench.link.wire_bytes - before
     lines = decode(recorded, bench.connection.dictionary)
     assert "queue_step oid=0 interval=1234 count=10 add=-3" in lines
@@ -69,24 +70,24 @@ def test_all_bytes_of_a_session_can_be_read():
 
 def test_a_board_that_is_configured_alike_is_taken_as_it_is():
     bench = Bench()
-    second = Connection(bench.board, bench.device, bench.connection.now)
-    second.pump.record(True)
+    second = Connection(bench.board, bench.connection.port)
+    second.wire.record(True)
     second.connect()
-    lines = decode(second.pump.take_recorded(), second.dictionary)
+    lines = decode(second.wire.take_recorded(), second.dictionary)
     assert not [line for line in lines if line.startswith(("allocate", "config", "finalize"))]
     assert second.move_count == 1024
 
 
 def test_a_board_that_is_configured_otherwise_is_reset():
     simulated = SimulatedBoard(description(), PLANT, START)
-    first = Connection(description(), simulated.device, START)
+    first = Connection(description(), InProcess(simulated.device, START))
     first.connect()
     plan = Planner()
     plan.steps(0, True, 4000, 400)
     first.start_job(plan.queue)
     first.run(first.now + HZ)
     assert simulated.net_steps("x") == 400
-    second = Connection(description(pwm=True), simulated.device, first.now)
+    second = Connection(description(pwm=True), first.port)
     second.connect()
     assert simulated.net_steps("x") == 0
     assert simulated.position("x") == 15.0, "the actuator stays where it was"
@@ -98,13 +99,13 @@ def test_a_board_that_is_shut_down_is_reset():
     bench.connection.command("emergency_stop")
     with pytest.raises(MachineError, match="Command request"):
         bench.run(1.0)
-    Connection(bench.board, bench.device, bench.connection.now).connect()
+    Connection(bench.board, bench.connection.port).connect()
     assert bench.device.fault == ""
 
 
 def test_a_board_without_a_dictionary_is_refused():
     empty = _core.VirtualBoard(16e6, 16, 1023, 255, b"", 0)
-    connection = Connection(description(), empty, 0)
+    connection = Connection(description(), InProcess(empty))
     with pytest.raises(ValueError, match="damaged"):
         connection.connect()
 

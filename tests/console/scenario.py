@@ -84,7 +84,8 @@ class Host:
 
 
 class Scenario:
-    """A printer with consoles on a loop of its own; close it (or use `with`)."""
+    """A printer with consoles on a loop of its own, in virtual time unless another loop is given;
+    close it (or use `with`)."""
 
     def __init__(
         self,
@@ -93,8 +94,9 @@ class Scenario:
         free: bool = False,
         card: str | None = None,
         state: str | None = None,
+        loop: asyncio.AbstractEventLoop | None = None,
     ) -> None:
-        self.loop = VirtualLoop()
+        self.loop = loop or VirtualLoop()
         self._failures: list[object] = []
         self.loop.set_exception_handler(lambda _, context: self._failures.append(context))
         self.machine = config.load(machine) if isinstance(machine, str) else machine

@@ -5,6 +5,8 @@ import subprocess
 import pytest
 from tests.console.scenario import Scenario
 
+from passo.errors import CardError
+
 
 @pytest.fixture
 def image(tmp_path):
@@ -56,5 +58,5 @@ def test_a_full_card_keeps_what_it_has_and_says_so(image):
 
 def test_a_file_is_no_card(tmp_path):
     (tmp_path / "not.img").write_bytes(b"no file system" * 1000)
-    with pytest.raises(Exception, match="FAT32"), Scenario("i3", card=str(tmp_path / "not.img")):
+    with pytest.raises(CardError, match="FAT32"), Scenario("i3", card=str(tmp_path / "not.img")):
         pass

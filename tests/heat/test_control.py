@@ -8,7 +8,7 @@ import pytest
 from tests.heat.oven import FAN_LOSS, Oven
 
 from passo import _core, config
-from passo.printer.wiring import connect
+from passo.printer.wiring import connect_simulated
 
 CONTROLS = {
     "pid": "control = { kind = 'pid' }",
@@ -73,7 +73,7 @@ def test_gains_that_are_far_too_small_are_no_fault():
 
 def test_two_hotends_have_states_of_their_own():
     machine = config.load("dual-extruder")
-    connection, board = connect(machine)
+    connection, board = connect_simulated(machine)
     hz = machine.board.clock_hz
     connection.set_target("hotend", 200.0)
     connection.run(connection.now + 60 * hz)

@@ -39,27 +39,55 @@ def undisturbed(tmp_path_factory):
         return card, steps(s)
 
 
+def disturb(s, generator, babystep):
+    """Until the print is done; `babystep` may shift it, also in a pause."""
+    s.host.ok("M32 a.g")
+    s.passes(12)
+    while "Done printing file" not in s.host.heard:
+        s.passes(generator.expovariate(2.0))
+        choice = generator.randrange(7)
+        if choice == 0:
+            s.host.ok("M25")
+            s.passes(generator.uniform(0, 4))
+            babystep()
+            s.host.ok("M24")
+        elif choice == 1:
+            s.host.ok(f"M220 S{generator.choice((20, 50, 100, 200, 400))}")
+        elif choice == 2:
+            s.host.ok(f"M204 P{generator.choice((500, 1500, 3000))}")
+        elif choice == 3:
+            s.host.ok(f"M106 S{generator.randrange(256)}")
+        elif choice == 4:
+            s.host.ok("M114 R")
+        elif choice == 5:
+            babystep()
+        assert not s.printer.halted
+
+
 @pytest.mark.parametrize("seed", range(12))
 def test_it_ends_where_it_would_have_ended(undisturbed, seed):
     card, wanted = undisturbed
-    generator = random.Random(seed)
     with Scenario("i3", card=str(card)) as s:
-        s.host.ok("M32 a.g")
-        s.passes(12)
-        while "Done printing file" not in s.host.heard:
-            s.passes(generator.expovariate(2.0))
-            choice = generator.randrange(6)
-            if choice == 0:
-                s.host.ok("M25")
-                s.passes(generator.uniform(0, 4))
-                s.host.ok("M24")
-            elif choice == 1:
-                s.host.ok(f"M220 S{generator.choice((20, 50, 100, 200, 400))}")
-            elif choice == 2:
-                s.host.ok(f"M204 P{generator.choice((500, 1500, 3000))}")
-            elif choice == 3:
-                s.host.ok(f"M106 S{generator.randrange(256)}")
-            elif choice == 4:
-                s.host.ok("M114 R")
-            assert not s.printer.halted
+        disturb(s, random.Random(seed), lambda: None)
         assert steps(s) == wanted
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_babysteps_shift_it_by_their_sum(undisturbed, seed):
+    card, wanted = undisturbed
+    generator = random.Random(seed)
+    sums = {"x": 0.0, "z": 0.0}
+
+    with Scenario("i3", card=str(card)) as s:
+
+        def babystep():
+            axis, mm = generator.choice("xzz"), generator.randrange(-20, 20) / 20
+            if s.host.ok(f"M290 {axis}{mm}") == ["ok"]:
+                sums[axis] += mm
+
+        disturb(s, generator, babystep)
+        s.host.ok("M400", 60)
+        assert sums["z"] != 0
+        per_mm = {row["name"]: row["steps_per_unit"] for row in s.printer.job.steppers()}
+        for name, net in steps(s).items():
+            assert net == wanted[name] + round(sums.get(name, 0.0) * per_mm[name]), name

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from math import floor
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.oracles import motion as oracle
@@ -151,3 +152,23 @@ def test_a_step_at_the_end_of_a_stop_may_be_taken_back_at_once():
     motion.push([9, 0, 0, 0], 50.0)
     motion.flush()
     assert_arrived(motion, motion.take_messages(), [9.0, 0, 0, 0])
+
+
+@pytest.mark.parametrize("follows", [True, False])
+def test_a_dwell_ends_early_and_what_was_due_behind_it_is_done(follows):
+    motion = Motion(cartesian(), True)
+    motion.push([10, 0, 0, 0], 50.0)
+    motion.push([10, 0, 0, 0], 50.0, "dwell", duration_s=60.0)
+    motion.record(2, 7)
+    if follows:
+        motion.push([20, 0, 0, 0], 50.0)
+    motion.flush()
+    motion.take_moves()
+    assert motion.skip_dwell_from(0.1 * oracle.HZ) is None  # X moves
+    cut = 5.0 * oracle.HZ
+    assert motion.skip_dwell_from(cut) == cut
+    motion.flush()
+    assert [m.start_ticks for m in motion.take_moves()] == [cut] * follows
+    messages = motion.take_messages()
+    assert [(m[2], m[4]) for m in messages if m[0] == "pin"] == [(cut, 7)]
+    assert_arrived(motion, messages, [20.0 if follows else 10.0, 0.0, 0.0, 0.0])

@@ -1,6 +1,7 @@
 """Switches that are hit while the machine moves."""
 
 import re
+from array import array
 
 import pytest
 from tests.console.scenario import Scenario
@@ -77,3 +78,24 @@ def test_a_hit_ends_a_print(tmp_path):
         s.passes(2)
         assert s.positions() == at
         assert "Not SD printing" in s.host.ok("M27")[0]
+
+
+@pytest.mark.parametrize("after_s", [0.9, 1.7303, 2.4181, 3.1])
+def test_the_place_is_that_of_the_moment_when_the_switch_closed(s, after_s):
+    s.host.ok("M120")
+    s.passes(0.2)
+    s.board.trace_steps("x", 0, 1 << 62)
+    start = s.printer.connection.now
+    before = s.positions()["x"]
+    s.host.ok("G1 X80 F600")  # 10 mm/s: the board looks every 0.01 mm
+    s.passes(after_s)
+    closed = s.printer.connection.now
+    s.board.force_switch("y", True)
+    line = s.host.expect("^echo:endstops hit: Y at X:", 1)
+    where = float(re.search(r"X:([\d.]+)", line)[1])
+    assert s.positions()["x"] > where  # the host has learnt of it later
+    s.host.ok("M400")
+    _, directions = s.board.take_steps("x", start, closed)
+    made = sum(array("b", directions))
+    assert made > 0
+    assert where == pytest.approx(before + made / 80, abs=1 / 80)

@@ -17,6 +17,8 @@ CARTESIAN = {"x": 0.0, "y": 0.0, "z": 0.0, "e": 0.0}
         ("big-fish-i3", CARTESIAN | {"z1": 0.0}, 1 / 80),
         ("corexy", {"a": 0.0, "b": 0.0, "z": 0.0, "z1": 0.0, "e": 0.0}, 1 / 40),
         ("delta", {"a": 318.0, "b": 318.0, "c": 318.0, "e": 0.0}, 1 / 87),
+        ("rotary-delta", {"a": -30.0, "b": -30.0, "c": -30.0, "e": 0.0}, 1 / 218),
+        ("scara", {"a": -60.0, "b": 60.0, "z": 0.0, "e": 0.0}, 1 / 103),
     ],
 )
 def test_all_axes_end_at_their_switches(machine, home, step):
@@ -167,3 +169,130 @@ def test_a_delta_homes_all_its_carriages():
     with pytest.raises(ConfigError) as error:
         config.load_text(text, "delta.toml")
     assert "homing.b is missing" in str(error.value)
+
+
+DUAL_SCARA = """
+[geometry]
+kind = "dual_scara"
+"""
+
+
+def dual_scara(home=10.0):
+    """Two arms of 60 and 70 mm, 100 mm apart, homed where they spread outwards."""
+    changes = {
+        "min_mm = 0.0\nmax_mm = 200.0": "min_mm = -60.0\nmax_mm = 60.0",
+        "[axes.y]\nmin_mm = 0.0\nmax_mm = 200.0": "[axes.y]\nmin_mm = 60.0\nmax_mm = 110.0",
+        "min_deg = -60.0\nmax_deg = 120.0": "min_deg = -90.0\nmax_deg = 60.0",
+        "min_deg = 60.0\nmax_deg = 250.0": "min_deg = -60.0\nmax_deg = 90.0",
+        "position = -60.0": f"position = {-home}",
+        'direction = "min"\nposition = 60.0': f'direction = "max"\nposition = {home}',
+    }
+    head, rest = shipped_text("scara").split("[geometry]")
+    rest = "[axes.x]" + rest.split("[axes.x]", 1)[1]
+    for old, new in changes.items():
+        assert old in rest
+        rest = rest.replace(old, new, 1)
+    return config.load_text(head + DUAL_SCARA + rest)
+
+
+def test_arms_that_do_not_meet_at_home_are_refused():
+    with pytest.raises(ConfigError) as error:
+        dual_scara(50.0)
+    assert "homing.a.position is -50" in str(error.value)
+    assert "the forearms do not meet" in str(error.value)
+
+
+def test_the_arms_of_two_shoulders_find_their_switches():
+    with Scenario(dual_scara()) as s:
+        assert s.host.ok("G28", 60)[-1] == "ok"
+        at = s.positions()
+        assert at["a"] == pytest.approx(-10, abs=0.02)
+        assert at["b"] == pytest.approx(10, abs=0.02)
+        x, y, _ = s.machine.geometry.forward((-10.0, 10.0, 0.0))
+        assert f"X:{x + 0.0:.3f} Y:{y:.3f} Z:0.000" in s.host.ok("M114")[0]
+        s.host.ok("G1 X10 Y80 F3000")
+        s.host.ok("M400", 60)
+        a, b, _ = s.machine.geometry.inverse((10.0, 80.0, 0.0))
+        at = s.positions()
+        assert (at["a"], at["b"]) == pytest.approx((a, b), abs=0.02)
+
+
+def test_x_and_y_of_a_scara_are_homed_together_and_z_by_itself():
+    with Scenario("scara") as s:
+        assert s.host.ok("G28 X", 60)[-1] == "ok"
+        at = s.positions()
+        assert (at["a"], at["b"], at["z"]) == pytest.approx((-60, 60, 20), abs=0.02)
+        assert "axis Z does not know where it is" in s.host.ok("G1 Z5")[0]
+        assert "X:250.000 Y:-56.000" in s.host.ok("M114")[0]
+        assert s.host.ok("G28 Z", 60)[-1] == "ok"
+        assert s.positions()["z"] == pytest.approx(0, abs=0.01)
+        assert s.host.ok("G1 X150 Y50 Z5 F6000") == ["ok"]
+        s.host.ok("M400", 60)
+        a, b, _ = s.machine.geometry.inverse((150.0, 50.0, 5.0))
+        at = s.positions()
+        assert (at["a"], at["b"]) == pytest.approx((a, b), abs=0.02)
+
+
+def test_arms_turn_at_the_same_time():
+    with Scenario("scara") as s:
+        start = s.loop.time()
+        s.host.ok("G28 X", 60)
+        # 20 degrees at 40, 5 back, and 5 at 4 degrees per second, not twice that.
+        assert s.loop.time() - start < 0.5 + 0.25 + 1.25 + 1.5
+
+
+def test_an_arm_that_does_not_find_its_switch_is_named_with_its_angle():
+    with Scenario("scara") as s:
+        s.board.force_switch("b", False)
+        assert s.host.ok("G28", 120)[-2].startswith(
+            "echo:arm B was not homed: switch b at ^Y_MIN was not pressed within 190 degrees"
+            " towards 60 degrees."
+        )
+        for axis in "XYZ":
+            assert f"axis {axis} does not know" in s.host.ok(f"G1 {axis}10")[0]
+        s.board.force_switch("b", None)
+        assert s.host.ok("G28", 120)[-1] == "ok"
+        s.board.force_switch("a", True)
+        answer = s.host.ok("G28 Y", 120)[-2]
+        assert "arm A was not homed: switch a at ^X_MIN is still pressed 5 degrees" in answer
+
+
+BOTTOM = """
+[homing.z]
+direction = "min"
+position = 0.0
+pin = "^X_MIN"
+by_default = false
+retract = 2.0
+
+[heaters.hotend]"""
+
+
+def delta_with_a_switch_below():
+    text = shipped_text("delta").replace("\n[heaters.hotend]", BOTTOM, 1)
+    return config.load_text(text.replace("[board]", '[board]\npins = { X_MIN = "PA9" }'))
+
+
+def test_z_of_a_delta_may_have_a_switch_of_its_own():
+    with Scenario(delta_with_a_switch_below()) as s:
+        s.host.ok("G28", 60)
+        assert s.positions()["a"] == pytest.approx(318, abs=0.02)  # not by default
+        s.host.ok("G1 Z20 F6000")
+        s.host.ok("G92 Z25")
+        assert s.host.ok("G28 Z", 120)[-1] == "ok"
+        at = s.positions()
+        middle = s.machine.geometry.inverse((0.0, 0.0, 0.0))
+        assert [at[k] for k in "abc"] == pytest.approx(list(middle), abs=0.03)
+        assert "X:0.000 Y:0.000 Z:0.000" in s.host.ok("M114")[0]
+        s.host.ok("G1 X20 Z10 F6000")
+        s.host.ok("M400", 20)
+        at = s.positions()
+        wanted = s.machine.geometry.inverse((20.0, 0.0, 10.0))
+        assert [at[k] for k in "abc"] == pytest.approx(list(wanted), abs=0.03)
+
+
+def test_a_delta_that_knows_nothing_homes_its_carriages_before_z():
+    with Scenario(delta_with_a_switch_below()) as s:
+        assert s.host.ok("G28 Z", 120)[-1] == "ok"
+        middle = s.machine.geometry.inverse((0.0, 0.0, 0.0))
+        assert [s.positions()[k] for k in "abc"] == pytest.approx(list(middle), abs=0.03)

@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from tests.console.scenario import Scenario
+from tests.console.scenario import Host, Scenario
 
 
 @pytest.fixture
@@ -73,6 +73,24 @@ def test_a_dwell_takes_its_time_whatever_m220_says(s):
     for line, seconds in (("G4 S6", 6.0), ("G4 P500", 0.5), ("G4", 0.0)):
         assert took(s, line) == pytest.approx(seconds, abs=0.3), line
     assert took(s, "G4 S6") - took(s, "G4 S2") == pytest.approx(4.0, abs=0.02)
+
+
+@pytest.mark.parametrize(("command", "dwell_s", "further"), [("M108", 600, 60), ("M410", 1.9, 0)])
+def test_a_dwell_ends_when_somebody_wants_it(s, command, dwell_s, further):
+    """The moves behind it go on after M108, and are forgotten after a stop."""
+    other = Host(s)
+    before = s.positions()["x"]
+    s.host.send(f"G4 S{dwell_s}", "M106 S255", "G1 X60 F6000")
+    s.passes(1)
+    other.send(command)
+    s.passes(0.3)
+    assert s.printer.drive.standing == (command == "M410")
+    assert s.until(lambda: s.printer.drive.standing, 1)
+    assert s.positions()["x"] == before + further
+    assert (s.board.output_value("part") > 0) == (command == "M108")
+    assert s.host.ok("G1 X30 F6000") == ["ok"]
+    s.host.ok("M400")
+    assert s.positions()["x"] == before + 30.0
 
 
 def test_a_nominal_time_is_kept(s):
@@ -167,10 +185,94 @@ def test_a_laser_is_on_between_m3_and_m5():
         assert s.board.output_value("laser") == 0
 
 
-def test_e_is_a_length_and_volumes_are_refused(s):
-    assert "E is a length" in s.host.ok("M200 D1.75")[0]
-    for line in ("M200 D0", "M200 S0 D1.75", "M200"):
+def test_volumes_become_lengths(s):
+    """A filament of 1.75 mm has 2.40528 mm² across, one of 2 mm 3.14159."""
+    s.host.ok("M200 D1.75")
+    assert s.host.ok("M200")[0] == "M200 T0 D1.75"
+    s.host.ok("G1 E24.0528 F600")
+    s.host.ok("M400", 60)
+    assert s.positions()["e"] == pytest.approx(10.0, abs=0.01)
+    assert position(s)["E"] == 24.0528
+    s.host.ok("M200 D2")
+    s.host.ok("G1 E55.4687")
+    s.host.ok("M400", 60)
+    assert s.positions()["e"] == pytest.approx(20.0, abs=0.01)
+    assert sum(s.printer.job.statistics()["filament_mm"]) == pytest.approx(20.0, abs=1e-3)
+    s.host.ok("G10")  # a retraction is a length always
+    s.host.ok("M400", 60)
+    assert s.positions()["e"] == pytest.approx(17.0, abs=0.01)
+    s.host.ok("G11")
+    for line in ("M200 D0", "M200 S0 D2"):
         assert s.host.ok(line) == ["ok"], line
+        assert s.host.ok("M200")[0] == "M200 S0"
+    s.host.ok("G92 E0")
+    s.host.ok("G1 E5")
+    s.host.ok("M400", 60)
+    assert s.positions()["e"] == pytest.approx(25.0, abs=0.01)
+    assert "20" in s.host.ok("M200 D20")[0]
+    assert "tool" in s.host.ok("M200 T7 D1.75")[0]
+
+
+def test_a_slicer_s_own_retractions_become_those_of_the_firmware(s):
+    """Moves of filament alone, from 0.1 to 10 mm; their own lengths count only for the program."""
+    s.host.ok("M207 S1.5 F1800 Z0.4")
+    s.host.ok("M209 S1")
+    assert s.host.ok("M209")[0] == "M209 S1"
+    s.host.ok("G1 X10 E5 F6000")
+    for line, e, z in (
+        ("G1 E1 F2400", 3.5, 20.4),
+        ("G1 X20", 3.5, 20.4),
+        ("G1 E0.95", 3.45, 20.4),  # too short
+        ("G1 E5", 4.95, 20.0),
+        ("G1 X30 E6", 5.95, 20.0),
+        ("G1 E26", 25.95, 20.0),  # too long
+    ):
+        s.host.ok(line)
+        s.host.ok("M400", 60)
+        at = s.positions()
+        assert (at["e"], at["z"]) == pytest.approx((e, z), abs=0.02), line
+    assert position(s)["E"] == 26
+    s.host.ok("M209 S0")
+    s.host.ok("G1 E25")
+    s.host.ok("M400")
+    assert s.positions()["e"] == pytest.approx(24.95, abs=0.02)
+
+
+def test_filament_is_loaded_and_unloaded(s):
+    """The program's E does not change by it."""
+    s.host.ok("M603 L40 U25")
+    assert s.host.ok("M603")[0] == "M603 T0 L40 U25"
+    s.host.ok("G1 E2 F600")
+    assert took(s, "M701") == pytest.approx(40 / 6, abs=1)
+    assert s.positions()["e"] == pytest.approx(42, abs=0.01)
+    s.host.ok("M702 U10 Z5")
+    assert s.until(lambda: s.positions()["z"] == 25, 3)
+    s.host.ok("M400", 60)
+    assert s.positions()["e"] == pytest.approx(32, abs=0.01)
+    assert s.positions()["z"] == 20
+    s.host.ok("G1 E3")
+    s.host.ok("M400", 60)
+    assert s.positions()["e"] == pytest.approx(33, abs=0.01)
+    assert position(s)["E"] == 3
+    assert "does not exist" in s.host.ok("M701 T1")[0]
+    assert "L" in s.host.ok("M701 L9999")[0]
+    s.host.ok("M302 P0")
+    assert "cold" in s.host.ok("M702")[0]
+
+
+def test_letters_behind_r_are_relative(s):
+    s.host.ok("G1 X10 Y10 F6000")
+    s.host.ok("G1 X5 Y5 F600 RX")
+    assert position(s) | {"Z": 0, "E": 0} == {"X": 15, "Y": 5, "Z": 0, "E": 0}
+    s.host.ok("G91")
+    s.host.ok("G1 RXY X5 Y5")
+    assert position(s)["X"] == 20
+    assert position(s)["Y"] == 10
+    s.host.ok("G1 R X5 Y5")
+    assert position(s)["X"] == 5
+    assert took(s, "G1 X-50") < 2  # F600 was of its own move
+    s.host.ok("G1 RXF X50 F600")
+    assert took(s, "G1 X-10") == pytest.approx(6, abs=0.5)  # behind the 5 s of the move before
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,6 @@ def printing(tmp_path, text):
         b"; first\r\nG1 X10 F6000\r\n\r\n   \r\nG1 X20\r\n",
         b"G1 X10 F6000 ; there\nG1 X20",  # no end of the last line
         b"%\nN10 G1 X10 F6000\nN20 G1 X20\n",
-        b"G1 X10 F6000\nEOF\nG1 X20\n",  # a word, not an end
         b"G999\nG1 X20 F6000\nM123 S4\n",
     ],
 )
@@ -64,3 +63,14 @@ def test_a_pause_that_it_asks_for_ends_with_an_answer(tmp_path, command, answer)
         s.host.ok(answer)
         s.host.expect("^Done printing file$", 30)
         assert s.positions()["x"] == 40.0
+
+
+def test_eof_ends_it(tmp_path):
+    (tmp_path / "a.g").write_text("G92 X0 Y0 Z0\nG1 X5 F6000\nEOF\nG1 X50\n")
+    with Scenario("i3", card=str(tmp_path)) as s:
+        s.host.ok("M2")  # a console has no program to end
+        before = s.positions()["x"]
+        s.host.ok("M32 a.g")
+        s.host.expect("Done printing", 20)
+        s.passes(1)
+        assert s.positions()["x"] == before + 5

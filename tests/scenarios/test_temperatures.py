@@ -100,6 +100,27 @@ def test_a_fan_acts_in_its_place_among_the_moves(s):
     assert s.positions()["x"] == pytest.approx(50, abs=0.15)
 
 
+def test_f_makes_a_fan_act_in_the_midst_of_the_moves(s):
+    s.host.ok("G92 X0 Y0 Z0")
+    s.host.ok("G1 X15 F600")
+    s.host.ok("M106 S100")  # in its place: when X is at 15
+    s.host.ok("G1 X18")
+    s.passes(0.3)
+    s.board.trace_output("part")
+    asked = s.printer.connection.now
+    s.host.ok("M106 S255 F")
+    s.passes(0.5)
+    s.host.ok("M107F")
+    s.host.ok("M400", 20)
+    clocks, values = zip(*s.board.take_changes("part"), strict=True)
+    assert [round(v / values[0] * 255) for v in values] == [255, 0, 100]
+    hz = s.printer.connection.board.clock_hz
+    assert 0.15 < (clocks[0] - asked) / hz < 0.18
+    assert (clocks[1] - clocks[0]) / hz == pytest.approx(0.5, abs=0.02)
+    assert (clocks[2] - asked) / hz > 1.3
+    assert s.positions()["x"] == 38
+
+
 def test_a_fan_that_is_not_there_is_named(s):
     for line in ("M106 P5 S255", "M107 P5"):
         assert s.host.ok(line)[0].startswith("echo:P is 5: expected 0."), line

@@ -95,7 +95,7 @@ def test_homing_stops_at_the_switch():
     state = board.tell("endstop_query_state oid=5")[0][1]
     assert state["homing"] == 0
     assert state["pin_value"] == 1
-    assert state["next_clock"] == start + 800_000 & 0xFFFFFFFF
+    assert state["next_clock"] == start + 800_000 + 2500 & 0xFFFFFFFF
     # Until its clock is set anew the motor ignores steps.
     board.tell("queue_step oid=0 interval=1000000 count=1 add=0")
     board.wait(2_000_000)

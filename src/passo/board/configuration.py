@@ -30,6 +30,7 @@ class Oids:
 
     @classmethod
     def of(cls, board: BoardDescription) -> Oids:
+        """Numbers from 0 for all objects of a board, the same for the same description."""
         count = 0
 
         def numbered(names: Iterable[str]) -> dict[str, int]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import TypeAlias
 
@@ -18,6 +19,7 @@ from passo.board.configuration import (
 from passo.board.description import BoardDescription, Sensor, inverted
 from passo.board.dictionary import Dictionary
 from passo.board.faults import HeaterFault
+from passo.board.ports import Port
 from passo.errors import MachineError, Problem
 
 Values: TypeAlias = dict[str, int | bytes]
@@ -27,6 +29,8 @@ _STEP_S = 0.01
 _PATIENCE_S = 0.5
 _TRIES = 5
 _LEAD_S = 0.25
+_FAREWELL_S = 0.6
+_RESET_S = 0.05  # a board that has been told to reset has begun to by then
 _SLOTS_BY_HEATER = 4
 
 
@@ -39,20 +43,22 @@ class BoardSilentError(MachineError):
 
 
 class Connection:
-    """The host's side of a board that runs in this process, in virtual time.
+    """The host's side of one board, wherever it is.
 
     All times are ticks of the board's clock. Not thread-safe; `run` releases the interpreter lock.
+    On a live port real time passes, and a thread of the core looks after the link; else time passes
+    only in `run` and in what asks the board.
     Every method that lets time pass raises MachineError when the board shuts down and
     BoardSilentError when it no longer answers. When a heater fails, it is ordered off, to be so in
     0.1 s, and the fault is appended to `faults` and given to `on_fault`, which may raise; without
     that, it is raised as a MachineError.
     """
 
-    def __init__(self, board: BoardDescription, device: _core.Device, start_clock: int = 0) -> None:
+    def __init__(self, board: BoardDescription, port: Port) -> None:
         self.board = board
-        self.device = device
+        self.port = port
         self.link = _core.Link(float(board.clock_hz))
-        self.pump = _core.Pump(self.link, device, start_clock)
+        self.wire = port.attach(self.link)
         self.dictionary = Dictionary((), (), {}, {})
         self.move_count = 0
         self.heaters: dict[str, _core.Heater] = {}
@@ -64,8 +70,9 @@ class Connection:
 
     @property
     def now(self) -> int:
-        """The virtual clock."""
-        return self.pump.now
+        """The board's clock; on a live port as far as it is known, and before that this
+        computer's."""
+        return self.wire.now
 
     def connect(self) -> None:
         """Identifies and configures the board, follows its clock and starts its sensors.
@@ -73,8 +80,8 @@ class Connection:
         A board that is configured otherwise, or is shut down, is reset first.
         """
         self._identify()
-        self._follow_clock()
         self._configure()
+        self._follow_clock()
         self._prepare()
         for line in queries(self.board, self.dictionary, self.now + self._ticks(_LEAD_S)):
             self.command(line)
@@ -115,11 +122,11 @@ class Connection:
         Returns False if it came to `until_clock`, True if the heaters were first.
         """
         stop = self._pass(until_clock, until_heaters)
-        if stop == _core.PumpStop.SHUTDOWN:
+        if stop == _core.Stop.SHUTDOWN:
             raise self._shutdown()
         if self.link.lost:
             raise BoardSilentError("get_clock")
-        return stop == _core.PumpStop.HEATERS
+        return stop == _core.Stop.HEATERS
 
     def set_target(self, heater: str, celsius: float) -> None:
         """Sets a heater's target; 0 turns it off. One that has failed keeps it for when it is
@@ -145,6 +152,16 @@ class Connection:
         self.board = replace(self.board, sensors=tuple(sensors))
         loop.set_sensor(heater_options(self.board, entry, self.dictionary))
 
+    def close(self) -> None:
+        """Switches the heaters off and lets go of the board. Raises nothing."""
+        if isinstance(self.wire, _core.LiveWire):
+            for heater in self.heaters.values():
+                heater.target = 0.0
+            # Each heater is set anew with the next report of its sensor.
+            with suppress(MachineError):
+                self.run(self.now + self._ticks(_FAREWELL_S))
+            self.wire.stop()
+
     def net_steps(self, stepper: str) -> int:
         """Steps forward less steps backward that the board has made since it was configured. Lets
         time pass; raises MachineError."""
@@ -158,9 +175,11 @@ class Connection:
         """The value of an output that means fully on."""
         return full_scale(next(o for o in self.board.outputs if o.name == output), self.dictionary)
 
-    def _pass(self, until_clock: int, until_heaters: bool = False) -> _core.PumpStop:
-        while (stop := self.pump.run(until_clock, until_heaters)) == _core.PumpStop.FAULT:
+    def _pass(self, until_clock: int, until_heaters: bool = False) -> _core.Stop:
+        while (stop := self.wire.run(until_clock, until_heaters)) == _core.Stop.FAULT:
             self._take_faults()
+        if stop == _core.Stop.CLOSED:
+            raise MachineError.of("machine.closed")
         return stop
 
     def _take_faults(self) -> None:
@@ -200,6 +219,8 @@ class Connection:
         for _ in range(int(_PATIENCE_S * _TRIES / _STEP_S)):
             self.run(self.now)
             if self.link.synchronous:
+                if isinstance(self.wire, _core.LiveWire):
+                    self.wire.use_board_clock()
                 return
             self.run(self.now + self._ticks(_STEP_S))
         raise BoardSilentError("get_uptime")
@@ -210,8 +231,9 @@ class Connection:
         state = self.ask("get_config", "config")
         if state["is_shutdown"] or (state["is_config"] and state["crc"] != crc):
             self.command("reset")
-            self._pass(self.now)
+            self._pass(self.now + self._ticks(_RESET_S))
             self.link.restart()
+            self._identify()
             state = self.ask("get_config", "config")
         if not state["is_config"]:
             for line in [*lines, f"finalize_config crc={crc}"]:
@@ -263,4 +285,4 @@ class Connection:
 
     def _shutdown(self) -> MachineError:
         reason = self.dictionary.name_of("static_string_id", self.link.shutdown_reason)
-        return MachineError([Problem("machine.shutdown", values={"value": reason})])
+        return MachineError.of("machine.shutdown", value=reason)

@@ -22,6 +22,7 @@ class Endstops:
         self._oids = Oids.of(connection.board)
         self._pins = {e.name: e.pin for e in connection.board.endstops}
         self._armed: set[str] = set()
+        self._rest = 0  # ticks between two looks
         self._reason = 0
         self.hit: set[str] = set()  # of those armed
 
@@ -41,6 +42,7 @@ class Endstops:
         connection = self._connection
         hz = connection.board.clock_hz
         clock &= 0xFFFFFFFF
+        self._rest = int(rest_s * hz)
         self._armed, self.hit = set(steppers), set()
         self._reason = self._reason % _REASONS + 1
         for name, stopped in steppers.items():
@@ -56,7 +58,7 @@ class Endstops:
             connection.command(
                 f"endstop_home oid={self._oids.endstops[name]} clock={clock}"
                 f" sample_ticks={int(_SAMPLE_S * hz)} sample_count={_SAMPLES}"
-                f" rest_ticks={int(rest_s * hz)} pin_value={int(not inverted(self._pins[name]))}"
+                f" rest_ticks={self._rest} pin_value={int(not inverted(self._pins[name]))}"
                 f" trsync_oid={group} trigger_reason={self._reason}"
             )
 
@@ -69,6 +71,16 @@ class Endstops:
                 continue
             self.hit.add(name)
         return self.hit == self._armed
+
+    def hit_clock(self, name: str) -> int:
+        """Board clock at which an endstop that was hit, and is still armed, first read as pressed.
+        Asks the board. Lets time pass; raises MachineError."""
+        oid = self._oids.endstops[name]
+        state = self._connection.ask(f"endstop_query_state oid={oid}", "endstop_state")
+        now = self._connection.now
+        # The board tells when it would have looked again.
+        ago = (now - (int(state["next_clock"]) - self._rest)) & 0xFFFFFFFF
+        return now - ago
 
     def disarm(self) -> None:
         """None of them stops anything any more."""

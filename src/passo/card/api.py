@@ -8,20 +8,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Protocol, Self
+from typing import TYPE_CHECKING, Protocol, Self
 
-from passo.errors import CardError, Problem
+from passo.errors import CardError
 
 if TYPE_CHECKING:
     from _typeshed import WriteableBuffer
 
 
 _PIECE = 1 << 20
-
-
-def failure(code: str, file: str, **values: Any) -> CardError:
-    """A CardError with one problem: a `card.*` code of the catalogue, where, and its values."""
-    return CardError([Problem(code, file, values=values)])
 
 
 def is_removed(error: CardError) -> bool:

@@ -9,8 +9,8 @@ from __future__ import annotations
 import struct
 from dataclasses import dataclass
 
-from passo.card.api import failure
 from passo.card.device import Device
+from passo.errors import CardError
 
 _MBR_SECTOR = 512
 _SIGNATURE = 0xAA55
@@ -41,6 +41,7 @@ class Layout:
 
     @property
     def last_cluster(self) -> int:
+        """The highest number of a cluster; the first is 2."""
         return self.clusters + 1
 
     def offset(self, cluster: int) -> int:
@@ -60,12 +61,12 @@ def find_volume(device: Device) -> Layout:
     use are 0, so that small volumes count too, as they do for common operating systems.
     """
     if device.size < _MBR_SECTOR:
-        raise failure(
+        raise CardError.of(
             "card.format", device.path, key="size", value=device.size, limit=">= 512 bytes"
         )
     sector = device.read(0, _MBR_SECTOR)
     if _signature(sector) != _SIGNATURE:
-        raise failure(
+        raise CardError.of(
             "card.format",
             device.path,
             key="signature",
@@ -73,7 +74,7 @@ def find_volume(device: Device) -> Layout:
             limit=f"{_SIGNATURE:#x}",
         )
     if sector.startswith(b"EXFAT   ", 3):
-        raise failure(
+        raise CardError.of(
             "card.format", device.path, key="the file system", value="exFAT", limit="FAT32"
         )
     if sector[0] in (0xEB, 0xE9) and struct.unpack_from("<H", sector, 11)[0]:
@@ -85,7 +86,7 @@ def find_volume(device: Device) -> Layout:
         types.append(f"{kind:02X}")
         if kind in _FAT32_TYPES and start and (start + count) * _MBR_SECTOR <= device.size:
             return _volume(device, start * _MBR_SECTOR, (start + count) * _MBR_SECTOR)
-    raise failure(
+    raise CardError.of(
         "card.format",
         device.path,
         key="the list of partition types",
@@ -96,12 +97,14 @@ def find_volume(device: Device) -> Layout:
 
 def _volume(device: Device, start: int, end: int) -> Layout:
     if end - start < _MBR_SECTOR:
-        raise failure("card.format", device.path, key="size", value=end - start, limit=">= 512")
+        raise CardError.of(
+            "card.format", device.path, key="size", value=end - start, limit=">= 512"
+        )
     sector = device.read(start, _MBR_SECTOR)
 
     def require(holds: bool, key: str, value: object, limit: str) -> None:
         if not holds:
-            raise failure("card.format", device.path, key=key, value=value, limit=limit)
+            raise CardError.of("card.format", device.path, key=key, value=value, limit=limit)
 
     (
         sector_bytes,

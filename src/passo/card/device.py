@@ -8,7 +8,7 @@ import os
 import stat
 from pathlib import Path
 
-from passo.card.api import failure
+from passo.errors import CardError
 
 
 class Device:
@@ -25,7 +25,9 @@ class Device:
             # On a block device O_EXCL means: not while a file system on it is mounted.
             mode = Path(path).stat().st_mode
             if not (stat.S_ISBLK(mode) or stat.S_ISREG(mode)):
-                raise failure("card.absent", self.path, value="neither folder, image nor device")
+                raise CardError.of(
+                    "card.absent", self.path, value="neither folder, image nor device"
+                )
             exclusive = os.O_EXCL if stat.S_ISBLK(mode) else 0
             flags = os.O_CLOEXEC | exclusive
             try:
@@ -37,33 +39,38 @@ class Device:
                 self.read_only = True
         except OSError as error:
             if error.errno == errno.EBUSY:
-                raise failure("card.busy", self.path, value="it is mounted") from error
-            raise failure("card.absent", self.path, value=error.strerror) from error
+                raise CardError.of("card.busy", self.path, value="it is mounted") from error
+            raise CardError.of("card.absent", self.path, value=error.strerror) from error
         try:
             sharing = fcntl.LOCK_SH if self.read_only else fcntl.LOCK_EX
             fcntl.flock(self._file, sharing | fcntl.LOCK_NB)
             self.size = os.lseek(self._file, 0, os.SEEK_END)
         except OSError as error:
             os.close(self._file)
-            raise failure("card.busy", self.path, value="another program has it") from error
+            raise CardError.of("card.busy", self.path, value="another program has it") from error
 
     def read(self, offset: int, count: int) -> bytearray:
+        """`count` bytes from `offset`, all of them. Raises CardError."""
         data = bytearray(count)
         self.read_into(offset, memoryview(data))
         return data
 
     def read_into(self, offset: int, into: memoryview) -> None:
+        """Fills `into` with the bytes from `offset`. Raises CardError."""
         done = 0
         while done < len(into):
             try:
                 count = os.preadv(self._opened(), [into[done:]], offset + done)
             except OSError as error:
-                raise failure("card.removed", self.path, value=error.strerror) from error
+                raise CardError.of("card.removed", self.path, value=error.strerror) from error
             if not count:
-                raise failure("card.removed", self.path, value=f"it ends at {offset + done} bytes")
+                raise CardError.of(
+                    "card.removed", self.path, value=f"it ends at {offset + done} bytes"
+                )
             done += count
 
     def write(self, offset: int, data: bytes | bytearray | memoryview) -> None:
+        """Writes all of `data`; durable after `flush`. Raises CardError."""
         left = memoryview(data)
         try:
             while left:
@@ -71,21 +78,22 @@ class Device:
                 offset += count
                 left = left[count:]
         except OSError as error:
-            raise failure("card.removed", self.path, value=error.strerror) from error
+            raise CardError.of("card.removed", self.path, value=error.strerror) from error
 
     def flush(self) -> None:
         """A barrier: what was written before is on the medium before anything written later."""
         try:
             os.fdatasync(self._opened())
         except OSError as error:
-            raise failure("card.removed", self.path, value=error.strerror) from error
+            raise CardError.of("card.removed", self.path, value=error.strerror) from error
 
     def close(self) -> None:
+        """Lets go of the medium; closing twice is allowed."""
         if self._file is not None:
             os.close(self._file)
             self._file = None
 
     def _opened(self) -> int:
         if self._file is None:
-            raise failure("card.removed", self.path, value="it was unmounted")
+            raise CardError.of("card.removed", self.path, value="it was unmounted")
         return self._file

@@ -10,9 +10,9 @@ from __future__ import annotations
 
 from datetime import datetime
 
-from passo.card.api import failure
 from passo.card.directory import MAX_BYTES, SLOT, Record, Slots, parse, rewritten
 from passo.card.volume import Volume
+from passo.errors import CardError
 
 _DELETED = b"\xe5"
 
@@ -73,7 +73,7 @@ class Directories:
             return
         size = self._volume.layout.cluster_bytes
         if needed * SLOT > MAX_BYTES:
-            raise failure(
+            raise CardError.of(
                 "card.too-long", self._volume.device.path, value=needed * SLOT, limit=MAX_BYTES
             )
         added = self._volume.table.allocate(-(-missing // size))

@@ -9,7 +9,7 @@ from datetime import datetime
 from pathlib import Path
 
 from passo.card import names
-from passo.card.api import Card, Entry, Reader, Writer, failure, is_removed
+from passo.card.api import Card, Entry, Reader, Writer, is_removed
 from passo.card.device import Device
 from passo.card.directories import Directories
 from passo.card.directory import (
@@ -65,7 +65,7 @@ class FatCard(Card):
             record = self._existing(first, where, name)[1]
             full = f"{where}/{record.entry.name}"
             if record.entry.is_directory:
-                raise failure("card.directory", full)
+                raise CardError.of("card.directory", full)
             self._files.begin_read(full)
         extents = Extents(self._volume, record.cluster, record.entry.size, full)
 
@@ -126,7 +126,7 @@ class FatCard(Card):
             slots = self._directories.load(first)
             found = self._lookup(slots, name)
             if found:
-                raise failure("card.exists", f"{where}/{found.entry.name}")
+                raise CardError.of("card.exists", f"{where}/{found.entry.name}")
             names.check(name, path)
             with self._changing():
                 entry = self._new_entry(slots, name, is_directory=True, size=0)
@@ -149,7 +149,9 @@ class FatCard(Card):
     def close(self) -> None:
         with self._lock:
             for writer in list(self._writers):
-                writer.give_up(failure("card.removed", self._device.path, value="it was unmounted"))
+                writer.give_up(
+                    CardError.of("card.removed", self._device.path, value="it was unmounted")
+                )
             self._device.close()
 
     def _store(self, first: int, where: str, name: str, cluster: int, size: int) -> None:
@@ -177,9 +179,9 @@ class FatCard(Card):
     @staticmethod
     def _check_replaceable(record: Record, full: str) -> None:
         if record.entry.is_directory:
-            raise failure("card.directory", full)
+            raise CardError.of("card.directory", full)
         if record.attributes & ATTR_READ_ONLY:
-            raise failure("card.read-only", full, value="the file is marked as read-only")
+            raise CardError.of("card.read-only", full, value="the file is marked as read-only")
 
     @staticmethod
     def _lookup(slots: Slots, name: str) -> Record | None:
@@ -189,7 +191,7 @@ class FatCard(Card):
         slots = self._directories.load(first)
         found = self._lookup(slots, name)
         if found is None:
-            raise failure("card.not-found", f"{where}/{name}")
+            raise CardError.of("card.not-found", f"{where}/{name}")
         return slots, found
 
     def _directory(self, parts: list[str]) -> tuple[int, str]:
@@ -200,10 +202,10 @@ class FatCard(Card):
             record = self._existing(first, where, part)[1]
             where = f"{where}/{record.entry.name}"
             if not record.entry.is_directory:
-                raise failure("card.not-directory", where)
+                raise CardError.of("card.not-directory", where)
             first = record.cluster
             if first in seen:
-                raise failure(
+                raise CardError.of(
                     "card.broken", where, key="a directory", value="inside itself", limit="a tree"
                 )
             seen.add(first)
@@ -214,7 +216,7 @@ class FatCard(Card):
         """The directory and its path, and the name in it as asked for, under the lock."""
         parts = names.split(path)
         if not parts:
-            raise failure("card.directory", "/")
+            raise CardError.of("card.directory", "/")
         with self._lock:
             yield *self._directory(parts[:-1]), parts[-1]
 

@@ -8,7 +8,7 @@ from bisect import bisect_right
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 
-from passo.card.api import Writer, failure, is_removed
+from passo.card.api import Writer, is_removed
 from passo.card.volume import Volume
 from passo.errors import CardError
 
@@ -50,7 +50,7 @@ class Extents:
         while self._known < until:
             cluster = next(self._chain, 0)
             if not cluster:
-                raise failure(
+                raise CardError.of(
                     "card.broken",
                     self._path,
                     key="the cluster chain",
@@ -96,7 +96,7 @@ class FatWriter(Writer):
     def _append(self, data: bytes) -> None:
         size = self._size + len(data)
         if size > MAX_BYTES:
-            raise failure("card.too-long", self._path, value=size, limit=MAX_BYTES)
+            raise CardError.of("card.too-long", self._path, value=size, limit=MAX_BYTES)
         self._size = size
         self._waiting += data
         piece = max(_PIECE, self._volume.layout.cluster_bytes)

@@ -18,7 +18,7 @@ from datetime import datetime
 from pathlib import Path
 
 from passo.card import names
-from passo.card.api import Card, Entry, Reader, Writer, failure
+from passo.card.api import Card, Entry, Reader, Writer
 from passo.card.tree import OpenFiles, lookup
 from passo.errors import CardError
 
@@ -39,14 +39,16 @@ def _host_failure(error: OSError, path: str, needed: int = 0) -> CardError:
     """What an error of the host means for the card."""
     value = error.strerror or str(error)
     if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
-        return failure("card.full", path, value=needed or "more", limit="none")
+        return CardError.of("card.full", path, value=needed or "more", limit="none")
     if error.errno in (errno.EACCES, errno.EPERM, errno.EROFS):
-        return failure("card.read-only", path, value=value)
+        return CardError.of("card.read-only", path, value=value)
     if error.errno == errno.ENAMETOOLONG:
-        return failure("card.name", path, value=path.rpartition("/")[2], limit="a shorter name")
+        return CardError.of(
+            "card.name", path, value=path.rpartition("/")[2], limit="a shorter name"
+        )
     if error.errno in (errno.ENOENT, errno.ENOTDIR, errno.ELOOP):
-        return failure("card.not-found", path)
-    return failure("card.removed", path, value=value)
+        return CardError.of("card.not-found", path)
+    return CardError.of("card.removed", path, value=value)
 
 
 def _check_name(name: str, path: str) -> None:
@@ -57,7 +59,7 @@ def _check_name(name: str, path: str) -> None:
     elif name.startswith(_PARTIAL):
         limit = f"a name that does not begin with {_PARTIAL}"
     if limit:
-        raise failure("card.name", path, value=name, limit=limit)
+        raise CardError.of("card.name", path, value=name, limit=limit)
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +82,7 @@ class FolderCard(Card):
         try:
             self._root: int | None = os.open(path, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
         except OSError as error:
-            raise failure("card.absent", self._path, value=error.strerror) from error
+            raise CardError.of("card.absent", self._path, value=error.strerror) from error
 
     def list(self, directory: str = "/") -> list[Entry]:
         with self._directory(names.split(directory)) as (folder, _):
@@ -98,7 +100,7 @@ class FolderCard(Card):
             entry = self._existing(folder, where, name)
             full = f"{where}/{entry.name}"
             if entry.is_directory:
-                raise failure("card.directory", full)
+                raise CardError.of("card.directory", full)
             self._files.begin_read(full)
             try:
                 file = os.open(entry.name, _FILE, dir_fd=folder)
@@ -114,9 +116,11 @@ class FolderCard(Card):
                 try:
                     count = os.preadv(file, [into[done:]], offset + done)
                 except OSError as error:
-                    raise failure("card.removed", full, value=error.strerror) from error
+                    raise CardError.of("card.removed", full, value=error.strerror) from error
                 if not count:
-                    raise failure("card.removed", full, value=f"it ends at {offset + done} bytes")
+                    raise CardError.of(
+                        "card.removed", full, value=f"it ends at {offset + done} bytes"
+                    )
                 done += count
 
         def released() -> None:
@@ -130,7 +134,7 @@ class FolderCard(Card):
         with self._file(path) as (folder, where, name):
             found = lookup(self._entries(folder), name, lambda entry: entry)
             if found and found.is_directory:
-                raise failure("card.directory", f"{where}/{found.name}")
+                raise CardError.of("card.directory", f"{where}/{found.name}")
             if not found:
                 _check_name(name, path)
             place = _Place(os.dup(folder), where, self._opened)
@@ -144,7 +148,7 @@ class FolderCard(Card):
         with self._file(path) as (folder, where, name):
             entry = self._existing(folder, where, name)
             if entry.is_directory:
-                raise failure("card.directory", f"{where}/{entry.name}")
+                raise CardError.of("card.directory", f"{where}/{entry.name}")
             self._files.check(f"{where}/{entry.name}")
             os.unlink(entry.name, dir_fd=folder)
             os.fsync(folder)
@@ -153,7 +157,7 @@ class FolderCard(Card):
         with self._file(path) as (folder, where, name):
             found = lookup(self._entries(folder), name, lambda entry: entry)
             if found:
-                raise failure("card.exists", f"{where}/{found.name}")
+                raise CardError.of("card.exists", f"{where}/{found.name}")
             _check_name(name, path)
             os.mkdir(name, dir_fd=folder)
             os.fsync(folder)
@@ -172,7 +176,7 @@ class FolderCard(Card):
 
     def _opened(self, path: str) -> int:
         if self._root is None:
-            raise failure("card.removed", path, value="it was unmounted")
+            raise CardError.of("card.removed", path, value="it was unmounted")
         return self._root
 
     @contextmanager
@@ -186,7 +190,7 @@ class FolderCard(Card):
                     entry = self._existing(folder, where, part)
                     where = f"{where}/{entry.name}"
                     if not entry.is_directory:
-                        raise failure("card.not-directory", where)
+                        raise CardError.of("card.not-directory", where)
                     inner = os.open(entry.name, _DIRECTORY, dir_fd=folder)
                     os.close(folder)
                     folder = inner
@@ -201,14 +205,14 @@ class FolderCard(Card):
         """The descriptor and path of a file's directory, and the file's name as asked for."""
         parts = names.split(path)
         if not parts:
-            raise failure("card.directory", "/")
+            raise CardError.of("card.directory", "/")
         with self._directory(parts[:-1]) as (folder, where):
             yield folder, where, parts[-1]
 
     def _existing(self, folder: int, where: str, name: str) -> Entry:
         found = lookup(self._entries(folder), name, lambda entry: entry)
         if found is None:
-            raise failure("card.not-found", f"{where}/{name}")
+            raise CardError.of("card.not-found", f"{where}/{name}")
         return found
 
     @staticmethod

@@ -10,7 +10,7 @@ import re
 import zlib
 from collections.abc import Callable, Collection
 
-from passo.card.api import failure
+from passo.errors import CardError
 
 MAX_UNITS = 255
 """The longest name, in UTF-16 units."""
@@ -43,7 +43,7 @@ def check(name: str, path: str) -> None:
     elif len(name.encode("utf-16-le")) > 2 * MAX_UNITS:
         limit = f"at most {MAX_UNITS} UTF-16 units"
     if limit:
-        raise failure("card.name", path, value=name, limit=limit)
+        raise CardError.of("card.name", path, value=name, limit=limit)
 
 
 def split(path: str) -> list[str]:

@@ -9,9 +9,9 @@ import sys
 from array import array
 from collections.abc import Iterator
 
-from passo.card.api import failure
 from passo.card.boot import Layout
 from passo.card.device import Device
+from passo.errors import CardError
 
 END = 0x0FFFFFFF
 _FIRST_END = 0x0FFFFFF8
@@ -104,7 +104,7 @@ class Table:
                 return
 
     def _broken(self, key: str, value: str, limit: str) -> Exception:
-        return failure("card.broken", self._device.path, key=key, value=value, limit=limit)
+        return CardError.of("card.broken", self._device.path, key=key, value=value, limit=limit)
 
     @property
     def free(self) -> int:
@@ -127,7 +127,7 @@ class Table:
         """
         if count > self.free:
             size = self._layout.cluster_bytes
-            raise failure(
+            raise CardError.of(
                 "card.full", self._device.path, value=count * size, limit=self.free * size
             )
         taken: list[int] = []

@@ -6,8 +6,9 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from typing import TypeVar
 
-from passo.card.api import Entry, failure
+from passo.card.api import Entry
 from passo.card.names import fold
+from passo.errors import CardError
 
 Item = TypeVar("Item")
 
@@ -37,20 +38,24 @@ class OpenFiles:
     def check(self, path: str, *, to_read: bool = False) -> None:
         """Raise `card.busy` if the file is being written, or read where that matters."""
         if fold(path) in self._written:
-            raise failure("card.busy", path, value="it is being written")
+            raise CardError.of("card.busy", path, value="it is being written")
         if self._read[fold(path)] and not to_read:
-            raise failure("card.busy", path, value="it is being read")
+            raise CardError.of("card.busy", path, value="it is being read")
 
     def begin_read(self, path: str) -> None:
+        """A reader opens; any number may."""
         self.check(path, to_read=True)
         self._read[fold(path)] += 1
 
     def end_read(self, path: str) -> None:
+        """A reader is closed."""
         self._read[fold(path)] -= 1
 
     def begin_write(self, path: str) -> None:
+        """The one writer opens."""
         self.check(path)
         self._written.add(fold(path))
 
     def end_write(self, path: str) -> None:
+        """The writer is closed, or was not opened after all."""
         self._written.discard(fold(path))

@@ -10,10 +10,10 @@ from __future__ import annotations
 
 import struct
 
-from passo.card.api import failure
 from passo.card.boot import find_volume
 from passo.card.device import Device
 from passo.card.table import Table
+from passo.errors import CardError
 
 _CLEAN = 1 << 27
 _INFO_LEAD, _INFO_STRUCT, _INFO_TRAIL = 0x41615252, 0x61417272, 0xAA550000
@@ -35,7 +35,7 @@ class Volume:
         data, clusters = bytearray(), list[int]()
         for cluster in self.table.chain(first):
             if len(data) >= max_bytes:
-                raise failure(
+                raise CardError.of(
                     "card.broken",
                     self.device.path,
                     key="a directory's length",
@@ -64,7 +64,7 @@ class Volume:
     def begin(self) -> None:
         """A change begins: mark the volume. Each call needs one of `end`."""
         if self.device.read_only:
-            raise failure("card.read-only", self.device.path, value="it is write-protected")
+            raise CardError.of("card.read-only", self.device.path, value="it is write-protected")
         if not self._changes:
             _ = self.table.free  # counted before the first change
             self._mark(0)

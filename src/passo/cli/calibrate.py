@@ -7,7 +7,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from passo.cli.machine_option import add_machine
-from passo.errors import ConfigError, ExitStatus, InputError, Problem
+from passo.errors import ConfigError, ExitStatus, InputError
 
 if TYPE_CHECKING:
     from passo.heat.calibration import Point
@@ -64,15 +64,15 @@ def _thermistor(arguments: argparse.Namespace) -> Ntc:
     heater = machine.heaters.get(arguments.heater)
     if heater is None or heater.sensor.kind != "thermistor":
         limit = "the name of a heater with a thermistor"
-        values = {"key": "--heater", "value": arguments.heater, "limit": limit}
         hint = did_you_mean(arguments.heater, machine.heaters)
-        raise ConfigError([Problem("config.value", values=values, hint=hint)])
+        raise ConfigError.of(
+            "config.value", hint=hint, key="--heater", value=arguments.heater, limit=limit
+        )
     sensor = heater.sensor
     beta_k = sensor.beta_k if arguments.beta is None else arguments.beta
     if not LEAST_BETA_K <= beta_k <= MOST_BETA_K:
         limit = f"a β from {LEAST_BETA_K:g} to {MOST_BETA_K:g} K"
-        values = {"key": "--beta", "value": beta_k, "limit": limit}
-        raise ConfigError([Problem("config.value", values=values)])
+        raise ConfigError.of("config.value", key="--beta", value=beta_k, limit=limit)
     return Ntc(sensor.r25_ohm, beta_k, sensor.c_per_k)
 
 
@@ -84,7 +84,7 @@ def _point(text: str) -> Point:
     except ValueError:
         shown = true = 0.0
     if not (0 < shown <= 400 and 0 < true <= 400):
-        raise InputError([Problem("input.point", values={"value": text})])
+        raise InputError.of("input.point", value=text)
     return Point(shown, true)
 
 

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from passo.cli.machine_option import add_machine, add_policy, policy_of
-from passo.errors import ExitStatus, InputError, Problem
+from passo.errors import ExitStatus, InputError
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -27,8 +27,9 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         result = write_report(machine, arguments.file, output, policy_of(arguments))
     except OSError as error:
-        values = {"value": error.strerror or str(error)}
-        raise InputError([Problem("output.unwritable", str(output), None, values)]) from None
+        raise InputError.of(
+            "output.unwritable", str(output), value=error.strerror or str(error)
+        ) from None
     for line in result.warnings:
         print(line, file=sys.stderr)
     print(f"{output}: {output.stat().st_size / 1e6:.1f} MB", file=sys.stderr)

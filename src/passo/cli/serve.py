@@ -105,6 +105,10 @@ def run(arguments: argparse.Namespace) -> int:
     from passo.clock import new_loop
 
     machine = config.load(arguments.machine)
+    if machine.board.link != "simulated" and arguments.clock != 1.0:
+        where = f"{machine.board.port} keeps its own time"
+        print(f"passo serve: error: the board at {where}: leave --clock out", file=sys.stderr)
+        return ExitStatus.USAGE
     scale = 1.0 if arguments.clock is None else arguments.clock
     with asyncio.Runner(loop_factory=lambda: new_loop(scale)) as runner:
         runner.run(_serve(arguments, machine))

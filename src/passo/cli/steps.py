@@ -6,7 +6,7 @@ import argparse
 import sys
 
 from passo.cli.machine_option import add_machine, add_policy, policy_of
-from passo.errors import ExitStatus, InputError, Problem
+from passo.errors import ExitStatus, InputError
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -46,8 +46,9 @@ def run(arguments: argparse.Namespace) -> int:
     try:
         write_steps(arguments.output, trace)
     except OSError as error:
-        values = {"value": error.strerror or str(error)}
-        raise InputError([Problem("output.unwritable", arguments.output, None, values)]) from None
+        raise InputError.of(
+            "output.unwritable", arguments.output, value=error.strerror or str(error)
+        ) from None
     steps = ", ".join(f"{name} {len(ticks):,}" for name, ticks in trace.ticks.items())
     print(f"{arguments.output}: steps {steps}", file=sys.stderr)
     return ExitStatus.DONE

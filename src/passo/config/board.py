@@ -66,6 +66,9 @@ class Board(Model):
     one of the `variants` as the board's `functions`. `fitted` lists what is plugged in besides:
     `card`, or one of the `displays`. `reserved` pins belong to the board itself.
 
+    `link` says where the board is: simulated, on the serial device `port` at `baud` (the console's,
+    unless given), or at the network address `port` (host:port).
+
     `compression_tolerance_us` bounds how far a step may be from its ideal time; `move_count` is the
     number of commands that the board can hold. A simulated board is a model of one ("virtual") or
     runs Passo's firmware ("passo"): to the tick the same, but slower. `dictionary` is the file of a
@@ -77,7 +80,9 @@ class Board(Model):
     description: str = ""
     notes: list[str] = []
     mcu: str
-    link: Literal["simulated"] = "simulated"
+    link: Literal["simulated", "serial", "tcp"] = "simulated"
+    port: str | None = None
+    baud: Annotated[int, Field(ge=1200, le=4_000_000)] = 250_000
     firmware: Literal["virtual", "passo"] = "virtual"
     clock_hz: Annotated[int, Field(ge=1_000_000, le=1_000_000_000)]
     move_count: Annotated[int, Field(ge=16, le=65_535)]

@@ -90,6 +90,9 @@ def put_board(data: Tables, folder: Path, sources: list[Source]) -> Iterator[Fin
         sources += files
         board = _merged(beneath, own)
     data["board"] = board
+    baud = table(board, "console").get("baud")
+    if baud is not None:
+        board.setdefault("baud", baud)
     printed = board.get("numbering")
     if isinstance(printed, str) and printed not in numberings():
         hint, limit = did_you_mean(printed, numberings()), "a numbering of pins"

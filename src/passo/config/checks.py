@@ -21,6 +21,19 @@ _PER_MM = ("steps_per_mm", "rotation_distance_mm")
 _LIMIT_KEYS = ("speed_{}_s", "accel_{}_s2", "min_{}", "max_{}")
 
 
+def check_link(data: Raw) -> Iterator[Finding]:
+    """A board that is not simulated has an address of the right form."""
+    board = table(data, "board")
+    link, port = board.get("link", "simulated"), board.get("port")
+    path = ("board", "port")
+    if link == "serial" and not port:
+        yield Finding("config.missing-key", path, None, "a serial device such as /dev/ttyUSB0")
+    host, _, number_ = port.rpartition(":") if isinstance(port, str) else ("", "", "")
+    if link == "tcp" and not (host and number_.isdecimal() and 0 < int(number_) < 65536):
+        code = "config.missing-key" if port is None else "config.value"
+        yield Finding(code, path, port, "host:port, such as 192.168.1.20:8888")
+
+
 def check_axes(data: Raw, actuators: tuple[str, ...]) -> Iterator[Finding]:
     """X, Y and Z are there, further axes are few and named apart, and ranges are ranges."""
     axes = table(data, "axes")
@@ -114,11 +127,11 @@ def check_references(data: Raw) -> Iterator[Finding]:
             yield Finding("config.conflict", ("fans", name, "number"), own, limit)
 
 
-def check_homing(data: Raw, actuators: tuple[str, ...], homed_actuators: bool) -> Iterator[Finding]:
+def check_homing(data: Raw, actuators: tuple[str, ...], arms: tuple[str, ...]) -> Iterator[Finding]:
     """What is homed exists and has either one switch or one for each of its motors."""
     axes = axis_order(table(data, "axes"))
     drivable = Drivable(actuators, axes, table(data, "extruders"))
-    names = [*axes, *(actuators if homed_actuators else ())]
+    names = [*arms, *axes[2:]] if arms else axes
     sections = dict(tables(data, "homing"))
     for name, homing in sections.items():
         path = ("homing", name)
@@ -134,8 +147,8 @@ def check_homing(data: Raw, actuators: tuple[str, ...], homed_actuators: bool) -
             if content is None or drivable.of(stepper, content.get("drives")) is None:
                 limit = "the name of a motor of this axis"
                 yield Finding("config.value", (*path, "stepper_pins", stepper), stepper, limit)
-    if homed_actuators and any(a in sections for a in actuators):
-        for name in actuators:
+    if any(name in sections for name in arms):
+        for name in arms:
             if name not in sections:
                 yield Finding(
                     "config.missing-key", ("homing", name), None, "a table like its twins'"
@@ -143,13 +156,14 @@ def check_homing(data: Raw, actuators: tuple[str, ...], homed_actuators: bool) -
 
 
 def check_all(
-    data: Raw, actuators: tuple[str, ...], rotary: tuple[str, ...], *, lifts_together: bool = False
+    data: Raw, actuators: tuple[str, ...], rotary: tuple[str, ...], arms: tuple[str, ...] = ()
 ) -> Iterator[Finding]:
     """All checks; those that need the geometry are skipped where it is not known."""
     parts: list[Callable[[Raw], Iterator[Finding]]] = [check_references, check_heaters, check_pins]
+    yield from check_link(data)
     yield from check_axes(data, actuators)
     if actuators:
         yield from check_steppers(data, actuators, rotary)
-        yield from check_homing(data, actuators, lifts_together)
+        yield from check_homing(data, actuators, arms)
     for check in parts:
         yield from check(data)

@@ -10,8 +10,8 @@ from passo.config.base import Model, Name, Pin, Positive
 
 
 class Homing(Model):
-    """The home of an axis, or of a motor of a delta. Lengths in mm, of a turning arm in degrees;
-    speeds per second.
+    """The home of an axis, or of a carriage of a delta, or of an arm. Lengths in mm, of a turning
+    arm in degrees; speeds per second.
 
     The axis moves `fast` towards its switch at the `direction` end, at most `max_travel`; back by
     `retract`, where the switch must be free again; and `slow` to the switch, which is then at

@@ -13,6 +13,7 @@ from pydantic import ValidationError
 from passo.config.board_files import Source, put_board
 from passo.config.checks import check_all
 from passo.config.findings import Finding, did_you_mean, key_text, table
+from passo.config.home_checks import check_home
 from passo.config.kinds import KINDS
 from passo.config.lines import Path, key_lines, line_of
 from passo.config.machine import MachineConfig
@@ -46,7 +47,7 @@ def load(name_or_path: str | os.PathLike[str]) -> MachineConfig:
     if text in shipped_machines():
         return _load_file(_HERE / "machines" / f"{text}.toml")
     hint = did_you_mean(text, shipped_machines())
-    raise ConfigError([Problem("config.unknown-machine", values={"value": text}, hint=hint)])
+    raise ConfigError.of("config.unknown-machine", hint=hint, value=text)
 
 
 def _load_file(path: FilePath) -> MachineConfig:
@@ -54,14 +55,10 @@ def _load_file(path: FilePath) -> MachineConfig:
         text = path.read_bytes().decode()
     except OSError as error:
         reason = error.strerror or str(error)
-        raise ConfigError(
-            [Problem("config.unreadable", str(path), None, {"value": reason})]
-        ) from None
+        raise ConfigError.of("config.unreadable", str(path), value=reason) from None
     except UnicodeDecodeError as error:
         reason = f"byte {error.start} is not UTF-8"
-        raise ConfigError(
-            [Problem("config.unreadable", str(path), None, {"value": reason})]
-        ) from None
+        raise ConfigError.of("config.unreadable", str(path), value=reason) from None
     return load_text(text, str(path))
 
 
@@ -73,7 +70,7 @@ def load_text(text: str, file: str = "<text>") -> MachineConfig:
         place = _SYNTAX_PLACE.match(str(error))
         message, line = (place[1], place[2]) if place else (str(error), None)
         at = int(line) if line else text.rstrip("\n").count("\n") + 1
-        raise ConfigError([Problem("config.syntax", file, at, {"value": message})]) from None
+        raise ConfigError.of("config.syntax", file, at, value=message) from None
     folder = FilePath(file).parent
     sources: list[Source] = []
     findings = [*put_board(data, folder, sources), *with_sensor_files(data, folder)]
@@ -88,11 +85,11 @@ def load_text(text: str, file: str = "<text>") -> MachineConfig:
     kind = table(data, "geometry").get("kind")
     model = KINDS.get(kind) if isinstance(kind, str) else None
     if model:
-        findings += check_all(
-            data, model.actuators, model.rotary, lifts_together=model.lifts_together
-        )
+        findings += check_all(data, model.actuators, model.rotary, model.arms)
     else:
         findings += check_all(data, (), ())
+    if machine is not None and not findings:
+        findings += check_home(machine)
     if findings or machine is None:
         raise ConfigError(_problems(findings, text, file, sources))
     return machine

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from passo.card import Card, Entry, open_card
 from passo.console.session import Session
 from passo.console.upload import Upload
-from passo.errors import CardError, CommandError, PassoError, Problem
+from passo.errors import CardError, CommandError, PassoError
 from passo.job.runner import Runner, State
 from passo.printer.waits import Handler, Reply, Wait
 from passo.printer.words import Command
@@ -69,7 +69,7 @@ class CardCommands:
         """Opens the card anew. Raises CardError."""
         self.unmount()
         if self._path is None:
-            raise CardError([Problem("card.absent", values={"value": "start with --sd"})])
+            raise CardError.of("card.absent", value="start with --sd")
         self._card = open_card(self._path)
 
     def unmount(self) -> None:
@@ -111,7 +111,7 @@ class CardCommands:
         """The path that a command names: the exact name first, then what follows the letter."""
         name = _unquoted(text)
         if not name:
-            raise CommandError([Problem("card.no-name")])
+            raise CommandError.of("card.no-name")
         try:
             self.card.find(self._place(name))
         except CardError:
@@ -219,13 +219,13 @@ class CardCommands:
 
     def _begin_writing(self, text: str, reply: Reply, *, log: bool) -> None:
         if not isinstance(reply, Session):
-            raise CommandError([Problem("card.no-console")])
+            raise CommandError.of("card.no-console")
         name = _unquoted(text)
         upload = Upload(None, name, log=log)
         if not log:
             reply.upload = upload  # whatever goes wrong: what follows is not to be carried out
         if not name:
-            raise CommandError([Problem("card.no-name")])
+            raise CommandError.of("card.no-name")
         upload.name = self._new_name(name, strict=reply.strict)
         upload.writer = self.card.create(self._place(upload.name))
         reply.upload = upload

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from passo.card import Reader as CardReader
-from passo.errors import CommandError, PassoError, Problem
+from passo.errors import CommandError, PassoError
 from passo.job.forecast import forecast
 from passo.job.history import History
 from passo.job.runner import Runner, State
@@ -39,7 +39,7 @@ class Stopwatch:
         return self._since_s is not None
 
     def start(self) -> None:
-        """Counts from now on; a watch that was stopped begins anew."""
+        """Counts from now on, beside what it has counted before."""
         if self._since_s is None:
             self._since_s = self._printer.drive.now_s
 
@@ -146,7 +146,7 @@ class JobCommands:
 
     def _statistics(self, command: Command, reply: Reply) -> Wait | None:
         if self._history is None:
-            raise CommandError([Problem("settings.nowhere")])
+            raise CommandError.of("settings.nowhere")
         if command.words().get("S") == 78:
             self._history.forget()
             return None

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from passo import _core
 from passo.config.sensors import Thermistor
-from passo.errors import CommandError, Problem
+from passo.errors import CommandError
 from passo.heat.rules import M301_FULL_POWER
 from passo.printer.waits import Handler, Reply, Silence, Still, Wait
 from passo.printer.words import Command
@@ -54,7 +54,7 @@ class OptionCommands:
         option = self._options.get(match[1].lower()) if match else None
         if match is None or option is None:
             name = match[1] if match else "nothing"
-            raise CommandError([Problem("option.unknown", values={"value": name})])
+            raise CommandError.of("option.unknown", value=name)
         return option, match[2]
 
     def _tell(self, command: Command, reply: Reply) -> Wait | None:
@@ -65,13 +65,12 @@ class OptionCommands:
     def _note(self, command: Command, _: Reply) -> Wait | None:
         option, text = self._named(command)
         if not option.command:
-            raise CommandError([Problem("command.fixed", values={"value": option.name})])
+            raise CommandError.of("command.fixed", value=option.name)
         name = option.name.lower()
         try:
             value = self._defaults[name] if text is None else float(text)
         except ValueError:
-            values = {"axis": "V", "value": text, "limit": "a number"}
-            raise CommandError([Problem("command.value", values=values)]) from None
+            raise CommandError.of("command.value", axis="V", value=text, limit="a number") from None
         self.pending[name] = value
         return None
 

@@ -12,7 +12,7 @@ from passo.console.job_commands import JobCommands
 from passo.console.options import OptionCommands
 from passo.console.recovery_commands import RecoveryCommands
 from passo.console.settings_commands import SettingsCommands
-from passo.errors import CommandError, Problem
+from passo.errors import CommandError
 from passo.job.history import History
 from passo.job.runner import Runner
 from passo.job.settings import Store
@@ -39,7 +39,7 @@ class Listeners:
 
     def fail(self, text: str) -> None:
         """A command that was not carried out."""
-        raise CommandError([Problem("job.failed", values={"value": text})])
+        raise CommandError.of("job.failed", value=text)
 
 
 def _history(printer: Printer, directory: Path) -> History | None:

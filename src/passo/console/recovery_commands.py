@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from passo.console.card_commands import CardCommands
-from passo.errors import CommandError, PassoError, Problem
+from passo.errors import CommandError, PassoError
 from passo.job.journal import Journal, Moment, Program
 from passo.job.recovery import Recovery
 from passo.job.runner import Runner, State
@@ -62,13 +62,8 @@ class RecoveryCommands:
         if reader is None:
             return
         self._interrupted = None
-        reader.seek(0)
-        head = b""
-        while len(head) < 1 << 16 and (piece := reader.read((1 << 16) - len(head))):
-            head += piece
+        program = Program.of(self._printer.machine.uuid, self._runner.path, reader)
         reader.seek(self._runner.offset)
-        machine = self._printer.machine
-        program = Program(machine.uuid, self._runner.path, reader.size, Program.crc_of(head))
         try:
             self._journal.begin(program, self._moment(self._runner.first_line, self._z()))
         except OSError as error:
@@ -107,14 +102,14 @@ class RecoveryCommands:
 
     def _go_on(self, command: Command, reply: Reply) -> Wait | None:
         if self._interrupted is None:
-            raise CommandError([Problem("job.nothing-interrupted")])
+            raise CommandError.of("job.nothing-interrupted")
         program, moment = self._interrupted
         if "C" in command.text.upper():
             self._interrupted = None
             self._journal.end()
             return None
         if program.machine != self._printer.machine.uuid:
-            raise CommandError([Problem("job.other-machine", program.path)])
+            raise CommandError.of("job.other-machine", program.path)
         return Procedure(lambda: self._recover(program, moment, reply))
 
     async def _recover(self, program: Program, moment: Moment, reply: Reply) -> None:

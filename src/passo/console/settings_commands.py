@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from passo.console.options import OptionCommands
-from passo.errors import CommandError, Problem
+from passo.errors import CommandError
 from passo.job.settings import Store
 from passo.printer.waits import Handler, Reply, Silence, Wait
 from passo.printer.words import Command
@@ -44,14 +44,10 @@ class SettingsCommands:
         yield "Heater sensors", list(tunes.sensor_lines())
         yield "Heater PID", list(tunes.gain_lines())
         yield "Material presets", list(heat.preset_lines())
-        mm, feed, hop, extra, back = job.retraction
-        yield (
-            "Firmware retraction",
-            [
-                f"M207 S{mm:.10g} F{feed * 60:.10g} Z{hop:.10g} R{extra:.10g}",
-                *([f"M208 S{extra:.10g} F{back * 60:.10g}"] if back > 0 else []),
-            ],
-        )
+        if self._printer.machine.extruders:
+            yield "Filament", list(motion.filament_lines())
+            yield "Firmware retraction", list(motion.retraction_lines())
+            yield "Filament change", list(motion.change_lines())
         yield "Idle times", [f"M84 S{self._printer.motors.idle_s:.10g}"]
         yield "Cold extrusion", [f"M302 S{heat.cold_c:.10g} P{int(heat.cold_allowed)}"]
 
@@ -77,7 +73,7 @@ class SettingsCommands:
 
     def _needed(self) -> Store:
         if self._store is None:
-            raise CommandError([Problem("settings.nowhere")])
+            raise CommandError.of("settings.nowhere")
         return self._store
 
     def store(self) -> int:
@@ -94,7 +90,7 @@ class SettingsCommands:
     def _load(self, _: Command, reply: Reply) -> Wait | None:
         stored = self._needed().load()
         if stored is None:
-            raise CommandError([Problem("settings.none")])
+            raise CommandError.of("settings.none")
         self.restore(stored)
         reply.say(f"echo:Stored settings retrieved ({len(stored)} commands)")
         return None
@@ -118,6 +114,6 @@ class SettingsCommands:
     def _check(self, _: Command, reply: Reply) -> Wait | None:
         stored = self._needed().load()
         if stored is None:
-            raise CommandError([Problem("settings.none")])
+            raise CommandError.of("settings.none")
         reply.say(f"echo:Stored settings are sound ({len(stored)} commands)")
         return None

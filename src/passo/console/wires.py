@@ -10,10 +10,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol
 
-from passo.board.serial_port import open_serial_port
 from passo.console.session import Session
-from passo.errors import PassoError, Problem
+from passo.errors import PassoError
 from passo.printer.printer import Printer
+from passo.serial_line import open_serial_line
 
 _AT_ONCE = 4096  # bytes; asyncio would read 256 KiB, whose lines keep all others waiting for 0.8 s
 _ROOM = 1 << 16  # bytes that may wait for a reader before dispensable ones are dropped
@@ -37,8 +37,7 @@ class ConsoleError(PassoError):
 
 def _cannot(what: str, error: Exception) -> ConsoleError:
     why = error.strerror if isinstance(error, OSError) else None
-    values = {"axis": what, "value": why or str(error)}
-    return ConsoleError([Problem("console.unopened", values=values)])
+    return ConsoleError.of("console.unopened", axis=what, value=why or str(error))
 
 
 class _Wire(asyncio.Protocol):
@@ -154,7 +153,7 @@ async def open_pty(printer: Printer, path: str, opened: Opened) -> Console:
 async def open_serial(printer: Printer, device: str, baud: int, opened: Opened) -> Console:
     """A serial device at any rate that its driver can do. Raises ConsoleError."""
     try:
-        port = open_serial_port(device, baud)
+        port = open_serial_line(device, baud)
     except OSError as error:
         raise _cannot(f"the serial device {device}", error) from None
     wire = _Wire(printer, opened, f"serial {device} at {baud}")
@@ -225,5 +224,6 @@ async def open_stdin(printer: Printer, opened: Opened, ended: Callable[[], None]
     try:
         return await _join(wire, os.dup(sys.stdin.fileno()), os.dup(sys.stdout.fileno()))
     except (ValueError, OSError):
-        values = {"axis": wire.place, "value": "it, or standard output, is a file"}
-        raise ConsoleError([Problem("console.unopened", values=values)]) from None
+        raise ConsoleError.of(
+            "console.unopened", axis=wire.place, value="it, or standard output, is a file"
+        ) from None

@@ -15,13 +15,14 @@ class Unreachable(ValueError):
 
 class GeometryModel(BaseModel):
     """Parameters of a geometry. `actuators` names its motors, `rotary` those in degrees; where it
-    `lifts_together`, a move of Z in the middle moves all of them alike, so that each can be homed
-    by itself on the way."""
+    `lifts_together`, a move of Z in the middle moves all of them alike. `arms` are the actuators
+    that find their own switches, since no move of an axis moves one of them alone."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
     actuators: ClassVar[tuple[str, ...]]
     rotary: ClassVar[tuple[str, ...]] = ()
     lifts_together: ClassVar[bool] = False
+    arms: ClassVar[tuple[str, ...]] = ()
 
     def spec(self) -> dict[str, Any]:
         """Kind and parameters as plain numbers, for the core."""

@@ -18,6 +18,7 @@ class Delta(GeometryModel):
 
     actuators = ("a", "b", "c")
     lifts_together = True
+    arms = ("a", "b", "c")
     kind: Literal["delta"]
     radius: Positive
     rods: Annotated[list[Positive], Field(min_length=3, max_length=3)]

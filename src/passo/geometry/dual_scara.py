@@ -17,6 +17,7 @@ class DualScara(GeometryModel):
 
     actuators = ("a", "b", "z")
     rotary = ("a", "b")
+    arms = ("a", "b")
     kind: Literal["dual_scara"]
     shoulder1_x: float = -50.0
     shoulder2_x: float = 50.0

@@ -18,6 +18,7 @@ class RotaryDelta(GeometryModel):
     actuators = ("a", "b", "c")
     rotary = ("a", "b", "c")
     lifts_together = True
+    arms = ("a", "b", "c")
     kind: Literal["rotary_delta"]
     effector_length: Positive = 30.0
     base_length: Positive = 40.0

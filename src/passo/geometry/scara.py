@@ -18,6 +18,7 @@ class Scara(GeometryModel):
 
     actuators = ("a", "b", "z")
     rotary = ("a", "b")
+    arms = ("a", "b")
     kind: Literal["scara"]
     arm1: Positive = 150.0
     arm2: Positive = 150.0

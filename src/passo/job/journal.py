@@ -7,7 +7,10 @@ import os
 import zlib
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import IO, Any, cast
+from typing import IO, TYPE_CHECKING, Any, Self, cast
+
+if TYPE_CHECKING:
+    from passo.job.runner import Reader
 
 _HEAD_BYTES = 1 << 16  # of the file, to know it again
 _LARGEST = 1 << 26
@@ -22,10 +25,16 @@ class Program:
     size: int
     crc: int
 
-    @staticmethod
-    def crc_of(head: bytes) -> int:
-        """Of the first bytes of a file."""
-        return zlib.crc32(head[:_HEAD_BYTES])
+    @classmethod
+    def of(cls, machine: str, path: str, reader: Reader) -> Self:
+        """The program that `reader` reads, which stands at its beginning afterwards. Raises
+        CardError."""
+        reader.seek(0)
+        crc, left = 0, _HEAD_BYTES
+        while left and (piece := reader.read(left)):
+            crc, left = zlib.crc32(piece, crc), left - len(piece)
+        reader.seek(0)
+        return cls(machine, path, reader.size, crc)
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING
 
 from passo import _core
 from passo.board.faults import HeaterFault
-from passo.errors import MachineError, Problem
+from passo.errors import MachineError
 from passo.job.program import heated, run_program
 from passo.job.result import PrintResult, cpu_s, peak_rss_mb
 from passo.printer.commands import Commands
-from passo.printer.wiring import connect
+from passo.printer.wiring import connect_simulated
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -59,7 +59,7 @@ class Print:
         self._hz = machine.board.clock_hz
         self._heaters = list(machine.heaters)
         self._marks: deque[tuple[int, int, int]] = deque()
-        self.connection, self.board = connect(machine)
+        self.connection, self.board = connect_simulated(machine)
         self.connection.on_fault = self._heater_failed
         outputs = self.connection.board.outputs
         self.job = _core.Job(
@@ -176,8 +176,9 @@ class Print:
     def _too_slow(self, heaters: list[str]) -> MachineError:
         name = next(name for name in heaters if self._on_its_way(name))
         heater = self.connection.heaters[name]
-        values = {"axis": name, "value": heater.celsius, "limit": heater.target}
-        return MachineError([Problem("machine.slow-heater", values=values)])
+        return MachineError.of(
+            "machine.slow-heater", axis=name, value=heater.celsius, limit=heater.target
+        )
 
     def _fill(self, result: PrintResult, name: str) -> None:
         machine, job, link = self._machine, self.job, self.connection.link
@@ -199,7 +200,8 @@ class Print:
             for s, wanted in result.net_steps_expected.items()
             if result.final_steps[s] != wanted
         ]
-        board = self.connection.pump.device_cpu_s
+        wire = self.connection.wire
+        board = wire.device_cpu_s if isinstance(wire, _core.Pump) else 0.0
         result.cpu_s = job.cpu() | {
             "wire": max(self._wire_cpu_s - board, 0.0),
             "board": board,

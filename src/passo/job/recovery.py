@@ -7,13 +7,14 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from passo import _core
-from passo.errors import CommandError, Problem
+from passo.errors import CommandError
 from passo.job.estimate import NoHeat
 from passo.job.journal import Moment, Program
 from passo.job.program import at_rest, read_program
 from passo.job.runner import Reader
 from passo.printer.commands import Commands
-from passo.printer.switches import home_point
+from passo.printer.slots import E, X, Y, Z
+from passo.printer.switches import axes_of_arms, home_point
 from passo.printer.waits import Homing, Silence, Temperatures, Wait
 from passo.printer.wiring import output_count
 
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     from passo.printer.printer import Printer
 
 _CHUNK = 1 << 16
-_X, _Y, _Z, _E, _SLOTS = 0, 1, 2, 3, 8  # the core's order of positions
 
 
 def offset_of_line(reader: Reader, line: int) -> int:
@@ -76,11 +76,12 @@ def _home(machine: MachineConfig, job: _core.Job, letters: str) -> None:
         job.settle_position()
         return
     job.abandon()
-    names = list("xyz")
-    together = machine.geometry.lifts_together
-    for i, at in enumerate(home_point(machine)):
-        if together or not letters or names[i].upper() in letters:
-            job.set_axis(i, at)
+    letters = letters.replace("O", "")
+    names = {n for n in "xyz" if not letters or n.upper() in letters}
+    if names & set(axes_of_arms(machine)):
+        names |= set(axes_of_arms(machine))
+    point = home_point(machine)
+    job.set_axes([(i, point[i]) for i, name in enumerate("xyz") if name in names])
 
 
 class Recovery:
@@ -90,18 +91,8 @@ class Recovery:
     def __init__(self, printer: Printer, program: Program, moment: Moment, reader: Reader) -> None:
         self._printer, self._program = printer, program
         self._moment, self._reader = moment, reader
-        head = self._read_head()
-        if reader.size != program.size or Program.crc_of(head) != program.crc:
-            raise CommandError([Problem("job.other-file", program.path)])
-
-    def _read_head(self) -> bytes:
-        self._reader.seek(0)
-        data = b""
-        while piece := self._reader.read(_CHUNK):
-            data += piece
-            if len(data) >= _CHUNK:
-                break
-        return data
+        if Program.of(program.machine, program.path, reader) != program:
+            raise CommandError.of("job.other-file", program.path)
 
     async def run(self) -> int:
         """Brings the machine to where the print goes on; returns the offset to read from."""
@@ -126,11 +117,11 @@ class Recovery:
             return
         raise_mm = machine.park.raise_mm if machine.park else 0.0
         z = self._moment.z_mm
-        printer.job.set_axis(_Z, z)
-        await self._go({_Z: min(z + raise_mm, max(machine.axes["z"].max_mm, z))}, math.inf)
+        printer.job.set_axes([(Z, z)])
+        await self._go({Z: min(z + raise_mm, max(machine.axes["z"].max_mm, z))}, math.inf)
         if not machine.homing:
-            for axis in (_X, _Y):
-                printer.job.set_axis(axis, home_point(machine)[axis])
+            point = home_point(machine)
+            printer.job.set_axes([(axis, point[axis]) for axis in (X, Y)])
             return
         await printer.homer.home("XY")
 
@@ -150,19 +141,17 @@ class Recovery:
         speed = park.speed_mm_s if park else math.inf
         if self._printer.machine.geometry.lifts_together:
             # At the top the arms reach only the middle.
-            await self._go({_Z: at[_Z] + (park.raise_mm if park else 0.0)}, math.inf)
-        await self._go({_X: at[_X], _Y: at[_Y]}, speed)
+            await self._go({Z: at[Z] + (park.raise_mm if park else 0.0)}, math.inf)
+        await self._go({X: at[X], Y: at[Y]}, speed)
         if park and park.prime_mm > 0 and self._printer.can_extrude():
-            e = self._printer.job.machine_position[_E]
-            await self._go({_E: e + park.prime_mm}, park.prime_mm_s)
-        await self._go({_Z: at[_Z]}, math.inf)
+            e = self._printer.job.machine_position[E]
+            await self._go({E: e + park.prime_mm}, park.prime_mm_s)
+        await self._go({Z: at[Z]}, math.inf)
 
     async def _go(self, target: dict[int, float], speed_mm_s: float) -> None:
         printer = self._printer
-        places = [target.get(slot, math.nan) for slot in range(_SLOTS)]
-        printer.drive.before_moves()
-        if not printer.job.move_to(places, speed_mm_s):
-            raise CommandError([Problem("job.other-file", self._program.path)])
+        if not printer.drive.move(target, speed_mm_s):
+            raise CommandError.of("job.other-file", self._program.path)
         printer.drive.flush()
         await printer.drive.until(lambda: printer.drive.standing or printer.interrupted)
         printer.raise_if_interrupted()

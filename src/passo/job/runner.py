@@ -8,7 +8,7 @@ from enum import Enum
 from typing import TYPE_CHECKING, Protocol
 
 from passo import _core
-from passo.errors import CommandError, PassoError, Problem
+from passo.errors import CommandError, PassoError
 from passo.job.park import Park
 from passo.printer.faults import problem_of
 from passo.printer.printer import Stopped
@@ -140,7 +140,7 @@ class Runner:
         """The next start begins at this byte, whose line has this number. Raises CommandError."""
         self._refuse_if_active()
         if self._reader is None:
-            raise _refusal("job.no-file")
+            raise CommandError.of("job.no-file")
         self._rewind(min(max(offset, 0), self._reader.size), line)
 
     def start(self) -> None:
@@ -151,7 +151,7 @@ class Runner:
             return
         self._refuse_if_active()
         if self._reader is None:
-            raise _refusal("job.no-file")
+            raise CommandError.of("job.no-file")
         self.state = State.PRINTING
         self._resumed.clear()
         task = asyncio.get_running_loop().create_task(self._print())
@@ -190,7 +190,7 @@ class Runner:
 
     def _refuse_if_active(self) -> None:
         if self.active:
-            raise CommandError([Problem("job.printing", values={"value": self.name})])
+            raise CommandError.of("job.printing", value=self.name)
 
     def _rewind(self, offset: int, line: int = 1) -> None:
         job = self._printer.job
@@ -327,7 +327,3 @@ class Runner:
         )
         self._printer.raise_if_halted()
         return self.state is State.PRINTING
-
-
-def _refusal(code: str) -> CommandError:
-    return CommandError([Problem(code)])

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
 
-from passo.errors import CommandError, Problem
+from passo.errors import CommandError
 
 VERSION = 1
 _LARGEST = 1 << 20
@@ -80,4 +80,4 @@ class Store:
 
 
 def _refused(code: str, path: Path, reason: str) -> CommandError:
-    return CommandError([Problem(code, str(path), values={"value": reason})])
+    return CommandError.of(code, str(path), value=reason)

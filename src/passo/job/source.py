@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
 
-from passo.errors import InputError, Problem
+from passo.errors import InputError
 
 CHUNK = 1 << 16
 
@@ -16,7 +16,7 @@ def open_source(path: str | os.PathLike[str]) -> BinaryIO:
     """The file, open for reading. Raises InputError if it cannot be read or holds nothing."""
     try:
         if Path(path).stat().st_size == 0:
-            raise InputError([Problem("input.empty", str(path))])
+            raise InputError.of("input.empty", str(path))
         return Path(path).open("rb")
     except OSError as error:
         raise _unreadable(path, error.strerror or str(error)) from None
@@ -35,4 +35,4 @@ def chunks(source: BinaryIO, path: str) -> Iterator[bytes]:
 
 
 def _unreadable(path: str | os.PathLike[str], reason: str) -> InputError:
-    return InputError([Problem("input.unreadable", str(path), None, {"value": reason})])
+    return InputError.of("input.unreadable", str(path), value=reason)

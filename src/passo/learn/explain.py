@@ -8,7 +8,7 @@ from math import acos, degrees, sqrt
 from typing import TYPE_CHECKING
 
 from passo import _core
-from passo.errors import InputError, Problem
+from passo.errors import InputError
 from passo.gcode.dialect import BY_CODE
 from passo.job.printing import Policy, Print
 from passo.job.source import open_source
@@ -80,7 +80,7 @@ def _line(path: str | os.PathLike[str], line: int) -> str:
         for number, raw in enumerate(source, 1):
             if number == line:
                 return raw.decode("utf-8", "replace").strip()
-    raise InputError([Problem("input.no-line", str(path), line, {"value": line, "limit": number})])
+    raise InputError.of("input.no-line", str(path), line, value=line, limit=number)
 
 
 def _words(text: str) -> str:

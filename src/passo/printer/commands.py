@@ -8,8 +8,11 @@ from math import sqrt
 from typing import TYPE_CHECKING, Protocol
 
 from passo.config.drives import axis_order
-from passo.errors import CommandError, Problem
+from passo.errors import CommandError
 from passo.gcode.dialect import BY_CODE, Kind
+from passo.geometry.base import Unreachable
+from passo.printer.faults import problem_of
+from passo.printer.slots import E
 from passo.printer.waits import Homing, Person, Still, Temperatures, Wait
 from passo.printer.words import Command
 
@@ -20,6 +23,7 @@ if TYPE_CHECKING:
 
 _LETTERED = re.compile(r"([TPBC])\s*(\d*)", re.IGNORECASE)
 _AT_ONCE = re.compile(r"\bF", re.IGNORECASE)
+_BABYSTEP_MM = 2.0  # at most, with one command
 _KINDS = {"T": "hotend", "P": "hotend", "B": "bed", "C": "chamber"}
 
 
@@ -51,13 +55,18 @@ class Commands:
         self._tool_c: dict[int, tuple[float | None, float | None]] = {}  # at work, on standby
         self.fans: dict[str, float] = {}  # as last set, 0 to 1
         self._spindle = 0.0
-        self._spindle_on = False
+        self._spindle_mode = ""  # M3: as set, M4: with the speed, or off
+        if machine.laser:
+            job.set_laser(*self._outputs["laser"])
         self.ended = False
+        self.record_at_once = job.record  # without a living printer there is no such haste
         self._handlers: dict[str, Callable[[Command], Wait | None]] = {
             "G28": lambda c: Homing(c.text),
             "G92": self._set_position,
+            "G92.1": self._set_actuators,
             "M2": self._end,
             "M30": self._end,
+            "EOF": self._end,
             "M3": self._spindle_start,
             "M4": self._spindle_start,
             "M5": self._spindle_stop,
@@ -72,14 +81,14 @@ class Commands:
             "M190": lambda c: self._reach_temperature(c, "bed"),
             "M191": lambda c: self._reach_temperature(c, "chamber"),
             "M116": self._reach_all,
-            "M106": self._fan_on,
-            "M107": self._fan_off,
-            "M200": self._volumes,
+            "M106": lambda c: self._set_fan(c, c.words().get("S", 255) / 255),
+            "M107": lambda c: self._set_fan(c, 0.0),
             "M201": lambda c: self._axis_limits(c, "accel"),
             "M203": lambda c: self._axis_limits(c, "speed"),
             "M204": lambda c: self.accelerations(c.words()),
             "M205": self._junction,
             "M220": self._speed,
+            "M290": self._babystep,
             "G10": self._tool_temperatures,
             "SET_VELOCITY_LIMIT": self._velocity_limit,
         }
@@ -128,8 +137,32 @@ class Commands:
     def _set_position(self, command: Command) -> None:
         """Of axes that do not know where they are; the interpreter does the others."""
         axes = axis_order(self._machine.axes)
-        for letter, value in command.words().items():
-            self._job.set_axis(axes.index(letter.lower()), value)
+        self._job.set_axes([(axes.index(k.lower()), v) for k, v in command.words().items()])
+
+    def _set_actuators(self, command: Command) -> None:
+        """G92 with letters of motors: where the nozzle is follows from all of them. Raises
+        CommandError where they lead nowhere, or another one is not known."""
+        geometry, job = self._machine.geometry, self._job
+        words = command.words()
+        given = {n: words[n.upper()] for n in geometry.actuators if n.upper() in words}
+        if not given:
+            return
+        locked = [i for i in job.locked_axes if i < E]
+        if locked and len(given) < len(set(geometry.actuators) - {"z"}):
+            raise CommandError.of("input.not-homed", axis="XYZ"[locked[0]])
+        try:
+            x, y, z = job.machine_position[:E]
+            known = dict.fromkeys(geometry.actuators, z)
+            if not locked:
+                known = dict(zip(geometry.actuators, geometry.inverse((x, y, z)), strict=True))
+            a, b, c = (known | given).values()
+            point = geometry.forward((a, b, c))
+        except Unreachable as error:
+            raise CommandError.of(
+                "command.value", axis="G92", value=command.text, limit=str(error)
+            ) from None
+        ways = 3 if geometry.lifts_together or 2 not in locked else 2
+        job.set_axes(list(enumerate(point))[:ways])
 
     def _end(self, _: Command) -> Wait:
         self.ended = True
@@ -140,20 +173,21 @@ class Commands:
         for fan in self._machine.fans:
             self.set_output(fan, 0.0)
 
-    def set_output(self, output: str, share: float) -> None:
-        """Sets an output, 0 to 1, when the moves so far are done."""
+    def set_output(self, output: str, share: float, *, at_once: bool = False) -> None:
+        """Sets an output, 0 to 1, when the moves so far are done, or at once."""
         if output in self._machine.fans:
             self.fans[output] = share
         index, full = self._outputs[output]
-        self._job.record(index, round(min(max(share, 0.0), 1.0) * full))
+        record = self.record_at_once if at_once else self._job.record
+        record(index, round(min(max(share, 0.0), 1.0) * full))
 
     def _spindle_start(self, command: Command) -> None:
         self._spindle = command.words().get("S", self._spindle)
-        self._spindle_on = True
+        self._spindle_mode = command.code
         self._laser()
 
     def _spindle_stop(self, _: Command) -> None:
-        self._spindle_on = False
+        self._spindle_mode = ""
         self._laser()
 
     def _spindle_power(self, command: Command) -> None:
@@ -162,8 +196,9 @@ class Commands:
 
     def _laser(self) -> None:
         if self._machine.laser:
-            share = self._spindle / self._machine.laser.full_scale if self._spindle_on else 0.0
-            self.set_output("laser", share)
+            share = max(0.0, self._spindle / self._machine.laser.full_scale)
+            self._job.follow_speed(share if self._spindle_mode == "M4" else 0.0)
+            self.set_output("laser", share if self._spindle_mode == "M3" else 0.0)
 
     def heater(self, kind: str, number: int | None = None) -> str:
         """The heater of a kind: a hotend by its tool's number, the active tool's by default; others
@@ -178,8 +213,7 @@ class Commands:
             if len(names) == 1:
                 return names[0]
         if not 0 <= index < len(names):
-            values = {"axis": kind, "value": index, "limit": len(names)}
-            raise CommandError([Problem("heat.unknown", values=values)])
+            raise CommandError.of("heat.unknown", axis=kind, value=index, limit=len(names))
         return names[index]
 
     def _numbered(self, words: dict[str, float]) -> int | None:
@@ -202,8 +236,7 @@ class Commands:
         else:
             self._heat.set_target(name, 0.0, at_once=True)
             limit = f"{heater.min_c:g} to {heater.max_c:g}"
-            values = {"axis": name, "value": target, "limit": limit}
-            raise CommandError([Problem("heat.unsafe-target", values=values)])
+            raise CommandError.of("heat.unsafe-target", axis=name, value=target, limit=limit)
 
     def _set_temperature(self, command: Command, kind: str) -> None:
         words = command.words()
@@ -256,22 +289,11 @@ class Commands:
         number = int(command.words().get("P", 0))
         return next((n for n, fan in self._machine.fans.items() if fan.number == number), None)
 
-    def _fan_on(self, command: Command) -> None:
+    def _set_fan(self, command: Command, share: float) -> None:
         fan = self._fan(command)
         if fan is not None:
-            self.set_output(
-                fan, command.words().get("S", 255) / 255 * self._machine.fans[fan].max_power
-            )
-
-    def _fan_off(self, command: Command) -> None:
-        fan = self._fan(command)
-        if fan is not None:
-            self.set_output(fan, 0.0)
-
-    def _volumes(self, command: Command) -> None:
-        words = command.words()
-        if words.get("D", 0) > 0 and words.get("S", 1) != 0:
-            _count(self.unknown, "M200 with D", command.line)
+            at_once = _AT_ONCE.search(command.text) is not None
+            self.set_output(fan, share * self._machine.fans[fan].max_power, at_once=at_once)
 
     def _axis_limits(self, command: Command, what: str) -> None:
         for letter, value in command.words().items():
@@ -299,6 +321,21 @@ class Commands:
         percent = command.words().get("S", 0)
         if percent > 0:
             self._job.speed_factor = min(max(percent, 10.0), 1000.0) / 100
+
+    def babysteps(self, command: Command) -> list[tuple[int, float]]:
+        """M290: numbers of axes with how far they go, mm; S is Z's. Raises CommandError."""
+        words = command.words()
+        words.setdefault("Z", words.get("S", 0.0))
+        found = [(i, words[letter]) for i, letter in enumerate("XYZ") if words.get(letter)]
+        for i, mm in found:
+            if abs(mm) > _BABYSTEP_MM:
+                raise CommandError.bad_value("XYZ"[i], mm, f"at most {_BABYSTEP_MM:g} mm")
+        return found
+
+    def _babystep(self, command: Command) -> None:
+        for axis, mm in self.babysteps(command):
+            if not self._job.shift(axis, mm):
+                raise CommandError([problem_of(self._job, "")])
 
     def _velocity_limit(self, command: Command) -> None:
         values: dict[str, float] = {}

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import asyncio
+import math
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
+
+from passo.printer.slots import SLOTS
 
 if TYPE_CHECKING:
     from passo import _core
@@ -26,8 +29,9 @@ class Drive:
     """Lets print time pass on one board and one plan. One task runs `run`; all else is called from
     the same event loop.
 
-    Time is tied to the loop's, or `free`: then it passes, as fast as it goes, only while something
-    waits for it, or moves are left and no host has spoken for a moment.
+    Time is the board's own, if that is live; else it is tied to the loop's, or `free`: then it
+    passes, as fast as it goes, only while something waits for it, or moves are left and no host has
+    spoken for a moment.
     """
 
     def __init__(
@@ -58,7 +62,7 @@ class Drive:
     @property
     def now(self) -> int:
         """Print time in ticks of the job's clock."""
-        if self._free:
+        if self._free or self._connection.port.live:
             return self._connection.now - self.base
         passed = self._loop.time() - self._start_s
         return self._start_clock + int(passed * self.hz) - self.base
@@ -105,6 +109,15 @@ class Drive:
         self._dirty = True
         self._woken.set()
 
+    def move(self, target: Mapping[int, float], speed_mm_s: float, *, limited: bool = True) -> bool:
+        """Adds a straight move to these places, by slot, in machine mm; what is not named stays.
+        False if `limited` and an actuator does not reach it."""
+        places = [target.get(slot, math.nan) for slot in range(SLOTS)]
+        self.before_moves()
+        reached = self._job.move_to(places, speed_mm_s, limited)
+        self.after_moves()
+        return reached
+
     def flush(self) -> None:
         """Settles the plan for a stop at its end."""
         if self._job.queued > 0:
@@ -115,6 +128,27 @@ class Drive:
     def replan(self) -> None:
         """Plans anew, with the limits of now, what the board does not have yet."""
         self._revoke(self._job.replan_from(self._earliest()))
+
+    def shift(self, axis: int, mm: float) -> bool:
+        """All that the board does not have yet lies so much further along an axis. False if that
+        is out of range; the job's error says why."""
+        self.before_moves()
+        cut = self._job.shift_from(self._earliest(), axis, mm)
+        if cut is None:
+            return False
+        self._revoke(cut)
+        return True
+
+    def record_at_once(self, target: int, value: int) -> None:
+        """Sets an output, by number, as early as the board can be told in time."""
+        self._job.record_at(self._earliest(), target, value)
+        self.after_moves()
+
+    def skip_dwell(self) -> None:
+        """Ends a dwell that is under way, as early as it can be taken back."""
+        cut = self._job.skip_dwell_from(self._earliest())
+        if cut is not None:
+            self._revoke(cut)
 
     def hold(self) -> None:
         """Brakes to a stop on the path; what is left is held."""
@@ -190,8 +224,8 @@ class Drive:
 
     def _run(self, job_clock: int) -> None:
         until = self.base + job_clock
-        if until > self._connection.now:
-            self._connection.run(until)
+        if until > self._connection.now or self._connection.port.live:
+            self._connection.run(until)  # a live board may have news at any time
 
     def _settle(self, now: int) -> None:
         """A plan that runs dry is settled for a stop; what came in since takes the stop back, but

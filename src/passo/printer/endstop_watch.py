@@ -70,13 +70,18 @@ class EndstopWatch:
         self._armed = True
 
     def _report(self, names: list[str]) -> None:
+        """Where the machine was when the switches closed, which is a while ago by now."""
+        printer = self._printer
+        base = printer.drive.base
+        clocks = {name: self._endstops.hit_clock(name) - base for name in names}
         self._endstops.disarm()
         self._armed, self._stale = False, True
-        places, _ = self._printer.positions.now()
-        where = " ".join(f"{letter}:{at:.2f}" for letter, at in places.items() if letter != "E")
-        self._printer.tell(f"echo:endstops hit: {' '.join(n.upper() for n in names)} at {where}")
+        for name, clock in clocks.items():
+            places = printer.positions.at(clock)
+            where = " ".join(f"{k}:{at:.3f}" for k, at in places.items() if k != "E")
+            printer.tell(f"echo:endstops hit: {name.upper()} at {where}")
         if self.stops:
-            self._printer.stop_by_endstop(names)
+            printer.stop_by_endstop(names)
 
     def _watch(self, on: bool) -> Wait | None:
         self.pause()

@@ -20,6 +20,8 @@ def problem_of(job: _core.Job, path: str) -> Problem:
         return Problem("input.unreachable", path, line, {"value": where})
     if fault == faults.NOT_HOMED:
         return Problem("input.not-homed", path, line, {"axis": word.upper()})
+    if fault == faults.UNSAVED:
+        return Problem("input.unsaved", path, line, {"value": f"S{value:g}"})
     if fault == faults.COLD:
         return Problem("input.cold", path, line)
     if fault == faults.MISSING_TOOL:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from passo.errors import CommandError, Problem
+from passo.errors import CommandError
 from passo.printer.waits import Handler, Reply, Wait
 from passo.printer.words import Command
 
@@ -49,7 +49,7 @@ class HeatCommands:
         number = command.words().get("P")
         if number is not None and all(f.number != number for f in self._machine.fans.values()):
             limit = ", ".join(str(f.number) for f in self._machine.fans.values()) or "no fan"
-            raise _refusal("command.value", axis="P", value=f"{number:g}", limit=limit)
+            raise CommandError.bad_value("P", number, limit)
         return self._printer.commands.run(command)
 
     # -- presets, cold extrusion ------------------------------------------------------------------
@@ -62,7 +62,7 @@ class HeatCommands:
                 reply.say(line)
             return None
         if not 0 <= index < len(self.presets):
-            raise _refusal("command.value", axis="S", value=index, limit="0 to 2")
+            raise CommandError.bad_value("S", index, "0 to 2")
         preset = self.presets[index]
         preset.hotend_c = min(max(words.get("H", preset.hotend_c), 0.0), self._most("hotend"))
         preset.bed_c = min(max(words.get("B", preset.bed_c), 0.0), self._most("bed"))
@@ -82,7 +82,7 @@ class HeatCommands:
         words = command.words()
         if "S" in words:
             if words["S"] < 0:
-                raise _refusal("command.value", axis="S", value=words["S"], limit="0 C or more")
+                raise CommandError.bad_value("S", words["S"], "0 C or more")
             self.cold_c = words["S"]
             self.cold_allowed = self.cold_c == 0
         if "P" in words:
@@ -114,7 +114,3 @@ class HeatCommands:
                 heater.rearm()
                 reply.say(f"echo:Heater {name} is armed again, target {heater.target:g} C")
         return None
-
-
-def _refusal(code: str, **values: object) -> CommandError:
-    return CommandError([Problem(code, values=values)])

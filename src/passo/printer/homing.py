@@ -9,9 +9,16 @@ from typing import TYPE_CHECKING
 
 from passo.board.endstops import Endstops
 from passo.config.drives import axis_order
-from passo.errors import CommandError, Problem
-from passo.geometry.base import Unreachable
-from passo.printer.switches import Switch, home_point, is_actuator, steppers_of, switches
+from passo.errors import CommandError
+from passo.geometry.base import Point
+from passo.printer.slots import Z, slot_of_axis
+from passo.printer.switches import (
+    Switch,
+    axes_of_arms,
+    is_actuator,
+    steppers_of,
+    switches,
+)
 
 if TYPE_CHECKING:
     from passo.config.homing import Homing
@@ -19,25 +26,29 @@ if TYPE_CHECKING:
 
 _REST_S = 0.001  # the board looks at a switch at least this often
 _ARMED_S = 0.005  # switches count from so long before the first step
-_SLOTS = 8  # X, Y, Z, E and four further axes, as the core counts positions
+_FULL_TURN = 360.0  # of an arm whose range nobody has told
 _OVERRUN = 1.2  # a switch is sought this far beyond the axis' whole range
 _SLOW_OVERRUN = 2.0  # and this many times the retraction on the slow way
 
 
 @dataclass(frozen=True, slots=True)
 class _Way:
-    """One axis on its way to its switches, or all arms of a delta together as Z. Lengths along the
-    axis: `sign` is the direction of its end, `scale` turns the speeds and lengths of the machine
-    file into mm of it."""
+    """One axis or arm on its way to its switches, in its own unit: mm, or degrees of an arm. `axis`
+    is its number among the axes, or among the actuators; `sign` the direction of its end."""
 
     name: str
     axis: int
-    slot: int
     sign: float
-    home: float
-    scale: float
     config: Homing
     switches: tuple[Switch, ...]
+
+    @property
+    def home(self) -> float:
+        return self.config.position
+
+    @property
+    def slot(self) -> int:
+        return slot_of_axis(self.axis)
 
     @property
     def steppers(self) -> set[str]:
@@ -59,10 +70,8 @@ class Homer:
     @property
     def axes(self) -> set[str]:
         """The axes that find their place by switches."""
-        found: set[str] = set()
-        for name in self._machine.homing:
-            found |= {"x", "y", "z"} if is_actuator(self._machine, name) else {name}
-        return found
+        own = {n for n in self._machine.homing if not is_actuator(self._machine, n)}
+        return own | set(axes_of_arms(self._machine))
 
     def states(self) -> dict[str, bool]:
         """All switches: whether they are pressed."""
@@ -70,15 +79,17 @@ class Homer:
 
     async def home(self, letters: str) -> None:
         """Homes the axes of these letters, all by default. An axis without a switch is taken to be
-        at home already. An axis that does not find its switch no longer knows where it is."""
-        names = [a for a in self._axes if a.upper() in letters] if letters else self._axes
-        for name in names:
-            if name not in self.axes:
-                self._set(name, self._home_of(name))
+        at home already. An axis that does not find its switch no longer knows where it is. With the
+        letter O axes that know where they are stay."""
+        names = [a for a in self._axes if a.upper() in letters] or self._axes
+        if "O" in letters and self._machine.unhomed_moves == "refuse":
+            unknown = [self._axes[i] for i in self._printer.job.locked_axes]
+            names = [name for name in names if name in unknown]
+        fixed = [name for name in names if name not in self.axes]
+        self._printer.job.set_axes([(self._axes.index(n), self._home_of(n)) for n in fixed])
         self._printer.endstops.pause()
-        ways = self._ways(names, everything=not letters)
         batch: list[_Way] = []
-        for way in ways:
+        for way in self._ways(names, everything=not letters.strip("O")):
             if any(way.steppers & other.steppers for other in batch):
                 await self._together(batch)
                 batch = []
@@ -91,83 +102,80 @@ class Homer:
         return axis.min_mm if axis.home_mm is None else axis.home_mm
 
     def _ways(self, names: Sequence[str], *, everything: bool) -> list[_Way]:
-        machine = self._machine
-        ways: list[_Way] = []
-        arms = [n for n in machine.homing if is_actuator(machine, n)]
-        if arms and {"x", "y", "z"} & set(names):
-            ways.append(self._lift(arms))
+        """Arms first. Z of a delta that has a switch of its own needs them only to know where it
+        is."""
+        machine, homing = self._machine, self._machine.homing
+        of_arms = set(axes_of_arms(machine))
+        wanted: set[str] = of_arms & set(names)
+        if wanted == {"z"} and "z" in homing and not self._printer.job.locked_axes:
+            wanted = set[str]()
+        ways = [self._way(n, machine.geometry.actuators) for n in machine.geometry.arms if wanted]
         for name in names:
-            homing = machine.homing.get(name)
-            if homing is None or name in arms or (everything and not homing.by_default):
-                continue
-            axis = self._axes.index(name)
-            own = tuple(s for s in self._switches if s.home == name)
-            sign = 1.0 if homing.direction == "max" else -1.0
-            slot = axis if axis < 3 else axis + 1
-            ways.append(_Way(name, axis, slot, sign, homing.position, 1.0, homing, own))
+            if name in homing and (homing[name].by_default or not everything):
+                ways.append(self._way(name, self._axes))
         return ways
 
-    def _lift(self, arms: Sequence[str]) -> _Way:
-        """All arms of a delta move alike while Z moves in the middle."""
-        homing = self._machine.homing[arms[0]]
-        top = home_point(self._machine)[2]
-        low = self._lifted(-self._travel(homing, arms[0]))
-        scale = abs(top - low) / self._travel(homing, arms[0])
-        own = tuple(s for s in self._switches if s.home in arms)
-        return _Way("z", 2, 2, math.copysign(1.0, top - low), top, scale, homing, own)
+    def _way(self, name: str, among: Sequence[str]) -> _Way:
+        config = self._machine.homing[name]
+        sign = 1.0 if config.direction == "max" else -1.0
+        own = tuple(s for s in self._switches if s.home == name)
+        return _Way(name, among.index(name), sign, config, own)
 
-    def _lifted(self, by: float) -> float:
-        """Z with all arms so far beyond home."""
-        homes = [self._machine.homing[a] for a in self._machine.geometry.actuators]
-        a, b, c = (h.position + (by if h.direction == "max" else -by) for h in homes)
-        try:
-            return self._machine.geometry.forward((a, b, c))[2]
-        except Unreachable:
-            return home_point(self._machine)[2]
-
-    def _travel(self, homing: Homing, name: str) -> float:
-        if homing.max_travel is not None:
-            return homing.max_travel
-        if is_actuator(self._machine, name):
-            stepper = self._machine.steppers[steppers_of(self._machine, name)[0]]
+    def _travel(self, way: _Way) -> float:
+        if way.config.max_travel is not None:
+            return way.config.max_travel
+        if is_actuator(self._machine, way.name):
+            stepper = self._machine.steppers[steppers_of(self._machine, way.name)[0]]
             ends = (stepper.min_mm, stepper.max_mm, stepper.min_deg, stepper.max_deg)
             given = [end for end in ends if end is not None]
-            if len(given) == 2:
-                return given[1] - given[0]
-        axis = self._machine.axes[name if name in self._machine.axes else "z"]
+            return given[1] - given[0] if len(given) == 2 else _FULL_TURN
+        axis = self._machine.axes[way.name]
         return _OVERRUN * (axis.max_mm - axis.min_mm)
 
     async def _together(self, ways: Sequence[_Way]) -> None:
-        """Homes axes that share no motor at the same time."""
-        lift = any(is_actuator(self._machine, s.home) for way in ways for s in way.switches)
-        names = ["x", "y", "z"] if lift else [way.name for way in ways]
+        """Homes axes and arms that share no motor at the same time."""
+        printer, job = self._printer, self._printer.job
+        arms = any(is_actuator(self._machine, way.name) for way in ways)
+        of_arms = axes_of_arms(self._machine) if arms else ()
+
+        def point_of_arms() -> dict[str, float]:
+            point = zip("xyz", self._at_home(job.machine_position[Z]), strict=True)
+            job.use_joints(False)
+            return {name: at for name, at in point if name in of_arms}
+
+        names = [w.name for w in ways if not is_actuator(self._machine, w.name)]
         try:
+            job.use_joints(arms)
+            travel = [self._travel(way) for way in ways]
+            for way, far in zip(ways, travel, strict=True):
+                self._place(way, way.home - way.sign * far)
+            await self._seek(ways, travel, fast=True)
             for way in ways:
-                if lift:
-                    for name, at in zip("xyz", (0.0, 0.0, 0.0), strict=True):
-                        self._set(name, at)
-                far = self._travel(way.config, way.switches[0].home) * way.scale
-                self._set(way.name, way.home - way.sign * far)
-            await self._seek(ways, [self._travel(w.config, w.switches[0].home) for w in ways], True)
-            for way in ways:
-                self._set(way.name, way.home)
+                self._place(way, way.home)
             await self._go([-w.config.retract for w in ways], ways)
             for way in ways:
                 for switch in way.switches:
                     if self._endstops.pressed(switch.name):
                         raise self._problem("machine.switch-stuck", switch, way.config.retract)
             slow = [_SLOW_OVERRUN * w.config.retract for w in ways]
-            await self._seek(ways, slow, False)
+            await self._seek(ways, slow, fast=False)
         except BaseException:
-            self._printer.lock(names)
+            self._set(point_of_arms())
+            printer.lock([*of_arms, *names])
             raise
-        for way in ways:
-            self._set(way.name, way.home + self._printer.motion.home_offset_mm[way.name])
-        if lift:
-            for name, at in zip("xyz", home_point(self._machine), strict=True):
-                self._set(name, at)
+        found = {way.name: way.home for way in ways if way.name in names} | point_of_arms()
+        self._set({n: at + printer.motion.home_offset_mm[n] for n, at in found.items()})
 
-    async def _seek(self, ways: Sequence[_Way], travel: Sequence[float], fast: bool) -> None:
+    def _at_home(self, z: float) -> Point:
+        """The nozzle with all arms at home, and Z there where it moves by itself."""
+        machine = self._machine
+        a, b, c = (
+            machine.homing[n].position if n in machine.geometry.arms else z
+            for n in machine.geometry.actuators
+        )
+        return machine.geometry.forward((a, b, c))
+
+    async def _seek(self, ways: Sequence[_Way], travel: Sequence[float], *, fast: bool) -> None:
         """All ways at once, each at its own speed, until each has met all its switches."""
         printer = self._printer
         speeds = [(w.config.fast if fast else w.config.slow) for w in ways]
@@ -180,14 +188,13 @@ class Homer:
         times = [t / v for t, v in zip(travel, speeds, strict=True)]
         passed = 0.0
         for end in sorted(set(times)):
-            target = self._target()
+            target: dict[int, float] = {}
             square = 0.0
             for way, time, speed in zip(ways, times, speeds, strict=True):
                 if time >= end:
-                    v = speed * way.scale
-                    target[way.slot] = self._at(way.slot) + way.sign * v * (end - passed)
-                    square += v * v
-            printer.job.move_to(target, math.sqrt(square), False)
+                    target[way.slot] = self._at(way.slot) + way.sign * speed * (end - passed)
+                    square += speed * speed
+            drive.move(target, math.sqrt(square), limited=False)
             passed = end
         printer.drive.flush()
         try:
@@ -214,35 +221,45 @@ class Homer:
     async def _go(self, by: Sequence[float], ways: Sequence[_Way]) -> None:
         """A move of all these axes, by so much towards their switches."""
         printer = self._printer
-        target = self._target()
+        target: dict[int, float] = {}
         square = 0.0
         for way, distance in zip(ways, by, strict=True):
-            target[way.slot] = self._at(way.slot) + way.sign * distance * way.scale
-            square += (way.config.fast * way.scale) ** 2
-        printer.drive.before_moves()
-        printer.job.move_to(target, math.sqrt(square), False)
+            target[way.slot] = self._at(way.slot) + way.sign * distance
+            square += way.config.fast**2
+        printer.drive.move(target, math.sqrt(square), limited=False)
         printer.drive.flush()
-        await printer.drive.until(lambda: printer.drive.standing or printer.interrupted)
+        await self._still()
         printer.raise_if_interrupted()
+
+    async def _still(self) -> None:
+        """Until the machine stands, which somebody may make it do early."""
+        printer, drive = self._printer, self._printer.drive
+        await drive.until(lambda: drive.standing or printer.interrupted)
+        if not drive.standing:
+            drive.stop()
+            await drive.until(lambda: drive.standing or bool(printer.halted))
 
     def _steps(self, way: _Way) -> float:
         return max(self._machine.steppers[s].steps_per_unit for s in way.steppers)
 
-    def _target(self) -> list[float]:
-        return [math.nan] * _SLOTS
-
     def _at(self, slot: int) -> float:
         return self._printer.job.machine_position[slot]
 
-    def _set(self, name: str, at: float) -> None:
-        self._printer.job.set_axis(self._axes.index(name), at)
+    def _place(self, way: _Way, at: float) -> None:
+        self._printer.job.set_axes([(way.axis, at)])
+
+    def _set(self, places: dict[str, float]) -> None:
+        self._printer.job.set_axes([(self._axes.index(n), at) for n, at in places.items()])
 
     def _problem(self, code: str, switch: Switch, limit: float) -> CommandError:
-        homing = self._machine.homing[switch.home]
-        values = {
-            "axis": switch.home.upper(),
-            "value": f"switch {switch.name} at {switch.pin}",
-            "limit": f"{limit:g}",
-            "position": f"{homing.position:g}",
-        }
-        return CommandError([Problem(code, values=values)])
+        geometry, home = self._machine.geometry, switch.home
+        arm = is_actuator(self._machine, home)
+        turns = arm and home in geometry.rotary
+        unit = " degrees" if turns else ""
+        return CommandError.of(
+            code,
+            axis=f"{'arm' if turns else 'carriage' if arm else 'axis'} {home.upper()}",
+            value=f"switch {switch.name} at {switch.pin}",
+            limit=f"{limit:g}{unit}",
+            position=f"{self._machine.homing[home].position:g}{unit}",
+        )

@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from passo.config.drives import axis_order
-from passo.errors import CommandError, Problem
+from passo.errors import CommandError
+from passo.printer.faults import problem_of
 from passo.printer.waits import Handler, Reply, Still, Wait
 from passo.printer.words import Command
 
@@ -14,7 +15,6 @@ if TYPE_CHECKING:
     from passo.printer.printer import Printer
 
 _PERCENT = (10.0, 1000.0)  # of M220
-_BABYSTEP_MM = 2.0  # at most, with one command
 
 
 class MotionCommands:
@@ -32,7 +32,9 @@ class MotionCommands:
         }
         self.planned: dict[str, Handler] = {
             "M92": self._scales,
-            "M200": self._volumes,
+            "M200": lambda c, r: self._say(r, *self.filament_lines()),
+            "G60": self._saved,
+            "M209": lambda c, r: self._say(r, f"M209 S{int(printer.job.auto_retract)}"),
             "M201": lambda c, r: self._axis_limits(c, r, "accel"),
             "M203": lambda c, r: self._axis_limits(c, r, "speed"),
             "M204": self._accelerations,
@@ -40,7 +42,9 @@ class MotionCommands:
             "M206": self._home_offsets,
             "M218": self._tool_offset,
             "M221": self._flow,
+            "M290": lambda c, r: self._printer.commands.run(c),
             "M569": self._drivers,
+            "M603": lambda c, r: self._say(r, *self.change_lines()),
         }
 
     # -- scales and limits ------------------------------------------------------------------------
@@ -76,7 +80,7 @@ class MotionCommands:
             if letter == "T":
                 continue
             if not 1e-3 < value < 1e6:
-                raise _refusal(letter, value, "steps per mm above 0")
+                raise CommandError.bad_value(letter, value, "steps per mm above 0")
             changes += [(i, value) for i in self._places(letter)]
         return Still(lambda: self._rescale(changes))
 
@@ -138,7 +142,7 @@ class MotionCommands:
         deviation = words.get("J")
         if deviation is not None:
             if not 0.001 <= deviation <= 0.3:
-                raise _refusal("J", deviation, "0.001 to 0.3 mm")
+                raise CommandError.bad_value("J", deviation, "0.001 to 0.3 mm")
             self._printer.job.set_limit("junction_deviation", deviation)
             self._printer.drive.replan()
         return None
@@ -147,12 +151,39 @@ class MotionCommands:
         """M205 with what holds now."""
         return f"M205 J{self._printer.job.limit('junction_deviation'):.10g}"
 
-    def _volumes(self, command: Command, _: Reply) -> Wait | None:
-        """E is a length. A program that means volumes would push far too much filament."""
-        words = command.words()
-        if words.get("D", 0) > 0 and words.get("S", 1) != 0:
-            raise _refusal("D", words["D"], "0, as E is a length and not a volume")
+    def _say(self, reply: Reply, *lines: str) -> Wait | None:
+        """Answers a question; with words the interpreter has carried the command out."""
+        for line in lines:
+            reply.say(line)
         return None
+
+    def filament_lines(self) -> Iterator[str]:
+        """M200 for each tool where E is a volume, else that it is a length."""
+        diameters = self._printer.job.filament_diameters
+        if diameters is None:
+            yield "M200 S0"
+            return
+        for tool, row in enumerate(self._machine.core_spec()["tools"]):
+            if row["extruder"] >= 0:
+                yield f"M200 T{tool} D{diameters[row['extruder']]:.10g}"
+
+    def change_lines(self) -> Iterator[str]:
+        """M603 for each tool."""
+        lengths = self._printer.job.filament_changes
+        for tool, row in enumerate(self._machine.core_spec()["tools"]):
+            extruder: int = row["extruder"]
+            if extruder >= 0:
+                load, unload = lengths[extruder]
+                yield f"M603 T{tool} L{load:.10g} U{unload:.10g}"
+
+    def retraction_lines(self) -> Iterator[str]:
+        """M207 to M209 with what holds now."""
+        job = self._printer.job
+        mm, feed, hop, extra, back = job.retraction
+        yield f"M207 S{mm:.10g} F{feed * 60:.10g} Z{hop:.10g} R{extra:.10g}"
+        if back > 0:
+            yield f"M208 S{extra:.10g} F{back * 60:.10g}"
+        yield f"M209 S{int(job.auto_retract)}"
 
     # -- offsets ----------------------------------------------------------------------------------
 
@@ -160,9 +191,15 @@ class MotionCommands:
         words = command.words()
         if not words:
             reply.say(self.home_offset_line())
-        for letter, value in words.items():
-            if letter.lower() in self.home_offset_mm:
-                self.home_offset_mm[letter.lower()] = value
+        offsets = {a: words[a.upper()] for a in self.home_offset_mm if a.upper() in words}
+        for name, mm in offsets.items():
+            axis = self._machine.axes[name]
+            longest = axis.max_mm - axis.min_mm
+            if abs(mm) > longest:
+                raise CommandError.bad_value(
+                    name.upper(), mm, f"at most the {longest:g} mm of the axis"
+                )
+        self.home_offset_mm |= offsets
         return None
 
     def home_offset_line(self) -> str:
@@ -170,12 +207,20 @@ class MotionCommands:
         words = [f"{a.upper()}{mm:.10g}" for a, mm in self.home_offset_mm.items()]
         return f"M206 {' '.join(words)}"
 
+    def _saved(self, command: Command, reply: Reply) -> Wait | None:
+        """G60; the interpreter has saved the position."""
+        *axes, e = self._printer.job.program_position
+        places = zip([a.upper() for a in self._axes], axes, strict=True)
+        where = " ".join(f"{letter}:{at + 0.0:.2f}" for letter, at in places)
+        reply.say(f"Saved position {command.text}<-{where} E:{e + 0.0:.2f}")
+        return None
+
     def _tool_offset(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
         offsets = self._printer.job.tool_offsets
         tool = int(words.get("T", words.get("H", self._printer.job.tool)))
         if not 0 <= tool < len(offsets):
-            raise _refusal("T", tool, f"a tool below {len(offsets)}")
+            raise CommandError.bad_value("T", tool, f"a tool below {len(offsets)}")
         axes = {letter: value for letter, value in words.items() if letter in "XYZ"}
         if not axes:
             for line in self.tool_offset_lines():
@@ -197,14 +242,9 @@ class MotionCommands:
         return None
 
     def _babystep(self, command: Command, _: Reply) -> Wait | None:
-        words = command.words()
-        changes = {k: v for k, v in words.items() if k.lower() in self._axes[:3]}
-        if "S" in words:
-            changes.setdefault("Z", words["S"])
-        for letter, mm in changes.items():
-            if abs(mm) > _BABYSTEP_MM:
-                raise _refusal(letter, mm, f"at most {_BABYSTEP_MM:g} mm")
-            self._printer.job.shift_zero(self._axes.index(letter.lower()), mm)
+        for axis, mm in self._printer.commands.babysteps(command):
+            if not self._printer.drive.shift(axis, mm):
+                raise CommandError([problem_of(self._printer.job, "")])
         return None
 
     # -- overrides --------------------------------------------------------------------------------
@@ -217,7 +257,7 @@ class MotionCommands:
             return None
         low, high = _PERCENT
         if words["S"] <= 0:
-            raise _refusal("S", words["S"], f"{low:g} to {high:g} percent")
+            raise CommandError.bad_value("S", words["S"], f"{low:g} to {high:g} percent")
         job.speed_factor = min(max(words["S"], low), high) / 100
         self._printer.drive.replan()
         return None
@@ -225,7 +265,7 @@ class MotionCommands:
     def _drivers(self, command: Command, reply: Reply) -> Wait | None:
         """What the machine file says of the drivers; it is fixed when the board is configured."""
         if command.words():
-            raise CommandError([Problem("command.fixed", values={"value": "steppers"})])
+            raise CommandError.of("command.fixed", value="steppers")
         reply.say("Reporting Stepper control")
         for row in self._machine.core_spec()["steppers"]:
             reply.say(
@@ -233,9 +273,3 @@ class MotionCommands:
                 f" pulse(us):{row['pulse_s'] * 1e6:g} delay(us):{row['dir_setup_s'] * 1e6:g}"
             )
         return None
-
-
-def _refusal(axis: str, value: float, limit: str) -> CommandError:
-    return CommandError(
-        [Problem("command.value", values={"axis": axis, "value": f"{value:g}", "limit": limit})]
-    )

@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from passo.geometry.base import Unreachable
+from passo.printer.slots import E, slot_of_axis
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
-
-_E = 3  # slot of the active extruder in the core's positions
 
 
 class Positions:
@@ -35,6 +34,23 @@ class Positions:
             net = self._printer.connection.net_steps(name) + self._lost.get(name, 0)
             found[name] = net + row["count"] - row["expected_net"]
         return found
+
+    def at(self, clock: int) -> dict[str, float]:
+        """The program's coordinates of where the plan was at a clock of the job, about a second ago
+        at most, else of where the machine is now. Lets time pass; raises MachineError."""
+        job = self._printer.job
+        found = job.position_at(clock)
+        if found is None:
+            return self.now()[0]
+        letters = [row["letter"] for row in self._printer.machine.core_spec()["axes"]]
+        slots = [*(slot_of_axis(i) for i in range(len(letters))), E]
+        ends = job.machine_position
+        return {
+            letter: found[slot] + place - ends[slot]
+            for letter, slot, place in zip(
+                [*letters, "E"], slots, job.program_position, strict=True
+            )
+        }
 
     def now(self) -> tuple[dict[str, float], dict[str, int]]:
         """The program's coordinates of what the motors have done, by axis letter and E, and the
@@ -62,12 +78,11 @@ class Positions:
         machine_ends = job.machine_position
         found: dict[str, float] = {}
         for i, letter in enumerate(letters):
-            slot = i if i < 3 else i + 1
             place = places[i]
             if place is not None:
-                found[letter] = place + ends[i] - machine_ends[slot]
+                found[letter] = place + ends[i] - machine_ends[slot_of_axis(i)]
         extruder = machine.tools[job.tool].extruder if machine.tools else None
         index = list(machine.extruders).index(extruder) if extruder else 0
         if ("extruder", index) in real:
-            found["E"] = real[("extruder", index)] + e_end - machine_ends[_E]
+            found["E"] = real[("extruder", index)] + e_end - machine_ends[E]
         return found, counts

@@ -109,6 +109,7 @@ class Printer:
         full = [connection.full_scale(o.name) for o in connection.board.outputs]
         self.commands = Commands(machine, self.job, self, full)
         self.drive = Drive(connection, self.job, free=self._free, set_target=self._apply_target)
+        self.commands.record_at_once = self.drive.record_at_once
         self.drive.on_motion = self.motors.all_on
         self.drive.on_pass = self._time_passed
         self.homer = Homer(self)
@@ -143,9 +144,11 @@ class Printer:
                 self.job.lock_axis(order.index(name), True)
 
     def close(self) -> None:
-        """Lets go of files; nothing may be asked of the printer after that."""
+        """Lets go of files and of the board, heaters off; nothing may be asked of the printer after
+        that."""
         for closer in self.closers:
             closer()
+        self.connection.close()
 
     # -- what others may ask ----------------------------------------------------------------------
 
@@ -170,7 +173,9 @@ class Printer:
         self.drive.after_moves()
 
     def go_on(self) -> None:
-        """M108: ends the wait that goes on, for moves, temperatures or a person. Moves go on."""
+        """M108: ends the wait that goes on, for moves, time, temperatures or a person. Moves go
+        on."""
+        self.drive.skip_dwell()
         self._impatient = True
         self._skip.set()
 
@@ -381,6 +386,7 @@ class Printer:
                 found = self.job.advance()
                 if found == status.EVENT:
                     wait = self.run_command(Command(*self.job.event), reply)
+                    self.commands.ended = False  # a console has no program to end
                     if wait is not None:
                         return wait
                 elif found == status.ERROR:

@@ -60,15 +60,34 @@ def steppers_of(machine: MachineConfig, home: str) -> tuple[str, ...]:
 
 def is_actuator(machine: MachineConfig, home: str) -> bool:
     """Whether `home` names an arm or a carriage rather than an axis."""
-    return machine.geometry.lifts_together and home in machine.geometry.actuators
+    return home in machine.geometry.arms
+
+
+def axes_of_arms(machine: MachineConfig) -> tuple[str, ...]:
+    """The axes whose place the arms alone decide; none where arms are not homed."""
+    if not any(is_actuator(machine, name) for name in machine.homing):
+        return ()
+    return ("x", "y", "z") if machine.geometry.lifts_together else ("x", "y")
 
 
 def home_point(machine: MachineConfig) -> Point:
     """Where the nozzle is when all is at home, mm."""
     if any(is_actuator(machine, name) for name in machine.homing):
-        a, b, c = (machine.homing[name].position for name in machine.geometry.actuators)
+        a, b, c = (
+            machine.homing[name].position if name in machine.homing else axis_home(machine, name)
+            for name in machine.geometry.actuators
+        )
         return machine.geometry.forward((a, b, c))
     x, y, z = (axis_home(machine, name) for name in "xyz")
+    return x, y, z
+
+
+def pressed_point(machine: MachineConfig, switch: Switch) -> Point:
+    """Where the nozzle is when it presses an axis' switch, all else being at home, mm."""
+    x, y, z = (
+        machine.homing[name].position if name == switch.home else at
+        for name, at in zip("xyz", home_point(machine), strict=True)
+    )
     return x, y, z
 
 
@@ -92,7 +111,7 @@ def weights_of(machine: MachineConfig, switch: Switch) -> tuple[tuple[str, float
     if len(switch.steppers) == 1:
         return ((switch.steppers[0], 1.0),)
     geometry = machine.geometry
-    q = geometry.inverse(home_point(machine))
+    q = geometry.inverse(pressed_point(machine, switch))
     k = axis_order(machine.axes).index(switch.home)
     seen: set[int] = set()
     weights: list[tuple[str, float]] = []

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from passo import _core
 from passo.config.sensors import Thermistor
-from passo.errors import CommandError, Problem
+from passo.errors import CommandError
 from passo.heat.relay_tune import RelayTune, TuneError
 from passo.heat.rules import M301_FULL_POWER, Gains
 from passo.heat.step_tune import StepTune
@@ -69,20 +69,11 @@ class TuneCommands:
                 reply.say(line)
             return None
         if min(given.values()) < 0:
-            raise _refused("P, I and D", min(words.values()), "numbers of at least 0")
+            raise CommandError.bad_value("P, I and D", min(words.values()), "numbers of at least 0")
         if not isinstance(old, _core.PidControl):
-            raise CommandError([Problem("heat.no-pid", values={"axis": name})])
-        heater.set_control(
-            _core.PidControl(
-                given.get("P", old.kp),
-                given.get("I", old.ki),
-                given.get("D", old.kd),
-                old.filter_s,
-                old.drive_min,
-                old.drive_max,
-                old.range_c,
-            )
-        )
+            raise CommandError.of("heat.no-pid", axis=name)
+        kp, ki, kd = given.get("P", old.kp), given.get("I", old.ki), given.get("D", old.kd)
+        heater.set_control(_with_gains(old, kp, ki, kd))
         return None
 
     def gain_lines(self, *names: str) -> Iterator[str]:
@@ -101,7 +92,7 @@ class TuneCommands:
         sensor = self.sensors[name]
         given = {k: v for k, v in words.items() if k in "ABCRLO"}
         if not isinstance(sensor, Thermistor):
-            raise CommandError([Problem("heat.no-thermistor", values={"axis": name})])
+            raise CommandError.of("heat.no-thermistor", axis=name)
         if not given:
             for line in self.sensor_lines(name):
                 reply.say(line)
@@ -118,7 +109,9 @@ class TuneCommands:
         try:
             new = Thermistor.model_validate(changed)
         except ValueError:
-            raise _refused("A, B, C, R, L or O", 0.0, "values of a thermistor") from None
+            raise CommandError.bad_value(
+                "A, B, C, R, L or O", 0.0, "values of a thermistor"
+            ) from None
         self.sensors[name] = new
         config = self._machine.heaters[name].model_copy(update={"sensor": new})
         self._printer.connection.set_sensor(name, sensor_of(self._machine, name, config))
@@ -139,7 +132,7 @@ class TuneCommands:
         words = command.words()
         name = self._named(words)
         if set(words) - {"H", "E"}:
-            raise CommandError([Problem("command.fixed", values={"value": f"heaters.{name}"})])
+            raise CommandError.of("command.fixed", value=f"heaters.{name}")
         h = self._machine.heaters[name]
         reply.say(
             f"M306 H{self.number_of(name)} L{h.min_c:g} O{h.max_c:g}"
@@ -210,23 +203,11 @@ class TuneCommands:
             return
         old = self._before
         if isinstance(result, Gains) and isinstance(old, _core.PidControl):
-            heater.set_control(
-                _core.PidControl(
-                    result.kp,
-                    result.ki,
-                    result.kd,
-                    old.filter_s,
-                    old.drive_min,
-                    old.drive_max,
-                    old.range_c,
-                )
-            )
+            heater.set_control(_with_gains(old, result.kp, result.ki, result.kd))
         elif isinstance(result, _core.HeatModel) and isinstance(old, _core.ModelControl):
             heater.set_control(_core.ModelControl(result, old.horizon_s))
         printer.store_settings()
 
 
-def _refused(axis: str, value: float, limit: str) -> CommandError:
-    return CommandError(
-        [Problem("command.value", values={"axis": axis, "value": f"{value:g}", "limit": limit})]
-    )
+def _with_gains(old: _core.PidControl, kp: float, ki: float, kd: float) -> _core.PidControl:
+    return _core.PidControl(kp, ki, kd, old.filter_s, old.drive_min, old.drive_max, old.range_c)

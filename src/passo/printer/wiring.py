@@ -15,9 +15,18 @@ from passo.board.description import (
     Stepper,
     bare,
 )
+from passo.board.ports import InProcess, Port, SerialPort, TcpPort
 from passo.heat.control import control_of, limits_of, model_of
 from passo.heat.sensors import open_is_high, sensor_table, share_at
-from passo.printer.switches import Switch, home_point, is_actuator, switches, weights_of
+from passo.printer.switches import (
+    Switch,
+    axes_of_arms,
+    home_point,
+    is_actuator,
+    pressed_point,
+    switches,
+    weights_of,
+)
 
 if TYPE_CHECKING:
     from passo.config.heat import Heater as HeaterConfig
@@ -169,11 +178,11 @@ def _actuators(machine: MachineConfig) -> tuple[Actuator, ...]:
     point = list(home_point(machine))
     for name, homing in machine.homing.items():
         away = -_AWAY if homing.direction == "max" else _AWAY
-        if is_actuator(machine, name):
+        if axes_of_arms(machine) and name in geometry.actuators:
             q[geometry.actuators.index(name)] += away
         elif name in "xyz":
             point["xyz".index(name)] += away
-    if not geometry.lifts_together:
+    if not axes_of_arms(machine):
         x, y, z = point
         q = list(geometry.inverse((x, y, z)))
     askew = {n: i * _ASKEW for h in machine.homing.values() for i, n in enumerate(h.stepper_pins)}
@@ -193,7 +202,7 @@ def _felt_at(
     homing = machine.homing[switch.home]
     if is_actuator(machine, switch.home) or len(weights) == 1:
         return homing.position
-    q = machine.geometry.inverse(home_point(machine))
+    q = machine.geometry.inverse(pressed_point(machine, switch))
     total = 0.0
     for name, weight in weights:
         driven = machine.drivable.of(name, machine.steppers[name].drives)
@@ -205,18 +214,33 @@ def _at_maximum(machine: MachineConfig, switch: Switch) -> bool:
     return machine.homing[switch.home].direction == "max"
 
 
-def connect(machine: MachineConfig) -> tuple[Connection, SimulatedBoard]:
-    """A connection to the board that the machine file names, identified and configured, and the
-    simulated board itself, to look at. Raises MachineError."""
+def connect_simulated(machine: MachineConfig) -> tuple[Connection, SimulatedBoard]:
+    """A connection to a simulated board for the machine, identified and configured, and the board
+    itself, to look at. Raises MachineError."""
     board = board_description(machine)
     simulated = simulated_board(machine, board)
-    connection = Connection(board, simulated.device)
-    connection.connect()
-    return connection, simulated
+    return _connected(board, InProcess(simulated.device)), simulated
+
+
+def connect(machine: MachineConfig) -> tuple[Connection, SimulatedBoard | None]:
+    """A connection to the board that the machine file names, identified and configured, and the
+    board itself where it is simulated. Raises MachineError."""
+    board = machine.board
+    if board.link == "simulated":
+        return connect_simulated(machine)
+    place = board.port or ""
+    if board.link == "serial":
+        return _connected(board_description(machine), SerialPort(place, board.baud)), None
+    host, _, number = place.rpartition(":")
+    return _connected(board_description(machine), TcpPort(host.strip("[]"), int(number))), None
 
 
 def reconnected(old: Connection) -> Connection:
     """A new connection to the board of `old`, which is reset. Raises MachineError."""
-    connection = Connection(old.board, old.device, old.now)
+    return _connected(old.board, old.port)
+
+
+def _connected(board: BoardDescription, port: Port) -> Connection:
+    connection = Connection(board, port)
     connection.connect()
     return connection

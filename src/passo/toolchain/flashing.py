@@ -10,9 +10,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from passo.board.serial_port import open_serial_port
 from passo.config.board import Board
 from passo.errors import FirmwareError, Problem
+from passo.serial_line import open_serial_line
 from passo.toolchain.flash_plan import SUFFIXES, Copy, Hands, Run, Touch, plan
 from passo.toolchain.images import About, check_image
 from passo.toolchain.readback import identify
@@ -78,7 +78,7 @@ def _check_serial(name: str, port: str) -> None:
 
 async def _touch(name: str, step: Touch) -> None:
     try:
-        os.close(open_serial_port(step.port, _TOUCH_BAUD))
+        os.close(open_serial_line(step.port, _TOUCH_BAUD))
     except OSError as error:
         expected = f"a serial port that opens ({error.strerror})"
         raise _problem("firmware.port", axis=name, value=step.port, limit=expected) from None

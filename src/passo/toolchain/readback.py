@@ -9,7 +9,7 @@ import termios
 
 from passo.board.dictionary import DictionaryError
 from passo.board.identify import Identification
-from passo.board.serial_port import open_serial_port
+from passo.serial_line import open_serial_line
 
 _AT_ONCE = 4096
 
@@ -19,7 +19,7 @@ async def identify(port: str, baud: int, within_s: float = 10.0) -> Identificati
     loop's time: opening the port makes many boards start anew, which takes a second or two.
     Raises OSError if the port cannot be opened."""
     loop = asyncio.get_running_loop()
-    wire = open_serial_port(port, baud)
+    wire = open_serial_line(port, baud)
     found = Identification()
     arrived = asyncio.Event()
 

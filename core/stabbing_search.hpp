@@ -1,0 +1,181 @@
+// The search for the longest command, a class. Included once for each kind of vectors, which are
+// Vector, with PASSO_SEARCH_INLINE as attribute of all that handles them: the compiler wants to
+// know at each function for which CPUs it is.
+class Search {
+ public:
+  // As Stabbing::longest.
+  PASSO_SEARCH_INLINE Command longest(const double* lo, const double* hi, int n, double last,
+                                      double* executed) {
+    return block<0>(lo, hi, n, last, executed, Vector(kFar), Vector(-kFar));
+  }
+
+ private:
+  static constexpr int kPairs = 24;
+  static constexpr double kFar = 1e300;
+  static constexpr double kSlack =
+      1e-9;  // ticks: rounding of the divided bounds; × count, the most a step may be out
+  static constexpr double kLeastAdd = -32768, kMostAdd = 32767;
+
+  double low_[kPairs], high_[kPairs];            // the segments
+  double least_[kPairs + 1], most_[kPairs + 1];  // slopes per segment, for each count
+
+  static Command single(const double* lo, const double* hi, double last) {
+    return {1, round_even((lo[0] + hi[0]) * 0.5 - last), 0};
+  }
+
+  // Looks at segments m … m + 3; all before agree with slopes from `least` to `most`. Every block
+  // has its own code up to the end, so that their number is a matter of one branch.
+  template <int m>
+  PASSO_SEARCH_INLINE Command block(const double* lo, const double* hi, int n, double last,
+                                    double* executed, Vector most, Vector least) {
+    const Vector origin(last), far(kFar), back(-kFar), half(0.5), third(1.0 / 3);
+    Vector r = Vector::load(kStabbing.reciprocal + m + 1);
+    Vector low = (Vector::load(lo + m) - origin) * r, high = (Vector::load(hi + m) - origin) * r;
+    low.store(low_ + m);
+    high.store(high_ + m);
+    // Against each other.
+    Vector steepest = high - slide<1>(back, low), flattest = low - slide<1>(far, high);
+    steepest = min(steepest, (high - slide<2>(back, low)) * half);
+    flattest = max(flattest, (low - slide<2>(far, high)) * half);
+    steepest = min(steepest, (high - slide<3>(back, low)) * third);
+    flattest = max(flattest, (low - slide<3>(far, high)) * third);
+    // Against those before.
+    for (int j = 0; j < m; ++j) {
+      Vector per_distance = Vector::load(kStabbing.reciprocal + m - j);
+      steepest = min(steepest, (high - Vector(low_[j])) * per_distance);
+      flattest = max(flattest, (low - Vector(high_[j])) * per_distance);
+    }
+    // From the slopes of each segment to those of all up to it.
+    steepest = min(steepest, slide<1>(far, steepest));
+    flattest = max(flattest, slide<1>(back, flattest));
+    most = min(most, min(steepest, slide<2>(far, steepest)));
+    least = max(least, max(flattest, slide<2>(back, flattest)));
+    most.store(most_ + m + 1);
+    least.store(least_ + m + 1);
+    unsigned crossed = above(least, most);
+    if (crossed || n <= m + 4)
+      return finish<m / 4 + 1>(lo, hi, std::min(n, m + std::countr_zero(crossed | 16)), last,
+                               executed);
+    if constexpr (m + 4 < kPairs) {
+      return block<m + 4>(lo, hi, n, last, executed, most.last(), least.last());
+    } else {
+      Command command = extend(lo, hi, n, last);
+      if (command.count >= kPairs) {
+        execute(command, command.count, last, executed);
+        return command;
+      }
+      return finish<kPairs / 4>(lo, hi, kPairs, last, executed);
+    }
+  }
+
+  // The longest command of at most `count` steps, all within the first `blocks`.
+  template <int blocks>
+  PASSO_SEARCH_INLINE Command finish(const double* lo, const double* hi, int count, double last,
+                                     double* executed) const {
+    Command command{0, 0, 0};
+    for (; count >= 2 && command.count == 0; --count)
+      command = shortened<blocks>(lo, hi, count, last);
+    if (command.count == 0) command = single(lo, hi, last);
+    execute(command, 4 * blocks, last, executed);
+    return command;
+  }
+
+  // The times of `count` steps and some more, up to a multiple of four.
+  PASSO_SEARCH_INLINE static void execute(const Command& c, int count, double last,
+                                          double* executed) {
+    const Vector sixteenth(16 * c.add);
+    Vector at = Vector(last) + Vector(c.interval) * Vector::load(kStabbing.counts) +
+                Vector(c.add) * Vector::load(kStabbing.triangles);
+    Vector step =
+        Vector(4 * c.interval + 6 * c.add) + Vector(4 * c.add) * Vector::load(kStabbing.counts);
+    at.store(executed);
+    for (int m = 4; m < count; m += 4, step = step + sixteenth) {
+      at = at + step;
+      at.store(executed + m);
+    }
+  }
+
+  // The integer nearest to the middle of the range of add: if there is one in it, it is.
+  static double middle(double least, double most) {
+    return std::min(std::max(round_even(least + most), kLeastAdd), kMostAdd);
+  }
+  static bool possible(double add, double least, double most) {
+    return add >= 2 * least && add <= 2 * most && add >= kLeastAdd && add <= kMostAdd;
+  }
+  // The next integer up or down; what is beyond one by rounding is let in.
+  static double at_least(double x) { return round_even(x + (0.5 - kSlack)); }
+  static double at_most(double x) { return round_even(x - (0.5 - kSlack)); }
+
+  // A command of exactly `count` steps, if integers allow; else its count is 0.
+  template <int blocks>
+  PASSO_SEARCH_INLINE Command shortened(const double* lo, const double* hi, int count,
+                                        double last) const {
+    const double least = least_[count], most = most_[count], centre = middle(least, most);
+    for (double add : {centre, centre + 1, centre - 1}) {
+      if (!possible(add, least, most)) continue;
+      Vector lows(-kFar), highs(kFar);
+      for (int m = 0; m < 4 * blocks; m += 4) {
+        Vector x = Vector(add) * Vector::load(kStabbing.halves + m);
+        Vector beyond = Vector::load(kStabbing.beyond + std::clamp(m + 4 - count, 0, 4));
+        lows = max(lows, Vector::load(low_ + m) - beyond - x);
+        highs = min(highs, Vector::load(high_ + m) + beyond - x);
+      }
+      double low = at_least(lows.most()), high = at_most(highs.least());
+      if (low <= high) return centred(lo, hi, last, count, add, low, high);
+    }
+    return {0, 0, 0};
+  }
+
+  // Few adds are left: the longest of them.
+  PASSO_SEARCH_INLINE Command extend(const double* lo, const double* hi, int n, double last) const {
+    const double least = least_[kPairs], most = most_[kPairs], centre = middle(least, most);
+    Command best{0, 0, 0};
+    double low = 0, high = 0;
+    for (double add : {centre, centre - 1, centre + 1, centre - 2, centre + 2}) {
+      if (!possible(add, least, most)) continue;
+      double l, h;
+      int count = reach(lo, hi, n, last, add, l, h);
+      if (count <= best.count) continue;
+      best = {count, 0, add};
+      low = l;
+      high = h;
+    }
+    if (best.count == 0) return best;
+    return centred(lo, hi, last, best.count, best.add, at_least(low), at_most(high));
+  }
+
+  // Number of steps that hold with this add, and the range of the interval.
+  PASSO_SEARCH_INLINE int reach(const double* lo, const double* hi, int n, double last, double add,
+                                double& low, double& high) const {
+    const Vector origin(last), stride(2 * add);
+    Vector x = Vector(add) * Vector::load(kStabbing.halves), lows(-kFar), highs(kFar);
+    int m = 0;
+    for (; m + 4 <= n; m += 4, x = x + stride) {
+      Vector r = Vector::load(kStabbing.reciprocal + m + 1);
+      Vector l = max(lows, (Vector::load(lo + m) - origin) * r - x);
+      Vector h = min(highs, (Vector::load(hi + m) - origin) * r - x);
+      if (at_least(l.most()) > at_most(h.least())) break;
+      lows = l;
+      highs = h;
+    }
+    low = lows.most();
+    high = highs.least();
+    for (; m < n; ++m) {
+      double r = kStabbing.reciprocal[m + 1], at = 0.5 * add * m;
+      double l = std::max(low, (lo[m] - last) * r - at),
+             h = std::min(high, (hi[m] - last) * r - at);
+      if (at_least(l) > at_most(h)) break;
+      low = l;
+      high = h;
+    }
+    return m;
+  }
+
+  // Of the possible intervals, the one whose last step is nearest to its ideal.
+  static Command centred(const double* lo, const double* hi, double last, int count, double add,
+                         double low, double high) {
+    double ideal = (lo[count - 1] + hi[count - 1]) * 0.5 - last - 0.5 * count * (count - 1.0) * add;
+    double interval = round_even(ideal * kStabbing.reciprocal[count]);
+    return {count, std::min(std::max(interval, low), high), add};
+  }
+};

@@ -1,0 +1,95 @@
+"""Where a board is: in this process, on a serial line, or at a network address."""
+
+from __future__ import annotations
+
+import socket
+from typing import Protocol, TypeAlias
+
+from passo import _core
+from passo.errors import MachineError
+from passo.serial_line import open_serial_line
+
+_PATIENCE_S = 5.0
+
+Wire: TypeAlias = "_core.Pump | _core.LiveWire"
+
+
+class Port(Protocol):
+    """What a link can be attached to. `live`: real time passes at the board, whoever waits."""
+
+    live: bool
+
+    def attach(self, link: _core.Link) -> Wire:
+        """The wire between this port and a link, which carries bytes from now on. Raises
+        MachineError."""
+        ...
+
+
+class InProcess:
+    """A board of this process, in virtual time from `start_clock` on, ticks of its clock."""
+
+    live = False
+
+    def __init__(self, device: _core.Device, start_clock: int = 0) -> None:
+        self.device = device
+        self._clock = start_clock
+        self._pump: _core.Pump | None = None
+
+    def attach(self, link: _core.Link) -> _core.Pump:
+        """A pump; its time goes on where that of the last one stands."""
+        clock = self._clock if self._pump is None else self._pump.now
+        self._pump = _core.Pump(link, self.device, clock)
+        return self._pump
+
+
+class _Live:
+    """A port with a thread that carries the bytes."""
+
+    live = True
+
+    def __init__(self) -> None:
+        self._wire: _core.LiveWire | None = None
+
+    def attach(self, link: _core.Link) -> _core.LiveWire:
+        """Opens the port anew; what was attached before is let go. Raises MachineError."""
+        if self._wire is not None:
+            self._wire.stop()
+        self._wire = _core.LiveWire(link, self._open())
+        return self._wire
+
+    def _open(self) -> int:
+        raise NotImplementedError
+
+
+class SerialPort(_Live):
+    """A board on a serial device. Opening it resets many of them."""
+
+    def __init__(self, device: str, baud: int) -> None:
+        self._device, self._baud = device, baud
+        super().__init__()
+
+    def _open(self) -> int:
+        try:
+            return open_serial_line(self._device, self._baud)
+        except OSError as error:
+            raise _unreachable(self._device, error) from None
+
+
+class TcpPort(_Live):
+    """A board behind a network socket."""
+
+    def __init__(self, host: str, port: int) -> None:
+        self._host, self._port = host, port
+        super().__init__()
+
+    def _open(self) -> int:
+        try:
+            connected = socket.create_connection((self._host, self._port), _PATIENCE_S)
+        except OSError as error:
+            raise _unreachable(f"{self._host}:{self._port}", error) from None
+        connected.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        return connected.detach()
+
+
+def _unreachable(place: str, error: OSError) -> MachineError:
+    return MachineError.of("machine.unreachable", axis=place, value=error.strerror or str(error))

@@ -1,0 +1,137 @@
+"""A board on a cable, in real time: the thread of the link does not depend on the interpreter."""
+
+from __future__ import annotations
+
+import asyncio
+import ctypes
+import os
+import socket
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from tests.console.scenario import Scenario
+
+from passo import _core, config
+from passo.cli.main import main
+from passo.config.machine import MachineConfig
+from passo.errors import MachineError
+from passo.printer.wiring import board_description, connect, simulated_board
+from passo.simulator import SimulatedBoard
+
+MACHINE = config.load("i3")
+STALL_US = 500_000
+
+
+def stall() -> None:
+    """Nothing in Python runs for half a second: whoever sleeps here holds the interpreter lock."""
+    ctypes.PyDLL(None).usleep(STALL_US)
+
+
+def on(link: str, port: str) -> MachineConfig:
+    """The machine with its board at such a place."""
+    board = MACHINE.board.model_copy(update={"link": link, "port": port})
+    return MACHINE.model_copy(update={"board": board})
+
+
+class Cable:
+    """A simulated board that answers in real time at one end of a pty."""
+
+    def __init__(self) -> None:
+        self.board: SimulatedBoard = simulated_board(MACHINE, board_description(MACHINE))
+        master, self._slave = os.openpty()
+        self.machine = on("serial", os.ttyname(self._slave))
+        hz = float(MACHINE.board.clock_hz)
+        self.live = _core.LiveBoard(self.board.device, master, hz)
+
+    def end(self) -> None:
+        """Unplugs it."""
+        self.live.stop()
+        os.close(self._slave)
+
+
+@pytest.fixture
+def cable() -> Iterator[Cable]:
+    cable = Cable()
+    yield cable
+    cable.end()
+
+
+def test_a_stall_of_the_interpreter_delays_no_step(cable: Cable) -> None:
+    with Scenario(cable.machine, loop=asyncio.new_event_loop()) as scenario:
+        host = scenario.host
+        host.ok("G92 X0 Y0 Z0")
+        host.ok("M302 P1")
+        for i in range(40):
+            host.send(f"G1 X{10 if i % 2 else 0} Y{i / 4} E{i / 20} F3000")
+        host.send("M400")
+        scenario.passes(0.8)
+        stall()
+        scenario.passes(0.7)
+        stall()
+        assert not scenario.printer.drive.standing
+        scenario.until(lambda: scenario.printer.drive.standing, 20.0)
+        assert scenario.printer.halted == ""
+    cable.live.stop()
+    assert cable.board.device.fault == ""
+    steps = {s.name: cable.board.net_steps(s.name) for s in cable.board.board.steppers}
+    assert steps == {"x": 800, "y": 780, "z": 0, "e": round(1.95 * 95.5)}
+
+
+def test_a_cut_cable_halts_the_printer(cable: Cable) -> None:
+    with Scenario(cable.machine, loop=asyncio.new_event_loop()) as scenario:
+        scenario.host.ok("G92 X0 Y0 Z0")
+        cable.live.stop()
+        scenario.host.expect("connection to the board has ended", 5.0)
+        assert "connection to the board" in scenario.printer.halted
+
+
+def test_an_emergency_stop_is_over_after_m999(cable: Cable) -> None:
+    with Scenario(cable.machine, loop=asyncio.new_event_loop()) as scenario:
+        host = scenario.host
+        host.ok("G92 X0")
+        host.send("G1 X50 F600")
+        scenario.passes(1.0)
+        host.send("M112")
+        host.expect("^Error:", 2.0)
+        scenario.until(lambda: scenario.printer.halted != "", 2.0)
+        host.send("M999")
+        host.expect("ready again", 10.0)
+        host.ok("G92 X0")
+        host.ok("G1 X2 F600")
+        host.ok("M400")
+        assert scenario.printer.halted == ""
+    cable.live.stop()
+    assert cable.board.device.fault == ""
+    assert cable.board.net_steps("x") == 160
+
+
+def test_heaters_are_off_when_the_printer_ends(cable: Cable) -> None:
+    with Scenario(cable.machine, loop=asyncio.new_event_loop()) as scenario:
+        scenario.host.ok("M104 S200")
+        scenario.passes(2.0)
+        assert scenario.printer.connection.heaters["hotend"].power > 0.5
+    cable.live.stop()
+    assert cable.board.device.fault == ""
+    assert cable.board.output_value("hotend") == 0
+    assert cable.board.temperature("hotend") > 22.0
+
+
+def test_a_board_keeps_its_own_time(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "mine.toml"
+    text = Path(config.__file__).with_name("machines").joinpath("i3.toml").read_text()
+    link = 'base = "ramps"\nlink = "serial"\nport = "/dev/ttyUSB7"'
+    file.write_text(text.replace('base = "ramps"', link))
+    assert main(["serve", "--machine", str(file), "--clock", "fast"]) == 2
+    assert "/dev/ttyUSB7 keeps its own time: leave --clock out" in capsys.readouterr().err
+    assert main(["serve", "--machine", str(file)]) == 5
+    assert "the board cannot be reached at /dev/ttyUSB7" in capsys.readouterr().err
+
+
+def test_a_board_that_is_not_there_is_named() -> None:
+    with pytest.raises(MachineError, match="cannot be reached at /dev/nothing: No such file"):
+        connect(on("serial", "/dev/nothing"))
+    with socket.create_server(("127.0.0.1", 0)) as probe:
+        port = probe.getsockname()[1]
+    with pytest.raises(MachineError, match=f"127.0.0.1:{port}: Connection refused"):
+        connect(on("tcp", f"127.0.0.1:{port}"))

@@ -1,0 +1,98 @@
+"""Places that are saved, set and found again: G60, G61, G28 O, G92 of motors, M206."""
+
+import re
+
+import pytest
+from tests.console.scenario import Scenario
+
+
+@pytest.fixture
+def s():
+    with Scenario("i3") as scenario:
+        scenario.host.ok("M302 P1")
+        scenario.host.ok("G92 X20 Y20 Z20 E0")
+        yield scenario
+
+
+def position(s):
+    line = s.host.ok("M114")[0]
+    return tuple(float(v) for v in re.findall(r"[XYZE]:(-?[\d.]+)", line.split("Count")[0]))
+
+
+def test_a_saved_place_is_found_again(s):
+    s.host.ok("G1 X50 Y60 Z5 E1 F6000")
+    assert s.host.ok("G60 S1")[0] == "Saved position S1<-X:50.00 Y:60.00 Z:5.00 E:1.00"
+    s.host.ok("G1 X10 Y10 Z10 E3")
+    s.host.ok("G92 X0 Y0")  # the place is the machine's, not the program's
+    s.host.ok("G61 S1 X Y5")
+    s.host.ok("M400", 60)
+    at = s.positions()
+    assert (at["x"], at["y"], at["z"]) == (50, 65, 10)
+    s.host.ok("G91")
+    s.host.ok("G61 S1")
+    s.host.ok("M400", 60)
+    at = s.positions()
+    assert (at["x"], at["y"], at["z"]) == (50, 60, 5)
+    assert at["e"] == pytest.approx(3, abs=0.01)
+    s.host.ok("G61 S1 E0.5 F300")
+    s.host.ok("M400", 60)
+    assert s.positions()["e"] == pytest.approx(1.5, abs=0.01)
+    assert position(s) == (40, 50, 5, 1.5)
+
+
+def test_a_place_that_is_none_is_refused(s):
+    before = s.positions()
+    for line, why in (
+        ("G61", "no position was saved as S0. Save one with G60 first."),
+        ("G60 S2", "S2"),
+        ("G61 S7", "S7"),
+    ):
+        assert why in s.host.ok(line)[0], line
+    s.host.ok("G60")
+    assert "beyond the limit" in s.host.ok("G61 X-30")[0]
+    s.passes(1)
+    assert s.positions() == before
+
+
+def test_g28_o_homes_what_does_not_know_where_it_is():
+    with Scenario("i3") as s:
+        s.host.ok("G28 X", 60)
+        s.host.ok("G1 X30 F6000")
+        assert s.host.ok("G28 O", 60)[-1] == "ok"
+        at = s.positions()
+        assert (at["x"], at["y"], at["z"]) == pytest.approx((30, 0, 0), abs=0.02)
+        s.host.ok("G1 Y40 Z5")
+        start = s.loop.time()
+        s.host.ok("G28 O X Y", 60)
+        assert s.loop.time() - start < 1.0
+        assert s.positions()["y"] == pytest.approx(40, abs=0.02)
+        s.host.ok("M18 Y")
+        s.host.ok("G28 XYO", 60)
+        assert (s.positions()["x"], s.positions()["y"]) == pytest.approx((30, 0), abs=0.02)
+
+
+def test_motors_of_a_delta_are_told_where_they_are():
+    with Scenario("delta") as s:
+        assert "does not know where it is" in s.host.ok("G92 A200")[0]
+        assert s.host.ok("G92 A200 B200 C200") == ["ok"]
+        assert position(s) == (0, 0, pytest.approx(62.0181, abs=1e-3), 0)
+        before = s.positions()
+        s.host.ok("G1 Z63.0181 F6000")
+        s.host.ok("M400")
+        assert [s.positions()[k] - before[k] for k in "abc"] == pytest.approx([1] * 3, abs=0.02)
+        assert s.host.ok("G92 B202") == ["ok"]
+        x, y, z, _ = position(s)
+        a, b, c = s.machine.geometry.inverse((x, y, z))
+        assert (a, b, c) == pytest.approx((201, 202, 201), abs=1e-3)
+        assert "do not meet" in s.host.ok("G92 A900")[0]
+        assert position(s) == (x, y, z, 0)
+
+
+def test_a_home_offset_beyond_the_axis_is_refused(s):
+    axis = s.machine.axes["y"]
+    longest = axis.max_mm - axis.min_mm
+    assert f"at most the {longest:g} mm of the axis" in s.host.ok(f"M206 Y-{longest + 1}")[0]
+    assert s.host.ok("M206 X1 Y-1000")[-1] == "ok"
+    assert s.host.ok("M206")[0] == "M206 X0 Y0 Z0"
+    assert s.host.ok("M206 Y-2") == ["ok"]
+    assert s.host.ok("M206")[0] == "M206 X0 Y-2 Z0"
