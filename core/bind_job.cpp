@@ -74,6 +74,17 @@ Table statistics(JobView& self) {
   for (size_t i = 0; i < plan.limit_s.size(); ++i)
     if (plan.limit_s[i] > 0) limits[names[i].c_str()] = plan.limit_s[i];
   d["limit_s"] = limits;
+  nb::dict loads;
+  PlanStatistics::Load board = plan.most_steps, link;
+  if (machine.budget.by_link)
+    link = plan.most_commands;
+  else if (plan.most_commands.share > board.share)
+    board = plan.most_commands;
+  if (board.share > 1) loads["board"] = std::make_tuple(board.line, board.share);
+  if (link.share > 1) loads["link"] = std::make_tuple(link.line, link.share);
+  d["loads"] = loads;
+  d["widened_s"] = plan.widened_s;
+  d["widest_ticks"] = plan.widest_ticks;
   for (size_t i = 0; i < plan.feature_s.size(); ++i) {
     if (plan.feature_s[i] <= 0) continue;
     const std::string& name = job.interpreter.features()[i];

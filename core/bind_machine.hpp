@@ -82,6 +82,11 @@ inline Machine machine_of(const nb::dict& spec) {
               junction_law(get<std::string>(limits, "junction")),
               get<double>(limits, "junction_deviation"),
               get<double>(limits, "minimum_cruise_ratio")};
+  if (spec.contains("budget") && !spec["budget"].is_none()) {
+    nb::dict budget = get<nb::dict>(spec, "budget");
+    m.budget = {get<double>(budget, "steps_s"), get<double>(budget, "commands_s"),
+                get<double>(budget, "burst"), get<bool>(budget, "by_link")};
+  }
   return m;
 }
 

@@ -30,6 +30,66 @@ struct RecordedMotion {
   }
 };
 
+// Rows of coefficients: one an axis, then E; none means that the axis stays at 0.
+Piece piece_of(const Machine& machine, double seconds,
+               const std::vector<std::vector<double>>& coefficients, int extruder) {
+  if (coefficients.size() != machine.axes.size() + 1)
+    throw nb::value_error("a piece needs one row of coefficients an axis, then E");
+  if (extruder < 0 || (size_t(extruder) >= machine.extruders.size() && !machine.extruders.empty()))
+    throw nb::value_error("no such extruder");
+  Piece p{};
+  p.seconds = seconds;
+  p.extruder = uint16_t(extruder);
+  for (size_t i = 0; i < coefficients.size(); ++i) {
+    if (coefficients[i].empty() || coefficients[i].size() > Piece::kTerms)
+      throw nb::value_error("an axis of a piece has 1 to 6 coefficients");
+    int j = i < machine.axes.size() ? slot_of_axis(int(i)) : int(kE);
+    std::copy(coefficients[i].begin(), coefficients[i].end(), p.c[j]);
+  }
+  for (int j = 0; j < kAxes; ++j) p.end[j] = p.position(j, seconds);
+  return p;
+}
+using Rows = std::vector<std::vector<double>>;
+
+void add_pieces(RecordedMotion& self, const std::vector<std::tuple<double, Rows>>& pieces,
+                const std::optional<std::vector<double>>& end, int extruder) {
+  const Machine& machine = self.motion.machine();
+  std::vector<Piece> list;
+  for (const auto& [seconds, rows] : pieces) {
+    list.push_back(piece_of(machine, seconds, rows, extruder));
+    if (list.size() > 1)
+      for (int j = 0; j < kAxes; ++j) list[list.size() - 2].end[j] = list.back().c[j][0];
+  }
+  if (end && !list.empty()) {
+    if (end->size() != machine.axes.size() + 1)
+      throw nb::value_error("an end needs one number an axis, then E");
+    for (size_t i = 0; i < machine.axes.size(); ++i)
+      list.back().end[slot_of_axis(int(i))] = (*end)[i];
+    list.back().end[kE] = end->back();
+  }
+  self.motion.add_pieces(std::move(list));
+}
+
+void set_height_map(RecordedMotion& self, const std::tuple<double, double>& first,
+                    const std::tuple<double, double>& spacing, const Rows& heights) {
+  if (heights.empty()) return self.motion.set_height_map(nullptr);
+  std::vector<double> all;
+  for (const auto& row : heights) {
+    if (row.size() != heights[0].size()) throw nb::value_error("rows of heights differ in length");
+    for (double z : row)
+      if (!(std::fabs(z) < 1e3)) throw nb::value_error("a height is beyond 1000 mm");
+    all.insert(all.end(), row.begin(), row.end());
+  }
+  if (heights.size() < 2 || heights[0].size() < 2)
+    throw nb::value_error("heights need two rows of two at least");
+  auto [x, y] = first;
+  auto [dx, dy] = spacing;
+  if (!(std::fabs(x) < 1e6 && std::fabs(y) < 1e6 && dx > 0 && dy > 0))
+    throw nb::value_error("heights need a place, and a spacing above 0");
+  self.motion.set_height_map(std::make_shared<HeightMap>(x, y, dx, dy, int(heights[0].size()),
+                                                         int(heights.size()), std::move(all)));
+}
+
 void push(RecordedMotion& self, const std::vector<double>& target, double feed,
           const std::string& kind, int extruder, double duration, double radius, bool inner,
           uint32_t line) {
@@ -72,6 +132,17 @@ void bind_motion(nb::module_& m) {
       .def("push", &push, "target"_a, "feed_mm_s"_a, "kind"_a = "travel", "extruder"_a = 0,
            "duration_s"_a = 0.0, "radius_mm"_a = kInfinity, "inner"_a = false, "line"_a = 0,
            "Adds a move to the absolute target: one number an axis, then E. Raises ValueError.")
+      .def(
+          "set_height_map", &set_height_map, "first"_a, "spacing"_a, "heights"_a,
+          "What the bed adds to Z: heights in mm on an even grid, rows along X, the first one at "
+          "the Y of `first`; bilinear in between, level beyond. No rows: the bed is flat. No motor "
+          "moves, but Z of the plan changes; only while nothing is queued. Raises ValueError.")
+      .def(
+          "add_pieces", &add_pieces, "pieces"_a, "end"_a = nb::none(), "extruder"_a = 0,
+          "Motion that is planned already, behind what was pushed so far: of each piece its "
+          "seconds, and for each axis, then E, up to six coefficients of a polynomial of time: mm, "
+          "mm/s, mm/s^2 and so on. Pieces join to 1e-6 mm; `end` says where the last one ends if "
+          "not where its polynomials do. Raises ValueError.")
       .def(
           "record",
           [](RecordedMotion& self, uint16_t target, uint32_t value) {
@@ -175,5 +246,18 @@ void bind_motion(nb::module_& m) {
             return std::make_tuple(steps.ticks, solver.count());
           },
           "move"_a, "stepper"_a, "count"_a,
-          "Unrounded step times of one motor in one move, and its count after it.");
+          "Unrounded step times of one motor in one move, and its count after it.")
+      .def(
+          "ideal_piece_ticks",
+          [](RecordedMotion& self, double seconds, const Rows& rows, size_t stepper, int64_t count,
+             int extruder) {
+            const Machine& machine = self.motion.machine();
+            StepSolver solver(machine, machine.steppers.at(stepper));
+            solver.set_count(count);
+            Steps steps;
+            solver.solve(piece_of(machine, seconds, rows, extruder), steps);
+            return std::make_tuple(steps.ticks, solver.count());
+          },
+          "seconds"_a, "coefficients"_a, "stepper"_a, "count"_a, "extruder"_a = 0,
+          "The same for one piece that starts at tick 0.");
 }

@@ -41,6 +41,8 @@ inline void bind_move(nanobind::module_& m) {
       .def_ro("feature", &Move::feature)
       .def_ro("extruder", &Move::extruder)
       .def_ro("inner", &Move::inner, "continues the path of the move before it")
+      .def_ro("tolerance_ticks", &Move::tolerance,
+              "by which its steps may miss their ideal times; 0: the board's own")
       .def_ro("speed_limit", &Move::speed_limit, "index in the names of limits")
       .def_ro("accel_limit", &Move::accel_limit)
       .def_prop_ro("kind", [](const Move& x) {

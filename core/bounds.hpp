@@ -22,9 +22,10 @@ class Bounds {
   const Constraints& constraints() const { return constraints_; }
   bool nonlinear() const { return !constraints_.actuators.empty() && !machine_.joints; }
 
-  // Fills d, vn2, a, b, cartesian and the limits' names. False if the move covers no distance and
-  // takes no time.
+  // Fills d, vn2, a, b, cartesian and the limits' names, and clears what the budget sets. False if
+  // the move covers no distance and takes no time.
   bool apply(Move& m) const {
+    m.curved_steps = m.tolerance = m.step_load = m.command_load = 0;
     if (m.kind == MoveKind::dwell) {
       m.d = m.vn2 = 0;
       m.a = m.b = 1;
@@ -64,7 +65,10 @@ class Bounds {
                          : accel_id == kRetractAccel ? limits_.retract_accel
                                                      : limits_.travel_accel);
     a = std::min(a, kHighestAccel * per_mm);
-    double inverse = 1 / m.d;
+    double inverse = 1 / m.d, climb = 0;  // climb: of the bed below the way, at most
+    if (machine_.height_map)
+      climb =
+          machine_.height_map->steepest() * std::sqrt(delta[0] * delta[0] + delta[1] * delta[1]);
     auto tighten = [&](const Row& row, double distance) {
       double part = std::fabs(distance) * inverse;
       if (part * v > row.speed) v = row.speed / part, speed_id = row.speed_id;
@@ -75,10 +79,10 @@ class Bounds {
     double c[3];
     for (const Row& row : constraints_.rows) {
       if (machine_.joints && row.axis < 3 && !machine_.geometry->linear(row.axis, c)) continue;
-      if (row.axis >= 0)
-        tighten(row, delta[row.axis]);
-      else
-        tighten(row, row.c[0] * delta[0] + row.c[1] * delta[1] + row.c[2] * delta[2]);
+      double way = row.axis >= 0 ? delta[row.axis]
+                                 : row.c[0] * delta[0] + row.c[1] * delta[1] + row.c[2] * delta[2];
+      if (climb > 0) way = std::fabs(way) + std::fabs(row.c[kZ]) * climb;
+      tighten(row, way);
     }
     if (delta[kE] != 0) tighten(constraints_.extruders[m.extruder], delta[kE]);
     if (m.radius < kInfinity && v * v > a * m.radius * per_mm)
@@ -120,6 +124,7 @@ class Bounds {
       p.inner = m.inner || first > 0;
       if (part.v * part.v < p.vn2) p.vn2 = part.v * part.v, p.speed_limit = part.speed_id;
       if (part.a < p.a) p.a = p.b = part.a, p.accel_limit = part.accel_id;
+      p.curved_steps = part.steps * p.d;
       first = last;
     }
   }
@@ -144,7 +149,7 @@ class Bounds {
   static constexpr double kAlike = 0.7;  // caps within this ratio share a part
 
   struct Sample {
-    double v, a;
+    double v, a, steps;  // steps of all actuators by path length
     LimitId speed_id, accel_id;
   };
   const Machine& machine_;
@@ -154,8 +159,8 @@ class Bounds {
   std::vector<Sample> samples_;
 
   static Sample worse(const Sample& x, const Sample& y) {
-    return {std::min(x.v, y.v), std::min(x.a, y.a), x.v < y.v ? x.speed_id : y.speed_id,
-            x.a < y.a ? x.accel_id : y.accel_id};
+    return {std::min(x.v, y.v), std::min(x.a, y.a), std::max(x.steps, y.steps),
+            x.v < y.v ? x.speed_id : y.speed_id, x.a < y.a ? x.accel_id : y.accel_id};
   }
 
   Sample sample(const Move& m, double s) const {
@@ -181,7 +186,10 @@ class Bounds {
       double left = row.accel - q2[i] * v * v;
       if (q1[i] * a > left) a = left / q1[i], accel_id = row.accel_id;
     }
-    return {v, a, speed_id, accel_id};
+    double steps = 0;
+    for (const StepperSpec& s : machine_.steppers)
+      if (s.drive == Drive::actuator && s.index < n) steps += q1[s.index] * s.steps_per_unit;
+    return {v, a, steps, speed_id, accel_id};
   }
 };
 

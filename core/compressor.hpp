@@ -74,7 +74,7 @@ class Compressor {
         reversal_(double(spec.pulse + spec.dir_hold + spec.dir_setup) + 2),
         least_(std::max(2.0 * double(spec.pulse), std::ceil(machine.clock_hz / spec.max_rate))),
         longest_(kLongestSeconds * machine.clock_hz), lead_(kLeadSeconds * machine.clock_hz),
-        margin_(std::max(reversal_, 4 * tolerance_) + 1), target_(target) {
+        margin_(std::max(reversal_, 4 * machine.widest_tolerance()) + 1), target_(target) {
     steps_.ticks.push_back(-1e15);  // stands for the step before the first
   }
 
@@ -148,6 +148,7 @@ class Compressor {
   void restart(int64_t last, const StepStatistics& revoked) {
     steps_.ticks.assign(1, double(last));
     steps_.runs.clear();
+    steps_.widenings.clear();
     joined_ = 0;
     last_ = last;
     dir_ = 0;
@@ -197,6 +198,7 @@ class Compressor {
       statistics_.dropped_pairs += int64_t(pairs);
       steps_.ticks.erase(steps_.ticks.begin() + long(at - pairs),
                          steps_.ticks.begin() + long(at + pairs));
+      steps_.move_widenings(at - pairs, 2 * pairs);
       for (size_t q = r; q < runs.size(); ++q) runs[q].first -= q == r ? pairs : 2 * pairs;
       remove_empty(r);
       r = std::max<size_t>(r > 1 ? r - 1 : 1, 1);
@@ -235,8 +237,19 @@ class Compressor {
     if (lo_.size() < n + 3)
       for (auto* v : {&lo_, &hi_, &executed_}) v->resize(2 * (n + 3));
     steps_.ticks.push_back(1e18);
-    windows(steps_.ticks.data() + 1, lo_.data() + 1, hi_.data() + 1, int(n) - 1, tolerance_,
-            least_);
+    size_t from = 1;
+    double tolerance = tolerance_;
+    auto fill = [&](size_t end) {
+      if (end <= from) return;
+      windows(steps_.ticks.data() + from, lo_.data() + from, hi_.data() + from, int(end - from),
+              tolerance, least_);
+      from = end;
+    };
+    for (const Steps::Widening& w : steps_.widenings) {
+      fill(std::min(w.first, n));
+      tolerance = std::max(tolerance_, w.tolerance);
+    }
+    fill(n);
     steps_.ticks.pop_back();
     for (const Steps::Run& run : steps_.runs) {
       if (run.first < 2) continue;
@@ -332,6 +345,7 @@ class Compressor {
     runs.erase(runs.begin(), runs.begin() + long(keep));
     if (!runs.empty()) runs[0].first = std::max(runs[0].first, done);
     for (Steps::Run& run : runs) run.first -= shift;
+    steps_.move_widenings(0, shift);
     joined_ = joined_ > keep ? joined_ - keep : 0;
   }
 };

@@ -20,6 +20,8 @@ enum FixedLimit : LimitId {
   kTravelAccel,
   kRetractAccel,
   kJunction,
+  kBoard,
+  kLink,
   kFixedLimits
 };
 
@@ -38,7 +40,9 @@ struct Constraints {
                                  "print acceleration",
                                  "travel acceleration",
                                  "retract acceleration",
-                                 "junction"};
+                                 "junction",
+                                 "board",
+                                 "link"};
   std::vector<Row> rows;       // for XYZ and further axes
   std::vector<Row> extruders;  // one per extruder
   std::vector<Row> actuators;  // nonlinear geometries: limits of each actuator, c unused

@@ -1,5 +1,6 @@
 // A machine as the core sees it: plain numbers, compiled once from the validated configuration.
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "geometry/geometry.hpp"
+#include "height_map.hpp"
 #include "types.hpp"
 
 namespace passo {
@@ -56,6 +58,14 @@ struct Limits {
   double minimum_cruise_ratio;
 };
 
+// What the board and its link take, all motors together; infinite where nothing is said.
+struct Budget {
+  double step_rate = kInfinity;     // steps per second
+  double command_rate = kInfinity;  // commands per second
+  double burst = 0;                 // commands that may come ahead of that rate
+  bool by_link = false;             // the link bounds the rate of commands, else the processor
+};
+
 struct Machine {
   std::string name;
   double clock_hz;
@@ -65,8 +75,20 @@ struct Machine {
   std::vector<Tool> tools;
   std::vector<StepperSpec> steppers;
   Limits limits;
+  Budget budget;
   std::shared_ptr<const Geometry> geometry;
   bool joints = false;  // X, Y, Z of positions are the first three actuators' own, for homing
+  std::shared_ptr<const HeightMap> height_map;  // none: the bed is flat
+
+  // The nozzle's height for the geometry: Z of the program and what the bed adds.
+  double raised(const double* p) const {
+    return height_map ? p[2] + height_map->at(p[0], p[1]) : p[2];
+  }
+
+  // Ticks by which a step may miss its ideal time where the board's budget asks for it.
+  double widest_tolerance() const {
+    return budget.command_rate < kInfinity ? std::max(tolerance, 25e-6 * clock_hz) : tolerance;
+  }
 };
 
 // Index in MoveRequest::target of axis number i of Machine::axes.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <deque>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -67,8 +68,29 @@ class Motion {
   std::function<void(const Move&)> on_move;
 
   void push(const MoveRequest& request) {
+    if (std::exchange(in_pieces_, false)) flush();
     if (planner_.push(request, unattached_)) unattached_ = 0;
     if (!planner_.settled().empty()) process(false);
+  }
+
+  // Takes pieces, already planned, from where and when the moves pushed so far have ended; `start`s
+  // are set here. Each begins where the one before it ends, to kJoint mm, and the first one where
+  // the machine is. They are never planned anew: a cut among them falls behind the last. Throws
+  // std::invalid_argument, and takes none, if they do not join, or a motor cannot follow.
+  static constexpr double kJoint = 1e-6;
+  void add_pieces(std::vector<Piece> pieces) {
+    if (!in_pieces_) flush();
+    check(pieces);
+    for (Piece& p : pieces) {
+      in_pieces_ = true;
+      p.start = planner_.clock();
+      plan_.add(p);
+      for (size_t i = 0; i < solvers_.size(); ++i) solvers_[i].solve(p, compressors_[i].steps());
+      planner_.wait_until(p.start + p.seconds * machine_.clock_hz);
+      planner_.set_position(p.end, p.extruder);
+      pieces_end_ = planner_.clock();
+    }
+    process(false);
   }
 
   // A record for output `target`, due when the moves pushed so far are done.
@@ -98,6 +120,7 @@ class Motion {
 
   // Settles all, for a stop at the end, and hands out every message.
   void flush() {
+    in_pieces_ = false;
     planner_.flush();
     process(true);
   }
@@ -128,6 +151,16 @@ class Motion {
   // geometry, each of which moves by itself. Only while the machine stands; where it is must be set
   // after either change.
   void use_joints(bool on) { machine_.joints = on && planner_.constraints().actuators.size() >= 3; }
+  // From now on the bed adds these heights to Z (none: it is flat). No motor moves: what changes is
+  // the Z of the plan, which is then where the machine is. Only after flush.
+  void set_height_map(std::shared_ptr<const HeightMap> map) {
+    double position[kAxes];
+    std::copy_n(planner_.position(), kAxes, position);
+    double height = machine_.raised(position);
+    machine_.height_map = std::move(map);
+    position[kZ] = height - (machine_.raised(position) - position[kZ]);
+    planner_.set_position(position, machine_.extruders.size());
+  }
   void set_tool_offset(size_t tool, int j, double mm) { machine_.tools[tool].offset[j] = mm; }
 
   // After an endstop has stopped motors on the board: the next step of motor i tells its clock and
@@ -370,6 +403,28 @@ class Motion {
   bool following_ = false;               // the laser's power is that of the speed, not of a record
   int64_t handed_out_ = 0;               // clock of the last message merged
   double ticks_of_cut_ = 0;
+  bool in_pieces_ = false;  // what comes next may go on from pieces without a stop
+  double pieces_end_ = 0;   // ticks
+
+  void check(const std::vector<Piece>& pieces) const {
+    const double* from = planner_.position();
+    for (const Piece& p : pieces) {
+      if (!(p.seconds > 0 && p.seconds < kInfinity))
+        throw std::invalid_argument("a piece needs a time above 0");
+      for (int j = 0; j < kAxes; ++j) {
+        double before = j == kE && p.extruder < machine_.extruders.size() && &p == pieces.data()
+                            ? planner_.extruder_position(p.extruder)
+                            : from[j];
+        // Written so that numbers that are none fail too.
+        if (!(std::fabs(p.c[j][0] - before) <= kJoint))
+          throw std::invalid_argument("a piece does not start where the one before it ends");
+        if (!(std::fabs(p.position(j, p.seconds) - p.end[j]) <= kJoint))
+          throw std::invalid_argument("a piece does not end where it says");
+      }
+      from = p.end;
+      for (const StepperSpec& spec : machine_.steppers) PieceSolver(machine_, spec).check(p);
+    }
+  }
 
   void resume_plan(std::vector<Move>& moves, double speed2, double clock) {
     unattached_ += planner_.resume(std::move(moves), speed2, clock);
@@ -495,7 +550,9 @@ class Motion {
   double cut(double ticks, std::vector<Move>& rest) {
     auto held = messages_.hold();  // what the link has taken stays as it is until all is cut
     merge(true);
-    int64_t at = std::max(int64_t(std::ceil(ticks)), messages_.taken_until());
+    in_pieces_ = false;
+    int64_t at =
+        std::max(int64_t(std::ceil(std::max(ticks, pieces_end_))), messages_.taken_until());
     ticks_of_cut_ = std::min(double(at), planner_.clock());
     double speed2 = planner_.speed2();
     if (double(at) >= planner_.clock()) return speed2;

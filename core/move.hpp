@@ -21,6 +21,9 @@ struct Move {
   double vn2, vj2;                              // caps of v²: within the move; at its start
   double duty;                                  // share of a laser's power at one unit of speed
   double feed, duration, radius, speed_factor;  // as requested, kept for replanning
+  double curved_steps;                          // steps of the nonlinear actuators, at most
+  double tolerance;  // ticks by which steps may miss their ideal times; 0: the board's own
+  double step_load, command_load;  // share of the board's budget that was asked for; ≤ 1: kept
   uint32_t line;
   uint16_t layer, feature, extruder;
   uint16_t records;  // timed records that are due at its start

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bounds.hpp"
+#include "budget.hpp"
 #include "junction.hpp"
 #include "machine.hpp"
 #include "move.hpp"
@@ -24,7 +25,7 @@ class Planner {
 
   explicit Planner(const Machine& machine)
       : clock_hz_(machine.clock_hz), limits_(machine.limits), bounds_(machine, limits_),
-        junction_(machine), extruder_(machine.extruders.size(), 0.0) {}
+        junction_(machine), budget_(machine), extruder_(machine.extruders.size(), 0.0) {}
 
   Limits& limits() { return limits_; }
   Constraints& constraints() { return bounds_.constraints(); }
@@ -135,6 +136,7 @@ class Planner {
   Limits limits_;
   Bounds bounds_;
   JunctionRule junction_;
+  MoveBudget budget_;
   std::vector<Move> queue_, settled_, parts_;
   Move before_;            // the last move of the queue, also after it has settled
   bool moving_ = false;    // before_ is valid
@@ -182,6 +184,11 @@ class Planner {
     queue_.push_back(m);
     Move& last = queue_.back();
     last.vj2 = moving_ ? junction_.cap2(before_, last, limits_) : 0;
+    if (budget_.bounds_anything()) {
+      if (!moving_) budget_.restart(speed2_);
+      budget_.apply(last, moving_ ? last.vj2 : speed2_);
+      last.vj2 = std::min(last.vj2, last.vn2);
+    }
     before_ = last;
     moving_ = true;
     if (passes && ++since_pass_ == kBatch) settle(false);

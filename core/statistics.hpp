@@ -1,10 +1,12 @@
 // What a plan adds up to: times by kind, limit, layer and feature, distances, filament.
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "machine.hpp"
 #include "move.hpp"
+#include "pieces.hpp"
 
 namespace passo {
 
@@ -13,6 +15,13 @@ struct PlanStatistics {
   double move_s = 0, dwell_s = 0, travel_mm = 0, print_mm = 0;
   std::vector<double> filament_mm;                  // net, by extruder
   std::vector<double> limit_s, layer_s, feature_s;  // by LimitId, layer, feature
+  // Where most was asked of the board's budgets: line, and share of what they hold (≤ 1: kept).
+  struct Load {
+    uint32_t line = 0;
+    double share = 0;
+  };
+  Load most_steps, most_commands;
+  double widened_s = 0, widest_ticks = 0;  // time with a wider tolerance, and the widest
 
   // sign -1 takes back what a replan revokes.
   void add(const Move& m, double hz, int sign) {
@@ -25,6 +34,12 @@ struct PlanStatistics {
     }
     if (!m.inner) moves += sign;
     move_s += seconds;
+    if (m.step_load > most_steps.share) most_steps = {m.line, m.step_load};
+    if (m.command_load > most_commands.share) most_commands = {m.line, m.command_load};
+    if (m.tolerance > 0) {
+      widened_s += seconds;
+      widest_ticks = std::max(widest_ticks, m.tolerance);
+    }
     bool slow = m.vc * m.vc < m.vn2 * (1 - 1e-9);
     grow(limit_s, slow ? LimitId(kJunction) : m.speed_limit) += m.t_cru * per_tick;
     grow(limit_s, m.accel_limit) += (m.t_acc + m.t_dec) * per_tick;
@@ -34,6 +49,11 @@ struct PlanStatistics {
           sign * std::sqrt(dx * dx + dy * dy + dz * dz);
     }
     if (m.extruder < filament_mm.size()) filament_mm[m.extruder] += sign * (m.p1[kE] - m.p0[kE]);
+  }
+
+  void add(const Piece& p) {
+    move_s += p.seconds;
+    if (p.extruder < filament_mm.size()) filament_mm[p.extruder] += p.end[kE] - p.c[kE][0];
   }
 
  private:

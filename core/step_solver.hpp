@@ -7,6 +7,7 @@
 
 #include "machine.hpp"
 #include "move.hpp"
+#include "piece_solver.hpp"
 #include "simd.hpp"
 
 namespace passo {
@@ -17,8 +18,27 @@ struct Steps {
     size_t first;  // index in `ticks`
     int dir;       // +1 or -1
   };
+  struct Widening {
+    size_t first;      // index in `ticks`
+    double tolerance;  // ticks; 0: the board's own
+  };
   std::vector<double> ticks;
   std::vector<Run> runs;
+  std::vector<Widening> widenings;  // where the tolerance changes, from the board's own at first
+
+  // The steps to come have this tolerance.
+  void set_tolerance(double tolerance) {
+    if ((widenings.empty() ? 0 : widenings.back().tolerance) == tolerance) return;
+    if (!widenings.empty() && widenings.back().first == ticks.size()) widenings.pop_back();
+    widenings.push_back({ticks.size(), tolerance});
+  }
+  // The n ticks from index `from` on are taken out, or n ticks in front of all.
+  void move_widenings(size_t from, size_t n) {
+    for (Widening& w : widenings)
+      if (w.first > from) w.first = std::max(w.first - std::min(n, w.first), from);
+    while (widenings.size() > 1 && widenings[1].first <= 1) widenings.erase(widenings.begin());
+    if (widenings.size() == 1 && widenings[0].tolerance == 0) widenings.clear();
+  }
 };
 
 // t[j] = base + sign * sqrt(c0 + c1 * j)
@@ -89,7 +109,7 @@ struct TimeLaw {
 class StepSolver {
  public:
   StepSolver(const Machine& machine, const StepperSpec& spec)
-      : machine_(machine), spec_(spec), hz_(machine.clock_hz) {
+      : machine_(machine), spec_(spec), hz_(machine.clock_hz), pieces_(machine, spec) {
     for (double& c : c_) c = 0;
     linear_ = true;
     if (spec.drive == Drive::extruder) {
@@ -113,10 +133,20 @@ class StepSolver {
   void solve(const Move& m, Steps& out) {
     if (spec_.drive == Drive::extruder && m.extruder != spec_.index) return;
     if (m.kind == MoveKind::dwell) return;
-    if (linear_ || machine_.joints)
+    out.set_tolerance(m.tolerance);
+    if (m.cartesian && pieces_.raised() && !machine_.joints)
+      solve_raised(m, out);
+    else if (linear_ || machine_.joints)
       solve_linear(m, out);
     else
       solve_path(m, out);
+  }
+
+  // Appends the steps of the piece.
+  void solve(const Piece& p, Steps& out) {
+    out.set_tolerance(0);
+    auto step = [&out](double ticks, int dir) { *extend(out, 1, dir) = ticks; };
+    count_ = pieces_.solve(p, count_, count_at(p.end), true, step);
   }
 
  private:
@@ -128,13 +158,18 @@ class StepSolver {
   double c_[3];
   int64_t count_ = 0;
   Crossings crossings_;
+  PieceSolver pieces_;
 
   double position(const double* p) const {
     if (machine_.joints && spec_.drive == Drive::actuator)
       return p[spec_.index] * spec_.steps_per_unit;
-    if (axis_ >= 0) return p[axis_] * spec_.steps_per_unit;
-    if (linear_) return (c_[0] * p[0] + c_[1] * p[1] + c_[2] * p[2]) * spec_.steps_per_unit;
-    return machine_.geometry->inverse(spec_.index, p) * spec_.steps_per_unit;
+    double at[3] = {p[0], p[1], p[2]};
+    if (pieces_.raised())
+      at[kZ] = machine_.raised(p);
+    else if (axis_ >= 0)
+      return p[axis_] * spec_.steps_per_unit;
+    if (linear_) return (c_[0] * at[0] + c_[1] * at[1] + c_[2] * at[2]) * spec_.steps_per_unit;
+    return machine_.geometry->inverse(spec_.index, at) * spec_.steps_per_unit;
   }
 
   static double* extend(Steps& out, size_t n, int dir) {
@@ -155,6 +190,30 @@ class StepSolver {
     double* t = extend(out, size_t(n), int(dir));
     TimeLaw(m, hz_).even(std::clamp(s0, 0.0, m.d), std::max(per_step, 1e-12), int(n), t);
     count_ = target;
+  }
+
+  // Above a bed that is not flat: the phases of the move as pieces.
+  void solve_raised(const Move& m, Steps& out) {
+    auto step = [&out](double ticks, int dir) { *extend(out, 1, dir) = ticks; };
+    int64_t target = count_at(m.p1);
+    double d_dec = m.d - m.d_acc - m.d_cru, begin[] = {0, m.d_acc, m.d_acc + m.d_cru};
+    double ticks[] = {m.t_acc, m.t_cru, m.t_dec}, way[] = {m.d_acc, m.d_cru, d_dec};
+    double speed[] = {m.v0, m.vc, m.vc}, accel[] = {m.a, 0, -m.b}, start = m.start;
+    int last = m.t_dec > 0 ? 2 : m.t_cru > 0 ? 1 : 0;
+    for (int i = 0; i <= last; start += ticks[i++]) {
+      if (!(ticks[i] > 0 && way[i] > 0) && i < last) continue;
+      Piece p{};
+      p.start = start;
+      p.seconds = ticks[i] / hz_;
+      p.extruder = m.extruder;
+      for (int j = 0; j < 3; ++j) {
+        double u = (m.p1[j] - m.p0[j]) / m.d;
+        p.c[j][0] = m.p0[j] + u * begin[i];
+        p.c[j][1] = u * speed[i];
+        p.c[j][2] = 0.5 * u * accel[i];
+      }
+      count_ = pieces_.solve(p, count_, target, i == last, step);
+    }
   }
 
   void solve_path(const Move& m, Steps& out) {

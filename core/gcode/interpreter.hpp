@@ -473,3 +473,4 @@ class Interpreter {
 }  // namespace passo
 
 #include "gcode/interpreter_run.hpp"
+#include "gcode/interpreter_steps.hpp"

@@ -382,38 +382,6 @@ inline void Interpreter::queue_straight(double feed, double duration, bool rapid
   pending_.push_back(std::move(item));
 }
 
-// G60 saves where the machine is as S; G61 goes there with the axes that it names, so far beside it
-// as their words say, with X, Y, Z if it names none. F counts for this move alone.
-inline void Interpreter::run_saved(bool save, const Word* w, const Word* end) {
-  double value[26] = {}, feed = kInfinity, slot = 0;
-  uint32_t have = 0;
-  for (const Word* x = w; x < end; ++x) {
-    if (x->number && !sound(*x)) return;
-    int k = x->letter - 'A';
-    if (x->letter == 'S' && x->number) slot = x->value;
-    if (x->letter == 'F' && x->number && x->value > 0) feed = x->value * unit_ / 60;
-    if (k < 0 || k >= 26 || letter_slot_[k] < 0) continue;
-    have |= 1u << k;
-    value[k] = x->number ? x->value * unit_ : 0;
-  }
-  if (!(slot == 0 || slot == 1)) return fail(Fault::number, "S", slot, kSaved - 1);
-  Saved& saved = saved_[int(slot)];
-  if (save) {
-    saved.valid = true;
-    std::copy(position_, position_ + kAxes, saved.at);
-    return emit('G', 60, 0, "", "S" + std::to_string(int(slot)));
-  }
-  if (!saved.valid) return fail(Fault::unsaved, "S", slot, 0);
-  if (have == 0) have = 1u << ('X' - 'A') | 1u << ('Y' - 'A') | 1u << ('Z' - 'A');
-  for (int k = 0; k < 26; ++k) {  // as relative words
-    if ((have >> k & 1) == 0) continue;
-    int j = letter_slot_[k];
-    double by = saved.at[j] + value[k] - position_[j];
-    value[k] = (j == kE ? by / e_scale() : by) / unit_;
-  }
-  if (target(value, have, ~0u)) queue_straight(feed, 0, false);
-}
-
 inline void Interpreter::run_arc(bool clockwise, const double* value, uint32_t have, int turns) {
   double radius = (have >> ('R' - 'A') & 1) ? value['R' - 'A'] * unit_ : 0;
   static constexpr int kPlane[3][2] = {{0, 1}, {2, 0}, {1, 2}};  // G17 XY, G18 ZX, G19 YZ
@@ -468,77 +436,6 @@ inline bool Interpreter::next_chord() {
   move_.radius_mm = arc_.radius();
   move_.arc_inner = !arc_.first();
   return ready();
-}
-
-// A move of slot j by so much, of which the program's own coordinates know nothing.
-inline void Interpreter::queue_step(int j, double by, double feed) {
-  if (by == 0) return;
-  Item item{};
-  item.found = Found::move;
-  MoveRequest& m = item.move;
-  const double* from = position_;
-  for (const Item& x : pending_)
-    if (x.found == Found::move) from = x.move.target;
-  std::copy(from, from + kAxes, m.target);
-  m.target[j] += by;
-  m.feed_mm_s = feed;
-  m.radius_mm = kInfinity;
-  m.line = line_of_move();
-  m.kind = MoveKind::travel;
-  m.moved = uint8_t(1u << j);
-  pending_.push_back(std::move(item));
-}
-
-// M603 sets the lengths of a tool's filament path; M701 pushes the filament of the tool in use in,
-// M702 pulls it out, lifted by Z meanwhile. False: a question.
-inline bool Interpreter::run_filament(int code, const Word* w, const Word* end) {
-  auto length_of = [&](char letter, double otherwise) {
-    for (const Word* x = w; x < end; ++x)
-      if (x->letter == letter && x->number) return x->value;
-    return otherwise;
-  };
-  if (code == 603 && w == end) return false;
-  double tool = length_of('T', double(tool_));
-  bool there = tool >= 0 && tool < double(machine_->tools.size()) &&
-               machine_->tools[size_t(tool)].extruder >= 0;
-  if (!there || (code != 603 && tool != double(tool_))) {
-    fail(Fault::missing_tool, "T", tool, double(machine_->tools.size()));
-    return true;
-  }
-  Change& change = change_[size_t(machine_->tools[size_t(tool)].extruder)];
-  double load = length_of('L', change.load_mm), unload = length_of('U', change.unload_mm);
-  double lift = std::clamp(length_of('Z', 0), 0.0, std::max(0.0, high_[kZ] - position_[kZ]));
-  if (!(load >= 0 && unload >= 0 && std::max(load, unload) <= kLongestChange)) {
-    fail(Fault::number, load > kLongestChange || load < 0 ? "L" : "U",
-         load > kLongestChange || load < 0 ? load : unload, kLongestChange);
-  } else if (code == 603) {
-    change = {load, unload};
-  } else if (cold) {
-    fail(Fault::cold, "E", 0, 0);
-  } else if (lift > 0 && locked(kZ)) {
-    fail(Fault::not_homed, axis_name(kZ), 0, 0);
-  } else {
-    queue_step(kZ, lift, kInfinity);
-    queue_step(kE, code == 701 ? load : -unload, code == 701 ? kLoadMmS : kUnloadMmS);
-    queue_step(kZ, -lift, kInfinity);
-  }
-  return true;
-}
-
-// Firmware retraction (G10, G11): filament first, then the hop; back in the reverse order.
-inline void Interpreter::run_retract(bool in) {
-  if (in == retracted_ || machine_->extruders.empty()) return;
-  if (cold) return fail(Fault::cold, "E", 0, 0);
-  retracted_ = in;
-  if (in) {
-    queue_step(kE, -retract_mm_, retract_feed_);
-    hop_ = std::clamp(retract_hop_, 0.0, std::max(0.0, high_[kZ] - position_[kZ]));
-    queue_step(kZ, hop_, kInfinity);
-  } else {
-    queue_step(kZ, -hop_, kInfinity);
-    hop_ = 0;
-    queue_step(kE, retract_mm_ + recover_mm_, recover_feed_ > 0 ? recover_feed_ : retract_feed_);
-  }
 }
 
 inline void Interpreter::select_tool(const Word& word) {

@@ -739,6 +739,10 @@ class Move:
         """continues the path of the move before it"""
 
     @property
+    def tolerance_ticks(self) -> float:
+        """by which its steps may miss their ideal times; 0: the board's own"""
+
+    @property
     def speed_limit(self) -> int:
         """index in the names of limits"""
 
@@ -756,6 +760,16 @@ class Motion:
     def push(self, target: Sequence[float], feed_mm_s: float, kind: str = 'travel', extruder: int = 0, duration_s: float = 0.0, radius_mm: float = float('inf'), inner: bool = False, line: int = 0) -> None:
         """
         Adds a move to the absolute target: one number an axis, then E. Raises ValueError.
+        """
+
+    def set_height_map(self, first: tuple[float, float], spacing: tuple[float, float], heights: Sequence[Sequence[float]]) -> None:
+        """
+        What the bed adds to Z: heights in mm on an even grid, rows along X, the first one at the Y of `first`; bilinear in between, level beyond. No rows: the bed is flat. No motor moves, but Z of the plan changes; only while nothing is queued. Raises ValueError.
+        """
+
+    def add_pieces(self, pieces: Sequence[tuple[float, Sequence[Sequence[float]]]], end: Sequence[float] | None = None, extruder: int = 0) -> None:
+        """
+        Motion that is planned already, behind what was pushed so far: of each piece its seconds, and for each axis, then E, up to six coefficients of a polynomial of time: mm, mm/s, mm/s^2 and so on. Pieces join to 1e-6 mm; `end` says where the last one ends if not where its polynomials do. Raises ValueError.
         """
 
     def record(self, target: int, value: int) -> None:
@@ -817,6 +831,9 @@ class Motion:
 
     def ideal_ticks(self, move: Move, stepper: int, count: int) -> tuple[list[float], int]:
         """Unrounded step times of one motor in one move, and its count after it."""
+
+    def ideal_piece_ticks(self, seconds: float, coefficients: Sequence[Sequence[float]], stepper: int, count: int, extruder: int = 0) -> tuple[list[float], int]:
+        """The same for one piece that starts at tick 0."""
 
 class JobStatus(enum.Enum):
     NEED_INPUT = 0

@@ -212,8 +212,8 @@ CATALOGUE: Mapping[str, Entry] = {
     ),
     "command.fixed": _input(
         "command",
-        "this is fixed while the printer runs",
-        "Change {value} in the machine file and start again",
+        "{value} is fixed while the printer runs",
+        "Change it in the machine file and start again",
     ),
     "command.value": _input(
         "command", "{axis} is {value}: expected {limit}", "Send the command with such a value"

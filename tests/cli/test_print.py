@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from importlib.resources import files
 
 import pytest
 
@@ -14,7 +15,7 @@ FIELDS = [
     "file", "machine", "lines", "moves", "arcs", "print_time_s", "move_time_s", "heat_time_s",
     "dwell_time_s", "filament_mm", "travel_mm", "layers", "final_position_mm", "steps",
     "final_steps", "net_steps_expected", "reversal_pairs_dropped", "queue_step_commands",
-    "wire_bytes", "step_error_us", "limits", "stream_hash", "warnings", "errors", "cpu_s",
+    "wire_bytes", "step_error_us", "limits", "budget", "stream_hash", "warnings", "errors", "cpu_s",
     "peak_rss_mb",
 ]  # fmt: skip
 
@@ -161,3 +162,31 @@ def test_an_unsafe_temperature_is_a_warning_and_heats_nothing(tmp_path, capsys):
     assert main(["print", str(path), "--json"]) == 0
     (warning,) = json.loads(capsys.readouterr().out)["warnings"]
     assert warning.startswith(f"{path}:2: M104: heater hotend was switched off: 999 C is outside")
+
+
+def test_a_slow_link_is_named_with_its_worst_line(capsys, tmp_path):
+    """A zigzag of 0.05 mm a move at 100 mm/s is more than 30 000 baud carry."""
+    lines = ["G92 X0 Y0 Z0 E0", "G1 X5 F6000"]
+    lines += [f"G1 X{5 + 0.05 * i:.3f} Y{0.04 * (i % 2) + 0.05 * i:.3f}" for i in range(1500)]
+    path = tmp_path / "tiny.gcode"
+    path.write_text("\n".join(lines))
+    machine = tmp_path / "slow.toml"
+    shipped = files("passo.config").joinpath("machines", "i3.toml").read_text()
+    machine.write_text(shipped + "budget = { link_bytes_s = 3000 }\n")
+    words = [str(path), "--machine", str(machine)]
+    free, slow = printed(capsys, str(path)), printed(capsys, *words)
+    assert free["budget"] == {"worst": {}, "widened_s": 0.0, "tolerance_us": 0.0}
+    assert slow["limits"]["link"] > 1.0
+    assert slow["move_time_s"] > 1.2 * free["move_time_s"]
+    assert slow["budget"]["tolerance_us"] == 25.0
+    assert slow["queue_step_commands"] < free["queue_step_commands"]
+    assert slow["final_steps"] == free["final_steps"] == slow["net_steps_expected"]
+    worst = slow["budget"]["worst"]["link"]
+    assert main(["estimate", *words]) == 0
+    out = capsys.readouterr().out
+    assert f"more than the link takes  {worst['load']:.2f} times at {path}:{worst['line']}" in out
+    assert "wider step tolerance      up to 25.0 µs, for " in out
+    assert main(["explain", f"{path}:{worst['line']}", "--machine", str(machine)]) == 0
+    out = capsys.readouterr().out
+    assert "speed is bound by: link" in out
+    assert "its steps may miss their ideal times by 25.0 µs" in out

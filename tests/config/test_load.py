@@ -235,3 +235,14 @@ def test_fisher_carriages_stay_on_their_towers() -> None:
         carriages = machine.geometry.inverse((0.0, 0.0, z))
         assert carriages == pytest.approx([z + 137.982] * 3, abs=1e-3)
         assert all(30 <= carriage <= 318 for carriage in carriages)
+
+
+def test_a_board_brings_its_budget(i3_text: str) -> None:
+    spec = config.load("i3").core_spec()["budget"]
+    assert spec["steps_s"] == pytest.approx(0.65 * 16e6 / 164)
+    assert spec["commands_s"] == pytest.approx(0.3 * 16e6 / 1950)
+    assert spec["burst"] == 459 / 2
+    assert spec["by_link"] is False
+    slow = config.load_text(i3_text + "budget = { link_bytes_s = 8300 }\nmove_count = 100\n")
+    bound = pytest.approx(1000)
+    assert slow.core_spec()["budget"] == spec | {"commands_s": bound, "burst": 50, "by_link": True}

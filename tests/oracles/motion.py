@@ -61,12 +61,14 @@ def executed_ticks(messages, target):
 
 
 def assert_within_bound(executed, ideal, tolerance_ticks=32.0):
-    """|executed - ideal| ≤ min(tolerance, ¼ of the smaller gap) + ½ tick, every step."""
+    """|executed - ideal| ≤ min(tolerance, ¼ of the smaller gap) + ½ tick, every step; one tolerance
+    for all, or a list of one a step."""
     assert len(executed) == len(ideal)
     times = [t for t, _ in ideal]
     for i, ((done, went), (wanted, goes)) in enumerate(zip(executed, ideal, strict=True)):
         assert went == goes
-        gaps = [tolerance_ticks * 4]
+        wide = tolerance_ticks[i] if isinstance(tolerance_ticks, list) else tolerance_ticks
+        gaps = [wide * 4]
         if i > 0:
             gaps.append(times[i] - times[i - 1])
         if i + 1 < len(times):

@@ -64,13 +64,11 @@ int main(int, char** argv) {
   std::string program((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
   run(machine("cartesian", {}, 80, 300), program);
   run(machine("corexy", {}, 80, 500), program);
-  run(machine("delta",
-              {{"radius", {174.75}},
-               {"rods", {333, 333, 333}},
-               {"angles", {210, 330, 90}},
-               {"limit_radius", {170}}},
-              80, 600),
-      program);
+  GeometryParams towers{{"radius", {174.75}},
+                        {"rods", {333, 333, 333}},
+                        {"angles", {210, 330, 90}},
+                        {"limit_radius", {170}}};
+  run(machine("delta", towers, 80, 600), program);
   run(machine("rotary_delta",
               {{"effector_length", {10}},
                {"base_length", {127.43}},
@@ -87,5 +85,14 @@ int main(int, char** argv) {
                {"y_offset", {-60}}},
               100, 600),
       program);
+  Machine short_of_commands = machine("cartesian", {}, 80, 300);
+  short_of_commands.name = "short of commands";
+  short_of_commands.budget = {20000, 600, 40, true};
+  run(short_of_commands, program);
+  Machine bent = machine("delta", towers, 80, 600);
+  bent.name = "above a bent bed";
+  std::vector<double> heights{0.1, -0.2, 0.3, 0.5, 0, -0.4, 0.2, 0.2, -0.1};
+  bent.height_map = std::make_shared<HeightMap>(-70, -50, 61, 47, 3, 3, heights);
+  run(bent, program);
   return 0;
 }

@@ -29,6 +29,8 @@ corexy 22591 a823e87434a689ba
 delta 43348 e4d5a855a3478d33
 rotary_delta 38001 4e59e0f6243d0cc2
 scara 31118 7350952ad8051baa
+short of commands 20098 8fff52acee855148
+above a bent bed 43950 f2dcb325ef6b9b68
 """
 
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from passo.job.budget_use import BudgetUse
     from passo.job.estimate import Estimate
     from passo.job.result import PrintResult
 
@@ -40,6 +41,18 @@ def _lengths(parts: Mapping[str, float]) -> str:
     return ", ".join(f"{name} {mm:.1f} mm" for name, mm in parts.items()) or "none"
 
 
+def _budget(use: BudgetUse, file: str) -> list[tuple[str, str]]:
+    """Where and why a file is slowed, or its tolerance widened; nothing if it is not."""
+    pairs = [
+        (f"more than the {name} takes", f"{place.load:.2f} times at {file}:{place.line}")
+        for name, place in use.worst.items()
+    ]
+    if use.widened_s > 0:
+        text = f"up to {use.tolerance_us:.1f} µs, for {duration(use.widened_s)}"
+        pairs.append(("wider step tolerance", text))
+    return pairs
+
+
 def print_table(result: PrintResult) -> str:
     """What a print came to."""
     total = sum(result.steps.values())
@@ -70,6 +83,7 @@ def print_table(result: PrintResult) -> str:
         ),
         ("bytes on the wire", f"{result.wire_bytes:,}"),
         ("stream", result.stream_hash),
+        *_budget(result.budget, result.file),
         ("time by limit", ""),
         *shares(result.limits, 6),
         (
@@ -95,6 +109,7 @@ def estimate_table(estimate: Estimate) -> str:
             "layer time",
             f"{duration(min(layers))} to {duration(max(layers))}" if layers else "none",
         ),
+        *_budget(estimate.budget, estimate.file),
         ("by feature", ""),
         *shares(estimate.features_s),
         ("by limit", ""),

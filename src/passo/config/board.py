@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from math import inf
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
 from passo.config.base import Model, Pin
+from passo.config.budget import BURST_S, COMMAND_BYTES, Budget
 from passo.config.chips import Chip, chip, chip_names
 
 
@@ -69,10 +71,12 @@ class Board(Model):
     `link` says where the board is: simulated, on the serial device `port` at `baud` (the console's,
     unless given), or at the network address `port` (host:port).
 
-    `compression_tolerance_us` bounds how far a step may be from its ideal time; `move_count` is the
-    number of commands that the board can hold. A simulated board is a model of one ("virtual") or
-    runs Passo's firmware ("passo"): to the tick the same, but slower. `dictionary` is the file of a
-    data dictionary as Klipper's build leaves it, for boards of the kind `klipper`.
+    `compression_tolerance_us` bounds how far a step may be from its ideal time, unless the board's
+    budget asks for more; `move_count` is the number of commands that the board can hold. Without a
+    `budget` the planner takes the board and its link to be fast enough. A simulated board is a
+    model of one ("virtual") or runs Passo's firmware ("passo"): to the tick the same, but slower.
+    `dictionary` is the file of a data dictionary as Klipper's build leaves it, for boards of the
+    kind `klipper`.
     """
 
     base: str | None = None
@@ -87,6 +91,7 @@ class Board(Model):
     clock_hz: Annotated[int, Field(ge=1_000_000, le=1_000_000_000)]
     move_count: Annotated[int, Field(ge=16, le=65_535)]
     compression_tolerance_us: Annotated[float, Field(gt=0, le=25)] = 2.0
+    budget: Budget | None = None
     numbering: str | None = None
     dictionary: str | None = None
     console: Console | None = None
@@ -103,6 +108,22 @@ class Board(Model):
     variant: str | None = None
     variants: dict[str, dict[str, Function]] = {}
     functions: dict[str, Function] = {}
+
+    def budget_spec(self) -> dict[str, Any] | None:
+        """The budget for the core: rates per second of all motors together, a burst in commands."""
+        budget = self.budget
+        if budget is None:
+            return None
+        cpu_hz = budget.cpu_hz or self.clock_hz
+        by_board = budget.command_share * cpu_hz / budget.cycles_per_command
+        by_link = (budget.link_bytes_s or inf) / COMMAND_BYTES
+        commands_s = min(by_board, by_link)
+        return {
+            "steps_s": budget.step_share * cpu_hz / budget.cycles_per_step,
+            "commands_s": commands_s,
+            "burst": min(BURST_S * commands_s, self.move_count / 2),
+            "by_link": by_link < by_board,
+        }
 
     @property
     def chip(self) -> Chip | None:

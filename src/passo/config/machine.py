@@ -83,6 +83,7 @@ class MachineConfig(Model):
             "geometry": self.geometry.spec(),
             "steppers": self._steppers_spec(),
             "limits": self._limits_spec(),
+            "budget": self.board.budget_spec(),
             "laser": self._laser_spec(),
         }
 

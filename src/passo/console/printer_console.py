@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from passo.console.card_commands import CardCommands
 from passo.console.commands import ConsoleCommands
 from passo.console.job_commands import JobCommands
+from passo.console.json_status import JsonStatus
 from passo.console.options import OptionCommands
 from passo.console.recovery_commands import RecoveryCommands
 from passo.console.settings_commands import SettingsCommands
@@ -62,6 +63,7 @@ def furnished(
     printer.immediate.update(reports.handlers)
     printer.immediate.update(ConsoleCommands(printer, reports).handlers)
     runner = Runner(printer, Listeners(printer))
+    printer.immediate.update(JsonStatus(printer, runner).handlers)
     files = CardCommands(printer, runner, card)
     printer.immediate.update(files.handlers)
     history = None if state is None else _history(printer, Path(state))

@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from passo import _core
+from passo.job.budget_use import BudgetUse, budget_use
 from passo.job.program import run_program
 from passo.printer.commands import Commands
 from passo.printer.wiring import output_count
@@ -30,6 +31,7 @@ class Estimate:
     layers_s: list[float] = field(repr=False)
     features_s: dict[str, float]
     limits_s: dict[str, float]
+    budget: BudgetUse
     warnings: list[str]
 
     def as_dict(self) -> dict[str, Any]:
@@ -72,5 +74,6 @@ def estimate(
         layers_s=plan["layer_s"],
         features_s=plan["feature_s"],
         limits_s=plan["limit_s"],
+        budget=budget_use(plan, machine.board.clock_hz),
         warnings=commands.warnings(str(path), plan["clamped"]),
     )

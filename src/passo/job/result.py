@@ -8,6 +8,7 @@ from math import sqrt
 from typing import Any
 
 from passo import _core
+from passo.job.budget_use import BudgetUse, budget_use
 
 
 @dataclass(slots=True)
@@ -35,6 +36,7 @@ class PrintResult:
     wire_bytes: int = 0
     step_error_us: dict[str, float] = field(default_factory=dict[str, float])
     limits: dict[str, float] = field(default_factory=dict[str, float])
+    budget: BudgetUse = field(default_factory=BudgetUse)
     stream_hash: str = ""
     warnings: list[str] = field(default_factory=list[str])
     errors: list[str] = field(default_factory=list[str])
@@ -45,7 +47,9 @@ class PrintResult:
         """All fields, for JSON."""
         return asdict(self)
 
-    def take_plan(self, job: _core.Job, axes: list[str], extruders: list[str]) -> None:
+    def take_plan(
+        self, job: _core.Job, axes: list[str], extruders: list[str], clock_hz: int
+    ) -> None:
         """Copies what the plan knows."""
         plan = job.statistics()
         self.lines, self.moves, self.arcs = plan["lines"], plan["moves"], plan["arcs"]
@@ -54,6 +58,7 @@ class PrintResult:
         self.filament_mm = dict(zip(extruders, plan["filament_mm"], strict=True))
         self.final_position_mm = dict(zip([*axes, *extruders], plan["position_mm"], strict=True))
         self.limits = plan["limit_s"]
+        self.budget = budget_use(plan, clock_hz)
         self.print_time_s = self.move_time_s + self.heat_time_s + self.dwell_time_s
 
     def take_steps(self, job: _core.Job, clock_hz: int) -> None:

@@ -101,6 +101,7 @@ def _move(move: _core.Move, hz: int, names: list[str]) -> str:
     start, end = (", ".join(f"{a} {p[i]:.3f}" for i, a in enumerate("XYZE")) for p in ends)
     shape = "trapezoid" if move.cruise_length > 1e-9 else "triangle"
     slow = move.length - move.accelerate_length - move.cruise_length
+    wide = f"  its steps may miss their ideal times by {move.tolerance_ticks / hz * 1e6:.1f} µs"
     return "\n".join(
         (
             f"Planned: a {move.kind} move of {move.length:.3f} mm, from {start} to {end}",
@@ -113,6 +114,7 @@ def _move(move: _core.Move, hz: int, names: list[str]) -> str:
             f"  from {move.start_ticks / hz:.6f} s to {move.end_ticks / hz:.6f} s of print time",
             f"  speed is bound by: {names[move.speed_limit]}"
             f"; acceleration {abs(move.acceleration):.0f} mm/s² by: {names[move.accel_limit]}",
+            *([wide + ": the board's budget of commands"] if move.tolerance_ticks > 0 else []),
         )
     )
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import passo
+from passo.config.drives import axis_order
+from passo.errors import CommandError, Problem
 from passo.printer.switches import switches
 from passo.printer.waits import Handler, Reply, Wait
 from passo.printer.words import Command
@@ -12,6 +14,7 @@ from passo.printer.words import Command
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
 
+_SWITCH_LETTERS = set("XYZIJKPD")  # of M123 and M124
 _LETTERS = {"hotend": "T", "bed": "B", "chamber": "C"}
 CAPABILITIES = {
     "EEPROM": False,
@@ -39,6 +42,9 @@ class Reports:
             "M114": self._position,
             "M115": self._firmware,
             "M119": self._switches,
+            "M122": self._limits,
+            "M123": self._switch_logic,
+            "M124": self._switch_logic,
         }
 
     def temperatures(self) -> str:
@@ -108,6 +114,28 @@ class Reports:
         homes = {s.name: machine.homing[s.home].direction for s in switches(machine)}
         for name, pressed in self._printer.homer.states().items():
             reply.say(f"{name}_{homes[name]}: {'TRIGGERED' if pressed else 'open'}")
+        return None
+
+    def _limits(self, command: Command, reply: Reply) -> Wait | None:
+        if command.words().get("S", 1) == 0:
+            raise CommandError([Problem("command.fixed", values={"value": "axes"})])
+        axes = self._printer.machine.axes
+        names = axis_order(axes)
+        low = " ".join(f"{n.upper()}:{axes[n].min_mm:.2f}" for n in names)
+        high = " ".join(f"{n.upper()}:{axes[n].max_mm:.2f}" for n in names)
+        reply.say(f"Soft endstops: ON  Min: {low}  Max: {high}")
+        return None
+
+    def _switch_logic(self, command: Command, reply: Reply) -> Wait | None:
+        if set(command.words()) & _SWITCH_LETTERS:
+            raise CommandError([Problem("command.fixed", values={"value": "homing"})])
+        reply.say("Reporting endstop logic and pullup")
+        for switch in switches(self._printer.machine):
+            logic, pullup = "!" in switch.pin, "^" in switch.pin
+            reply.say(
+                f"{switch.name} Logic:{'true' if logic else 'false'}"
+                f" Pullup:{'true' if pullup else 'false'}"
+            )
         return None
 
     def _firmware(self, _: Command, reply: Reply) -> Wait | None:

@@ -1,0 +1,189 @@
+"""The budgets of board and link: rates of steps and commands, and what gives way to keep them."""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from math import cos, inf, pi, sin
+from random import Random
+
+import pytest
+from tests.oracles.motion import (
+    assert_trapezoids,
+    assert_within_bound,
+    crossing_ticks,
+    executed_ticks,
+)
+
+from passo._core import Motion
+
+from .machines import cartesian
+
+HZ = 16e6
+WIDEST = 25e-6 * HZ
+
+
+def budget(**values):
+    return {"steps_s": inf, "commands_s": inf, "burst": 0.0, "by_link": True} | values
+
+
+def machine(accel=3000.0, speed=500.0, **values):
+    spec = cartesian(print_accel=accel)
+    for axis in spec["axes"]:
+        axis.update(accel=accel, speed=speed)
+    spec["extruders"][0].update(accel=2 * accel, jerk=50.0)
+    return spec | values
+
+
+def delta(**values):
+    geometry = {
+        "kind": "delta",
+        "radius": 81.0,
+        "rods": [160.0, 160.0, 160.0],
+        "angles": [210.0, 330.0, 90.0],
+        "limit_radius": 75.1,
+    }
+    return machine(geometry=geometry, **values)
+
+
+def wander(mm, moves, turn, seed):
+    """Targets of moves of about so many mm that turn by about so many radians each."""
+    random = Random(seed)
+    x = y = angle = 0.0
+    for i in range(moves):
+        angle += random.gauss(0, turn)
+        way = mm * random.uniform(0.5, 1.5)
+        x += way * cos(angle)
+        y += way * sin(angle)
+        yield [x, y, 0.0, 0.03 * mm * i]
+
+
+def planned(spec, targets, feed=300.0):
+    motion = Motion(spec)
+    for target in targets:
+        motion.push(target, feed, "print")
+    motion.flush()
+    return motion, motion.take_moves(), motion.take_messages()
+
+
+def most_in_a_window(ticks, seconds):
+    """The most events within any so many seconds."""
+    return max(bisect_left(ticks, t + seconds * HZ) - i for i, t in enumerate(ticks))
+
+
+@pytest.mark.parametrize("spec", [machine, delta])
+def test_no_window_holds_more_steps_than_the_board_takes(spec):
+    rate, random = 20_000.0, Random(3)
+    targets = [
+        [random.uniform(-45, 45), random.uniform(-45, 45), random.uniform(0, 5), i * 2.0]
+        for i in range(25)
+    ]
+    free = planned(spec(), targets, 400.0)
+    bound = planned(spec(budget=budget(steps_s=rate)), targets, 400.0)
+    most = {}
+    for name, (_, _, messages) in (("free", free), ("bound", bound)):
+        ticks = sorted(t for i in range(4) for t, _ in executed_ticks(messages, i))
+        most[name] = most_in_a_window(ticks, 0.01)
+    assert most["free"] > 1.5 * rate * 0.01
+    assert 0.85 * rate * 0.01 < most["bound"] <= rate * 0.01 + 8
+    assert_trapezoids(bound[1])
+    assert bound[0].counts() == free[0].counts()
+    assert all(move.tolerance_ticks == 0 for move in bound[1])
+
+
+@pytest.mark.parametrize(
+    "mm, moves, turn", [(0.02, 3000, 0.3), (0.05, 2500, 2.0), (0.2, 1500, 2.0)]
+)
+def test_commands_keep_to_the_rate_and_its_burst(mm, moves, turn):
+    rate, burst = 1000.0, 100.0
+    free = planned(machine(20_000.0), wander(mm, moves, turn, 1))
+    spec = machine(20_000.0, budget=budget(commands_s=rate, burst=burst))
+    motion, plan, messages = planned(spec, wander(mm, moves, turn, 1))
+    ends = sorted(m[3] for m in messages if m[0] == "queue_step")
+    ahead = most = last = 0.0
+    for t in ends:
+        ahead = max(0.0, ahead - rate * (t - last) / HZ) + 1
+        most, last = max(most, ahead), t
+    assert most <= 1.1 * burst
+    asked = sum(m[0] == "queue_step" for m in free[2]) / (free[0].clock / HZ)
+    assert asked > 1.5 * rate
+    assert_trapezoids(plan)
+    assert motion.counts() == free[0].counts()
+
+
+def circle(mm, turns, radius=20.0):
+    n = round(2 * pi * radius * turns / mm)
+    return [[radius * sin(i * mm / radius), radius * cos(i * mm / radius), 0, 0] for i in range(n)]
+
+
+def test_the_tolerance_widens_before_the_speed_drops():
+    targets = circle(0.05, 3)
+    free = planned(machine(), targets, 100.0)[1]
+    little = planned(machine(budget=budget(commands_s=5000.0)), targets, 100.0)[1]
+    much = planned(machine(budget=budget(commands_s=500.0)), targets, 100.0)[1]
+    assert [m.cruise_speed for m in little] == [m.cruise_speed for m in free]
+    widths = [m.tolerance_ticks for m in little]
+    assert 32 < max(widths) < WIDEST
+    fastest = max(m.cruise_speed for m in much[1:])
+    assert fastest < 0.5 * max(m.cruise_speed for m in free)
+    for move in much:
+        if move.speed_cap < 99.9:
+            assert move.tolerance_ticks == WIDEST
+
+
+def test_wider_steps_stay_within_their_width_and_need_fewer_commands():
+    targets = list(wander(0.2, 800, 0.3, 5))
+    spec = machine(6000.0, budget=budget(commands_s=1800.0))
+    motion, plan, messages = planned(spec, targets)
+    wide = [m for m in plan if m.tolerance_ticks > 0]
+    assert 0.2 * len(plan) < len(wide) < len(plan)
+    for axis in (0, 1):
+        ideal, widths = [], []
+        for move in plan:
+            steps = list(crossing_ticks(move, axis, 80.0))
+            ideal += steps
+            widths += [move.tolerance_ticks or 32.0] * len(steps)
+        done = executed_ticks(messages, axis)
+        if motion.dropped_pairs(axis) == 0:
+            assert_within_bound(done, ideal, widths)
+    strict = planned(machine(6000.0), targets)
+    ours, theirs = (sum(m[0] == "queue_step" for m in ms) for ms in (messages, strict[2]))
+    assert ours < 0.9 * theirs
+
+
+def test_a_burst_within_the_slots_is_free():
+    targets = list(wander(0.05, 60, 0.3, 2))
+    free = planned(machine(20_000.0), targets)[1]
+    bound = planned(machine(20_000.0, budget=budget(commands_s=500.0, burst=400.0)), targets)[1]
+    assert all(m.tolerance_ticks == 0 for m in bound)
+    assert [m.cruise_speed for m in bound] == [m.cruise_speed for m in free]
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_cut_keeps_counts_and_commands_valid(seed):
+    targets = list(wander(0.1, 600, 0.5, seed))
+    spec = machine(20_000.0, budget=budget(commands_s=1200.0, burst=50.0))
+    whole = planned(spec, targets)[0]
+    motion = Motion(spec)
+    for i, target in enumerate(targets):
+        motion.push(target, 300.0, "print")
+        if i % 150 == 149:
+            motion.flush()
+            motion.hold_from(motion.clock * Random(seed * 10 + i).uniform(0.6, 1.0))
+            motion.release()
+    motion.flush()
+    assert motion.counts() == whole.counts()
+    messages = motion.take_messages()
+    for i, count in enumerate(motion.counts()):
+        assert sum(way for _, way in executed_ticks(messages, i)) == count
+
+
+def test_messages_do_not_depend_on_when_they_are_taken():
+    targets = list(wander(0.1, 900, 0.5, 8))
+    spec = machine(20_000.0, budget=budget(commands_s=1200.0, burst=50.0))
+    whole = planned(spec, targets)[2]
+    motion, pieces = Motion(spec), []
+    for target in targets:
+        motion.push(target, 300.0, "print")
+        pieces += motion.take_messages(motion.clock - 0.3 * HZ)
+    motion.flush()
+    assert pieces + motion.take_messages() == whole
