@@ -161,18 +161,19 @@ void bind_heater(nb::module_& m) {
              uint32_t adc_full, const SensorQuery& query, double max_power, double tolerance_c,
              const Points& celsius, double low_share, double high_share, bool open_is_high,
              const Control& control, const ProtectionLimits& limits,
-             const std::optional<HeatModel>& model, int32_t fan_target, double fan_full) {
+             const std::optional<HeatModel>& model, int32_t fan_target, double fan_full,
+             bool inverted) {
             new (self) HeaterOptions{sensor_oid, output_oid,  pwm,
                                      full,       adc_full,    query,
                                      max_power,  tolerance_c, heat::Curve(celsius),
                                      low_share,  high_share,  open_is_high,
                                      control,    limits,      model,
-                                     fan_target, fan_full};
+                                     fan_target, fan_full,    inverted};
           },
           "sensor_oid"_a, "output_oid"_a, "pwm"_a, "full"_a, "adc_full"_a, "query"_a, "max_power"_a,
           "tolerance_c"_a, "celsius"_a, "low_share"_a, "high_share"_a, "open_is_high"_a,
           "control"_a, "limits"_a, "model"_a.none(), "fan_target"_a = -1, "fan_full"_a = 1.0,
-          "fan_target: index of the fan's output among the link's pins.");
+          "inverted"_a = false, "fan_target: index of the fan's output among the link's pins.");
   nb::class_<Heater>(m, "Heater", "A heater loop beside the link.")
       .def_prop_ro("celsius", &held<&Heater::celsius>)
       .def_prop_rw("target", &held<&Heater::target>, &held<&Heater::set_target, double>)

@@ -262,11 +262,12 @@ void bind_link(nb::module_& m) {
           "name"_a, "oid"_a, "invert"_a)
       .def(
           "add_pin",
-          [](Link& l, const std::string& name, uint32_t oid, PinKind kind) {
+          [](Link& l, const std::string& name, uint32_t oid, PinKind kind, uint32_t inverted_full) {
             std::lock_guard lock(l.guard());
-            l.job().add_pin(l.commands(), name, oid, kind);
+            l.job().add_pin(l.commands(), name, oid, kind, inverted_full);
           },
-          "name"_a, "oid"_a, "kind"_a)
+          "name"_a, "oid"_a, "kind"_a, "inverted_full"_a = 0,
+          "inverted_full: the value at full scale of a pin that is on when low.")
       .def(
           "set_slots",
           [](Link& l, size_t slots) {
@@ -451,6 +452,10 @@ void bind_board(nb::module_& m) {
           },
           "heater_pin"_a, "sensor_pin"_a, "ambient_c"_a, "rise_c"_a, "time_constant_s"_a,
           "sensor_time_constant_s"_a, "adc_ratio"_a, "fan_pin"_a = 0, "fan_loss"_a = 0.0)
+      .def(
+          "invert_output",
+          [](VirtualBoard& b, uint32_t pin) { b.plant().low_is_on.push_back(pin); }, "pin"_a,
+          "What hangs on this output pin is on when the pin is low.")
       .def(
           "force_adc",
           [](Bench& b, uint32_t sensor_pin, double ratio) {

@@ -38,6 +38,7 @@ struct HeaterOptions {
   std::optional<heat::HeatModel> model;  // of the body, where it is known
   int32_t fan_target = -1;               // pin of the job that cools the body; -1: none
   double fan_full = 1;                   // that pin's value at full speed
+  bool inverted = false;                 // the output is on when low
 };
 
 // What the loop saw and did with one report.

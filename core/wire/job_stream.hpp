@@ -34,12 +34,18 @@ class JobStream {
         {prefix(commands, "queue_step", oid), prefix(commands, "set_next_step_dir", oid),
          prefix(commands, "reset_step_clock", oid), StreamHash::of_name(name), invert});
   }
-  void add_pin(const Formats& commands, const std::string& name, uint32_t oid, PinKind kind) {
+  // `inverted_full`: the value at full scale of a pin that is on when low; 0 of all others.
+  void add_pin(const Formats& commands, const std::string& name, uint32_t oid, PinKind kind,
+               uint32_t inverted_full) {
     pins_.push_back(
         {prefix(commands, kind == PinKind::pwm ? "queue_pwm_out" : "queue_digital_out", oid),
-         StreamHash::of_name(name)});
+         StreamHash::of_name(name), inverted_full});
   }
-  // The last value sent to a pin.
+  // What a board is told for `value` of a pin.
+  static uint32_t on_wire(uint32_t value, uint32_t inverted_full) {
+    return inverted_full ? inverted_full - std::min(value, inverted_full) : value;
+  }
+  // The last value of a pin that was sent, as it was before inversion.
   uint32_t pin_value(size_t target) const { return pins_.at(target).value; }
   // Slots of the board that this stream may hold at once.
   void set_slots(size_t slots) {
@@ -123,6 +129,7 @@ class JobStream {
   struct Pin {
     Prefix update;
     uint64_t name;
+    uint32_t inverted_full;
     uint32_t value = 0;
   };
 
@@ -163,7 +170,7 @@ class JobStream {
         return put_vlq(put(p, steppers_[m.target].reset_clock), uint32_t(m.clock + base_));
       case MessageKind::pin:
         return put_vlq(put_vlq(put(p, pins_[m.target].update), uint32_t(m.clock + base_)),
-                       m.interval);
+                       on_wire(m.interval, pins_[m.target].inverted_full));
     }
     return p;
   }

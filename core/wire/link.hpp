@@ -331,7 +331,8 @@ class Link {
     Ticks due = sync_.clock_at(now) + Ticks(kHeaterLeadSeconds * hz_);
     heater_clock_[i] = std::max(due, heater_clock_[i] + 1);
     send(o.pwm ? "queue_pwm_out" : "queue_digital_out",
-         {int64_t(o.output_oid), int64_t(uint32_t(heater_clock_[i])), int64_t(value)});
+         {int64_t(o.output_oid), int64_t(uint32_t(heater_clock_[i])),
+          int64_t(JobStream::on_wire(value, o.inverted ? o.full : 0))});
   }
 };
 

@@ -70,6 +70,7 @@ class Plant {
   std::vector<Actuator> actuators;
   std::vector<Switch> switches;
   std::vector<HeatedBody> bodies;
+  std::vector<uint32_t> low_is_on;  // output pins
 
   Plant(double clock_hz, uint32_t adc_max, Ticks start)
       : step_s_(kStepSeconds), step_ticks_(Ticks(kStepSeconds * clock_hz)), adc_max_(adc_max),
@@ -81,8 +82,9 @@ class Plant {
     bodies.push_back(std::move(body));
   }
 
-  // An output pin is on for `duty` of the time from `clock` on.
+  // An output pin is high for `duty` of the time from `clock` on.
   void set_output(uint32_t pin, Ticks clock, double duty) {
+    if (std::find(low_is_on.begin(), low_is_on.end(), pin) != low_is_on.end()) duty = 1 - duty;
     for (HeatedBody& body : bodies) {
       bool fan = body.fan_loss > 0 && body.fan_pin == pin;
       if (body.heater_pin != pin && !fan) continue;

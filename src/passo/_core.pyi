@@ -245,7 +245,7 @@ class SensorQuery:
     def range_checks(self) -> int: ...
 
 class HeaterOptions:
-    def __init__(self, sensor_oid: int, output_oid: int, pwm: bool, full: int, adc_full: int, query: SensorQuery, max_power: float, tolerance_c: float, celsius: Sequence[tuple[float, float]], low_share: float, high_share: float, open_is_high: bool, control: PidControl | OnOffControl | ModelControl | RelayControl, limits: ProtectionLimits, model: HeatModel | None, fan_target: int = -1, fan_full: float = 1.0) -> None:
+    def __init__(self, sensor_oid: int, output_oid: int, pwm: bool, full: int, adc_full: int, query: SensorQuery, max_power: float, tolerance_c: float, celsius: Sequence[tuple[float, float]], low_share: float, high_share: float, open_is_high: bool, control: PidControl | OnOffControl | ModelControl | RelayControl, limits: ProtectionLimits, model: HeatModel | None, fan_target: int = -1, fan_full: float = 1.0, inverted: bool = False) -> None:
         """fan_target: index of the fan's output among the link's pins."""
 
 class Heater:
@@ -411,7 +411,8 @@ class Link:
 
     def add_stepper(self, name: str, oid: int, invert: bool) -> None: ...
 
-    def add_pin(self, name: str, oid: int, kind: PinKind) -> None: ...
+    def add_pin(self, name: str, oid: int, kind: PinKind, inverted_full: int = 0) -> None:
+        """inverted_full: the value at full scale of a pin that is on when low."""
 
     def set_slots(self, slots: int) -> None: ...
 
@@ -490,6 +491,9 @@ class Bench(Device):
         """A fault: never pressed (0), always (1); -1 ends it."""
 
     def add_body(self, heater_pin: int, sensor_pin: int, ambient_c: float, rise_c: float, time_constant_s: float, sensor_time_constant_s: float, adc_ratio: Sequence[tuple[float, float]], fan_pin: int = 0, fan_loss: float = 0.0) -> None: ...
+
+    def invert_output(self, pin: int) -> None:
+        """What hangs on this output pin is on when the pin is low."""
 
     def force_adc(self, sensor_pin: int, ratio: float) -> None:
         """A fault: the ADC sees this share of full scale; negative ends it."""

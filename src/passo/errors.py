@@ -44,6 +44,10 @@ def _card(says: str, action: str) -> Entry:
     return Entry("card", says, action, ExitStatus.BAD_INPUT)
 
 
+def _firmware(says: str, action: str, status: ExitStatus = ExitStatus.USAGE) -> Entry:
+    return Entry("firmware", says, action, status)
+
+
 def _heat(says: str, action: str) -> Entry:
     return Entry("heat", says, f"{action}, then rearm it", ExitStatus.MACHINE_FAULT)
 
@@ -284,6 +288,44 @@ CATALOGUE: Mapping[str, Entry] = {
         " than {limit:.2f} of full power",
         "Check cartridge, sensor and fan, or tune its model again",
     ),
+    "firmware.board": _firmware(
+        "there is no board called {value!r}",
+        "Name one of `passo firmware list`, or the path of a machine file",
+    ),
+    "firmware.none": _firmware(
+        "there is no firmware of Passo for {axis}: {value}", "See `passo firmware list`"
+    ),
+    "firmware.image": _firmware(
+        "{value} is no image for {axis}: expected {limit}",
+        "Build one (`passo firmware build`), or name the right file",
+    ),
+    "firmware.port": _firmware(
+        "{axis} cannot be flashed through {value}: expected {limit}",
+        "Plug the board in and name its port with --port",
+    ),
+    "firmware.tool": _firmware(
+        "the program {value} is missing, which {axis} needs", "Install it, and try again"
+    ),
+    "firmware.build": _firmware(
+        "the firmware of {axis} could not be built: {value}",
+        "Check the pins of the motors, and the compiler",
+        ExitStatus.BAD_INPUT,
+    ),
+    "firmware.flash": _firmware(
+        "{axis} was not flashed: {value}",
+        "Check cable, port and what hands must do, and try again",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "firmware.silent": _firmware(
+        "{axis} does not tell who it is at {value}",
+        "Do what hands must do after flashing, then reset the board; or flash it again",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "firmware.other": _firmware(
+        "{axis} runs another image than the one that was flashed: {value}",
+        "Flash it again, and check that this is the board on that port",
+        ExitStatus.MACHINE_FAULT,
+    ),
     "machine.unreachable": Entry(
         "board",
         "the board cannot be reached at {axis}: {value}",
@@ -394,6 +436,10 @@ class CommandError(PassoError):
 
 class MachineError(PassoError):
     """The printer or its board failed."""
+
+
+class FirmwareError(PassoError):
+    """Firmware cannot be built or brought onto a board."""
 
 
 class CardError(PassoError):

@@ -23,7 +23,6 @@ DICTIONARY = Dictionary.parse(compressed_dictionary(BOARD))
         ({"steppers": (Stepper("x", "PA0", "PA1"), Stepper("x", "PA2", "PA3"))}, "stepper name x"),
         ({"steppers": (Stepper("x", "PA0", "!PA0"),)}, "pin PA0"),
         ({"steppers": (Stepper("x", "PB4", "PA0"),)}, "pin PB4"),
-        ({"outputs": (Output("hotend", "!PB4", "pwm"),)}, "a pulsed output cannot be inverted"),
         ({"outputs": ()}, "heater hotend: its output or sensor"),
         ({"outputs": (Output("hotend", "PB4"),)}, "needs a maximum duration"),
     ],

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from passo import _core
@@ -141,3 +143,37 @@ def test_a_board_that_hears_nothing_cuts_its_heater_off():
     hot = bench.simulated.temperature("hotend")
     bench.device.poll(silence + 104 * HZ)
     assert bench.simulated.temperature("hotend") == pytest.approx(25 + (hot - 25) / 2.718, abs=1)
+
+
+@pytest.mark.parametrize("pwm", [False, True])
+def test_an_output_that_is_on_when_low_heats_alike(pwm):
+    plain = description(pwm=pwm)
+    fan, heat, *others = plain.outputs
+    low = replace(plain, outputs=(fan, replace(heat, pin="!PB4"), *others))
+    values, temperatures = [], []
+    for board in (plain, low):
+        bench = Bench(board)
+        assert bench.simulated.temperature("hotend") == 25.0
+        bench.connection.set_target("hotend", 200.0)
+        bench.run(10.0)
+        values.append(bench.simulated.output_value("hotend"))
+        temperatures.append(bench.simulated.temperature("hotend"))
+        bench.connection.set_target("hotend", 0.0)
+        bench.run(3.0)
+        values.append(bench.simulated.output_value("hotend"))
+    full = 255 if pwm else HZ // 10
+    assert values == [full, 0, 0, full]
+    assert temperatures[0] == temperatures[1] > 40
+
+
+def test_an_output_that_is_on_when_low_is_off_after_a_shutdown():
+    plain = description()
+    fan, heat, *others = plain.outputs
+    bench = Bench(replace(plain, outputs=(fan, replace(heat, pin="!PB4"), *others)))
+    bench.connection.set_target("hotend", 200.0)
+    bench.run(5.0)
+    assert bench.simulated.output_value("hotend") == 0
+    with pytest.raises(MachineError):
+        bench.connection.command("emergency_stop")
+        bench.run(1.0)
+    assert bench.simulated.output_value("hotend") == HZ // 10

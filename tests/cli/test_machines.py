@@ -38,6 +38,32 @@ def test_check_of_a_good_file(capsys: pytest.CaptureFixture[str]) -> None:
     assert err == ""
 
 
+def test_check_shows_the_boards_own_pin_beside_another(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "mine.toml"
+    text = config.shipped_text("i3").replace('pin = "D9"', 'pin = "PB5"')
+    path.write_text(text.replace('socket = "E0"', 'socket = "E0"\nstep_pin = "D40"'))
+    assert main(["check", str(path)]) == 0
+    out, _ = capsys.readouterr()
+    assert out.splitlines()[1:] == [
+        "  steppers.e.step_pin: D40 (PG1), the board's own is E0_STEP (PA4)",
+        "  fans.part.pin: PB5, the board's own is D9 (PH6)",
+    ]
+    assert main(["check", "--json", str(path)]) == 0
+    rows = {row["key"]: row for row in json.loads(capsys.readouterr().out)["pins"]}
+    assert rows["fans.part.pin"] == {
+        "key": "fans.part.pin",
+        "name": "PB5",
+        "pin": "PB5",
+        "original_name": "D9",
+        "original": "PH6",
+        "rebound": True,
+    }
+    assert rows["steppers.x.enable_pin"]["pin"] == "!PD7"
+    assert not rows["steppers.x.enable_pin"]["rebound"]
+
+
 def test_check_of_a_bad_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "bad.toml"
     path.write_text("name = 5\nuuid = 'x'\n")

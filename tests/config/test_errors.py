@@ -85,7 +85,7 @@ def test_a_problem_reads_as_a_sentence() -> None:
     )
     assert sentences[28] == (
         "many.toml:28: steppers.z.socket is 'PF0': expected a pin of its own: PF0 belongs to "
-        "steppers.x.socket. Change or remove it."
+        "steppers.x.socket (many.toml:26). Change or remove it."
     )
     assert sentences[34].endswith("Did you mean 'ramps'?")
 

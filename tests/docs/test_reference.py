@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 import passo
+from passo.config.board_reference import reference as boards
 from passo.gcode.reference import reference
 
 ROOT = Path(__file__).parents[2]
@@ -16,6 +17,10 @@ ROOT = Path(__file__).parents[2]
 
 def test_the_reference_is_up_to_date():
     assert (ROOT / "docs/reference/gcode.md").read_text(encoding="utf-8") == reference()
+
+
+def test_the_reference_of_boards_is_up_to_date():
+    assert (ROOT / "docs/reference/boards.md").read_text(encoding="utf-8") == boards()
 
 
 @pytest.mark.parametrize(

@@ -270,7 +270,7 @@ retract = 2.0
 
 def delta_with_a_switch_below():
     text = shipped_text("delta").replace("\n[heaters.hotend]", BOTTOM, 1)
-    return config.load_text(text.replace("[board]", '[board]\npins = { X_MIN = "PA9" }'))
+    return config.load_text(text.replace("[board]", '[board]\npins = { X_MIN = "PA10" }'))
 
 
 def test_z_of_a_delta_may_have_a_switch_of_its_own():

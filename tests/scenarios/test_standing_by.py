@@ -123,3 +123,24 @@ def test_only_the_named_motors_go_off(s):
 def test_corrections_and_network_are_told(s):
     assert s.host.ok("M937") == ["echo:No corrections of the bed are in effect", "ok"]
     assert "computer" in s.host.ok("M940")[0]
+
+
+def test_motors_that_share_their_enable_pin_go_off_with_the_last_of_them():
+    text = shipped_text("i3").replace('socket = "E0"', 'socket = "E0"\nenable_pin = "!D38"')
+    machine = config.load_text(text)
+    with Scenario(machine) as s:
+        assert [o.name for o in s.board.board.outputs if "enable" in o.name] == [
+            *("x-enable", "y-enable", "z-enable"),
+        ]
+        s.host.ok("M17")
+        s.passes(0.1)
+        assert s.board.output_value("x-enable") == 0
+        s.host.ok("M18 X")
+        s.passes(0.1)
+        assert s.board.output_value("x-enable") == 0
+        s.host.ok("M18 E")
+        s.passes(0.1)
+        assert s.board.output_value("x-enable") == 1
+        s.host.ok("M17 E")
+        s.passes(0.1)
+        assert s.board.output_value("x-enable") == 0

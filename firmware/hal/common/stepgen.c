@@ -69,7 +69,7 @@ void stepgen_interrupt(void) {
     if (axis->pulse_ticks > pulse_ticks) pulse_ticks = axis->pulse_ticks;
     due[due_count++] = axis;
   }
-  if (due_count > 0) stepgen_wait(now + pulse_ticks);
+  if (due_count > 0) stepgen_wait(hal_clock() + pulse_ticks);
   while (due_count > 0) {
     struct axis *axis = due[--due_count];
     hal_output_write(&axis->step, axis->invert);

@@ -80,14 +80,13 @@ def commands(board: BoardDescription, dictionary: Dictionary) -> list[str]:
 
 
 def _output(output: Output, oid: int, full: int) -> list[str]:
-    on = int(output.default_on)
+    on = int(output.default_on != inverted(output.pin))
     if output.kind == "pwm":
         return [
-            f"config_pwm_out oid={oid} pin={output.pin} cycle_ticks={output.cycle_ticks}"
+            f"config_pwm_out oid={oid} pin={bare(output.pin)} cycle_ticks={output.cycle_ticks}"
             f" value={on * full} default_value={on * full}"
             f" max_duration={output.max_duration_ticks}"
         ]
-    on = int(output.default_on != inverted(output.pin))
     lines = [
         f"config_digital_out oid={oid} pin={bare(output.pin)} value={on} default_value={on}"
         f" max_duration={output.max_duration_ticks}"
@@ -167,4 +166,5 @@ def heater_options(
         model=heater.model,
         fan_target=board.outputs.index(fans[0]) if fans else -1,
         fan_full=full_scale(fans[0], dictionary) if fans else 1,
+        inverted=inverted(output.pin),
     )

@@ -249,7 +249,8 @@ class Connection:
             self.link.add_stepper(s.name, self._oids.steppers[s.name], turned)
         for o in self.board.outputs:
             kind = _core.PinKind.PWM if o.kind == "pwm" else _core.PinKind.DIGITAL
-            self.link.add_pin(o.name, self._oids.outputs[o.name], kind)
+            full = full_scale(o, self.dictionary) if inverted(o.pin) else 0
+            self.link.add_pin(o.name, self._oids.outputs[o.name], kind, full)
         for h in self.board.heaters:
             options = heater_options(self.board, h, self.dictionary)
             self.heaters[h.name] = self.link.add_heater(options)

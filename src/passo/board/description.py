@@ -32,8 +32,7 @@ class Output:
     `digital` with `cycle_ticks` 0 is on or off (values 0 and 1); with a cycle it is pulsed by the
     board's software, its value being the ticks on of each cycle. `pwm` is pulsed by hardware, its
     value 0 to PWM_MAX. While on, it must be renewed within `max_duration_ticks` (0: never), or the
-    board shuts down; then, as at the start, it is fully on or off as `default_on` says. Only an
-    output without a cycle may be inverted.
+    board shuts down; then, as at the start, it is fully on or off as `default_on` says.
     """
 
     name: str
@@ -118,9 +117,6 @@ class BoardDescription:
         ):
             _unique(f"{part} name", names)
         _unique("pin", [bare(pin) for pin in self.pins])
-        for output in self.outputs:
-            if inverted(output.pin) and (output.kind == "pwm" or output.cycle_ticks):
-                raise ValueError(f"output {output.name}: a pulsed output cannot be inverted")
         outputs = {o.name: o for o in self.outputs}
         sensors = {s.name for s in self.sensors}
         for heater in self.heaters:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+from dataclasses import asdict
 
 from passo.errors import ConfigError, ExitStatus
 
@@ -15,8 +16,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Prints one line on success; raises ConfigError with every problem otherwise."""
+    """Prints one line on success, and one for each pin that is not the board's own for its part.
+    Raises ConfigError with every problem otherwise."""
     from passo import config
+    from passo.config.originals import bindings
 
     try:
         machine = config.load(arguments.file)
@@ -26,10 +29,24 @@ def run(arguments: argparse.Namespace) -> int:
         problems = [problem.as_dict() for problem in error.problems]
         print(json.dumps({"file": arguments.file, "ok": False, "problems": problems}, indent=2))
         return error.status
+    pins = bindings(machine)
     if arguments.json:
-        print(json.dumps({"file": arguments.file, "ok": True, "problems": []}))
+        rows = [asdict(pin) | {"rebound": pin.rebound} for pin in pins]
+        report = {"file": arguments.file, "ok": True, "problems": [], "pins": rows}
+        print(json.dumps(report, indent=2))
     else:
         axes, steppers = len(machine.axes), len(machine.steppers)
         print(f"{arguments.file}: ok: {machine.name}, {machine.geometry.kind}, ", end="")
         print(f"{axes} axes, {steppers} steppers, {machine.board.name}")
+        for pin in pins:
+            if pin.rebound:
+                print(f"  {pin.key}: {_named(pin.name, pin.pin)}", end="")
+                print(f", the board's own is {_named(pin.original_name, pin.original)}")
+        for note in machine.board.notes:
+            print(f"  Note: {note}")
     return ExitStatus.DONE
+
+
+def _named(name: str | None, pin: str | None) -> str:
+    """`D10 (PB4)`, or one of them where they are the same."""
+    return f"{name} ({pin})" if name != pin else str(pin)

@@ -24,6 +24,7 @@ COMMANDS: dict[str, str] = {
     "report": "write one page with pictures: path, speeds, temperatures, limits",
     "calibrate": "find a thermistor's β from what a thermometer says",
     "machines": "list the machines that come with Passo",
+    "firmware": "list boards, build their firmware, bring it onto them",
     "check": "check a machine file and report everything that is wrong with it",
 }
 

@@ -3,12 +3,14 @@
 `load` takes the name of a shipped machine or a path and returns a `MachineConfig`.
 """
 
-from passo.config.load import load, load_text, shipped_boards, shipped_machines, shipped_text
+from passo.config.board_files import load_board, shipped_boards
+from passo.config.load import load, load_text, shipped_machines, shipped_text
 from passo.config.machine import MachineConfig
 
 __all__ = [
     "MachineConfig",
     "load",
+    "load_board",
     "load_text",
     "shipped_boards",
     "shipped_machines",

@@ -12,6 +12,7 @@ from typing import Any
 from passo.config.drives import Drivable, Driven, axis_order
 from passo.config.findings import Finding, array, did_you_mean, number, table, tables
 from passo.config.heat_checks import check_heaters
+from passo.config.pin_checks import check_pins
 
 Raw = Mapping[str, Any]
 
@@ -124,50 +125,6 @@ def check_references(data: Raw) -> Iterator[Finding]:
         if owner != name:
             limit = f"a number of its own: it belongs to fans.{owner}"
             yield Finding("config.conflict", ("fans", name, "number"), own, limit)
-
-
-def check_pins(data: Raw) -> Iterator[Finding]:
-    """Sockets exist, and each pin of the microcontroller has one owner (motors share enable)."""
-    sockets, aliases = table(data, "board", "sockets"), table(data, "board", "pins")
-    owners: dict[str, str] = {}
-
-    def claim(path: tuple[str, ...], pin: object) -> Iterator[Finding]:
-        if not isinstance(pin, str):
-            return
-        bare = pin.lstrip("!^~")
-        real = str(aliases.get(bare, bare))
-        owner = owners.setdefault(real, ".".join(path))
-        if owner != ".".join(path):
-            limit = f"a pin of its own: {real} belongs to {owner}"
-            yield Finding("config.conflict", path, pin, limit)
-
-    for name, stepper in tables(data, "steppers"):
-        path = ("steppers", name)
-        if "socket" in stepper:
-            socket = stepper["socket"]
-            if not isinstance(socket, str):
-                continue
-            if socket not in sockets:
-                hint = did_you_mean(socket, sockets)
-                limit = "a socket of the board"
-                yield Finding("config.value", (*path, "socket"), socket, limit, hint)
-                continue
-            for key in ("step", "direction"):
-                yield from claim((*path, "socket"), table(sockets, socket).get(key))
-        for key in ("step_pin", "direction_pin"):
-            yield from claim((*path, key), stepper.get(key))
-            if "socket" not in stepper and key not in stepper:
-                limit = "a pin, or the key socket"
-                yield Finding("config.missing-key", (*path, key), None, limit)
-    for part in ("heaters", "fans"):
-        for name, content in tables(data, part):
-            yield from claim((part, name, "pin"), content.get("pin"))
-            yield from claim((part, name, "sensor_pin"), content.get("sensor_pin"))
-    for name, content in tables(data, "homing"):
-        yield from claim(("homing", name, "pin"), content.get("pin"))
-        for stepper, pin in table(content, "stepper_pins").items():
-            yield from claim(("homing", name, "stepper_pins", stepper), pin)
-    yield from claim(("laser", "pin"), table(data, "laser").get("pin"))
 
 
 def check_homing(data: Raw, actuators: tuple[str, ...], arms: tuple[str, ...]) -> Iterator[Finding]:

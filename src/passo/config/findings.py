@@ -12,21 +12,28 @@ from passo.config.lines import Path
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """`path` leads to the key; `limit` says what was expected there."""
+    """`path` leads to the key; `limit` says what was expected there. `owner` leads to the key that
+    has it already: its place is told too."""
 
     code: str
     path: Path
     value: object = None
     limit: str = ""
     hint: str = ""
+    owner: Path | None = None
 
     @property
     def key(self) -> str:
-        """The path as a person writes it: `tools[1].extruder`."""
-        text = ""
-        for part in self.path:
-            text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else part
-        return text
+        """The path as a person writes it."""
+        return key_text(self.path)
+
+
+def key_text(path: Path) -> str:
+    """A path as a person writes it: `tools[1].extruder`."""
+    text = ""
+    for part in path:
+        text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else part
+    return text
 
 
 def did_you_mean(word: object, known: Iterable[str]) -> str:

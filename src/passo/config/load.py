@@ -6,33 +6,28 @@ import os
 import re
 import tomllib
 from collections.abc import Iterable
-from difflib import get_close_matches
-from pathlib import Path
-from typing import Any
+from pathlib import Path as FilePath
 
 from pydantic import ValidationError
 
+from passo.config.board_files import Source, put_board
 from passo.config.checks import check_all
-from passo.config.findings import Finding, did_you_mean, table
+from passo.config.findings import Finding, did_you_mean, key_text, table
 from passo.config.home_checks import check_home
 from passo.config.kinds import KINDS
-from passo.config.lines import key_lines, line_of
+from passo.config.lines import Path, key_lines, line_of
 from passo.config.machine import MachineConfig
+from passo.config.originals import put_originals
 from passo.config.sensor_files import with_sensor_files
 from passo.errors import ConfigError, Problem
 
-_HERE = Path(__file__).parent
+_HERE = FilePath(__file__).parent
 _SYNTAX_PLACE = re.compile(r"^(.*?)\s*\(at (?:line (\d+), column \d+|end of document)\)$")
 
 
 def shipped_machines() -> list[str]:
     """Names of the machines that come with Passo, sorted."""
     return sorted(path.stem for path in (_HERE / "machines").glob("*.toml"))
-
-
-def shipped_boards() -> list[str]:
-    """Names of the boards that come with Passo, sorted."""
-    return sorted(path.stem for path in (_HERE / "boards").glob("*.toml"))
 
 
 def shipped_text(name: str) -> str:
@@ -48,14 +43,14 @@ def load(name_or_path: str | os.PathLike[str]) -> MachineConfig:
     """
     text = os.fspath(name_or_path)
     if text.endswith(".toml") or os.sep in text:
-        return _load_file(Path(text))
+        return _load_file(FilePath(text))
     if text in shipped_machines():
         return _load_file(_HERE / "machines" / f"{text}.toml")
     hint = did_you_mean(text, shipped_machines())
     raise ConfigError.of("config.unknown-machine", hint=hint, value=text)
 
 
-def _load_file(path: Path) -> MachineConfig:
+def _load_file(path: FilePath) -> MachineConfig:
     try:
         text = path.read_bytes().decode()
     except OSError as error:
@@ -76,7 +71,10 @@ def load_text(text: str, file: str = "<text>") -> MachineConfig:
         message, line = (place[1], place[2]) if place else (str(error), None)
         at = int(line) if line else text.rstrip("\n").count("\n") + 1
         raise ConfigError.of("config.syntax", file, at, value=message) from None
-    findings = [*_with_board(data), *with_sensor_files(data, Path(file).parent)]
+    folder = FilePath(file).parent
+    sources: list[Source] = []
+    findings = [*put_board(data, folder, sources), *with_sensor_files(data, folder)]
+    put_originals(data)
     machine = None
     try:
         machine = MachineConfig.model_validate(data)
@@ -93,35 +91,33 @@ def load_text(text: str, file: str = "<text>") -> MachineConfig:
     if machine is not None and not findings:
         findings += check_home(machine)
     if findings or machine is None:
-        raise ConfigError(_problems(findings, text, file))
+        raise ConfigError(_problems(findings, text, file, sources))
     return machine
 
 
-def _with_board(data: dict[str, Any]) -> Iterable[Finding]:
-    """Puts the values of the shipped board under those that the file gives itself."""
-    own = table(data, "board")
-    base = own.get("base")
-    if base is None:
-        return
-    if base not in shipped_boards():
-        hint = did_you_mean(base, shipped_boards())
-        yield Finding("config.value", ("board", "base"), base, "the name of a shipped board", hint)
-        # Any board lets the other checks go on without reporting its own keys as missing.
-        base = next(iter(get_close_matches(str(base), shipped_boards(), 1)), "ramps")
-    shipped = tomllib.loads((_HERE / "boards" / f"{base}.toml").read_text())
-    merged = {**shipped, **own}
-    for key in ("budget", "sockets", "pins"):
-        if isinstance(merged[key], dict):
-            merged[key] = {**table(shipped, key), **table(own, key)}
-    data["board"] = merged
-
-
-def _problems(findings: Iterable[Finding], text: str, file: str) -> list[Problem]:
+def _problems(
+    findings: Iterable[Finding], text: str, file: str, sources: list[Source]
+) -> list[Problem]:
     """Problems in the order of the lines, each path once."""
     lines = key_lines(text)
     problems: dict[tuple[object, ...], Problem] = {}
     for finding in findings:
-        values = {"key": finding.key, "value": finding.value, "limit": finding.limit}
+        limit = finding.limit
+        if finding.owner:
+            owner, place = key_text(finding.owner), _place(finding.owner, lines, file, sources)
+            limit += f" {owner} ({place})"
+        values = {"key": finding.key, "value": finding.value, "limit": limit}
         at = line_of(lines, finding.path)
         problems.setdefault(finding.path, Problem(finding.code, file, at, values, finding.hint))
     return sorted(problems.values(), key=lambda problem: problem.line or 0)
+
+
+def _place(path: Path, lines: dict[Path, int], file: str, sources: list[Source]) -> str:
+    """File and line of a key: of the machine file, or of one of the boards beneath it."""
+    if path in lines or path[0] != "board":
+        return f"{file}:{line_of(lines, path)}"
+    for source in sources:
+        beneath = key_lines(source.text)
+        if path[1:] in beneath:
+            return f"{source.file}:{beneath[path[1:]]}"
+    return f"{file}:{line_of(lines, path)}"

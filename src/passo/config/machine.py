@@ -8,8 +8,9 @@ from typing import Any, Literal
 from pydantic import Field
 
 from passo.config.base import AxisName, ExtruderName, Model, Name, Pair, Uuid
+from passo.config.board import Board
 from passo.config.drives import Drivable, axis_order
-from passo.config.electronics import Board, Fans, Laser
+from passo.config.electronics import Fans, Laser
 from passo.config.heat import Heaters
 from passo.config.homing import Homing
 from passo.config.motion import Axis, Extruder, Idle, Limits, Park, Stepper, Steppers, Tool

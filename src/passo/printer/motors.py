@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from passo.config.drives import axis_order
 from passo.printer.switches import axes_of_arms, is_actuator, steppers_of
 from passo.printer.waits import Handler, Reply, Still, Wait
-from passo.printer.wiring import enable_output
+from passo.printer.wiring import enable_outputs
 from passo.printer.words import Command
 
 if TYPE_CHECKING:
@@ -24,6 +24,7 @@ class Motors:
         self._printer = printer
         self._machine = printer.machine
         self._axes = axis_order(self._machine.axes)
+        self._outputs = enable_outputs(self._machine)
         self.on: set[str] = set()
         self.idle_s = self._machine.idle.motors_off_s
         self.planned: dict[str, Handler] = {"M17": self._switch_on}
@@ -44,16 +45,17 @@ class Motors:
         self.on.clear()
 
     def _set(self, steppers: Sequence[str], *, on: bool) -> None:
-        connection = self._printer.connection
         for name in steppers:
-            if (name in self.on) == on:
-                continue
-            output = enable_output(name)
-            if any(o.name == output for o in connection.board.outputs):
-                connection.switch(output, on)
+            was_live = self._live(name)
             (self.on.add if on else self.on.discard)(name)
+            if name in self._outputs and self._live(name) != was_live:
+                self._printer.connection.switch(self._outputs[name], on)
         if not on:
             self._forget_positions(set(steppers))
+
+    def _live(self, name: str) -> bool:
+        """Whether the output of a motor is on: while any of the motors that share it is."""
+        return any(self._outputs.get(other) == self._outputs.get(name) for other in self.on)
 
     def _forget_positions(self, steppers: set[str]) -> None:
         for name in self._machine.homing:

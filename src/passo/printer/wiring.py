@@ -59,28 +59,28 @@ def board_description(machine: MachineConfig) -> BoardDescription:
     for name, heater in machine.heaters.items():
         cycle = round(_PWM_PERIOD_S * clock_hz)
         longest = round(_MAX_DURATION_S * clock_hz)
-        outputs.append(Output(name, _pin(machine, heater.pin), "digital", cycle, longest))
+        outputs.append(Output(name, machine.board.pin(heater.pin), "digital", cycle, longest))
         sensors.append(sensor_of(machine, name, heater))
         heaters.append(_heater(name, heater))
     for name, fan in machine.fans.items():
         outputs.append(
-            Output(name, _pin(machine, fan.pin), "digital", round(_PWM_PERIOD_S * clock_hz))
+            Output(name, machine.board.pin(fan.pin), "digital", round(_PWM_PERIOD_S * clock_hz))
         )
     if machine.laser:
         outputs.append(
-            Output("laser", _pin(machine, machine.laser.pin), "pwm", round(0.001 * clock_hz))
+            Output("laser", machine.board.pin(machine.laser.pin), "pwm", round(0.001 * clock_hz))
         )
-    for name in machine.steppers:
-        pin = enable_pin(machine, name)
-        if pin is not None:
-            outputs.append(Output(enable_output(name), pin, "digital"))
+    enables = enable_outputs(machine)
+    for name, output in enables.items():
+        if output == f"{name}-enable":
+            outputs.append(Output(output, str(enable_pin(machine, name)), "digital"))
     return BoardDescription(
         clock_hz=clock_hz,
         steppers=steppers,
         outputs=tuple(outputs),
         sensors=tuple(sensors),
         heaters=tuple(heaters),
-        endstops=tuple(Endstop(s.name, _input_pin(machine, s.pin)) for s in switches(machine)),
+        endstops=tuple(Endstop(s.name, machine.board.pin(s.pin)) for s in switches(machine)),
         move_count=machine.board.move_count,
         mcu=machine.board.mcu,
     )
@@ -103,19 +103,8 @@ def sensor_of(machine: MachineConfig, name: str, heater: HeaterConfig) -> Sensor
     """The sensor of a heater as its board has it; also for `Connection.set_sensor`."""
     table = sensor_table(heater.sensor)
     low, high = sorted((share_at(table, heater.min_c), share_at(table, heater.max_c)))
-    pin = _pin(machine, heater.sensor_pin)
+    pin = machine.board.pin(heater.sensor_pin)
     return Sensor(name, pin, table, low, high, open_is_high=open_is_high(heater.sensor))
-
-
-def _pin(machine: MachineConfig, name: str) -> str:
-    """The microcontroller's pin behind a name printed on the board."""
-    return machine.board.pins.get(name, name)
-
-
-def _input_pin(machine: MachineConfig, name: str) -> str:
-    """As `_pin`, with the marks for inversion and pull-up in front."""
-    marks = name[: len(name) - len(bare(name))]
-    return marks + _pin(machine, bare(name))
 
 
 def _driver_pins(machine: MachineConfig, name: str) -> tuple[str, str]:
@@ -124,19 +113,27 @@ def _driver_pins(machine: MachineConfig, name: str) -> tuple[str, str]:
     socket = machine.board.sockets[stepper.socket] if stepper.socket else None
     step = stepper.step_pin or (socket.step if socket else f"{name}_step")
     direction = stepper.direction_pin or (socket.direction if socket else f"{name}_dir")
-    return step, direction
+    return machine.board.pin(step), machine.board.pin(direction)
 
 
-def enable_output(stepper: str) -> str:
-    """The name of the output that switches a motor on."""
-    return f"{stepper}-enable"
+def enable_outputs(machine: MachineConfig) -> dict[str, str]:
+    """The output that switches each motor on, for those that have one. Motors may share an output:
+    it has the name of the first of them."""
+    by_pin: dict[str, str] = {}
+    outputs: dict[str, str] = {}
+    for name in machine.steppers:
+        pin = enable_pin(machine, name)
+        if pin is not None:
+            outputs[name] = by_pin.setdefault(bare(pin), f"{name}-enable")
+    return outputs
 
 
 def enable_pin(machine: MachineConfig, name: str) -> str | None:
     """The pin that switches a motor on, if it has one."""
     stepper = machine.steppers[name]
     socket = machine.board.sockets[stepper.socket] if stepper.socket else None
-    return stepper.enable_pin or (socket.enable if socket else None)
+    pin = stepper.enable_pin or (socket.enable if socket else None)
+    return None if pin is None else machine.board.pin(pin)
 
 
 def output_count(machine: MachineConfig) -> int:

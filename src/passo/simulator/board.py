@@ -82,6 +82,9 @@ class SimulatedBoard:
                 s.at_maximum,
                 not inverted(pin),
             )
+        for output in self.board.outputs:
+            if inverted(output.pin):
+                self.device.invert_output(self._pins[bare(output.pin)])
         heaters = {h.name: h for h in self.board.heaters}
         tables = {s.name: s.table for s in self.board.sensors}
         for b in plant.bodies:

@@ -7,6 +7,7 @@ import subprocess
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from passo.toolchain.declarations import Constant, gather
 from passo.toolchain.tables import dictionary, write_tables
@@ -97,12 +98,14 @@ class AvrBoard:
 
 @dataclass(frozen=True, slots=True)
 class Image:
-    """A finished build. Sizes in bytes; `ram` is static data without the stack."""
+    """A finished build. Sizes in bytes; `ram` is static data without the stack. `dictionary` is
+    what the board will tell of itself."""
 
     elf: Path
     hex: Path
     flash: int
     ram: int
+    dictionary: dict[str, Any]
 
 
 def board_header(board: AvrBoard) -> str:
@@ -202,7 +205,7 @@ def build(board: AvrBoard, firmware: Path, output: Path, version: str = "") -> I
     offenders = reserved_register_users(_compiled(elf))
     if offenders:
         raise FirmwareError(f"registers of the interrupts are used by {', '.join(offenders)}")
-    return Image(elf, image, flash, ram)
+    return Image(elf, image, flash, ram, content)
 
 
 def _run(command: Sequence[str]) -> str:

@@ -32,23 +32,23 @@ class BenchPump:
     def device_cpu_s(self) -> float:
         return 0.0
 
-    def run(self, until: int, until_heaters: bool = False) -> _core.PumpStop:
+    def run(self, until: int, until_heaters: bool = False) -> _core.Stop:
         shut_down = self._link.shut_down  # asked further, it needs time to answer
         while True:
             deadline = self._exchange()
             if self._link.shut_down and not shut_down:
-                return _core.PumpStop.SHUTDOWN
+                return _core.Stop.SHUTDOWN
             faults = {name: h.fault.clock for name, h in self.heaters.items() if h.fault}
             if faults != self._faults:
                 self._faults = faults
-                return _core.PumpStop.FAULT
+                return _core.Stop.FAULT
             if until_heaters and all(h.target == 0 or h.reached for h in self.heaters.values()):
-                return _core.PumpStop.HEATERS
+                return _core.Stop.HEATERS
             deadline = max(min(deadline, self.now + QUANTUM), self.now)
             if deadline > until:
                 self.now = max(self.now, until)
                 self._bench.run(self.now)
-                return _core.PumpStop.SHUTDOWN if shut_down else _core.PumpStop.TIME
+                return _core.Stop.SHUTDOWN if shut_down else _core.Stop.TIME
             self.now = deadline
             if self.now >= self._next_world:
                 self._next_world += WORLD
@@ -66,14 +66,27 @@ class BenchPump:
             self._link.feed(up, self.now)
 
 
+class BenchPort:
+    """A bench as a connection sees it."""
+
+    live = False
+    pump: BenchPump
+
+    def __init__(self, bench: AvrBench) -> None:
+        self._bench = bench
+
+    def attach(self, link: _core.Link) -> BenchPump:
+        self.pump = BenchPump(link, self._bench)
+        return self.pump
+
+
 class AvrConnection(Connection):
     """A connection to the chip on a bench."""
 
     def __init__(self, board: BoardDescription, bench: AvrBench) -> None:
-        never_used = _core.VirtualBoard(float(board.clock_hz), 1, 1, 1, b"")
-        super().__init__(board, never_used, bench.cycle)
-        self.bench = bench
-        self.pump = BenchPump(self.link, bench)
+        port = BenchPort(bench)
+        super().__init__(board, port)
+        self.bench, self.pump = bench, port.pump
         self.pump.heaters = self.heaters
 
 

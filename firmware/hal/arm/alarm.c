@@ -1,0 +1,79 @@
+#include "alarm.h"
+
+#include "cortex.h"
+#include "hal.h"
+#include "scheduler.h"
+#include "stepgen.h"
+
+#define RATIO (CHIP_CORE_HZ / HAL_CLOCK_HZ)
+_Static_assert(RATIO *HAL_CLOCK_HZ == CHIP_CORE_HZ, "the core's clock is no multiple of the clock");
+#define FARTHEST ((int32_t)(SYST_MAX / RATIO))
+
+struct alarm {
+  uint32_t clock;
+  bool set;
+};
+// Written under hal_irq_save() or by SysTick's interrupt, which nothing interrupts.
+static volatile struct alarm steps, timers;
+
+uint32_t hal_clock(void) { return chip_clock(); }
+
+static int32_t ahead(const volatile struct alarm *alarm, uint32_t now) {
+  return alarm->set ? (int32_t)(alarm->clock - now) : FARTHEST;
+}
+
+// An alarm that is further away than SysTick can count comes early, and asks again.
+static void arm(void) {
+  if (!steps.set && !timers.set) {
+    SYST_CSR = 0;
+    return;
+  }
+  uint32_t now = chip_clock();
+  int32_t first = ahead(&steps, now), other = ahead(&timers, now);
+  if (other < first) first = other;
+  if (first <= 0) {
+    SCB_ICSR = ICSR_PENDSTSET;
+    return;
+  }
+  if (first > FARTHEST) first = FARTHEST;
+  SYST_RVR = (uint32_t)first * RATIO;
+  SYST_CVR = 0;
+  SYST_CSR = SYST_ON;
+}
+
+static void set(volatile struct alarm *alarm, uint32_t clock) {
+  hal_irq_t irq = hal_irq_save();
+  alarm->clock = clock;
+  alarm->set = true;
+  arm();
+  hal_irq_restore(irq);
+}
+
+void hal_alarm(uint32_t clock) { set(&timers, clock); }
+void stepgen_alarm(uint32_t clock) { set(&steps, clock); }
+
+void stepgen_wait(uint32_t clock) {
+  while ((int32_t)(chip_clock() - clock) < 0) {
+  }
+}
+
+void alarm_start(void) {
+  steps.set = timers.set = false;
+  SYST_CSR = 0;
+  SCB_SHPR3 = SHPR3_PENDSV_LAST;  // and SysTick first
+}
+
+void alarm_interrupt(void) {
+  SYST_CSR = 0;
+  if (steps.set && ahead(&steps, chip_clock()) <= 0) {
+    steps.set = false;
+    stepgen_interrupt();
+  }
+  if (timers.set && ahead(&timers, chip_clock()) <= 0) {
+    timers.set = false;
+    SCB_ICSR = ICSR_PENDSVSET;
+  }
+  arm();
+}
+
+void timer_interrupt(void) { sched_interrupt(); }

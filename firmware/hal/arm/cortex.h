@@ -1,0 +1,21 @@
+// Registers that all Cortex-M cores have (ARMv7-M reference manual, B3).
+#pragma once
+#include <stdint.h>
+
+#define REG(address) (*(volatile uint32_t *)(address))
+
+#define SYST_CSR REG(0xE000E010)
+#define SYST_RVR REG(0xE000E014)
+#define SYST_CVR REG(0xE000E018)
+#define SYST_ON 7  // counts the core's clock, and interrupts
+#define SYST_MAX 0xFFFFFF
+
+#define NVIC_ISER(n) REG(0xE000E100 + 4 * ((n) / 32))
+#define NVIC_IPR(n) REG(0xE000E400 + 4 * ((n) / 4))
+
+#define SCB_ICSR REG(0xE000ED04)
+#define ICSR_PENDSTSET (1u << 26)
+#define ICSR_PENDSVSET (1u << 28)
+#define SCB_VTOR REG(0xE000ED08)
+#define SCB_SHPR3 REG(0xE000ED20)
+#define SHPR3_PENDSV_LAST 0x00F00000u

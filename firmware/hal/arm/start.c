@@ -1,0 +1,49 @@
+// From power-on to the foreground: vectors, memory, the order in which the parts start.
+#include <stdint.h>
+
+#include "alarm.h"
+#include "console.h"
+#include "core.h"
+#include "cortex.h"
+#include "hal.h"
+#include "layer.h"
+#include "stepgen.h"
+
+extern uint32_t data_begin[], data_end[], data_load[], bss_begin[], bss_end[], stack_top[];
+
+// An interrupt that nobody wanted, or a fault: the board starts anew, outputs as after power-on.
+static void unexpected(void) { chip_reset(); }
+
+typedef void (*handler)(void);
+#define EXCEPTIONS 16
+extern const handler vectors[];
+
+_Noreturn void reset_handler(void) {
+  for (uint32_t *to = data_begin, *from = data_load; to < data_end;) *to++ = *from++;
+  for (uint32_t *to = bss_begin; to < bss_end;) *to++ = 0;
+  SCB_VTOR = (uint32_t)vectors;  // a loader may have set its own
+  chip_start();
+  alarm_start();
+  console_start();
+  analog_start();
+  stepgen_start();
+  core_start(0);
+  NVIC_IPR(CHIP_UART_IRQ) = 0x40404040u;
+  NVIC_ISER(CHIP_UART_IRQ) = 1u << CHIP_UART_IRQ % 32;
+  __asm__ volatile("cpsie i" ::: "memory");
+  for (;;) core_task();
+}
+
+void hal_reset(void) { chip_reset(); }
+
+__attribute__((section(".vectors"), used)) const handler vectors[EXCEPTIONS + CHIP_IRQS] = {
+    [0] = (handler)stack_top,
+    [1] = reset_handler,
+    [2 ... 6] = unexpected,
+    [11] = unexpected,
+    [14] = timer_interrupt,
+    [15] = alarm_interrupt,
+    [EXCEPTIONS... EXCEPTIONS + CHIP_UART_IRQ - 1] = unexpected,
+    [EXCEPTIONS + CHIP_UART_IRQ] = console_interrupt,
+    [EXCEPTIONS + CHIP_UART_IRQ + 1 ... EXCEPTIONS + CHIP_IRQS - 1] = unexpected,
+};

@@ -1,0 +1,8 @@
+// What the core uses of the standard's <string.h>, which some compilers come without.
+#pragma once
+#include <stddef.h>
+
+void *memchr(const void *in, int value, size_t size);
+void *memcpy(void *restrict to, const void *restrict from, size_t size);
+void *memmove(void *to, const void *from, size_t size);
+void *memset(void *to, int value, size_t size);

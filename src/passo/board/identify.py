@@ -1,0 +1,71 @@
+"""Asking a board who it is: only bytes in and out, so that it works on any wire."""
+
+from __future__ import annotations
+
+import hashlib
+
+from passo import _core
+from passo.board.dictionary import Dictionary
+
+_COMMANDS = [(1, "identify offset=%u count=%c")]
+_REPORTS = [(0, "identify_response offset=%u data=%.*s")]
+_CHUNK = 40
+_RETRY_S = 0.25
+
+
+class Identification:
+    """Reads a board's data dictionary. Give it what arrives (`feed`), send what it says (`poll`).
+
+    Times are seconds of any steady clock. Done when `dictionary` is there.
+    """
+
+    def __init__(self) -> None:
+        self.dictionary: Dictionary | None = None
+        self.compressed = b""
+        self._scanner = _core.FrameScanner()
+        self._commands, self._reports = _core.Formats(_COMMANDS), _core.Formats(_REPORTS)
+        self._sequence = 0
+        self._asked_at: float | None = None
+
+    @property
+    def sha256(self) -> str:
+        """Of the dictionary as the board carries it, in hexadecimal digits."""
+        return hashlib.sha256(self.compressed).hexdigest()
+
+    def feed(self, data: bytes) -> None:
+        """Bytes from the board, cut anywhere. Raises DictionaryError if the dictionary is
+        damaged."""
+        for frame in self._scanner.feed(data):
+            if frame is None or self.dictionary is not None:
+                continue
+            sequence, payload = frame
+            if sequence != self._sequence:  # of the frame that the board expects next
+                if sequence != (self._sequence + 1) % 16:
+                    self._asked_at = None
+                self._sequence = sequence
+            if payload and payload[0] == _REPORTS[0][0]:
+                self._take(payload)
+
+    def _take(self, payload: bytes) -> None:
+        try:
+            ((_, values),) = self._reports.decode(payload)
+        except ValueError:
+            return
+        data = values["data"]
+        if values["offset"] != len(self.compressed) or not isinstance(data, bytes):
+            return
+        self._asked_at = None
+        if data:
+            self.compressed += data
+        else:
+            self.dictionary = Dictionary.parse(self.compressed)
+
+    def poll(self, now: float) -> tuple[bytes, float]:
+        """What to send now, and when to call again if nothing arrives before."""
+        if self.dictionary is not None:
+            return b"", now + _RETRY_S
+        if self._asked_at is not None and now < self._asked_at + _RETRY_S:
+            return b"", self._asked_at + _RETRY_S
+        self._asked_at = now
+        payload = self._commands.encode("identify", [len(self.compressed), _CHUNK])
+        return _core.make_frame(payload, self._sequence), now + _RETRY_S

@@ -1,0 +1,127 @@
+"""`passo firmware`: the firmware of boards, from the list of boards to the board that answers."""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from passo.errors import ExitStatus
+
+if TYPE_CHECKING:
+    from passo.config.board import Board
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declares what follows `passo firmware`."""
+    parts = parser.add_subparsers(dest="part", metavar="list|build|flash", required=True)
+    listed = parts.add_parser("list", help="the boards, and how far their firmware is")
+    listed.add_argument("--json", action="store_true", help="print one JSON list")
+    built = parts.add_parser("build", help="make an image and a JSON file that says what it is")
+    built.add_argument("target", metavar="BOARD|MACHINE.toml", help="see `passo firmware list`")
+    built.add_argument(
+        "--output", type=Path, default=Path(), metavar="DIR", help="where to; default: here"
+    )
+    flashed = parts.add_parser("flash", help="bring an image onto a board, and ask who it is then")
+    flashed.add_argument("target", metavar="BOARD|MACHINE.toml", help="see `passo firmware list`")
+    flashed.add_argument(
+        "--port", metavar="PORT", help="serial port, such as /dev/ttyUSB0, or a drive's folder"
+    )
+    flashed.add_argument(
+        "--image", type=Path, metavar="FILE", help="default: one is built for the occasion"
+    )
+    flashed.add_argument(
+        "--dry-run", action="store_true", help="say what would be done, and do nothing"
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Raises FirmwareError, and ConfigError for a machine file with errors."""
+    parts = {"list": _list, "build": _build, "flash": _flash}
+    return parts[arguments.part](arguments)
+
+
+def _list(arguments: argparse.Namespace) -> int:
+    from passo import config
+    from passo.toolchain.targets import state
+
+    rows: list[dict[str, Any]] = []
+    for name in config.shipped_boards():
+        board = config.load_board(name)
+        rows.append(
+            {
+                "board": name,
+                "description": board.description,
+                "mcu": board.mcu,
+                "clock_hz": board.clock_hz if board.chip else None,
+                "console": _console(board),
+                "flash": board.flash.method if board.flash else None,
+                "before": board.flash.before if board.flash else [],
+                "after": board.flash.after if board.flash else [],
+                "notes": board.notes,
+                "state": state(board),
+            }
+        )
+    if arguments.json:
+        print(json.dumps(rows, indent=2))
+        return ExitStatus.DONE
+    table = [("BOARD", "MCU", "CONSOLE", "FLASHED WITH", "STATE")]
+    for row in rows:
+        table.append((row["board"], row["mcu"], row["console"], row["flash"] or "-", row["state"]))
+    widths = [max(len(row[column]) for row in table) for column in range(len(table[0]))]
+    for row in table:
+        cells = (cell.ljust(width) for cell, width in zip(row, widths, strict=True))
+        print("  ".join(cells).rstrip())
+    return ExitStatus.DONE
+
+
+def _console(board: Board) -> str:
+    console = board.console
+    if console is None:
+        return "-"
+    uart = f"{console.uart} " if console.uart else ""
+    return f"{uart}{console.baud} baud"
+
+
+def _build(arguments: argparse.Namespace) -> int:
+    from passo.toolchain.build import build
+    from passo.toolchain.targets import target
+
+    image, about = build(target(arguments.target), arguments.output)
+    print(
+        f"{image}: {about.flash_bytes} of {about.flash_size} bytes of flash,"
+        f" {about.ram_bytes} of {about.ram_size} of RAM, sha256 {about.sha256[:16]}"
+    )
+    return ExitStatus.DONE
+
+
+def _flash(arguments: argparse.Namespace) -> int:
+    import tempfile
+
+    from passo.toolchain.build import build
+    from passo.toolchain.flash_plan import plan
+    from passo.toolchain.flashing import Person, flash
+    from passo.toolchain.targets import target
+
+    aim = target(arguments.target)
+    person = Person(_tell, _wait)
+    with tempfile.TemporaryDirectory() as folder:
+        image = arguments.image
+        if image is None:
+            plan(aim.name, aim.board, arguments.port, Path(folder))
+            image, _ = build(aim, Path(folder))
+        work = flash(aim.name, aim.board, arguments.port, image, person, dry_run=arguments.dry_run)
+        asyncio.run(work)
+    return ExitStatus.DONE
+
+
+def _tell(text: str) -> None:
+    print(text, flush=True)
+
+
+def _wait(text: str) -> None:
+    print(f"{text} Then press Enter.", flush=True)
+    sys.stdin.readline()

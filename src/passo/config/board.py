@@ -1,0 +1,151 @@
+"""A controller board as its file describes it. Made by `passo.config.load` and `load_board`."""
+
+from __future__ import annotations
+
+from math import inf
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from passo.config.base import Model, Pin
+from passo.config.budget import BURST_S, BYTES_PER_BAUD, COMMAND_BYTES, Budget
+from passo.config.chips import Chip, chip, chip_names
+
+
+class Socket(Model):
+    """A place for a stepper driver. `compare` is the compare unit that times its steps, `select`
+    its chip select where drivers are set up by SPI, `microstep` its pins MS1 and MS2, `current` its
+    channel of the board's current setter."""
+
+    step: Pin
+    direction: Pin
+    enable: Pin
+    compare: str | None = None
+    select: Pin | None = None
+    microstep: list[Pin] = []
+    current: int | None = None
+
+
+class Console(Model):
+    """The port that the host talks to. With the connector `usb` the chip itself would have to speak
+    USB; the firmware speaks on `pins` (receive, transmit) of `uart`."""
+
+    connector: Literal["serial", "usb", "any"]
+    uart: str | None = None
+    pins: Annotated[list[Pin], Field(max_length=2)] = []
+    baud: Annotated[int, Field(ge=9600, le=4_000_000)]
+
+
+class Flash(Model):
+    """How firmware gets onto the board. `part`, `programmer`, `baud` and `target` are what the tool
+    wants to hear; with `touch` the port is opened at 1200 baud first; `volume` is the name of the
+    drive that appears. `before` and `after` are what hands must do."""
+
+    method: Literal["avrdude", "bossac", "openocd", "teensy_loader_cli", "uf2"]
+    part: str = ""
+    programmer: str = ""
+    baud: int = 0
+    target: str = ""
+    touch: bool = False
+    volume: str = ""
+    before: list[str] = []
+    after: list[str] = []
+
+
+class Function(Model):
+    """What the board's makers meant an output for, and the sensor that belongs to it."""
+
+    output: Pin
+    sensor: Pin | None = None
+
+
+class Board(Model):
+    """A controller board. `base` names a shipped board whose values hold unless given here.
+
+    Machines speak of `sockets` and of names; once loaded, `pins` holds *all* names (printed
+    numbers, `outputs`, `thermistors`, `endstops`, `X_STEP` and the like) with the pin of the
+    microcontroller behind each, and every other pin is the microcontroller's too. `variant` chooses
+    one of the `variants` as the board's `functions`. `fitted` lists what is plugged in besides:
+    `card`, or one of the `displays`. `reserved` pins belong to the board itself.
+
+    `link` says where the board is: simulated, on the serial device `port` at `baud` (the console's,
+    unless given), or at the network address `port` (host:port).
+
+    `compression_tolerance_us` bounds how far a step may be from its ideal time, unless the board's
+    budget asks for more; `move_count` is the number of commands that the board can hold. Without a
+    `budget` the planner takes the board and its link to be fast enough. A simulated board is a
+    model of one ("virtual") or runs Passo's firmware ("passo"): to the tick the same, but slower.
+    `dictionary` is the file of a data dictionary as Klipper's build leaves it, for boards of the
+    kind `klipper`.
+    """
+
+    base: str | None = None
+    name: str
+    description: str = ""
+    notes: list[str] = []
+    mcu: str
+    link: Literal["simulated", "serial", "tcp"] = "simulated"
+    port: str | None = None
+    baud: Annotated[int, Field(ge=1200, le=4_000_000)] = 250_000
+    firmware: Literal["virtual", "passo"] = "virtual"
+    clock_hz: Annotated[int, Field(ge=1_000_000, le=1_000_000_000)]
+    move_count: Annotated[int, Field(ge=16, le=65_535)]
+    compression_tolerance_us: Annotated[float, Field(gt=0, le=25)] = 2.0
+    budget: Budget | None = None
+    numbering: str | None = None
+    dictionary: str | None = None
+    console: Console | None = None
+    flash: Flash | None = None
+    sockets: dict[str, Socket] = {}
+    outputs: dict[str, Pin] = {}
+    thermistors: dict[str, Pin] = {}
+    endstops: dict[str, Pin] = {}
+    pins: dict[str, Pin] = {}
+    card: dict[str, Pin] = {}
+    displays: dict[str, dict[str, Pin]] = {}
+    reserved: dict[str, list[Pin]] = {}
+    fitted: list[str] = []
+    variant: str | None = None
+    variants: dict[str, dict[str, Function]] = {}
+    functions: dict[str, Function] = {}
+
+    def budget_spec(self) -> dict[str, Any] | None:
+        """The budget for the core: rates per second of all motors together, a burst in commands."""
+        budget = self.budget
+        if budget is None:
+            return None
+        cpu_hz = budget.cpu_hz or self.clock_hz
+        by_board = budget.command_share * cpu_hz / budget.cycles_per_command
+        serial = BYTES_PER_BAUD * self.baud if self.link == "serial" else inf
+        by_link = (budget.link_bytes_s or serial) / COMMAND_BYTES
+        commands_s = min(by_board, by_link)
+        return {
+            "steps_s": budget.step_share * cpu_hz / budget.cycles_per_step,
+            "commands_s": commands_s,
+            "burst": min(BURST_S * commands_s, self.move_count / 2),
+            "by_link": by_link < by_board,
+        }
+
+    @property
+    def chip(self) -> Chip | None:
+        """The microcontroller, if Passo knows it."""
+        return chip(self.mcu) if self.mcu in chip_names() else None
+
+    @property
+    def incomplete(self) -> str:
+        """What a real board of this kind still lacks: `usb`, or nothing."""
+        return "usb" if self.console and self.console.connector == "usb" else ""
+
+    def pin(self, name: str) -> str:
+        """The microcontroller's pin behind a name, with the marks of both in front; two inversions
+        are none."""
+        bare = name.lstrip("!^~")
+        return joined_marks(name, self.pins.get(bare, bare))
+
+
+def joined_marks(outer: str, inner: str) -> str:
+    """The pin of `inner` with the marks of both: `!D10` where D10 is `!PB4` is PB4."""
+    bare = inner.lstrip("!^~")
+    marks = outer[: len(outer) - len(outer.lstrip("!^~"))] + inner[: len(inner) - len(bare)]
+    kept = ("!" if marks.count("!") % 2 else "") + "".join(m for m in "^~" if m in marks)
+    return kept + bare

@@ -1,0 +1,206 @@
+"""Shipped boards, and the boards of machine files, as plain tables: who stands on whom, and which
+pin is behind which name."""
+
+from __future__ import annotations
+
+import json
+import re
+import tomllib
+import zlib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from functools import cache
+from pathlib import Path
+from typing import Any, cast
+
+from passo.config.board import Board, joined_marks
+from passo.config.chips import chip, chip_names, expanded, numbering, numberings
+from passo.config.findings import Finding, did_you_mean, table, tables
+
+Tables = dict[str, Any]
+
+_BOARDS = Path(__file__).parent / "boards"
+_NAMED = ("outputs", "thermistors", "endstops", "pins")
+_SOCKET_PINS = {"step": "STEP", "direction": "DIR", "enable": "ENABLE", "select": "SELECT"}
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """A file that a board came from: keys of the board stand in it without `board.`."""
+
+    file: str
+    text: str
+
+
+def shipped_boards() -> list[str]:
+    """Names of the boards that come with Passo, sorted."""
+    return sorted(path.stem for path in _BOARDS.glob("*.toml"))
+
+
+@cache
+def load_board(name: str) -> Board:
+    """The shipped board of that name. KeyError if there is none."""
+    if name not in shipped_boards():
+        raise KeyError(name)
+    data = shipped_tables(name)[0] | {"base": name}
+    data.setdefault("clock_hz", 16_000_000)  # of `klipper`, whose boards say it themselves
+    resolve_names(data)
+    return Board.model_validate(data)
+
+
+def shipped_tables(name: str) -> tuple[Tables, list[Source]]:
+    """The tables of a shipped board on those of the boards beneath it, and their files, nearest
+    first."""
+    text = (_BOARDS / f"{name}.toml").read_text()
+    data, sources = tomllib.loads(text), [Source(f"boards/{name}.toml", text)]
+    base = data.pop("base", None)
+    if base is not None:
+        beneath, further = shipped_tables(base)
+        data, sources = _merged(beneath, data), [*sources, *further]
+    return data, sources
+
+
+def _merged(beneath: Mapping[str, Any], above: Mapping[str, Any]) -> Tables:
+    """Tables merge, all else above hides what is beneath."""
+    result = dict(beneath)
+    for key, value in above.items():
+        old = result.get(key)
+        if isinstance(value, Mapping) and isinstance(old, Mapping):
+            value = _merged(cast("Tables", old), cast("Tables", value))
+        result[key] = value
+    return result
+
+
+def put_board(data: Tables, folder: Path, sources: list[Source]) -> Iterator[Finding]:
+    """Puts the values of the shipped board under those of the machine file `data`, and pins of the
+    microcontroller behind all names. Appends the shipped files to `sources`."""
+    own = table(data, "board")
+    if not own:
+        return
+    board: Tables = dict(own)
+    base = own.get("base")
+    if base is not None:
+        if base not in shipped_boards():
+            hint, limit = did_you_mean(base, shipped_boards()), "the name of a shipped board"
+            yield Finding("config.value", ("board", "base"), base, limit, hint)
+            # Any board lets the other checks go on without reporting its own keys as missing.
+            base = next(iter(get_close_matches(str(base), shipped_boards(), 1)), "ramps")
+        beneath, files = shipped_tables(base)
+        sources += files
+        board = _merged(beneath, own)
+    data["board"] = board
+    baud = table(board, "console").get("baud")
+    if baud is not None:
+        board.setdefault("baud", baud)
+    printed = board.get("numbering")
+    if isinstance(printed, str) and printed not in numberings():
+        hint, limit = did_you_mean(printed, numberings()), "a numbering of pins"
+        yield Finding("config.value", ("board", "numbering"), printed, limit, hint)
+    if "dictionary" in board:
+        yield from _read_dictionary(board, folder)
+    variants = table(board, "variants")
+    variant = board.get("variant")
+    if variant is not None and variant not in variants:
+        hint, limit = did_you_mean(variant, variants), "one of the board's variants"
+        yield Finding("config.value", ("board", "variant"), variant, limit, hint)
+    resolve_names(board)
+
+
+def _read_dictionary(board: Tables, folder: Path) -> Iterator[Finding]:
+    """Pins and clock of the data dictionary that the key `dictionary` names."""
+    name = board["dictionary"]
+    path = ("board", "dictionary")
+    if not isinstance(name, str):
+        return
+    try:
+        raw = (folder / name).read_bytes()
+        found = json.loads(raw if raw.lstrip()[:1] == b"{" else zlib.decompress(raw))
+        pins = _dictionary_pins(found["enumerations"]["pin"])
+        board.setdefault("clock_hz", int(found["config"]["CLOCK_FREQ"]))
+    except OSError as error:
+        yield Finding("config.value", path, name, f"a file to read ({error.strerror})")
+    except (ValueError, KeyError, TypeError, zlib.error):
+        yield Finding("config.value", path, name, "a data dictionary of Klipper's protocol")
+    else:
+        board["pins"] = {**{pin: pin for pin in pins}, **table(board, "pins")}
+
+
+def _dictionary_pins(names: Mapping[str, Any]) -> list[str]:
+    pins: list[str] = []
+    for name, value in names.items():
+        if isinstance(value, int):
+            pins.append(name)
+            continue
+        match = re.fullmatch(r"(.*?)(\d+)", name)
+        count = int(value[1])
+        if match is None or not 0 < count <= 4096:
+            raise ValueError(name)
+        first = int(match[2])
+        pins += expanded([f"{match[1]}{first}-{first + count - 1}"])
+    return pins
+
+
+def resolve_names(board: Tables) -> None:
+    """Fills `pins` with all names of a board, makes every pin the microcontroller's, and puts the
+    chosen variant into `functions`. What has the wrong type is left for the models to report."""
+    names: dict[str, str] = {}
+    printed = board.get("numbering")
+    if isinstance(printed, str) and printed in numberings():
+        names.update(numbering(printed))
+    for key in _NAMED:
+        names.update(_texts(table(board, key)))
+    for name, socket in tables(board, "sockets"):
+        for key, word in _SOCKET_PINS.items():
+            if isinstance(socket.get(key), str):
+                names.setdefault(f"{name}_{word}", socket[key])
+    resolved = {name: _pin_behind(names, name) for name in names}
+    if "variant" in board:
+        chosen = table(board, "variants", str(board["variant"]))
+        board["functions"] = {**chosen, **table(board, "functions")}
+    for key in ("sockets", "outputs", "thermistors", "endstops", "card", "displays", "reserved"):
+        if key in board:
+            board[key] = _resolved(board[key], resolved)
+    console = table(board, "console")
+    if "pins" in console:
+        board["console"] = {**console, "pins": _resolved(console["pins"], resolved)}
+    if isinstance(board.get("pins", {}), Mapping):
+        board["pins"] = {**table(board, "pins"), **resolved}
+
+
+def _texts(content: Mapping[str, Any]) -> dict[str, str]:
+    return {name: pin for name, pin in content.items() if isinstance(pin, str)}
+
+
+def _pin_behind(names: Mapping[str, str], name: str) -> str:
+    pin, seen = names[name], {name}
+    while (bare := pin.lstrip("!^~")) in names and bare not in seen:
+        seen.add(bare)
+        pin = joined_marks(pin, names[bare])
+    return pin
+
+
+def _resolved(value: Any, names: Mapping[str, str]) -> Any:
+    """The same tables and lists with the microcontroller's pins in place of names."""
+    if isinstance(value, str):
+        bare = value.lstrip("!^~")
+        return joined_marks(value, names[bare]) if bare in names else value
+    if isinstance(value, Mapping):
+        content = cast("Mapping[str, Any]", value)
+        return {
+            key: item if key == "compare" else _resolved(item, names)
+            for key, item in content.items()
+        }
+    if isinstance(value, list):
+        return [_resolved(item, names) for item in cast("list[Any]", value)]
+    return value
+
+
+def known_pins(board: Mapping[str, Any]) -> set[str]:
+    """The pins of the board's microcontroller, or of its dictionary; empty if nobody knows."""
+    mcu = board.get("mcu")
+    if isinstance(mcu, str) and mcu in chip_names():
+        return set(chip(mcu).pins)
+    if "dictionary" in board:
+        return {pin for name, pin in table(board, "pins").items() if name == pin}
+    return set()

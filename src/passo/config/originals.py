@@ -1,0 +1,117 @@
+"""What the makers of a board meant each pin for, beside what a machine uses it for."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from passo.config.findings import table, tables
+
+if TYPE_CHECKING:
+    from passo.config.board import Board
+    from passo.config.machine import MachineConfig
+
+_TOWERS = {"a": "X", "b": "Y", "c": "Z"}
+
+
+@dataclass(frozen=True, slots=True)
+class Binding:
+    """A part of a machine and its pin: `name` as the machine file writes it, `pin` the
+    microcontroller's. `original_name` and `original` are the board's own for such a part, None if
+    it has none."""
+
+    key: str
+    name: str
+    pin: str
+    original_name: str | None
+    original: str | None
+
+    @property
+    def rebound(self) -> bool:
+        """Whether the machine uses another pin than the board's own."""
+        return self.original is not None and _bare(self.pin) != _bare(self.original)
+
+
+def put_originals(data: dict[str, Any]) -> None:
+    """Gives heaters and fans of a raw machine file that name no pin the board's own."""
+    functions = table(data, "board", "functions")
+    for part in ("heaters", "fans"):
+        for key, content in _functions(data, part):
+            function = table(functions, key)
+            for own, other in (("pin", "output"), ("sensor_pin", "sensor")):
+                if other == "sensor" and part == "fans":
+                    continue
+                if own not in content and other in function:
+                    content[own] = function[other]
+
+
+def _functions(data: Mapping[str, Any], part: str) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Heaters or fans with the names of their functions."""
+    names = _FunctionNames()
+    for _, content in tables(data, part):
+        if isinstance(content, dict):
+            yield names.of("fan" if part == "fans" else str(content.get("kind"))), content
+
+
+class _FunctionNames:
+    """Names of functions, in the order of a machine's parts: hotend0, hotend1, bed, fan0, …"""
+
+    def __init__(self) -> None:
+        self._seen = Counter[str]()
+
+    def of(self, kind: str) -> str:
+        if kind not in ("hotend", "fan"):
+            return kind
+        self._seen[kind] += 1
+        return f"{kind}{self._seen[kind] - 1}"
+
+
+def bindings(machine: MachineConfig) -> list[Binding]:
+    """Every pin of the machine's motors, heaters, sensors, fans, switches and laser."""
+    board = machine.board
+    found: list[Binding] = []
+
+    def add(key: str, name: str | None, original: str | None) -> None:
+        if name is not None:
+            own = None if original is None else board.pin(original)
+            found.append(Binding(key, name, board.pin(name), original, own))
+
+    for name, stepper in machine.steppers.items():
+        socket = board.sockets[stepper.socket] if stepper.socket else None
+        for key, given, word in (
+            ("step_pin", stepper.step_pin, "STEP"),
+            ("direction_pin", stepper.direction_pin, "DIR"),
+            ("enable_pin", stepper.enable_pin, "ENABLE"),
+        ):
+            original = f"{stepper.socket}_{word}" if socket else None
+            add(f"steppers.{name}.{key}", given or original, original)
+    names = _FunctionNames()
+    for name, heater in machine.heaters.items():
+        function = board.functions.get(names.of(heater.kind))
+        add(f"heaters.{name}.pin", heater.pin, function.output if function else None)
+        add(f"heaters.{name}.sensor_pin", heater.sensor_pin, function.sensor if function else None)
+    for name, fan in machine.fans.items():
+        function = board.functions.get(names.of("fan"))
+        add(f"fans.{name}.pin", fan.pin, function.output if function else None)
+    for name, homing in machine.homing.items():
+        original = _switch(board, name, homing.direction)
+        add(f"homing.{name}.pin", homing.pin, original)
+        for stepper, pin in homing.stepper_pins.items():
+            own = original if stepper == name else None
+            add(f"homing.{name}.stepper_pins.{stepper}", pin, own)
+    if machine.laser:
+        add("laser.pin", machine.laser.pin, None)
+    return found
+
+
+def _switch(board: Board, axis: str, direction: str) -> str | None:
+    """The board's switch for an end of an axis or for a tower."""
+    letter = _TOWERS.get(axis, axis.upper())
+    names = (f"{letter}_{direction.upper()}", f"{letter}_STOP")
+    return next((name for name in names if name in board.endstops), None)
+
+
+def _bare(pin: str) -> str:
+    return pin.lstrip("!^~")

@@ -1,0 +1,202 @@
+"""Checks of pins: each is known, can do what it is asked for, and has one owner; so have timers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from passo.config.board_files import known_pins
+from passo.config.chips import Chip, Pulse, chip, chip_names
+from passo.config.findings import Finding, array, did_you_mean, table, tables
+from passo.config.lines import Path
+
+Raw = Mapping[str, Any]
+Need = Literal["digital", "enable", "analog", "pwm"]
+
+# Drivers that are set up over SPI: each needs the chip select of its socket.
+_SPI_DRIVERS = ("TMC2130", "TMC2660", "TMC5160")
+_MOTOR_PINS: dict[str, Need] = {"step": "digital", "direction": "digital", "enable": "enable"}
+_NEEDS = {"analog": "an analog input", "pwm": "a pin with hardware PWM"}
+
+
+@dataclass(frozen=True, slots=True)
+class Claim:
+    """A part of the machine, at `path`, wants the pin written there for what it needs. `value` is
+    what stands there, where that is not the pin but a socket."""
+
+    path: Path
+    pin: str
+    need: Need = "digital"
+
+
+def check_pins(data: Raw) -> Iterator[Finding]:
+    """Sockets exist, and each pin and timer has one owner that it suits. Motors may share the pin
+    that enables them."""
+    yield from _check_sockets(data)
+    yield from _check_fitted(data)
+    yield from _Owners(data).check()
+
+
+def machine_claims(data: Raw) -> Iterator[Claim]:
+    """What the machine's parts claim, in the order of the file's usual sections."""
+    sockets = table(data, "board", "sockets")
+    for name, stepper in tables(data, "steppers"):
+        path = ("steppers", name)
+        socket = table(sockets, str(stepper.get("socket")))
+        for key, need in _MOTOR_PINS.items():
+            if f"{key}_pin" in stepper:
+                yield from _claim((*path, f"{key}_pin"), stepper[f"{key}_pin"], need)
+            else:
+                yield from _claim((*path, "socket"), socket.get(key), need)
+        if stepper.get("driver") in _SPI_DRIVERS:
+            yield from _claim((*path, "socket"), socket.get("select"))
+    for part in ("heaters", "fans"):
+        for name, content in tables(data, part):
+            yield from _claim((part, name, "pin"), content.get("pin"))
+            yield from _claim((part, name, "sensor_pin"), content.get("sensor_pin"), "analog")
+    for name, content in tables(data, "homing"):
+        yield from _claim(("homing", name, "pin"), content.get("pin"))
+        for stepper, pin in table(content, "stepper_pins").items():
+            yield from _claim(("homing", name, "stepper_pins", stepper), pin)
+    yield from _claim(("laser", "pin"), table(data, "laser").get("pin"), "pwm")
+
+
+def board_claims(data: Raw) -> Iterator[Claim]:
+    """What the board itself claims: its console, what it reserves, and what is plugged in."""
+    board = table(data, "board")
+    for pin in array(table(board, "console"), "pins"):
+        yield from _claim(("board", "console"), pin)
+    for what in table(board, "reserved"):
+        for pin in array(table(board, "reserved"), what):
+            yield from _claim(("board", "reserved", what), pin)
+    for word in array(board, "fitted"):
+        if word == "card":
+            path, pins = ("board", "card"), table(board, "card")
+        else:
+            path, pins = ("board", "displays", str(word)), table(board, "displays", str(word))
+        for key, pin in pins.items():
+            yield from _claim((*path, key), pin)
+
+
+def _claim(path: Path, pin: object, need: Need = "digital") -> Iterator[Claim]:
+    if isinstance(pin, str):
+        yield Claim(path, pin, need)
+
+
+def _check_sockets(data: Raw) -> Iterator[Finding]:
+    sockets = table(data, "board", "sockets")
+    for name, stepper in tables(data, "steppers"):
+        path = ("steppers", name)
+        socket = stepper.get("socket")
+        if isinstance(socket, str) and socket not in sockets:
+            hint, limit = did_you_mean(socket, sockets), "a socket of the board"
+            yield Finding("config.value", (*path, "socket"), socket, limit, hint)
+        for key in ("step_pin", "direction_pin"):
+            if "socket" not in stepper and key not in stepper:
+                limit = "a pin, or the key socket"
+                yield Finding("config.missing-key", (*path, key), None, limit)
+
+
+def _check_fitted(data: Raw) -> Iterator[Finding]:
+    board = table(data, "board")
+    known = [*(["card"] if "card" in board else []), *table(board, "displays")]
+    for index, word in enumerate(array(board, "fitted")):
+        if word not in known:
+            hint, limit = did_you_mean(word, known), "what has a place on this board"
+            yield Finding("config.value", ("board", "fitted", index), word, limit, hint)
+
+
+class _Owners:
+    """Who owns which pin and which timer, filled in while the claims are checked in turn."""
+
+    def __init__(self, data: Raw) -> None:
+        self.data = data
+        self.board = table(data, "board")
+        self.names: Mapping[str, object] = table(self.board, "pins")
+        self.known = known_pins(self.board)
+        mcu = self.board.get("mcu")
+        self.chip: Chip | None = chip(mcu) if mcu in chip_names() else None
+        self.pins: dict[str, Claim] = {}
+        self.units: dict[str, Path] = {}
+
+    def check(self) -> Iterator[Finding]:
+        owned: list[Claim] = []
+        for claim in (*board_claims(self.data), *machine_claims(self.data)):
+            pin = self._pin(claim.pin)
+            if self.known and pin not in self.known:
+                yield self._unknown(claim)
+                continue
+            owner = self.pins.setdefault(pin, claim)
+            if owner is claim:
+                owned.append(claim)
+            elif not owner.need == claim.need == "enable":
+                limit = f"a pin of its own: {pin} belongs to"
+                yield Finding("config.conflict", claim.path, claim.pin, limit, owner=owner.path)
+        yield from self._check_steps()
+        if self.chip:
+            for claim in owned:
+                yield from self._check_need(claim, self.chip)
+
+    def _pin(self, written: str) -> str:
+        bare = written.lstrip("!^~")
+        return str(self.names.get(bare, bare)).lstrip("!^~")
+
+    def _unknown(self, claim: Claim) -> Finding:
+        mcu = self.chip.name if self.chip else "the board's dictionary"
+        bare = claim.pin.lstrip("!^~")
+        hint = did_you_mean(bare, {*self.known, *self.names})
+        limit = f"a pin of {mcu} or a name on the board"
+        return Finding("config.value", claim.path, claim.pin, limit, hint)
+
+    def _check_steps(self) -> Iterator[Finding]:
+        """Each compare unit times the steps of one motor."""
+        sockets = table(self.board, "sockets")
+        units = self.chip.compare_units if self.chip else ()
+        for name, stepper in tables(self.data, "steppers"):
+            word = str(stepper.get("socket"))
+            unit = table(sockets, word).get("compare")
+            if not isinstance(unit, str):
+                continue
+            path = ("steppers", name, "socket")
+            if unit not in units:
+                hint, limit = did_you_mean(unit, units), "a compare unit of the chip"
+                place = ("board", "sockets", word, "compare")
+                yield Finding("config.value", place, unit, limit, hint)
+                continue
+            owner = self.units.setdefault(unit, path)
+            if owner != path:
+                limit = f"a compare unit of its own: {unit} belongs to"
+                yield Finding("config.conflict", path, word, limit, owner=owner)
+
+    def _check_need(self, claim: Claim, chip: Chip) -> Iterator[Finding]:
+        pin = self._pin(claim.pin)
+        if claim.need == "analog" and pin not in chip.adc:
+            yield self._unsuited(claim, list(chip.adc))
+        elif claim.need == "pwm":
+            free = [p for p, ways in chip.pwm.items() if _free(ways, chip)]
+            if pin not in chip.pwm:
+                yield self._unsuited(claim, free)
+            elif pin not in free:
+                timer = chip.pwm[pin][0].timer
+                why = f"{timer} {chip.timers[timer].firmware}"
+                limit = f"a pin whose timer is free: {why}; {self._offer(free)}"
+                yield Finding("config.conflict", claim.path, claim.pin, limit)
+
+    def _unsuited(self, claim: Claim, able: list[str]) -> Finding:
+        limit = f"{_NEEDS[claim.need]}; {self._offer(able)}"
+        return Finding("config.conflict", claim.path, claim.pin, limit)
+
+    def _offer(self, able: list[str]) -> str:
+        """The pins among `able` that nobody has, under their names on the board."""
+        printed: dict[str, str] = {}
+        for name, pin in self.names.items():
+            printed.setdefault(str(pin).lstrip("!^~"), name)
+        free = [pin for pin in able if pin not in self.pins]
+        words = [f"{printed[p]} ({p})" if p in printed and printed[p] != p else p for p in free]
+        return f"free here: {', '.join(words)}" if words else "none is free here"
+
+
+def _free(ways: tuple[Pulse, ...], chip: Chip) -> bool:
+    """Whether the firmware leaves one of these timers alone."""
+    return any(not chip.timers[pulse.timer].firmware for pulse in ways)

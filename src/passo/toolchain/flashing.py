@@ -1,0 +1,139 @@
+"""Brings an image onto a board: step by step, with what hands must do in between."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import shutil
+import stat
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from passo.config.board import Board
+from passo.errors import FirmwareError, Problem
+from passo.serial_line import open_serial_line
+from passo.toolchain.flash_plan import SUFFIXES, Copy, Hands, Run, Touch, plan
+from passo.toolchain.images import About, check_image
+from passo.toolchain.readback import identify
+
+_LOADER_STARTS_S = 0.5
+_TOUCH_BAUD = 1200
+_DRIVE_MARK = "INFO_UF2.TXT"
+
+
+@dataclass(frozen=True, slots=True)
+class Person:
+    """Who flashes: `tell` shows a line, `wait` shows one and returns when it has been done."""
+
+    tell: Callable[[str], None]
+    wait: Callable[[str], None]
+
+
+async def flash(
+    name: str, board: Board, port: str | None, image: Path, person: Person, *, dry_run: bool = False
+) -> None:
+    """Flashes `image` onto the board called `name` at `port`, and reads back who it is then.
+
+    With `dry_run` the steps are told and none is done. Raises FirmwareError: before the first step
+    if the image, the port or the program is wrong or missing, later if something fails.
+    """
+    suffixes = SUFFIXES.get(board.flash.method, ()) if board.flash else ()
+    steps = plan(name, board, port, image)
+    about = check_image(image, name, board.mcu, suffixes)
+    if dry_run:
+        for number, step in enumerate(steps, 1):
+            person.tell(f"{number}. {step}")
+        return
+    for step in steps:
+        if isinstance(step, Run) and shutil.which(step.words[0]) is None:
+            raise _problem("firmware.tool", value=step.words[0], axis=name)
+    for step in steps:
+        match step:
+            case Hands():
+                person.wait(str(step))
+            case Touch():
+                _check_serial(name, step.port)
+                await _touch(name, step)
+            case Run():
+                if port is not None:
+                    _check_serial(name, port)
+                person.tell(str(step))
+                await _run(name, step)
+            case Copy():
+                person.tell(str(step))
+                _copy(name, step)
+    await _read_back(name, board, port, about, person)
+
+
+def _check_serial(name: str, port: str) -> None:
+    try:
+        mode = os.stat(port).st_mode  # noqa: PTH116 - a port need not be a path
+    except OSError as error:
+        expected = f"a serial port ({error.strerror})"
+        raise _problem("firmware.port", axis=name, value=port, limit=expected) from None
+    if not stat.S_ISCHR(mode):
+        raise _problem("firmware.port", axis=name, value=port, limit="a serial port")
+
+
+async def _touch(name: str, step: Touch) -> None:
+    try:
+        os.close(open_serial_line(step.port, _TOUCH_BAUD))
+    except OSError as error:
+        expected = f"a serial port that opens ({error.strerror})"
+        raise _problem("firmware.port", axis=name, value=step.port, limit=expected) from None
+    await asyncio.sleep(_LOADER_STARTS_S)
+
+
+async def _run(name: str, step: Run) -> None:
+    tool = await asyncio.create_subprocess_exec(*step.words)
+    status = await tool.wait()
+    if status != 0:
+        why = f"{step.words[0]} ended with status {status}"
+        raise _problem("firmware.flash", axis=name, value=why)
+
+
+def _copy(name: str, step: Copy) -> None:
+    if not (step.folder / _DRIVE_MARK).is_file():
+        expected = f"the folder of its drive, which holds {_DRIVE_MARK}"
+        raise _problem("firmware.port", axis=name, value=str(step.folder), limit=expected)
+    try:
+        with (step.folder / step.image.name).open("wb") as target:
+            target.write(step.image.read_bytes())
+            target.flush()
+            os.fsync(target.fileno())
+    except OSError as error:
+        why = f"the image cannot be copied ({error.strerror})"
+        raise _problem("firmware.flash", axis=name, value=why) from None
+
+
+async def _read_back(
+    name: str, board: Board, port: str | None, about: About | None, person: Person
+) -> None:
+    console = board.console
+    if console is None or console.connector != "serial" or port is None:
+        person.tell(f"{name}: written. It speaks on {_console(board)}, so it was not asked.")
+        return
+    try:
+        found = await identify(port, console.baud)
+    except OSError as error:
+        expected = f"a serial port that opens ({error.strerror})"
+        raise _problem("firmware.port", axis=name, value=port, limit=expected) from None
+    if found is None or found.dictionary is None:
+        raise _problem("firmware.silent", axis=name, value=f"{port}, {console.baud} baud")
+    if about is not None and found.sha256 != about.dictionary_sha256:
+        why = f"its dictionary is of version {found.dictionary.version!r}, not {about.version!r}"
+        raise _problem("firmware.other", axis=name, value=why)
+    version, count = found.dictionary.version, len(found.dictionary.commands)
+    person.tell(f"{name}: written, and it answers: version {version}, {count} commands.")
+
+
+def _console(board: Board) -> str:
+    if board.console is None or not board.console.pins:
+        return "no port that is known here"
+    receive, transmit = board.console.pins
+    return f"{board.console.uart} (receives on {receive}, sends on {transmit})"
+
+
+def _problem(code: str, **values: str) -> FirmwareError:
+    return FirmwareError([Problem(code, values=values)])

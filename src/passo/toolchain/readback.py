@@ -1,0 +1,49 @@
+"""Asks the board on a serial port who it is, to see that what was flashed runs."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+import termios
+
+from passo.board.dictionary import DictionaryError
+from passo.board.identify import Identification
+from passo.serial_line import open_serial_line
+
+_AT_ONCE = 4096
+
+
+async def identify(port: str, baud: int, within_s: float = 10.0) -> Identification | None:
+    """The dictionary of the board on a port; None if it has not told it `within_s` seconds of the
+    loop's time: opening the port makes many boards start anew, which takes a second or two.
+    Raises OSError if the port cannot be opened."""
+    loop = asyncio.get_running_loop()
+    wire = open_serial_line(port, baud)
+    found = Identification()
+    arrived = asyncio.Event()
+
+    def read() -> None:
+        with contextlib.suppress(BlockingIOError):
+            try:
+                found.feed(os.read(wire, _AT_ONCE))
+            except DictionaryError:
+                loop.remove_reader(wire)  # it will never be whole: `within_s` ends this
+            arrived.set()
+
+    try:
+        termios.tcflush(wire, termios.TCIOFLUSH)
+        loop.add_reader(wire, read)
+        end = loop.time() + within_s
+        while found.dictionary is None and loop.time() < end:
+            data, again = found.poll(loop.time())
+            if data:
+                with contextlib.suppress(BlockingIOError):
+                    os.write(wire, data)
+            arrived.clear()
+            with contextlib.suppress(TimeoutError):
+                await asyncio.wait_for(arrived.wait(), min(again, end) - loop.time())
+    finally:
+        loop.remove_reader(wire)
+        os.close(wire)
+    return found if found.dictionary else None

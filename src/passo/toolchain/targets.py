@@ -1,0 +1,98 @@
+"""What firmware can be built for: shipped boards, and machines with motors on other pins."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+
+from passo import config
+from passo.config.board import Board
+from passo.config.chips import Chip
+from passo.errors import FirmwareError, Problem
+from passo.toolchain import arm, avr
+
+# Chips that firmware/hal has a layer for.
+LAYERS = (*avr.CHIPS, *arm.CHIPS)
+
+
+@dataclass(frozen=True, slots=True)
+class Motor:
+    """A motor with its pins of the microcontroller; `compare` is its compare unit, if told."""
+
+    name: str
+    step_pin: str
+    direction_pin: str
+    compare: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """A board as an image is built for it; `name` is that of the board or of the machine."""
+
+    name: str
+    board: Board
+    motors: tuple[Motor, ...]
+
+    @property
+    def chip(self) -> Chip:
+        """Raises FirmwareError if Passo does not know the board's microcontroller."""
+        chip = self.board.chip
+        if chip is None:
+            raise no_firmware(self.name, f"its microcontroller, {self.board.mcu}, is not known")
+        return chip
+
+
+def target(name: str) -> Target:
+    """The shipped board of that name, or the board of the machine file of that path.
+
+    Raises FirmwareError if there is no such board, ConfigError for a machine file with errors.
+    """
+    if name.endswith(".toml") or os.sep in name:
+        return _of_machine(name)
+    return board_target(name)
+
+
+def board_target(name: str) -> Target:
+    """A shipped board. Raises FirmwareError if there is none."""
+    if name not in config.shipped_boards():
+        raise FirmwareError([Problem("firmware.board", values={"value": name})])
+    board = config.load_board(name)
+    motors = (
+        Motor(key, bare(socket.step), bare(socket.direction), socket.compare)
+        for key, socket in board.sockets.items()
+    )
+    return Target(name, board, tuple(motors))
+
+
+def _of_machine(path: str) -> Target:
+    machine = config.load(path)
+    board = machine.board
+    motors: list[Motor] = []
+    for name, stepper in machine.steppers.items():
+        socket = board.sockets[stepper.socket] if stepper.socket else None
+        step = stepper.step_pin or (socket.step if socket else "")
+        direction = stepper.direction_pin or (socket.direction if socket else "")
+        compare = socket.compare if socket else None
+        motors.append(Motor(name, bare(board.pin(step)), bare(board.pin(direction)), compare))
+    return Target(machine.name, board, tuple(motors))
+
+
+def state(board: Board) -> str:
+    """How far Passo's firmware is for a board: `ready`, `no image yet`, `incomplete: usb` where the
+    board's only connector is one that the firmware does not speak on; or that it has its own."""
+    if board.chip is None:
+        return "runs Klipper's"
+    parts = [f"incomplete: {board.incomplete}"] if board.incomplete else []
+    if board.mcu not in LAYERS:
+        parts.append("no image yet")
+    return ", ".join(parts) or "ready"
+
+
+def no_firmware(name: str, why: str) -> FirmwareError:
+    """There is no image for this board."""
+    return FirmwareError([Problem("firmware.none", values={"axis": name, "value": why})])
+
+
+def bare(pin: str) -> str:
+    """The pin's name without `!`, `^` and `~`."""
+    return pin.lstrip("!^~")

@@ -1,0 +1,264 @@
+"""Pins of machines: found by any of their names, owned once, and able to do what they are for."""
+
+import json
+import zlib
+from pathlib import Path
+
+import pytest
+
+from passo import config
+from passo.config.board_files import shipped_tables
+from passo.config.lines import key_lines
+from passo.config.originals import bindings
+from passo.errors import ConfigError
+
+
+def problems_of(text: str, file: str = "my.toml") -> list[str]:
+    with pytest.raises(ConfigError) as caught:
+        config.load_text(text, file)
+    return [str(problem) for problem in caught.value.problems]
+
+
+def place(text: str, row: str) -> str:
+    """The place of the first row of a text that is this."""
+    return f"my.toml:{text.splitlines().index(row) + 1}"
+
+
+def board_place(name: str, *keys: str) -> str:
+    """The place of a key in the file of a shipped board."""
+    return f"boards/{name}.toml:{key_lines(shipped_tables(name)[1][0].text)[keys]}"
+
+
+@pytest.mark.parametrize("name", ["D10", "PB4", "!D10"])
+def test_a_pin_has_one_owner_under_all_its_names(i3_text: str, name: str) -> None:
+    text = i3_text.replace('pin = "D9"', f'pin = "{name}"')
+    (problem,) = problems_of(text)
+    owner = place(text, 'pin = "D10"')
+    assert f"PB4 belongs to heaters.hotend.pin ({owner})" in problem
+
+
+def test_the_bed_and_the_fan_of_a_hhf(i3_text: str) -> None:
+    text = i3_text.replace('pin = "D9"', 'pin = "D8"')
+    (problem,) = problems_of(text)
+    owner = place(text, 'pin = "D8"')
+    assert problem.startswith("my.toml:")
+    assert problem.endswith(
+        "fans.part.pin is 'D8': expected a pin of its own: PH5 belongs to heaters.bed.pin"
+        f" ({owner}). Change or remove it."
+    )
+
+
+@pytest.mark.parametrize(("socket", "pin", "key"), [("X", "PB0", "select"), ("Y", "PL0", "detect")])
+def test_drivers_on_spi_and_the_card_share_no_select(
+    i3_text: str, socket: str, pin: str, key: str
+) -> None:
+    text = i3_text.replace(f'socket = "{socket}"', f'socket = "{socket}"\ndriver = "TMC2130"')
+    config.load_text(text)
+    (problem,) = problems_of(text + 'fitted = ["card"]\n')
+    assert f"steppers.{socket.lower()}.socket is '{pin}': expected a pin of its own" in problem
+    assert f"{pin} belongs to board.card.{key} ({board_place('ramps', 'card', key)})" in problem
+
+
+def test_two_displays_share_their_plug(i3_text: str) -> None:
+    both = '["reprap-discount-smart", "reprap-discount-full-graphic"]'
+    problems = problems_of(i3_text + f"fitted = {both}\n")
+    keys = ("select", "mosi", "sck", "beeper", "encoder_a", "encoder_b", "click", "kill")
+    assert len(problems) == len(keys)
+    for key, problem in zip(keys, problems, strict=True):
+        assert f"board.displays.reprap-discount-full-graphic.{key} is " in problem
+        assert "belongs to board.displays.reprap-discount-smart." in problem
+
+
+def test_the_doubled_switch_of_a_4pi() -> None:
+    text = config.shipped_text("i3").replace('base = "ramps"', 'base = "4pi"')
+    for old, new in (
+        ('socket = "E0"', 'socket = "E"'),
+        ('pin = "D10"', 'pin = "HE0"'),
+        ('pin = "D8"', 'pin = "BED"'),
+        ('pin = "D9"', 'pin = "HE1"'),
+    ):
+        text = text.replace(old, new)
+    text = text.replace('sensor_pin = "T1"', 'sensor_pin = "T2"')
+    config.load_text(text)
+    text += 'endstops = { Y_MAX = "PC17" }\n'
+    (problem,) = problems_of(text.replace('"^Y_MIN"', '"^Y_MAX"'))
+    assert "homing.z.pin is '^Z_MIN': expected a pin of its own: PC17 belongs to homing.y.pin" in (
+        problem
+    )
+
+
+def test_the_console_keeps_its_pins(i3_text: str) -> None:
+    (problem,) = problems_of(i3_text.replace('pin = "D9"', 'pin = "D1"'))
+    owner = board_place("ramps", "console")
+    assert "fans.part.pin is 'D1': expected a pin of its own: PE1 belongs to" in problem
+    assert f"board.console ({owner})" in problem
+
+
+def test_what_the_board_needs_itself_is_named() -> None:
+    text = config.shipped_text("i3") + 'reserved = { "a fan for the drivers" = ["D9"] }\n'
+    (problem,) = problems_of(text)
+    assert "PH6 belongs to board.reserved.a fan for the drivers (my.toml:" in problem
+
+
+def test_a_sensor_needs_an_analog_input(i3_text: str) -> None:
+    (problem,) = problems_of(i3_text.replace('sensor_pin = "T0"', 'sensor_pin = "D11"'))
+    assert "heaters.hotend.sensor_pin is 'D11': expected an analog input; free here: " in problem
+    free = problem.partition("free here: ")[2].removesuffix(". Change or remove it.").split(", ")
+    # X, Y and their directions and enables take A0, A1, A2, A6, A7 and A8; the bed's is A14.
+    assert free == [
+        *("D57 (PF3)", "D58 (PF4)", "D59 (PF5)", "D63 (PK1)", "D64 (PK2)", "D65 (PK3)"),
+        *("MAX6675_SELECT (PK4)", "D67 (PK5)", "D69 (PK7)"),
+    ]
+
+
+def test_a_laser_needs_hardware_pwm(i3_text: str) -> None:
+    (problem,) = problems_of(i3_text + '[laser]\npin = "D42"\n')
+    assert "laser.pin is 'D42': expected a pin with hardware PWM; free here: " in problem
+    free = problem.partition("free here: ")[2]
+    # All other timers time steps; the hotend has PB4, the fan PH6.
+    assert free == "LED (PB7), SERVO3 (PG5). Change or remove it."
+
+
+def test_a_timer_does_one_thing(i3_text: str) -> None:
+    (problem,) = problems_of(i3_text + '[laser]\npin = "D5"\n')
+    assert "laser.pin is 'D5': expected a pin whose timer is free: TIMER3 times steps; free" in (
+        problem
+    )
+
+
+def test_a_compare_unit_times_one_motor(i3_text: str) -> None:
+    text = i3_text + 'sockets.Y.compare = "TIMER3A"\n'
+    (problem,) = problems_of(text)
+    owner = place(text, 'socket = "X"')
+    assert f"compare unit of its own: TIMER3A belongs to steppers.x.socket ({owner})" in problem
+
+
+@pytest.mark.parametrize(
+    ("line", "says"),
+    [
+        (
+            'sockets.Y.compare = "TIMER2A"',
+            "board.sockets.Y.compare is 'TIMER2A': expected a compare",
+        ),
+        ('fitted = ["kard"]', "board.fitted[0] is 'kard': expected what has a place on this board"),
+        ('variant = "HBH"', "board.variant is 'HBH': expected one of the board's variants"),
+        ('numbering = "mega"', "board.numbering is 'mega': expected a numbering of pins"),
+    ],
+)
+def test_words_that_a_board_does_not_know(i3_text: str, line: str, says: str) -> None:
+    (problem,) = (p for p in problems_of(i3_text + line + "\n") if says in p)
+    assert "Did you mean" in problem or "Known here" in problem
+
+
+def test_a_pin_that_does_not_exist(i3_text: str) -> None:
+    (problem,) = problems_of(i3_text.replace('pin = "D9"', 'pin = "PM9"'))
+    assert "fans.part.pin is 'PM9': expected a pin of ATmega2560 or a name on the board" in problem
+
+
+def test_motors_may_share_their_enable_pin_and_nothing_else() -> None:
+    assert config.load_text(MELZI).board.name == "Melzi"
+    (problem,) = problems_of(MELZI.replace('pin = "FAN"', 'pin = "PD6"'))
+    assert "fans.part.pin is 'PD6'" in problem
+    assert "PD6 belongs to steppers.x.socket" in problem
+
+
+def test_functions_without_a_pin_have_the_boards_own() -> None:
+    text = MELZI
+    for line in ('pin = "HE0"\n', 'sensor_pin = "HE0_TEMP"\n', 'pin = "BED"\n', 'pin = "FAN"\n'):
+        assert line in text
+        text = text.replace(line, "")
+    machine = config.load_text(text)
+    assert machine.heaters["hotend"].pin == "HE0"
+    assert machine.heaters["hotend"].sensor_pin == "HE0_TEMP"
+    assert machine.heaters["bed"].pin == "BED"
+    assert machine.fans["part"].pin == "FAN"
+
+
+def test_any_function_may_be_bound_anew(i3_text: str) -> None:
+    text = i3_text.replace('pin = "D9"', 'pin = "D11"').replace('"^X_MIN"', '"^X_MAX"')
+    text = text.replace('socket = "E0"', 'socket = "E0"\nstep_pin = "D40"')
+    rebound = {b.key: (b.pin, b.original) for b in bindings(config.load_text(text)) if b.rebound}
+    assert rebound == {
+        "steppers.e.step_pin": ("PG1", "PA4"),
+        "fans.part.pin": ("PB5", "PH6"),
+        "homing.x.pin": ("^PE4", "PE5"),
+    }
+
+
+def test_shipped_machines_leave_every_pin_where_its_board_has_it() -> None:
+    for name in config.shipped_machines():
+        assert [b.key for b in bindings(config.load(name)) if b.rebound] == []
+
+
+DICTIONARY = {
+    "enumerations": {"pin": {"PA0": [0, 16], "PB0": [16, 16], "ADC_TEMPERATURE": 254}},
+    "config": {"CLOCK_FREQ": 72_000_000, "MCU": "stm32f103xe"},
+    "commands": {},
+    "responses": {},
+}
+
+
+@pytest.mark.parametrize("packed", [False, True])
+def test_a_board_of_klippers_has_the_pins_of_its_dictionary(tmp_path: Path, packed: bool) -> None:
+    raw = json.dumps(DICTIONARY).encode()
+    (tmp_path / "board.dict").write_bytes(zlib.compress(raw) if packed else raw)
+    file = str(tmp_path / "my.toml")
+    machine = config.load_text(KLIPPER, file)
+    assert machine.board.clock_hz == 72_000_000
+    assert machine.board.pin("!PB15") == "!PB15"
+    (problem,) = problems_of(KLIPPER.replace('"PA5"', '"PC5"'), file)
+    assert "heaters.hotend.pin is 'PC5': expected a pin of the board's dictionary" in problem
+
+
+def test_without_a_dictionary_the_clock_must_be_told(tmp_path: Path) -> None:
+    bare = KLIPPER.replace('dictionary = "board.dict"\n', "")
+    (problem,) = problems_of(bare)
+    assert "board.clock_hz is missing" in problem
+    assert config.load_text(bare + "clock_hz = 72_000_000\n").board.clock_hz == 72_000_000
+    missing = problems_of(KLIPPER, str(tmp_path / "my.toml"))
+    assert "board.dictionary is 'board.dict': expected a file to read" in missing[-1]
+    (tmp_path / "board.dict").write_bytes(b"{}")
+    broken = problems_of(KLIPPER, str(tmp_path / "my.toml"))
+    assert "expected a data dictionary of Klipper's protocol" in broken[-1]
+
+
+def _with(text: str, changes: dict[str, str]) -> str:
+    for old, new in changes.items():
+        assert old in text
+        text = text.replace(old, new)
+    return text
+
+
+MELZI = _with(
+    config.shipped_text("i3"),
+    {
+        'base = "ramps"': 'base = "melzi"',
+        'socket = "E0"': 'socket = "E"',
+        'pin = "D10"': 'pin = "HE0"',
+        'sensor_pin = "T0"': 'sensor_pin = "HE0_TEMP"',
+        'pin = "D8"': 'pin = "BED"',
+        'sensor_pin = "T1"': 'sensor_pin = "BED_TEMP"',
+        'pin = "D9"': 'pin = "FAN"',
+        '"^X_MIN"': '"^X_STOP"',
+        '"^Y_MIN"': '"^Y_STOP"',
+        '"^Z_MIN"': '"^Z_STOP"',
+    },
+)
+KLIPPER = _with(
+    config.shipped_text("i3"),
+    {
+        'base = "ramps"': 'base = "klipper"\ndictionary = "board.dict"',
+        'socket = "X"': 'step_pin = "PB0"\ndirection_pin = "PB1"\nenable_pin = "!PB2"',
+        'socket = "Y"': 'step_pin = "PB3"\ndirection_pin = "PB4"\nenable_pin = "!PB5"',
+        'socket = "Z"': 'step_pin = "PB6"\ndirection_pin = "PB7"\nenable_pin = "!PB8"',
+        'socket = "E0"': 'step_pin = "PB9"\ndirection_pin = "PB10"\nenable_pin = "!PB11"',
+        'pin = "D10"': 'pin = "PA5"',
+        'sensor_pin = "T0"': 'sensor_pin = "PA0"',
+        'pin = "D8"': 'pin = "PA6"',
+        'sensor_pin = "T1"': 'sensor_pin = "PA1"',
+        'pin = "D9"': 'pin = "PA7"',
+        '"^X_MIN"': '"^PA8"',
+        '"^Y_MIN"': '"^PA9"',
+        '"^Z_MIN"': '"^PA10"',
+    },
+)

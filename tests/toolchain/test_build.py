@@ -1,0 +1,152 @@
+"""Images of all boards that have one, and what `passo firmware` says of the others."""
+
+import hashlib
+import json
+import zlib
+from pathlib import Path
+
+import pytest
+
+from passo import config
+from passo.cli.main import main
+from passo.config.chips import chip
+from passo.errors import FirmwareError
+from passo.toolchain import avr
+from passo.toolchain.build import build
+from passo.toolchain.images import check_image, read_about
+from passo.toolchain.tables import compress
+from passo.toolchain.targets import Motor, board_target, state, target
+
+# board: most bytes of flash, and of static data in RAM
+LIMITS = {
+    "ramps": (24_000, 7_200),
+    "mks-gen": (24_000, 7_200),
+    "mks-gen-l": (24_000, 7_200),
+    "melzi": (24_000, 14_000),
+    "radds": (20_000, 56_000),
+    "ramps-fd": (20_000, 56_000),
+    "duet-0.6": (20_000, 56_000),
+}
+STATES = {
+    "ramps": "ready",
+    "mks-gen": "ready",
+    "mks-gen-l": "ready",
+    "melzi": "ready",
+    "radds": "ready",
+    "ramps-fd": "ready",
+    "duet-0.6": "incomplete: usb",
+    "4pi": "incomplete: usb, no image yet",
+    "teensy3-mk20dx128": "incomplete: usb, no image yet",
+    "teensy3-mk20dx256": "incomplete: usb, no image yet",
+    "stm32f407-discovery": "incomplete: usb, no image yet",
+    "stm32f429-discovery": "incomplete: usb, no image yet",
+    "pico": "incomplete: usb, no image yet",
+    "klipper": "runs Klipper's",
+}
+
+
+def test_the_limits_are_those_of_all_boards_with_a_layer() -> None:
+    assert {name for name, it in STATES.items() if it in ("ready", "incomplete: usb")} == {*LIMITS}
+
+
+@pytest.mark.parametrize("name", LIMITS)
+def test_every_board_with_a_layer_builds_within_its_limits(name: str, tmp_path: Path) -> None:
+    image, about = build(board_target(name), tmp_path)
+    flash, ram = LIMITS[name]
+    assert 10_000 < about.flash_bytes <= flash
+    assert 2_000 < about.ram_bytes <= ram
+    assert about.flash_size == chip(about.mcu).flash_bytes
+    assert about.ram_size == chip(about.mcu).ram_bytes
+    suffix = ".hex" if about.mcu.startswith("atmega") else ".bin"
+    assert image == tmp_path / f"{name}{suffix}"
+    assert {path.name for path in tmp_path.iterdir()} == {f"{name}{suffix}", f"{name}.json"}
+    assert about.sha256 == hashlib.sha256(image.read_bytes()).hexdigest()
+    assert read_about(image) == about == check_image(image, name, about.mcu, (suffix,))
+    board = config.load_board(name)
+    assert about.dictionary["config"]["CLOCK_FREQ"] == board.clock_hz
+    assert board.console
+    assert about.dictionary["config"]["SERIAL_BAUD"] == board.console.baud
+    assert about.dictionary["config"]["MCU"] == board.mcu
+    assert any(text.startswith("queue_step ") for text in about.dictionary["commands"])
+
+
+def _bytes_of(image: Path) -> bytes:
+    """The content of an Intel hex file, its records joined."""
+    rows = (bytes.fromhex(line[1:]) for line in image.read_text().split())
+    return b"".join(row[4:-1] for row in rows if row[3] == 0)
+
+
+def test_the_image_carries_the_dictionary_of_its_file(tmp_path: Path) -> None:
+    image, about = build(board_target("ramps"), tmp_path)
+    carried = compress(about.dictionary)
+    assert carried in _bytes_of(image)
+    assert about.dictionary_sha256 == hashlib.sha256(carried).hexdigest()
+    assert json.loads(zlib.decompress(carried))["version"] == about.version
+
+
+def test_the_same_target_makes_the_same_image(tmp_path: Path) -> None:
+    first, about = build(board_target("melzi"), tmp_path / "a")
+    second, _ = build(board_target("melzi"), tmp_path / "b")
+    assert first.read_bytes() == second.read_bytes()
+    assert about.version.startswith("0.1.0-")
+
+
+def test_a_machine_has_an_image_with_its_own_step_pins(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(config.shipped_text("i3").replace('"E0"', '"E0"\nstep_pin = "D40"'))
+    aim = target(str(path))
+    assert aim.motors == (
+        Motor("x", "PF0", "PF1", "TIMER3A"),
+        Motor("y", "PF6", "PF7", "TIMER3B"),
+        Motor("z", "PL3", "PL1", "TIMER3C"),
+        Motor("e", "PG1", "PA6", "TIMER4A"),
+    )
+    image, about = build(aim, tmp_path)
+    assert image.name == "i3.hex"
+    ramps, other = build(board_target("ramps"), tmp_path)
+    assert about.version != other.version
+    assert image.read_bytes() != ramps.read_bytes()
+
+
+def test_motors_of_boards() -> None:
+    assert [m.name for m in board_target("melzi").motors] == ["X", "Y", "Z", "E"]
+    assert board_target("duet-0.6").motors[0] == Motor("X", "PD4", "PD5")
+
+
+def test_boards_and_builds_know_the_same_chips() -> None:
+    for name, known in avr.CHIPS.items():
+        it = chip(name)
+        assert (known.flash, known.ram, set(known.units)) == (
+            it.flash_bytes,
+            it.ram_bytes,
+            set(it.compare_units),
+        )
+        assert {f"P{port}" for port in known.ports} == {pin[:2] for pin in it.pins}
+
+
+def test_where_nothing_can_be_written(tmp_path: Path) -> None:
+    path = tmp_path / "file"
+    path.write_text("")
+    with pytest.raises(FirmwareError, match="cannot be written"):
+        build(board_target("ramps"), path)
+
+
+def test_the_list(capsys: pytest.CaptureFixture[str]) -> None:
+    assert {name: state(config.load_board(name)) for name in config.shipped_boards()} == STATES
+    assert main(["firmware", "list"]) == 0
+    head, *rows = capsys.readouterr().out.splitlines()
+    assert head.split("  ")[0] == "BOARD"
+    assert {row.split()[0] for row in rows} == set(STATES)
+    assert all(row.endswith(STATES[row.split()[0]]) for row in rows)
+    assert main(["firmware", "list", "--json"]) == 0
+    by_name = {row["board"]: row for row in json.loads(capsys.readouterr().out)}
+    assert by_name["radds"]["console"] == "UART 115200 baud"
+    assert by_name["radds"]["flash"] == "bossac"
+    assert by_name["klipper"]["clock_hz"] is None
+    assert by_name["ramps-fd"]["notes"][0].startswith("RAMPS-FD 1 switches its outputs on with low")
+
+
+def test_the_command_builds(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["firmware", "build", "melzi", "--output", str(tmp_path)]) == 0
+    assert f"{tmp_path}/melzi.hex: " in capsys.readouterr().out
+    assert (tmp_path / "melzi.json").is_file()

@@ -1,0 +1,251 @@
+"""Flashing with programs that are not there, and boards that are made of a pty."""
+
+import asyncio
+import json
+from collections.abc import Iterator
+from hashlib import sha256
+from pathlib import Path
+
+import pytest
+
+from passo import config
+from passo.cli.main import main
+from passo.clock import ScaledLoop
+from passo.errors import FirmwareError
+from passo.toolchain.flashing import Person, flash
+from passo.toolchain.images import About, write_about
+
+from .fakes import Board, Port, intel_hex, packed, program
+
+UF2 = b"UF2\n" + bytes(508)
+
+
+@pytest.fixture
+def tools(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The only folder with programs."""
+    folder = tmp_path / "bin"
+    folder.mkdir()
+    monkeypatch.setenv("PATH", str(folder))
+    return folder
+
+
+@pytest.fixture
+def image(tmp_path: Path) -> Path:
+    path = tmp_path / "ramps.hex"
+    path.write_text(intel_hex())
+    return path
+
+
+@pytest.fixture
+def port() -> Iterator[Port]:
+    it = Port(Board(packed()))
+    yield it
+    it.close()
+
+
+def about(image: Path, dictionary: bytes, mcu: str = "atmega2560") -> None:
+    hashes = (sha256(image.read_bytes()).hexdigest(), sha256(dictionary).hexdigest())
+    sizes = (100, 262_144, 10, 8192)
+    names = ("ramps", "RAMPS 1.4", mcu, image.name)
+    write_about(About(*names, hashes[0], *sizes, "0.1.0-test", "gcc", hashes[1], {}), image)
+
+
+def flashed(name: str, where: str | None, image: Path, served: Port | None = None) -> list[str]:
+    """What was told and asked for, at a hundred times the speed."""
+    said: list[str] = []
+    person = Person(said.append, lambda text: said.append(f"HANDS: {text}"))
+    with asyncio.Runner(loop_factory=lambda: ScaledLoop(100)) as runner:
+        if served:
+            served.serve(runner.get_loop())
+        runner.run(flash(name, config.load_board(name), where, image, person))
+    return said
+
+
+def test_a_ramps_is_written_and_asked(tools: Path, image: Path, port: Port) -> None:
+    notes = program(tools, "avrdude")
+    about(image, packed())
+    said = flashed("ramps", port.name, image, port)
+    assert json.loads(notes.read_text()) == [
+        *("-p", "atmega2560", "-c", "wiring", "-b", "115200", "-P", port.name, "-D"),
+        *("-U", f"flash:w:{image}:i"),
+    ]
+    assert said == [
+        f"avrdude -p atmega2560 -c wiring -b 115200 -P {port.name} -D -U flash:w:{image}:i",
+        "ramps: written, and it answers: version 0.1.0-test, 2 commands.",
+    ]
+
+
+def test_a_melzi_waits_for_hands(tools: Path, image: Path, port: Port) -> None:
+    program(tools, "avrdude")
+    said = flashed("melzi", port.name, image, port)
+    assert [text.startswith("HANDS: ") for text in said] == [True, False, True, False]
+    assert "jumper on the pins marked Debug" in said[0]
+    assert "Take the jumper off Debug again" in said[2]
+
+
+def test_a_due_is_touched_first(tools: Path, tmp_path: Path, port: Port) -> None:
+    notes = program(tools, "bossac")
+    image = tmp_path / "radds.bin"
+    image.write_bytes(b"\0\0\7\x20")
+    said = flashed("radds", port.name, image, port)
+    assert "programming port" in said[0]
+    assert said[-1].startswith("radds: written, and it answers")
+    assert json.loads(notes.read_text()) == [
+        *("-p", port.name.removeprefix("/dev/"), "-U", "false"),
+        *("-e", "-w", "-v", "-b", str(image), "-R"),
+    ]
+
+
+def test_a_teensy_needs_no_port_and_is_not_asked(tools: Path, image: Path) -> None:
+    notes = program(tools, "teensy_loader_cli")
+    said = flashed("teensy3-mk20dx256", None, image)
+    assert said[0] == "HANDS: Press the button on the Teensy."
+    assert json.loads(notes.read_text()) == ["--mcu=mk20dx256", "-w", "-v", str(image)]
+    assert said[-1] == (
+        "teensy3-mk20dx256: written. It speaks on UART1 (receives on PTE1, sends on PTE0), so it"
+        " was not asked."
+    )
+
+
+def test_openocd_writes_an_elf(tools: Path, tmp_path: Path) -> None:
+    notes = program(tools, "openocd")
+    image = tmp_path / "disco.elf"
+    image.write_bytes(b"\x7fELF\1\1\1")
+    flashed("stm32f407-discovery", None, image)
+    assert json.loads(notes.read_text())[-1] == f"program {{{image}}} verify reset exit"
+
+
+def test_a_pico_is_a_drive(tools: Path, tmp_path: Path) -> None:
+    drive, image = tmp_path / "RPI-RP2", tmp_path / "pico.uf2"
+    drive.mkdir()
+    image.write_bytes(UF2)
+    with pytest.raises(FirmwareError, match="expected the folder of its drive, which holds INFO"):
+        flashed("pico", str(drive), image)
+    (drive / "INFO_UF2.TXT").write_text("UF2 Bootloader v3.0\n")
+    said = flashed("pico", str(drive), image)
+    assert said[0].startswith("HANDS: Hold the button BOOTSEL")
+    assert (drive / "pico.uf2").read_bytes() == UF2
+
+
+def test_a_board_that_does_not_answer(tools: Path, image: Path) -> None:
+    program(tools, "avrdude")
+    port = Port(None)
+    with pytest.raises(FirmwareError, match=r"does not tell who it is at .*, 250000") as caught:
+        flashed("ramps", port.name, image, port)
+    port.close()
+    assert caught.value.status == 5
+
+
+def test_a_board_that_runs_something_else(tools: Path, image: Path) -> None:
+    program(tools, "avrdude")
+    about(image, packed())
+    port = Port(Board(packed(version="0.0.9")))
+    with pytest.raises(FirmwareError, match=r"another image .* version '0.0.9', not '0.1.0-test'"):
+        flashed("ramps", port.name, image, port)
+    port.close()
+
+
+def test_a_program_that_fails(tools: Path, image: Path, port: Port) -> None:
+    program(tools, "avrdude", status=1)
+    with pytest.raises(FirmwareError, match="avrdude ended with status 1") as caught:
+        flashed("ramps", port.name, image)
+    assert caught.value.status == 5
+
+
+def test_a_missing_program_is_told_before_hands_do_anything(tools: Path, image: Path) -> None:
+    said: list[str] = []
+    work = flash(
+        "melzi", config.load_board("melzi"), "/dev/null", image, Person(said.append, said.append)
+    )
+    with pytest.raises(
+        FirmwareError, match="the program avrdude is missing, which melzi"
+    ) as caught:
+        asyncio.run(work)
+    assert caught.value.status == 2
+    assert said == []
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "board", "says"),
+    [
+        ("a.bin", b"x", "ramps", "expected a file that ends in .hex"),
+        ("a.hex", b"x", "radds", "expected a file that ends in .bin"),
+        ("a.hex", b"x", "stm32f429-discovery", "expected a file that ends in .elf or .bin"),
+        ("a.hex", b"x", "pico", "expected a file that ends in .uf2"),
+        ("a.hex", None, "ramps", "expected a file to read"),
+        ("a.hex", b"\x7fELF", "ramps", "expected the content of a .hex file"),
+        ("a.hex", b":00000001FE\n", "ramps", "expected the content of a .hex file"),
+        ("a.hex", b":0400000001020304F2\n", "ramps", "expected the content of a .hex file"),
+        ("a.elf", b"MZ", "stm32f407-discovery", "expected the content of a .elf file"),
+        ("a.uf2", bytes(512), "pico", "expected the content of a .uf2 file"),
+        ("a.bin", b"", "radds", "expected the content of a .bin file"),
+    ],
+)
+def test_files_that_are_no_image(
+    tmp_path: Path, name: str, content: bytes | None, board: str, says: str
+) -> None:
+    image = tmp_path / name
+    if content is not None:
+        image.write_bytes(content)
+    with pytest.raises(FirmwareError, match=says) as caught:
+        flashed(board, "/dev/null", image)
+    assert caught.value.status == 2
+
+
+def test_an_image_for_another_chip_or_changed_since(tools: Path, image: Path) -> None:
+    about(image, packed(), mcu="atmega1284p")
+    with pytest.raises(FirmwareError, match=r"one for atmega2560: this is for atmega1284p"):
+        flashed("ramps", "/dev/null", image)
+    about(image, packed())
+    image.write_text(intel_hex(b"other"))
+    with pytest.raises(FirmwareError, match="its hash differs"):
+        flashed("ramps", "/dev/null", image)
+
+
+@pytest.mark.parametrize("where", ["/dev/no-such-port", "."])
+def test_ports_that_are_none(tools: Path, image: Path, where: str) -> None:
+    program(tools, "avrdude")
+    with pytest.raises(FirmwareError, match="expected a serial port") as caught:
+        flashed("ramps", where, image)
+    assert caught.value.status == 2
+
+
+def test_the_command_flashes_and_reads_back(
+    tools: Path, image: Path, port: Port, capsys: pytest.CaptureFixture[str]
+) -> None:
+    program(tools, "avrdude")
+    port.serve_in_thread()
+    assert main(["firmware", "flash", "ramps", "--port", port.name, "--image", str(image)]) == 0
+    assert capsys.readouterr().out.endswith(
+        "ramps: written, and it answers: version 0.1.0-test, 2 commands.\n"
+    )
+
+
+def test_a_dry_run_does_nothing(
+    tools: Path, image: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["firmware", "flash", "melzi", "--port", "/dev/ttyUSB0", "--image", str(image)]
+    assert main([*words, "--dry-run"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line[:3] for line in lines] == ["1. ", "2. ", "3. "]
+    assert lines[1].startswith("2. avrdude -p atmega1284p -c stk500v1 -b 57600 -P /dev/ttyUSB0")
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["flash", "rumps", "--image", "x.hex"], "there is no board called 'rumps'"),
+        (["flash", "ramps", "--image", "x.hex"], "no port: expected a serial port"),
+        (["flash", "ramps", "--port", "/dev/null", "--image", "x.bin"], "ends in .hex"),
+        (["flash", "klipper", "--port", "/dev/null", "--image", "x.hex"], "no firmware of Passo"),
+        (["build", "rumps"], "there is no board called 'rumps'"),
+        (["build", "pico"], "that for the RP2040 is not written yet"),
+        (["build", "klipper"], "its microcontroller, klipper, is not known"),
+    ],
+)
+def test_usage_errors(words: list[str], says: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["firmware", *words]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert says in err
+    assert err.count("\n") == 1
