@@ -111,7 +111,7 @@ def test_a_minute_of_a_print_is_exact(tmp_path, monkeypatch):
         connection.pump.world += bodies
         return connection, Traced(bench, connection)
 
-    monkeypatch.setattr("passo.job.printing.connect", on_bench)
+    monkeypatch.setattr("passo.job.printing.connect_simulated", on_bench)
     printing = Print(machine)
     result = printing.run(path)
     traced = printing.board
