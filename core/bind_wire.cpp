@@ -453,9 +453,8 @@ void bind_board(nb::module_& m) {
           "heater_pin"_a, "sensor_pin"_a, "ambient_c"_a, "rise_c"_a, "time_constant_s"_a,
           "sensor_time_constant_s"_a, "adc_ratio"_a, "fan_pin"_a = 0, "fan_loss"_a = 0.0)
       .def(
-          "invert_output",
-          [](VirtualBoard& b, uint32_t pin) { b.plant().low_is_on.push_back(pin); }, "pin"_a,
-          "What hangs on this output pin is on when the pin is low.")
+          "invert_output", [](Bench& b, uint32_t pin) { b.plant().low_is_on.push_back(pin); },
+          "pin"_a, "What hangs on this output pin is on when the pin is low.")
       .def(
           "force_adc",
           [](Bench& b, uint32_t sensor_pin, double ratio) {

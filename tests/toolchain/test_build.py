@@ -19,10 +19,10 @@ from passo.toolchain.targets import Motor, board_target, state, target
 
 # board: most bytes of flash, and of static data in RAM
 LIMITS = {
-    "ramps": (24_000, 7_200),
-    "mks-gen": (24_000, 7_200),
-    "mks-gen-l": (24_000, 7_200),
-    "melzi": (24_000, 14_000),
+    "ramps": (26_000, 7_200),
+    "mks-gen": (26_000, 7_200),
+    "mks-gen-l": (26_000, 7_200),
+    "melzi": (26_000, 14_000),
     "radds": (20_000, 56_000),
     "ramps-fd": (20_000, 56_000),
     "duet-0.6": (20_000, 56_000),
