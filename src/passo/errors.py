@@ -332,6 +332,12 @@ CATALOGUE: Mapping[str, Entry] = {
         "Check its cable and supply, and link and port in the machine file",
         ExitStatus.MACHINE_FAULT,
     ),
+    "machine.silent": Entry(
+        "board",
+        "the board does not answer {value}",
+        "Check its supply, the baud rate, and that its firmware is Passo's or Klipper's",
+        ExitStatus.MACHINE_FAULT,
+    ),
     "machine.closed": Entry(
         "board",
         "the connection to the board has ended",

@@ -38,8 +38,7 @@ class BoardSilentError(MachineError):
     """The board does not answer."""
 
     def __init__(self, question: str) -> None:
-        problem = Problem("machine.shutdown", values={"value": f"it does not answer {question}"})
-        super().__init__([problem])
+        super().__init__([Problem("machine.silent", values={"value": question})])
 
 
 class Connection:

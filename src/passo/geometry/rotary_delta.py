@@ -43,12 +43,11 @@ class RotaryDelta(GeometryModel):
         )
         z = pz - self.z_offset
         reach = hypot(y, z)
-        cosine = (reach**2 + self.arm_length**2 - self.rod_length**2 + x**2) / (
-            2 * self.arm_length * reach
-        )
-        if abs(cosine) > 1:
+        side = reach**2 + self.arm_length**2 - self.rod_length**2 + x**2
+        full = 2 * self.arm_length * reach  # 0 on the shoulder's axis: no way to point at
+        if abs(side) > full or full == 0:
             raise Unreachable("an arm and its rod do not meet")
-        angle = atan2(z, y) - acos(cosine) + pi
+        angle = atan2(z, y) - acos(side / full) + pi
         return degrees(angle - 2 * pi if angle > pi else angle + 2 * pi if angle <= -pi else angle)
 
     def forward(self, actuators: Point) -> Point:
