@@ -176,7 +176,7 @@ def test_carriages_too_far_apart_have_no_point(positions):
 
 
 def test_a_joint_on_the_axis_of_a_shoulder_has_no_arm():
-    model, _, _, _ = machine("rotary-delta")
+    model, _, _, _ = machine("rotary_delta")
     away = (model.base_length - model.effector_length) / (2 * 3**0.5)
     with pytest.raises(Unreachable, match="do not meet"):
         model.inverse((0.0, -away, model.z_offset))
