@@ -112,7 +112,7 @@ class Motion {
   // no cut may be asked for at an earlier clock any more.
   void record_at(double ticks, uint16_t target, uint32_t value) {
     auto held = messages_.hold();
-    int64_t clock = int64_t(std::ceil(ticks));
+    int64_t clock = std::max(int64_t(std::ceil(ticks)), messages_.taken_until());
     MessageQueue& queue = clock < handed_out_ ? messages_ : pins_;
     queue.insert({clock, clock, value, 0, 0, target, MessageKind::pin, 0});
     merge(false);
@@ -223,6 +223,7 @@ class Motion {
       return allowed(p);
     };
     auto ends = [&](const Move& m) { return beside(m.p1); };
+    if (ticks == kInfinity && !aside_) return beside(planner_.position());
     if (aside_)
       return beside(aside_->stop) && beside(aside_->end) &&
              std::all_of(aside_->moves.begin(), aside_->moves.end(), ends);
@@ -236,9 +237,11 @@ class Motion {
     auto m = std::find_if(history_.begin(), history_.end(),
                           [&](const Move& x) { return x.end() > ticks; });
     if (m == history_.end() || m->kind != MoveKind::dwell || m->start > ticks) return std::nullopt;
+    double start = m->start;
     std::vector<Move> rest;
     double speed2 = cut(ticks, rest);
-    if (!rest.empty() && rest[0].kind == MoveKind::dwell) rest[0].duration = 0;
+    bool still_there = !rest.empty() && rest[0].kind == MoveKind::dwell && rest[0].start <= start;
+    if (still_there) rest[0].duration = 0;
     resume_plan(rest, speed2, ticks_of_cut_);
     process(false);
     return ticks_of_cut_;
@@ -278,14 +281,20 @@ class Motion {
       braking.push_back(m);
     }
     held_.assign(rest.begin() + long(i), rest.end());
+    // Records behind the last move held are not due at the stop.
+    uint16_t behind = held_.empty() ? uint16_t(0) : std::exchange(unattached_, uint16_t(0));
     resume_plan(braking, speed2, ticks_of_cut_);
     flush();
+    unattached_ = behind;
+    dark_ = last_light();
+    if (dark_ > 0) put_light(0);
     return ticks_of_cut_;
   }
   // Goes on with what hold_from left.
   void release() {
     std::vector<Move> rest;
     rest.swap(held_);
+    if (dark_ > 0) put_light(std::exchange(dark_, 0u));
     resume_plan(rest, 0, planner_.clock());
     process(false);
   }
@@ -354,6 +363,7 @@ class Motion {
   // As hold_from, but what is left is forgotten, and its records with it.
   double stop_from(double ticks) {
     double cut = hold_from(ticks);
+    dark_ = 0;
     if (!held_.empty()) {
       planner_.set_position(held_.front().p0, held_.front().extruder);
       held_.clear();
@@ -399,9 +409,10 @@ class Motion {
   std::optional<Aside> aside_;
   uint16_t unattached_ = 0;  // last records_ that wait for a move to follow
   uint16_t laser_target_ = kMark;
-  uint32_t laser_full_ = 0, light_ = 0;  // light_: the last value sent while following_
-  bool following_ = false;               // the laser's power is that of the speed, not of a record
-  int64_t handed_out_ = 0;               // clock of the last message merged
+  uint32_t laser_full_ = 0, light_ = 0;   // light_: the last value sent while following_
+  uint32_t light_before_ = 0, dark_ = 0;  // of records forgotten; what a stop has switched off
+  bool following_ = false;                // the laser's power is that of the speed, not of a record
+  int64_t handed_out_ = 0;                // clock of the last message merged
   double ticks_of_cut_ = 0;
   bool in_pieces_ = false;  // what comes next may go on from pieces without a stop
   double pieces_end_ = 0;   // ticks
@@ -459,11 +470,31 @@ class Motion {
     moves.clear();
   }
 
+  // The power that a record has set last; 0 too where it follows the speed.
+  uint32_t last_light() const {
+    uint32_t value = light_before_;
+    for (const Record& r : placed_)
+      if (r.target == laser_target_) value = r.value;
+    return value;
+  }
+  // At the end of a plan that stands.
+  void put_light(uint32_t value) {
+    records_.push_front({laser_target_, value, 0});
+    place(planner_.clock(), 1);
+    merge(true);
+  }
   // Power that follows the speed of a move; off when the next one is none that has it.
   void light(const Move& m) {
     if (m.duty == 0) return dim(m.start);
+    double mm2 = 0, longest = 0;
+    for (int j = 0; j < kAxes; ++j) {
+      double mm = std::fabs(m.p1[j] - m.p0[j]);
+      longest = std::max(longest, mm);
+      if (j <= kZ) mm2 += mm * mm;
+    }
+    double duty = m.duty * (m.cartesian ? std::sqrt(mm2) : longest) / m.d;
     each_speed(m, machine_.clock_hz, [&](double ticks, double speed) {
-      set_light(ticks, uint32_t(std::min(1.0, m.duty * speed) * laser_full_ + 0.5));
+      set_light(ticks, uint32_t(std::min(1.0, duty * speed) * laser_full_ + 0.5));
     });
     following_ = true;
   }
@@ -482,7 +513,7 @@ class Motion {
     following_ = true;
     light_ = value;
     int64_t clock = std::max(int64_t(std::floor(ticks + 0.5)), handed_out_);
-    pins_.push({clock, clock, value, 0, 0, laser_target_, MessageKind::pin, 0});
+    pins_.insert({clock, clock, value, 0, 0, laser_target_, MessageKind::pin, 0});
   }
 
   // The next n records are due at `ticks`.
@@ -494,7 +525,7 @@ class Motion {
       if (r.target >= kMark)
         marks_.push_back(r);
       else
-        pins_.push({r.clock, r.clock, r.value, 0, 0, r.target, MessageKind::pin, 0});
+        pins_.insert({r.clock, r.clock, r.value, 0, 0, r.target, MessageKind::pin, 0});
       if (r.target == laser_target_) following_ = false;
       placed_.push_back(r);
     }
@@ -511,7 +542,8 @@ class Motion {
       history_.erase(history_.begin(), history_.begin() + long(history_begin_));
       history_begin_ = 0;
     }
-    while (!placed_.empty() && double(placed_.front().clock) < taken) placed_.pop_front();
+    for (; !placed_.empty() && double(placed_.front().clock) < taken; placed_.pop_front())
+      if (placed_.front().target == laser_target_) light_before_ = placed_.front().value;
     for (Compressor& c : compressors_) c.forget_resets(messages_.taken_until());
   }
 

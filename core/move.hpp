@@ -19,7 +19,7 @@ struct Move {
   double start;                                 // ticks since the start of the job
   double t_acc, t_cru, t_dec;                   // ticks
   double vn2, vj2;                              // caps of v²: within the move; at its start
-  double duty;                                  // share of a laser's power at one unit of speed
+  double duty;                                  // share of a laser's power at 1 mm/s
   double feed, duration, radius, speed_factor;  // as requested, kept for replanning
   double curved_steps;                          // steps of the nonlinear actuators, at most
   double tolerance;  // ticks by which steps may miss their ideal times; 0: the board's own

@@ -359,6 +359,7 @@ class Interpreter {
     double mm = move_.target[kE] - position_[kE];
     if (!auto_retract_ || have != 1u << ('E' - 'A')) return false;
     if (std::fabs(mm) < kLeastRetract || std::fabs(mm) > kMostRetract) return false;
+    if (retracted_ == (mm < 0)) return false;  // neither a retraction nor its end
     run_retract(mm < 0);
     return true;
   }

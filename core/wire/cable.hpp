@@ -47,6 +47,7 @@ class Cable {
       ssize_t n = write(fd_, out_.data() + sent_, out_.size() - sent_);
       if (n < 0 && errno == EINTR) continue;
       if (n < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) return;
+      if (n == 0) return;
       if (n < 0) open_ = false;
       sent_ += n > 0 ? size_t(n) : 0;
     }

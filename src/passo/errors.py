@@ -338,6 +338,12 @@ CATALOGUE: Mapping[str, Entry] = {
         "Check its supply, the baud rate, and that its firmware is Passo's or Klipper's",
         ExitStatus.MACHINE_FAULT,
     ),
+    "machine.dictionary": Entry(
+        "board",
+        "the board's dictionary does not fit the machine file: {value}",
+        "Choose the right board in the machine file, or build the firmware for it",
+        ExitStatus.MACHINE_FAULT,
+    ),
     "machine.closed": Entry(
         "board",
         "the connection to the board has ended",

@@ -126,3 +126,39 @@ def test_what_disturbs_a_print_leaves_m3_alone(s, seed):
         s.host.send(f"M220 S{chance.choice((50, 80, 100, 130))}")
     finish(s)
     assert [share for _, share in beam.changes()] == [0.0]
+
+
+@pytest.mark.parametrize("stop", ["M410", "M25"])
+def test_a_stop_takes_the_laser_s_power(tmp_path, stop):
+    """M3 is for a head that moves: one that was stopped would burn a hole."""
+    (tmp_path / "a.gco").write_text("G92 X0 Y0 Z0\nM3 S400\nG1 X200 F3000\nM3 S800\nG1 X0\nM5\n")
+    with Scenario("laser", card=str(tmp_path)) as s:
+        s.host.ok("M23 a.gco")
+        s.host.ok("M24")
+        s.passes(2.0)
+        lit = s.board.output_value("laser") / s.printer.connection.full_scale("laser")
+        assert lit == pytest.approx(0.4, abs=0.005)
+        s.host.send(stop)
+        s.passes(3.0)
+        assert s.printer.drive.standing
+        assert s.board.output_value("laser") == 0
+        if stop == "M25":
+            beam = Beam(s)
+            s.host.send("M24")
+            s.passes(12.0)
+            shares = [share for _, share in beam.changes()]
+            assert shares == pytest.approx([0.4, 0.8, 0.0], abs=0.005)
+
+
+def test_a_print_that_is_cancelled_leaves_no_power_for_jogging(tmp_path):
+    (tmp_path / "a.gco").write_text("G92 X0 Y0 Z0\nM4 S400\nG1 X200 F3000\nG1 X0\nM5\n")
+    with Scenario("laser", card=str(tmp_path)) as s:
+        s.host.ok("M23 a.gco")
+        s.host.ok("M24")
+        s.passes(2.0)
+        s.host.ok("M524")
+        s.passes(1.0)
+        beam = Beam(s)
+        s.host.send("G91", "G1 X5 F3000")
+        finish(s)
+        assert beam.changes() == []

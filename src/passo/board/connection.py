@@ -17,7 +17,7 @@ from passo.board.configuration import (
     queries,
 )
 from passo.board.description import BoardDescription, Sensor, inverted
-from passo.board.dictionary import Dictionary
+from passo.board.dictionary import Dictionary, DictionaryError
 from passo.board.faults import HeaterFault
 from passo.board.ports import Port
 from passo.errors import MachineError, Problem
@@ -76,10 +76,13 @@ class Connection:
     def connect(self) -> None:
         """Identifies and configures the board, follows its clock and starts its sensors.
 
-        A board that is configured otherwise, or is shut down, is reset first.
+        A board that was in use is reset first: what it was doing nobody knows any more.
         """
-        self._identify()
-        self._configure()
+        try:
+            self._identify()
+            self._configure()
+        except DictionaryError as error:
+            raise MachineError.of("machine.dictionary", value=str(error)) from None
         self._follow_clock()
         self._prepare()
         for line in queries(self.board, self.dictionary, self.now + self._ticks(_LEAD_S)):
@@ -152,14 +155,26 @@ class Connection:
         loop.set_sensor(heater_options(self.board, entry, self.dictionary))
 
     def close(self) -> None:
-        """Switches the heaters off and lets go of the board. Raises nothing."""
+        """Switches heaters and the laser off and lets go of the board. Raises nothing."""
         if isinstance(self.wire, _core.LiveWire):
             for heater in self.heaters.values():
                 heater.target = 0.0
-            # Each heater is set anew with the next report of its sensor.
+            self.link.stop_job()
+            # What the board has already is over by then; each heater is set anew with the next
+            # report of its sensor.
             with suppress(MachineError):
                 self.run(self.now + self._ticks(_FAREWELL_S))
+                self._switch_off_lasers()
+                self.run(self.now + self._ticks(_LEAD_S))
             self.wire.stop()
+
+    def _switch_off_lasers(self) -> None:
+        clock = (self.now + self._ticks(_LEAD_S / 2)) & 0xFFFFFFFF
+        for o in self.board.outputs:
+            if o.kind == "pwm" and not o.max_duration_ticks:
+                off = self.full_scale(o.name) if inverted(o.pin) else 0
+                oid = self._oids.outputs[o.name]
+                self.command(f"queue_pwm_out oid={oid} clock={clock} value={off}")
 
     def net_steps(self, stepper: str) -> int:
         """Steps forward less steps backward that the board has made since it was configured. Lets
@@ -228,7 +243,7 @@ class Connection:
         lines = commands(self.board, self.dictionary)
         crc = checksum(lines)
         state = self.ask("get_config", "config")
-        if state["is_shutdown"] or (state["is_config"] and state["crc"] != crc):
+        if state["is_shutdown"] or state["is_config"]:
             self.command("reset")
             self._pass(self.now + self._ticks(_RESET_S))
             self.link.restart()

@@ -1,4 +1,4 @@
-"""`passo print`: a file, to its end, on the machine's board."""
+"""`passo print`: a file, to its end, on a simulated board."""
 
 from __future__ import annotations
 

@@ -100,7 +100,7 @@ class Session:
             self.upload.abort()
             self.upload = None
         if self._working:
-            self._printer.go_on()  # cutting it off would leave a machine that moves
+            self._printer.end_wait()  # cutting it off would leave a machine that moves
         elif self._task is not None:
             self._task.cancel()
         if self.hear in self._printer.listeners:

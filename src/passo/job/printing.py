@@ -45,7 +45,7 @@ class Progress:
 
 
 class Print:
-    """One print on the board that the machine file names. Runs once; not thread-safe."""
+    """One print on a simulated board of the machine. Runs once; not thread-safe."""
 
     def __init__(
         self,

@@ -178,6 +178,7 @@ class Runner:
         self.ended = "cancelled"
         self.state = State.READY
         printer.stop()
+        printer.drive.forget_targets()
         if printer.job.suspended:
             printer.job.forget_suspended()
         self._resumed.set()
@@ -235,9 +236,12 @@ class Runner:
 
     def _stopped(self, reason: str) -> None:
         """The machine was stopped in mid-print: the file stays where it is."""
-        if self.state is State.PRINTING:
+        revived = self.active and bool(self._printer.halted)  # a pause has nothing to return to
+        if self.state is State.PRINTING or revived:
             self._failed = reason
+            self._returns = False
             self._end()
+            self._resumed.set()
 
     def _end(self) -> None:
         printer = self._printer

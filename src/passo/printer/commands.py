@@ -187,11 +187,15 @@ class Commands:
         self._laser()
 
     def _spindle_stop(self, _: Command) -> None:
-        self._spindle_mode = ""
-        self._laser()
+        self.laser_off()
 
     def _spindle_power(self, command: Command) -> None:
         self._spindle = command.words().get("S", self._spindle)
+        self._laser()
+
+    def laser_off(self) -> None:
+        """Laser or spindle off when the moves so far are done, until it is switched on again."""
+        self._spindle_mode = ""
         self._laser()
 
     def _laser(self) -> None:

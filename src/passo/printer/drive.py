@@ -158,6 +158,11 @@ class Drive:
         """Brakes to a stop on the path; what is left is forgotten."""
         self._revoke(self._job.stop_from(self._earliest()))
 
+    def forget_targets(self) -> None:
+        """Temperatures that the moves so far would still set are not set any more."""
+        self._marks.clear()
+        self._job.take_marks()
+
     def _earliest(self) -> float:
         return self.now + HORIZON_S * self.hz
 

@@ -176,6 +176,10 @@ class Printer:
         """M108: ends the wait that goes on, for moves, time, temperatures or a person. Moves go
         on."""
         self.drive.skip_dwell()
+        self.end_wait()
+
+    def end_wait(self) -> None:
+        """Whoever waits waits no more. What moves goes on, dwells too."""
         self._impatient = True
         self._skip.set()
 
@@ -216,6 +220,7 @@ class Printer:
     def stop(self) -> None:
         """M410: brakes to a stop on the path and forgets all moves that were planned."""
         self.drive.stop()
+        self.commands.laser_off()
         self._skip.set()
 
     # -- commands ---------------------------------------------------------------------------------
@@ -335,13 +340,14 @@ class Printer:
                 await self.drive.run()
             except MachineError as error:
                 self.halted = self.halted or str(error).rstrip(".")
+                self._make_safe()
                 self.tell(f"Error:Printer halted: {self.halted}. Make it safe, then send M999")
                 self.drive.end_waits()
                 await self._revived.wait()
                 self._revived.clear()
                 await self._all_have_stopped()
                 try:
-                    self._begin_anew()
+                    await self._revive()
                 finally:
                     self.turn.give()
 
@@ -352,7 +358,26 @@ class Printer:
             self.drive.end_waits()
             await asyncio.sleep(TICK_S)
 
+    def _make_safe(self) -> None:
+        """The board may only have been silent for a moment: it must not go on when it is back."""
+        for name in self.heaters:
+            self.connection.set_target(name, 0.0)
+        self.connection.link.stop_job()
+        self.connection.command("emergency_stop")
+
+    async def _revive(self) -> None:
+        """Begins anew; as often as somebody asks, until the board can be reached."""
+        while True:
+            try:
+                return self._begin_anew()
+            except MachineError as error:
+                self.tell(f"Error:{error} Then send M999 again")
+                await self._revived.wait()
+                self._revived.clear()
+
     def _begin_anew(self) -> None:
+        for listener in self.stop_listeners:
+            listener(self.halted)
         self.motors.forget()
         lines = list(self.settings())
         self._begin(reconnected(self.connection))

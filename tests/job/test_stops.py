@@ -1,0 +1,59 @@
+"""Prints that are paused, cancelled or halted: what was planned for later does not happen now."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from tests.console.scenario import Scenario
+
+
+def printing(folder: Path, text: str) -> Scenario:
+    (folder / "a.gco").write_text("M302 P1\nG92 X0 Y0 Z0 E0\n" + text)
+    scenario = Scenario("i3", card=str(folder))
+    scenario.host.ok("M23 a.gco")
+    scenario.host.ok("M24")
+    return scenario
+
+
+def test_records_behind_what_is_held_wait_for_it(tmp_path: Path) -> None:
+    text = "G1 X100 F3000\nM106 S255\nG1 X0\nM106 S51\n"
+    with printing(tmp_path, text) as s:
+        s.board.trace_output("part")
+        s.passes(1.0)
+        s.host.send("M25")
+        s.passes(3.0)
+        assert s.printer.drive.standing
+        assert s.board.take_changes("part") == []
+        s.host.send("M24")
+        s.passes(10.0)
+        full = s.printer.connection.full_scale("part")
+        shares = [value / full for _, value in s.board.take_changes("part")]
+        assert shares == pytest.approx([1.0, 0.2], abs=0.005)
+
+
+@pytest.mark.parametrize("moment", [0.2 + i * 0.02 for i in range(12)])
+def test_a_cancelled_print_sets_no_temperature_any_more(tmp_path: Path, moment: float) -> None:
+    text = "".join(f"G1 X{i % 2} F600\nM104 S{200 + i}\n" for i in range(40))
+    with printing(tmp_path, text) as s:
+        s.passes(0.5 + moment)
+        assert s.printer.connection.heaters["hotend"].target >= 200
+        s.host.ok("M524")
+        s.passes(5.0)
+        assert s.printer.connection.heaters["hotend"].target == 0
+
+
+def test_a_pause_ends_with_the_board(tmp_path: Path) -> None:
+    with printing(tmp_path, "G1 X100 F3000\nG1 X0\n" * 5) as s:
+        s.passes(1.0)
+        s.host.send("M25")
+        s.passes(3.0)
+        s.host.send("M112")
+        s.passes(1.0)
+        s.host.send("M999")
+        s.host.expect("ready again", 10.0)
+        assert s.printer.halted == ""
+        s.host.send("M24")  # from the beginning: there is nothing to return to
+        s.passes(5.0)
+        assert s.printer.halted == ""
+        assert s.positions()["x"] > 0
