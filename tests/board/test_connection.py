@@ -108,7 +108,7 @@ def test_a_board_that_is_shut_down_is_reset():
 def test_a_board_without_a_dictionary_is_refused():
     empty = _core.VirtualBoard(16e6, 16, 1023, 255, b"", 0)
     connection = Connection(description(), InProcess(empty))
-    with pytest.raises(MachineError, match="dictionary does not fit.*damaged"):
+    with pytest.raises(MachineError, match=r"dictionary does not fit.*damaged"):
         connection.connect()
 
 

@@ -226,16 +226,20 @@ def test_a_slicer_s_own_retractions_become_those_of_the_firmware(s):
         ("G1 E5", 4.95, 20.0),
         ("G1 X30 E6", 5.95, 20.0),
         ("G1 E26", 25.95, 20.0),  # too long
+        ("G1 E31", 30.95, 20.0),  # pushes, but nothing was drawn back before
+        ("G1 E27", 29.45, 20.4),
+        ("G1 E26", 28.45, 20.4),  # draws once more, as it is drawn back already
+        ("G1 E30", 29.95, 20.0),
     ):
         s.host.ok(line)
         s.host.ok("M400", 60)
         at = s.positions()
         assert (at["e"], at["z"]) == pytest.approx((e, z), abs=0.02), line
-    assert position(s)["E"] == 26
+    assert position(s)["E"] == 30
     s.host.ok("M209 S0")
-    s.host.ok("G1 E25")
+    s.host.ok("G1 E29")
     s.host.ok("M400")
-    assert s.positions()["e"] == pytest.approx(24.95, abs=0.02)
+    assert s.positions()["e"] == pytest.approx(28.95, abs=0.02)
 
 
 def test_filament_is_loaded_and_unloaded(s):
