@@ -262,12 +262,15 @@ void bind_link(nb::module_& m) {
           "name"_a, "oid"_a, "invert"_a)
       .def(
           "add_pin",
-          [](Link& l, const std::string& name, uint32_t oid, PinKind kind, uint32_t inverted_full) {
+          [](Link& l, const std::string& name, uint32_t oid, PinKind kind, uint32_t inverted_full,
+             Ticks longest) {
             std::lock_guard lock(l.guard());
-            l.job().add_pin(l.commands(), name, oid, kind, inverted_full);
+            l.job().add_pin(l.commands(), name, oid, kind, inverted_full, longest);
           },
-          "name"_a, "oid"_a, "kind"_a, "inverted_full"_a = 0,
-          "inverted_full: the value at full scale of a pin that is on when low.")
+          "name"_a, "oid"_a, "kind"_a, "inverted_full"_a = 0, "longest"_a = 0,
+          "inverted_full: the value at full scale of a pin that is on when low; longest: ticks "
+          "that "
+          "the board lets it be on without a word.")
       .def(
           "set_slots",
           [](Link& l, size_t slots) {

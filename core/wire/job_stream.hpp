@@ -35,11 +35,37 @@ class JobStream {
          prefix(commands, "reset_step_clock", oid), StreamHash::of_name(name), invert});
   }
   // `inverted_full`: the value at full scale of a pin that is on when low; 0 of all others.
+  // `longest`: the board shuts down when a pin is on for so many ticks without a word of the host;
+  // 0: it does not.
   void add_pin(const Formats& commands, const std::string& name, uint32_t oid, PinKind kind,
-               uint32_t inverted_full) {
+               uint32_t inverted_full, Ticks longest) {
     pins_.push_back(
         {prefix(commands, kind == PinKind::pwm ? "queue_pwm_out" : "queue_digital_out", oid),
-         StreamHash::of_name(name), inverted_full});
+         StreamHash::of_name(name), inverted_full, longest});
+  }
+  // The board clock at which a pin must be told its value again, lest the board think that nobody
+  // is there; kNever if none.
+  Ticks renew_at() const {
+    Ticks next = kNever;
+    for (const Pin& pin : pins_)
+      if (running_ && pin.longest > 0 && pin.value > 0)
+        next = std::min(next, pin.told + pin.longest / 2);
+    return next;
+  }
+  // The command for a pin that is due at board clock `now`, behind all that is on its way; empty if
+  // none is.
+  Bytes renew(Ticks now) {
+    Bytes payload;
+    for (Pin& pin : pins_) {
+      if (!running_ || pin.longest == 0 || pin.value == 0 || now < pin.told + pin.longest / 2)
+        continue;
+      pin.told = std::max(pin.told + 1, now + 2 * quantum_);
+      uint8_t buffer[kLongestCommand];
+      uint8_t* p = put_vlq(put(buffer, pin.update), uint32_t(pin.told));
+      payload.assign(buffer, put_vlq(p, on_wire(pin.value, pin.inverted_full)));
+      break;
+    }
+    return payload;
   }
   // What a board is told for `value` of a pin.
   static uint32_t on_wire(uint32_t value, uint32_t inverted_full) {
@@ -94,7 +120,10 @@ class JobStream {
       size = size_t(end - payload);
       first = std::min(first, m.clock + base_);
       if (slot) ends_.push_back((m.kind == MessageKind::pin ? m.clock : m.end_clock) + base_);
-      if (m.kind == MessageKind::pin) pins_[m.target].value = m.interval;
+      if (m.kind == MessageKind::pin) {
+        pins_[m.target].value = m.interval;
+        pins_[m.target].told = m.clock + base_;
+      }
       queue_steps_ += m.kind == MessageKind::queue_step;
       ++messages_;
       hash_.add(m, m.kind == MessageKind::pin ? pins_[m.target].name : steppers_[m.target].name);
@@ -130,7 +159,9 @@ class JobStream {
     Prefix update;
     uint64_t name;
     uint32_t inverted_full;
+    Ticks longest;
     uint32_t value = 0;
+    Ticks told = 0;  // board clock of the last word
   };
 
   Ticks horizon_, quantum_, margin_;

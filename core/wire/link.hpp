@@ -151,6 +151,9 @@ class Link {
     window_.poll(now, out);
     if (following_ && now >= next_sync_) ask_clock(now);
     Ticks clock = sync_.ready() ? sync_.clock_at(now) : 0;
+    if (sync_.ready() && !shut_down_)
+      for (Bytes again = job_.renew(clock); !again.empty(); again = job_.renew(clock))
+        now_queue_.push_back({std::move(again), false});
     while (window_.room(kPayloadMax) && fill_frame(clock)) {
       if (holds_question_) question_ = window_.next();
       holds_question_ = holds_command_ = false;
@@ -239,6 +242,7 @@ class Link {
     Ticks next = std::min(window_.deadline(), following_ ? next_sync_ : kNever);
     if (sync_.ready() && !shut_down_ && window_.room(kPayloadMax)) {
       Ticks wake = open_size_ > 0 ? job_.must_leave(open_first_) : job_.wake();
+      wake = std::min(wake, job_.renew_at());
       if (wake != kNever) next = std::min(next, sync_.host_at(wake));
     }
     return std::max(next, now + 1);

@@ -411,8 +411,10 @@ class Link:
 
     def add_stepper(self, name: str, oid: int, invert: bool) -> None: ...
 
-    def add_pin(self, name: str, oid: int, kind: PinKind, inverted_full: int = 0) -> None:
-        """inverted_full: the value at full scale of a pin that is on when low."""
+    def add_pin(self, name: str, oid: int, kind: PinKind, inverted_full: int = 0, longest: int = 0) -> None:
+        """
+        inverted_full: the value at full scale of a pin that is on when low; longest: ticks that the board lets it be on without a word.
+        """
 
     def set_slots(self, slots: int) -> None: ...
 

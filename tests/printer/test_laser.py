@@ -162,3 +162,16 @@ def test_a_print_that_is_cancelled_leaves_no_power_for_jogging(tmp_path):
         s.host.send("G91", "G1 X5 F3000")
         finish(s)
         assert beam.changes() == []
+
+
+def test_a_laser_needs_its_host(s):
+    """It is told its power again and again; when nobody does so, the board switches it off."""
+    s.host.ok("M3 S500")
+    s.passes(20.0)
+    assert s.printer.halted == ""
+    lit = s.board.output_value("laser") / s.printer.connection.full_scale("laser")
+    assert lit == pytest.approx(0.5, abs=0.005)
+    device = s.board.device
+    device.poll(device.now + 4 * s.machine.board.clock_hz)  # and no word of the host
+    assert device.fault == "Missed scheduling of next hard pwm event"
+    assert s.board.output_value("laser") == 0

@@ -31,7 +31,7 @@ _TRIES = 5
 _LEAD_S = 0.25
 _FAREWELL_S = 0.6
 _RESET_S = 0.05  # a board that has been told to reset has begun to by then
-_SLOTS_BY_HEATER = 4
+_SLOTS_RENEWED = 4  # of each output that is told its value again and again
 
 
 class BoardSilentError(MachineError):
@@ -170,8 +170,9 @@ class Connection:
 
     def _switch_off_lasers(self) -> None:
         clock = (self.now + self._ticks(_LEAD_S / 2)) & 0xFFFFFFFF
+        heated = {h.output for h in self.board.heaters}
         for o in self.board.outputs:
-            if o.kind == "pwm" and not o.max_duration_ticks:
+            if o.kind == "pwm" and o.name not in heated:
                 off = self.full_scale(o.name) if inverted(o.pin) else 0
                 oid = self._oids.outputs[o.name]
                 self.command(f"queue_pwm_out oid={oid} clock={clock} value={off}")
@@ -256,15 +257,19 @@ class Connection:
         self.move_count = int(state["move_count"])
 
     def _prepare(self) -> None:
-        slots = self.move_count - _SLOTS_BY_HEATER * len(self.board.heaters)
+        renewed = sum(o.max_duration_ticks > 0 for o in self.board.outputs)
+        slots = self.move_count - _SLOTS_RENEWED * renewed
         self.link.set_slots(slots)
         for s in self.board.steppers:
             turned = s.invert != inverted(s.dir_pin)
             self.link.add_stepper(s.name, self._oids.steppers[s.name], turned)
+        heated = {h.output for h in self.board.heaters}
         for o in self.board.outputs:
             kind = _core.PinKind.PWM if o.kind == "pwm" else _core.PinKind.DIGITAL
             full = full_scale(o, self.dictionary) if inverted(o.pin) else 0
-            self.link.add_pin(o.name, self._oids.outputs[o.name], kind, full)
+            # A heater's own loop renews it.
+            longest = 0 if o.name in heated else o.max_duration_ticks
+            self.link.add_pin(o.name, self._oids.outputs[o.name], kind, full, longest)
         for h in self.board.heaters:
             options = heater_options(self.board, h, self.dictionary)
             self.heaters[h.name] = self.link.add_heater(options)

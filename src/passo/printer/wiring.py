@@ -67,9 +67,9 @@ def board_description(machine: MachineConfig) -> BoardDescription:
             Output(name, machine.board.pin(fan.pin), "digital", round(_PWM_PERIOD_S * clock_hz))
         )
     if machine.laser:
-        outputs.append(
-            Output("laser", machine.board.pin(machine.laser.pin), "pwm", round(0.001 * clock_hz))
-        )
+        longest = round(_MAX_DURATION_S * clock_hz)
+        pin = machine.board.pin(machine.laser.pin)
+        outputs.append(Output("laser", pin, "pwm", round(0.001 * clock_hz), longest))
     enables = enable_outputs(machine)
     for name, output in enables.items():
         if output == f"{name}-enable":
