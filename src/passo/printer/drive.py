@@ -55,7 +55,6 @@ class Drive:
         self._waiting: list[tuple[Callable[[], bool], asyncio.Future[None]]] = []
         self._woken = asyncio.Event()
         self._first_move_s: float | None = None
-        self._plan_start = -1  # of a plan of which nothing is settled yet
         self._stop_clock = -1.0  # end of a plan that was settled only because it ran dry
         self._heard_s = 0.0
         self._dirty = False
@@ -103,7 +102,6 @@ class Drive:
         job = self._job
         if job.queued == 0 and job.clock <= self.now + LEAD_S / 2 * self.hz:
             job.wait_until(self.now + LEAD_S * self.hz)
-            self._plan_start = job.clock
             self._first_move_s = self._heard_s
 
     def after_moves(self) -> None:
@@ -254,9 +252,6 @@ class Drive:
                 self._dirty = True
                 return
             self._first_move_s = None
-            # Whoever was kept from looking here in time must not send what is due already.
-            if job.clock == self._plan_start and job.clock < now + LEAD_S / 2 * self.hz:
-                job.wait_until(now + LEAD_S * self.hz)
         if job.clock - now < RUNNING_DRY_S * self.hz:
             job.flush()
             self._stop_clock = job.clock
