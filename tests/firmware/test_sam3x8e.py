@@ -155,6 +155,18 @@ def test_a_heater_is_off_before_the_last_messages(image: bytes) -> None:
     assert pins == [PD7] + [PC26] * 16
 
 
+@pytest.mark.parametrize(("oid", "longest"), [(0, 0), (1, 2**31), (1, 42)])
+def test_a_pulsed_output_that_is_refused_is_put_to_its_default(image, oid, longest) -> None:
+    host = Host(image)
+    host.send(
+        "allocate_oids count=2",
+        "config_trsync oid=0",
+        f"config_pwm_out oid={oid} pin=PC24 cycle_ticks=4200 value=128 default_value=3"
+        f" max_duration={longest}",
+    )
+    assert host.chip.duties[7] == 3
+
+
 def test_an_endstop_is_looked_at_every_15_us(image: bytes) -> None:
     host = Host(image)
     host.send(
