@@ -22,10 +22,11 @@ static bool run(struct timer *timer) {
   for (uint8_t i = 0; i < buttons->count; ++i)
     if (buttons->added >> i & 1) state |= (uint8_t)(hal_input_read(&buttons->inputs[i]) << i);
   state ^= buttons->invert;
-  bool settled = state == buttons->seen;
+  uint8_t settled = (uint8_t)~(state ^ buttons->seen);  // bits: one may bounce for itself
+  uint8_t next = (uint8_t)((buttons->told & ~settled) | (state & settled));
   buttons->seen = state;
-  if (settled && state != buttons->told && buttons->unacknowledged < BUTTON_STATES) {
-    buttons->told = buttons->states[buttons->unacknowledged++] = state;
+  if (next != buttons->told && buttons->unacknowledged < BUTTON_STATES) {
+    buttons->told = buttons->states[buttons->unacknowledged++] = next;
     tell(buttons);
   } else if (buttons->unacknowledged > 0 && buttons->retransmit_count > 0 && --buttons->wait == 0) {
     tell(buttons);

@@ -1,5 +1,6 @@
-// Buttons and encoders: up to eight inputs looked at together. A state that two looks in a row saw
-// is kept until the host acknowledges it; unacknowledged states are told again after so many looks.
+// Buttons and encoders: up to eight inputs looked at together. A level counts that two looks in a
+// row saw, whatever the other inputs do. Each new state is kept until the host acknowledges it;
+// unacknowledged states are told again after so many looks.
 #pragma once
 #include <stdbool.h>
 #include <stdint.h>

@@ -43,7 +43,7 @@ void *object_get(uint32_t oid, uint8_t type);
 void *object_find(uint32_t oid, uint8_t type);
 // The next object of this type after *oid (start with -1), or null; for (;;) over all of them.
 void *object_next(int16_t *oid, uint8_t type);
-// Shuts down every object; under hal_irq_save().
+// Shuts down every object, outputs before all others; under hal_irq_save().
 void objects_shut_down(void);
 
 // Whether the configuration is complete. The second form shuts down if it is not.

@@ -11,6 +11,8 @@ DECL_SHUTDOWN(OUTPUT_BUSY, "Output updated while its queue holds commands");
 DECL_SHUTDOWN(OUTPUT_PIN, "Not a valid output pin");
 DECL_SHUTDOWN(PWM_PIN, "Not a valid PWM pin");
 DECL_SHUTDOWN(DURATION_TOO_LONG, "Duration too long for the clock");
+DECL_SHUTDOWN(NOT_AT_DEFAULT, "Output with a maximum duration must begin at its default");
+DECL_SHUTDOWN(PIN_CONFIGURED, "Pin belongs to a configured output");
 
 #ifndef HAL_WATCH_OUTPUT
 #define HAL_WATCH_OUTPUT(pin, value, full) ((void)0)
@@ -85,11 +87,27 @@ static void shut_down_output(void *object) {
 static const struct object_kind digital_kind = {OBJECT_DIGITAL_OUT, shut_down_output};
 static const struct object_kind pwm_kind = {OBJECT_PWM_OUT, shut_down_output};
 
-// A new output whose pin has been set up already: it must not run before that.
-static void configure(uint32_t oid, const struct object_kind *kind, const struct output *wanted) {
+static bool is_configured(uint32_t pin) {
+  static const uint8_t types[] = {OBJECT_DIGITAL_OUT, OBJECT_PWM_OUT};
+  for (uint8_t i = 0; i < sizeof types; ++i) {
+    const struct output *output;
+    for (int16_t oid = -1; (output = object_next(&oid, types[i])) != NULL;)
+      if (output->pin == pin) return true;
+  }
+  return false;
+}
+
+// A new output whose pin has been set up already: it must not run before that. False, after a
+// shutdown, if the caller must put the pin to its default, because there is no output that does.
+static bool configure(uint32_t oid, const struct object_kind *kind, const struct output *wanted) {
   if ((int32_t)wanted->max_duration < 0) {
     shut_down(SHUTDOWN_DURATION_TOO_LONG);
-    return;
+    return is_configured(wanted->pin);
+  }
+  // Nobody would count the time from here on.
+  if (wanted->max_duration != 0 && wanted->value != wanted->default_value) {
+    shut_down(SHUTDOWN_NOT_AT_DEFAULT);
+    return is_configured(wanted->pin);
   }
   hal_irq_t irq = hal_irq_save();
   struct output *output = object_add(oid, kind, sizeof *output);
@@ -101,6 +119,7 @@ static void configure(uint32_t oid, const struct object_kind *kind, const struct
     if (is_shut_down()) shut_down_output(output);
   }
   hal_irq_restore(irq);
+  return output != NULL || is_configured(wanted->pin);
 }
 
 DECL_COMMAND(command_config_digital_out,
@@ -113,8 +132,8 @@ void command_config_digital_out(const uint32_t *args) {
                           .max_duration = args[4]};
   if (args[1] > 0xffff || !hal_output_setup(&wanted.digital, wanted.pin, args[2] != 0))
     shut_down(SHUTDOWN_OUTPUT_PIN);
-  else
-    configure(args[0], &digital_kind, &wanted);
+  else if (!configure(args[0], &digital_kind, &wanted))
+    hal_output_write(&wanted.digital, wanted.default_value != 0);
 }
 
 DECL_COMMAND(command_config_pwm_out,
@@ -129,8 +148,8 @@ void command_config_pwm_out(const uint32_t *args) {
                           .max_duration = args[5]};
   if (args[1] > 0xffff || !hal_pwm_setup(&wanted.pwm, wanted.pin, args[2], (uint16_t)wanted.value))
     shut_down(SHUTDOWN_PWM_PIN);
-  else
-    configure(args[0], &pwm_kind, &wanted);
+  else if (!configure(args[0], &pwm_kind, &wanted))
+    hal_pwm_write(&wanted.pwm, (uint16_t)wanted.default_value);
 }
 
 static void queue(struct output *output, uint32_t clock, uint32_t value) {
@@ -210,7 +229,9 @@ void command_set_digital_out_pwm_cycle(const uint32_t *args) {
 DECL_COMMAND(command_set_digital_out, "set_digital_out pin=%u value=%c", 0);
 void command_set_digital_out(const uint32_t *args) {
   struct hal_output output;
-  if (args[0] > 0xffff || !hal_output_setup(&output, (uint16_t)args[0], args[1] != 0))
+  if (is_configured(args[0]))
+    shut_down(SHUTDOWN_PIN_CONFIGURED);
+  else if (args[0] > 0xffff || !hal_output_setup(&output, (uint16_t)args[0], args[1] != 0))
     shut_down(SHUTDOWN_OUTPUT_PIN);
   else
     HAL_WATCH_OUTPUT((uint16_t)args[0], args[1] != 0, 1);
@@ -220,7 +241,9 @@ DECL_COMMAND(command_set_pwm_out, "set_pwm_out pin=%u cycle_ticks=%u value=%hu",
 void command_set_pwm_out(const uint32_t *args) {
   struct hal_pwm pwm;
   uint16_t value = args[2] < HAL_PWM_MAX ? (uint16_t)args[2] : HAL_PWM_MAX;
-  if (args[0] > 0xffff || !hal_pwm_setup(&pwm, (uint16_t)args[0], args[1], value))
+  if (is_configured(args[0]))
+    shut_down(SHUTDOWN_PIN_CONFIGURED);
+  else if (args[0] > 0xffff || !hal_pwm_setup(&pwm, (uint16_t)args[0], args[1], value))
     shut_down(SHUTDOWN_PWM_PIN);
   else
     HAL_WATCH_OUTPUT((uint16_t)args[0], value, HAL_PWM_MAX);

@@ -56,5 +56,6 @@ DECL_COMMAND(command_clear_shutdown, "clear_shutdown", IN_SHUTDOWN);
 void command_clear_shutdown(const uint32_t *args) {
   (void)args;
   shutdown_task();
+  unreported = false;  // if the console has no room: what it would tell later is not so any more
   reason = 0;
 }

@@ -8,7 +8,11 @@
 
 DECL_SHUTDOWN(SPI_PINS, "Pins cannot make an SPI bus");
 DECL_SHUTDOWN(SPI_NO_BUS, "SPI device without a bus");
+DECL_SHUTDOWN(SPI_TOO_SLOW, "SPI clock too slow for this board");
 DECL_REPORT("spi_transfer_response oid=%c response=%*s");
+
+// Half a bit takes a millisecond at most: interrupts are off during the messages of a shutdown.
+#define LONGEST_PULSE (HAL_CLOCK_HZ / 1000 < 0x7fff ? HAL_CLOCK_HZ / 1000 : 0x7fff)
 
 #ifndef HAL_WAIT
 static void wait(uint16_t ticks) {
@@ -75,9 +79,13 @@ DECL_COMMAND(command_spi_set_sw_bus,
 void command_spi_set_sw_bus(const uint32_t *args) {
   struct spi *spi = object_get(args[0], OBJECT_SPI);
   if (spi == NULL) return;
+  if (args[5] > LONGEST_PULSE) {
+    shut_down(SHUTDOWN_SPI_TOO_SLOW);
+    return;
+  }
   spi->clock_rest = args[4] >> 1 & 1;
   spi->second_phase = args[4] & 1;
-  spi->pulse_ticks = args[5] < 0xffff ? (uint16_t)args[5] : 0xffff;
+  spi->pulse_ticks = (uint16_t)args[5];
   spi->has_bus = args[1] <= 0xffff && args[2] <= 0xffff && args[3] <= 0xffff && args[4] <= 3 &&
                  hal_input_setup(&spi->from_device, (uint16_t)args[1], true) &&
                  hal_output_setup(&spi->to_device, (uint16_t)args[2], false) &&

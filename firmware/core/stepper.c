@@ -79,7 +79,8 @@ void command_queue_step(const uint32_t *args) {
   if (!stepgen_append(stepper->axis, move, first_step)) {
     move_free(move);
     if (stepper->halted) return;  // in this moment
-    shut_down(hal_clock() - first_step > LATE ? SHUTDOWN_STEP_TOO_LATE : SHUTDOWN_TIMER_TOO_CLOSE);
+    shut_down((int32_t)(hal_clock() - first_step) > (int32_t)LATE ? SHUTDOWN_STEP_TOO_LATE
+                                                                  : SHUTDOWN_TIMER_TOO_CLOSE);
     return;
   }
   // count·(count - 1) / 2 without leaving 32 bits.

@@ -28,7 +28,8 @@
 // and may define
 //   hal_crc16(crc, byte)  a faster step of the frame's checksum than the one in codec.h
 //   HAL_DICTIONARY, HAL_DICTIONARY_SIZE   another dictionary than the build's
-//   HAL_WAIT(ticks)       waits some microseconds at most; else the core reads the clock
+//   HAL_WAIT(ticks)       waits up to 0x7fff ticks, also under hal_irq_save(); else the core
+//                         reads the clock
 //   HAL_WATCH_OUTPUT(pin, value, full)    sees the value of each output as it changes
 // A function declared below may be defined `static inline` in chip.h.
 #pragma once

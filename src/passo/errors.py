@@ -303,6 +303,13 @@ CATALOGUE: Mapping[str, Entry] = {
         "{axis} cannot be flashed through {value}: expected {limit}",
         "Plug the board in and name its port with --port",
     ),
+    "firmware.no-port": _firmware(
+        "no port was named for {axis}: it needs {limit}",
+        "Plug the board in and name its port with --port",
+    ),
+    "firmware.nobody": _firmware(
+        "nobody pressed Enter after: {value}", "Flash from a terminal, where hands can help"
+    ),
     "firmware.tool": _firmware(
         "the program {value} is missing, which {axis} needs", "Install it, and try again"
     ),

@@ -391,3 +391,11 @@ def test_cards_on_four_wires(name: str, clock: str, command: str, data: list[str
         command,
         *data,
     ]
+
+
+@pytest.mark.parametrize("name", ["radds", "ramps-fd", "duet-0.6"])
+def test_sam3x8e_boards_promise_no_more_steps_than_the_firmware_keeps_up_with(name):
+    budget = config.load_board(name).budget
+    assert budget is not None
+    steps_s = budget.step_share * budget.cpu_hz / budget.cycles_per_step
+    assert steps_s == pytest.approx(303_000, rel=0.01)

@@ -43,6 +43,19 @@ def test_a_bounce_of_one_look_is_nothing(board):
     assert pressed(board, False, 10) == []
 
 
+def test_an_input_that_bounces_does_not_hold_up_another(board):
+    pin = board.dictionary.enumerations["pin"]["PH5"]
+    board.device.add_switch(pin, [], 0.0, False, True)
+    board.device.force_switch(pin, 1)
+    board.wait(2 * REST)
+    board.simulated.force_switch("x", True)
+    said = []
+    for look in range(4):
+        board.device.force_switch(pin, look % 2)
+        said += board.wait(REST)
+    assert states(said) == [(0, [1])]
+
+
 def test_states_are_told_until_they_are_acknowledged(board):
     assert states(pressed(board, True, 2)) == [(0, [1])]
     assert states(pressed(board, False, 2)) == [(0, [1, 0])]

@@ -142,6 +142,48 @@ def test_a_software_pwm_too_fast_for_the_chip_does_not_hang_it():
 @pytest.mark.parametrize(
     ("line", "fault"),
     [
+        ("config_digital_out oid=0 pin=PB4 value=1 default_value=0 max_duration=0",
+         "Can't assign oid"),
+        ("config_digital_out oid=1 pin=PB4 value=1 default_value=0 max_duration=2147483648",
+         "Duration too long for the clock"),
+        ("config_digital_out oid=1 pin=PB4 value=1 default_value=0 max_duration=2000",
+         "Output with a maximum duration must begin at its default"),
+    ],
+)  # fmt: skip
+def test_an_output_that_is_refused_is_put_to_its_default(line, fault):
+    board = RawBoard()
+    for prepared in (
+        "allocate_oids count=2",
+        "config_digital_out oid=0 pin=PH6 value=1 default_value=1 max_duration=0",
+    ):
+        board.tell(prepared)
+    pin = board.dictionary.enumerations["pin"]["PB4"]
+    board.device.trace_edges(pin)
+    board.tell(line)
+    assert board.device.fault == fault
+    assert [level for _, level in board.device.take_edges(pin)] == [1, 0]
+
+
+@pytest.mark.parametrize(
+    ("line", "name"),
+    [
+        ("set_digital_out pin=PB4 value=1", "PB4"),
+        ("set_pwm_out pin=PH5 cycle_ticks=9 value=255", "PH5"),
+        ("set_digital_out pin=PH5 value=1", "PH5"),
+    ],
+)
+def test_a_pin_of_a_configured_output_is_not_set_behind_its_back(line, name):
+    board = RawBoard()
+    board.configure()
+    board.device.trace_edges(board.dictionary.enumerations["pin"][name])
+    board.tell(line)
+    assert board.device.fault == "Pin belongs to a configured output"
+    assert board.device.take_edges(board.dictionary.enumerations["pin"][name]) == []
+
+
+@pytest.mark.parametrize(
+    ("line", "fault"),
+    [
         ("config_digital_out oid=0 pin=5000 value=0 default_value=0 max_duration=0",
          "Not a valid output pin"),
         ("config_pwm_out oid=0 pin=70000 cycle_ticks=9 value=0 default_value=0 max_duration=0",

@@ -138,6 +138,67 @@ def test_outputs_sensors_and_the_shutdown(image: bytes) -> None:
     assert host.send("get_config")["config"]["is_shutdown"] == 1
 
 
+def test_a_heater_is_off_before_the_last_messages(image: bytes) -> None:
+    host = Host(image)
+    host.send(
+        "allocate_oids count=3",
+        "config_spi_without_cs oid=0",
+        "spi_set_sw_bus oid=0 miso_pin=PC24 mosi_pin=PC25 sclk_pin=PC26 mode=0 pulse_ticks=420",
+        "config_spi_shutdown oid=1 spi_oid=0 shutdown_msg=55",
+        "config_digital_out oid=2 pin=PD7 value=0 default_value=0 max_duration=0",
+        "finalize_config crc=1",
+        "update_digital_out oid=2 value=1",
+    )
+    host.chip.edges.clear()
+    host.send("emergency_stop")
+    pins = [pin for _, pin, _ in host.chip.edges if pin != PC25]
+    assert pins == [PD7] + [PC26] * 16
+
+
+@pytest.mark.parametrize(("oid", "longest"), [(0, 0), (1, 2**31), (1, 42)])
+def test_a_pulsed_output_that_is_refused_is_put_to_its_default(image, oid, longest) -> None:
+    host = Host(image)
+    host.send(
+        "allocate_oids count=2",
+        "config_trsync oid=0",
+        f"config_pwm_out oid={oid} pin=PC24 cycle_ticks=4200 value=128 default_value=3"
+        f" max_duration={longest}",
+    )
+    assert host.chip.duties[7] == 3
+
+
+def test_an_endstop_is_looked_at_every_15_us(image: bytes) -> None:
+    host = Host(image)
+    host.send(
+        "allocate_oids count=3",
+        "config_stepper oid=0 step_pin=PC25 dir_pin=PC26 invert_step=0 step_pulse_ticks=84",
+        "config_endstop oid=1 pin=PD7 pull_up=1",
+        "config_trsync oid=2",
+        "finalize_config crc=1",
+    )
+    start = host.chip.clock + HZ // 50
+    host.chip.edges.clear()
+    host.send(
+        f"reset_step_clock oid=0 clock={start}",
+        "queue_step oid=0 interval=4200 count=1000 add=0",
+        f"trsync_start oid=2 report_clock={start} report_ticks={HZ // 4} expire_reason=2",
+        "stepper_stop_on_trigger oid=0 trsync_oid=2",
+        f"endstop_home oid=1 clock={start} sample_ticks=630 sample_count=4 rest_ticks=630"
+        " pin_value=1 trsync_oid=2 trigger_reason=1",
+    )
+    assert host.send("get_config", seconds=0.05)["config"]["is_shutdown"] == 0
+    host.chip.inputs[PD7] = 1
+    hit = host.chip.clock
+    state = host.send("get_clock", seconds=0.01)["trsync_state"]
+    assert (state["can_trigger"], state["trigger_reason"]) == (0, 1)
+    clock = state["clock"]
+    assert isinstance(clock, int)
+    assert 3 * 630 <= clock - hit < 6 * 630
+    rises = [at for at, pin, level in host.chip.edges if pin == PC25 and level]
+    assert len(rises) < 1000
+    assert 0 <= clock - rises[-1] < 4400
+
+
 def test_reset_starts_the_chip_anew(image: bytes) -> None:
     host = Host(image)
     host.send("emergency_stop")

@@ -70,6 +70,10 @@ def test_the_last_message_is_sent_at_a_shutdown():
         ("config_spi_shutdown oid=1 spi_oid=0 shutdown_msg=00", "SPI device without a bus"),
         ("spi_set_sw_bus oid=0 miso_pin=PE5 mosi_pin=PH5 sclk_pin=PH6 mode=4 pulse_ticks=1",
          "Pins cannot make an SPI bus"),
+        ("spi_set_sw_bus oid=0 miso_pin=PE5 mosi_pin=PH5 sclk_pin=PH6 mode=0 pulse_ticks=32768",
+         "SPI clock too slow for this board"),
+        ("spi_set_sw_bus oid=0 miso_pin=PE5 mosi_pin=PH5 sclk_pin=PH6 mode=0 pulse_ticks=16001",
+         "SPI clock too slow for this board"),
         ("spi_send oid=1 data=00", "Invalid oid type"),
     ],
 )  # fmt: skip

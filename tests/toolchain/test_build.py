@@ -131,6 +131,15 @@ def test_where_nothing_can_be_written(tmp_path: Path) -> None:
         build(board_target("ramps"), path)
 
 
+def test_where_the_json_file_cannot_be_written_the_old_image_stays(tmp_path: Path) -> None:
+    (tmp_path / "ramps.json").mkdir()
+    (tmp_path / "ramps.hex").write_text("old")
+    with pytest.raises(FirmwareError, match="cannot be written"):
+        build(board_target("ramps"), tmp_path)
+    assert (tmp_path / "ramps.hex").read_text() == "old"
+    assert len([*tmp_path.iterdir()]) == 2
+
+
 def test_the_list(capsys: pytest.CaptureFixture[str]) -> None:
     assert {name: state(config.load_board(name)) for name in config.shipped_boards()} == STATES
     assert main(["firmware", "list"]) == 0

@@ -1,6 +1,7 @@
 """Flashing with programs that are not there, and boards that are made of a pty."""
 
 import asyncio
+import io
 import json
 from collections.abc import Iterator
 from hashlib import sha256
@@ -202,12 +203,48 @@ def test_an_image_for_another_chip_or_changed_since(tools: Path, image: Path) ->
         flashed("ramps", "/dev/null", image)
 
 
-@pytest.mark.parametrize("where", ["/dev/no-such-port", "."])
+@pytest.mark.parametrize("where", ["/dev/no-such-port", ".", "/dev/null"])
 def test_ports_that_are_none(tools: Path, image: Path, where: str) -> None:
     program(tools, "avrdude")
     with pytest.raises(FirmwareError, match="expected a serial port") as caught:
         flashed("ramps", where, image)
     assert caught.value.status == 2
+
+
+def test_a_wrong_port_is_told_before_hands_erase_the_board(tools: Path, tmp_path: Path) -> None:
+    program(tools, "bossac")
+    image = tmp_path / "duet-0.6.bin"
+    image.write_bytes(b"\0\0\7\x20")
+    said: list[str] = []
+    person = Person(said.append, said.append)
+    work = flash("duet-0.6", config.load_board("duet-0.6"), "/dev/null", image, person)
+    with pytest.raises(FirmwareError, match="through /dev/null: expected a serial port") as caught:
+        asyncio.run(work)
+    assert caught.value.status == 2
+    assert said == []
+
+
+def test_a_port_may_come_with_what_hands_do(tools: Path, tmp_path: Path, port: Port) -> None:
+    notes = program(tools, "bossac")
+    image = tmp_path / "duet-0.6.bin"
+    image.write_bytes(b"\0\0\7\x20")
+    link = tmp_path / "port"
+    person = Person(lambda _: None, lambda _: link.exists() or link.symlink_to(port.name))
+    with asyncio.Runner(loop_factory=lambda: ScaledLoop(100)) as runner:
+        port.serve(runner.get_loop())
+        board = config.load_board("duet-0.6")
+        runner.run(flash("duet-0.6", board, str(link), image, person))
+    assert notes.exists()
+
+
+def test_the_end_of_input_is_no_enter(
+    tools: Path, image: Path, port: Port, capsys: pytest.CaptureFixture[str], monkeypatch
+) -> None:
+    notes = program(tools, "avrdude")
+    monkeypatch.setattr("sys.stdin", io.StringIO(""))
+    assert main(["firmware", "flash", "melzi", "--port", port.name, "--image", str(image)]) == 2
+    assert "nobody pressed Enter after: " in capsys.readouterr().err
+    assert not notes.exists()
 
 
 def test_the_command_flashes_and_reads_back(
@@ -235,12 +272,15 @@ def test_a_dry_run_does_nothing(
     ("words", "says"),
     [
         (["flash", "rumps", "--image", "x.hex"], "there is no board called 'rumps'"),
-        (["flash", "ramps", "--image", "x.hex"], "no port: expected a serial port"),
+        (
+            ["flash", "ramps", "--image", "x.hex"],
+            "no port was named for ramps",
+        ),
         (["flash", "ramps", "--port", "/dev/null", "--image", "x.bin"], "ends in .hex"),
         (["flash", "klipper", "--port", "/dev/null", "--image", "x.hex"], "no firmware of Passo"),
         (["build", "rumps"], "there is no board called 'rumps'"),
         (["build", "pico"], "that for the RP2040 is not written yet"),
-        (["build", "klipper"], "its microcontroller, klipper, is not known"),
+        (["build", "klipper"], "it runs Klipper's own firmware"),
     ],
 )
 def test_usage_errors(words: list[str], says: str, capsys: pytest.CaptureFixture[str]) -> None:

@@ -47,6 +47,20 @@ static inline void hal_irq_restore(hal_irq_t state) {
   SREG = state;
 }
 
+static inline uint16_t chip_ticks(void) {
+  hal_irq_t irq = hal_irq_save();  // the high byte's buffer is one for all timers
+  uint16_t ticks = TCNT1;
+  hal_irq_restore(irq);
+  return ticks;
+}
+
+// Not by hal_clock(), which needs interrupts: ticks up to 0x7fff.
+static inline void chip_wait(uint16_t ticks) {
+  uint16_t begin = chip_ticks();
+  while ((uint16_t)(chip_ticks() - begin) < ticks) continue;
+}
+#define HAL_WAIT(ticks) chip_wait(ticks)
+
 // A port's three registers follow each other: PINx, DDRx, PORTx. A 1 written to PINx toggles a pin.
 struct hal_output {
   volatile uint8_t *port;

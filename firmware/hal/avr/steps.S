@@ -120,6 +120,9 @@
   out (\tifr) - __SFR_OFFSET, t0  // only this unit's flag, so not sbi
   rjmp .+0                        // the pin is low for 17 cycles, 1 us at 16 MHz
   rjmp .+0
+  .if !\fixed
+  HOLD \n                         // or longer, if the pulse is
+  .endif
   rjmp .Lstep\n
 
 // The 256th step of a move, or its last.

@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from passo.errors import ExitStatus
+from passo.errors import ExitStatus, FirmwareError, Problem
 
 if TYPE_CHECKING:
     from passo.config.board import Board
@@ -124,4 +124,5 @@ def _tell(text: str) -> None:
 
 def _wait(text: str) -> None:
     print(f"{text} Then press Enter.", flush=True)
-    sys.stdin.readline()
+    if not sys.stdin.readline():  # its end is no Enter
+        raise FirmwareError([Problem("firmware.nobody", values={"value": text})])

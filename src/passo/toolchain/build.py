@@ -15,7 +15,7 @@ from passo import _core
 from passo.config.board import Console
 from passo.errors import FirmwareError, Problem
 from passo.toolchain import arm, avr, avr_wheel
-from passo.toolchain.images import About, write_about
+from passo.toolchain.images import About, about_path, write_about
 from passo.toolchain.tables import compress
 from passo.toolchain.targets import LAYERS, Target, no_firmware
 
@@ -52,19 +52,24 @@ def build(target: Target, output: Path) -> tuple[Path, About]:
         output.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory() as folder:
             made = make(target, Path(folder))
-            image = output / f"{target.name}{made.image.suffix}"
-            shutil.copyfile(made.image, image)
+            return _place(target, made, output)
     except avr.FirmwareError as error:
         raise _problem("firmware.build", target, str(error)) from None
     except OSError as error:
         values = {"value": error.strerror or str(error)}
         raise FirmwareError([Problem("output.unwritable", str(output), None, values)]) from None
+
+
+def _place(target: Target, made: _Made, output: Path) -> tuple[Path, About]:
+    """Puts image and JSON file into `output` when both are complete. Raises OSError."""
+    chip = target.chip
+    image = output / f"{target.name}{made.image.suffix}"
     about = About(
         target=target.name,
         board=target.board.name,
         mcu=target.board.mcu,
         image=image.name,
-        sha256=hashlib.sha256(image.read_bytes()).hexdigest(),
+        sha256=hashlib.sha256(made.image.read_bytes()).hexdigest(),
         flash_bytes=made.flash,
         flash_size=chip.flash_bytes,
         ram_bytes=made.ram,
@@ -74,7 +79,11 @@ def build(target: Target, output: Path) -> tuple[Path, About]:
         dictionary_sha256=hashlib.sha256(compress(made.dictionary)).hexdigest(),
         dictionary=made.dictionary,
     )
-    write_about(about, image)
+    with tempfile.TemporaryDirectory(prefix=".", dir=output) as folder:
+        copied = Path(folder) / image.name
+        shutil.copyfile(made.image, copied)
+        write_about(about, copied).replace(about_path(image))
+        copied.replace(image)
     return image, about
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from passo.config.board import Board, Flash
 from passo.errors import FirmwareError, Problem
+from passo.toolchain.targets import KLIPPERS, no_firmware
 
 SUFFIXES: dict[str, tuple[str, ...]] = {
     "avrdude": (".hex",),
@@ -68,12 +69,11 @@ def plan(name: str, board: Board, port: str | None, image: Path) -> list[Step]:
     the port is missing."""
     flash = board.flash
     if flash is None or board.chip is None:
-        values = {"axis": name, "value": "it keeps the firmware that it has"}
-        raise FirmwareError([Problem("firmware.none", values=values)])
+        raise no_firmware(name, KLIPPERS if board.chip is None else "it has no way to be flashed")
     if port is None and flash.method in _NEEDS_PORT:
         expected = "the folder of its drive" if flash.method == "uf2" else "a serial port"
-        values = {"axis": name, "value": "no port", "limit": expected}
-        raise FirmwareError([Problem("firmware.port", values=values)])
+        values = {"axis": name, "limit": expected}
+        raise FirmwareError([Problem("firmware.no-port", values=values)])
     steps: list[Step] = [Hands(text) for text in flash.before]
     if flash.touch and port:
         steps.append(Touch(port))

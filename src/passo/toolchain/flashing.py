@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import os
 import shutil
-import stat
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -48,15 +47,19 @@ async def flash(
     for step in steps:
         if isinstance(step, Run) and shutil.which(step.words[0]) is None:
             raise _problem("firmware.tool", value=step.words[0], axis=name)
+    # One that is not there yet may come with what hands do; a wrong one must not cost the firmware.
+    if port is not None and Path(port).exists() and not any(isinstance(it, Copy) for it in steps):
+        _check_serial(name, port)
+    touched = False  # another opening at that rate would start the loader once more
     for step in steps:
         match step:
             case Hands():
                 person.wait(str(step))
             case Touch():
-                _check_serial(name, step.port)
                 await _touch(name, step)
+                touched = True
             case Run():
-                if port is not None:
+                if port is not None and not touched:
                     _check_serial(name, port)
                 person.tell(str(step))
                 await _run(name, step)
@@ -68,11 +71,13 @@ async def flash(
 
 def _check_serial(name: str, port: str) -> None:
     try:
-        mode = os.stat(port).st_mode  # noqa: PTH116 - a port need not be a path
+        line = os.open(port, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK | os.O_CLOEXEC)
     except OSError as error:
-        expected = f"a serial port ({error.strerror})"
+        expected = f"a serial port that opens ({error.strerror})"
         raise _problem("firmware.port", axis=name, value=port, limit=expected) from None
-    if not stat.S_ISCHR(mode):
+    is_terminal = os.isatty(line)
+    os.close(line)
+    if not is_terminal:
         raise _problem("firmware.port", axis=name, value=port, limit="a serial port")
 
 

@@ -13,6 +13,8 @@ from passo.toolchain import arm, avr
 
 # Chips that firmware/hal has a layer for.
 LAYERS = (*avr.CHIPS, *arm.CHIPS)
+# Of a board whose microcontroller Passo does not know.
+KLIPPERS = "it runs Klipper's own firmware"
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +40,7 @@ class Target:
         """Raises FirmwareError if Passo does not know the board's microcontroller."""
         chip = self.board.chip
         if chip is None:
-            raise no_firmware(self.name, f"its microcontroller, {self.board.mcu}, is not known")
+            raise no_firmware(self.name, KLIPPERS)
         return chip
 
 

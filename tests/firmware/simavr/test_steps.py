@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from random import Random
 
 import pytest
@@ -110,6 +111,27 @@ def test_longer_pulses_take_a_free_unit():
     connection.bench.close()
 
 
+def test_longer_pulses_are_2_us_apart_when_motors_are_in_each_others_way():
+    connection = motors(3, pins=OTHER_PINS, pulse_ticks=80)
+    planner = Planner()
+    for target in range(3):
+        planner.steps(target, True, HZ // 4, 1)
+    for _ in range(50):
+        for target in range(3):
+            planner.steps(target, True, 200, 3)
+        for target in range(3):
+            planner.steps(target, True, 3000, 1)
+    connection.start_job(planner.queue)
+    connection.run(connection.now + HZ)
+    edges = connection.bench.edges()
+    for step, _ in OTHER_PINS:
+        mine = [e.cycle for e in edges if e.pin == step]
+        assert len(mine) == 2 * 201
+        assert min(b - a for a, b in zip(mine[::2], mine[1::2], strict=True)) >= 80
+        assert min(b - a for a, b in pairwise(mine)) >= HZ * 2e-6
+    connection.bench.close()
+
+
 def test_the_position_is_known_between_steps():
     connection = motors(1)
     carriage = connection.bench.add_carriage(*RAMPS_PINS[0])
@@ -132,17 +154,17 @@ def test_the_position_is_known_between_steps():
     connection.bench.close()
 
 
-def _start(ahead: int) -> int | None:
+def _start(ahead: int) -> int | str:
     """A lone step due `ahead` ticks after its command is sent: how late it comes, to a constant, or
-    None if the board refuses."""
+    what the board says if it refuses."""
     connection = motors(1)
     clock = connection.link.clock_at(connection.now)
     connection.command(f"reset_step_clock oid=0 clock={clock % 2**32}")
     connection.command(f"queue_step oid=0 interval={ahead} count=1 add=0")
     try:
         connection.run(connection.now + HZ // 50)
-    except MachineError:
-        return None
+    except MachineError as error:
+        return str(error)
     finally:
         edges = connection.bench.edges()
         connection.bench.close()
@@ -152,15 +174,16 @@ def _start(ahead: int) -> int | None:
 def test_a_start_at_the_last_moment_is_on_time_or_refused():
     refused, made = 1000, HZ // 100
     normal = _start(made)
-    assert normal is not None
-    assert _start(refused) is None
+    assert isinstance(normal, int)
+    assert isinstance(_start(refused), str)
     while made - refused > 1:
         middle = (refused + made) // 2
-        if _start(middle) is None:
+        if isinstance(_start(middle), str):
             refused = middle
         else:
             made = middle
+    assert "Timer too close" in str(_start(refused))  # some ticks ahead, not enough
     for ahead in (made, made + 1, made + 7, made + 40):
         late = _start(ahead)
-        assert late is not None
+        assert isinstance(late, int)
         assert late - normal < 100

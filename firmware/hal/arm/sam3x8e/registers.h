@@ -9,7 +9,7 @@
 #define CHIP_IRQS 45
 
 #define HAL_ARENA 49152
-#define HAL_SHORTEST_PERIOD 840  // 20 µs
+#define HAL_SHORTEST_PERIOD 420  // 10 µs
 #define HAL_ANALOG_WAIT 1050     // 25 µs: one conversion, and a little
 #define HAL_PWM_MAX 255
 
