@@ -46,15 +46,16 @@ def test_a_board_configured_otherwise_is_reset():
     chip.close()
 
 
-def test_the_same_configuration_is_kept():
+def test_a_board_that_was_in_use_begins_anew():
     chip = bench()
     description = BoardDescription(HZ, outputs=(Output("light", "PH5"),))
     connection = AvrConnection(description, chip)
     connection.connect()
     connection.switch("light", True)
     connection.run(connection.now + HZ // 10)
-    AvrConnection(description, chip).connect()
     assert chip.level("PH5") == 1
+    AvrConnection(description, chip).connect()
+    assert chip.level("PH5") == 0
     chip.close()
 
 
