@@ -15,14 +15,4 @@ DECL_COMMAND(command_query_analog_in,
              "query_analog_in oid=%c clock=%u sample_ticks=%u sample_count=%c rest_ticks=%u"
              " min_value=%hu max_value=%hu range_check_count=%c",
              0);
-void command_query_analog_in(const uint32_t *args) {
-  struct analog_query query = {.clock = args[1],
-                               .sample_ticks = args[2],
-                               .sample_count = (uint8_t)args[3],
-                               .rest_ticks = args[4],
-                               .report_size = 2,
-                               .minimum = (uint16_t)args[5],
-                               .maximum = (uint16_t)args[6],
-                               .range_checks = (uint8_t)args[7]};
-  analog_in_query((uint8_t)args[0], &query);
-}
+void command_query_analog_in(const uint32_t *args) { analog_in_query(args, 2, args + 5); }

@@ -71,19 +71,24 @@ void command_config_analog_in(const uint32_t *args) {
     shut_down(SHUTDOWN_ADC_PIN);
 }
 
-void analog_in_query(uint8_t oid, const struct analog_query *query) {
-  struct analog_in *in = object_get(oid, OBJECT_ANALOG_IN);
+void analog_in_query(const uint32_t *args, uint8_t report_size, const uint32_t *range) {
+  struct analog_in *in = object_get(args[0], OBJECT_ANALOG_IN);
   if (in == NULL) return;
   timer_remove(&in->timer);
   hal_analog_cancel(&in->analog);
-  if (query->sample_count == 0) return;
-  if (query->rest_ticks < HAL_SHORTEST_PERIOD) {
+  if (args[3] == 0) return;
+  if (args[4] < HAL_SHORTEST_PERIOD) {
     shut_down(SHUTDOWN_PERIOD_TOO_SHORT);
     return;
   }
-  in->query = *query;
-  if (in->query.report_size > sizeof in->values) in->query.report_size = sizeof in->values;
-  in->timer.wake = in->begin = in->due = query->clock;
+  in->query.sample_ticks = args[2];
+  in->query.sample_count = (uint8_t)args[3];
+  in->query.rest_ticks = args[4];
+  in->query.minimum = (uint16_t)range[0];
+  in->query.maximum = (uint16_t)range[1];
+  in->query.range_checks = (uint8_t)range[2];
+  in->query.report_size = report_size > sizeof in->values ? sizeof in->values : report_size;
+  in->timer.wake = in->begin = in->due = args[1];
   in->sum = 0;
   in->samples = in->outside = in->size = in->ready = 0;
   timer_add(&in->timer);

@@ -10,9 +10,9 @@
 
 #define ANALOG_VALUES_MAX 24
 
-// A sum of `sample_count` samples, `sample_ticks` apart, every `rest_ticks` from `clock` on.
+// A sum of `sample_count` samples, `sample_ticks` apart, every `rest_ticks`.
 struct analog_query {
-  uint32_t clock, sample_ticks, rest_ticks;
+  uint32_t sample_ticks, rest_ticks;
   uint16_t minimum, maximum;
   uint8_t sample_count;  // 0: no more
   uint8_t range_checks;  // 0: none
@@ -35,7 +35,8 @@ struct analog_in {
 
 // Reports what is ready. Foreground.
 void analog_in_task(void);
-// Begins anew as `query` says. Foreground.
-void analog_in_query(uint8_t oid, const struct analog_query *query);
+// Begins anew. `args` are those of query_analog_in up to rest_ticks, `range` those from min_value
+// on. Foreground.
+void analog_in_query(const uint32_t *args, uint8_t report_size, const uint32_t *range);
 // Tells `size` bytes of sums, low byte first: in analog_report.c.
 void analog_in_report(uint8_t oid, uint32_t next_clock, const uint8_t *values, uint8_t size);

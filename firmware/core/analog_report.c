@@ -13,13 +13,5 @@ DECL_COMMAND(command_query_analog_in,
              " bytes_per_report=%c min_value=%hu max_value=%hu range_check_count=%c",
              0);
 void command_query_analog_in(const uint32_t *args) {
-  struct analog_query query = {.clock = args[1],
-                               .sample_ticks = args[2],
-                               .sample_count = (uint8_t)args[3],
-                               .rest_ticks = args[4],
-                               .report_size = (uint8_t)args[5],
-                               .minimum = (uint16_t)args[6],
-                               .maximum = (uint16_t)args[7],
-                               .range_checks = (uint8_t)args[8]};
-  analog_in_query((uint8_t)args[0], &query);
+  analog_in_query(args, (uint8_t)args[5], args + 6);
 }

@@ -18,7 +18,7 @@ def line(start, end):
     return point, length
 
 
-def _turn(q, a, b, sign):
+def turn(q, a, b, sign):
     """Where sign * q is greatest between a and b, by ternary search."""
     for _ in range(100):
         left, right = a + (b - a) / 3, b - (b - a) / 3
@@ -29,7 +29,7 @@ def _turn(q, a, b, sign):
     return (a + b) / 2
 
 
-def _bisect(q, value, a, b):
+def bisect(q, value, a, b):
     rises = q(b) > q(a)
     for _ in range(60):
         middle = (a + b) / 2
@@ -53,7 +53,7 @@ def crossings(position, length, steps_per_unit):
     for i in range(1, n):
         before, here, after = values[i - 1 : i + 2]
         if (here - before) * (after - here) <= 0:
-            cuts.append(_turn(q, knots[i - 1], knots[i + 1], 1 if here >= before else -1))
+            cuts.append(turn(q, knots[i - 1], knots[i + 1], 1 if here >= before else -1))
     cuts.append(length)
     steps = []
     for a, b in pairwise(cuts):
@@ -61,5 +61,5 @@ def crossings(position, length, steps_per_unit):
         first, last = floor(q(a) + 0.5), floor(q(b) + 0.5)
         direction = 1 if last > first else -1
         for count in range(first, last, direction):
-            steps.append((_bisect(q, count + direction / 2, a, b), direction))
+            steps.append((bisect(q, count + direction / 2, a, b), direction))
     return steps, margin

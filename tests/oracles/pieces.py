@@ -7,6 +7,8 @@ from decimal import Decimal, getcontext
 from itertools import pairwise
 from math import floor
 
+from tests.oracles.geometry import bisect, turn
+
 getcontext().prec = 40
 SAMPLES = 400
 
@@ -56,28 +58,6 @@ def actuator(inverse, index, coefficients):
     return position
 
 
-def _turn(q, a, b, sign):
-    """Where sign * q is greatest between a and b, by ternary search."""
-    for _ in range(90):
-        left, right = a + (b - a) / 3, b - (b - a) / 3
-        if sign * q(left) < sign * q(right):
-            a = left
-        else:
-            b = right
-    return (a + b) / 2
-
-
-def _bisect(q, value, a, b):
-    rises = q(b) > q(a)
-    for _ in range(70):
-        middle = (a + b) / 2
-        if (q(middle) < value) == rises:
-            a = middle
-        else:
-            b = middle
-    return (a + b) / 2
-
-
 def step_times(position, seconds, steps_per_unit):
     """(seconds, direction) of each step from t = 0 to `seconds`, and how near in steps a turn comes
     to the threshold of a step, or an end to that of rounding: there one pair more or less is right
@@ -94,7 +74,7 @@ def step_times(position, seconds, steps_per_unit):
     for i in range(1, SAMPLES):
         before, here, after = values[i - 1 : i + 2]
         if (here - before) * (after - here) <= 0 and before != here:
-            cuts.append(_turn(q, knots[i - 1], knots[i + 1], 1 if here >= before else -1))
+            cuts.append(turn(q, knots[i - 1], knots[i + 1], 1 if here >= before else -1))
     cuts.append(seconds)
     margin = min(abs(q(t) % 1 - Decimal("0.5")) for t in cuts)
     steps = []
@@ -103,5 +83,5 @@ def step_times(position, seconds, steps_per_unit):
         direction = 1 if last > first else -1
         for count in range(first, last, direction):
             value = Decimal(count) + Decimal(direction) / 2
-            steps.append((_bisect(q, value, a, b), direction))
+            steps.append((bisect(q, value, a, b), direction))
     return steps, float(margin)

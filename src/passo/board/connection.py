@@ -119,7 +119,7 @@ class Connection:
         return base
 
     def run(self, until_clock: int, *, until_heaters: bool = False) -> bool:
-        """Lets virtual time pass until `until_clock`, or until no heater is on its way any more.
+        """Lets time pass until `until_clock`, or until no heater is on its way any more.
 
         Returns False if it came to `until_clock`, True if the heaters were first.
         """

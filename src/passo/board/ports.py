@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import socket
+from collections.abc import Callable
 from typing import Protocol, TypeAlias
 
 from passo import _core
@@ -42,53 +43,48 @@ class InProcess:
         return self._pump
 
 
-class _Live:
-    """A port with a thread that carries the bytes."""
+class LivePort:
+    """A board on a cable: a thread carries the bytes. `opened` gives a new descriptor of it and
+    raises MachineError."""
 
     live = True
 
-    def __init__(self) -> None:
+    def __init__(self, opened: Callable[[], int]) -> None:
+        self._opened = opened
         self._wire: _core.LiveWire | None = None
 
     def attach(self, link: _core.Link) -> _core.LiveWire:
         """Opens the port anew; what was attached before is let go. Raises MachineError."""
         if self._wire is not None:
             self._wire.stop()
-        self._wire = _core.LiveWire(link, self._open())
+        self._wire = _core.LiveWire(link, self._opened())
         return self._wire
 
-    def _open(self) -> int:
-        raise NotImplementedError
 
-
-class SerialPort(_Live):
+def serial_port(device: str, baud: int) -> LivePort:
     """A board on a serial device. Opening it resets many of them."""
 
-    def __init__(self, device: str, baud: int) -> None:
-        self._device, self._baud = device, baud
-        super().__init__()
-
-    def _open(self) -> int:
+    def opened() -> int:
         try:
-            return open_serial_line(self._device, self._baud)
+            return open_serial_line(device, baud)
         except OSError as error:
-            raise _unreachable(self._device, error) from None
+            raise _unreachable(device, error) from None
+
+    return LivePort(opened)
 
 
-class TcpPort(_Live):
+def tcp_port(host: str, port: int) -> LivePort:
     """A board behind a network socket."""
 
-    def __init__(self, host: str, port: int) -> None:
-        self._host, self._port = host, port
-        super().__init__()
-
-    def _open(self) -> int:
+    def opened() -> int:
         try:
-            connected = socket.create_connection((self._host, self._port), _PATIENCE_S)
+            connected = socket.create_connection((host, port), _PATIENCE_S)
         except OSError as error:
-            raise _unreachable(f"{self._host}:{self._port}", error) from None
+            raise _unreachable(f"{host}:{port}", error) from None
         connected.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         return connected.detach()
+
+    return LivePort(opened)
 
 
 def _unreachable(place: str, error: OSError) -> MachineError:

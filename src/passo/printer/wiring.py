@@ -15,7 +15,7 @@ from passo.board.description import (
     Stepper,
     bare,
 )
-from passo.board.ports import InProcess, Port, SerialPort, TcpPort
+from passo.board.ports import InProcess, Port, serial_port, tcp_port
 from passo.heat.control import control_of, limits_of, model_of
 from passo.heat.sensors import open_is_high, sensor_table, share_at
 from passo.printer.switches import (
@@ -230,9 +230,9 @@ def connect(machine: MachineConfig) -> tuple[Connection, SimulatedBoard | None]:
         return connect_simulated(machine)
     place = board.port or ""
     if board.link == "serial":
-        return _connected(board_description(machine), SerialPort(place, board.baud)), None
+        return _connected(board_description(machine), serial_port(place, board.baud)), None
     host, _, number = place.rpartition(":")
-    return _connected(board_description(machine), TcpPort(host.strip("[]"), int(number))), None
+    return _connected(board_description(machine), tcp_port(host.strip("[]"), int(number))), None
 
 
 def reconnected(old: Connection) -> Connection:

@@ -10,11 +10,11 @@ import subprocess
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from passo.config.chips import Chip
 from passo.toolchain.avr import FirmwareError
 from passo.toolchain.declarations import Constant, gather
+from passo.toolchain.image import Image
 from passo.toolchain.tables import dictionary, write_tables
 
 # Chips whose folder is in firmware/hal/arm.
@@ -38,18 +38,6 @@ class ArmBoard:
     clock_hz: int
     baud: int
     console: tuple[str, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Image:
-    """A finished build. Sizes in bytes; `ram` is static data without the stack. `dictionary` is
-    what the board will tell of itself."""
-
-    elf: Path
-    bin: Path
-    flash: int
-    ram: int
-    dictionary: dict[str, Any]
 
 
 @dataclass(frozen=True, slots=True)

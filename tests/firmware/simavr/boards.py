@@ -7,7 +7,8 @@ import tempfile
 from pathlib import Path
 
 from passo.board import BoardDescription, Stepper
-from passo.toolchain.avr import AvrBoard, Image, Motor, build
+from passo.toolchain.avr import AvrBoard, Motor, build
+from passo.toolchain.image import Image
 
 from .bench import AvrBench
 from .host import AvrConnection

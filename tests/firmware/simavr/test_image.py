@@ -24,7 +24,7 @@ def test_an_image_is_small_and_leaves_room_for_the_stack(board, flash):
     made = image(board)
     assert made.flash < flash
     assert made.ram + 900 <= CHIPS[board.mcu].ram
-    assert made.hex.read_text().startswith(":10000000")
+    assert made.file.read_text().startswith(":10000000")
 
 
 def test_a_reserved_register_in_other_code_is_found():
