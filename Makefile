@@ -46,9 +46,10 @@ format: .venv/.dev
 	$(BIN)/ruff format .
 	$(BIN)/clang-format -i $(CORE) $(filter %.c %.h,$(FIRMWARE)) $(wildcard tests/fuzz/*.cpp)
 
-bench: .venv/.built
+bench: .venv/.built .venv/.dev
 	$(BIN)/python bench/run.py
 	$(BIN)/python bench/console.py
+	$(BIN)/python bench/heat.py
 
 corpus: .venv/.built
 	@test -d "$(DIR)" || { echo "Say where the files are: make corpus DIR=..." >&2; exit 2; }
