@@ -179,7 +179,9 @@ void bind_link(nb::module_& m) {
       .value("QUEUE_STEP", MessageKind::queue_step)
       .value("SET_DIR", MessageKind::set_dir)
       .value("RESET_CLOCK", MessageKind::reset_clock)
-      .value("PIN", MessageKind::pin);
+      .value("PIN", MessageKind::pin)
+      .value("TAIL", MessageKind::tail)
+      .value("COMMIT", MessageKind::commit);
   nb::class_<MessageQueue>(m, "MessageQueue",
                            "Planned messages of one board, in the order of their clocks.")
       .def(nb::init<>())
@@ -286,6 +288,8 @@ void bind_link(nb::module_& m) {
           },
           "queue"_a.none(), nb::keep_alive<1, 2>())
       .def("start_job", &held<&Link::start_job, Ticks>, "base_clock"_a)
+      .def("use_commits", &held<&Link::use_commits, Ticks>, "horizon"_a,
+           "The job comes in commits, and leaves so many ticks ahead.")
       .def("stop_job",
            [](Link& l) {
              std::lock_guard lock(l.guard());

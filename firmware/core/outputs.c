@@ -61,14 +61,15 @@ static uint32_t from_default(const struct output *output, uint32_t value) {
 // The duration of an output has passed, and its host is gone. False if that is a reason to stop.
 static bool keep(struct output *output, uint32_t clock) {
   if (!output->kept || !survive_is_on()) return false;
-  bool over = output->keeping || output->kept_ticks == 0;
+  if (!output->keeping) output->left = output->kept_seconds;
   uint32_t value = output->value;
   if (from_default(output, output->kept_value) < from_default(output, value))
     value = output->kept_value;
-  if (over) value = output->default_value;
-  if (value != output->value || over) set(output, clock, value);
+  if (output->left == 0) value = output->default_value;
+  set(output, clock, value);
   output->keeping = true;
-  output->expires = clock + output->kept_ticks;
+  if (output->left > 0) --output->left;
+  output->expires = clock + HAL_CLOCK_HZ;
   return true;
 }
 
@@ -106,10 +107,10 @@ static void restart(struct output *output) {
   if (plan(output)) timer_add(&output->timer);
 }
 
-void output_keep(struct output *output, uint32_t value, uint32_t ticks) {
+void output_keep(struct output *output, uint32_t value, uint8_t seconds) {
   hal_irq_t irq = hal_irq_save();
   output->kept_value = value < output->full ? value : output->full;
-  output->kept_ticks = ticks;
+  output->kept_seconds = seconds;
   output->kept = true;
   hal_irq_restore(irq);
 }
@@ -119,7 +120,7 @@ void outputs_hold_none(void) {
   for (uint8_t i = 0; i < sizeof types; ++i) {
     struct output *output;
     for (int16_t oid = -1; (output = object_next(&oid, types[i])) != NULL;) {
-      if (!output->kept || output->kept_ticks > 0) continue;
+      if (!output->kept || output->kept_seconds > 0) continue;
       drop_changes(output);
       set(output, hal_clock(), output->default_value);
       restart(output);

@@ -14,7 +14,7 @@ DECL_SHUTDOWN(SURVIVE_UNWATCHED, "No sensor watches what an output is held for")
 DECL_REPORT("survive_state state=%c serial=%u clock=%u");
 DECL_CONSTANT("SURVIVE", 1);
 DECL_CONSTANT("SURVIVE_GUARD_MS", 5);
-DECL_CONSTANT("SURVIVE_TTL_MAX_S", 60);
+DECL_CONSTANT("SURVIVE_OUTPUT_S", 60);
 DECL_ENUMERATION("survive", "off", 0);
 DECL_ENUMERATION("survive", "resting", 1);
 DECL_ENUMERATION("survive", "moving", 2);
@@ -27,7 +27,8 @@ enum { OFF, RESTING, MOVING, BRAKING, HELD };
 // The decision falls so long before the commit's clock: time enough to queue all tails, or all
 // moves of the commit that comes just in time.
 #define GUARD (HAL_CLOCK_HZ / 200)
-#define TTL_MAX (60 * (uint64_t)HAL_CLOCK_HZ)
+// So many seconds an output may be kept.
+#define LONGEST 60
 
 static bool decide(struct timer *timer);
 static struct timer decision = {.run = decide};
@@ -141,17 +142,17 @@ void command_survive_commit(const uint32_t *args) {
   limit = args[1];
 }
 
-DECL_COMMAND(command_survive_output, "survive_output oid=%c value=%u ttl_ticks=%u", 0);
+DECL_COMMAND(command_survive_output, "survive_output oid=%c value=%u seconds=%c", 0);
 void command_survive_output(const uint32_t *args) {
   struct output *output = object_find(args[0], OBJECT_PWM_OUT);
   if (output == NULL) output = object_get(args[0], OBJECT_DIGITAL_OUT);
   if (output == NULL) return;
-  if (args[2] > TTL_MAX || (int32_t)args[2] < 0)
+  if (args[2] > LONGEST)
     shut_down(SHUTDOWN_SURVIVE_TOO_LONG);
   else if (args[2] > 0 && !analog_in_watches())
     shut_down(SHUTDOWN_SURVIVE_UNWATCHED);
   else
-    output_keep(output, args[1], args[2]);
+    output_keep(output, args[1], (uint8_t)args[2]);
 }
 
 DECL_COMMAND(command_survive_query, "survive_query", IN_SHUTDOWN);

@@ -367,6 +367,10 @@ class MessageKind(enum.Enum):
 
     PIN = 3
 
+    TAIL = 4
+
+    COMMIT = 5
+
 class MessageQueue:
     """Planned messages of one board, in the order of their clocks."""
 
@@ -421,6 +425,9 @@ class Link:
     def set_queue(self, queue: MessageQueue | None) -> None: ...
 
     def start_job(self, base_clock: int) -> None: ...
+
+    def use_commits(self, horizon: int) -> None:
+        """The job comes in commits, and leaves so many ticks ahead."""
 
     def stop_job(self) -> None: ...
 
@@ -977,6 +984,19 @@ class Job:
         """
 
     def hold_from(self, ticks: float) -> float: ...
+
+    def use_commits(self, period: int, most: int, taken: int) -> None:
+        """
+        Messages come in commits of at most so many ticks and messages from now on, and those taken are kept for some ticks, for recover_from; only while the machine stands.
+        """
+
+    def stop_commits(self) -> None:
+        """Messages come as they are; only while the machine stands."""
+
+    def recover_from(self, serial: int) -> bool:
+        """
+        The board has stopped behind this commit by itself: what was to follow is held until `release`. False, and nothing changed, if it is not known.
+        """
 
     def release(self) -> None: ...
 

@@ -211,19 +211,19 @@ def test_a_heater_is_kept_for_its_time_and_then_off():
               % host.board.clock(1000))  # fmt: skip
     heater = host.board.dictionary.enumerations["pin"]["PB4"]
     host.board.device.trace_edges(heater)
-    host.tell("survive_output oid=7 value=1 ttl_ticks=50000")
+    host.tell("survive_output oid=7 value=1 seconds=2")
     on = host.board.now + 1000
     host.tell(f"queue_digital_out oid=7 clock={on & 0xFFFFFFFF} on_ticks=1")
-    host.board.wait(100_000)
-    assert host.board.device.take_edges(heater) == [(on, 1), (on + HEATER_LONGEST + 50_000, 0)]
+    host.board.wait(40_000_000)
+    assert host.board.device.take_edges(heater) == [(on, 1), (on + HEATER_LONGEST + 32_000_000, 0)]
     assert host.board.device.fault == ""
 
 
 @pytest.mark.parametrize(
     ("line", "reason"),
     [
-        ("survive_output oid=7 value=1 ttl_ticks=100", "No sensor watches what an output is held"),
-        ("survive_output oid=7 value=1 ttl_ticks=960000001", "Output may not be held for so long"),
+        ("survive_output oid=7 value=1 seconds=1", "No sensor watches what an output is held"),
+        ("survive_output oid=7 value=1 seconds=61", "Output may not be held for so long"),
     ],
 )
 def test_what_may_not_be_kept(line, reason):
@@ -234,7 +234,7 @@ def test_what_may_not_be_kept(line, reason):
 
 def test_a_kept_heater_takes_the_lesser_power():
     host = Host()
-    host.tell("survive_output oid=7 value=0 ttl_ticks=0")
+    host.tell("survive_output oid=7 value=0 seconds=0")
     on = host.board.now + 1000
     host.tell(f"queue_digital_out oid=7 clock={on & 0xFFFFFFFF} on_ticks=1")
     heater = host.board.dictionary.enumerations["pin"]["PB4"]
@@ -245,7 +245,7 @@ def test_a_kept_heater_takes_the_lesser_power():
 
 def test_a_laser_is_off_before_the_machine_brakes():
     host = Host()
-    host.tell("survive_output oid=2 value=0 ttl_ticks=0")
+    host.tell("survive_output oid=2 value=0 seconds=0")
     fan = host.board.dictionary.enumerations["pin"]["PH6"]
     host.board.device.trace_edges(fan)
     limit = host.board.now + 500_000
@@ -260,7 +260,7 @@ def test_a_laser_is_off_before_the_machine_brakes():
 
 def test_without_the_extension_a_duration_that_passes_is_a_shutdown():
     host = Host()
-    host.tell("survive_output oid=7 value=0 ttl_ticks=0")
+    host.tell("survive_output oid=7 value=0 seconds=0")
     host.tell("survive_off")
     host.tell(f"queue_digital_out oid=7 clock={host.board.clock(1000)} on_ticks=1")
     host.board.wait(10_000)
