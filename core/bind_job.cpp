@@ -302,7 +302,10 @@ void bind_job(nb::module_& m) {
           [](JobView& self, uint32_t serial) { return self.job.motion.recover_from(serial); },
           "serial"_a,
           "The board has stopped behind this commit by itself: what was to follow is held until "
-          "`release`. False, and nothing changed, if it is not known.")
+          "`release`. Returns its clock; None, and nothing is changed, if it is not known.")
+      .def_prop_ro(
+          "holds", [](JobView& self) { return self.job.motion.held() > 0; },
+          "Moves wait for `release`.")
       .def("release", [](JobView& self) { self.job.motion.release(); })
       .def(
           "stop_from", [](JobView& self, double ticks) { return self.job.stop_from(ticks); },

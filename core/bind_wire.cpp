@@ -290,6 +290,10 @@ void bind_link(nb::module_& m) {
       .def("start_job", &held<&Link::start_job, Ticks>, "base_clock"_a)
       .def("use_commits", &held<&Link::use_commits, Ticks>, "horizon"_a,
            "The job comes in commits, and leaves so many ticks ahead.")
+      .def("reconnect", &held<&Link::reconnect, Ticks>, "now"_a,
+           "The board has gone on without this host: what was on its way is forgotten, and the job "
+           "stands until go_on().")
+      .def("go_on", &held<&Link::go_on>)
       .def("stop_job",
            [](Link& l) {
              std::lock_guard lock(l.guard());
@@ -573,6 +577,7 @@ void bind_board(nb::module_& m) {
           },
           "link"_a, "device"_a, "start"_a = 0, nb::keep_alive<1, 2>(), nb::keep_alive<1, 3>())
       .def_prop_ro("now", &Pump::now)
+      .def("cut", &Pump::cut, "Takes the cable away.")
       .def_prop_ro("device_cpu_s", &Pump::device_cpu)
       .def("record", &Pump::record, "on"_a)
       .def("take_recorded",

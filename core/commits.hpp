@@ -15,12 +15,10 @@ namespace passo {
 
 class Commits {
  public:
-  // What stood at the clock of a commit, by motor.
   struct Point {
     uint32_t serial;
     int64_t clock;
-    bool rest;                       // the machine stands there
-    std::vector<int64_t> last, net;  // clock of the last step; steps forward less steps backward
+    bool rest;  // the machine stands there
   };
 
   // A commit spans `period` ticks, and fewer where more than `most` messages would be in it.
@@ -32,16 +30,21 @@ class Commits {
       solvers_.emplace_back(machine, machine.steppers[i]);
       compressors_.emplace_back(machine, machine.steppers[i], uint16_t(i));
     }
-    points_.push_back({0, 0, true, std::move(last), std::move(net)});
+    begin(0, 0, std::move(last), std::move(net));
   }
 
   MessageQueue& waiting() { return waiting_; }
   const std::deque<Point>& points() const { return points_; }
-  // The motors' counts of steps are now these, at rest.
-  void set(std::vector<int64_t> last, std::vector<int64_t> net) {
-    Point p{points_.back().serial, points_.back().clock, true, std::move(last), std::move(net)};
-    points_.assign(1, std::move(p));
+  // All motors stand, nothing waits, and the board's last commit was `serial`: the clocks of their
+  // last steps, and their net steps.
+  void begin(uint32_t serial, int64_t clock, std::vector<int64_t> last, std::vector<int64_t> net) {
+    last_ = std::move(last);
+    net_ = std::move(net);
+    begin_ = serial;
+    points_.assign(1, {serial, clock, true});
   }
+  // Whether no message of any later commit had been taken when this one was the board's last.
+  bool begins_with(const Point& p) const { return p.serial == begin_; }
 
   // Hands over to `out` all that is certain, every message below `known` being in waiting().
   // `brake(clock, moves)` gives the way on which the machine would stop; `origin` is what each
@@ -83,6 +86,20 @@ class Commits {
   void revoke(int64_t clock) {
     while (points_.size() > 1 && points_.back().clock > clock) points_.pop_back();
   }
+  // After that: of each motor the clock of the last step that does not wait, if none does, and the
+  // net steps of all that it has and that wait.
+  void resume(std::vector<int64_t> last, std::vector<int64_t> net) {
+    last_ = std::move(last);
+    net_ = std::move(net);
+    std::vector<bool> waits(last_.size(), false);
+    for (size_t i = 0; i < waiting_.size(); ++i) {
+      const Message& m = waiting_[i];
+      if (m.kind != MessageKind::queue_step) continue;
+      if (!waits[m.target]) last_[m.target] = m.end_clock - span(m, m.count);
+      waits[m.target] = true;
+      net_[m.target] -= m.dir ? m.count : -int64_t(m.count);
+    }
+  }
   // Messages that follow the last commit, in their order, before all that waits already.
   void put_back(std::vector<Message> messages) {
     for (; !waiting_.empty(); waiting_.pop()) messages.push_back(waiting_.front());
@@ -96,6 +113,7 @@ class Commits {
  private:
   static constexpr double kTailTolerance = 50e-6;  // s: nothing is printed on the way to a stop
 
+  uint32_t serial_ = 0, begin_ = 0;  // of the last commit made; of the board's last at begin()
   int64_t period_;
   size_t most_;
   double widest_;
@@ -103,6 +121,7 @@ class Commits {
   std::deque<Compressor> compressors_;
   MessageQueue waiting_;
   std::deque<Point> points_;
+  std::vector<int64_t> last_, net_;  // of each motor, of all that does not wait
   std::vector<Move> moves_;
   std::vector<Message> within_, behind_;
   std::vector<std::vector<Message>> ahead_;  // directions and clocks go with the steps behind them
@@ -125,23 +144,20 @@ class Commits {
 
   void commit(int64_t clock, bool rest, const std::vector<int64_t>& origin,
               const std::vector<Move>& moves, MessageQueue& out) {
-    Point p = points_.back();
-    ++p.serial;
-    p.clock = clock;
-    p.rest = rest;
-    divide(p);
+    Point p{++serial_, clock, rest};
+    divide(clock);
     for (const Message& m : within_) out.push(m);
-    if (!moves.empty()) tail(p, origin, moves, out);
+    if (!moves.empty()) tail(clock, origin, moves, out);
     out.push({clock, clock, p.serial, 0, 0, 0, MessageKind::commit, uint8_t(rest)});
     points_.push_back(std::move(p));
   }
 
-  // Takes from what waits all that comes up to p.clock, and splits what reaches over it.
-  void divide(Point& p) {
+  // Takes from what waits all that comes up to a clock, and splits what reaches over it.
+  void divide(int64_t clock) {
     within_.clear();
     behind_.clear();
     ahead_.resize(solvers_.size());
-    for (; !waiting_.empty() && waiting_.front().clock <= p.clock; waiting_.pop()) {
+    for (; !waiting_.empty() && waiting_.front().clock <= clock; waiting_.pop()) {
       Message m = waiting_.front();
       if (m.kind == MessageKind::pin) {
         within_.push_back(m);
@@ -153,20 +169,20 @@ class Commits {
         continue;
       }
       int64_t start = m.end_clock - span(m, m.count), done = m.count;
-      while (done > 0 && start + span(m, done) > p.clock) --done;
+      while (done > 0 && start + span(m, done) > clock) --done;
       std::vector<Message>& to = done > 0 ? within_ : behind_;
       to.insert(to.end(), ahead.begin(), ahead.end());
       if (done > 0)
         for (const Message& a : ahead)
-          if (a.kind == MessageKind::reset_clock) p.last[m.target] = a.clock;
+          if (a.kind == MessageKind::reset_clock) last_[m.target] = a.clock;
       ahead.clear();
       if (done > 0) {
         Message first = m;
         first.count = uint16_t(done);
         first.end_clock = start + span(m, done);
         within_.push_back(first);
-        p.last[m.target] = first.end_clock;
-        p.net[m.target] += m.dir ? done : -done;
+        last_[m.target] = first.end_clock;
+        net_[m.target] += m.dir ? done : -done;
         m.clock = first.end_clock;
         m.interval = uint32_t(int64_t(m.interval) + m.add * done);
         m.count = uint16_t(m.count - done);
@@ -180,13 +196,13 @@ class Commits {
     put_back(std::move(behind_));
   }
 
-  void tail(const Point& p, const std::vector<int64_t>& origin, const std::vector<Move>& moves,
+  void tail(int64_t clock, const std::vector<int64_t>& origin, const std::vector<Move>& moves,
             MessageQueue& out) {
     for (size_t i = 0; i < solvers_.size(); ++i) {
       Compressor& c = compressors_[i];
-      c.restart(p.last[i], {});
-      c.not_before(p.clock);
-      solvers_[i].set_count(origin[i] + p.net[i]);
+      c.restart(last_[i], {});
+      c.not_before(clock);
+      solvers_[i].set_count(origin[i] + net_[i]);
       for (Move m : moves) {
         m.tolerance = widest_;
         solvers_[i].solve(m, c.steps());
@@ -200,7 +216,7 @@ class Commits {
           m.count = 0;
         }
         m.kind = MessageKind::tail;
-        m.clock = m.end_clock = p.clock;
+        m.clock = m.end_clock = clock;
         out.push(m);
       }
     }

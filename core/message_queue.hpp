@@ -44,11 +44,20 @@ class MessageQueue {
     else
       kept_ = head_;
   }
-  // Messages are kept for so many ticks behind the last one taken, for rewind().
-  void keep(int64_t ticks) { keeps_ = ticks; }
+  // From here on messages are kept for so many ticks behind the last one taken, for what follows.
+  void keep(int64_t ticks) {
+    keeps_ = ticks;
+    kept_ = head_;
+  }
+  int64_t kept_ticks() const { return keeps_; }
+  // All that is kept is to be taken again; what was taken before ended at `clock`.
+  void rewind(int64_t clock) {
+    head_ = kept_;
+    taken_until_ = clock;
+  }
   // All messages behind this commit are to be taken again. False if it was taken too long ago, or
   // not at all.
-  bool rewind(uint32_t serial) {
+  bool rewind_behind(uint32_t serial) {
     for (size_t i = head_; i-- > kept_;) {
       if (at(i).kind != MessageKind::commit || at(i).interval != serial) continue;
       head_ = i + 1;

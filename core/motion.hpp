@@ -181,16 +181,21 @@ class Motion {
   // The board was left alone: it has come to a stop behind the commit `serial`, as that told it to.
   // Plans anew from there; what was to follow is held, and `release` goes on with it at any later
   // clock; expected_net() tells where each motor must be by now. Outputs that were to change on the
-  // way change when it goes on. False, and nothing is changed, if that commit is not known any
-  // more.
-  bool recover_from(uint32_t serial) {
-    if (!commits_) return false;
+  // way change when it goes on. Returns the clock of the commit; nothing, and nothing is changed,
+  // if that is not known any more.
+  std::optional<double> recover_from(uint32_t serial) {
+    if (!commits_) return std::nullopt;
     auto held = messages_.hold();
     const auto& points = commits_->points();
     auto p = std::find_if(points.begin(), points.end(),
                           [&](const Commits::Point& x) { return x.serial == serial; });
-    if (p == points.end() || (p->serial > 0 && !messages_.rewind(serial))) return false;
-    if (held_.empty()) hold_from(double(p->clock));
+    if (p == points.end()) return std::nullopt;
+    double clock = double(p->clock);
+    if (commits_->begins_with(*p))
+      messages_.rewind(p->clock);
+    else if (!messages_.rewind_behind(serial))
+      return std::nullopt;
+    if (held_.empty()) hold_from(clock);
     std::deque<Record> late;
     for (; !messages_.empty(); messages_.pop())
       if (const Message& m = messages_.front();
@@ -199,8 +204,9 @@ class Motion {
     (held_.empty() ? unattached_ : held_.front().records) += uint16_t(late.size());
     records_.insert(records_.begin(), late.begin(), late.end());
     for (size_t i = 0; i < compressors_.size(); ++i) compressors_[i].renew();
-    commits_->set(last_steps(), nets());
-    return true;
+    messages_.keep(messages_.kept_ticks());
+    commits_->begin(serial, int64_t(planner_.clock()), last_steps(), nets());
+    return clock;
   }
 
   // After an endstop has stopped motors on the board: the next step of motor i tells its clock and
@@ -839,6 +845,7 @@ class Motion {
       compressors_[i].restart(last[i], revoked[i]);
       compressors_[i].not_before(floor);
     }
+    if (commits_) commits_->resume(std::move(last), nets());
   }
   static int64_t span(const Message& m, int64_t count) {
     return int64_t(m.interval) * count + int64_t(m.add) * (count * (count - 1) / 2);

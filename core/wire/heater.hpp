@@ -118,6 +118,11 @@ class Heater {
     protection_.restart();
   }
 
+  // There were no reports for a while.
+  void interrupted() {
+    known_ = reached_ = false;
+    protection_.restart();
+  }
   // The share of power that has kept the target of late; 0 until it was reached.
   double keeping() const { return reached_ ? keeping_ : 0; }
 

@@ -98,6 +98,11 @@ class JobStream {
     running_ = true;
   }
   void stop() { running_ = false; }
+  // Goes on after stop(): the board has forgotten what it had not done.
+  void go_on() {
+    ends_.clear();
+    running_ = true;
+  }
   bool running() const { return running_; }
   Ticks base() const { return base_; }
   uint64_t hash() const { return hash_.value(); }

@@ -136,6 +136,18 @@ class Link {
     holds_question_ = holds_command_ = asked_ = shut_down_ = false;
   }
 
+  // The link was broken, and the board has gone on alone: what was on its way is forgotten, and the
+  // job stands until go_on().
+  void reconnect(Ticks now) {
+    restart();
+    for (size_t i = 0; i < heaters_.size(); ++i) {
+      std::lock_guard lock(heaters_[i]->guard());
+      heaters_[i]->interrupted();
+    }
+    if (following_) follow_clock(now);
+  }
+  void go_on() { job_.go_on(); }
+
   uint64_t wire_bytes() const { return wire_bytes_; }
   uint64_t frames() const { return frames_; }
   uint64_t retransmitted_bytes() const { return window_.retransmitted_bytes(); }

@@ -429,6 +429,13 @@ class Link:
     def use_commits(self, horizon: int) -> None:
         """The job comes in commits, and leaves so many ticks ahead."""
 
+    def reconnect(self, now: int) -> None:
+        """
+        The board has gone on without this host: what was on its way is forgotten, and the job stands until go_on().
+        """
+
+    def go_on(self) -> None: ...
+
     def stop_job(self) -> None: ...
 
     def add_heater(self, options: HeaterOptions) -> Heater: ...
@@ -603,6 +610,9 @@ class Pump:
 
     @property
     def now(self) -> int: ...
+
+    def cut(self) -> None:
+        """Takes the cable away."""
 
     @property
     def device_cpu_s(self) -> float: ...
@@ -993,10 +1003,14 @@ class Job:
     def stop_commits(self) -> None:
         """Messages come as they are; only while the machine stands."""
 
-    def recover_from(self, serial: int) -> bool:
+    def recover_from(self, serial: int) -> float | None:
         """
-        The board has stopped behind this commit by itself: what was to follow is held until `release`. False, and nothing changed, if it is not known.
+        The board has stopped behind this commit by itself: what was to follow is held until `release`. Returns its clock; None, and nothing is changed, if it is not known.
         """
+
+    @property
+    def holds(self) -> bool:
+        """Moves wait for `release`."""
 
     def release(self) -> None: ...
 
