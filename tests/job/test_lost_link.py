@@ -36,7 +36,7 @@ def test_it_ends_where_it_would_have_ended(undisturbed, seed):
     generator = random.Random(seed)
     with Scenario(FIRMWARE, card=str(card)) as s:
         s.host.ok("M32 a.g")
-        s.passes(8)
+        s.passes(14)  # it is at home by then
         breaks = 0
         while "Done printing file" not in s.host.heard:
             s.passes(generator.expovariate(0.5))
@@ -58,7 +58,7 @@ def test_pauses_and_limits_beside_it(undisturbed, seed):
     with Scenario(FIRMWARE, card=str(card)) as s:
 
         def perhaps():
-            if generator.random() < 0.5 and s.printer.drive.now_s > 10:
+            if generator.random() < 0.5 and s.printer.drive.now_s > 14:
                 break_link(s, generator.choice((0.02, 0.3, 2.0)))
                 s.host.expect("The board is back", 10)
 

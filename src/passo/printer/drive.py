@@ -252,8 +252,8 @@ class Drive:
         await _either(self._woken, GATHER_S / 2 if moving else None)
 
     def look(self) -> None:
-        """Lets time pass on the board up to now. Raises MachineError."""
-        self._pass(self.now)
+        """Lets time pass on the board, and no more. Raises MachineError."""
+        self._run(self.now)
 
     def _pass(self, now: int) -> None:
         if self._job.queued > 0:

@@ -276,7 +276,7 @@ class Printer:
         """By a handler of a living printer, or as in a print without consoles."""
         try:
             return handler(command, reply) if handler else self.commands.run(command)
-        except CommandError as error:
+        except (CommandError, LinkLostError) as error:
             reply.fail(str(error))
             return None
 

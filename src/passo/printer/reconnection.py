@@ -34,7 +34,7 @@ async def reconnect(printer: Printer, lost: LinkLostError) -> None:
             raise lost
         try:
             connection.reopen()
-            state = _standing(printer)
+            state = await _standing(printer)
             break
         except LinkLostError:
             await asyncio.sleep(_AGAIN_S)
@@ -54,16 +54,16 @@ async def reconnect(printer: Printer, lost: LinkLostError) -> None:
         drive.release()
 
 
-def _standing(printer: Printer) -> Values:
+async def _standing(printer: Printer) -> Values:
     """The state of the board once its motors stand."""
     connection = printer.connection
-    hz = connection.board.clock_hz
     states = connection.dictionary.enumerations["survive"]
     for _ in range(int(_BRAKING_S / _LOOK_S)):
         state = connection.ask("survive_query", "survive_state")
         if state["state"] not in (states["moving"], states["braking"]):
             return state
-        connection.run(connection.now + int(_LOOK_S * hz))
+        await asyncio.sleep(_LOOK_S)
+        printer.drive.look()
     raise MachineError.of("machine.place-unknown")
 
 
