@@ -650,7 +650,7 @@ class LiveBoard:
     Lets a device answer on a file descriptor, which it owns, in real time and a thread of its own; look at the device in `look`, or after `stop`.
     """
 
-    def __init__(self, device: Device, fd: int, clock_hz: float) -> None: ...
+    def __init__(self, device: Device, fd: int, clock_hz: float, start: int = 0) -> None: ...
 
     def look(self, at: Callable) -> object:
         """What the function returns, which may use the device."""
