@@ -98,7 +98,8 @@ def test_a_print_goes_on_when_the_cable_is_back() -> None:
             assert "connection to the board has ended" in other.ok("M114 R")[0]
             cable.plug()
             host.expect("stands where it was told to stop", 20.0)
-        scenario.until(lambda: scenario.printer.drive.standing, 20.0)
+        host.send("M400", "M118 done")
+        host.expect("done", 30.0)
         assert scenario.printer.halted == ""
     cable.cut()
     assert cable.board.device.fault == ""

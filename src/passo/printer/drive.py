@@ -84,7 +84,8 @@ class Drive:
     @property
     def standing(self) -> bool:
         """All moves so far are done."""
-        return self._job.queued == 0 and self._job.clock <= self.now
+        job = self._job
+        return job.queued == 0 and job.clock <= self.now and not job.holds
 
     @property
     def idle_s(self) -> float:
