@@ -459,7 +459,8 @@ void bind_job(nb::module_& m) {
       .def(
           "limit",
           [](JobView& self, const std::string& name) {
-            return *place_of(self.job.motion.planner().limits(), name);
+            Limits limits = self.job.motion.planner().rules().now().limits;
+            return *place_of(limits, name);
           },
           "name"_a, "A limit as set_limit takes it.")
       .def(
@@ -514,23 +515,38 @@ void bind_job(nb::module_& m) {
       .def_prop_ro("line", [](JobView& self) { return self.job.interpreter.line(); })
       .def_prop_ro("layer", [](JobView& self) { return self.job.interpreter.layers(); })
       .def_prop_ro("tool", [](JobView& self) { return self.job.interpreter.tool(); })
-      .def_prop_rw(
-          "speed_factor", [](JobView& self) { return self.job.motion.planner().speed_factor; },
-          [](JobView& self, double factor) { self.job.motion.planner().speed_factor = factor; })
+      .def_prop_ro(
+          "speed_factor",
+          [](JobView& self) { return self.job.motion.planner().rules().now().speed_factor; },
+          "M220, as a factor.")
+      .def(
+          "set_speed_factor",
+          [](JobView& self, double factor, bool live) {
+            self.job.motion.planner().rules().change(live,
+                                                     [&](Rules& r) { r.speed_factor = factor; });
+          },
+          "factor"_a, "live"_a = false,
+          "M220 for the moves that follow; `live`: for all that is planned anew from now on.")
       .def(
           "set_limit",
-          [](JobView& self, const std::string& name, double value) {
-            *place_of(self.job.motion.planner().limits(), name) = value;
+          [](JobView& self, const std::string& name, double value, bool live) {
+            self.job.motion.planner().rules().change(
+                live, [&](Rules& r) { *place_of(r.limits, name) = value; });
           },
-          "name"_a, "value"_a, "Changes a limit of the moves that follow.")
+          "name"_a, "value"_a, "live"_a = false,
+          "Changes a limit of the moves that follow; `live`: of all that is planned anew.")
       .def(
           "set_axis_limit",
-          [](JobView& self, const std::string& axis, const std::string& what, double value) {
-            self.job.motion.planner().constraints().set(self.job.motion.machine(), axis,
-                                                        what == "speed", value);
+          [](JobView& self, const std::string& axis, const std::string& what, double value,
+             bool live) {
+            self.job.motion.planner().rules().change(live, [&](Rules& r) {
+              auto changed = std::make_shared<Constraints>(*r.constraints);
+              changed->set(self.job.motion.machine(), axis, what == "speed", value);
+              r.constraints = std::move(changed);
+            });
           },
-          "axis"_a, "what"_a, "value"_a,
-          "Changes an axis' `speed` or `accel`, never beyond the machine's own.")
+          "axis"_a, "what"_a, "value"_a, "live"_a = false,
+          "Changes an axis' `speed` or `accel`, never beyond the machine's own, as set_limit.")
       .def_prop_ro(
           "messages", [](JobView& self) -> MessageQueue& { return self.job.motion.messages(); },
           nb::rv_policy::reference_internal)

@@ -10,21 +10,23 @@
 #include "junction.hpp"
 #include "machine.hpp"
 #include "move.hpp"
+#include "rules.hpp"
 
 namespace passo {
 
 class Bounds {
  public:
-  Bounds(const Machine& machine, const Limits& limits)
-      : machine_(machine), limits_(limits), constraints_(machine), junction_(machine) {}
+  explicit Bounds(const Machine& machine)
+      : machine_(machine), junction_(machine), curved_(!Constraints(machine).actuators.empty()) {}
 
-  Constraints& constraints() { return constraints_; }
-  const Constraints& constraints() const { return constraints_; }
-  bool nonlinear() const { return !constraints_.actuators.empty() && !machine_.joints; }
+  bool nonlinear() const { return curved_ && !machine_.joints; }
 
   // Fills d, vn2, a, b, cartesian and the limits' names, and clears what the budget sets. False if
   // the move covers no distance and takes no time.
-  bool apply(Move& m) const {
+  bool apply(Move& m, const Rules& rules) const {
+    const Limits& limits = rules.limits;
+    const Constraints& constraints = *rules.constraints;
+    const double speed_factor = m.unscaled ? 1 : rules.speed_factor;
     m.curved_steps = m.tolerance = m.step_load = m.command_load = 0;
     if (m.kind == MoveKind::dwell) {
       m.d = m.vn2 = 0;
@@ -47,7 +49,7 @@ class Bounds {
     mm = m.cartesian ? std::sqrt(mm) : longest;
     m.d = mm;
     double per_mm = 1;  // path measure per mm
-    if (limits_.junction == JunctionLaw::cornering_distance) {
+    if (limits.junction == JunctionLaw::cornering_distance) {
       m.d = 0;
       for (int j = 0; j < kAxes; ++j) m.d = std::max(m.d, junction_.steps(m, j));
       per_mm = m.d / mm;
@@ -55,15 +57,14 @@ class Bounds {
     LimitId accel_id = m.kind == MoveKind::print     ? kPrintAccel
                        : m.kind == MoveKind::extrude ? kRetractAccel
                                                      : kTravelAccel;
-    double v = std::min(m.feed * m.speed_factor, 1e6) * per_mm;
+    double v = std::min(m.feed * speed_factor, 1e6) * per_mm;
     LimitId speed_id = kFeedrate;
-    if (m.duration > 0 && m.d < v * m.duration / m.speed_factor)
-      v = m.d * m.speed_factor / m.duration, speed_id = kDuration;
-    if (m.cartesian && v > limits_.speed * per_mm)
-      v = limits_.speed * per_mm, speed_id = kPathSpeed;
-    double a = per_mm * (accel_id == kPrintAccel     ? limits_.print_accel
-                         : accel_id == kRetractAccel ? limits_.retract_accel
-                                                     : limits_.travel_accel);
+    if (m.duration > 0 && m.d < v * m.duration / speed_factor)
+      v = m.d * speed_factor / m.duration, speed_id = kDuration;
+    if (m.cartesian && v > limits.speed * per_mm) v = limits.speed * per_mm, speed_id = kPathSpeed;
+    double a = per_mm * (accel_id == kPrintAccel     ? limits.print_accel
+                         : accel_id == kRetractAccel ? limits.retract_accel
+                                                     : limits.travel_accel);
     a = std::min(a, kHighestAccel * per_mm);
     double inverse = 1 / m.d, climb = 0;  // climb: of the bed below the way, at most
     if (machine_.height_map && !machine_.joints)
@@ -74,17 +75,17 @@ class Bounds {
       if (part * v > row.speed) v = row.speed / part, speed_id = row.speed_id;
       if (part * a > row.accel) a = row.accel / part, accel_id = row.accel_id;
     };
-    for (size_t i = 0; machine_.joints && i < constraints_.actuators.size(); ++i)
-      tighten(constraints_.actuators[i], delta[i]);
+    for (size_t i = 0; machine_.joints && i < constraints.actuators.size(); ++i)
+      tighten(constraints.actuators[i], delta[i]);
     double c[3];
-    for (const Row& row : constraints_.rows) {
+    for (const Row& row : constraints.rows) {
       if (machine_.joints && row.axis < 3 && !machine_.geometry->linear(row.axis, c)) continue;
       double way = row.axis >= 0 ? delta[row.axis]
                                  : row.c[0] * delta[0] + row.c[1] * delta[1] + row.c[2] * delta[2];
       if (climb > 0) way = std::fabs(way) + std::fabs(row.c[kZ]) * climb;
       tighten(row, way);
     }
-    if (delta[kE] != 0) tighten(constraints_.extruders[m.extruder], delta[kE]);
+    if (delta[kE] != 0) tighten(constraints.extruders[m.extruder], delta[kE]);
     if (m.radius < kInfinity && v * v > a * m.radius * per_mm)
       v = std::sqrt(a * m.radius * per_mm), speed_id = kArc;
     v = std::max(v, kLowestSpeed * per_mm);
@@ -99,11 +100,11 @@ class Bounds {
   // included, and splits the move where these differ much, so that a narrow place does not slow
   // down the whole line. With q', q'' the derivatives of an actuator by path length: |q'| v ≤ V and
   // |q''| v² + |q'| a ≤ A; half of A at most goes to curvature.
-  void split(const Move& m, std::vector<Move>& parts) {
+  void split(const Move& m, const Rules& rules, std::vector<Move>& parts) {
     parts.clear();
     int n = std::clamp(int(std::ceil(m.d / kSampleEvery)), 1, kMostSamples);
     samples_.resize(size_t(n) + 1);
-    for (int i = 0; i <= n; ++i) samples_[size_t(i)] = sample(m, m.d * i / n);
+    for (int i = 0; i <= n; ++i) samples_[size_t(i)] = sample(m, *rules.constraints, m.d * i / n);
     int first = 0;
     while (first < n) {
       Sample part = worse(samples_[size_t(first)], samples_[size_t(first) + 1]);
@@ -153,9 +154,8 @@ class Bounds {
     LimitId speed_id, accel_id;
   };
   const Machine& machine_;
-  const Limits& limits_;
-  Constraints constraints_;
   JunctionRule junction_;
+  bool curved_;  // some actuators do not go evenly along a line
   std::vector<Sample> samples_;
 
   static Sample worse(const Sample& x, const Sample& y) {
@@ -163,7 +163,7 @@ class Bounds {
             x.v < y.v ? x.speed_id : y.speed_id, x.a < y.a ? x.accel_id : y.accel_id};
   }
 
-  Sample sample(const Move& m, double s) const {
+  Sample sample(const Move& m, const Constraints& constraints, double s) const {
     Path path;
     std::memcpy(path.p0, m.p0, sizeof path.p0);
     std::memcpy(path.p1, m.p1, sizeof path.p1);
@@ -176,13 +176,13 @@ class Bounds {
       machine_.geometry->slopes(i, path, s, q1[i], q2[i]);
       q1[i] = std::fabs(q1[i]);
       q2[i] = std::fabs(q2[i]);
-      const Row& row = constraints_.actuators[size_t(i)];
+      const Row& row = constraints.actuators[size_t(i)];
       if (q1[i] * v > row.speed) v = row.speed / q1[i], speed_id = row.speed_id;
       if (q2[i] * v * v > 0.5 * row.accel)
         v = std::sqrt(0.5 * row.accel / q2[i]), speed_id = row.accel_id;
     }
     for (int i = 0; i < n; ++i) {
-      const Row& row = constraints_.actuators[size_t(i)];
+      const Row& row = constraints.actuators[size_t(i)];
       double left = row.accel - q2[i] * v * v;
       if (q1[i] * a > left) a = left / q1[i], accel_id = row.accel_id;
     }

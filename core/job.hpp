@@ -116,7 +116,8 @@ class Job {
     m.extruder = uint16_t(interpreter.extruder());
     m.feed_mm_s = feed_mm_s;
     m.radius_mm = kInfinity;
-    m.rapid = true;  // no laser burns on it
+    m.rapid = true;     // no laser burns on it
+    m.unscaled = true;  // homing, parking: at the speed that the machine file says
     if (limited && motion.planner().constraints().checks_reach() && !reach(m)) return false;
     motion.push(m);
     abandon();
@@ -151,8 +152,10 @@ class Job {
     motion.flush();
     interpreter.adopt(other.interpreter);
     Planner &mine = motion.planner(), &theirs = other.motion.planner();
-    mine.limits() = theirs.limits();
-    mine.constraints() = theirs.constraints();
+    mine.rules().change(false, [&](Rules& rules) {
+      rules.limits = theirs.rules().now().limits;
+      rules.constraints = theirs.rules().now().constraints;
+    });
     double position[kAxes];
     std::copy_n(interpreter.position(), kAxes, position);
     for (size_t i = 0; i < motion.machine().extruders.size(); ++i) {

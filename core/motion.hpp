@@ -171,8 +171,8 @@ class Motion {
   int64_t expected_net(size_t i) const { return solvers_[i].count() - set_apart_[i]; }
 
   // Cuts every stepper at the first clock ≥ `ticks` that is not bound by a command already taken
-  // from messages(), and goes on from the speed that the machine has there, with the limits and the
-  // speed factor of now. Returns that clock.
+  // from messages(), and goes on from the speed that the machine has there, each move by its rules.
+  // Returns that clock.
   double replan_from(double ticks) {
     std::vector<Move> rest;
     double speed2 = cut(ticks, rest);
@@ -294,6 +294,7 @@ class Motion {
   void release() {
     std::vector<Move> rest;
     rest.swap(held_);
+    planner_.rules().renumber(rest);
     if (dark_ > 0) put_light(std::exchange(dark_, 0u));
     resume_plan(rest, 0, planner_.clock());
     process(false);
@@ -464,8 +465,11 @@ class Motion {
       for (Compressor& c : compressors_) c.advance(planner_.clock(), still);
       forget();
       history_.insert(history_.end(), moves.begin(), moves.end());
+      forget_rules();
       merge(still);
       cpu_.compress += now() - solved;
+    } else if (!moves.empty()) {
+      planner_.rules().forget_before(moves.back().rules);
     }
     moves.clear();
   }
@@ -547,6 +551,12 @@ class Motion {
     for (Compressor& c : compressors_) c.forget_resets(messages_.taken_until());
   }
 
+  void forget_rules() {
+    bool all_in_order = held_.empty() && !aside_;
+    if (all_in_order && history_begin_ < history_.size())
+      planner_.rules().forget_before(history_[history_begin_].rules);
+  }
+
   // Moves to messages_ all that no later message can precede.
   void merge(bool all) {
     auto held = messages_.hold();
@@ -587,7 +597,10 @@ class Motion {
         std::max(int64_t(std::ceil(std::max(ticks, pieces_end_))), messages_.taken_until());
     ticks_of_cut_ = std::min(double(at), planner_.clock());
     double speed2 = planner_.speed2();
-    if (double(at) >= planner_.clock()) return speed2;
+    if (double(at) >= planner_.clock()) {
+      planner_.rewind_budget(rest);
+      return speed2;
+    }
     // Steps that wait for more of their kind may be due before the cut: they become commands now.
     for (Compressor& c : compressors_) c.advance(planner_.clock(), true);
     merge(true);
@@ -624,6 +637,7 @@ class Motion {
     else if (!rest.empty())
       speed2 = rest[0].v0 * rest[0].v0;
     if (late > 0) rest[0].records = uint16_t(late);
+    planner_.rewind_budget(rest);
     return speed2;
   }
 
@@ -632,6 +646,7 @@ class Motion {
     Move done = rest[0];
     double tau = ticks_of_cut_ - done.start;
     if (done.kind == MoveKind::dwell) {
+      rest[0].ahead0 += (done.ahead1 - done.ahead0) * (tau / done.ticks());
       done.t_cru = tau;
       rest[0].duration -= tau / machine_.clock_hz;
       finish(rest, done);
@@ -648,6 +663,7 @@ class Motion {
     done.t_cru = std::clamp(tau - done.t_acc, 0.0, done.t_cru);
     done.t_acc = std::min(tau, done.t_acc);
     left.inner = true;
+    left.ahead0 += (left.ahead1 - left.ahead0) * (tau / rest[0].ticks());
     rest[0] = left;
     finish(rest, done);
     return v * v;

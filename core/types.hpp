@@ -34,6 +34,7 @@ struct MoveRequest {
   uint8_t moved;   // bit per axis: the letter stood in the command
   bool arc_inner;  // joins the chord before it on the same arc: no junction limit
   bool rapid;      // G0
+  bool unscaled;   // not of a program: M220 leaves it alone
 };
 
 // One command for the board. Commands of a board are queued in the order of `clock`.

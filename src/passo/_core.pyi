@@ -813,9 +813,10 @@ class Motion:
     def release(self) -> None:
         """Goes on with what hold_from left."""
 
-    def set_speed_factor(self, arg: float, /) -> None: ...
+    def set_speed_factor(self, factor: float, live: bool = True) -> None:
+        """M220: of moves to come, or, `live`, of all that is planned anew."""
 
-    def set_accel(self, arg: float, /) -> None: ...
+    def set_accel(self, accel: float, live: bool = True) -> None: ...
 
     @property
     def clock(self) -> float:
@@ -1131,16 +1132,23 @@ class Job:
     def tool(self) -> int: ...
 
     @property
-    def speed_factor(self) -> float: ...
+    def speed_factor(self) -> float:
+        """M220, as a factor."""
 
-    @speed_factor.setter
-    def speed_factor(self, arg: float, /) -> None: ...
+    def set_speed_factor(self, factor: float, live: bool = False) -> None:
+        """
+        M220 for the moves that follow; `live`: for all that is planned anew from now on.
+        """
 
-    def set_limit(self, name: str, value: float) -> None:
-        """Changes a limit of the moves that follow."""
+    def set_limit(self, name: str, value: float, live: bool = False) -> None:
+        """
+        Changes a limit of the moves that follow; `live`: of all that is planned anew.
+        """
 
-    def set_axis_limit(self, axis: str, what: str, value: float) -> None:
-        """Changes an axis' `speed` or `accel`, never beyond the machine's own."""
+    def set_axis_limit(self, axis: str, what: str, value: float, live: bool = False) -> None:
+        """
+        Changes an axis' `speed` or `accel`, never beyond the machine's own, as set_limit.
+        """
 
     @property
     def messages(self) -> MessageQueue: ...

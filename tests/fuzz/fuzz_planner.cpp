@@ -138,7 +138,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         motion.hold_from(cut);
         motion.release();
       } else {
-        motion.planner().speed_factor = 0.25 + p[10] / 64.0;
+        motion.planner().rules().change(
+            p[9] & 32, [&](Rules& rules) { rules.speed_factor = 0.25 + p[10] / 64.0; });
         motion.replan_from(cut);
       }
     }

@@ -104,7 +104,7 @@ class Recovery:
         await self._warm()
         await self._approach(at)
         printer.job.adopt(state)
-        printer.job.speed_factor = self._moment.speed_factor
+        printer.job.set_speed_factor(self._moment.speed_factor)
         printer.job.flow = self._moment.flow
         return offset
 

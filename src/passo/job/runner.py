@@ -288,6 +288,7 @@ class Runner:
             job.resume()
             drive.after_moves()
         printer.select(console=False)
+        printer.program = self._reply
         drive.before_moves()
         try:
             horizon = drive.now + _AHEAD_S * drive.hz

@@ -18,8 +18,9 @@ _PERCENT = (10.0, 1000.0)  # of M220
 
 
 class MotionCommands:
-    """Settings of motion of one printer. Those that a plan can be made anew for act at once on what
-    the board does not have yet."""
+    """Settings of motion of one printer. Limits and the feed rate override take their place among
+    the moves of the program, or of the console, that they stand in. From elsewhere they are live:
+    they act at once on what the board does not have yet."""
 
     def __init__(self, printer: Printer) -> None:
         self._printer = printer
@@ -41,6 +42,7 @@ class MotionCommands:
             "M205": self._junction,
             "M206": self._home_offsets,
             "M218": self._tool_offset,
+            "M220": self._speed,
             "M221": self._flow,
             "M290": lambda c, r: self._printer.commands.run(c),
             "M569": self._drivers,
@@ -107,10 +109,12 @@ class MotionCommands:
         if not words:
             reply.say(self.axis_limit_line(what))
             return None
+        live = self._printer.beside(reply)
         for letter, value in words.items():
             if value > 0:
-                self._printer.job.set_axis_limit(letter.lower(), what, value)
-        self._printer.drive.replan()
+                self._printer.job.set_axis_limit(letter.lower(), what, value, live)
+        if live:
+            self._printer.drive.replan()
         return None
 
     def axis_limit_line(self, what: str) -> str:
@@ -125,8 +129,10 @@ class MotionCommands:
         if not words:
             reply.say(self.acceleration_line())
             return None
-        self._printer.commands.accelerations(words)
-        self._printer.drive.replan()
+        live = self._printer.beside(reply)
+        self._printer.commands.accelerations(words, live=live)
+        if live:
+            self._printer.drive.replan()
         return None
 
     def acceleration_line(self) -> str:
@@ -143,8 +149,10 @@ class MotionCommands:
         if deviation is not None:
             if not 0.001 <= deviation <= 0.3:
                 raise CommandError.bad_value("J", deviation, "0.001 to 0.3 mm")
-            self._printer.job.set_limit("junction_deviation", deviation)
-            self._printer.drive.replan()
+            live = self._printer.beside(reply)
+            self._printer.job.set_limit("junction_deviation", deviation, live)
+            if live:
+                self._printer.drive.replan()
         return None
 
     def junction_line(self) -> str:
@@ -258,8 +266,10 @@ class MotionCommands:
         low, high = _PERCENT
         if words["S"] <= 0:
             raise CommandError.bad_value("S", words["S"], f"{low:g} to {high:g} percent")
-        job.speed_factor = min(max(words["S"], low), high) / 100
-        self._printer.drive.replan()
+        live = self._printer.beside(reply)
+        job.set_speed_factor(min(max(words["S"], low), high) / 100, live)
+        if live:
+            self._printer.drive.replan()
         return None
 
     def _drivers(self, command: Command, reply: Reply) -> Wait | None:

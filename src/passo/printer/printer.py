@@ -93,6 +93,7 @@ class Printer:
         self.fault_listeners: list[Callable[[HeaterFault], None]] = []
         self.greeting: Callable[[], str] = str  # what a console that opens should hear
         self.listeners: list[Callable[[str], None]] = []
+        self.program: Reply | None = None  # whose moves were planned last
         self.halted = ""  # why nothing moves or heats any more; M999 clears it
         self.heating = False  # somebody waits for a temperature
         self._skip = asyncio.Event()
@@ -240,6 +241,11 @@ class Printer:
         # Beside a print the plan is always full: a line comes behind what is planned.
         return self.job.queued <= MOST_QUEUED if self.busy() else not self.drive.full
 
+    def beside(self, reply: Reply) -> bool:
+        """Who asks is not the one whose moves are planned: a console beside a print from the card,
+        or beside another console."""
+        return reply is not self.program
+
     def select(self, *, console: bool) -> None:
         """What is read next comes from a console, or else from the file."""
         self.job.select(console)
@@ -249,8 +255,13 @@ class Printer:
         """Takes in one line of a console: all of it, or up to a command that waits; then `finish`
         goes on. Only with the turn and with room."""
         self.select(console=True)
-        self.job.feed(text.encode("ascii", "replace") + b"\n")
-        return self._go_on(reply)
+        job = self.job
+        job.feed(text.encode("ascii", "replace") + b"\n")
+        before = job.queued, job.clock
+        wait = self._go_on(reply)
+        if not self.busy() and (job.queued, job.clock) != before:
+            self.program = reply
+        return wait
 
     def take_setting(self, text: str, reply: Reply) -> None:
         """Carries out one line of stored settings, the machine standing, by who has the turn."""
