@@ -483,9 +483,8 @@ void bind_job(nb::module_& m) {
       .def(
           "line_at", [](JobView& self, double ticks) { return self.job.motion.line_at(ticks); },
           "ticks"_a,
-          "Line of the program's move that is under way, or was last, at a clock (0: none), and "
-          "the "
-          "Z to which it goes. Clocks must not go back.")
+          "Line of the program's move that is under way, or was last, at a clock (0: none). Clocks "
+          "must not go back.")
       .def(
           "position_at",
           [](JobView& self, double ticks) -> std::optional<std::vector<double>> {

@@ -300,13 +300,12 @@ class Motion {
     process(false);
   }
   size_t held() const { return held_.size(); }
-  // Line of the program whose move is under way, or was the last one, at `ticks` (0: none), and the
-  // Z to which it goes. Asked for clocks that only grow.
-  std::pair<uint32_t, double> line_at(double ticks) {
+  // Line of the program whose move is under way, or was the last one, at `ticks` (0: none). Asked
+  // for clocks that only grow.
+  uint32_t line_at(double ticks) {
     keeps_lines_ = true;
     while (lines_.size() > 1 && lines_[1].start <= ticks) lines_.pop_front();
-    if (lines_.empty() || lines_[0].start > ticks) return {0, 0};
-    return {lines_[0].number, lines_[0].z};
+    return lines_.empty() || lines_[0].start > ticks ? 0 : lines_[0].number;
   }
   // Where the plan was at `ticks`, in the last second or so: X, Y, Z, the extruder of that move and
   // further axes. Nothing if that is longer ago.
@@ -315,8 +314,12 @@ class Motion {
                                  [](double t, const Move& m) { return t < m.start; });
     if (next == history_.begin()) return std::nullopt;
     const Move& m = *std::prev(next);
-    double part = m.kind == MoveKind::dwell ? 1 : along(m, ticks - m.start).first / m.d;
     std::array<double, kAxes> p;
+    if (ticks >= m.end()) {  // it stands, perhaps where it was told that it is
+      std::copy_n(next != history_.end() ? next->p0 : planner_.next_start(), kAxes, p.begin());
+      return p;
+    }
+    double part = m.kind == MoveKind::dwell ? 1 : along(m, ticks - m.start).first / m.d;
     for (size_t j = 0; j < p.size(); ++j) p[j] = m.p0[j] + (m.p1[j] - m.p0[j]) * part;
     return p;
   }
@@ -396,7 +399,6 @@ class Motion {
   struct Line {
     double start;
     uint32_t number;
-    double z;
   };
   std::deque<Line> lines_;  // of moves of the program
   struct Aside {
@@ -451,7 +453,7 @@ class Motion {
       if (with_steps_) light(m);
       if (on_move) on_move(m);
       if (keeps_lines_ && m.line > 0 && (lines_.empty() || lines_.back().number != m.line))
-        lines_.push_back({m.start, m.line, m.p1[kZ]});
+        lines_.push_back({m.start, m.line});
     }
     if (still) {
       dim(planner_.clock());

@@ -50,6 +50,8 @@ class Planner {
   double speed2() const { return speed2_; }  // its end speed, squared
 
   const double* position() const { return position_; }  // end of the last move pushed
+  // Where the first queued move starts, or the next one will.
+  const double* next_start() const { return queued() > 0 ? queue_[head_].p0 : position_; }
   double extruder_position(size_t i) const { return extruder_[i]; }
   // Sets where the next move starts, without motion. Only while nothing is queued.
   void set_position(const double* position, size_t extruder) {

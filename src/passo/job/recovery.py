@@ -13,6 +13,7 @@ from passo.job.journal import Moment, Program
 from passo.job.program import at_rest, read_program
 from passo.job.runner import Reader
 from passo.printer.commands import Commands
+from passo.printer.faults import problem_of
 from passo.printer.slots import E, X, Y, Z
 from passo.printer.switches import axes_of_arms, home_point
 from passo.printer.waits import Homing, Silence, Temperatures, Wait
@@ -99,6 +100,10 @@ class Recovery:
         printer = self._printer
         offset = offset_of_line(self._reader, self._moment.line)
         state = state_before(printer.machine, self._reader, offset)
+        for axis, mm in self._moment.babysteps_mm.items():
+            if not state.shift("xyz".index(axis), mm):
+                raise CommandError([problem_of(state, self._program.path)])
+        state.flush()
         at = state.machine_position
         await self._lift_and_home()
         await self._warm()
@@ -106,6 +111,7 @@ class Recovery:
         printer.job.adopt(state)
         printer.job.set_speed_factor(self._moment.speed_factor)
         printer.job.flow = self._moment.flow
+        printer.motion.babysteps_mm |= self._moment.babysteps_mm
         return offset
 
     async def _lift_and_home(self) -> None:

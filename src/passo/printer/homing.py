@@ -66,6 +66,7 @@ class Homer:
         self._switches = switches(self._machine)
         self._order = [row["name"] for row in self._machine.core_spec()["steppers"]]
         self._endstops = Endstops(printer.connection)
+        self.active = False  # positions may be those of arms, and mean nothing to a program
 
     @property
     def axes(self) -> set[str]:
@@ -81,12 +82,19 @@ class Homer:
         """Homes the axes of these letters, all by default. An axis without a switch is taken to be
         at home already. An axis that does not find its switch no longer knows where it is. With the
         letter O axes that know where they are stay."""
+        self.active = True
+        try:
+            await self._home(letters)
+        finally:
+            self.active = False
+
+    async def _home(self, letters: str) -> None:
         names = [a for a in self._axes if a.upper() in letters] or self._axes
         if "O" in letters and self._machine.unhomed_moves == "refuse":
             unknown = [self._axes[i] for i in self._printer.job.locked_axes]
             names = [name for name in names if name in unknown]
         fixed = [name for name in names if name not in self.axes]
-        self._printer.job.set_axes([(self._axes.index(n), self._home_of(n)) for n in fixed])
+        self._set({name: self._home_of(name) for name in fixed})
         self._printer.endstops.pause()
         batch: list[_Way] = []
         for way in self._ways(names, everything=not letters.strip("O")):
@@ -250,6 +258,7 @@ class Homer:
 
     def _set(self, places: dict[str, float]) -> None:
         self._printer.job.set_axes([(self._axes.index(n), at) for n, at in places.items()])
+        self._printer.motion.homed(places)
 
     def _problem(self, code: str, switch: Switch, limit: float) -> CommandError:
         geometry, home = self._machine.geometry, switch.home

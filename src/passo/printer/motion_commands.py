@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 from passo.config.drives import axis_order
@@ -27,6 +27,7 @@ class MotionCommands:
         self._machine = printer.machine
         self._axes = axis_order(self._machine.axes)
         self.home_offset_mm = dict.fromkeys(self._axes, 0.0)
+        self.babysteps_mm = dict.fromkeys("xyz", 0.0)  # live ones, since the axis was homed
         self.immediate: dict[str, Handler] = {
             "M220": self._speed,
             "M290": self._babystep,
@@ -253,7 +254,12 @@ class MotionCommands:
         for axis, mm in self._printer.commands.babysteps(command):
             if not self._printer.drive.shift(axis, mm):
                 raise CommandError([problem_of(self._printer.job, "")])
+            self.babysteps_mm["xyz"[axis]] += mm
         return None
+
+    def homed(self, axes: Iterable[str]) -> None:
+        """These axes are at home: how far they were shifted means nothing any more."""
+        self.babysteps_mm |= {axis: 0.0 for axis in axes if axis in self.babysteps_mm}
 
     # -- overrides --------------------------------------------------------------------------------
 

@@ -390,6 +390,7 @@ class Printer:
         for listener in self.stop_listeners:
             listener(self.halted)
         self.motors.forget()
+        self.motion.homed("xyz")
         lines = list(self.settings())
         self._begin(reconnected(self.connection))
         self.endstops.begin()
