@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 TICK_S = 0.01  # host time between two looks at the board in real time
 HORIZON_S = 0.16  # of print time ahead that cannot be taken back: the board has it
-RUNNING_DRY_S = 0.3  # a plan that ends sooner is settled for a stop
+RUNNING_DRY_S = 0.9  # a plan that ends sooner is settled for a stop, as Python may stall for 0.5 s
 TAKE_BACK_S = 1.0  # that stop is taken back, if more moves came in, when it is so near
 LEAD_S = 0.2  # from a command on a standing machine to its first step
 GATHER_S = 0.08  # host time in which a standing machine hopes for more moves to plan with
