@@ -1,7 +1,7 @@
 """Axes find their switches on the simulated mechanics, or say why they did not."""
 
 import pytest
-from tests.console.scenario import Scenario
+from tests.console.scenario import Host, Scenario
 
 from passo import config
 from passo.config.load import shipped_text
@@ -296,3 +296,30 @@ def test_a_delta_that_knows_nothing_homes_its_carriages_before_z():
         assert s.host.ok("G28 Z", 120)[-1] == "ok"
         middle = s.machine.geometry.inverse((0.0, 0.0, 0.0))
         assert [s.positions()[k] for k in "abc"] == pytest.approx(list(middle), abs=0.03)
+
+
+@pytest.mark.parametrize("machine", ["i3", "delta", "rotary-delta", "scara"])
+def test_what_a_console_asks_while_axes_home(machine):
+    """Positions are the last ones of the program, motors count on, and nothing shifts."""
+    with Scenario(machine) as s:
+        s.host.ok("G28", 60)
+        s.host.ok("G91")
+        s.host.ok("G1 Z-10 F3000" if machine.endswith("delta") else "G1 Z10 F600")
+        s.host.ok("M400", 10)
+        before, other = s.host.ok("M114")[0], Host(s)
+        s.host.send("G28")
+        s.passes(0.2)
+        counts = []
+        while s.printer.homer.active:
+            assert "M290 has to wait until all axes are at home" in other.ok("M290 Z0.5")[0]
+            plain, real = other.ok("M114")[0], other.ok("M114 R")[0]
+            places = before.split(" Count")[0]
+            assert (plain.split(" Count")[0], real.split(" Count")[0]) == (places, places)
+            counts.append(real.split(" Count ")[1])
+            s.passes(0.3)
+        assert len(set(counts)) > 2
+        s.host.expect("^ok", 60)
+        after = s.positions()
+        assert s.host.ok("M290 Z0") == ["ok"]
+        assert s.host.ok("G28", 60)[-1] == "ok"
+        assert s.positions() == pytest.approx(after, abs=0.05)

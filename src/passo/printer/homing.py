@@ -66,7 +66,7 @@ class Homer:
         self._switches = switches(self._machine)
         self._order = [row["name"] for row in self._machine.core_spec()["steppers"]]
         self._endstops = Endstops(printer.connection)
-        self.active = False  # positions may be those of arms, and mean nothing to a program
+        self.active = False
 
     @property
     def axes(self) -> set[str]:
@@ -83,10 +83,12 @@ class Homer:
         at home already. An axis that does not find its switch no longer knows where it is. With the
         letter O axes that know where they are stay."""
         self.active = True
+        self._printer.positions.freeze()
         try:
             await self._home(letters)
         finally:
             self.active = False
+            self._printer.positions.thaw()
 
     async def _home(self, letters: str) -> None:
         names = [a for a in self._axes if a.upper() in letters] or self._axes

@@ -251,6 +251,8 @@ class MotionCommands:
         return None
 
     def _babystep(self, command: Command, _: Reply) -> Wait | None:
+        if self._printer.homer.active:
+            raise CommandError.of("input.homing", axis=command.code)
         for axis, mm in self._printer.commands.babysteps(command):
             if not self._printer.drive.shift(axis, mm):
                 raise CommandError([problem_of(self._printer.job, "")])
