@@ -1087,9 +1087,9 @@ class Job:
         Takes the state of a program that another job has read up to where this machine stands.
         """
 
-    def line_at(self, ticks: float) -> tuple[int, float]:
+    def line_at(self, ticks: float) -> int:
         """
-        Line of the program's move that is under way, or was last, at a clock (0: none), and the Z to which it goes. Clocks must not go back.
+        Line of the program's move that is under way, or was last, at a clock (0: none). Clocks must not go back.
         """
 
     def position_at(self, ticks: float) -> list[float] | None:

@@ -87,9 +87,7 @@ class RecoveryCommands:
         moment = self._moment(line or self._runner.first_line, self._seen_z_mm)
         if self._runner.state is State.PAUSED:
             # Fans and heaters that are switched off meanwhile are wanted again for the print.
-            moment = replace(
-                self._recorded, z_mm=moment.z_mm, babysteps_mm=moment.babysteps_mm
-            )
+            moment = replace(self._recorded, z_mm=moment.z_mm, babysteps_mm=moment.babysteps_mm)
             if moment == self._recorded:
                 return
         self._record(moment)
