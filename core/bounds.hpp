@@ -66,14 +66,16 @@ class Bounds {
                          : accel_id == kRetractAccel ? limits.retract_accel
                                                      : limits.travel_accel);
     a = std::min(a, kHighestAccel * per_mm);
-    double inverse = 1 / m.d, climb = 0;  // climb: of the bed below the way, at most
-    if (machine_.height_map && !machine_.joints)
-      climb =
-          machine_.height_map->steepest() * std::sqrt(delta[0] * delta[0] + delta[1] * delta[1]);
-    auto tighten = [&](const Row& row, double distance) {
+    double inverse = 1 / m.d;
+    const Bed bed = bed_below(m);
+    // `bend`: second derivative of the row's position by path length.
+    auto tighten = [&](const Row& row, double distance, double bend = 0) {
       double part = std::fabs(distance) * inverse;
       if (part * v > row.speed) v = row.speed / part, speed_id = row.speed_id;
-      if (part * a > row.accel) a = row.accel / part, accel_id = row.accel_id;
+      if (bend * v * v > kOfBends * row.accel)
+        v = std::sqrt(kOfBends * row.accel / bend), speed_id = row.accel_id;
+      double left = row.accel - bend * v * v;
+      if (part * a > left) a = left / part, accel_id = row.accel_id;
     };
     for (size_t i = 0; machine_.joints && i < constraints.actuators.size(); ++i)
       tighten(constraints.actuators[i], delta[i]);
@@ -82,8 +84,8 @@ class Bounds {
       if (machine_.joints && row.axis < 3 && !machine_.geometry->linear(row.axis, c)) continue;
       double way = row.axis >= 0 ? delta[row.axis]
                                  : row.c[0] * delta[0] + row.c[1] * delta[1] + row.c[2] * delta[2];
-      if (climb > 0) way = std::fabs(way) + std::fabs(row.c[kZ]) * climb;
-      tighten(row, way);
+      double lift = std::fabs(row.c[kZ]);
+      tighten(row, std::fabs(way) + lift * bed.slope * m.d, lift * bed.bend);
     }
     if (delta[kE] != 0) tighten(constraints.extruders[m.extruder], delta[kE]);
     if (m.radius < kInfinity && v * v > a * m.radius * per_mm)
@@ -99,7 +101,9 @@ class Bounds {
   // Nonlinear geometries: tightens vn2 and a by the actuators' limits along the way, curvature
   // included, and splits the move where these differ much, so that a narrow place does not slow
   // down the whole line. With q', q'' the derivatives of an actuator by path length: |q'| v ≤ V and
-  // |q''| v² + |q'| a ≤ A; half of A at most goes to curvature.
+  // |q''| v² + |q'| a ≤ A; half of A at most goes to curvature. Where the bed is not flat, q' and
+  // q'' are the greatest that its steepest slope, up or down, makes of them. Its creases, between
+  // the cells of the map, are no bends: there Z changes its speed at once, by little.
   void split(const Move& m, const Rules& rules, std::vector<Move>& parts) {
     parts.clear();
     int n = std::clamp(int(std::ceil(m.d / kSampleEvery)), 1, kMostSamples);
@@ -148,6 +152,7 @@ class Bounds {
   static constexpr double kSampleEvery = 2;      // mm
   static constexpr int kMostSamples = 256;
   static constexpr double kAlike = 0.7;  // caps within this ratio share a part
+  static constexpr double kOfBends = 0.5;  // share of an acceleration that bends may take
 
   struct Sample {
     double v, a, steps;  // steps of all actuators by path length
@@ -163,6 +168,39 @@ class Bounds {
             x.v < y.v ? x.speed_id : y.speed_id, x.a < y.a ? x.accel_id : y.accel_id};
   }
 
+  // What the bed adds to Z along a move, at most: first and second derivative by path length.
+  struct Bed {
+    double slope = 0, bend = 0;
+  };
+  Bed bed_below(const Move& m) const {
+    if (!machine_.height_map || machine_.joints) return {};
+    double x = (m.p1[0] - m.p0[0]) / m.d, y = (m.p1[1] - m.p0[1]) / m.d;
+    return {machine_.height_map->steepest() * std::sqrt(x * x + y * y),
+            2 * machine_.height_map->twist() * std::fabs(x * y)};
+  }
+
+  // Derivatives of actuator i at s, at most. Along a line whose slope differs by k from the way's,
+  // q' = g + h k and q'' = e + b k + a k²; the bed's own bend moves the actuator as Z does, by h.
+  void slopes_above(const Bed& bed, int i, const Path& way, double s, double& q1,
+                    double& q2) const {
+    double first[3], second[3], at[3];
+    for (int j = 0; j < 3; ++j) at[j] = way.p0[j] + (way.p1[j] - way.p0[j]) / way.length * s;
+    double lift = machine_.raised(at) - at[kZ];
+    for (int side = -1; side <= 1; ++side) {
+      Path line = way;
+      double tilt = side * bed.slope;
+      line.p0[kZ] += lift - tilt * s;
+      line.p1[kZ] += lift + tilt * (way.length - s);
+      machine_.geometry->slopes(i, line, s, first[side + 1], second[side + 1]);
+    }
+    Path up = {{at[0], at[1], at[2] + lift}, {at[0], at[1], at[2] + lift + 1}, 1};
+    double lifts, curved;
+    machine_.geometry->slopes(i, up, 0, lifts, curved);
+    q1 = std::max(std::fabs(first[0]), std::fabs(first[2]));
+    q2 = std::fabs(second[1]) + 0.5 * std::fabs(second[2] - second[0]) +
+         0.5 * std::fabs(second[2] + second[0] - 2 * second[1]) + std::fabs(lifts) * bed.bend;
+  }
+
   Sample sample(const Move& m, const Constraints& constraints, double s) const {
     Path path;
     std::memcpy(path.p0, m.p0, sizeof path.p0);
@@ -172,14 +210,18 @@ class Bounds {
     LimitId speed_id = m.speed_limit, accel_id = m.accel_limit;
     double q1[8], q2[8];
     int n = std::min(8, machine_.geometry->actuators());
+    const Bed bed = bed_below(m);
     for (int i = 0; i < n; ++i) {
-      machine_.geometry->slopes(i, path, s, q1[i], q2[i]);
+      if (machine_.height_map)
+        slopes_above(bed, i, path, s, q1[i], q2[i]);
+      else
+        machine_.geometry->slopes(i, path, s, q1[i], q2[i]);
       q1[i] = std::fabs(q1[i]);
       q2[i] = std::fabs(q2[i]);
       const Row& row = constraints.actuators[size_t(i)];
       if (q1[i] * v > row.speed) v = row.speed / q1[i], speed_id = row.speed_id;
-      if (q2[i] * v * v > 0.5 * row.accel)
-        v = std::sqrt(0.5 * row.accel / q2[i]), speed_id = row.accel_id;
+      if (q2[i] * v * v > kOfBends * row.accel)
+        v = std::sqrt(kOfBends * row.accel / q2[i]), speed_id = row.accel_id;
     }
     for (int i = 0; i < n; ++i) {
       const Row& row = constraints.actuators[size_t(i)];
