@@ -106,7 +106,9 @@ class Bounds {
   // the cells of the map, are no bends: there Z changes its speed at once, by little.
   void split(const Move& m, const Rules& rules, std::vector<Move>& parts) {
     parts.clear();
-    int n = std::clamp(int(std::ceil(m.d / kSampleEvery)), 1, kMostSamples);
+    double mm2 = 0;
+    for (int j = 0; j < 3; ++j) mm2 += (m.p1[j] - m.p0[j]) * (m.p1[j] - m.p0[j]);
+    int n = std::clamp(int(std::ceil(std::sqrt(mm2) / kSampleEvery)), 1, kMostSamples);
     samples_.resize(size_t(n) + 1);
     for (int i = 0; i <= n; ++i) samples_[size_t(i)] = sample(m, *rules.constraints, m.d * i / n);
     int first = 0;

@@ -182,7 +182,8 @@ class Job {
   double now() const { return cpu_clock_ ? cpu_clock_() : 0; }
 
   bool push_batch() {
-    for (MoveRequest& m : batch_) {
+    for (size_t i = 0; i < batch_.size(); ++i) {
+      MoveRequest& m = batch_[i];
       // Filament alone moves nothing else, also where a move before it was left out.
       if (m.kind == MoveKind::extrude && unreachable_skipped > 0)
         std::copy_n(motion.planner().position(), 3, m.target);
@@ -190,11 +191,22 @@ class Job {
           m.kind != MoveKind::extrude && !reach(m)) {
         if (!interpreter.clamp) return false;
         ++unreachable_skipped;
+        leave_filament(i);
         continue;
       }
       motion.push(m);
     }
     return true;
+  }
+
+  // Move i of the batch is left out: what it would have printed is not printed by the next one.
+  void leave_filament(size_t i) {
+    const MoveRequest& m = batch_[i];
+    double mm = m.target[kE] - motion.planner().extruder_position(m.extruder);
+    if (motion.machine().extruders.empty() || !(mm > 0)) return;  // a retraction is made up for
+    for (size_t k = i + 1; k < batch_.size(); ++k)
+      if (batch_[k].extruder == m.extruder) batch_[k].target[kE] -= mm;
+    interpreter.leave_filament(m.extruder, mm);
   }
 
   // Whether every actuator reaches the whole line; else fills error_.

@@ -131,6 +131,16 @@ class Interpreter {
     arc_.shift(j, mm);
     for (Item& item : pending_) item.move.target[j] += mm;
   }
+  // An extruder stays `mm` behind what the program has moved it; the program does not notice.
+  void leave_filament(size_t extruder, double mm) {
+    extruder_[extruder] -= mm;
+    if (extruder == active_) {
+      position_[kE] -= mm;
+      arc_.shift(kE, -mm);
+    }
+    for (Item& item : pending_)
+      if (item.found == Found::move && item.move.extruder == extruder) item.move.target[kE] -= mm;
+  }
   // Whether axis slot j may be at this machine position; else what the error says.
   bool in_range(int j, double at, GcodeError& error) const {
     if (at >= low_[j] - 1e-6 && at <= high_[j] + 1e-6) return true;
