@@ -153,7 +153,7 @@ class Bounds {
   static constexpr double kHighestAccel = 1e7;   // mm/s²
   static constexpr double kSampleEvery = 2;      // mm
   static constexpr int kMostSamples = 256;
-  static constexpr double kAlike = 0.7;  // caps within this ratio share a part
+  static constexpr double kAlike = 0.7;    // caps within this ratio share a part
   static constexpr double kOfBends = 0.5;  // share of an acceleration that bends may take
 
   struct Sample {

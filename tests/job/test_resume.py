@@ -141,3 +141,39 @@ def test_a_full_disk_leaves_no_stale_offer(places, monkeypatch):
         s.host.expect("Done printing", 300)
         assert s.positions()["z"] == pytest.approx(1.6, abs=0.01)
     assert recorded(places) is None
+
+
+FAR = WALL.replace("X10", "X90").replace("X50", "X130").replace("Y10", "Y60").replace("Y50", "Y100")
+NEAR = WALL.replace("G92 E0\n", "G92 E0\nG1 X100 Y100 F6000\n")  # no straight way from home
+
+
+@pytest.mark.parametrize("text", [FAR, NEAR])
+@pytest.mark.parametrize(("machine", "when"), [("scara", 6.5), ("scara", 0.9), ("scara", 13.3)])
+def test_a_print_goes_on_with_arms(machine, when, text, tmp_path):
+    """Arms find their switches anew, and their way; Z, which moves alone, is kept."""
+    (tmp_path / "card").mkdir()
+    (tmp_path / "card" / "wall.gcode").write_text(text)
+    places = {"card": str(tmp_path / "card"), "state": str(tmp_path / "state")}
+    with Scenario(machine, **places) as s:
+        s.host.ok("M32 wall.gcode")
+        s.host.expect("Done printing", 600)
+        whole = s.positions()
+    with Scenario(machine, **places) as s:
+        s.host.ok("M140 S50")
+        s.host.ok("M32 wall.gcode")
+        assert s.until(lambda: s.positions()["e"] > when, 300)
+        left = s.positions()
+    with Scenario(machine, **places) as s:
+        for stepper in left:
+            if stepper != "e":
+                s.board.place(stepper, left[stepper])
+        s.host.ok("M302 P1")
+        lowest = [left["z"]]
+        s.printer.watchers.append(lambda: lowest.append(s.positions()["z"]))
+        answer = s.host.ok("M1000", 900)
+        assert any("Printing wall.gcode from line" in x for x in answer), answer
+        assert min(lowest) > left["z"] - 0.05
+        s.host.expect("Done printing", 600)
+        end = s.positions()
+        for stepper in ("a", "b", "z"):
+            assert end[stepper] == pytest.approx(whole[stepper], abs=0.03)

@@ -60,9 +60,10 @@ def test_no_motor_exceeds_its_limits(name, bed):
     limits = [(row["speed"], row["accel"]) for row in spec["steppers"][:3]]
     axes = spec["axes"][2]
     if name in ("i3", "corexy"):
-        limits = [(row["speed"], min(r["accel"], row["accel"])) for row, r in zip(
-            spec["axes"][:3], spec["steppers"], strict=False
-        )]
+        limits = [
+            (row["speed"], min(r["accel"], row["accel"]))
+            for row, r in zip(spec["axes"][:3], spec["steppers"], strict=False)
+        ]
         limits[2] = (axes["speed"], axes["accel"])
     fastest, hardest = [0.0] * 3, [0.0] * 3
     for move in motion.take_moves():

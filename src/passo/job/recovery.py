@@ -148,7 +148,10 @@ class Recovery:
         if self._printer.machine.geometry.lifts_together:
             # At the top the arms reach only the middle.
             await self._go({Z: at[Z] + (park.raise_mm if park else 0.0)}, math.inf)
-        await self._go({X: at[X], Y: at[Y]}, speed)
+        if axes_of_arms(self._printer.machine) == ("x", "y"):
+            await self._printer.homer.swing(at[X], at[Y])
+        else:
+            await self._go({X: at[X], Y: at[Y]}, speed)
         if park and park.prime_mm > 0 and self._printer.can_extrude():
             e = self._printer.job.machine_position[E]
             await self._go({E: e + park.prime_mm}, park.prime_mm_s)

@@ -11,7 +11,7 @@ from passo.board.endstops import Endstops
 from passo.config.drives import axis_order
 from passo.errors import CommandError
 from passo.geometry.base import Point
-from passo.printer.slots import Z, slot_of_axis
+from passo.printer.slots import E, X, Y, Z, slot_of_axis
 from passo.printer.switches import (
     Switch,
     axes_of_arms,
@@ -89,6 +89,36 @@ class Homer:
         finally:
             self.active = False
             self._printer.positions.thaw()
+
+    async def swing(self, x: float, y: float) -> None:
+        """Brings the nozzle over this place, machine mm, each arm going its own way: between two
+        places that arms reach the straight way may lead where they do not."""
+        printer, job, geometry = self._printer, self._printer.job, self._machine.geometry
+
+        def point(position: Sequence[float]) -> Point:
+            a, b, c = position[:E]
+            return a, b, c
+
+        before = point(job.machine_position)
+        target = (x, y, before[Z])
+        self.active = True
+        printer.positions.freeze()
+        job.use_joints(True)
+        job.set_axes(list(enumerate(geometry.inverse(before))))
+        try:
+            a, b, _ = geometry.inverse(target)
+            printer.drive.move({X: a, Y: b}, math.inf, limited=False)
+            printer.drive.flush()
+            await self._still()
+        finally:
+            reached = target
+            if printer.interrupted:
+                reached = geometry.forward(point(job.machine_position))
+            job.use_joints(False)
+            job.set_axes(list(enumerate(reached)))
+            self.active = False
+            printer.positions.thaw()
+        printer.raise_if_interrupted()
 
     async def _home(self, letters: str) -> None:
         names = [a for a in self._axes if a.upper() in letters] or self._axes
