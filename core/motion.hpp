@@ -411,7 +411,8 @@ class Motion {
   };
   std::optional<Aside> aside_;
   uint16_t unattached_ = 0;  // last records_ that wait for a move to follow
-  uint16_t laser_target_ = kMark;
+  static constexpr uint16_t kNoLaser = kMark - 1;  // no output has this number
+  uint16_t laser_target_ = kNoLaser;
   uint32_t laser_full_ = 0, light_ = 0;   // light_: the last value sent while following_
   uint32_t light_before_ = 0, dark_ = 0;  // of records forgotten; what a stop has switched off
   bool following_ = false;                // the laser's power is that of the speed, not of a record

@@ -35,14 +35,14 @@ def above(name, bed):
         (-200.0, -200.0), (400.0, 400.0), [[bed(x, y) for x in (-200, 200)] for y in (-200, 200)]
     )
     motion.set_position([*map(float, centre[:2]), z, 0.0])
-    return machine, spec, centre, half, z, motion
+    return machine, spec, centre, half, motion
 
 
 @pytest.mark.parametrize("bed", BEDS)
 @pytest.mark.parametrize("name", [*REACH, "i3", "corexy"])
 def test_no_motor_exceeds_its_limits(name, bed):
     height = BEDS[bed]
-    machine, spec, centre, half, z, motion = above(name, height)
+    machine, spec, centre, half, motion = above(name, height)
     random = Random(name + bed)
     if name in REACH:
         half = tuple(0.5 * h for h in half)

@@ -163,8 +163,13 @@ class Runner:
         if self.state is State.PRINTING:
             self.state = State.PAUSED
             self._resumed.clear()
-            if self._returns:
-                return  # from the last pause: the print stands aside already
+            # Axes that home do so to the end: their moves are not the program's.
+            if not self._printer.homer.active:
+                self._set_aside()
+
+    def _set_aside(self) -> None:
+        """Brakes; the rest of the print stands aside, if it does not yet since the last pause."""
+        if not self._returns:
             self._returns = True
             self._printer.drive.hold()
             self._printer.job.suspend()
@@ -260,6 +265,7 @@ class Runner:
         await printer.turn.wait()
         try:
             if self.state is State.PAUSED:
+                self._set_aside()
                 await self._park.leave()
         finally:
             printer.turn.give()
@@ -277,6 +283,8 @@ class Runner:
         printer = self._printer
         job, drive = printer.job, printer.drive
         printer.raise_if_halted()
+        if self.state is State.PAUSED:
+            self._set_aside()
         if self.state is not State.PRINTING:
             return False
         if self._returns:
