@@ -6,7 +6,7 @@ import itertools
 import random
 
 import pytest
-from tests.console.scenario import Host, Scenario
+from tests.console.scenario import Scenario
 
 FULL_S = 1000.0
 
@@ -98,10 +98,9 @@ def test_what_disturbs_a_print_changes_no_energy(s, seed):
         s.host.send(f"G1 X{10 * (i % 2)} Y{i} F3000")
         if i % 4 == 3:
             s.host.send("M3 S0", "G1 X40", "G1 X0", "M4 S600")
-    other = Host(s)
     for _ in range(5):
         s.passes(chance.uniform(0.05, 0.8))
-        other.send(f"M220 S{chance.choice((50, 80, 100, 130))}")
+        s.host.send(f"M220 S{chance.choice((50, 80, 100, 130))}")
     s.host.send("M5")
     finish(s)
     changes = beam.changes()
@@ -122,10 +121,9 @@ def test_what_disturbs_a_print_leaves_m3_alone(s, seed):
     s.host.send(*(f"G1 X{10 * (i % 2)} Y{i} F3000" for i in range(12)), "M5")
     s.passes(0.6)
     beam = Beam(s)
-    other = Host(s)
     for _ in range(4):
         s.passes(chance.uniform(0.05, 0.5))
-        other.send(f"M220 S{chance.choice((50, 80, 100, 130))}")
+        s.host.send(f"M220 S{chance.choice((50, 80, 100, 130))}")
     finish(s)
     assert [share for _, share in beam.changes()] == [0.0]
 

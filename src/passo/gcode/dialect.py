@@ -227,7 +227,7 @@ TABLE: tuple[Row, ...] = (
         "S1: moves of E alone, by 0.1 to 10 mm, retract as G10 and G11 do.",
     ),
     Row("M218", _Q, _N, "T X Y Z (mm)", "A tool's offset."),
-    Row("M220", _P, _I, "S(%)", "Scales the speed, of what is planned too."),
+    Row("M220", _P, _I, "S(%)", "Scales the speed; from a console of what is planned too."),
     Row("M221", _M, _N, "S(%)", "Scales the extrusion."),
     Row("M290", _P, _I, "X Y Z (mm)", "Shifts all that is not done yet, in mid-move."),
     Row("M300", _Q, _N, "S P", "Beep, where there is a beeper."),

@@ -19,8 +19,9 @@ _PERCENT = (10.0, 1000.0)  # of M220
 
 class MotionCommands:
     """Settings of motion of one printer. Limits and the feed rate override take their place among
-    the moves of the program, or of the console, that they stand in. From elsewhere they are live:
-    they act at once on what the board does not have yet."""
+    the moves of the program, or of the line, that they stand in. What a console sends beside a
+    print is live, and so are its M220 and M290, in lines of their own, always: they act at once on
+    what the board does not have yet."""
 
     def __init__(self, printer: Printer) -> None:
         self._printer = printer
@@ -29,7 +30,7 @@ class MotionCommands:
         self.home_offset_mm = dict.fromkeys(self._axes, 0.0)
         self.babysteps_mm = dict.fromkeys("xyz", 0.0)  # live ones, since the axis was homed
         self.immediate: dict[str, Handler] = {
-            "M220": self._speed,
+            "M220": lambda c, r: self._speed(c, r, live=True),
             "M290": self._babystep,
         }
         self.planned: dict[str, Handler] = {
@@ -43,7 +44,7 @@ class MotionCommands:
             "M205": self._junction,
             "M206": self._home_offsets,
             "M218": self._tool_offset,
-            "M220": self._speed,
+            "M220": lambda c, r: self._speed(c, r, live=False),
             "M221": self._flow,
             "M290": lambda c, r: self._printer.commands.run(c),
             "M569": self._drivers,
@@ -265,7 +266,7 @@ class MotionCommands:
 
     # -- overrides --------------------------------------------------------------------------------
 
-    def _speed(self, command: Command, reply: Reply) -> Wait | None:
+    def _speed(self, command: Command, reply: Reply, *, live: bool) -> Wait | None:
         words = command.words()
         job = self._printer.job
         if "S" not in words:
@@ -274,7 +275,6 @@ class MotionCommands:
         low, high = _PERCENT
         if words["S"] <= 0:
             raise CommandError.bad_value("S", words["S"], f"{low:g} to {high:g} percent")
-        live = self._printer.beside(reply)
         job.set_speed_factor(min(max(words["S"], low), high) / 100, live)
         if live:
             self._printer.drive.replan()

@@ -214,12 +214,17 @@ class Printer:
 
     def stop_by_endstop(self, names: Sequence[str]) -> None:
         """A switch was hit in mid-move: brakes, and ends the print if one is under way."""
+        self.stop_all(f"endstop {', '.join(names)} was hit")
+
+    def stop_all(self, reason: str) -> None:
+        """M410: brakes to a stop on the path and forgets all moves that were planned. A print that
+        moves the machine ends: what is left of it would not follow on."""
         self.stop()
         for listener in self.stop_listeners:
-            listener(f"endstop {', '.join(names)} was hit")
+            listener(reason)
 
     def stop(self) -> None:
-        """M410: brakes to a stop on the path and forgets all moves that were planned."""
+        """Brakes to a stop on the path and forgets all moves that were planned."""
         self.drive.stop()
         self.commands.laser_off()
         self._skip.set()

@@ -35,16 +35,23 @@ def test_m220_in_a_file_leaves_the_moves_before_it_alone(s):
     assert_in_order(legs(s))
 
 
-def test_m220_of_the_console_that_prints_leaves_its_moves_alone(s):
-    s.host.send(*SLOWLY.splitlines())
+def test_m220_behind_a_move_of_a_console_leaves_the_move_alone(s):
+    s.host.send("G92 X20 Y20 Z20", "G1 X120 F3000 M220 S50", "G1 X20 M220 S100")
     assert_in_order(legs(s))
 
 
-def test_m220_from_beside_acts_at_once(s):
-    other = Host(s)
+def test_m204_of_the_console_that_prints_leaves_its_moves_alone(s):
+    s.host.send("G92 X20 Y20 Z20", "G1 X120 F6000", "M204 T100", "G1 X119")
+    assert s.until(lambda: s.positions()["x"] > 20.0, 5)
+    assert reached(s, 120.0) == pytest.approx(1.04, abs=0.04)
+
+
+@pytest.mark.parametrize("beside", [False, True])
+def test_m220_of_a_console_acts_at_once(s, beside):
+    asks = Host(s) if beside else s.host
     s.host.send(*SLOWLY.splitlines()[:2])
     assert s.until(lambda: s.positions()["x"] > 70.0, 5)
-    other.ok("M220 S50")
+    asks.ok("M220 S50")
     assert reached(s, 120.0) == pytest.approx(2 - 0.2, abs=0.1)  # 0.16 s are with the board
 
 
