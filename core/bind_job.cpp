@@ -21,7 +21,8 @@ namespace {
 struct JobView {
   Job job;
   std::vector<Move> moves;
-  JobView(const Machine& machine, std::vector<double> home, bool laser, bool with_steps)
+  JobView(const Machine& machine, std::vector<double> home, const LaserWords& laser,
+          bool with_steps)
       : job(machine, std::move(home), laser, with_steps, thread_cpu_s) {}
 };
 
@@ -37,11 +38,19 @@ double* place_of(Limits& l, const std::string& name) {
 
 using Table = nb::typed<nb::dict, nb::str, nb::any>;
 
-// Whether M is a word of a move: only where it is one of the laser's own letters.
-bool uses_m(const nb::object& laser) {
-  if (laser.is_none()) return false;
-  return get<std::string>(laser, "density_letter") == "M" ||
-         get<std::string>(laser, "energy_letter") == "M";
+// M is a word of a move only where it is one of these letters.
+LaserWords laser_words(const nb::object& laser) {
+  LaserWords words;
+  if (laser.is_none()) return words;
+  auto letter = [&](const char* key) {
+    std::string text = get<std::string>(laser, key);
+    return text.empty() ? char(0) : text[0];
+  };
+  words.energy = letter("energy_letter");
+  words.density = letter("density_letter");
+  words.full_w = get<double>(laser, "full_w");
+  words.most_w = get<double>(laser, "most_w");
+  return words;
 }
 
 nb::typed<nb::dict, nb::str, nb::float_> cpu(const JobView& self) {
@@ -152,7 +161,7 @@ void bind_job(nb::module_& m) {
             std::vector<double> home;
             for (nb::handle axis : spec["axes"]) home.push_back(get<double>(axis, "home"));
             new (self)
-                JobView(machine_of(spec), std::move(home), uses_m(spec["laser"]), with_steps);
+                JobView(machine_of(spec), std::move(home), laser_words(spec["laser"]), with_steps);
             self->job.interpreter.clamp = clamp;
             self->job.interpreter.ignore_tools = ignore_tools;
           },

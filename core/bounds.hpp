@@ -61,6 +61,7 @@ class Bounds {
     LimitId speed_id = kFeedrate;
     if (m.duration > 0 && m.d < v * m.duration / speed_factor)
       v = m.d * speed_factor / m.duration, speed_id = kDuration;
+    if (m.fastest > 0 && v > m.fastest * per_mm) v = m.fastest * per_mm, speed_id = kLaserPower;
     if (m.cartesian && v > limits.speed * per_mm) v = limits.speed * per_mm, speed_id = kPathSpeed;
     double a = per_mm * (accel_id == kPrintAccel     ? limits.print_accel
                          : accel_id == kRetractAccel ? limits.retract_accel

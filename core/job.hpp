@@ -15,7 +15,7 @@ class Job {
  public:
   enum class Status : uint8_t { need_input, event, error, full, end };
 
-  Job(const Machine& machine, std::vector<double> home, bool laser, bool with_steps,
+  Job(const Machine& machine, std::vector<double> home, const LaserWords& laser, bool with_steps,
       double (*cpu_clock)())
       : motion(machine, with_steps, cpu_clock),
         interpreter(motion.machine(), std::move(home), laser), cpu_clock_(cpu_clock) {
@@ -78,6 +78,7 @@ class Job {
   // Brakes from `ticks` on and forgets all that was to follow.
   double stop_from(double ticks) {
     double cut = motion.stop_from(ticks);
+    interpreter.dark();
     abandon();
     return cut;
   }

@@ -410,7 +410,7 @@ class Motion {
     std::vector<int64_t> counts;  // steps of each motor at the stop
   };
   std::optional<Aside> aside_;
-  uint16_t unattached_ = 0;  // last records_ that wait for a move to follow
+  uint16_t unattached_ = 0;                        // last records_ that wait for a move to follow
   static constexpr uint16_t kNoLaser = kMark - 1;  // no output has this number
   uint16_t laser_target_ = kNoLaser;
   uint32_t laser_full_ = 0, light_ = 0;   // light_: the last value sent while following_
@@ -493,6 +493,10 @@ class Motion {
   // Power that follows the speed of a move; off when the next one is none that has it.
   void light(const Move& m) {
     if (m.duty == 0) return dim(m.start);
+    if (m.kind == MoveKind::dwell) {
+      set_light(m.start, uint32_t(std::min(1.0, m.duty) * laser_full_ + 0.5));
+      return;
+    }
     double mm2 = 0, longest = 0;
     for (int j = 0; j < kAxes; ++j) {
       double mm = std::fabs(m.p1[j] - m.p0[j]);

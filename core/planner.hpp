@@ -167,6 +167,7 @@ class Planner {
     if (!extruder_.empty()) m.p0[kE] = extruder_[r.extruder];
     m.feed = r.feed_mm_s;
     m.duration = r.duration_s;
+    m.fastest = r.fastest_mm_s;
     m.radius = r.radius_mm;
     m.rules = rules_.use();
     m.unscaled = r.unscaled;
@@ -179,7 +180,7 @@ class Planner {
     m.inner = r.arc_inner;
     m.rapid = r.rapid;
     bool dark = r.rapid || r.kind == MoveKind::dwell || !(r.feed_mm_s < kInfinity);
-    m.duty = dark ? 0 : laser_share / r.feed_mm_s;
+    m.duty = r.beam > 0 ? r.beam : dark ? 0 : laser_share / r.feed_mm_s;
     return m;
   }
 

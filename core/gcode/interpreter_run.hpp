@@ -118,7 +118,8 @@ inline void Interpreter::run_words() {
     bool motion = w->letter == 'G' && w->value >= 0 && w->value <= 3 && w->whole();
     const Word* next = w + 1;
     for (; next < end; ++next) {
-      if (starts(*next) && !(motion && next->letter == 'M' && (!next->whole() || laser_))) break;
+      if (starts(*next) && !(motion && next->letter == 'M' && (!next->whole() || laser_.has('M'))))
+        break;
       if (motion && tool(*next) &&
           (next->value >= 0 && next->value < double(machine_->tools.size())))
         break;
@@ -171,6 +172,8 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
         m.layer = uint16_t(marked_layers_ > 0 ? marked_layers_ : int(risen_layers_));
         m.feature = feature_;
         m.radius_mm = m.feed_mm_s = kInfinity;
+        if (laser_.energy) m.energy_ws = std::max(0.0, value_of(laser_.energy, 0));
+        m.duration_s = std::max(m.duration_s, m.energy_ws / laser_.most_w);
         if (m.duration_s > kLongestDwell)
           return fail(Fault::number, has('S') ? "S" : "P", m.duration_s, kLongestDwell);
         if (m.duration_s > 0) {
@@ -299,6 +302,7 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
         break;
     }
   }
+  if (command.letter == 'M' && code == 5) dark();
   emit(command.letter, code, minor, "", text);
 }
 
@@ -310,7 +314,7 @@ inline void Interpreter::run_modal(const Word* w, const Word* end) {
 
 inline void Interpreter::run_motion(int code, const Word* w, const Word* end) {
   if (w == end) return;
-  double value[26] = {}, feed = feed_, duration = 0, laser = 0;
+  double value[26] = {}, feed = feed_, duration = 0, laser = 0, energy = 0;
   uint32_t have = 0;
   uint32_t relative = this->relative();
   bool keeps_feed = true, has_laser = false;
@@ -331,7 +335,9 @@ inline void Interpreter::run_motion(int code, const Word* w, const Word* end) {
     }
     if (x->letter < 'A' || x->letter > 'Z') return fail(Fault::word, shown, 0, 0);
     if (!sound(*x)) return;
-    if (slot >= 0) {
+    if (laser_.has(x->letter)) {
+      (x->letter == laser_.energy ? energy : density_) = std::max(0.0, x->value);
+    } else if (slot >= 0) {
       value[x->letter - 'A'] = x->value;
       have |= 1u << (x->letter - 'A');
     } else if (x->letter == 'F') {
@@ -361,14 +367,17 @@ inline void Interpreter::run_motion(int code, const Word* w, const Word* end) {
     if ((have >> k & 1) && letter_slot_[k] >= 0) axes |= 1u << k;
   if (code >= 2) {
     move_.feed_mm_s = feed;
+    move_.energy_ws = 0;  // an arc knows only a density
     return run_arc(code == 2, value, have, turns);
   }
   if (!target(value, axes, relative) || retracts(axes)) return;
-  queue_straight(feed, duration, code == 0);
+  queue_straight(feed, duration, code == 0, energy);
 }
 
 // The target that move_ has now.
-inline void Interpreter::queue_straight(double feed, double duration, bool rapid) {
+inline void Interpreter::queue_straight(double feed, double duration, bool rapid,
+                                        double energy_ws) {
+  move_.energy_ws = energy_ws;
   move_.feed_mm_s = feed;
   move_.duration_s = duration;
   move_.radius_mm = kInfinity;
