@@ -50,7 +50,7 @@ def test_a_density_holds_until_another_one(s, percent):
         "G3 X20 Y20 I0 J10",
         "G1 X0 M0",
     ]
-    energy, most = burned(s, *lines, "G1 X20")
+    energy, most = burned(s, *lines, "G1 X0 M0", "G1 X20")
     arc = 10 * 3.141592653589793 / 2
     assert energy == pytest.approx(0.05 * (30 + arc) + 0.1, rel=0.005)
     assert most <= 0.8
