@@ -443,9 +443,11 @@ void bind_job(nb::module_& m) {
           "retraction",
           [](JobView& self) {
             Interpreter::Retraction r = self.job.interpreter.retraction();
-            return std::make_tuple(r.mm, r.feed_mm_s, r.hop_mm, r.recover_mm, r.recover_feed_mm_s);
+            return std::make_tuple(r.mm, r.feed_mm_s, r.hop_mm, r.recover_mm, r.recover_feed_mm_s,
+                                   r.swap_mm, r.swap_recover_mm);
           },
-          "(mm, mm/s, hop mm, extra mm, mm/s back or 0) of M207 and M208.")
+          "(mm, mm/s, hop mm, extra mm, mm/s back or 0, mm and extra mm of G10 S1) of M207 and "
+          "M208.")
       .def_prop_ro(
           "filament_diameters",
           [](JobView& self) -> std::optional<std::vector<double>> {

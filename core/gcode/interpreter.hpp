@@ -162,10 +162,11 @@ class Interpreter {
   }
   // M207 and M208.
   struct Retraction {
-    double mm, feed_mm_s, hop_mm, recover_mm, recover_feed_mm_s;
+    double mm, feed_mm_s, hop_mm, recover_mm, recover_feed_mm_s, swap_mm, swap_recover_mm;
   };
   Retraction retraction() const {
-    return {retract_mm_, retract_feed_, retract_hop_, recover_mm_, recover_feed_};
+    return {retract_mm_,   retract_feed_, retract_hop_,    recover_mm_,
+            recover_feed_, swap_mm_,      swap_recover_mm_};
   }
   // M200: E is a volume, of filament with this diameter for each extruder; and M209.
   bool volumetric() const { return volumetric_; }
@@ -288,9 +289,10 @@ class Interpreter {
     double at[kAxes];
   };
   Saved saved_[kSaved];  // machine positions of G60
-  bool retracted_ = false, auto_retract_ = false;
+  bool retracted_ = false, swapped_ = false, auto_retract_ = false;
   uint8_t locked_ = 0;  // a bit for each axis slot
   double hop_ = 0;
+  double swap_mm_ = 13, swap_recover_mm_ = 0, retracted_mm_ = 0;
   double retract_mm_ = 3, retract_feed_ = 45, retract_hop_ = 0, recover_mm_ = 0, recover_feed_ = 0;
   int marked_layers_ = 0;
   uint32_t risen_layers_ = 0;
@@ -507,7 +509,8 @@ class Interpreter {
   void queue_straight(double feed, double duration, bool rapid, double energy_ws = 0);
   bool run_filament(int code, const Word* first, const Word* last);
   void queue_step(int j, double by, double feed);
-  void run_retract(bool in);
+  void run_retract(bool in, bool swap = false);
+  void queue_return(const double* to);
   void select_tool(const Word& word);
   bool next_chord();
 };

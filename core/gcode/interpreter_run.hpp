@@ -186,7 +186,7 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
       }
       case 10:
         if (has('P')) break;
-        run_retract(true);
+        run_retract(true, has('S') && value_of('S', 0) != 0);
         return;
       case 11:
         run_retract(false);
@@ -209,11 +209,16 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
               x->letter != 'E')
             letters += x->letter;
         // O: only what does not know where it is, which the caller must find out.
+        bool back = has('B') && letter_slot_['B' - 'A'] < 0;
+        double before[kAxes];
+        std::copy(position_, position_ + kAxes, before);
         if (has('O') && letter_slot_['O' - 'A'] < 0)
           letters += 'O';
         else
           home(letters);
-        return emit('G', 28, 0, "", letters);
+        emit('G', 28, 0, "", back ? letters + 'B' : letters);
+        if (back) queue_return(before);
+        return;
       }
       case 60:
       case 61:
@@ -289,9 +294,11 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
         retract_feed_ = has('F') ? value_of('F', 0) / 60 : retract_feed_;
         retract_hop_ = value_of('Z', retract_hop_);
         recover_mm_ = value_of('R', recover_mm_);
+        swap_mm_ = value_of('W', swap_mm_);
         return;
       case 208:
         recover_mm_ = value_of('S', recover_mm_);
+        swap_recover_mm_ = value_of('W', swap_recover_mm_);
         recover_feed_ = has('F') ? value_of('F', 0) / 60 : recover_feed_;
         return;
       case 221:

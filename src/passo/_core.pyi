@@ -1062,8 +1062,10 @@ class Job:
     def tool_offsets(self) -> list[list[float]]: ...
 
     @property
-    def retraction(self) -> tuple[float, float, float, float, float]:
-        """(mm, mm/s, hop mm, extra mm, mm/s back or 0) of M207 and M208."""
+    def retraction(self) -> tuple[float, float, float, float, float, float, float]:
+        """
+        (mm, mm/s, hop mm, extra mm, mm/s back or 0, mm and extra mm of G10 S1) of M207 and M208.
+        """
 
     @property
     def filament_diameters(self) -> list[float] | None:

@@ -323,3 +323,27 @@ def test_what_a_console_asks_while_axes_home(machine):
         assert s.host.ok("M290 Z0") == ["ok"]
         assert s.host.ok("G28", 60)[-1] == "ok"
         assert s.positions() == pytest.approx(after, abs=0.05)
+
+
+@pytest.mark.parametrize("machine", ["i3", "delta", "scara"])
+@pytest.mark.parametrize("line", ["G28 B", "G28 X B"])
+def test_homing_with_b_goes_back_to_where_it_was(machine, line):
+    with Scenario(machine) as s:
+        s.host.ok("G28", 60)
+        x, y, z = (10, 20, 60) if machine == "delta" else (120, 90, 30)
+        s.host.ok(f"G1 X{x} Y{y} Z{z} F3000")
+        s.host.ok("M400", 60)
+        before = s.positions()
+        assert s.host.ok(line, 60)[-1] == "ok"
+        assert s.positions() == pytest.approx(before, abs=0.06)
+        assert f"X:{x}.000 Y:{y}.000 Z:{z}.000" in s.host.ok("M114")[0]
+        s.host.ok("G91")
+        s.host.ok("G1 X5 F3000")
+        s.host.ok("M400")
+        assert f"X:{x + 5}.000 Y:{y}.000 Z:{z}.000" in s.host.ok("M114")[0]
+
+
+def test_homing_with_b_stays_where_nothing_was_known():
+    with Scenario("i3") as s:
+        assert s.host.ok("G28 B", 60)[-1] == "ok"
+        assert s.positions() == {"x": 0.0, "y": 0.0, "z": 0.0, "e": 0.0}

@@ -77,6 +77,8 @@ def _home(machine: MachineConfig, job: _core.Job, letters: str) -> None:
         job.settle_position()
         return
     job.abandon()
+    if "B" in letters and "b" not in machine.axes:
+        return  # it went back to where it was
     letters = letters.replace("O", "")
     names = {n for n in "xyz" if not letters or n.upper() in letters}
     if names & set(axes_of_arms(machine)):

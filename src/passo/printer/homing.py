@@ -11,6 +11,7 @@ from passo.board.endstops import Endstops
 from passo.config.drives import axis_order
 from passo.errors import CommandError
 from passo.geometry.base import Point
+from passo.printer.faults import problem_of
 from passo.printer.slots import E, X, Y, Z, slot_of_axis
 from passo.printer.switches import (
     Switch,
@@ -81,7 +82,11 @@ class Homer:
     async def home(self, letters: str) -> None:
         """Homes the axes of these letters, all by default. An axis without a switch is taken to be
         at home already. An axis that does not find its switch no longer knows where it is. With the
-        letter O axes that know where they are stay."""
+        letter O axes that know where they are stay; with B the nozzle goes back to where it was,
+        where that was known."""
+        back = "B" in letters and "b" not in self._axes
+        letters = letters.replace("B", "") if back else letters
+        before = None if self._printer.job.locked_axes else self._printer.job.machine_position
         self.active = True
         self._printer.positions.freeze()
         try:
@@ -89,6 +94,22 @@ class Homer:
         finally:
             self.active = False
             self._printer.positions.thaw()
+        if back and before is not None:
+            await self._return(before)
+
+    async def _return(self, to: Sequence[float]) -> None:
+        """Back to a machine position, X and Y first; from the top, where arms that lift together
+        reach only the middle, straight."""
+        drive = self._printer.drive
+        slots = [slot_of_axis(i) for i in range(len(self._axes))]
+        straight = self._machine.geometry.lifts_together
+        across = {slot: to[slot] for slot in slots if slot != Z or straight}
+        reached = drive.move(across, math.inf) and drive.move({Z: to[Z]}, math.inf)
+        drive.flush()
+        await self._still()
+        self._printer.raise_if_interrupted()
+        if not reached:
+            raise CommandError([problem_of(self._printer.job, "")])
 
     async def swing(self, x: float, y: float) -> None:
         """Brings the nozzle over this place, machine mm, each arm going its own way: between two
