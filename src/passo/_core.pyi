@@ -830,9 +830,10 @@ class Motion:
     def release(self) -> None:
         """Goes on with what hold_from left."""
 
-    def set_speed_factor(self, arg: float, /) -> None: ...
+    def set_speed_factor(self, factor: float, live: bool = True) -> None:
+        """M220: of moves to come, or, `live`, of all that is planned anew."""
 
-    def set_accel(self, arg: float, /) -> None: ...
+    def set_accel(self, accel: float, live: bool = True) -> None: ...
 
     @property
     def clock(self) -> float:
@@ -1095,8 +1096,10 @@ class Job:
     def tool_offsets(self) -> list[list[float]]: ...
 
     @property
-    def retraction(self) -> tuple[float, float, float, float, float]:
-        """(mm, mm/s, hop mm, extra mm, mm/s back or 0) of M207 and M208."""
+    def retraction(self) -> tuple[float, float, float, float, float, float, float]:
+        """
+        (mm, mm/s, hop mm, extra mm, mm/s back or 0, mm and extra mm of G10 S1) of M207 and M208.
+        """
 
     @property
     def filament_diameters(self) -> list[float] | None:
@@ -1120,9 +1123,9 @@ class Job:
         Takes the state of a program that another job has read up to where this machine stands.
         """
 
-    def line_at(self, ticks: float) -> tuple[int, float]:
+    def line_at(self, ticks: float) -> int:
         """
-        Line of the program's move that is under way, or was last, at a clock (0: none), and the Z to which it goes. Clocks must not go back.
+        Line of the program's move that is under way, or was last, at a clock (0: none). Clocks must not go back.
         """
 
     def position_at(self, ticks: float) -> list[float] | None:
@@ -1165,16 +1168,23 @@ class Job:
     def tool(self) -> int: ...
 
     @property
-    def speed_factor(self) -> float: ...
+    def speed_factor(self) -> float:
+        """M220, as a factor."""
 
-    @speed_factor.setter
-    def speed_factor(self, arg: float, /) -> None: ...
+    def set_speed_factor(self, factor: float, live: bool = False) -> None:
+        """
+        M220 for the moves that follow; `live`: for all that is planned anew from now on.
+        """
 
-    def set_limit(self, name: str, value: float) -> None:
-        """Changes a limit of the moves that follow."""
+    def set_limit(self, name: str, value: float, live: bool = False) -> None:
+        """
+        Changes a limit of the moves that follow; `live`: of all that is planned anew.
+        """
 
-    def set_axis_limit(self, axis: str, what: str, value: float) -> None:
-        """Changes an axis' `speed` or `accel`, never beyond the machine's own."""
+    def set_axis_limit(self, axis: str, what: str, value: float, live: bool = False) -> None:
+        """
+        Changes an axis' `speed` or `accel`, never beyond the machine's own, as set_limit.
+        """
 
     @property
     def messages(self) -> MessageQueue: ...

@@ -240,6 +240,9 @@ CATALOGUE: Mapping[str, Entry] = {
         "axis {axis} does not know where it is",
         "Home it (G28), or say where it is (G92)",
     ),
+    "input.homing": _input(
+        "homing", "{axis} has to wait until all axes are at home", "Send it again when G28 is done"
+    ),
     "machine.slow-heater": Entry(
         "heat",
         "heater {axis} has reached only {value:.1f} °C of {limit:.1f} °C in an hour",

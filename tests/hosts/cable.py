@@ -25,7 +25,8 @@ class Cable:
         self.board: SimulatedBoard = simulated_board(machine, board_description(machine))
         self._hz = float(machine.board.clock_hz)
         self._folder = tempfile.TemporaryDirectory()
-        self.path = str(Path(self._folder.name) / "board")
+        self._link = Path(self._folder.name) / "board"
+        self.path = str(self._link)
         self._slave = -1
         self._live = _core.LiveBoard(self.board.device, self._open(), self._hz)
 
@@ -33,7 +34,7 @@ class Cable:
         """Makes the device; returns the board's end of it."""
         master, self._slave = os.openpty()  # the host's end stays open: hosts come and go
         tty.setraw(self._slave)
-        os.symlink(os.ttyname(self._slave), self.path)
+        self._link.symlink_to(os.ttyname(self._slave))
         return master
 
     def look(self, at: Callable[[], T]) -> T:
@@ -43,7 +44,7 @@ class Cable:
     def unplug(self) -> None:
         """The device is gone, and the board lives on."""
         self._live.stop()
-        os.remove(self.path)
+        self._link.unlink()
         os.close(self._slave)
         nowhere, self._nobody = socket.socketpair()
         self._move_to(nowhere.detach())

@@ -66,6 +66,26 @@ def test_a_stall_of_the_interpreter_delays_no_step(cable: Cable) -> None:
     assert steps == {"x": 800, "y": 780, "z": 0, "e": round(1.95 * 95.5)}
 
 
+def test_a_stall_at_the_end_of_a_few_long_moves_costs_nothing(cable: Cable) -> None:
+    """The host's last move comes when the plan is about to run dry, and then nobody looks."""
+    with Scenario(on("serial", cable.path), loop=asyncio.new_event_loop()) as scenario:
+        host, drive = scenario.host, scenario.printer.drive
+        host.ok("G92 X0")
+        host.send("G1 X10 F600", "G1 X20")
+        scenario.passes(0.5)
+        for x in (24, 28):
+            scenario.until(lambda: drive.ahead_s < 0.45, 10.0)
+            host.send(f"G1 X{x}")
+            scenario.passes(0.03)
+            stall()
+        host.send("M400", "M118 done")
+        host.expect("done", 10.0)
+        assert scenario.printer.halted == ""
+    cable.cut()
+    assert cable.board.device.fault == ""
+    assert cable.board.position("x") == pytest.approx(20.0 + 28.0)
+
+
 def test_a_stall_at_the_start_of_a_move_costs_nothing(cable: Cable) -> None:
     with Scenario(on("serial", cable.path), loop=asyncio.new_event_loop()) as scenario:
         host = scenario.host

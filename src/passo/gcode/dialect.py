@@ -55,7 +55,14 @@ TABLE: tuple[Row, ...] = (
         "G3", _M, _N, "X Y Z E F I J K R P(turns)", "Moves counter-clockwise on an arc or a helix."
     ),
     Row("G4", _M, _N, "S(s) P(ms)", "Waits."),
-    Row("G10", _M, _N, "", "Retracts the filament; with P it sets a tool's temperatures instead."),
+    Row(
+        "G10",
+        _M,
+        _N,
+        "S1",
+        "Retracts the filament, with S1 as for a change of tools; with P it sets a tool's"
+        " temperatures instead.",
+    ),
     Row("G11", _M, _N, "", "Takes the retraction back."),
     Row("G17", _M, _N, "", "Arcs lie in XY."),
     Row("G18", _M, _N, "", "Arcs lie in ZX."),
@@ -66,9 +73,9 @@ TABLE: tuple[Row, ...] = (
         "G28",
         _P,
         _X,
-        "X Y Z O",
+        "X Y Z O B",
         "Homes these axes, all without letters, with O only those that do not know where they are;"
-        " without a console it sets them to home.",
+        " with B it goes back to where it was. Without a console it sets them to home.",
     ),
     Row("G60", _M, _N, "S(0-1)", "Saves the position."),
     Row(
@@ -217,8 +224,8 @@ TABLE: tuple[Row, ...] = (
     Row("M204", _P, _N, "S P R T (mm/s²)", "Sets accelerations: all, print, retract, travel."),
     Row("M205", _P, _N, "J(mm)", "Sets the junction deviation."),
     Row("M206", _Q, _N, "X Y Z (mm)", "Added to the axes' home positions."),
-    Row("M207", _M, _N, "S(mm) F Z(mm) R(mm)", "Sets how G10 retracts."),
-    Row("M208", _M, _N, "S(mm) F", "Sets how G11 takes it back."),
+    Row("M207", _M, _N, "S(mm) F Z(mm) R(mm) W(mm)", "Sets how G10 retracts; W: with S1."),
+    Row("M208", _M, _N, "S(mm) F W(mm)", "Sets how G11 takes it back; W: after G10 S1."),
     Row(
         "M209",
         _M,
@@ -227,7 +234,7 @@ TABLE: tuple[Row, ...] = (
         "S1: moves of E alone, by 0.1 to 10 mm, retract as G10 and G11 do.",
     ),
     Row("M218", _Q, _N, "T X Y Z (mm)", "A tool's offset."),
-    Row("M220", _P, _I, "S(%)", "Scales the speed, of what is planned too."),
+    Row("M220", _P, _I, "S(%)", "Scales the speed; from a console of what is planned too."),
     Row("M221", _M, _N, "S(%)", "Scales the extrusion."),
     Row("M290", _P, _I, "X Y Z (mm)", "Shifts all that is not done yet, in mid-move."),
     Row("M300", _Q, _N, "S P", "Beep, where there is a beeper."),

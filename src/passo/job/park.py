@@ -29,6 +29,8 @@ class Park:
             return
         await printer.drive.until(lambda: printer.drive.standing or bool(printer.halted))
         printer.raise_if_halted()
+        if not printer.job.suspended:
+            return  # cancelled meanwhile
         drive, at = printer.drive, printer.job.stop_position
         self._retracted_mm = park.retract_mm if printer.can_extrude() else 0.0
         top = printer.machine.axes["z"].max_mm

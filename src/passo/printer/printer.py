@@ -95,6 +95,7 @@ class Printer:
         self.fault_listeners: list[Callable[[HeaterFault], None]] = []
         self.greeting: Callable[[], str] = str  # what a console that opens should hear
         self.listeners: list[Callable[[str], None]] = []
+        self.program: Reply | None = None  # whose moves were planned last
         self.halted = ""  # why nothing moves or heats any more; M999 clears it
         self.heating = False  # somebody waits for a temperature
         self._skip = asyncio.Event()
@@ -215,12 +216,17 @@ class Printer:
 
     def stop_by_endstop(self, names: Sequence[str]) -> None:
         """A switch was hit in mid-move: brakes, and ends the print if one is under way."""
+        self.stop_all(f"endstop {', '.join(names)} was hit")
+
+    def stop_all(self, reason: str) -> None:
+        """M410: brakes to a stop on the path and forgets all moves that were planned. A print that
+        moves the machine ends: what is left of it would not follow on."""
         self.stop()
         for listener in self.stop_listeners:
-            listener(f"endstop {', '.join(names)} was hit")
+            listener(reason)
 
     def stop(self) -> None:
-        """M410: brakes to a stop on the path and forgets all moves that were planned."""
+        """Brakes to a stop on the path and forgets all moves that were planned."""
         self.drive.stop()
         self.commands.laser_off()
         self._skip.set()
@@ -242,6 +248,11 @@ class Printer:
         # Beside a print the plan is always full: a line comes behind what is planned.
         return self.job.queued <= MOST_QUEUED if self.busy() else not self.drive.full
 
+    def beside(self, reply: Reply) -> bool:
+        """Who asks is not the one whose moves are planned: a console beside a print from the card,
+        or beside another console."""
+        return reply is not self.program
+
     def select(self, *, console: bool) -> None:
         """What is read next comes from a console, or else from the file."""
         self.job.select(console)
@@ -251,8 +262,13 @@ class Printer:
         """Takes in one line of a console: all of it, or up to a command that waits; then `finish`
         goes on. Only with the turn and with room."""
         self.select(console=True)
-        self.job.feed(text.encode("ascii", "replace") + b"\n")
-        return self._go_on(reply)
+        job = self.job
+        job.feed(text.encode("ascii", "replace") + b"\n")
+        before = job.queued, job.clock
+        wait = self._go_on(reply)
+        if not self.busy() and (job.queued, job.clock) != before:
+            self.program = reply
+        return wait
 
     def take_setting(self, text: str, reply: Reply) -> None:
         """Carries out one line of stored settings, the machine standing, by who has the turn."""
@@ -394,6 +410,7 @@ class Printer:
         for listener in self.stop_listeners:
             listener(self.halted)
         self.motors.forget()
+        self.motion.homed("xyz")
         lines = list(self.settings())
         self._begin(reconnected(self.connection))
         self.endstops.begin()
