@@ -3,10 +3,13 @@
 #pragma once
 #include <algorithm>
 #include <cstdint>
+#include <deque>
 #include <vector>
 
 #include "device.hpp"
 #include "heat/curve.hpp"
+#include "spi_device.hpp"
+#include "uart_line.hpp"
 
 namespace passo::wire {
 
@@ -71,6 +74,8 @@ class Plant {
   std::vector<Switch> switches;
   std::vector<HeatedBody> bodies;
   std::vector<uint32_t> low_is_on;  // output pins
+  std::deque<UartLine> uarts;
+  std::deque<SpiDevice> spi_devices;
 
   Plant(double clock_hz, uint32_t adc_max, Ticks start)
       : step_s_(kStepSeconds), step_ticks_(Ticks(kStepSeconds * clock_hz)), adc_max_(adc_max),
@@ -102,9 +107,28 @@ class Plant {
     }
     return adc_max_;
   }
+  // A pin of a UART or an SPI bus takes a level.
+  void edge(uint32_t pin, bool level, Ticks clock) {
+    for (UartLine& line : uarts)
+      if (line.tx_pin() == pin) line.edge(level, clock);
+    for (SpiDevice& device : spi_devices) device.edge(pin, level, clock);
+  }
+  UartLine* uart(uint32_t rx_pin) {
+    for (UartLine& line : uarts)
+      if (line.rx_pin() == rx_pin) return &line;
+    return nullptr;
+  }
+  SpiDevice* spi_device(uint32_t select_pin) {
+    for (SpiDevice& device : spi_devices)
+      if (device.pins().select == select_pin) return &device;
+    return nullptr;
+  }
   // Level of an input pin; net(step_pin) tells the steps that a motor has made.
   template <class Net>
-  bool level(uint32_t pin, Net&& net) const {
+  bool level(uint32_t pin, Ticks clock, Net&& net) {
+    if (UartLine* line = uart(pin)) return line->level(clock);
+    for (const SpiDevice& device : spi_devices)
+      if (device.drives(pin)) return device.level();
     for (const Switch& s : switches) {
       if (s.pin != pin) continue;
       double at = 0;

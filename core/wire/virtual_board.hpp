@@ -166,7 +166,7 @@ class VirtualBoard : public Bench {
       }
       if (fault) throw Shutdown{Fault::adc_range};
     } else if (auto* endstop = std::get_if<BoardEndstop>(&part)) {
-      if (endstop->run(level(endstop->pin))) trigger(endstop->trsync, endstop->reason);
+      if (endstop->run(level(endstop->pin, now_))) trigger(endstop->trsync, endstop->reason);
     } else if (auto* group = std::get_if<BoardTrsync>(&part)) {
       if (group->timeout <= now_) {
         group->timeout = kNever;
@@ -375,7 +375,7 @@ class VirtualBoard : public Bench {
       case Command::endstop_query_state: {
         BoardEndstop& e = get<BoardEndstop>(a[0]);
         Ticks clock = e.hits > 0 ? e.first_hit + e.rest : e.next_sample;
-        report(Report::endstop_state, {a[0], e.armed, uint32_t(clock), level(e.pin)});
+        report(Report::endstop_state, {a[0], e.armed, uint32_t(clock), level(e.pin, now_)});
         break;
       }
       case Command::trsync_start: {

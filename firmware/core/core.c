@@ -9,6 +9,7 @@
 #include "scheduler.h"
 #include "shutdown.h"
 #include "stepper.h"
+#include "tmcuart.h"
 #include "trsync.h"
 
 void core_start(uint32_t clock_high) {
@@ -28,6 +29,7 @@ bool core_task(void) {
     trsync_task();
     analog_in_task();
     buttons_task();
+    tmcuart_task();
     shutdown_task();
   }
   control_task(began, busy);

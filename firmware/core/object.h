@@ -21,6 +21,7 @@ enum object_type {
   OBJECT_BUTTONS,
   OBJECT_SPI,
   OBJECT_SPI_SHUTDOWN,
+  OBJECT_TMCUART,
 };
 
 // What is done to every object of one kind.

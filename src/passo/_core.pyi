@@ -640,6 +640,47 @@ class LiveBoard:
 
     def stop(self) -> None: ...
 
+class TrinamicKind(enum.Enum):
+    TMC2208 = 0
+
+    TMC2209 = 1
+
+    TMC2130 = 2
+
+    TMC5160 = 3
+
+class TrinamicChip:
+    """A simulated motor driver with registers."""
+
+    def __init__(self, kind: TrinamicKind, address: int = 0) -> None: ...
+
+    def read(self, register: int) -> int: ...
+
+    def set(self, register: int, value: int) -> None:
+        """What the chip itself finds out."""
+
+    def power_on(self) -> None:
+        """Its supply was gone: it forgets its settings."""
+
+    @property
+    def plugged(self) -> bool: ...
+
+    @plugged.setter
+    def plugged(self, arg: bool, /) -> None: ...
+
+    @property
+    def damaged_answers(self) -> int:
+        """So many of its next answers have a bit turned over."""
+
+    @damaged_answers.setter
+    def damaged_answers(self, arg: int, /) -> None: ...
+
+def add_uart_driver(bench: Bench, rx_pin: int, tx_pin: int, chip: TrinamicChip) -> None:
+    """Wires a driver to the UART on these pins, which may have others."""
+
+def add_spi_driver(bench: Bench, select_pin: int, clock_pin: int, to_device: int, from_device: int, chip: TrinamicChip) -> None:
+    """Wires a driver to the SPI bus on these pins."""
+
 def sincos(x: float) -> tuple[float, float]: ...
 
 def atan2(y: float, x: float) -> float: ...
