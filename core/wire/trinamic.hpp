@@ -55,6 +55,9 @@ class TrinamicChip {
     return out;
   }
 
+  // Bits from the end of a question by UART until its answer (SENDDELAY).
+  int answer_delay() const { return 8 * int(registers_[kSlaveconf] >> 8 & 0xe) + 8; }
+
   // SPI: the five bytes that come back while the next five go in, and then those.
   Bytes answer() {
     Bytes out(5, plugged ? 0 : 0xff);
@@ -88,7 +91,7 @@ class TrinamicChip {
   }
 
  private:
-  static constexpr uint8_t kGstat = 0x01, kIfcnt = 0x02;
+  static constexpr uint8_t kGstat = 0x01, kIfcnt = 0x02, kSlaveconf = 0x03;
   Kind kind_;
   uint8_t address_;
   std::array<uint32_t, 128> registers_{};
@@ -123,10 +126,11 @@ class TrinamicChip {
     return false;
   }
   void write(uint8_t reg, uint32_t value) {
-    if (reg == kGstat)
-      registers_[reg] &= ~value;
-    else if (reg != kIfcnt && reg != 0x04 && reg != 0x06 && reg != 0x6f)
+    if (reg == kGstat) {
+      if (kind_ != Kind::tmc2130) registers_[reg] &= ~value;
+    } else if (reg != kIfcnt && reg != 0x04 && reg != 0x06 && reg != 0x6f) {
       registers_[reg] = value;
+    }
   }
   static uint32_t word(const uint8_t* b) {
     return uint32_t(b[0]) << 24 | uint32_t(b[1]) << 16 | uint32_t(b[2]) << 8 | b[3];

@@ -3,6 +3,7 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "device.hpp"
@@ -17,8 +18,6 @@ class UartLine {
   UartLine(uint32_t rx_pin, uint32_t tx_pin) : rx_pin_(rx_pin), tx_pin_(tx_pin) {}
   uint32_t rx_pin() const { return rx_pin_; }
   uint32_t tx_pin() const { return tx_pin_; }
-
-  static constexpr int kAnswerDelay = 8;  // bits from the end of a question
 
   // The board drives its pin to a level.
   void edge(bool level, Ticks clock) {
@@ -65,8 +64,9 @@ class UartLine {
     }
   }
 
-  // As if these bits (start and stop bits included, each byte's lowest bit first) had come.
-  Bytes exchange(const Bytes& bits) {
+  // As if these bits (start and stop bits included, each byte's lowest bit first) had come: the
+  // answer's, and after how many bits it begins.
+  std::pair<Bytes, int> exchange(const Bytes& bits) {
     Bytes bytes;
     for (size_t i = 0; i + 10 <= bits.size() * 8; i += 10) {
       uint8_t byte = 0;
@@ -77,7 +77,7 @@ class UartLine {
     std::vector<bool> answer = serial(ask(bytes));
     Bytes packed((answer.size() + 7) / 8);
     for (size_t i = 0; i < answer.size(); ++i) packed[i / 8] |= uint8_t(answer[i] << (i % 8));
-    return packed;
+    return {packed, delay_};
   }
 
  private:
@@ -93,6 +93,7 @@ class UartLine {
   std::vector<bool> answer_;
   Ticks answer_start_ = 0;
   double answer_bit_ = 1;
+  int delay_ = 0;  // of the last answer, bits
 
   void restart() {
     bytes_.clear();
@@ -101,14 +102,16 @@ class UartLine {
   void heard(Ticks end) {
     answer_ = serial(ask(bytes_));
     answer_bit_ = bit_;
-    answer_start_ = end + Ticks(kAnswerDelay * bit_);
+    answer_start_ = end + Ticks(delay_ * bit_);
     restart();
   }
   Bytes ask(const Bytes& bytes) {
     Bytes answer;
     for (auto& chip : chips) {
       Bytes own = chip->datagram(bytes);
-      if (!own.empty()) answer = own;
+      if (own.empty()) continue;
+      answer = own;
+      delay_ = chip->answer_delay();
     }
     return answer;
   }

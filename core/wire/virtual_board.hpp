@@ -14,6 +14,7 @@
 #include "board_io.hpp"
 #include "board_motor.hpp"
 #include "board_protocol.hpp"
+#include "board_serial.hpp"
 #include "dictionary.hpp"
 #include "frame.hpp"
 
@@ -34,10 +35,10 @@ class VirtualBoard : public Bench {
     for (const Declaration& d : kCommands) {
       Format format(d.id, d.text);
       Shape& shape = shapes_[size_t(d.id)];
-      shape = {true, d.in_shutdown, uint8_t(format.parameters.size()), false, {}};
+      shape = {true, d.in_shutdown, uint8_t(format.parameters.size()), kParametersMax, {}};
       for (size_t i = 0; i < format.parameters.size(); ++i) {
         Type type = format.parameters[i].type;
-        shape.blob |= type == Type::blob;
+        if (type == Type::blob) shape.blob = uint8_t(i);
         shape.most[i] = type == Type::byte            ? 0xff
                         : type == Type::unsigned_word ? 0xffff
                                                       : 0xffffffff;
@@ -99,13 +100,15 @@ class VirtualBoard : public Bench {
   }
 
  private:
-  using Part = std::variant<BoardMotor, BoardOutput, BoardAnalogIn, BoardEndstop, BoardTrsync>;
+  using Part = std::variant<BoardMotor, BoardOutput, BoardAnalogIn, BoardEndstop, BoardTrsync,
+                            BoardUart, BoardSpi>;
   static constexpr size_t kParametersMax = 10;
   static constexpr uint32_t kShortestPeriod = 100;
+  static constexpr double kUartRest = 200e-6;  // s, before a datagram
   struct Shape {
     bool known, in_shutdown;
     uint8_t parameters;
-    bool blob;
+    uint8_t blob;                   // the parameter that is bytes, if any
     uint32_t most[kParametersMax];  // of each parameter, by its type
   };
 
@@ -167,6 +170,9 @@ class VirtualBoard : public Bench {
       if (fault) throw Shutdown{Fault::adc_range};
     } else if (auto* endstop = std::get_if<BoardEndstop>(&part)) {
       if (endstop->run(level(endstop->pin, now_))) trigger(endstop->trsync, endstop->reason);
+    } else if (auto* uart = std::get_if<BoardUart>(&part)) {
+      Bytes answer = uart->take();
+      report(Report::tmcuart_response, {oid}, &answer);
     } else if (auto* group = std::get_if<BoardTrsync>(&part)) {
       if (group->timeout <= now_) {
         group->timeout = kNever;
@@ -204,13 +210,14 @@ class VirtualBoard : public Bench {
         uint32_t a[kParametersMax] = {};
         const uint8_t* blob = nullptr;
         size_t blob_size = 0;
-        if (shape.blob)
-          blob = in.blob(blob_size);
-        else
-          for (size_t i = 0; i < shape.parameters; ++i) {
-            a[i] = in.vlq();
-            in.ok &= a[i] <= shape.most[i];
+        for (size_t i = 0; i < shape.parameters; ++i) {
+          if (i == shape.blob) {
+            blob = in.blob(blob_size);
+            continue;
           }
+          a[i] = in.vlq();
+          in.ok &= a[i] <= shape.most[i];
+        }
         if (!in.ok) throw Shutdown{Fault::bad_command};
         if (fault_ != Fault::none && !shape.in_shutdown) {
           report(Report::is_shutdown, {uint32_t(fault_)});
@@ -261,7 +268,10 @@ class VirtualBoard : public Bench {
         report(Report::pong, {}, &blob);
         break;
       default:
-        part_command(id, a);
+        if (id >= Command::config_tmcuart)
+          serial_command(id, a, blob);
+        else
+          part_command(id, a);
     }
   }
 
@@ -411,6 +421,30 @@ class VirtualBoard : public Bench {
     }
   }
 
+  void serial_command(Command id, const uint32_t* a, const Bytes& blob) {
+    switch (id) {
+      case Command::config_tmcuart:
+        configure(a[0], BoardUart(a[1], a[4]));
+        break;
+      case Command::tmcuart_send:
+        get<BoardUart>(a[0]).send(now_, ticks(kUartRest), blob, a[2], plant_);
+        break;
+      case Command::config_spi:
+        configure(a[0], BoardSpi(a[1]));
+        break;
+      case Command::spi_set_sw_bus:
+        get<BoardSpi>(a[0]).has_bus = true;
+        break;
+      case Command::spi_transfer: {
+        Bytes response = get<BoardSpi>(a[0]).transfer(now_, blob, plant_);
+        report(Report::spi_transfer_response, {a[0]}, &response);
+        break;
+      }
+      default:
+        get<BoardSpi>(a[0]).transfer(now_, blob, plant_);
+    }
+  }
+
   // ---- parts
 
   template <class T>
@@ -507,6 +541,7 @@ class VirtualBoard : public Bench {
       if (auto* output = std::get_if<BoardOutput>(&part)) output->shut_down(now_, plant_);
       if (auto* endstop = std::get_if<BoardEndstop>(&part)) endstop->armed = false;
       if (auto* group = std::get_if<BoardTrsync>(&part)) *group = BoardTrsync();
+      if (auto* uart = std::get_if<BoardUart>(&part)) uart->take();
     }
     report(Report::shutdown, {uint32_t(now_), uint32_t(fault)});
   }

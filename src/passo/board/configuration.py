@@ -3,29 +3,49 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Iterable
+from collections.abc import Hashable, Iterable
 from dataclasses import dataclass
+from typing import TypeVar
 
 from passo import _core
-from passo.board.description import BoardDescription, Heater, Output, Sensor, bare, inverted
+from passo.board.description import (
+    BoardDescription,
+    Heater,
+    Output,
+    Sensor,
+    SpiPins,
+    UartPins,
+    bare,
+    inverted,
+)
 from passo.board.dictionary import Dictionary
+
+_Key = TypeVar("_Key", bound=Hashable)
 
 SENSOR_SAMPLES = 8
 SENSOR_SAMPLE_S = 0.001
 SENSOR_PERIOD_S = 0.25
 SENSOR_RANGE_CHECKS = 4
 
+_UART_BAUD = 40_000
+_SLOW_UART_BAUD = 9_000  # the least that the drivers know
+_FAST_HZ = 20_000_000
+_SPI_HZ = 100_000
+_SPI_MODE = 3
+
 
 @dataclass(frozen=True, slots=True)
 class Oids:
     """Numbers of the board's objects: steppers, outputs, sensors, endstops, then a trsync for each
-    endstop: the group of motors that it stops."""
+    endstop: the group of motors that it stops; UARTs and SPI devices by their wires."""
 
     steppers: dict[str, int]
     outputs: dict[str, int]
     sensors: dict[str, int]
     endstops: dict[str, int]
     trsyncs: dict[str, int]
+    uarts: dict[UartPins, int]
+    spi_devices: dict[SpiPins, int]
     count: int
 
     @classmethod
@@ -33,7 +53,7 @@ class Oids:
         """Numbers from 0 for all objects of a board, the same for the same description."""
         count = 0
 
-        def numbered(names: Iterable[str]) -> dict[str, int]:
+        def numbered(names: Iterable[_Key]) -> dict[_Key, int]:
             nonlocal count
             numbers = {name: count + i for i, name in enumerate(names)}
             count += len(numbers)
@@ -45,6 +65,8 @@ class Oids:
             numbered(s.name for s in board.sensors),
             numbered(e.name for e in board.endstops),
             numbered(e.name for e in board.endstops),
+            numbered(board.uarts),
+            numbered(board.spi_devices),
             count,
         )
 
@@ -76,7 +98,33 @@ def commands(board: BoardDescription, dictionary: Dictionary) -> list[str]:
         for e in board.endstops
     ]
     lines += [f"config_trsync oid={oid}" for oid in oids.trsyncs.values()]
+    for pins, oid in oids.uarts.items():
+        lines.append(
+            f"config_tmcuart oid={oid} rx_pin={bare(pins.rx_pin)} pull_up={int('^' in pins.rx_pin)}"
+            f" tx_pin={bare(pins.tx_pin)} bit_time={uart_bit_ticks(board.clock_hz)}"
+        )
+    for pins, oid in oids.spi_devices.items():
+        lines += _spi_device(pins, oid, board.clock_hz, dictionary)
     return lines
+
+
+def uart_bit_ticks(clock_hz: int) -> int:
+    """How long a bit on the drivers' UARTs is: slower on slow boards, and a multiple of the four
+    looks in which the firmware finds the beginning of an answer."""
+    baud = _UART_BAUD if clock_hz >= _FAST_HZ else _SLOW_UART_BAUD
+    return clock_hz // baud // 4 * 4
+
+
+def _spi_device(pins: SpiPins, oid: int, clock_hz: int, dictionary: Dictionary) -> list[str]:
+    wires = (
+        f"miso_pin={bare(pins.miso_pin)} mosi_pin={bare(pins.mosi_pin)}"
+        f" sclk_pin={bare(pins.clock_pin)} mode={_SPI_MODE}"
+    )
+    if dictionary.takes("spi_set_sw_bus", "pulse_ticks"):
+        bus = f"spi_set_sw_bus oid={oid} {wires} pulse_ticks={clock_hz // (2 * _SPI_HZ)}"
+    else:  # older firmware
+        bus = f"spi_set_software_bus oid={oid} {wires} rate={_SPI_HZ}"
+    return [f"config_spi oid={oid} pin={bare(pins.cs_pin)} cs_active_high=0", bus]
 
 
 def _output(output: Output, oid: int, full: int) -> list[str]:

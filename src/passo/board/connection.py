@@ -104,10 +104,12 @@ class Connection:
         name, values = self.dictionary.values(text)
         return self._ask(name, values, answer)
 
-    def take_responses(self) -> list[tuple[str, Values]]:
-        """All reports since the last call that nobody asked for, oldest first."""
+    def take_responses(self, *names: str) -> list[tuple[str, Values]]:
+        """Reports since the last call that nobody asked for, oldest first: those of these names, or
+        all."""
         self._collect()
-        taken, self._responses = self._responses, []
+        taken = [r for r in self._responses if not names or r[0] in names]
+        self._responses = [r for r in self._responses if names and r[0] not in names]
         return taken
 
     def start_job(self, messages: _core.MessageQueue, base_clock: int | None = None) -> int:

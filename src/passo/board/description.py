@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
 from passo import _core
+from passo.board.trinamic.settings import DriverSettings
 
 Control: TypeAlias = _core.PidControl | _core.OnOffControl | _core.ModelControl
 
@@ -90,6 +91,46 @@ class Endstop:
 
 
 @dataclass(frozen=True, slots=True)
+class UartPins:
+    """A one-wire UART: the board receives on `rx_pin` and sends on `tx_pin`, often the same."""
+
+    rx_pin: str
+    tx_pin: str
+
+    @property
+    def pins(self) -> tuple[str, ...]:
+        """Each pin once."""
+        one = bare(self.rx_pin) == bare(self.tx_pin)
+        return (self.rx_pin,) if one else (self.rx_pin, self.tx_pin)
+
+
+@dataclass(frozen=True, slots=True)
+class SpiPins:
+    """A device on an SPI bus, which it may share. It is selected while `cs_pin` is low."""
+
+    cs_pin: str
+    clock_pin: str
+    mosi_pin: str
+    miso_pin: str
+
+    @property
+    def pins(self) -> tuple[str, ...]:
+        """All pins."""
+        return (self.cs_pin, self.clock_pin, self.mosi_pin, self.miso_pin)
+
+
+@dataclass(frozen=True, slots=True)
+class Driver:
+    """The driver of the motor `stepper`, set up over a wire; `address` tells those on one UART
+    apart."""
+
+    stepper: str
+    wire: UartPins | SpiPins
+    settings: DriverSettings
+    address: int = 0
+
+
+@dataclass(frozen=True, slots=True)
 class BoardDescription:
     """A board and its wiring. The order of `steppers` and of `outputs` is that of message targets.
 
@@ -103,6 +144,7 @@ class BoardDescription:
     sensors: tuple[Sensor, ...] = ()
     heaters: tuple[Heater, ...] = ()
     endstops: tuple[Endstop, ...] = ()
+    drivers: tuple[Driver, ...] = ()
     move_count: int = 1024
     mcu: str = "atmega2560"
 
@@ -128,13 +170,24 @@ class BoardDescription:
                 raise ValueError(f"heater {heater.name}: its output needs a maximum duration")
 
     @property
+    def uarts(self) -> tuple[UartPins, ...]:
+        """The drivers' UARTs, each once."""
+        return tuple(dict.fromkeys(d.wire for d in self.drivers if isinstance(d.wire, UartPins)))
+
+    @property
+    def spi_devices(self) -> tuple[SpiPins, ...]:
+        """All that is selected on an SPI bus."""
+        return tuple(d.wire for d in self.drivers if isinstance(d.wire, SpiPins))
+
+    @property
     def pins(self) -> tuple[str, ...]:
-        """All pins in use, as written."""
+        """All pins in use, as written; those that are shared once."""
         return (
             *(pin for s in self.steppers for pin in (s.step_pin, s.dir_pin)),
             *(o.pin for o in self.outputs),
             *(s.pin for s in self.sensors),
             *(e.pin for e in self.endstops),
+            *{bare(pin): pin for d in self.drivers for pin in d.wire.pins}.values(),
         )
 
 

@@ -12,11 +12,22 @@ from passo.config.findings import Finding, array, did_you_mean, table, tables
 from passo.config.lines import Path
 
 Raw = Mapping[str, Any]
-Need = Literal["digital", "enable", "analog", "pwm"]
+Need = Literal[
+    "digital", "enable", "analog", "pwm", "receive", "send", "clock", "to-device", "from-device"
+]
 
 # Drivers that are set up over SPI: each needs the chip select of its socket.
 _SPI_DRIVERS = ("TMC2130", "TMC2660", "TMC5160")
 _MOTOR_PINS: dict[str, Need] = {"step": "digital", "direction": "digital", "enable": "enable"}
+# Wires to several drivers or sensors at once.
+_TMC_PINS: dict[str, Need] = {
+    "uart_pin": "receive",
+    "tx_pin": "send",
+    "clock_pin": "clock",
+    "mosi_pin": "to-device",
+    "miso_pin": "from-device",
+}
+_SHARED = ("enable", *_TMC_PINS.values())
 _NEEDS = {"analog": "an analog input", "pwm": "a pin with hardware PWM"}
 
 
@@ -32,7 +43,7 @@ class Claim:
 
 def check_pins(data: Raw) -> Iterator[Finding]:
     """Sockets exist, and each pin and timer has one owner that it suits. Motors may share the pin
-    that enables them."""
+    that enables them, drivers the wires over which they are set up."""
     yield from _check_sockets(data)
     yield from _check_fitted(data)
     yield from _Owners(data).check()
@@ -49,8 +60,13 @@ def machine_claims(data: Raw) -> Iterator[Claim]:
                 yield from _claim((*path, f"{key}_pin"), stepper[f"{key}_pin"], need)
             else:
                 yield from _claim((*path, "socket"), socket.get(key), need)
-        if stepper.get("driver") in _SPI_DRIVERS:
+        tmc = table(stepper, "tmc")
+        if "cs_pin" in tmc:
+            yield from _claim((*path, "tmc", "cs_pin"), tmc["cs_pin"])
+        elif stepper.get("driver") in _SPI_DRIVERS:
             yield from _claim((*path, "socket"), socket.get("select"))
+        for key, need in _TMC_PINS.items():
+            yield from _claim((*path, "tmc", key), tmc.get(key), need)
     for part in ("heaters", "fans"):
         for name, content in tables(data, part):
             yield from _claim((part, name, "pin"), content.get("pin"))
@@ -130,7 +146,7 @@ class _Owners:
             owner = self.pins.setdefault(pin, claim)
             if owner is claim:
                 owned.append(claim)
-            elif not owner.need == claim.need == "enable":
+            elif owner.need != claim.need or claim.need not in _SHARED:
                 limit = f"a pin of its own: {pin} belongs to"
                 yield Finding("config.conflict", claim.path, claim.pin, limit, owner=owner.path)
         yield from self._check_steps()
