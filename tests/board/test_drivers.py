@@ -5,14 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from tests.board.bench import START, Bench, Kind, description
+from tests.board.bench import Bench, Kind, description
 
 from passo.board.description import Driver, SpiPins, UartPins
 from passo.board.drivers import Drivers
 from passo.board.trinamic import DriverSettings
 from passo.board.trinamic import registers as r
 from passo.config.trinamic import ChipName
-from passo.simulator.dictionary import Firmware
 
 WIRES: dict[ChipName, UartPins | SpiPins] = {
     "TMC2208": UartPins("^PG0", "PG0"),
@@ -55,7 +54,7 @@ def test_settings_arrive(chip: ChipName):
     made, drivers = bench(chip)
     drivers.configure()
     state = drivers.states["x"]
-    assert state.ready, state.failure
+    assert state.failure is None
     simulated = made.simulated.drivers["x"]
     for register, value in state.settings.writes():
         if register != r.GSTAT:

@@ -29,14 +29,14 @@ _ANSWERS = ("tmcuart_response", "spi_transfer_response")
 
 @dataclass
 class DriverState:
-    """One driver: what it is to be set to, whether it is (`failure` says why not), and how it was
-    when it was last asked."""
+    """One driver: what it is to be set to, the `failure` if it is not, and the `reading` when it
+    was last asked, `fresh` until somebody has looked at it."""
 
     link: DriverLink
     settings: DriverSettings
-    ready: bool = False
     failure: DriverFailure | None = None
     reading: Reading | None = None
+    fresh: bool = False
 
 
 @dataclass
@@ -90,9 +90,9 @@ class Drivers:
                 while True:
                     question = exchange.send(self._ask(question))
             except StopIteration:
-                state.ready, state.failure = True, None
+                state.failure = None
             except DriverFailure as failure:
-                state.ready, state.failure = False, failure
+                state.failure = failure
 
     def _ask(self, question: Question) -> bytes:
         values = self._connection.ask(question.text, question.answer)
@@ -106,7 +106,7 @@ class Drivers:
             state.settings = settings
 
         def done(_: None) -> None:
-            state.ready, state.failure = True, None
+            state.failure = None
 
         self._begin(motor, state.link.configure(state.settings), done)
 
@@ -115,7 +115,7 @@ class Drivers:
         state = self.states[motor]
 
         def done(reading: Reading) -> None:
-            state.reading = reading
+            state.reading, state.fresh = reading, True
 
         self._begin(motor, state.link.status(), done)
 
@@ -123,7 +123,7 @@ class Drivers:
         state = self.states[motor]
 
         def failed(failure: DriverFailure) -> None:
-            state.ready, state.failure = False, failure
+            state.failure = failure
 
         self._lines[self._oids[motor]].talks.append(_Talk(exchange, done, failed))
 

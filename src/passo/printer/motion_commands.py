@@ -43,7 +43,6 @@ class MotionCommands:
             "M218": self._tool_offset,
             "M221": self._flow,
             "M290": lambda c, r: self._printer.commands.run(c),
-            "M569": self._drivers,
             "M603": lambda c, r: self._say(r, *self.change_lines()),
         }
 
@@ -262,14 +261,11 @@ class MotionCommands:
         self._printer.drive.replan()
         return None
 
-    def _drivers(self, command: Command, reply: Reply) -> Wait | None:
-        """What the machine file says of the drivers; it is fixed when the board is configured."""
-        if command.words():
-            raise CommandError.of("command.fixed", value="steppers")
+    def tell_drivers(self, reply: Reply) -> None:
+        """What the machine file says of the drivers' inputs."""
         reply.say("Reporting Stepper control")
         for row in self._machine.core_spec()["steppers"]:
             reply.say(
                 f" {row['name'].upper()} dir:{'false' if row['invert'] else 'true'}"
                 f" pulse(us):{row['pulse_s'] * 1e6:g} delay(us):{row['dir_setup_s'] * 1e6:g}"
             )
-        return None
