@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from tests.console.scenario import Scenario
-from tests.scenarios.drivers import machine
+from tests.printer.driver_machine import machine
 
 from passo.board.trinamic import registers as r
 
