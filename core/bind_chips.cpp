@@ -4,6 +4,7 @@
 
 #include <memory>
 
+#include "heat/converter.hpp"
 #include "wire/bench.hpp"
 
 namespace nb = nanobind;
@@ -43,4 +44,25 @@ void bind_chips(nb::module_& m) {
       },
       "bench"_a, "select_pin"_a, "clock_pin"_a, "to_device"_a, "from_device"_a, "chip"_a,
       "Wires a driver to the SPI bus on these pins.");
+  m.def(
+      "add_converter",
+      [](Bench& bench, uint32_t select_pin, uint32_t clock_pin, uint32_t to_device,
+         uint32_t from_device, passo::heat::Converter converter) {
+        Plant& plant = bench.plant();
+        plant.spi_devices.emplace_back(
+            SpiPins{select_pin, clock_pin, to_device, from_device}, 0,
+            [&plant, select_pin, converter](Ticks clock) {
+              uint32_t word =
+                  passo::heat::converter_word(converter, plant.share(select_pin, clock));
+              Bytes bytes;
+              for (int shift = converter == passo::heat::Converter::max6675 ? 8 : 24; shift >= 0;
+                   shift -= 8)
+                bytes.push_back(uint8_t(word >> shift));
+              return bytes;
+            },
+            [](const Bytes&) {});
+      },
+      "bench"_a, "select_pin"_a, "clock_pin"_a, "to_device"_a, "from_device"_a, "converter"_a,
+      "Wires a converter to the SPI bus on these pins; its thermocouple belongs to the body whose"
+      " sensor is on the select pin.");
 }

@@ -46,6 +46,8 @@ enum class Command : int32_t {
   spi_set_sw_bus,
   spi_transfer,
   spi_send,
+  config_thermocouple,
+  query_thermocouple,
   end_
 };
 enum class Report : int32_t {
@@ -63,6 +65,7 @@ enum class Report : int32_t {
   analog_in_state,
   tmcuart_response,
   spi_transfer_response,
+  thermocouple_result,
 };
 
 struct Declaration {
@@ -122,6 +125,10 @@ inline constexpr Declaration kCommands[] = {
      "spi_set_sw_bus oid=%c miso_pin=%u mosi_pin=%u sclk_pin=%u mode=%u pulse_ticks=%u"},
     {int(Command::spi_transfer), "spi_transfer oid=%c data=%*s"},
     {int(Command::spi_send), "spi_send oid=%c data=%*s"},
+    {int(Command::config_thermocouple),
+     "config_thermocouple oid=%c spi_oid=%c thermocouple_type=%c consecutive_fault_limit=%u"},
+    {int(Command::query_thermocouple),
+     "query_thermocouple oid=%c clock=%u rest_ticks=%u min_value=%u max_value=%u"},
 };
 
 inline constexpr Declaration kReports[] = {
@@ -139,6 +146,8 @@ inline constexpr Declaration kReports[] = {
     {int(Report::analog_in_state), "analog_in_state oid=%c next_clock=%u values=%*s"},
     {int(Report::tmcuart_response), "tmcuart_response oid=%c read=%*s"},
     {int(Report::spi_transfer_response), "spi_transfer_response oid=%c response=%*s"},
+    {int(Report::thermocouple_result),
+     "thermocouple_result oid=%c next_clock=%u value=%u fault=%c"},
 };
 
 // Why a board shuts down. The number goes over the wire as static_string_id.
@@ -162,6 +171,9 @@ enum class Fault : uint16_t {
   period_too_short,
   uart_too_long,
   spi_without_bus,
+  thermocouple_type,
+  thermocouple_range,
+  thermocouple_fault,
 };
 inline constexpr const char* kFaults[] = {
     "",
@@ -183,8 +195,11 @@ inline constexpr const char* kFaults[] = {
     "Period too short for this board",
     "tmcuart data too large",
     "SPI device without a bus",
+    "Invalid thermocouple chip type",
+    "Thermocouple ADC out of range",
+    "Thermocouple reader fault",
 };
-static_assert(std::size(kFaults) == size_t(Fault::spi_without_bus) + 1);
+static_assert(std::size(kFaults) == size_t(Fault::thermocouple_fault) + 1);
 
 // Thrown by the parts of the board; the board stops all motion and outputs.
 struct Shutdown {

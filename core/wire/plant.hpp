@@ -97,16 +97,18 @@ class Plant {
       (fan ? body.fan : body.heat).set(duty, clock);
     }
   }
-  uint32_t adc(uint32_t pin, Ticks clock) {
+  // What the sensor on a pin shows at `clock`, as a share of full scale; 1 where there is none.
+  double share(uint32_t pin, Ticks clock) {
     for (HeatedBody& body : bodies) {
       if (body.sensor_pin != pin) continue;
       run_until(clock);
       double ratio = body.forced_ratio >= 0 ? body.forced_ratio : body.adc_ratio.at(body.sensor_c);
       if (body.noise > 0) ratio = std::clamp(ratio + body.noise * random(), 0.0, 1.0);
-      return uint32_t(ratio * adc_max_ + 0.5);
+      return ratio;
     }
-    return adc_max_;
+    return 1;
   }
+  uint32_t adc(uint32_t pin, Ticks clock) { return uint32_t(share(pin, clock) * adc_max_ + 0.5); }
   // A pin of a UART or an SPI bus takes a level.
   void edge(uint32_t pin, bool level, Ticks clock) {
     for (UartLine& line : uarts)

@@ -31,7 +31,11 @@ class VirtualBoard : public Bench {
   };
 
   explicit VirtualBoard(Options options)
-      : Bench(options.clock_hz, options.adc_max, options.start), options_(std::move(options)) {
+      : Bench(options.clock_hz, options.adc_max, options.start), options_(std::move(options)),
+        serial_(plant_, options_.clock_hz,
+                [this](Report id, std::initializer_list<uint32_t> values, const Bytes* blob) {
+                  report(id, values, blob);
+                }) {
     for (const Declaration& d : kCommands) {
       Format format(d.id, d.text);
       Shape& shape = shapes_[size_t(d.id)];
@@ -100,11 +104,9 @@ class VirtualBoard : public Bench {
   }
 
  private:
-  using Part = std::variant<BoardMotor, BoardOutput, BoardAnalogIn, BoardEndstop, BoardTrsync,
-                            BoardUart, BoardSpi>;
+  using Part = std::variant<BoardMotor, BoardOutput, BoardAnalogIn, BoardEndstop, BoardTrsync>;
   static constexpr size_t kParametersMax = 10;
   static constexpr uint32_t kShortestPeriod = 100;
-  static constexpr double kUartRest = 200e-6;  // s, before a datagram
   struct Shape {
     bool known, in_shutdown;
     uint8_t parameters;
@@ -116,7 +118,8 @@ class VirtualBoard : public Bench {
   Scanner scanner_;
   Bytes out_;
   Shape shapes_[size_t(Command::end_)] = {};
-  std::map<uint32_t, Part> parts_;   // by oid
+  std::map<uint32_t, Part> parts_;  // by oid
+  SerialParts serial_;
   std::vector<BoardMotor*> motors_;  // by oid, null where there is none
   std::vector<BoardOutput*> outputs_;
   uint64_t sequence_ = 0, frames_ = 0, naks_ = 0;
@@ -130,7 +133,7 @@ class VirtualBoard : public Bench {
   // ---- time
 
   void schedule() {
-    next_ = kNever;
+    next_ = serial_.next();
     for (auto& [oid, part] : parts_) next_ = std::min(next_, next_of(part));
   }
   static Ticks next_of(const Part& part) {
@@ -154,6 +157,11 @@ class VirtualBoard : public Bench {
           shut_down(s.fault);
         }
       }
+      try {
+        serial_.run(now_);
+      } catch (const Shutdown& s) {
+        shut_down(s.fault);
+      }
       schedule();
     }
     now_ = std::max(now_, now);
@@ -170,9 +178,6 @@ class VirtualBoard : public Bench {
       if (fault) throw Shutdown{Fault::adc_range};
     } else if (auto* endstop = std::get_if<BoardEndstop>(&part)) {
       if (endstop->run(level(endstop->pin, now_))) trigger(endstop->trsync, endstop->reason);
-    } else if (auto* uart = std::get_if<BoardUart>(&part)) {
-      Bytes answer = uart->take();
-      report(Report::tmcuart_response, {oid}, &answer);
     } else if (auto* group = std::get_if<BoardTrsync>(&part)) {
       if (group->timeout <= now_) {
         group->timeout = kNever;
@@ -268,10 +273,14 @@ class VirtualBoard : public Bench {
         report(Report::pong, {}, &blob);
         break;
       default:
-        if (id >= Command::config_tmcuart)
-          serial_command(id, a, blob);
-        else
+        if (!SerialParts::knows(id)) {
           part_command(id, a);
+        } else if (auto part = SerialParts::made(id, a)) {
+          check_oid(a[0]);
+          serial_.add(a[0], *part);
+        } else {
+          serial_.command(id, a, blob, now_, [this](uint32_t clock) { return ahead(clock); });
+        }
     }
   }
 
@@ -421,36 +430,15 @@ class VirtualBoard : public Bench {
     }
   }
 
-  void serial_command(Command id, const uint32_t* a, const Bytes& blob) {
-    switch (id) {
-      case Command::config_tmcuart:
-        configure(a[0], BoardUart(a[1], a[4]));
-        break;
-      case Command::tmcuart_send:
-        get<BoardUart>(a[0]).send(now_, ticks(kUartRest), blob, a[2], plant_);
-        break;
-      case Command::config_spi:
-        configure(a[0], BoardSpi(a[1]));
-        break;
-      case Command::spi_set_sw_bus:
-        get<BoardSpi>(a[0]).has_bus = true;
-        break;
-      case Command::spi_transfer: {
-        Bytes response = get<BoardSpi>(a[0]).transfer(now_, blob, plant_);
-        report(Report::spi_transfer_response, {a[0]}, &response);
-        break;
-      }
-      default:
-        get<BoardSpi>(a[0]).transfer(now_, blob, plant_);
-    }
-  }
-
   // ---- parts
 
+  void check_oid(uint32_t oid) const {
+    if (!oids_ || oid >= *oids_ || finalized_ || parts_.count(oid) || serial_.has(oid))
+      throw Shutdown{Fault::oid_taken};
+  }
   template <class T>
   T& configure(uint32_t oid, T part) {
-    if (!oids_ || oid >= *oids_ || finalized_ || parts_.count(oid))
-      throw Shutdown{Fault::oid_taken};
+    check_oid(oid);
     T& made = std::get<T>(parts_.emplace(oid, std::move(part)).first->second);
     if constexpr (std::is_same_v<T, BoardMotor>) {
       if (motors_.size() <= oid) motors_.resize(oid + 1);
@@ -541,8 +529,8 @@ class VirtualBoard : public Bench {
       if (auto* output = std::get_if<BoardOutput>(&part)) output->shut_down(now_, plant_);
       if (auto* endstop = std::get_if<BoardEndstop>(&part)) endstop->armed = false;
       if (auto* group = std::get_if<BoardTrsync>(&part)) *group = BoardTrsync();
-      if (auto* uart = std::get_if<BoardUart>(&part)) uart->take();
     }
+    serial_.shut_down();
     report(Report::shutdown, {uint32_t(now_), uint32_t(fault)});
   }
   void reset() {
@@ -554,6 +542,7 @@ class VirtualBoard : public Bench {
       }
     }
     parts_.clear();
+    serial_.clear();
     motors_.clear();
     outputs_.clear();
     oids_.reset();

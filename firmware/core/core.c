@@ -9,6 +9,7 @@
 #include "scheduler.h"
 #include "shutdown.h"
 #include "stepper.h"
+#include "thermocouple.h"
 #include "tmcuart.h"
 #include "trsync.h"
 
@@ -30,6 +31,7 @@ bool core_task(void) {
     analog_in_task();
     buttons_task();
     tmcuart_task();
+    thermocouple_task();
     shutdown_task();
   }
   control_task(began, busy);

@@ -22,6 +22,7 @@ enum object_type {
   OBJECT_SPI,
   OBJECT_SPI_SHUTDOWN,
   OBJECT_TMCUART,
+  OBJECT_THERMOCOUPLE,
 };
 
 // What is done to every object of one kind.

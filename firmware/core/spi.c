@@ -51,8 +51,7 @@ static void send_last(void *object) {
 }
 static const struct object_kind shutdown_kind = {OBJECT_SPI_SHUTDOWN, send_last};
 
-// The device, if it has its bus.
-static struct spi *get(uint32_t oid) {
+struct spi *spi_get(uint32_t oid) {
   struct spi *spi = object_get(oid, OBJECT_SPI);
   if (spi == NULL || spi->has_bus) return spi;
   shut_down(SHUTDOWN_SPI_NO_BUS);
@@ -96,7 +95,7 @@ void command_spi_set_sw_bus(const uint32_t *args) {
 DECL_COMMAND(command_config_spi_shutdown, "config_spi_shutdown oid=%c spi_oid=%c shutdown_msg=%*s",
              0);
 void command_config_spi_shutdown(const uint32_t *args) {
-  const struct spi *spi = get(args[1]);
+  const struct spi *spi = spi_get(args[1]);
   if (spi == NULL) return;
   struct spi_shutdown *last = object_add(args[0], &shutdown_kind, sizeof *last + args[2]);
   if (last == NULL) return;
@@ -107,7 +106,7 @@ void command_config_spi_shutdown(const uint32_t *args) {
 
 DECL_COMMAND(command_spi_transfer, "spi_transfer oid=%c data=%*s", 0);
 void command_spi_transfer(const uint32_t *args) {
-  const struct spi *spi = get(args[0]);
+  const struct spi *spi = spi_get(args[0]);
   if (spi == NULL) return;
   uint8_t bytes[FRAME_MAX];
   memcpy(bytes, command_bytes(), args[1]);
@@ -117,7 +116,7 @@ void command_spi_transfer(const uint32_t *args) {
 
 DECL_COMMAND(command_spi_send, "spi_send oid=%c data=%*s", 0);
 void command_spi_send(const uint32_t *args) {
-  const struct spi *spi = get(args[0]);
+  const struct spi *spi = spi_get(args[0]);
   if (spi == NULL) return;
   uint8_t bytes[FRAME_MAX];
   memcpy(bytes, command_bytes(), args[1]);
