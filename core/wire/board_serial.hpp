@@ -108,10 +108,13 @@ class SerialParts {
   static bool knows(Command id) { return id >= Command::config_tmcuart; }
   bool has(uint32_t oid) const { return parts_.count(oid) > 0; }
   // The part that a command makes, if it makes one.
-  static std::optional<Part> made(Command id, const uint32_t* a) {
+  std::optional<Part> made(Command id, const uint32_t* a) {
     if (id == Command::config_tmcuart) return BoardUart(a[1], a[4]);
     if (id == Command::config_spi) return BoardSpi(a[1]);
-    if (id == Command::config_thermocouple) return BoardThermocouple(a[1], a[2], a[3]);
+    if (id == Command::config_thermocouple) {
+      get<BoardSpi>(a[1]);
+      return BoardThermocouple(a[1], a[2], a[3]);
+    }
     return {};
   }
   void add(uint32_t oid, Part part) { parts_.emplace(oid, std::move(part)); }

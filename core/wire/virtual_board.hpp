@@ -275,7 +275,7 @@ class VirtualBoard : public Bench {
       default:
         if (!SerialParts::knows(id)) {
           part_command(id, a);
-        } else if (auto part = SerialParts::made(id, a)) {
+        } else if (auto part = serial_.made(id, a)) {
           check_oid(a[0]);
           serial_.add(a[0], *part);
         } else {

@@ -31,7 +31,6 @@ _UART_BAUD = 40_000
 _SLOW_UART_BAUD = 9_000  # the least that the drivers know
 _FAST_HZ = 20_000_000
 _SPI_HZ = 100_000
-_SPI_MODE = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +90,9 @@ def commands(board: BoardDescription, dictionary: Dictionary) -> list[str]:
     for o in board.outputs:
         lines += _output(o, oids.outputs[o.name], full_scale(o, dictionary))
     lines += [
-        f"config_analog_in oid={oids.sensors[s.name]} pin={bare(s.pin)}" for s in board.sensors
+        f"config_analog_in oid={oids.sensors[s.name]} pin={bare(s.pin)}"
+        for s in board.sensors
+        if s.spi is None
     ]
     lines += [
         f"config_endstop oid={oids.endstops[e.name]} pin={bare(e.pin)} pull_up={int('^' in e.pin)}"
@@ -105,6 +106,13 @@ def commands(board: BoardDescription, dictionary: Dictionary) -> list[str]:
         )
     for pins, oid in oids.spi_devices.items():
         lines += _spi_device(pins, oid, board.clock_hz, dictionary)
+    for s in board.sensors:
+        if s.spi is not None:
+            lines.append(
+                f"config_thermocouple oid={oids.sensors[s.name]}"
+                f" spi_oid={oids.spi_devices[s.spi]} thermocouple_type={s.converter.name}"
+                f" consecutive_fault_limit={SENSOR_RANGE_CHECKS - 1}"
+            )
     return lines
 
 
@@ -118,7 +126,7 @@ def uart_bit_ticks(clock_hz: int) -> int:
 def _spi_device(pins: SpiPins, oid: int, clock_hz: int, dictionary: Dictionary) -> list[str]:
     wires = (
         f"miso_pin={bare(pins.miso_pin)} mosi_pin={bare(pins.mosi_pin)}"
-        f" sclk_pin={bare(pins.clock_pin)} mode={_SPI_MODE}"
+        f" sclk_pin={bare(pins.clock_pin)} mode={pins.mode}"
     )
     if dictionary.takes("spi_set_sw_bus", "pulse_ticks"):
         bus = f"spi_set_sw_bus oid={oid} {wires} pulse_ticks={clock_hz // (2 * _SPI_HZ)}"
@@ -158,6 +166,12 @@ def queries(board: BoardDescription, dictionary: Dictionary, clock: int) -> list
     for i, sensor in enumerate(board.sensors):
         begin = clock + int(SENSOR_PERIOD_S * board.clock_hz * i / len(board.sensors))
         q = sensor_query(board, sensor, dictionary)
+        if sensor.spi is not None:
+            lines.append(
+                f"query_thermocouple oid={oids.sensors[sensor.name]} clock={begin & 0xFFFFFFFF}"
+                f" rest_ticks={q.rest_ticks} min_value={q.minimum} max_value={q.maximum}"
+            )
+            continue
         lines.append(
             f"query_analog_in oid={oids.sensors[sensor.name]} clock={begin & 0xFFFFFFFF}"
             f" sample_ticks={q.sample_ticks} sample_count={q.sample_count}"
@@ -176,6 +190,15 @@ def sensor_query(
     board: BoardDescription, sensor: Sensor, dictionary: Dictionary
 ) -> _core.SensorQuery:
     """How the board is asked to sample a sensor."""
+    if sensor.spi is not None:
+        return _core.SensorQuery(
+            sample_ticks=0,
+            sample_count=0,
+            rest_ticks=int(SENSOR_PERIOD_S * board.clock_hz),
+            minimum=_converter_word(sensor, sensor.min_ratio, 0),
+            maximum=_converter_word(sensor, sensor.max_ratio, -1),
+            range_checks=SENSOR_RANGE_CHECKS,
+        )
     full = adc_full(dictionary)
     return _core.SensorQuery(
         sample_ticks=int(SENSOR_SAMPLE_S * board.clock_hz),
@@ -185,6 +208,14 @@ def sensor_query(
         maximum=int(sensor.max_ratio * full),
         range_checks=SENSOR_RANGE_CHECKS,
     )
+
+
+def _converter_word(sensor: Sensor, share: float, rest: int) -> int:
+    """The word of a converter at a share of its full scale, at least 0 °C; the bits that are not
+    the temperature's as in `rest`."""
+    quarters = max(round(share * _core.CONVERTER_FULL) - _core.CONVERTER_FULL // 2, 0)
+    shift = 18 if sensor.converter == _core.Converter.MAX31855 else 3
+    return quarters << shift | rest & (1 << shift) - 1
 
 
 def heater_options(
@@ -201,7 +232,7 @@ def heater_options(
         output_oid=oids.outputs[output.name],
         pwm=output.kind == "pwm",
         full=full_scale(output, dictionary),
-        adc_full=adc_full(dictionary),
+        adc_full=_core.CONVERTER_FULL if sensor.spi else adc_full(dictionary),
         query=sensor_query(board, sensor, dictionary),
         max_power=heater.max_power,
         tolerance_c=heater.tolerance_c,
@@ -215,4 +246,5 @@ def heater_options(
         fan_target=board.outputs.index(fans[0]) if fans else -1,
         fan_full=full_scale(fans[0], dictionary) if fans else 1,
         inverted=inverted(output.pin),
+        converter=sensor.converter,
     )

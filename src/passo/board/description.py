@@ -45,8 +45,40 @@ class Output:
 
 
 @dataclass(frozen=True, slots=True)
+class UartPins:
+    """A one-wire UART: the board receives on `rx_pin` and sends on `tx_pin`, often the same."""
+
+    rx_pin: str
+    tx_pin: str
+
+    @property
+    def pins(self) -> tuple[str, ...]:
+        """Each pin once."""
+        one = bare(self.rx_pin) == bare(self.tx_pin)
+        return (self.rx_pin,) if one else (self.rx_pin, self.tx_pin)
+
+
+@dataclass(frozen=True, slots=True)
+class SpiPins:
+    """A device on an SPI bus, which it may share. It is selected while `cs_pin` is low; `mode` is
+    the bus's for it, 0 to 3."""
+
+    cs_pin: str
+    clock_pin: str
+    mosi_pin: str
+    miso_pin: str
+    mode: int = 3
+
+    @property
+    def pins(self) -> tuple[str, ...]:
+        """All pins."""
+        return (self.cs_pin, self.clock_pin, self.mosi_pin, self.miso_pin)
+
+
+@dataclass(frozen=True, slots=True)
 class Sensor:
-    """A temperature sensor on an analog input.
+    """A temperature sensor on an analog input, or a thermocouple behind a converter that is
+    selected by `pin` on the bus `spi`; then a share is that of `_core.CONVERTER_FULL`.
 
     `table` holds (°C, share of the ADC's full scale) by ascending °C, the share strictly rising or
     falling; beyond its ends the sensor is broken: open above the greatest share and shorted below
@@ -60,6 +92,8 @@ class Sensor:
     min_ratio: float = 0.0
     max_ratio: float = 1.0
     open_is_high: bool = True
+    converter: _core.Converter = _core.Converter.NONE
+    spi: SpiPins | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,35 +122,6 @@ class Endstop:
 
     name: str
     pin: str
-
-
-@dataclass(frozen=True, slots=True)
-class UartPins:
-    """A one-wire UART: the board receives on `rx_pin` and sends on `tx_pin`, often the same."""
-
-    rx_pin: str
-    tx_pin: str
-
-    @property
-    def pins(self) -> tuple[str, ...]:
-        """Each pin once."""
-        one = bare(self.rx_pin) == bare(self.tx_pin)
-        return (self.rx_pin,) if one else (self.rx_pin, self.tx_pin)
-
-
-@dataclass(frozen=True, slots=True)
-class SpiPins:
-    """A device on an SPI bus, which it may share. It is selected while `cs_pin` is low."""
-
-    cs_pin: str
-    clock_pin: str
-    mosi_pin: str
-    miso_pin: str
-
-    @property
-    def pins(self) -> tuple[str, ...]:
-        """All pins."""
-        return (self.cs_pin, self.clock_pin, self.mosi_pin, self.miso_pin)
 
 
 @dataclass(frozen=True, slots=True)
@@ -177,7 +182,8 @@ class BoardDescription:
     @property
     def spi_devices(self) -> tuple[SpiPins, ...]:
         """All that is selected on an SPI bus."""
-        return tuple(d.wire for d in self.drivers if isinstance(d.wire, SpiPins))
+        wires = (*(d.wire for d in self.drivers), *(s.spi for s in self.sensors))
+        return tuple(wire for wire in wires if isinstance(wire, SpiPins))
 
     @property
     def pins(self) -> tuple[str, ...]:
@@ -185,9 +191,11 @@ class BoardDescription:
         return (
             *(pin for s in self.steppers for pin in (s.step_pin, s.dir_pin)),
             *(o.pin for o in self.outputs),
-            *(s.pin for s in self.sensors),
+            *(s.pin for s in self.sensors if s.spi is None),
             *(e.pin for e in self.endstops),
-            *{bare(pin): pin for d in self.drivers for pin in d.wire.pins}.values(),
+            *{
+                bare(pin): pin for wire in (*self.uarts, *self.spi_devices) for pin in wire.pins
+            }.values(),
         )
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from passo.config.findings import table, tables
+from passo.config.sensors import CONVERTERS
 
 if TYPE_CHECKING:
     from passo.config.board import Board
@@ -41,10 +42,15 @@ def put_originals(data: dict[str, Any]) -> None:
         for key, content in _functions(data, part):
             function = table(functions, key)
             for own, other in (("pin", "output"), ("sensor_pin", "sensor")):
-                if other == "sensor" and part == "fans":
+                if other == "sensor" and (part == "fans" or _selects(content)):
                     continue
                 if own not in content and other in function:
                     content[own] = function[other]
+
+
+def _selects(heater: Mapping[str, Any]) -> bool:
+    """Whether its sensor's pin selects a converter: the board's own is a thermistor's."""
+    return table(heater, "sensor").get("kind") in CONVERTERS
 
 
 def _functions(data: Mapping[str, Any], part: str) -> Iterator[tuple[str, dict[str, Any]]]:

@@ -10,6 +10,7 @@ from passo.config.board_files import known_pins
 from passo.config.chips import Chip, Pulse, chip, chip_names
 from passo.config.findings import Finding, array, did_you_mean, table, tables
 from passo.config.lines import Path
+from passo.config.sensors import CONVERTERS
 
 Raw = Mapping[str, Any]
 Need = Literal[
@@ -20,14 +21,14 @@ Need = Literal[
 _SPI_DRIVERS = ("TMC2130", "TMC2660", "TMC5160")
 _MOTOR_PINS: dict[str, Need] = {"step": "digital", "direction": "digital", "enable": "enable"}
 # Wires to several drivers or sensors at once.
-_TMC_PINS: dict[str, Need] = {
+_WIRES: dict[str, Need] = {
     "uart_pin": "receive",
     "tx_pin": "send",
     "clock_pin": "clock",
     "mosi_pin": "to-device",
     "miso_pin": "from-device",
 }
-_SHARED = ("enable", *_TMC_PINS.values())
+_SHARED = ("enable", *_WIRES.values())
 _NEEDS = {"analog": "an analog input", "pwm": "a pin with hardware PWM"}
 
 
@@ -65,17 +66,24 @@ def machine_claims(data: Raw) -> Iterator[Claim]:
             yield from _claim((*path, "tmc", "cs_pin"), tmc["cs_pin"])
         elif stepper.get("driver") in _SPI_DRIVERS:
             yield from _claim((*path, "socket"), socket.get("select"))
-        for key, need in _TMC_PINS.items():
-            yield from _claim((*path, "tmc", key), tmc.get(key), need)
+        yield from _wires((*path, "tmc"), tmc)
     for part in ("heaters", "fans"):
         for name, content in tables(data, part):
             yield from _claim((part, name, "pin"), content.get("pin"))
-            yield from _claim((part, name, "sensor_pin"), content.get("sensor_pin"), "analog")
+            sensor = table(content, "sensor")
+            need: Need = "digital" if sensor.get("kind") in CONVERTERS else "analog"
+            yield from _claim((part, name, "sensor_pin"), content.get("sensor_pin"), need)
+            yield from _wires((part, name, "sensor"), sensor)
     for name, content in tables(data, "homing"):
         yield from _claim(("homing", name, "pin"), content.get("pin"))
         for stepper, pin in table(content, "stepper_pins").items():
             yield from _claim(("homing", name, "stepper_pins", stepper), pin)
     yield from _claim(("laser", "pin"), table(data, "laser").get("pin"), "pwm")
+
+
+def _wires(path: Path, content: Raw) -> Iterator[Claim]:
+    for key, need in _WIRES.items():
+        yield from _claim((*path, key), content.get(key), need)
 
 
 def board_claims(data: Raw) -> Iterator[Claim]:

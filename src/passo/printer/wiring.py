@@ -21,9 +21,10 @@ from passo.board.description import (
 )
 from passo.board.ports import InProcess, Port, serial_port, tcp_port
 from passo.board.trinamic import DriverSettings, threshold_of
+from passo.config.sensors import ThermocoupleConverter
 from passo.config.trinamic import chip_of
 from passo.heat.control import control_of, limits_of, model_of
-from passo.heat.sensors import open_is_high, sensor_table, share_at
+from passo.heat.sensors import converter_of, open_is_high, sensor_table, share_at
 from passo.printer.switches import (
     Switch,
     axes_of_arms,
@@ -120,7 +121,8 @@ def drivers(machine: MachineConfig) -> Iterator[Driver]:
             socket = machine.board.sockets[stepper.socket] if stepper.socket else None
             select = tmc.cs_pin or (socket.select if socket else None) or ""
             buses = (tmc.clock_pin or "", tmc.mosi_pin or "", tmc.miso_pin or "")
-            yield Driver(name, SpiPins(pin(select), *(pin(bus) for bus in buses)), settings)
+            clock, mosi, miso = (pin(bus) for bus in buses)
+            yield Driver(name, SpiPins(pin(select), clock, mosi, miso), settings)
 
 
 def _heater(name: str, heater: HeaterConfig) -> Heater:
@@ -141,7 +143,13 @@ def sensor_of(machine: MachineConfig, name: str, heater: HeaterConfig) -> Sensor
     table = sensor_table(heater.sensor)
     low, high = sorted((share_at(table, heater.min_c), share_at(table, heater.max_c)))
     pin = machine.board.pin(heater.sensor_pin)
-    return Sensor(name, pin, table, low, high, open_is_high=open_is_high(heater.sensor))
+    sensor = heater.sensor
+    spi = None
+    if isinstance(sensor, ThermocoupleConverter):
+        wires = (sensor.clock_pin, sensor.mosi_pin, sensor.miso_pin)
+        clock, mosi, miso = (machine.board.pin(wire) for wire in wires)
+        spi = SpiPins(pin, clock, mosi, miso, mode=0)
+    return Sensor(name, pin, table, low, high, open_is_high(sensor), converter_of(sensor), spi)
 
 
 def _driver_pins(machine: MachineConfig, name: str) -> tuple[str, str]:

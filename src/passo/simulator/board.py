@@ -53,6 +53,7 @@ class SimulatedBoard:
             )
         self._add_plant(plant)
         self.drivers = dict(self._add_drivers())
+        self._add_converters()
 
     def _add_drivers(self) -> Iterator[tuple[str, _core.TrinamicChip]]:
         """The chips of the drivers with registers, by their motors."""
@@ -66,6 +67,12 @@ class SimulatedBoard:
                 select, clock, mosi, miso = pins
                 _core.add_spi_driver(self.device, select, clock, mosi, miso, chip)
             yield driver.stepper, chip
+
+    def _add_converters(self) -> None:
+        for sensor in self.board.sensors:
+            if sensor.spi is not None:
+                select, clock, mosi, miso = (self._pins[bare(pin)] for pin in sensor.spi.pins)
+                _core.add_converter(self.device, select, clock, mosi, miso, sensor.converter)
 
     def _firmware_board(self, start_clock: int) -> _core.FirmwareBoard:
         device = _core.FirmwareBoard(
