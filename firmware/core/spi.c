@@ -3,24 +3,13 @@
 #include <string.h>
 
 #include "command.h"
-#include "scheduler.h"
 #include "shutdown.h"
+#include "wait.h"
 
 DECL_SHUTDOWN(SPI_PINS, "Pins cannot make an SPI bus");
 DECL_SHUTDOWN(SPI_NO_BUS, "SPI device without a bus");
 DECL_SHUTDOWN(SPI_TOO_SLOW, "SPI clock too slow for this board");
 DECL_REPORT("spi_transfer_response oid=%c response=%*s");
-
-// Half a bit takes a millisecond at most: interrupts are off during the messages of a shutdown.
-#define LONGEST_PULSE (HAL_CLOCK_HZ / 1000 < 0x7fff ? HAL_CLOCK_HZ / 1000 : 0x7fff)
-
-#ifndef HAL_WAIT
-static void wait(uint16_t ticks) {
-  uint32_t end = hal_clock() + ticks;
-  while (before(hal_clock(), end)) continue;
-}
-#define HAL_WAIT(ticks) wait(ticks)
-#endif
 
 static uint8_t exchange(const struct spi *spi, uint8_t byte) {
   for (uint8_t bit = 0; bit < 8; ++bit) {
@@ -78,6 +67,7 @@ DECL_COMMAND(command_spi_set_sw_bus,
 void command_spi_set_sw_bus(const uint32_t *args) {
   struct spi *spi = object_get(args[0], OBJECT_SPI);
   if (spi == NULL) return;
+  // Interrupts are off during the messages of a shutdown.
   if (args[5] > LONGEST_PULSE) {
     shut_down(SHUTDOWN_SPI_TOO_SLOW);
     return;
