@@ -158,7 +158,8 @@ def checksum(lines: list[str]) -> int:
 
 
 def queries(board: BoardDescription, dictionary: Dictionary, clock: int) -> list[str]:
-    """Starts the reports of every sensor, the first at board clock `clock`, evenly spread."""
+    """Starts the reports of every sensor, the first at board clock `clock`, evenly spread, and what
+    blinks."""
     oids = Oids.of(board)
     # Older firmware does not ask how many bytes make a report.
     size = " bytes_per_report=2" if dictionary.takes("query_analog_in", "bytes_per_report") else ""
@@ -178,6 +179,12 @@ def queries(board: BoardDescription, dictionary: Dictionary, clock: int) -> list
             f" rest_ticks={q.rest_ticks}{size}"
             f" min_value={q.minimum} max_value={q.maximum} range_check_count={q.range_checks}"
         )
+    lines += [
+        f"queue_digital_out oid={oids.outputs[o.name]} clock={clock & 0xFFFFFFFF}"
+        f" on_ticks={o.cycle_ticks // 2}"
+        for o in board.outputs
+        if o.blinks
+    ]
     return lines
 
 

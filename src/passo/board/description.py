@@ -33,7 +33,8 @@ class Output:
     `digital` with `cycle_ticks` 0 is on or off (values 0 and 1); with a cycle it is pulsed by the
     board's software, its value being the ticks on of each cycle. `pwm` is pulsed by hardware, its
     value 0 to PWM_MAX. While on, it must be renewed within `max_duration_ticks` (0: never), or the
-    board shuts down; then, as at the start, it is fully on or off as `default_on` says.
+    board shuts down; then, as at the start, it is fully on or off as `default_on` says. One that
+    `blinks` is on for half of each cycle, until the board shuts down.
     """
 
     name: str
@@ -42,6 +43,7 @@ class Output:
     cycle_ticks: int = 0
     max_duration_ticks: int = 0
     default_on: bool = False
+    blinks: bool = False
 
 
 @dataclass(frozen=True, slots=True)

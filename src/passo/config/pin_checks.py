@@ -94,6 +94,7 @@ def board_claims(data: Raw) -> Iterator[Claim]:
     for what in table(board, "reserved"):
         for pin in array(table(board, "reserved"), what):
             yield from _claim(("board", "reserved", what), pin)
+    yield from _claim(("board", "status_led"), board.get("status_led"))
     for word in array(board, "fitted"):
         if word == "card":
             path, pins = ("board", "card"), table(board, "card")

@@ -81,6 +81,9 @@ def board_description(machine: MachineConfig) -> BoardDescription:
     for name, output in enables.items():
         if output == f"{name}-enable":
             outputs.append(Output(output, str(enable_pin(machine, name)), "digital"))
+    if machine.board.status_led:
+        pin = machine.board.pin(machine.board.status_led)
+        outputs.append(Output("status-led", pin, cycle_ticks=clock_hz, blinks=True))
     return BoardDescription(
         clock_hz=clock_hz,
         steppers=steppers,
