@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import pytest
 from tests.console.scenario import Scenario
-from tests.printer.driver_machine import machine
+from tests.printer.driver_machine import DRIVERS, machine, machine_text
 
+from passo import config
 from passo.board.trinamic import registers as r
 
 
@@ -133,6 +134,44 @@ def test_currents_and_modes_by_command(s):
     s.host.send("M999")
     s.host.expect("ready again", 5)
     assert field(s, "x", r.IHOLD_IRUN, "irun") == 15  # it outlives the halt
+
+
+def test_microsteps_are_told_and_fixed(s):
+    assert s.host.ok("M350")[:-1] == [f"{m} microsteps: 16" for m in "XYZE"]
+    s.host.send("M350 X32")
+    s.host.expect("steppers is fixed while the printer runs", 1)
+
+
+SHARED_BUS = """
+[steppers.z]
+driver = "TMC2130"
+steps_per_mm = 400.0
+socket = "Z"
+
+[steppers.z.tmc]
+run_current_a = 0.6
+cs_pin = "D33"
+clock_pin = "D25"
+mosi_pin = "D27"
+miso_pin = "D29"
+"""
+CONVERTER = """sensor_pin = "D31"
+sensor = { kind = "max31855", clock_pin = "D25", mosi_pin = "D27", miso_pin = "D29" }
+"""
+
+
+@pytest.mark.parametrize("firmware", ["virtual", "passo"])
+def test_drivers_and_a_thermocouple_share_a_bus(firmware):
+    begin, end = DRIVERS.index("[steppers.z]"), DRIVERS.index("[steppers.e]")
+    text = machine_text(DRIVERS[:begin] + SHARED_BUS + DRIVERS[end:], firmware)
+    text = text.replace('sensor_pin = "T0"\n', CONVERTER, 1)
+    with Scenario(config.load_text(text, "m.toml")) as s:
+        s.host.ok("M17")
+        s.host.ok("M109 S100", 300)
+        assert field(s, "z", r.IHOLD_IRUN, "irun") == 19
+        s.host.silent(5, "driver|halted")
+        s.board.drivers["z"].set(r.DRV_STATUS, 1 << 28)
+        s.host.expect("halted: motor z: coil B has a short circuit to ground", 3)
 
 
 def test_the_state_of_each_driver_is_told(s):

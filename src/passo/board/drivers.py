@@ -23,7 +23,7 @@ from passo.board.trinamic import (
 if TYPE_CHECKING:
     from passo.board.connection import Connection
 
-_PATIENCE_S = 0.25  # for an answer, which takes 30 ms on the slowest wire
+_PATIENCE_S = 0.5  # for an answer, which takes 30 ms on the slowest wire
 _ANSWERS = ("tmcuart_response", "spi_transfer_response")
 
 

@@ -21,12 +21,13 @@ _NUMBERED = re.compile(r"[A-Z]\s*-?[\d.]+")
 
 
 class DriverCommands:
-    """M906, M911, M912 and what M122, M503 and M569 say of the drivers of one printer."""
+    """M350, M906, M911, M912 and what M122, M503 and M569 say of the drivers of one printer."""
 
     def __init__(self, printer: Printer) -> None:
         self._printer = printer
         self._watch = printer.drivers
         self.planned: dict[str, Handler] = {
+            "M350": self._microsteps,
             "M569": self._modes,
             "M906": self._currents,
             "M911": self._prewarnings,
@@ -56,6 +57,14 @@ class DriverCommands:
             raise CommandError.bad_value(letter, ampere * 1000, limit)
         hold = settings.hold_a * ampere / settings.run_a
         self._watch.set(motor, replace(settings, run_a=ampere, hold_a=hold))
+
+    def _microsteps(self, command: Command, reply: Reply) -> Wait | None:
+        """They belong to the scale of the motor: both stand in the machine file."""
+        if command.words():
+            raise CommandError.of("command.fixed", value="steppers")
+        for motor, state in self._watch.states.items():
+            reply.say(f"{motor.upper()} microsteps: {state.settings.microsteps}")
+        return None
 
     def _modes(self, command: Command, reply: Reply) -> Wait | None:
         """Without S it tells what the machine file says of the drivers."""
