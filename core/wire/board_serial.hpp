@@ -35,6 +35,7 @@ class BoardUart {
       answer_.clear();
       return true;
     }
+    if (delay >= kPatience) answer_.clear();
     Ticks look = bit_ / 4;  // four a bit, from the fourth bit on
     Ticks looks = answer_.empty() ? 257 : ((delay - 4) * bit_ + look - 1) / look + 1;
     due_ += 4 * bit_ + (looks - 1) * look;
@@ -48,6 +49,7 @@ class BoardUart {
   }
 
  private:
+  static constexpr int kPatience = 68;  // bits, from the end of the question
   uint32_t rx_pin_;
   Ticks bit_, due_ = kNever;
   Bytes answer_;

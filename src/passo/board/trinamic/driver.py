@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol, TypeAlias, TypeVar
+from typing import ClassVar, NamedTuple, Protocol, TypeAlias, TypeVar
 
 from passo.board.trinamic import registers as r
 from passo.board.trinamic.datagrams import (
@@ -52,7 +52,10 @@ class DriverFailure(Exception):
 
 
 class _Wire(Protocol):
-    """How registers are read and written. `read` is None and `write` False if that failed."""
+    """How registers are read and written. `read` is None and `write` False if that failed; answers
+    are `checked` if a checksum protects them."""
+
+    checked: ClassVar[bool]
 
     def read(self, register: int) -> Exchange[int | None]: ...
 
@@ -63,6 +66,7 @@ class _Wire(Protocol):
 class UartWire:
     """By the board's object `oid`, a UART that several drivers may share."""
 
+    checked: ClassVar[bool] = True
     oid: int
     address: int
 
@@ -90,6 +94,7 @@ class UartWire:
 class SpiWire:
     """By the board's object `oid`, an SPI device."""
 
+    checked: ClassVar[bool] = False
     oid: int
 
     def read(self, register: int) -> Exchange[int | None]:
@@ -142,18 +147,23 @@ class DriverLink:
     def status(self) -> Exchange[Reading]:
         """Asks how it is."""
         gstat = yield from self._read(r.GSTAT)
-        reading = Reading(gstat, (yield from self._read(r.DRV_STATUS)))
+        status = yield from self._read(r.DRV_STATUS)
+        if not self.wire.checked:
+            status &= yield from self._read(r.DRV_STATUS)  # what is wrong must be said twice
+        reading = Reading(gstat, status)
         if not any(reading):
             yield from self._identify()  # a wire that is always low says that all is well
         return reading
 
     def _identify(self) -> Exchange[None]:
-        chip = r.CHIPS[self.chip]
-        found = chip.version_of((yield from self._read(chip.version_register)))
+        chip, found = r.CHIPS[self.chip], 0
+        for _ in range(_TRIES):
+            found = chip.version_of((yield from self._read(chip.version_register)))
+            if found == chip.version:
+                return
         if found == 0:
             raise self._failure("silent")
-        if found != chip.version:
-            raise self._failure("other-chip", f"0x{found:02x}")
+        raise self._failure("other-chip", f"0x{found:02x}")
 
     def _read(self, register: int) -> Exchange[int]:
         for _ in range(_TRIES):
