@@ -181,3 +181,21 @@ def test_the_state_of_each_driver_is_told(s):
     assert "X TMC2209 0.80 A running, 0.40 A standing, 16 microsteps, stealthChop" in lines
     at = lines.index("Z TMC2208 0.61 A running, 0.61 A standing, 16 microsteps, spreadCycle")
     assert lines[at + 1].startswith("  coil A looks open")
+
+
+def test_currents_and_modes_are_stored(tmp_path):
+    with Scenario(machine(), state=str(tmp_path)) as s:
+        s.host.ok("M906 X500 E900")
+        s.host.ok("M569 S0 X")
+        s.host.ok("M500")
+    with Scenario(machine(), state=str(tmp_path)) as s:
+        s.passes(2)
+        assert field(s, "x", r.IHOLD_IRUN, "irun") == 15
+        assert field(s, "x", r.GCONF, "en_spreadcycle") == 1
+        assert field(s, "y", r.IHOLD_IRUN, "irun") == 25
+        assert register(s, "e", r.GLOBALSCALER) == 75
+        lines = [line.removeprefix("echo:").strip() for line in s.host.ok("M503")]
+        assert [x for x in lines if x.startswith(("M906", "M569"))] == [
+            "M906 X500", "M569 S0 X", "M906 Y800", "M569 S0 Y",
+            "M906 Z600", "M569 S0 Z", "M906 T0 E900", "M569 T0 S0 E",
+        ]  # fmt: skip

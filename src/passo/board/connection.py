@@ -31,6 +31,7 @@ _TRIES = 5
 _LEAD_S = 0.25
 _FAREWELL_S = 0.6
 _RESET_S = 0.05  # a board that has been told to reset has begun to by then
+_RESPONSES_KEPT = 1024
 _SLOTS_RENEWED = 4  # of each output that is told its value again and again
 
 
@@ -303,6 +304,7 @@ class Connection:
 
     def _collect(self) -> None:
         self._responses += self.link.take_responses()
+        del self._responses[:-_RESPONSES_KEPT]  # what nobody takes
 
     def _shutdown(self) -> MachineError:
         reason = self.dictionary.name_of("static_string_id", self.link.shutdown_reason)
