@@ -12,6 +12,7 @@ from passo.board.drivers import Drivers
 from passo.board.trinamic import DriverSettings
 from passo.board.trinamic import registers as r
 from passo.config.trinamic import ChipName
+from passo.errors import MachineError
 
 WIRES: dict[ChipName, UartPins | SpiPins] = {
     "TMC2208": UartPins("^PG0", "PG0"),
@@ -70,6 +71,16 @@ def test_nobody_answers(chip: ChipName):
     drivers.configure()
     assert failure(drivers) == "driver.silent"
     assert ("PG0" if chip in ("TMC2208", "TMC2209") else "PG2") in str(drivers.states["x"].failure)
+
+
+def test_who_needs_them_all_hears_of_each_that_fails():
+    made, drivers = bench("TMC2209", "TMC2209")
+    drivers.require()
+    for chip in made.simulated.drivers.values():
+        chip.plugged = False
+    with pytest.raises(MachineError) as caught:
+        drivers.require()
+    assert [p.values["axis"] for p in caught.value.problems] == ["x", "y"]
 
 
 @pytest.mark.parametrize(

@@ -19,6 +19,7 @@ from passo.board.trinamic import (
     SpiWire,
     UartWire,
 )
+from passo.errors import MachineError
 
 if TYPE_CHECKING:
     from passo.board.connection import Connection
@@ -93,6 +94,13 @@ class Drivers:
                 state.failure = None
             except DriverFailure as failure:
                 state.failure = failure
+
+    def require(self) -> None:
+        """As `configure`, and raises MachineError for drivers that fail, too."""
+        self.configure()
+        failures = [state.failure for state in self.states.values() if state.failure is not None]
+        if failures:
+            raise MachineError([failure.problem for failure in failures])
 
     def _ask(self, question: Question) -> bytes:
         values = self._connection.ask(question.text, question.answer)
