@@ -325,9 +325,12 @@ class Link {
     const SensorQuery& q = o.query;
     Ticks due = std::max(clock, sync_.clock_at(now) + Ticks(kHeaterLeadSeconds * hz_));
     if (o.converter != heat::Converter::none) {
-      send("query_thermocouple",
-           {int64_t(o.sensor_oid), int64_t(uint32_t(due)), int64_t(q.rest_ticks),
-            int64_t(wide ? 0 : q.minimum), int64_t(wide ? UINT32_MAX : q.maximum)});
+      std::vector<Value> words = {int64_t(o.sensor_oid), int64_t(uint32_t(due)),
+                                  int64_t(q.rest_ticks), int64_t(wide ? 0 : q.minimum),
+                                  int64_t(wide ? UINT32_MAX : q.maximum)};
+      if (commands_.at("query_thermocouple").parameters.size() == 6)  // older firmware
+        words.push_back(int64_t(q.range_checks));
+      send("query_thermocouple", words);
       return;
     }
     std::vector<Value> values = {int64_t(o.sensor_oid), int64_t(uint32_t(due)),

@@ -77,11 +77,7 @@ void thermocouple_task(void) {
   }
 }
 
-DECL_COMMAND(command_config_thermocouple,
-             "config_thermocouple oid=%c spi_oid=%c thermocouple_type=%c"
-             " consecutive_fault_limit=%u",
-             0);
-void command_config_thermocouple(const uint32_t *args) {
+void thermocouple_config(const uint32_t *args) {
   if (args[2] >= sizeof converters / sizeof *converters) {
     shut_down(SHUTDOWN_THERMOCOUPLE_TYPE);
     return;
@@ -94,12 +90,9 @@ void command_config_thermocouple(const uint32_t *args) {
   it->timer.lasting = true;
   it->spi = spi;
   it->type = (uint8_t)args[2];
-  it->most_faults = args[3];
 }
 
-DECL_COMMAND(command_query_thermocouple,
-             "query_thermocouple oid=%c clock=%u rest_ticks=%u min_value=%u max_value=%u", 0);
-void command_query_thermocouple(const uint32_t *args) {
+void thermocouple_query(const uint32_t *args) {
   struct thermocouple *it = object_get(args[0], OBJECT_THERMOCOUPLE);
   if (it == NULL) return;
   timer_remove(&it->timer);
@@ -115,4 +108,9 @@ void command_query_thermocouple(const uint32_t *args) {
   it->maximum = args[4];
   it->faults = 0;
   timer_add(&it->timer);
+}
+
+void thermocouple_forgive(uint32_t oid, uint32_t most_faults) {
+  struct thermocouple *it = object_find(oid, OBJECT_THERMOCOUPLE);
+  if (it != NULL) it->most_faults = most_faults;
 }

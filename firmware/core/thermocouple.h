@@ -21,3 +21,9 @@ struct thermocouple {
 
 // Asks those that are due, and reports. Foreground.
 void thermocouple_task(void);
+// A new converter. `args` are those of config_thermocouple up to its type. Foreground.
+void thermocouple_config(const uint32_t *args);
+// Begins anew. `args` are those of query_thermocouple up to max_value. Foreground.
+void thermocouple_query(const uint32_t *args);
+// From now on so many faults in a row are no reason to shut down. Foreground.
+void thermocouple_forgive(uint32_t oid, uint32_t most_faults);

@@ -106,12 +106,14 @@ def commands(board: BoardDescription, dictionary: Dictionary) -> list[str]:
         )
     for pins, oid in oids.spi_devices.items():
         lines += _spi_device(pins, oid, board.clock_hz, dictionary)
+    # Older firmware is told with each question.
+    newer = dictionary.takes("config_thermocouple", "consecutive_fault_limit")
+    limit = f" consecutive_fault_limit={SENSOR_RANGE_CHECKS - 1}" if newer else ""
     for s in board.sensors:
         if s.spi is not None:
             lines.append(
                 f"config_thermocouple oid={oids.sensors[s.name]}"
-                f" spi_oid={oids.spi_devices[s.spi]} thermocouple_type={s.converter.name}"
-                f" consecutive_fault_limit={SENSOR_RANGE_CHECKS - 1}"
+                f" spi_oid={oids.spi_devices[s.spi]} thermocouple_type={s.converter.name}{limit}"
             )
     return lines
 
@@ -163,6 +165,8 @@ def queries(board: BoardDescription, dictionary: Dictionary, clock: int) -> list
     oids = Oids.of(board)
     # Older firmware does not ask how many bytes make a report.
     size = " bytes_per_report=2" if dictionary.takes("query_analog_in", "bytes_per_report") else ""
+    older = dictionary.takes("query_thermocouple", "max_invalid_count")
+    count = f" max_invalid_count={SENSOR_RANGE_CHECKS}" if older else ""
     lines: list[str] = []
     for i, sensor in enumerate(board.sensors):
         begin = clock + int(SENSOR_PERIOD_S * board.clock_hz * i / len(board.sensors))
@@ -170,7 +174,7 @@ def queries(board: BoardDescription, dictionary: Dictionary, clock: int) -> list
         if sensor.spi is not None:
             lines.append(
                 f"query_thermocouple oid={oids.sensors[sensor.name]} clock={begin & 0xFFFFFFFF}"
-                f" rest_ticks={q.rest_ticks} min_value={q.minimum} max_value={q.maximum}"
+                f" rest_ticks={q.rest_ticks} min_value={q.minimum} max_value={q.maximum}{count}"
             )
             continue
         lines.append(
