@@ -2,29 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from math import ceil
 from typing import TYPE_CHECKING
 
 from passo.board.connection import Connection
 from passo.board.description import (
     BoardDescription,
-    Driver,
     Endstop,
     Heater,
     Output,
     Sensor,
-    SpiPins,
     Stepper,
-    UartPins,
     bare,
 )
 from passo.board.ports import InProcess, Port, serial_port, tcp_port
-from passo.board.trinamic import DriverSettings, threshold_of
-from passo.config.sensors import ThermocoupleConverter
-from passo.config.trinamic import chip_of
 from passo.heat.control import control_of, limits_of, model_of
 from passo.heat.sensors import converter_of, open_is_high, sensor_table, share_at
+from passo.printer.driver_wiring import converter_wires, drivers
 from passo.printer.switches import (
     Switch,
     axes_of_arms,
@@ -97,37 +91,6 @@ def board_description(machine: MachineConfig) -> BoardDescription:
     )
 
 
-def drivers(machine: MachineConfig) -> Iterator[Driver]:
-    """The drivers that Passo sets up, in the order of the machine file."""
-    pin = machine.board.pin
-    uarts: dict[str, UartPins] = {}  # as the first of the drivers on it describes it
-    for name, stepper in machine.steppers.items():
-        tmc = stepper.tmc
-        chip = chip_of(stepper.driver)
-        if tmc is None or chip is None:
-            continue
-        below = tmc.stealthchop_below_mm_s or tmc.stealthchop_below_deg_s
-        settings = DriverSettings(
-            chip,
-            tmc.run_current_a,
-            tmc.hold_current_a or tmc.run_current_a,
-            tmc.resistor_ohm(chip),
-            stepper.microsteps,
-            tmc.interpolate,
-            threshold_of(below * stepper.steps_per_unit, stepper.microsteps) if below else None,
-        )
-        if tmc.uart_pin:
-            wire = UartPins(pin(tmc.uart_pin), pin(tmc.tx_pin or tmc.uart_pin))
-            wire = uarts.setdefault(bare(wire.rx_pin), wire)
-            yield Driver(name, wire, settings, tmc.address)
-        else:
-            socket = machine.board.sockets[stepper.socket] if stepper.socket else None
-            select = tmc.cs_pin or (socket.select if socket else None) or ""
-            buses = (tmc.clock_pin or "", tmc.mosi_pin or "", tmc.miso_pin or "")
-            clock, mosi, miso = (pin(bus) for bus in buses)
-            yield Driver(name, SpiPins(pin(select), clock, mosi, miso), settings)
-
-
 def _heater(name: str, heater: HeaterConfig) -> Heater:
     return Heater(
         name,
@@ -146,12 +109,7 @@ def sensor_of(machine: MachineConfig, name: str, heater: HeaterConfig) -> Sensor
     table = sensor_table(heater.sensor)
     low, high = sorted((share_at(table, heater.min_c), share_at(table, heater.max_c)))
     pin = machine.board.pin(heater.sensor_pin)
-    sensor = heater.sensor
-    spi = None
-    if isinstance(sensor, ThermocoupleConverter):
-        wires = (sensor.clock_pin, sensor.mosi_pin, sensor.miso_pin)
-        clock, mosi, miso = (machine.board.pin(wire) for wire in wires)
-        spi = SpiPins(pin, clock, mosi, miso, mode=0)
+    sensor, spi = heater.sensor, converter_wires(machine, heater)
     return Sensor(name, pin, table, low, high, open_is_high(sensor), converter_of(sensor), spi)
 
 
