@@ -179,7 +179,9 @@ void bind_link(nb::module_& m) {
       .value("QUEUE_STEP", MessageKind::queue_step)
       .value("SET_DIR", MessageKind::set_dir)
       .value("RESET_CLOCK", MessageKind::reset_clock)
-      .value("PIN", MessageKind::pin);
+      .value("PIN", MessageKind::pin)
+      .value("TAIL", MessageKind::tail)
+      .value("COMMIT", MessageKind::commit);
   nb::class_<MessageQueue>(m, "MessageQueue",
                            "Planned messages of one board, in the order of their clocks.")
       .def(nb::init<>())
@@ -286,6 +288,12 @@ void bind_link(nb::module_& m) {
           },
           "queue"_a.none(), nb::keep_alive<1, 2>())
       .def("start_job", &held<&Link::start_job, Ticks>, "base_clock"_a)
+      .def("use_commits", &held<&Link::use_commits, Ticks>, "horizon"_a,
+           "The job comes in commits, and leaves so many ticks ahead.")
+      .def("reconnect", &held<&Link::reconnect, Ticks>, "now"_a,
+           "The board has gone on without this host: what was on its way is forgotten, and the job "
+           "stands until go_on().")
+      .def("go_on", &held<&Link::go_on>)
       .def("stop_job",
            [](Link& l) {
              std::lock_guard lock(l.guard());
@@ -569,6 +577,7 @@ void bind_board(nb::module_& m) {
           },
           "link"_a, "device"_a, "start"_a = 0, nb::keep_alive<1, 2>(), nb::keep_alive<1, 3>())
       .def_prop_ro("now", &Pump::now)
+      .def("cut", &Pump::cut, "Takes the cable away.")
       .def_prop_ro("device_cpu_s", &Pump::device_cpu)
       .def("record", &Pump::record, "on"_a)
       .def("take_recorded",
@@ -595,7 +604,7 @@ void bind_board(nb::module_& m) {
   nb::class_<LiveBoard>(m, "LiveBoard",
                         "Lets a device answer on a file descriptor, which it owns, in real time "
                         "and a thread of its own; look at the device in `look`, or after `stop`.")
-      .def(nb::init<Device&, int, double>(), "device"_a, "fd"_a, "clock_hz"_a,
+      .def(nb::init<Device&, int, double, Ticks>(), "device"_a, "fd"_a, "clock_hz"_a, "start"_a = 0,
            nb::keep_alive<1, 2>())
       .def(
           "look",

@@ -17,6 +17,8 @@ class Pump {
       : link_(link), device_(device), now_(start), cpu_clock_(cpu_clock) {}
 
   Ticks now() const { return now_; }
+  // The cable is cut: no byte arrives any more.
+  void cut() { cut_ = true; }
   // CPU seconds of the device, from a sample of one exchange in kSample.
   double device_cpu() const { return device_cpu_; }
   // Bytes that the host sent, frames and all, from now on.
@@ -31,6 +33,7 @@ class Pump {
   // messages whose clock is below `until` plus the horizon.
   Stop run(Ticks until, bool until_heaters) {
     for (;;) {
+      if (cut_) return Stop::closed;
       Ticks next = exchange();
       if (link_.shut_down()) return Stop::shutdown;
       if (link_.take_fault()) return Stop::fault;
@@ -50,7 +53,7 @@ class Pump {
   Device& device_;
   Ticks now_;
   Bytes down_, up_, recorded_;
-  bool recording_ = false;
+  bool recording_ = false, cut_ = false;
   static constexpr unsigned kSample = 251;
   double (*cpu_clock_)();
   unsigned exchanges_ = 0;

@@ -9,6 +9,7 @@
 #include "scheduler.h"
 #include "shutdown.h"
 #include "stepper.h"
+#include "survive.h"
 #include "thermocouple.h"
 #include "tmcuart.h"
 #include "trsync.h"
@@ -18,6 +19,7 @@ void core_start(uint32_t clock_high) {
   scheduler_start();
   objects_start();
   steppers_start();
+  survive_start();
   frame_start();
   control_start(clock_high);
 }
@@ -27,6 +29,7 @@ bool core_task(void) {
   bool busy = frame_task();
   if (task_woken()) {
     busy = true;
+    survive_task();
     trsync_task();
     analog_in_task();
     buttons_task();

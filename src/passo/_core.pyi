@@ -388,6 +388,10 @@ class MessageKind(enum.Enum):
 
     PIN = 3
 
+    TAIL = 4
+
+    COMMIT = 5
+
 class MessageQueue:
     """Planned messages of one board, in the order of their clocks."""
 
@@ -442,6 +446,16 @@ class Link:
     def set_queue(self, queue: MessageQueue | None) -> None: ...
 
     def start_job(self, base_clock: int) -> None: ...
+
+    def use_commits(self, horizon: int) -> None:
+        """The job comes in commits, and leaves so many ticks ahead."""
+
+    def reconnect(self, now: int) -> None:
+        """
+        The board has gone on without this host: what was on its way is forgotten, and the job stands until go_on().
+        """
+
+    def go_on(self) -> None: ...
 
     def stop_job(self) -> None: ...
 
@@ -618,6 +632,9 @@ class Pump:
     @property
     def now(self) -> int: ...
 
+    def cut(self) -> None:
+        """Takes the cable away."""
+
     @property
     def device_cpu_s(self) -> float: ...
 
@@ -654,7 +671,7 @@ class LiveBoard:
     Lets a device answer on a file descriptor, which it owns, in real time and a thread of its own; look at the device in `look`, or after `stop`.
     """
 
-    def __init__(self, device: Device, fd: int, clock_hz: float) -> None: ...
+    def __init__(self, device: Device, fd: int, clock_hz: float, start: int = 0) -> None: ...
 
     def look(self, at: Callable) -> object:
         """What the function returns, which may use the device."""
@@ -1044,6 +1061,23 @@ class Job:
         """
 
     def hold_from(self, ticks: float) -> float: ...
+
+    def use_commits(self, period: int, most: int, taken: int) -> None:
+        """
+        Messages come in commits of at most so many ticks and messages from now on, and those taken are kept for some ticks, for recover_from; only while the machine stands.
+        """
+
+    def stop_commits(self) -> None:
+        """Messages come as they are; only while the machine stands."""
+
+    def recover_from(self, serial: int) -> float | None:
+        """
+        The board has stopped behind this commit by itself: what was to follow is held until `release`. Returns its clock; None, and nothing is changed, if it is not known.
+        """
+
+    @property
+    def holds(self) -> bool:
+        """Moves wait for `release`."""
 
     def release(self) -> None: ...
 

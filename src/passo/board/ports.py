@@ -15,6 +15,10 @@ _PATIENCE_S = 5.0
 Wire: TypeAlias = "_core.Pump | _core.LiveWire"
 
 
+class LinkLostError(MachineError):
+    """The board cannot be reached, or heard any more."""
+
+
 class Port(Protocol):
     """What a link can be attached to. `live`: real time passes at the board, whoever waits."""
 
@@ -33,12 +37,26 @@ class InProcess:
 
     def __init__(self, device: _core.Device, start_clock: int = 0) -> None:
         self.device = device
+        self.unplugged = False
         self._clock = start_clock
         self._pump: _core.Pump | None = None
 
+    def unplug(self) -> None:
+        """Takes the cable away."""
+        self.unplugged = True
+        if self._pump is not None:
+            self._pump.cut()
+
+    def plug(self, clock: int) -> None:
+        """Brings the cable back, when the board has lived on without it until this clock."""
+        self.unplugged = False
+        self._clock = clock
+
     def attach(self, link: _core.Link) -> _core.Pump:
         """A pump; its time goes on where that of the last one stands."""
-        clock = self._clock if self._pump is None else self._pump.now
+        if self.unplugged:
+            raise _unreachable("the simulated board", OSError("it is unplugged"))
+        clock = self._clock if self._pump is None else max(self._clock, self._pump.now)
         self._pump = _core.Pump(link, self.device, clock)
         return self._pump
 
@@ -87,5 +105,5 @@ def tcp_port(host: str, port: int) -> LivePort:
     return LivePort(opened)
 
 
-def _unreachable(place: str, error: OSError) -> MachineError:
-    return MachineError.of("machine.unreachable", axis=place, value=error.strerror or str(error))
+def _unreachable(place: str, error: OSError) -> LinkLostError:
+    return LinkLostError.of("machine.unreachable", axis=place, value=error.strerror or str(error))
