@@ -148,3 +148,19 @@ def test_a_driver_that_is_pulled_out_is_noticed_and_set_up_when_it_is_back(chip:
     passes(made, drivers, 1)
     assert failure(drivers) == ""
     assert simulated.read(r.TPOWERDOWN) == 20
+
+
+@pytest.mark.parametrize("chip", WIRES)
+def test_an_answer_that_the_wire_loses_is_asked_for_again(chip: ChipName):
+    made, drivers = bench(chip)
+    drivers.configure()
+    made.simulated.drivers["x"].set(r.DRV_STATUS, 0x8000_0001)
+    drivers.begin_status("x")
+    for _ in range(3):
+        drivers.poll()
+        made.run(0.1)
+        assert len(made.connection.take_responses("tmcuart_response", "spi_transfer_response")) == 1
+        made.run(0.5)
+    passes(made, drivers, 3)
+    assert failure(drivers) == ""
+    assert drivers.states["x"].reading == (0, 0x8000_0001)
