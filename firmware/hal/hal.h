@@ -62,7 +62,8 @@ void hal_console_write(const uint8_t *data, uint8_t size);
 
 // ---- Pins: by the number that the dictionary's enumeration `pin` gives them
 
-// Each setup is false, and leaves the pin alone, if the pin cannot do this. Foreground.
+// Each setup is false, and leaves the pin alone, if the pin cannot do this. Foreground; a pin that
+// has been both is made an output or an input again in any context.
 bool hal_output_setup(struct hal_output *output, uint16_t pin, bool level);
 bool hal_input_setup(struct hal_input *input, uint16_t pin, bool pull_up);
 bool hal_analog_setup(struct hal_analog *analog, uint16_t pin);

@@ -244,8 +244,29 @@ class SensorQuery:
     @property
     def range_checks(self) -> int: ...
 
+class Converter(enum.Enum):
+    NONE = 0
+
+    MAX31855 = 1
+
+    MAX6675 = 2
+
+class ConverterFault(enum.Enum):
+    NONE = 0
+
+    OPEN = 1
+
+    SHORT_CIRCUIT = 2
+
+    NO_ANSWER = 3
+
+CONVERTER_FULL: int = 16384
+
+def read_converter(converter: Converter, word: int) -> tuple[float, ConverterFault]:
+    """°C, and what is wrong with the word of a converter."""
+
 class HeaterOptions:
-    def __init__(self, sensor_oid: int, output_oid: int, pwm: bool, full: int, adc_full: int, query: SensorQuery, max_power: float, tolerance_c: float, celsius: Sequence[tuple[float, float]], low_share: float, high_share: float, open_is_high: bool, control: PidControl | OnOffControl | ModelControl | RelayControl, limits: ProtectionLimits, model: HeatModel | None, fan_target: int = -1, fan_full: float = 1.0, inverted: bool = False) -> None:
+    def __init__(self, sensor_oid: int, output_oid: int, pwm: bool, full: int, adc_full: int, query: SensorQuery, max_power: float, tolerance_c: float, celsius: Sequence[tuple[float, float]], low_share: float, high_share: float, open_is_high: bool, control: PidControl | OnOffControl | ModelControl | RelayControl, limits: ProtectionLimits, model: HeatModel | None, fan_target: int = -1, fan_full: float = 1.0, inverted: bool = False, converter: Converter = Converter.NONE) -> None:
         """fan_target: index of the fan's output among the link's pins."""
 
 class Heater:
@@ -656,6 +677,52 @@ class LiveBoard:
         """What the function returns, which may use the device."""
 
     def stop(self) -> None: ...
+
+class TrinamicKind(enum.Enum):
+    TMC2208 = 0
+
+    TMC2209 = 1
+
+    TMC2130 = 2
+
+    TMC5160 = 3
+
+class TrinamicChip:
+    """A simulated motor driver with registers."""
+
+    def __init__(self, kind: TrinamicKind, address: int = 0) -> None: ...
+
+    def read(self, register: int) -> int: ...
+
+    def set(self, register: int, value: int) -> None:
+        """What the chip itself finds out."""
+
+    def power_on(self) -> None:
+        """Its supply was gone: it forgets its settings."""
+
+    @property
+    def plugged(self) -> bool: ...
+
+    @plugged.setter
+    def plugged(self, arg: bool, /) -> None: ...
+
+    @property
+    def damaged_answers(self) -> int:
+        """So many of its next answers have a bit turned over."""
+
+    @damaged_answers.setter
+    def damaged_answers(self, arg: int, /) -> None: ...
+
+def add_uart_driver(bench: Bench, rx_pin: int, tx_pin: int, chip: TrinamicChip) -> None:
+    """Wires a driver to the UART on these pins, which may have others."""
+
+def add_spi_driver(bench: Bench, select_pin: int, clock_pin: int, to_device: int, from_device: int, chip: TrinamicChip) -> None:
+    """Wires a driver to the SPI bus on these pins."""
+
+def add_converter(bench: Bench, select_pin: int, clock_pin: int, to_device: int, from_device: int, converter: Converter) -> None:
+    """
+    Wires a converter to the SPI bus on these pins; its thermocouple belongs to the body whose sensor is on the select pin.
+    """
 
 def sincos(x: float) -> tuple[float, float]: ...
 

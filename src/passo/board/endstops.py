@@ -65,8 +65,8 @@ class Endstops:
     def all_hit(self) -> bool:
         """Takes in what the board has told: whether every armed endstop was hit."""
         groups = {self._oids.trsyncs[name]: name for name in self._armed}
-        for report, values in self._connection.take_responses():
-            name = groups.get(int(values.get("oid", -1))) if report == "trsync_state" else None
+        for _, values in self._connection.take_responses("trsync_state"):
+            name = groups.get(int(values["oid"]))
             if name is None or values["can_trigger"] or values["trigger_reason"] != self._reason:
                 continue
             self.hit.add(name)

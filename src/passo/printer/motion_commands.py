@@ -47,7 +47,6 @@ class MotionCommands:
             "M220": lambda c, r: self._speed(c, r, live=False),
             "M221": self._flow,
             "M290": lambda c, r: self._printer.commands.run(c),
-            "M569": self._drivers,
             "M603": lambda c, r: self._say(r, *self.change_lines()),
         }
 
@@ -282,14 +281,11 @@ class MotionCommands:
             self._printer.drive.replan()
         return None
 
-    def _drivers(self, command: Command, reply: Reply) -> Wait | None:
-        """What the machine file says of the drivers; it is fixed when the board is configured."""
-        if command.words():
-            raise CommandError.of("command.fixed", value="steppers")
+    def tell_drivers(self, reply: Reply) -> None:
+        """What the machine file says of the drivers' inputs."""
         reply.say("Reporting Stepper control")
         for row in self._machine.core_spec()["steppers"]:
             reply.say(
                 f" {row['name'].upper()} dir:{'false' if row['invert'] else 'true'}"
                 f" pulse(us):{row['pulse_s'] * 1e6:g} delay(us):{row['dir_setup_s'] * 1e6:g}"
             )
-        return None

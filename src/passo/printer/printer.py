@@ -12,6 +12,8 @@ from passo.config.drives import axis_order
 from passo.errors import CommandError, MachineError
 from passo.printer.commands import Commands
 from passo.printer.drive import MOST_QUEUED, TICK_S, Drive
+from passo.printer.driver_commands import DriverCommands
+from passo.printer.drivers import DriverWatch
 from passo.printer.endstop_watch import EndstopWatch
 from passo.printer.faults import problem_of
 from passo.printer.heat_commands import HeatCommands
@@ -66,6 +68,8 @@ class Printer:
         self.watchers: list[Callable[[], None]] = [self._look_after_idleness]  # time has passed
         connection, self.board = connect(machine)
         self.motors = Motors(self)
+        self.drivers = DriverWatch(self)
+        self.driver_commands = DriverCommands(self)
         self._begin(connection)
         self.turn = Turn()
         self.busy: Callable[[], bool] = lambda: False  # a print is under way, or paused
@@ -76,6 +80,7 @@ class Printer:
         self.tunes = TuneCommands(self)
         self.endstops = EndstopWatch(self)
         self.watchers.append(self.endstops.time_passed)
+        self.watchers.append(self.drivers.time_passed)
         self.store_settings: Callable[[], object] = lambda: None
         self.immediate: dict[str, Handler] = (
             self.heat.immediate
@@ -90,6 +95,7 @@ class Printer:
             | self.motors.planned
             | self.person.planned
             | self.tunes.planned
+            | self.driver_commands.planned
         )
         self.stop_listeners: list[Callable[[str], None]] = []
         self.fault_listeners: list[Callable[[HeaterFault], None]] = []
@@ -108,17 +114,23 @@ class Printer:
         connection.run(connection.now + int(_FIRST_REPORTS_S * machine.board.clock_hz))
         self.connection = connection
         connection.on_fault = self._heater_failed
+        self.drivers.begin(connection)
         self.job = _core.Job(machine.core_spec(), True, False, False)
         full = [connection.full_scale(o.name) for o in connection.board.outputs]
         self.commands = Commands(machine, self.job, self, full)
         self.drive = Drive(connection, self.job, free=self._free, set_target=self._apply_target)
         self.commands.record_at_once = self.drive.record_at_once
-        self.drive.on_motion = self.motors.all_on
+        self.drive.on_motion = self._before_motion
         self.drive.on_pass = self._time_passed
         self.homer = Homer(self)
         self.positions = Positions(self)
         if machine.unhomed_moves == "refuse":
             self.lock(self.homer.axes)
+
+    def _before_motion(self) -> None:
+        self.drivers.before_motion()
+        if not self.halted:
+            self.motors.all_on()
 
     def _time_passed(self) -> None:
         for watcher in self.watchers:

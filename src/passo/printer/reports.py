@@ -124,6 +124,8 @@ class Reports:
         low = " ".join(f"{n.upper()}:{axes[n].min_mm:.2f}" for n in names)
         high = " ".join(f"{n.upper()}:{axes[n].max_mm:.2f}" for n in names)
         reply.say(f"Soft endstops: ON  Min: {low}  Max: {high}")
+        for line in self._printer.driver_commands.status_lines():
+            reply.say(line)
         return None
 
     def _switch_logic(self, command: Command, reply: Reply) -> Wait | None:

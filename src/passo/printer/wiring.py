@@ -17,7 +17,8 @@ from passo.board.description import (
 )
 from passo.board.ports import InProcess, Port, serial_port, tcp_port
 from passo.heat.control import control_of, limits_of, model_of
-from passo.heat.sensors import open_is_high, sensor_table, share_at
+from passo.heat.sensors import converter_of, open_is_high, sensor_table, share_at
+from passo.printer.driver_wiring import converter_wires, drivers
 from passo.printer.switches import (
     Switch,
     axes_of_arms,
@@ -74,6 +75,9 @@ def board_description(machine: MachineConfig) -> BoardDescription:
     for name, output in enables.items():
         if output == f"{name}-enable":
             outputs.append(Output(output, str(enable_pin(machine, name)), "digital"))
+    if machine.board.status_led:
+        pin = machine.board.pin(machine.board.status_led)
+        outputs.append(Output("status-led", pin, cycle_ticks=clock_hz, blinks=True))
     return BoardDescription(
         clock_hz=clock_hz,
         steppers=steppers,
@@ -81,6 +85,7 @@ def board_description(machine: MachineConfig) -> BoardDescription:
         sensors=tuple(sensors),
         heaters=tuple(heaters),
         endstops=tuple(Endstop(s.name, machine.board.pin(s.pin)) for s in switches(machine)),
+        drivers=tuple(drivers(machine)),
         move_count=machine.board.move_count,
         mcu=machine.board.mcu,
     )
@@ -104,7 +109,8 @@ def sensor_of(machine: MachineConfig, name: str, heater: HeaterConfig) -> Sensor
     table = sensor_table(heater.sensor)
     low, high = sorted((share_at(table, heater.min_c), share_at(table, heater.max_c)))
     pin = machine.board.pin(heater.sensor_pin)
-    return Sensor(name, pin, table, low, high, open_is_high=open_is_high(heater.sensor))
+    sensor, spi = heater.sensor, converter_wires(machine, heater)
+    return Sensor(name, pin, table, low, high, open_is_high(sensor), converter_of(sensor), spi)
 
 
 def _driver_pins(machine: MachineConfig, name: str) -> tuple[str, str]:
