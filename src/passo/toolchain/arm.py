@@ -8,6 +8,7 @@ import shutil
 import struct
 import subprocess
 import sys
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,13 +18,19 @@ from passo.toolchain.declarations import Constant, gather
 from passo.toolchain.image import Image
 from passo.toolchain.tables import dictionary, write_tables
 
-# Chips whose folder is in firmware/hal/arm.
-CHIPS = ("sam3x8e",)
+# The folders of each chip in firmware/hal/arm: the chip's own, and that of its family.
+CHIPS = {
+    "sam3x8e": ("sam3x8e", "sam3"),
+    "sam3u4e": ("sam3u4e", "sam3"),
+    "stm32f407": ("stm32f4",),
+    "stm32f429": ("stm32f4",),
+}
 # A stack this deep must fit beside the static data.
 STACK = 4096
 _RECEIVE_WINDOW = 192
 _CPU = {"cortex-m0plus": "cortex-m0+", "cortex-m3": "cortex-m3", "cortex-m4": "cortex-m4"}
 _LOAD = 1
+_PIN = re.compile(r"(?:P|PT)([A-Z])(\d+)|gpio(\d+)")
 _COMPILE = (
     *("-std=gnu11", "-Os", "-Wall", "-Wextra", "-ffreestanding", "-fno-builtin"),
     *("-fno-strict-aliasing", "-ffunction-sections", "-fdata-sections", "-fshort-enums"),
@@ -32,10 +39,11 @@ _COMPILE = (
 
 @dataclass(frozen=True, slots=True)
 class ArmBoard:
-    """What an image is built for; `console` are the console's pins."""
+    """What an image is built for; `console` are the pins of `uart`: receive, send."""
 
     chip: Chip
     clock_hz: int
+    uart: str
     baud: int
     console: tuple[str, ...]
 
@@ -61,17 +69,49 @@ def compiler() -> list[str] | None:
     return None
 
 
+def pin_number(chip: Chip, pin: str) -> int:
+    """A pin's number: 32 a port, counted from port A. Raises FirmwareError if it is none."""
+    match = _PIN.fullmatch(pin)
+    if match is None or pin not in chip.pins:
+        raise FirmwareError(f"{pin} is no pin of {chip.name}")
+    port, n, alone = match.groups()
+    return int(alone) if port is None else (ord(port) - ord("A")) * 32 + int(n)
+
+
 def board_header(board: ArmBoard) -> str:
-    """board.h for firmware/hal/arm."""
+    """board.h for firmware/hal/arm: what differs from board to board, and the chip's pins."""
+    chip = board.chip
+    receive, send = (pin_number(chip, pin) for pin in board.console)
+    masks: dict[int, int] = {}
+    for pin in chip.pins:
+        port, bit = divmod(pin_number(chip, pin), 32)
+        masks[port] = masks.get(port, 0) | (pin not in board.console) << bit
+    analog = (f"X({pin_number(chip, pin)}, {channel})" for pin, channel in chip.adc.items())
+    pulses = (
+        f"X({pin_number(chip, pin)}, {way.timer}, {way.channel})"
+        for pin, ways in chip.pwm.items()
+        for way in ways
+        if not chip.timers[way.timer].firmware
+    )
     return "\n".join(
         [
             "// Made by the build.",
             "#pragma once",
             f"#define BOARD_CLOCK_HZ {board.clock_hz}UL",
+            f"#define BOARD_UART_{board.uart} 1",
             f"#define BOARD_BAUD {board.baud}UL",
+            f"#define BOARD_RECEIVE {receive}",
+            f"#define BOARD_SEND {send}",
+            f"#define CHIP_PINS {_list(f'0x{masks.get(i, 0):08x}' for i in range(max(masks) + 1))}",
+            f"#define CHIP_ANALOG(X) {' '.join(analog)}",
+            f"#define CHIP_PULSES(X) {' '.join(pulses)}",
             "",
         ]
     )
+
+
+def _list(items: Iterable[str]) -> str:
+    return ", ".join(items)
 
 
 def memory(chip: Chip) -> str:
@@ -89,15 +129,19 @@ def memory(chip: Chip) -> str:
 
 def sources(firmware: Path, chip: Chip) -> list[Path]:
     """The sources of an image, below the folder `firmware`."""
-    layer = firmware / "hal" / "arm"
     found = [
         *firmware.glob("core/*.c"),
         *firmware.glob("hal/common/*.c"),
-        *layer.glob("*.c"),
-        *(layer / chip.key).glob("*.c"),
+        *(source for folder in _layer(firmware, chip) for source in folder.glob("*.[cS]")),
         firmware / "hal" / "plain" / "string.c",
     ]
     return sorted(found)
+
+
+def _layer(firmware: Path, chip: Chip) -> list[Path]:
+    """The folders of the chip's hardware layer, the general one last."""
+    layer = firmware / "hal" / "arm"
+    return [*(layer / name for name in CHIPS[chip.key]), layer]
 
 
 def flags(command: list[str], chip: Chip) -> list[str]:
@@ -114,14 +158,14 @@ def flags(command: list[str], chip: Chip) -> list[str]:
 
 
 def enumerations(chip: Chip) -> dict[str, dict[str, int | tuple[int, int]]]:
-    """The names of the pins: 32 a port, counted from port A."""
-    counts: dict[str, int] = {}
+    """The numbers of the pins, by the first of each port."""
+    counts: dict[str, tuple[int, int]] = {}
     for pin in chip.pins:
-        match = re.fullmatch(r"P([A-Z])(\d+)", pin)
-        if match is None:
-            raise FirmwareError(f"{pin} is no pin of {chip.name}")
-        counts[match[1]] = max(counts.get(match[1], 0), int(match[2]) + 1)
-    return {"pin": {f"P{p}0": ((ord(p) - ord("A")) * 32, n) for p, n in counts.items()}}
+        number = pin_number(chip, pin)
+        first, count = number // 32 * 32, number % 32 + 1
+        name = f"{pin.rstrip('0123456789')}0"
+        counts[name] = (first, max(counts.get(name, (0, 0))[1], count))
+    return {"pin": dict(counts)}
 
 
 def constants(board: ArmBoard) -> dict[str, Constant]:
@@ -143,7 +187,7 @@ def build(
     """Builds an image with the compiler `command` into the folder `output`. Raises FirmwareError if
     the compiler fails, or if the image does not fit."""
     output.mkdir(parents=True, exist_ok=True)
-    chip, layer = board.chip, firmware / "hal" / "arm"
+    chip = board.chip
     code = sources(firmware, chip)
     found = gather(code)
     content = dictionary(
@@ -151,11 +195,11 @@ def build(
     )
     tables = write_tables(found, content, output)
     (output / "board.h").write_text(board_header(board), encoding="utf-8")
-    script = memory(chip) + (layer / "link.ld").read_text(encoding="utf-8")
+    script = memory(chip) + (firmware / "hal" / "arm" / "link.ld").read_text(encoding="utf-8")
     (output / "image.ld").write_text(script, encoding="utf-8")
     elf, image = output / "passo.elf", output / "passo.bin"
-    folders = [output, *(firmware / f for f in ("core", "hal", "hal/common")), layer]
-    include = [f"-I{folder}" for folder in (*folders, layer / chip.key)]
+    folders = [output, *(firmware / f for f in ("core", "hal", "hal/common"))]
+    include = [f"-I{folder}" for folder in (*folders, *_layer(firmware, chip))]
     words = [*command, *include, *map(str, (*code, *tables)), *flags(command, chip)]
     words += [f"-Wl,-T,{output / 'image.ld'}"]
     done = subprocess.run([*words, "-o", str(elf)], capture_output=True, text=True, check=False)

@@ -107,8 +107,9 @@ def _make_arm(target: Target, folder: Path) -> _Made:
         tools = "arm-none-eabi-gcc (Debian: gcc-arm-none-eabi; or the package ziglang from PyPI)"
         raise _problem("firmware.tool", target, tools)
     console, firmware = _console(target), firmware_folder()
-    pins = tuple(console.pins)
-    board = arm.ArmBoard(target.chip, target.board.clock_hz, console.baud, pins)
+    pins = tuple(target.board.pin(pin) for pin in console.pins)
+    uart = console.uart or ""
+    board = arm.ArmBoard(target.chip, target.board.clock_hz, uart, console.baud, pins)
     made = arm.build(board, firmware, folder, compiler, _version(arm.board_header(board), firmware))
     return _Made(made.file, made.flash, made.ram, made.dictionary, _name_of(compiler))
 

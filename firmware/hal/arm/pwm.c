@@ -1,0 +1,13 @@
+#include "pwm.h"
+
+#include "hal.h"
+
+struct pwm_cycle pwm_cycle(uint32_t cycle, uint32_t timer_hz, uint32_t dividers, bool powers) {
+  uint64_t counts = (uint64_t)cycle * timer_hz / HAL_CLOCK_HZ;
+  uint64_t most = (uint64_t)dividers * PWM_TOP_MAX;
+  uint32_t wanted = (uint32_t)(counts > most ? most : counts);
+  if (wanted < HAL_PWM_MAX) wanted = HAL_PWM_MAX;
+  uint32_t divider = 1;
+  while (wanted / divider > PWM_TOP_MAX) divider = powers ? divider * 2 : divider + 1;
+  return (struct pwm_cycle){divider, wanted / divider};
+}
