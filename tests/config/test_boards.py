@@ -173,7 +173,7 @@ PORTS = {
     "radds": (115_200, "serial", "bossac", 42),
     "ramps-fd": (115_200, "serial", "bossac", 42),
     "duet-0.6": (250_000, "usb", "bossac", 42),
-    "4pi": (250_000, "usb", "bossac", 48),
+    "4pi": (250_000, "usb", "bossac", 96),
     "teensy3-mk20dx128": (250_000, "usb", "teensy_loader_cli", 48),
     "teensy3-mk20dx256": (250_000, "usb", "teensy_loader_cli", 72),
     "stm32f407-discovery": (250_000, "usb", "openocd", 84),
