@@ -15,6 +15,7 @@ from pathlib import Path
 from passo.config.chips import Chip
 from passo.toolchain.avr import FirmwareError
 from passo.toolchain.declarations import Constant, gather
+from passo.toolchain.formats import with_boot_sum
 from passo.toolchain.image import Image
 from passo.toolchain.tables import dictionary, write_tables
 
@@ -22,13 +23,13 @@ from passo.toolchain.tables import dictionary, write_tables
 CHIPS = {
     "sam3x8e": ("sam3x8e", "sam3"),
     "sam3u4e": ("sam3u4e", "sam3"),
+    "rp2040": ("rp2040",),
     "stm32f407": ("stm32f4",),
     "stm32f429": ("stm32f4",),
 }
 # A stack this deep must fit beside the static data.
 STACK = 4096
 _RECEIVE_WINDOW = 192
-_CPU = {"cortex-m0plus": "cortex-m0+", "cortex-m3": "cortex-m3", "cortex-m4": "cortex-m4"}
 _LOAD = 1
 _PIN = re.compile(r"(?:P|PT)([A-Z])(\d+)|gpio(\d+)")
 _COMPILE = (
@@ -146,13 +147,12 @@ def _layer(firmware: Path, chip: Chip) -> list[Path]:
 
 def flags(command: list[str], chip: Chip) -> list[str]:
     """How a compiler compiles and links for a chip."""
-    cpu = _CPU[chip.core]
     common = [*_COMPILE, "-nostartfiles", "-nostdlib"]
     if command[0] == "arm-none-eabi-gcc":
         # A loop in memcpy() must not become a call of memcpy().
         common.append("-fno-tree-loop-distribute-patterns")
-        return ["-mthumb", f"-mcpu={cpu}", *common, "-Wl,--gc-sections", "-lgcc"]
-    target = ["-target", "thumb-freestanding-eabi", f"-mcpu={cpu.replace('-', '_')}"]
+        return ["-mthumb", f"-mcpu={chip.core}", *common, "-Wl,--gc-sections", "-lgcc"]
+    target = ["-target", "thumb-freestanding-eabi", f"-mcpu={chip.core.replace('-', '_')}"]
     common.remove("-nostdlib")  # the compiler's own support library comes with the standard ones
     return [*target, *common, "-Wl,--gc-sections"]
 
@@ -207,6 +207,8 @@ def build(
         raise FirmwareError(done.stderr.strip())
     parts = segments(elf.read_bytes())
     data = flash_content(parts, chip)
+    if chip.key == "rp2040":
+        data = with_boot_sum(data)
     image.write_bytes(data)
     in_ram = (p for p in parts if chip.ram_start <= p.run < chip.ram_start + chip.ram_bytes)
     ram = sum(p.size for p in in_ram)

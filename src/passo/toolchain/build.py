@@ -15,6 +15,7 @@ from passo import _core
 from passo.config.board import Console
 from passo.errors import FirmwareError, Problem
 from passo.toolchain import arm, avr, avr_wheel
+from passo.toolchain.formats import intel_hex, uf2
 from passo.toolchain.images import About, about_path, write_about
 from passo.toolchain.tables import compress
 from passo.toolchain.targets import LAYERS, Target, no_firmware
@@ -111,7 +112,20 @@ def _make_arm(target: Target, folder: Path) -> _Made:
     uart = console.uart or ""
     board = arm.ArmBoard(target.chip, target.board.clock_hz, uart, console.baud, pins)
     made = arm.build(board, firmware, folder, compiler, _version(arm.board_header(board), firmware))
-    return _Made(made.file, made.flash, made.ram, made.dictionary, _name_of(compiler))
+    image = _for_flashing(target, made.file)
+    return _Made(image, made.flash, made.ram, made.dictionary, _name_of(compiler))
+
+
+def _for_flashing(target: Target, image: Path) -> Path:
+    """The image as the board's flashing program wants it."""
+    method = target.board.flash.method if target.board.flash else ""
+    make = {"teensy_loader_cli": (".hex", intel_hex), "uf2": (".uf2", uf2)}.get(method)
+    if make is None:
+        return image
+    suffix, convert = make
+    made = image.with_suffix(suffix)
+    made.write_bytes(convert(image.read_bytes(), target.chip.flash_start))
+    return made
 
 
 def _console(target: Target) -> Console:
