@@ -23,6 +23,8 @@ from passo.toolchain.tables import dictionary, write_tables
 CHIPS = {
     "sam3x8e": ("sam3x8e", "sam3"),
     "sam3u4e": ("sam3u4e", "sam3"),
+    "mk20dx128": ("mk20dx128", "mk20"),
+    "mk20dx256": ("mk20dx256", "mk20"),
     "rp2040": ("rp2040",),
     "stm32f407": ("stm32f4",),
     "stm32f429": ("stm32f4",),
