@@ -156,7 +156,8 @@ def flags(command: list[str], chip: Chip) -> list[str]:
         return ["-mthumb", f"-mcpu={chip.core}", *common, "-Wl,--gc-sections", "-lgcc"]
     target = ["-target", "thumb-freestanding-eabi", f"-mcpu={chip.core.replace('-', '_')}"]
     common.remove("-nostdlib")  # the compiler's own support library comes with the standard ones
-    return [*target, *common, "-Wl,--gc-sections"]
+    # The floating point unit of an M4 is off, and its registers would not be saved.
+    return [*target, "-mfloat-abi=soft", *common, "-Wl,--gc-sections"]
 
 
 def enumerations(chip: Chip) -> dict[str, dict[str, int | tuple[int, int]]]:

@@ -18,7 +18,7 @@ from passo.toolchain import arm, avr, avr_wheel
 from passo.toolchain.formats import intel_hex, uf2
 from passo.toolchain.images import About, about_path, write_about
 from passo.toolchain.tables import compress
-from passo.toolchain.targets import LAYERS, Target, no_firmware
+from passo.toolchain.targets import Target, no_firmware
 
 
 def firmware_folder() -> Path:
@@ -42,12 +42,10 @@ def build(target: Target, output: Path) -> tuple[Path, About]:
     """Builds the image of a target into the folder `output`. Returns its path, and what the JSON
     file beside it says.
 
-    The same sources, compiler and target make the same image. Raises FirmwareError if there is no
-    firmware for that chip yet, if the compiler is missing, or if the build fails.
+    The same sources, compiler and target make the same image. Raises FirmwareError if the
+    board has firmware of its own, if the compiler is missing, or if the build fails.
     """
     chip = target.chip
-    if chip.key not in LAYERS:
-        raise no_firmware(target.name, f"that for the {chip.name} is not written yet")
     make = _make_avr if chip.core == "avr" else _make_arm
     try:
         output.mkdir(parents=True, exist_ok=True)

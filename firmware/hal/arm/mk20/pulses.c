@@ -4,10 +4,10 @@
 #include "layer.h"
 #include "pwm.h"
 
-#define SLOWEST 128         // the last divider
-#define SC_ON (1u << 3)     // counts the bus clock
-#define CHANNEL_PWM 0x28u   // on from the start of a cycle until the value
-#define FUNCTION_FTM0 4     // of its pins
+#define SLOWEST 128        // the last divider
+#define SC_ON (1u << 3)    // counts the bus clock
+#define CHANNEL_PWM 0x28u  // on from the start of a cycle until the value
+#define FUNCTION_FTM0 4    // of its pins
 #define FUNCTION_OTHERS 3
 
 enum { FTM0, FTM1, FTM2 };
@@ -36,8 +36,7 @@ bool hal_pwm_setup(struct hal_pwm *pwm, uint16_t pin, uint32_t cycle, uint16_t v
   for (const struct output *it = outputs; it < outputs + sizeof outputs / sizeof *outputs; ++it) {
     if (it->pin != pin) continue;
     volatile uint32_t *timer = timers[it->timer];
-    if (!pin_usable(pin) || (timer[FTM_CHANNEL(it->channel)] & CHANNEL_PWM))
-      return false;
+    if (!pin_usable(pin) || (timer[FTM_CHANNEL(it->channel)] & CHANNEL_PWM)) return false;
     if (!(timer[FTM_SC] & SC_ON)) start(timer, cycle);
     pwm->compare = &timer[FTM_VALUE(it->channel)];
     pwm->top = timer[FTM_MOD] + 1;

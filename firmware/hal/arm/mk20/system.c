@@ -13,14 +13,14 @@
 #define C5_EIGHTH 7u
 #define C6_PLL (1u << 6 | (CHIP_PLL_FACTOR - 24u))
 #define CR_CRYSTAL (1u << 7 | 1u << 3 | 1u << 1)  // on, with 10 pF
-#define WATCHDOG_ON 0x01D1u  // as after a reset, but with the clock of 1 kHz
+#define WATCHDOG_ON 0x01D1u                       // as after a reset, but with the clock of 1 kHz
 #define WATCHDOG_MS 1000
 
 // What the chip reads of the flash at 0x400 before it starts: not protected, not secured, no NMI
 // pin, no EzPort.
-__attribute__((section(".configuration"), aligned(0x400), used)) static const uint8_t
-    configuration[16] = {0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF,
-                         0xFF, 0xFF, 0xFF, 0xFF, 0xFE, 0xF9, 0xFF, 0xFF};
+__attribute__((section(".configuration"), aligned(0x400),
+               used)) static const uint8_t configuration[16] = {
+    0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFE, 0xF9, 0xFF, 0xFF};
 
 static bool comes(uint8_t mask, uint8_t value) {
   for (uint32_t i = 0; i < PATIENCE; ++i)

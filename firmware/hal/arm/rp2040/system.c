@@ -11,7 +11,7 @@
 #define WATCHDOG_NOW (1u << 31)
 #define WATCHDOG_LONGEST 0xFFFFFFu
 #define ALL_BUT_OSCILLATORS 0x1FFFCu
-#define USED                                                                               \
+#define USED                                                                                     \
   (RESET_ADC | RESET_IO | RESET_PADS | RESET_PLL_SYS | RESET_PLL_USB | RESET_PWM | RESET_TIMER | \
    RESET_UART0)
 

@@ -12,8 +12,9 @@
 #define MCKR_PLLA 2u
 #define MCKR_HALF (1u << 4)
 #define PLLA (1u << 29 | (CHIP_PLL_FACTOR - 1u) << 16 | 0x3Fu << 8 | 1u)
-#define PATIENCE 1000000  // looks at a flag: about a second of the oscillator that the chip starts with
-#define SECOND 256        // of the watchdog's clock
+#define PATIENCE \
+  1000000           // looks at a flag: about a second of the oscillator that the chip starts with
+#define SECOND 256  // of the watchdog's clock
 #define WDT_RESETS (1u << 13)
 
 static void await(uint32_t flag) {

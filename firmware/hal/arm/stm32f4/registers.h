@@ -44,11 +44,11 @@ struct hal_pwm {
 #define RCC_AHB1ENR REG(0x40023830)
 #define RCC_APB1ENR REG(0x40023840)
 #define RCC_APB2ENR REG(0x40023844)
-#define AHB1_PORTS 0xFFu          // A to H
-#define APB1_TIMERS 0x1CFu        // TIM2 to TIM5, TIM12 to TIM14
+#define AHB1_PORTS 0xFFu    // A to H
+#define APB1_TIMERS 0x1CFu  // TIM2 to TIM5, TIM12 to TIM14
 #define APB1_TIM2 (1u << 0)
-#define APB1_USARTS (3u << 17)    // USART2, USART3
-#define APB2_TIMERS 0x70003u      // TIM1, TIM8, TIM9 to TIM11
+#define APB1_USARTS (3u << 17)  // USART2, USART3
+#define APB2_TIMERS 0x70003u    // TIM1, TIM8, TIM9 to TIM11
 #define APB2_USART1 (1u << 4)
 #define APB2_ADCS (7u << 8)
 #define APB2_ADC_RESET (1u << 8)  // of all three
