@@ -74,7 +74,7 @@ class Sam3x8e(Cortex):
 
     @property
     def watchdog_s(self) -> float:
-        """The time after which a board that hangs starts anew, and the pins of its outputs."""
+        """The time after which a board that hangs starts anew."""
         mode = self.registers[self.WATCHDOG + 4]
         assert mode >> 13 & 7 == 1 and mode >> 16 & 0xFFF == mode & 0xFFF  # resets all, is on
         return (mode & 0xFFF) / 256
@@ -163,7 +163,7 @@ class Stm32f4(Cortex):
 
     @property
     def watchdog_s(self) -> float:
-        """The time after which a board that hangs starts anew, and the pins of its outputs."""
+        """The time after which a board that hangs starts anew."""
         divider = 4 << self.registers[0x40003004]
         return self.registers[0x40003008] * divider / 32_000
 
@@ -248,7 +248,7 @@ class Rp2040(Cortex):
 
     @property
     def watchdog_s(self) -> float:
-        """The time after which a board that hangs starts anew, and the pins of its outputs."""
+        """The time after which a board that hangs starts anew."""
         assert self.registers[0x40058000] == 1 << 30 and self.registers[0x40010008] == 0x1FFFC
         assert self.registers[0x4005802C] == 1 << 9 | 1
         return self.registers[0x40058004] / 2 / 12e6
@@ -325,7 +325,7 @@ class Mk20dx256(Cortex):
 
     @property
     def watchdog_s(self) -> float:
-        """The time after which a board that hangs starts anew, and the pins of its outputs."""
+        """The time after which a board that hangs starts anew."""
         base = 0x40052000
         assert self.registers[base] & 0x0F == 1 and self.registers[base + 0x16] == 0
         assert self.registers[base + 0xE] == 0xD928

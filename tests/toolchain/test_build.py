@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import re
 import zlib
 from pathlib import Path
 
@@ -57,6 +58,13 @@ def test_the_limits_are_those_of_all_boards_with_firmware() -> None:
     assert {name for name, it in STATES.items() if it in ("ready", "incomplete: usb")} == {*LIMITS}
 
 
+def _told_by_the_documentation() -> dict[str, tuple[int, int]]:
+    """Flash and RAM of each board in the table of docs/boards.md."""
+    text = (Path(__file__).parents[2] / "docs" / "boards.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| ([\w., -]+) \| \w+ \| (\d+) of \d+ \| (\d+) of", text, re.MULTILINE)
+    return {name: (int(f), int(r)) for names, f, r in rows for name in names.split(", ")}
+
+
 @pytest.mark.parametrize("name", LIMITS)
 def test_every_board_builds_within_its_limits(name: str, tmp_path: Path) -> None:
     image, about = build(board_target(name), tmp_path)
@@ -72,6 +80,8 @@ def test_every_board_builds_within_its_limits(name: str, tmp_path: Path) -> None
     assert {path.name for path in tmp_path.iterdir()} == {f"{name}{suffix}", f"{name}.json"}
     assert about.sha256 == hashlib.sha256(image.read_bytes()).hexdigest()
     assert read_about(image) == about == check_image(image, name, about.mcu, (suffix,))
+    told = _told_by_the_documentation()[name]
+    assert (about.flash_bytes, about.ram_bytes) == pytest.approx(told, rel=0.1)
     board = config.load_board(name)
     assert about.dictionary["config"]["CLOCK_FREQ"] == board.clock_hz
     assert board.console

@@ -32,8 +32,11 @@ _Noreturn void reset_handler(void) {
   NVIC_IPR(CHIP_UART_IRQ) = 0x40404040u;
   NVIC_ISER(CHIP_UART_IRQ) = 1u << CHIP_UART_IRQ % 32;
   __asm__ volatile("cpsie i" ::: "memory");
-  for (;;) {
+  // Watchdogs have slow clocks of their own, and some take no second word before they took one.
+  for (uint32_t fed = chip_clock();;) {
     core_task();
+    if (chip_clock() - fed < HAL_CLOCK_HZ / 100) continue;
+    fed = chip_clock();
     watchdog_feed();
   }
 }

@@ -12,16 +12,15 @@
 #define MCKR_PLLA 2u
 #define MCKR_HALF (1u << 4)
 #define PLLA (1u << 29 | (CHIP_PLL_FACTOR - 1u) << 16 | 0x3Fu << 8 | 1u)
-#define PATIENCE \
-  1000000           // looks at a flag: about a second of the oscillator that the chip starts with
-#define SECOND 256  // of the watchdog's clock
+#define PATIENCE 1000000  // looks at a flag
+#define SECOND 256        // of the watchdog's clock
 #define WDT_RESETS (1u << 13)
 
 static void await(uint32_t flag) {
   for (uint32_t i = 0; i < PATIENCE && !(PMC_SR & flag); ++i) continue;
 }
 
-// Its mode can be written once. At least 1 s: its clock, of 32 kHz, is not exact.
+// Its mode can be written once. 0.8 s to 1.5 s: its clock, of 32 kHz, is not exact.
 void watchdog_start(void) { WDT_MR = WDT_RESETS | SECOND | SECOND << 16; }
 void watchdog_feed(void) { WDT_CR = 0xA5000001; }
 
