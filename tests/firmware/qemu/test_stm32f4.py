@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from passo.toolchain import arm
 from passo.toolchain.build import build
 from passo.toolchain.images import About
 from passo.toolchain.targets import board_target
@@ -16,9 +17,17 @@ from .machine import Host, Machine
 HZ = 84_000_000
 
 
-@pytest.fixture(scope="module")
-def built(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, About]:
-    return build(board_target("stm32f407-discovery"), tmp_path_factory.mktemp("image"))
+@pytest.fixture(scope="module", params=["arm-none-eabi-gcc", "ziglang"])
+def built(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> tuple[Path, About]:
+    folder = tmp_path_factory.mktemp("image")
+    with pytest.MonkeyPatch.context() as patch:
+        if request.param == "ziglang":
+            patch.setenv("PATH", str(folder))
+        command = arm.compiler()
+        assert command is not None and request.param in command
+        return build(board_target("stm32f407-discovery"), folder)
 
 
 @pytest.fixture
