@@ -75,9 +75,13 @@ CASES = [
 
 
 @cache
-def image(board: str) -> bytes:
+def image(board: str, compiler: str = "arm-none-eabi-gcc") -> bytes:
     """The flash's content, out of the file for the flashing program."""
-    with TemporaryDirectory() as folder:
+    with TemporaryDirectory() as folder, pytest.MonkeyPatch.context() as patch:
+        if compiler == "ziglang":
+            patch.setenv("PATH", folder)
+        command = arm.compiler()
+        assert command is not None and compiler in command
         path, _ = build(board_target(board), Path(folder))
         data = path.read_bytes()
     if path.suffix == ".uf2":
@@ -109,6 +113,11 @@ def test_it_tells_who_it_is(case: Case) -> None:
         assert dictionary.enumerations["pin"][name] == number
     answer = host.send("get_uptime")["uptime"]
     assert answer["clock"] == pytest.approx(host.chip.clock, abs=0.002 * case.hz)
+
+
+def test_what_the_other_compiler_makes_runs_too(case: Case) -> None:
+    dictionary = identified(case.model(image(case.board, "ziglang")))
+    assert dictionary.constants["MCU"] == board_target(case.board).board.mcu
 
 
 def configured(case: Case) -> Host:
@@ -183,7 +192,7 @@ def test_outputs_sensors_and_the_shutdown(case: Case) -> None:
     assert 0 <= rise - at < case.hz // 100_000
     share, cycle = host.chip.pulse(timer, channel)
     assert share == pytest.approx(128 / 255, abs=0.001)
-    assert cycle == pytest.approx(1e-4, rel=0.5 if timer.startswith("PWM") else 0.01)
+    assert cycle == pytest.approx(1e-4, rel=0.5 if isinstance(host.chip, Sam3x8e) else 0.01)
     values = reports["analog_in_state"]["values"]
     assert isinstance(values, bytes)
     assert int.from_bytes(values[-2:], "little") == 4 * 1234
@@ -198,6 +207,54 @@ def test_fully_on_has_no_gap(case: Case) -> None:
     host.send(f"queue_pwm_out oid=3 clock={host.chip.clock + case.hz // 100} value=255")
     host.chip.run(0.012)
     assert host.chip.pulse(*case.pulse[1:])[0] == 1
+
+
+PAIRS = [
+    # board, two pins of one timer, two pins of one channel
+    ("stm32f407-discovery", ("PD12", "PD13", "TIM4", "1", "2"), ("PE9", "PA8")),
+    ("pico", ("gpio20", "gpio21", "PWM2", "A", "B"), ("gpio4", "gpio20")),
+    ("teensy3-mk20dx256", ("PTC3", "PTC4", "FTM0", "2", "3"), ("PTA12", "PTB0")),
+]
+
+
+@pytest.mark.parametrize("board", [board for board, _, _ in PAIRS])
+def test_outputs_of_one_timer_have_one_cycle_and_of_one_channel_one_owner(board: str) -> None:
+    (case,) = (case for case in CASES if case.board == board)
+    (_, (first, second, timer, *channels), same) = next(row for row in PAIRS if row[0] == board)
+    host = case.host()
+    wishes = (case.hz // 10_000, case.hz // 100)
+    host.send("allocate_oids count=2")
+    for oid, (pin, cycle, value) in enumerate(zip((first, second), wishes, (51, 204), strict=True)):
+        host.send(
+            f"config_pwm_out oid={oid} pin={pin} cycle_ticks={cycle} value={value}"
+            " default_value=0 max_duration=0"
+        )
+    (share, cycle), (other, same_cycle) = (host.chip.pulse(timer, it) for it in channels)
+    assert (share, other) == pytest.approx((0.2, 0.8), abs=0.001)
+    assert cycle == same_cycle == pytest.approx(1e-4, rel=0.01)
+    host = case.host()
+    host.send("allocate_oids count=2")
+    states = []
+    for oid, pin in enumerate(same):
+        host.send(
+            f"config_pwm_out oid={oid} pin={pin} cycle_ticks={wishes[0]} value=0 default_value=0"
+            " max_duration=0"
+        )
+        states.append(host.send("get_config")["config"]["is_shutdown"])
+    assert states == [0, 1]
+
+
+@pytest.mark.parametrize("ticks", [1, 2**31 - 1])
+def test_the_shortest_and_the_longest_cycle(case: Case, ticks: int) -> None:
+    host = case.host()
+    host.send(
+        "allocate_oids count=1",
+        f"config_pwm_out oid=0 pin={case.pulse[0]} cycle_ticks={ticks} value=85 default_value=0"
+        " max_duration=0",
+    )
+    share, cycle = host.chip.pulse(*case.pulse[1:])
+    assert share == pytest.approx(1 / 3, abs=0.001)
+    assert cycle < 1e-5 if ticks == 1 else cycle > 2.5e-3
 
 
 def test_an_output_of_the_console_or_none_is_refused(case: Case) -> None:

@@ -7,7 +7,8 @@ struct pwm_cycle pwm_cycle(uint32_t cycle, uint32_t timer_hz, uint32_t dividers,
   uint64_t most = (uint64_t)dividers * PWM_TOP_MAX;
   uint32_t wanted = (uint32_t)(counts > most ? most : counts);
   if (wanted < HAL_PWM_MAX) wanted = HAL_PWM_MAX;
-  uint32_t divider = 1;
-  while (wanted / divider > PWM_TOP_MAX) divider = powers ? divider * 2 : divider + 1;
+  uint32_t divider = wanted / (PWM_TOP_MAX + 1) + 1, power = 1;
+  while (power < divider) power *= 2;
+  if (powers) divider = power;
   return (struct pwm_cycle){divider, wanted / divider};
 }

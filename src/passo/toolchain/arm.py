@@ -8,7 +8,6 @@ import shutil
 import struct
 import subprocess
 import sys
-from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -89,6 +88,7 @@ def board_header(board: ArmBoard) -> str:
     for pin in chip.pins:
         port, bit = divmod(pin_number(chip, pin), 32)
         masks[port] = masks.get(port, 0) | (pin not in board.console) << bit
+    usable = (f"0x{masks.get(i, 0):08x}" for i in range(max(masks) + 1))
     analog = (f"X({pin_number(chip, pin)}, {channel})" for pin, channel in chip.adc.items())
     pulses = (
         f"X({pin_number(chip, pin)}, {way.timer}, {way.channel})"
@@ -105,16 +105,12 @@ def board_header(board: ArmBoard) -> str:
             f"#define BOARD_BAUD {board.baud}UL",
             f"#define BOARD_RECEIVE {receive}",
             f"#define BOARD_SEND {send}",
-            f"#define CHIP_PINS {_list(f'0x{masks.get(i, 0):08x}' for i in range(max(masks) + 1))}",
+            f"#define CHIP_PINS {', '.join(usable)}",
             f"#define CHIP_ANALOG(X) {' '.join(analog)}",
             f"#define CHIP_PULSES(X) {' '.join(pulses)}",
             "",
         ]
     )
-
-
-def _list(items: Iterable[str]) -> str:
-    return ", ".join(items)
 
 
 def memory(chip: Chip) -> str:

@@ -20,7 +20,7 @@ static void await(uint32_t flag) {
   for (uint32_t i = 0; i < PATIENCE && !(PMC_SR & flag); ++i) continue;
 }
 
-// Its mode can be written once. 0.8 s to 1.5 s: its clock, of 32 kHz, is not exact.
+// Its mode can be written once. 0.7 s to 1.7 s: its clock has 20 kHz to 44 kHz.
 void watchdog_start(void) { WDT_MR = WDT_RESETS | SECOND | SECOND << 16; }
 void watchdog_feed(void) { WDT_CR = 0xA5000001; }
 
