@@ -4,6 +4,7 @@ import hashlib
 import json
 import re
 import zlib
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -169,6 +170,13 @@ def test_boards_and_builds_know_the_same_chips() -> None:
             set(it.compare_units),
         )
         assert {f"P{port}" for port in known.ports} == {pin[:2] for pin in it.pins}
+
+
+def test_a_clock_that_the_chip_has_not_is_refused(tmp_path: Path) -> None:
+    aim = board_target("pico")
+    board = aim.board.model_copy(update={"clock_hz": 1_000_000})
+    with pytest.raises(FirmwareError, match="the chip's clock has another frequency"):
+        build(replace(aim, board=board), tmp_path)
 
 
 def test_where_nothing_can_be_written(tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
 // What the folder of each chip gives; its registers.h has what must be inline:
 //
 //   CHIP_CORE_HZ            frequency of the core, and so of SysTick
+//   CHIP_CLOCK_HZ           frequency of chip_clock(), which the board file must have too
 //   CHIP_UART_IRQ           number of the console's interrupt
 //   CHIP_IRQS               interrupts that the chip has
 //   chip_clock()            the clock

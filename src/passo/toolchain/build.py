@@ -136,7 +136,7 @@ def _version(header: str, firmware: Path) -> str:
     """Passo's version and a digest of all that the image is made from, so that a board tells which
     image it runs."""
     digest = hashlib.sha256(header.encode())
-    for path in sorted(firmware.rglob("*.[chS]")):
+    for path in sorted([*firmware.rglob("*.[chS]"), *firmware.rglob("*.ld")]):
         digest.update(path.read_bytes())
     return f"{passo.__version__}-{digest.hexdigest()[:12]}"
 

@@ -5,6 +5,7 @@
 #include "cortex.h"
 
 #define CHIP_CORE_HZ 120000000UL
+#define CHIP_CLOCK_HZ 12000000UL
 #define CHIP_IRQS 26
 
 #define HAL_ARENA 49152

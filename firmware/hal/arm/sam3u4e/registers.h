@@ -3,6 +3,7 @@
 #include "cortex.h"
 
 #define CHIP_CORE_HZ 96000000UL
+#define CHIP_CLOCK_HZ CHIP_CORE_HZ
 #define CHIP_PLL_FACTOR 16  // 12 MHz × 16 / 2
 #define CHIP_IRQS 30
 #define HAL_ARENA 22528

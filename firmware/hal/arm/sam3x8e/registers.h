@@ -3,6 +3,7 @@
 #include "cortex.h"
 
 #define CHIP_CORE_HZ 84000000UL
+#define CHIP_CLOCK_HZ (CHIP_CORE_HZ / 2)
 #define CHIP_PLL_FACTOR 14  // 12 MHz × 14 / 2
 #define CHIP_IRQS 45
 #define HAL_ARENA 49152

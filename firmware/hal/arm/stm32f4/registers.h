@@ -6,6 +6,7 @@
 #include "cortex.h"
 
 #define CHIP_CORE_HZ 168000000UL
+#define CHIP_CLOCK_HZ (CHIP_CORE_HZ / 2)
 #define CHIP_APB1_HZ (CHIP_CORE_HZ / 4)
 #define CHIP_APB2_HZ (CHIP_CORE_HZ / 2)
 #define CHIP_IRQS 91  // of the STM32F42x; the others have 82
