@@ -34,7 +34,7 @@ LIMITS = {
     "teensy3-mk20dx256": (20_000, 40_000),
     "stm32f407-discovery": (20_000, 56_000),
     "stm32f429-discovery": (20_000, 56_000),
-    "pico": (20_000, 56_000),
+    "pico": (20_000, 76_000),
 }
 SUFFIXES = {"avrdude": ".hex", "teensy_loader_cli": ".hex", "uf2": ".uf2"}
 STATES = {

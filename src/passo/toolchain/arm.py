@@ -28,6 +28,8 @@ CHIPS = {
     "stm32f407": ("stm32f4",),
     "stm32f429": ("stm32f4",),
 }
+# Chips whose flash is outside, and slow: a first stage, which their ROM checks, copies the code to RAM.
+STAGED = ("rp2040",)
 # A stack this deep must fit beside the static data.
 STACK = 4096
 _RECEIVE_WINDOW = 192
@@ -121,6 +123,7 @@ def memory(chip: Chip) -> str:
             f"  FLASH (rx) : ORIGIN = 0x{chip.flash_start:08x}, LENGTH = {chip.flash_bytes}",
             f"  RAM (rwx) : ORIGIN = 0x{chip.ram_start:08x}, LENGTH = {chip.ram_bytes}",
             "}",
+            f'REGION_ALIAS("CODE", {"RAM" if chip.key in STAGED else "FLASH"})',
             "",
         ]
     )
@@ -206,7 +209,7 @@ def build(
         raise FirmwareError(done.stderr.strip())
     parts = segments(elf.read_bytes())
     data = flash_content(parts, chip)
-    if chip.key == "rp2040":
+    if chip.key in STAGED:
         data = with_boot_sum(data)
     image.write_bytes(data)
     in_ram = (p for p in parts if chip.ram_start <= p.run < chip.ram_start + chip.ram_bytes)

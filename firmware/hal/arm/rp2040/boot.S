@@ -1,7 +1,7 @@
 // The second stage of the chip's loader: what its ROM copies from the flash's first 256 bytes into
 // RAM and starts, if the sum that the build puts into their last four is right. It has the flash
-// read with the one command that all flashes know (03h, at a fourth of the clock, which is then at
-// most 133 MHz / 4), and starts the image behind it.
+// read with the one command that all flashes know (03h, at a fourth of the clock), copies the image
+// behind it into RAM, where no step waits for a word of flash, and starts it there.
   .syntax unified
   .cpu cortex-m0plus
   .thumb
@@ -31,6 +31,14 @@ boot:
   str r1, [r0, r2]
   movs r1, #1
   str r1, [r0, #SSIENR]
+  ldr r0, =code_load
+  ldr r1, =code_begin
+  ldr r2, =code_end
+copy:
+  ldmia r0!, {r3}
+  stmia r1!, {r3}
+  cmp r1, r2
+  blo copy
   ldr r0, =vectors
   ldr r1, =SCB_VTOR
   str r0, [r1]
