@@ -28,7 +28,7 @@ CHIPS = {
     "stm32f407": ("stm32f4",),
     "stm32f429": ("stm32f4",),
 }
-# Chips whose flash is outside, and slow: a first stage, which their ROM checks, copies the code to RAM.
+# Chips whose flash is outside, and slow: a stage that their ROM checks copies the code to RAM.
 STAGED = ("rp2040",)
 # A stack this deep must fit beside the static data.
 STACK = 4096
