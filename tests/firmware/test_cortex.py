@@ -74,6 +74,10 @@ CASES = [
 ]
 
 
+# Pins of consoles, and of crystals and debuggers.
+TAKEN = ("PA8", "PA9", "PA11", "PA12", "PA2", "PA3", "gpio0", "gpio1", "PTA0", "PTA3")
+
+
 @cache
 def image(board: str, compiler: str = "arm-none-eabi-gcc") -> bytes:
     """The flash's content, out of the file for the flashing program."""
@@ -171,6 +175,37 @@ def test_it_steps_in_time(case: Case) -> None:
     assert all(fall - rise >= 2 * us for rise, fall in zip(rises, falls, strict=True))
     assert [level for _, pin, level in host.chip.edges if pin == direction] == [1, 0]
     assert host.send("stepper_get_position oid=0")["stepper_position"]["pos"] == 30
+
+
+def test_three_motors_keep_up_with_the_budget_of_the_board(case: Case) -> None:
+    budget = board_target(case.board).board.budget
+    assert budget
+    host = case.host()
+    pins = [pin for pin in board_target(case.board).chip.pins if pin not in TAKEN][:3]
+    enumeration = host.dictionary.enumerations["pin"]
+    host.send(
+        "allocate_oids count=3",
+        *(
+            f"config_stepper oid={i} step_pin={pin} dir_pin={case.direction[0]} invert_step=0"
+            f" step_pulse_ticks={2 * case.hz // 1_000_000}"
+            for i, pin in enumerate(pins)
+        ),
+        "finalize_config crc=1",
+    )
+    interval = round(3 * case.hz * budget.cycles_per_step / budget.step_share / budget.cpu_hz)
+    start = host.chip.clock + case.hz // 200
+    for i in range(3):
+        host.send(f"reset_step_clock oid={i} clock={start + i * interval // 3}")
+        host.send(f"queue_step oid={i} interval={interval} count=500 add=0")
+    host.chip.edges.clear()
+    host.chip.run((start - host.chip.clock) / case.hz + 503 * interval / case.hz)
+    for i, pin in enumerate(pins):
+        rises = [at for at, n, level in host.chip.edges if n == enumeration[pin] and level]
+        first = start + i * interval // 3 + interval
+        late = [at - first - k * interval for k, at in enumerate(rises)]
+        assert len(late) == 500
+        assert max(late) < case.hz // 50_000  # 20 µs
+        assert sum(late[250:]) <= 1.5 * sum(late[:250]) + case.hz // 1000  # it does not grow
 
 
 def test_outputs_sensors_and_the_shutdown(case: Case) -> None:
