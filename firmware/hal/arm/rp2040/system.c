@@ -4,6 +4,8 @@
 #define PATIENCE 1000000  // looks at a flag
 #define STABLE (1u << 31)
 #define LOCKED (1u << 31)
+#define PWR_FRACTIONS_OFF (1u << 2)
+#define PWR_DIVIDERS_OFF (1u << 3)
 #define ON_XOSC 2u
 #define ON_PLL 1u
 #define PERIPHERAL_ON (1u << 11)
@@ -31,10 +33,10 @@ static void wait_for_crystal(void) {
 static void start_pll(volatile uint32_t *pll, uint32_t factor, uint32_t first, uint32_t second) {
   pll[PLL_CS] = 1;
   pll[PLL_FBDIV] = factor;
-  pll[PLL_PWR] = 1u << 3;  // all on but the dividers behind it
+  pll[PLL_PWR] = PWR_FRACTIONS_OFF | PWR_DIVIDERS_OFF;
   comes(&pll[PLL_CS], LOCKED, LOCKED);
   pll[PLL_PRIM] = first << 16 | second << 12;
-  pll[PLL_PWR] = 0;
+  pll[PLL_PWR] = PWR_FRACTIONS_OFF;
 }
 
 // The watchdog counts what makes the timer count: until the crystal is up, nothing.
