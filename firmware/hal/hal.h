@@ -8,6 +8,9 @@
 //   timer        sched_interrupt(), which the layer calls when the alarm is due; not reentrant
 //   generator    interrupts of the step generator and of the console; they call nothing in the core
 //
+// The layer's main loop calls core_task() and, where the chip has one, feeds a watchdog: if that
+// loop stands still for a second or so, the chip starts anew.
+//
 // hal_irq_save() keeps the other two out. Clocks are 32-bit ticks of HAL_CLOCK_HZ and wrap; a is
 // before b if (int32_t)(a - b) < 0.
 //
