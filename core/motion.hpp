@@ -468,11 +468,11 @@ class Motion {
       for (Compressor& c : compressors_) c.advance(planner_.clock(), still);
       forget();
       history_.insert(history_.end(), moves.begin(), moves.end());
-      forget_rules();
+      if (history_begin_ < history_.size()) forget_rules(history_[history_begin_]);
       merge(still);
       cpu_.compress += now() - solved;
     } else if (!moves.empty()) {
-      planner_.rules().forget_before(moves.back().rules);
+      forget_rules(moves.back());
     }
     moves.clear();
   }
@@ -558,10 +558,9 @@ class Motion {
     for (Compressor& c : compressors_) c.forget_resets(messages_.taken_until());
   }
 
-  void forget_rules() {
-    bool all_in_order = held_.empty() && !aside_;
-    if (all_in_order && history_begin_ < history_.size())
-      planner_.rules().forget_before(history_[history_begin_].rules);
+  // No move before this one will be planned anew; what is held or aside may be older.
+  void forget_rules(const Move& oldest) {
+    if (held_.empty() && !aside_) planner_.rules().forget_before(oldest.rules);
   }
 
   // Moves to messages_ all that no later message can precede.
