@@ -577,12 +577,12 @@ class Motion {
       for (Compressor& c : compressors_) c.advance(planner_.clock(), still);
       forget();
       history_.insert(history_.end(), moves.begin(), moves.end());
-      forget_rules();
+      if (history_begin_ < history_.size()) forget_rules(history_[history_begin_]);
       merge(still);
       if (still) commit(kNoMessage, int64_t(std::ceil(planner_.clock())));
       cpu_.compress += now() - solved;
     } else if (!moves.empty()) {
-      planner_.rules().forget_before(moves.back().rules);
+      forget_rules(moves.back());
     }
     moves.clear();
   }
@@ -669,10 +669,9 @@ class Motion {
     for (Compressor& c : compressors_) c.forget_resets(int64_t(past));
   }
 
-  void forget_rules() {
-    bool all_in_order = held_.empty() && !aside_;
-    if (all_in_order && history_begin_ < history_.size())
-      planner_.rules().forget_before(history_[history_begin_].rules);
+  // No move before this one will be planned anew; what is held or aside may be older.
+  void forget_rules(const Move& oldest) {
+    if (held_.empty() && !aside_) planner_.rules().forget_before(oldest.rules);
   }
 
   // Moves to messages_ all that no later message can precede.

@@ -203,6 +203,18 @@ def test_motors_off_in_a_pause(start):
     prints_to_its_end(s)
 
 
+def test_moved_in_a_pause_of_a_print_without_z(start):
+    """Nothing parks, since Z does not know where it is; what was moved by hand goes back."""
+    s = start(HEAD.replace("G28", "G28 X Y") + WAYS.replace(" Z1", ""))
+    s.host.ok("M25")
+    s.passes(3)
+    at = s.positions()
+    s.host.ok("G1 X5 Y5 F6000")
+    s.host.ok("M24")
+    s.host.expect("Done printing file", 120)
+    assert s.positions() == END | {"z": at["z"]}
+
+
 def test_homed_in_a_pause(start):
     s = start()
     s.host.ok("M25")

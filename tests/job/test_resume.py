@@ -95,6 +95,23 @@ def test_a_vase_is_recorded_as_seldom_as_its_z_allows(places, monkeypatch):
         assert abs(records[-1].z_mm - true_z) < 0.04
 
 
+def test_nothing_is_written_while_nothing_changes(places, monkeypatch):
+    text = "G28\nG1 Z5\nG4 S600\nG1 Z6\n"
+    (Path(places["card"]) / "still.g").write_text(text)
+    records = []
+    record = Journal.record
+    monkeypatch.setattr(Journal, "record", lambda s, m: (records.append(m), record(s, m)))
+    with Scenario("i3", **places) as s:
+        s.host.ok("M32 still.g")
+        s.passes(30)
+        records.clear()
+        s.passes(300)
+        assert records == []
+        s.host.ok("M140 S40 F")  # what the file does not tell
+        s.passes(2)
+        assert [m.targets_c["bed"] for m in records] == [40.0]
+
+
 def test_only_steps_of_z_that_matter_are_written(places):
     """A machine that homes upwards finds its Z by itself."""
     with Scenario("delta", **places) as s:

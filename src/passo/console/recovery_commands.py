@@ -88,9 +88,8 @@ class RecoveryCommands:
         if self._runner.state is State.PAUSED:
             # Fans and heaters that are switched off meanwhile are wanted again for the print.
             moment = replace(self._recorded, z_mm=moment.z_mm, babysteps_mm=moment.babysteps_mm)
-            if moment == self._recorded:
-                return
-        self._record(moment)
+        if replace(moment, print_s=self._recorded.print_s) != self._recorded:
+            self._record(moment)
 
     def _z_matters(self, before_mm: float) -> bool:
         """Z has gone far since the last record, or has come to rest elsewhere. A print that goes on

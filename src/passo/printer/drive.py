@@ -136,7 +136,7 @@ class Drive:
         self.after_moves()
 
     def replan(self) -> None:
-        """Plans anew, with the limits of now, what the board does not have yet."""
+        """Plans anew, each move by its limits of now, what the board does not have yet."""
         self._revoke(self._job.replan_from(self._earliest()))
 
     def shift(self, axis: int, mm: float) -> bool:
