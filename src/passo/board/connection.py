@@ -30,6 +30,7 @@ _PATIENCE_S = 0.5
 _TRIES = 5
 _LEAD_S = 0.25
 _FAREWELL_S = 0.6
+_BRAKING_S, _LOOK_S = 10.0, 0.05  # no machine brakes for longer; between two looks
 _RESET_S = 0.05  # a board that has been told to reset has begun to by then
 _RESPONSES_KEPT = 1024
 _SLOTS_RENEWED = 4  # of each output that is told its value again and again
@@ -70,6 +71,7 @@ class Connection:
         self.on_fault: Callable[[str, HeaterFault], None] | None = None
         self._told: dict[str, int] = {}
         self._crc = 0
+        self.adopted = False
         self._oids = Oids.of(board)
         self._responses: list[tuple[str, Values]] = []
 
@@ -79,20 +81,25 @@ class Connection:
         computer's."""
         return self.wire.now
 
-    def connect(self) -> None:
+    def connect(self, *, adopt: bool = False) -> None:
         """Identifies and configures the board, follows its clock and starts its sensors.
 
-        A board that was in use is reset first: what it was doing nobody knows any more.
+        A board that was in use is reset first, for nobody knows any more what it was doing. With
+        `adopt` one that outlived its host, and has the very configuration, stays as it is, but for
+        outputs other than heaters and motors; then `adopted` is true.
         """
         try:
             self._identify()
-            self._configure()
+            self._configure(adopt)
         except DictionaryError as error:
             raise MachineError.of("machine.dictionary", value=str(error)) from None
         self._follow_clock()
         self._prepare()
         for line in queries(self.board, self.dictionary, self.now + self._ticks(_LEAD_S)):
             self.command(line)
+        if self.adopted:
+            self.command("survive_arm")  # it takes orders again
+            self._switch_off_loads()
         self.run(self.now)
 
     @property
@@ -206,6 +213,15 @@ class Connection:
                 self.run(self.now + self._ticks(_LEAD_S))
             self.wire.stop()
 
+    def _switch_off_loads(self) -> None:
+        """Fans and the laser; motors stay on, lest they lose their place."""
+        self._switch_off_lasers()
+        heated = {h.output for h in self.board.heaters}
+        for o in self.board.outputs:
+            if o.kind == "digital" and o.cycle_ticks > 0 and o.name not in heated:
+                value = int(inverted(o.pin))
+                self.command(f"update_digital_out oid={self._oids.outputs[o.name]} value={value}")
+
     def _switch_off_lasers(self) -> None:
         clock = (self.now + self._ticks(_LEAD_S / 2)) & 0xFFFFFFFF
         heated = {h.output for h in self.board.heaters}
@@ -278,11 +294,25 @@ class Connection:
             self.run(self.now + self._ticks(_STEP_S))
         raise BoardSilentError("get_uptime")
 
-    def _configure(self) -> None:
+    def _stood_alone(self) -> bool:
+        """Whether the board has outlived its host, and its motors stand."""
+        if not self.survives:
+            return False
+        states = self.dictionary.enumerations["survive"]
+        for _ in range(int(_BRAKING_S / _LOOK_S)):
+            state = self.ask("survive_query", "survive_state")["state"]
+            if state not in (states["moving"], states["braking"]):
+                return state in (states["resting"], states["held"])
+            self._pass(self.now + self._ticks(_LOOK_S))
+        return False
+
+    def _configure(self, adopt: bool) -> None:
         lines = commands(self.board, self.dictionary)
         self._crc = checksum(lines)
         state = self.ask("get_config", "config")
-        if state["is_shutdown"] or state["is_config"]:
+        same = state["is_config"] and not state["is_shutdown"] and state["crc"] == self._crc
+        self.adopted = adopt and bool(same) and self._stood_alone()
+        if not self.adopted and (state["is_shutdown"] or state["is_config"]):
             self.command("reset")
             self._pass(self.now + self._ticks(_RESET_S))
             self.link.restart()

@@ -124,6 +124,9 @@ class Printer:
         self.drive.on_pass = self._time_passed
         self.homer = Homer(self)
         self.positions = Positions(self)
+        if connection.adopted:
+            self.motors.all_on()  # as the host before has left them
+            self.positions.settle()
         if machine.unhomed_moves == "refuse":
             self.lock(self.homer.axes)
 

@@ -230,15 +230,18 @@ def connect_simulated(machine: MachineConfig) -> tuple[Connection, SimulatedBoar
 
 def connect(machine: MachineConfig) -> tuple[Connection, SimulatedBoard | None]:
     """A connection to the board that the machine file names, identified and configured, and the
-    board itself where it is simulated. Raises MachineError."""
+    board itself where it is simulated. A board that has outlived another host is adopted. Raises
+    MachineError."""
     board = machine.board
     if board.link == "simulated":
         return connect_simulated(machine)
     place = board.port or ""
     if board.link == "serial":
-        return _connected(board_description(machine), serial_port(place, board.baud)), None
-    host, _, number = place.rpartition(":")
-    return _connected(board_description(machine), tcp_port(host.strip("[]"), int(number))), None
+        port = serial_port(place, board.baud)
+    else:
+        host, _, number = place.rpartition(":")
+        port = tcp_port(host.strip("[]"), int(number))
+    return _connected(board_description(machine), port, adopt=True), None
 
 
 def reconnected(old: Connection) -> Connection:
@@ -246,7 +249,7 @@ def reconnected(old: Connection) -> Connection:
     return _connected(old.board, old.port)
 
 
-def _connected(board: BoardDescription, port: Port) -> Connection:
+def _connected(board: BoardDescription, port: Port, *, adopt: bool = False) -> Connection:
     connection = Connection(board, port)
-    connection.connect()
+    connection.connect(adopt=adopt)
     return connection
