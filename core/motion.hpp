@@ -35,6 +35,10 @@ class Motion {
       solvers_.emplace_back(machine_, machine_.steppers[i]);
       compressors_.emplace_back(machine_, machine_.steppers[i], uint16_t(i));
     }
+    for (size_t i = 0; i < machine_.boards; ++i) {
+      messages_.emplace_back();
+      messages_[i].join(messages_[0]);
+    }
     set_apart_.resize(solvers_.size());
     plan_.filament_mm.resize(machine_.extruders.size());
   }
@@ -45,11 +49,14 @@ class Motion {
   Planner& planner() { return planner_; }
   const PlanStatistics& plan() const { return plan_; }
   const Cpu& cpu() const { return cpu_; }
-  MessageQueue& messages() { return messages_; }
+  // Of one board; all their clocks are those of the main one, 0.
+  MessageQueue& messages(size_t board = 0) { return messages_[board]; }
   // Messages that wait to be taken.
   size_t waiting() {
-    auto held = messages_.hold();
-    return messages_.size();
+    auto held = hold();
+    size_t all = 0;
+    for (const MessageQueue& queue : messages_) all += queue.size();
+    return all;
   }
   const StepStatistics& steps(size_t i) const { return compressors_[i].statistics(); }
   Compressor& compressor(size_t i) { return compressors_[i]; }
@@ -111,10 +118,10 @@ class Motion {
   // A record for output `target`, due at `ticks` in the midst of the moves. It cannot be revoked:
   // no cut may be asked for at an earlier clock any more.
   void record_at(double ticks, uint16_t target, uint32_t value) {
-    auto held = messages_.hold();
-    int64_t clock = std::max(int64_t(std::ceil(ticks)), messages_.taken_until());
-    MessageQueue& queue = clock < handed_out_ ? messages_ : pins_;
-    queue.insert({clock, clock, value, 0, 0, target, MessageKind::pin, 0});
+    auto held = hold();
+    int64_t clock = std::max(int64_t(std::ceil(ticks)), taken_until());
+    Message m{clock, clock, value, 0, 0, target, MessageKind::pin, 0};
+    (clock < handed_out_ ? queue_of(m) : pins_).insert(m);
     merge(false);
   }
 
@@ -384,7 +391,8 @@ class Motion {
   std::vector<StepSolver> solvers_;
   std::vector<int64_t> set_apart_;  // steps by which positions were set without motion
   std::deque<Compressor> compressors_;
-  MessageQueue messages_, pins_;
+  std::deque<MessageQueue> messages_;  // by board
+  MessageQueue pins_;
   std::vector<MessageQueue*> merged_;  // pins_ and those of the compressors
   std::vector<int64_t> next_clocks_;   // of each of them
   std::deque<Record> records_, placed_, marks_;
@@ -437,6 +445,18 @@ class Motion {
     }
   }
 
+  std::unique_lock<std::recursive_mutex> hold() { return messages_[0].hold(); }
+  int64_t taken_until() const {
+    int64_t latest = 0;
+    for (const MessageQueue& queue : messages_) latest = std::max(latest, queue.taken_until());
+    return latest;
+  }
+  // The queue of the board that is to have a message.
+  MessageQueue& queue_of(const Message& m) {
+    if (m.kind != MessageKind::pin) return messages_[machine_.steppers[m.target].board];
+    const std::vector<uint16_t>& boards = machine_.output_boards;
+    return messages_[m.target < boards.size() ? boards[m.target] : 0];
+  }
   void resume_plan(std::vector<Move>& moves, double speed2, double clock) {
     unattached_ += planner_.resume(std::move(moves), speed2, clock);
   }
@@ -533,8 +553,8 @@ class Motion {
 
   // What ended before the last command taken can no longer be replanned.
   void forget() {
-    auto held = messages_.hold();
-    double taken = double(messages_.taken_until());
+    auto held = hold();
+    double taken = double(taken_until());
     double past = taken - kKeptSeconds * machine_.clock_hz;
     while (history_begin_ < history_.size() && history_[history_begin_].end() < past)
       ++history_begin_;
@@ -544,12 +564,12 @@ class Motion {
     }
     for (; !placed_.empty() && double(placed_.front().clock) < taken; placed_.pop_front())
       if (placed_.front().target == laser_target_) light_before_ = placed_.front().value;
-    for (Compressor& c : compressors_) c.forget_resets(messages_.taken_until());
+    for (Compressor& c : compressors_) c.forget_resets(taken_until());
   }
 
-  // Moves to messages_ all that no later message can precede.
+  // Moves to messages_, each to its board, all that no later message can precede.
   void merge(bool all) {
-    auto held = messages_.hold();
+    auto held = hold();
     double limit = planner_.clock();
     for (Compressor& c : compressors_) limit = std::min(limit, c.next_clock(planner_.clock()));
     // Which comes next is as good as random: the comparisons must not be branches.
@@ -568,11 +588,12 @@ class Motion {
         first = sooner ? i : first;
       }
       if (clock >= end) break;
-      messages_.push(queues[first]->front());
+      const Message& next = queues[first]->front();
+      queue_of(next).push(next);
+      handed_out_ = std::max(handed_out_, next.clock);
       queues[first]->pop();
       next_clocks_[first] = queues[first]->next_clock();
     }
-    if (!messages_.empty()) handed_out_ = std::max(handed_out_, messages_.back().clock);
     if (all)
       for (Compressor& c : compressors_) c.not_before(handed_out_);
   }
@@ -580,11 +601,11 @@ class Motion {
   // Revokes steps, messages and moves from a clock ≥ `ticks` on; that clock goes to ticks_of_cut_,
   // the revoked moves to `rest`. Returns the speed² at the cut.
   double cut(double ticks, std::vector<Move>& rest) {
-    auto held = messages_.hold();  // what the link has taken stays as it is until all is cut
+    auto held = hold();  // what the link has taken stays as it is until all is cut
     merge(true);
     in_pieces_ = false;
     int64_t at =
-        std::max(int64_t(std::ceil(std::max(ticks, pieces_end_))), messages_.taken_until());
+        std::max(int64_t(std::ceil(std::max(ticks, pieces_end_))), taken_until());
     ticks_of_cut_ = std::min(double(at), planner_.clock());
     double speed2 = planner_.speed2();
     if (double(at) >= planner_.clock()) return speed2;
@@ -675,10 +696,26 @@ class Motion {
     std::vector<int64_t> last(n);
     std::vector<bool> cut_off(n, false);
     for (size_t i = 0; i < n; ++i) last[i] = compressors_[i].last();
+    int64_t floor = at;
+    for (MessageQueue& queue : messages_) {
+      revoke(queue, at, revoked, last, cut_off);
+      if (!queue.empty()) floor = std::max(floor, queue.back().clock);
+    }
+    pins_.clear();
+    handed_out_ = floor;
+    for (size_t i = 0; i < n; ++i) {
+      solvers_[i].set_count(solvers_[i].count() - compressors_[i].pending_net() - revoked[i].net);
+      compressors_[i].restart(last[i], revoked[i]);
+      compressors_[i].not_before(floor);
+    }
+  }
+  void revoke(MessageQueue& queue, int64_t at, std::vector<StepStatistics>& revoked,
+              std::vector<int64_t>& last, std::vector<bool>& cut_off) {
     std::vector<Message> kept;
-    std::vector<std::vector<Message>> ahead(n);  // directions and clocks go with the steps behind
-    for (size_t i = 0; i < messages_.size(); ++i) {
-      Message m = messages_[i];
+    // Directions and clocks go with the steps behind.
+    std::vector<std::vector<Message>> ahead(compressors_.size());
+    for (size_t i = 0; i < queue.size(); ++i) {
+      Message m = queue[i];
       if (m.kind == MessageKind::pin) {
         if (m.clock <= at) kept.push_back(m);
         continue;
@@ -711,16 +748,8 @@ class Motion {
       m.end_clock = start + span(m, count);
       kept.push_back(m);
     }
-    messages_.clear();
-    for (const Message& m : kept) messages_.push(m);
-    pins_.clear();
-    int64_t floor = kept.empty() ? at : std::max(at, kept.back().clock);
-    handed_out_ = floor;
-    for (size_t i = 0; i < n; ++i) {
-      solvers_[i].set_count(solvers_[i].count() - compressors_[i].pending_net() - revoked[i].net);
-      compressors_[i].restart(last[i], revoked[i]);
-      compressors_[i].not_before(floor);
-    }
+    queue.clear();
+    for (const Message& m : kept) queue.push(m);
   }
   static int64_t span(const Message& m, int64_t count) {
     return int64_t(m.interval) * count + int64_t(m.add) * (count * (count - 1) / 2);

@@ -8,6 +8,21 @@
 
 namespace passo::wire {
 
+// A board's clock against host time: a straight line through the point (time, clock), both ticks
+// from an origin.
+struct ClockLine {
+  Ticks origin_time = 0, origin_clock = 0;
+  double time = 0, clock = 0;
+  double rate = 1;  // board ticks per host tick
+
+  double clock_at(double host) const {
+    return double(origin_clock) + (clock + (host - double(origin_time) - time) * rate);
+  }
+  double host_at(double board) const {
+    return double(origin_time) + (time + (board - double(origin_clock) - clock) / rate);
+  }
+};
+
 // Host time is counted in ticks of the nominal frequency; board clocks are 64 bits, unwrapped from
 // the 32 that the board sends.
 //
@@ -77,6 +92,9 @@ class ClockSync {
   Ticks host_at(Ticks clock) const {
     double along = (double(clock - origin_clock_) - mean_clock_) / rate_;
     return origin_time_ + Ticks(std::ceil(mean_time_ + along + 0.5 * shortest_trip_));
+  }
+  ClockLine line() const {
+    return {origin_time_, origin_clock_, mean_time_ + 0.5 * shortest_trip_, mean_clock_, rate_};
   }
   // Board ticks per host tick.
   double rate() const { return rate_; }

@@ -17,6 +17,7 @@
 #include "frame.hpp"
 #include "heater.hpp"
 #include "job_stream.hpp"
+#include "timeline.hpp"
 #include "window.hpp"
 
 namespace passo::wire {
@@ -75,6 +76,16 @@ class Link {
   // True when the board left more than four questions unanswered.
   bool lost() const { return unanswered_ > kLostAfter; }
 
+  // This link's board is one of several: the main one, whose clock is that of the timeline, or a
+  // further one, whose steps may miss their times by `tolerance` ticks more than the plan's.
+  void join(std::shared_ptr<Timeline> timeline, bool main, double tolerance) {
+    timeline_ = std::move(timeline);
+    main_ = main;
+    if (main)
+      timeline_->set_clock(sync_.line(), hz_);
+    else
+      job_.retime(tolerance);
+  }
   JobStream& job() { return job_; }
   // The messages of the job; other threads may use them as well, if one drives this link.
   void set_queue(MessageQueue* queue) {
@@ -87,13 +98,17 @@ class Link {
     live_ = true;
     set_queue(queue_);
   }
-  // Starts the job at board clock `base`: every motor's clock is set, then messages flow.
-  void start_job(Ticks base) {
-    for (size_t i = 0; i < job_.steppers(); ++i) {
-      Bytes payload;
-      job_.put_reset(i, base, payload);
-      now_queue_.push_back({std::move(payload), false});
+  // Starts the job at clock `base` of the main board, whose clock runs at `main_hz`: every motor's
+  // clock is set, then messages flow.
+  void start_job(Ticks base, double main_hz) {
+    main_base_ = base;
+    if (Retimer* retimer = job_.retimer()) {
+      retimer->start(main_hz, hz_ / main_hz);
+      base = Ticks(expected(0));
+      job_.start(base);
+      renew_map(0);
     }
+    for (Bytes& reset : job_.resets(base)) now_queue_.push_back({std::move(reset), false});
     job_.start(base);
   }
 
@@ -116,6 +131,8 @@ class Link {
   // The board said that it stopped; its static_string_id tells why.
   bool shut_down() const { return shut_down_; }
   uint32_t shutdown_reason() const { return shutdown_reason_; }
+  // It was told to, since another board of the machine had stopped or was lost.
+  bool stopped_with_others() const { return halted_; }
   // The board begins anew, after a reset or a power cycle: whatever was on its way is forgotten.
   void restart() {
     window_.restart();
@@ -150,6 +167,7 @@ class Link {
     size_t before = out.size();
     window_.poll(now, out);
     if (following_ && now >= next_sync_) ask_clock(now);
+    if (timeline_ && timeline_->halted() && !shut_down_ && !halted_) stop_at_once();
     Ticks clock = sync_.ready() ? sync_.clock_at(now) : 0;
     if (sync_.ready() && !shut_down_)
       for (Bytes again = job_.renew(clock); !again.empty(); again = job_.renew(clock))
@@ -168,8 +186,8 @@ class Link {
 
  private:
   static constexpr uint32_t kLostAfter = 4;
-  static constexpr int kQuickSamples = 8;
-  static constexpr double kQuickSeconds = 0.05, kSyncSeconds = 0.9839;
+  static constexpr int kQuickSamples = 8, kQuickSamplesOfSeveral = 50;
+  static constexpr double kQuickSeconds = 0.05, kSyncSeconds = 0.9839, kRenewSeconds = 0.9;
   static constexpr double kHeaterLeadSeconds =
       0.1;  // from a report to the change of power it causes
   static constexpr size_t kInboxMax = 4096;
@@ -181,6 +199,10 @@ class Link {
   Window window_;
   ClockSync sync_;
   JobStream job_;
+  std::shared_ptr<Timeline> timeline_;  // none: the board is alone
+  bool main_ = true, halted_ = false;
+  Ticks main_base_ = 0;  // of the job, in the main board's clock
+  double renewed_ = 0;   // the job's clock when the map of its time was renewed
   MessageQueue* queue_ = nullptr;
   bool live_ = false;
   std::deque<std::pair<Bytes, bool>> now_queue_;  // commands; true: a question for the clock
@@ -228,14 +250,39 @@ class Link {
     return holds_command_ || job_.must_leave(open_first_) <= clock;
   }
 
+  void stop_at_once() {
+    halted_ = true;
+    job_.stop();
+    send("emergency_stop", {});
+  }
+  // What this board's clock will read at a tick of the job.
+  double expected(double job_clock) const {
+    double host = timeline_->host_at(double(main_base_) + job_clock, hz_);
+    return std::floor(sync_.line().clock_at(host) + 0.5);
+  }
+  void renew_map(double job_clock) {
+    renewed_ = job_clock;
+    double base = double(job_.base());
+    job_.retimer()->map().renew(job_clock, [&](double t) { return expected(t) - base; });
+  }
+  // The clocks are known better now.
+  void follow_timeline(Ticks now) {
+    if (main_) return timeline_->set_clock(sync_.line(), hz_);
+    if (!job_.running()) return;
+    const TimeMap& map = job_.retimer()->map();
+    double job_clock = map.inverse(double(sync_.clock_at(now) - job_.base()));
+    if (job_clock >= renewed_ + kRenewSeconds * map.hz()) renew_map(job_clock);
+  }
+
   void ask_clock(Ticks now) {
-    if (asked_) ++unanswered_;
+    if (asked_ && ++unanswered_ > kLostAfter && timeline_) timeline_->halt();
     Bytes payload;
     commands_.at(sync_.ready() ? "get_clock" : "get_uptime").encode({}, payload);
     now_queue_.push_back({std::move(payload), true});
     asked_ = true;
     question_ = 0;
-    next_sync_ = now + Ticks((samples_ < kQuickSamples ? kQuickSeconds : kSyncSeconds) * hz_);
+    int quick = timeline_ ? kQuickSamplesOfSeveral : kQuickSamples;
+    next_sync_ = now + Ticks((samples_ < quick ? kQuickSeconds : kSyncSeconds) * hz_);
   }
 
   Ticks deadline(Ticks now) const {
@@ -271,6 +318,7 @@ class Link {
         shut_down_ = true;
         shutdown_reason_ = uint32_t(std::get<int64_t>(values.back()));
         job_.stop();
+        if (timeline_) timeline_->halt();
       }
       if (inbox_.size() == kInboxMax) inbox_.pop_front();
       inbox_.push_back({format, std::move(values)});
@@ -287,6 +335,7 @@ class Link {
     else if (sync_.ready())
       sync_.add(uint32_t(std::get<int64_t>(values[0])), sent, now);
     ++samples_;
+    if (timeline_) follow_timeline(now);
   }
   // analog_in_state oid next_clock values: next_clock is that of the next report; the newest of the
   // values (16 bits each) counts. Boards with older firmware send one value, as a number.

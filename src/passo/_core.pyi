@@ -383,6 +383,15 @@ class PinKind(enum.Enum):
 
     PWM = 1
 
+class Timeline:
+    """What the links to the boards of one machine share."""
+
+    def __init__(self) -> None: ...
+
+    @property
+    def halted(self) -> bool:
+        """A board has stopped or is lost."""
+
 class Link:
     """The host's end of a board's wire; times in ticks."""
 
@@ -409,9 +418,19 @@ class Link:
     @property
     def clock_rate(self) -> float: ...
 
-    def add_stepper(self, name: str, oid: int, invert: bool) -> None: ...
+    def add_stepper(self, target: int, name: str, oid: int, invert: bool) -> None: ...
 
-    def add_pin(self, name: str, oid: int, kind: PinKind, inverted_full: int = 0, longest: int = 0) -> None:
+    def join(self, timeline: Timeline, main: bool, tolerance: float = 0.0) -> None:
+        """
+        The board is one of several: the main one, or one whose steps are told in its own clock, within so many ticks.
+        """
+
+    def set_apart(self, target: int, least: float, turning: float) -> None:
+        """
+        How close steps of a motor may come, in ticks, one way and where it turns.
+        """
+
+    def add_pin(self, target: int, name: str, oid: int, kind: PinKind, inverted_full: int = 0, longest: int = 0) -> None:
         """
         inverted_full: the value at full scale of a pin that is on when low; longest: ticks that the board lets it be on without a word.
         """
@@ -420,7 +439,8 @@ class Link:
 
     def set_queue(self, queue: MessageQueue | None) -> None: ...
 
-    def start_job(self, base_clock: int) -> None: ...
+    def start_job(self, base_clock: int, main_hz: float) -> None:
+        """Both are the main board's."""
 
     def stop_job(self) -> None: ...
 
@@ -428,6 +448,10 @@ class Link:
 
     @property
     def shut_down(self) -> bool: ...
+
+    @property
+    def stopped_with_others(self) -> bool:
+        """The board was shut down because another one of the machine had failed."""
 
     @property
     def shutdown_reason(self) -> int: ...
@@ -567,6 +591,17 @@ class FirmwareBoard(Bench):
     def take_edges(self, pin: int) -> list[tuple[int, int]]:
         """List of (clock, level) since the last call."""
 
+class Distant(Device):
+    """
+    A device with a clock and a cable that are not perfect: its clock begins at `start` and is a share of `drift` faster than host time; bytes travel `latency` to `latency` + `jitter` ticks each way.
+    """
+
+    def __init__(self, device: Device, start: int = 0, drift: float = 0.0, latency: int = 0, jitter: int = 0, seed: int = 1) -> None: ...
+
+    def clock_at(self, host_ticks: int) -> int: ...
+
+    def host_at(self, clock: int) -> int: ...
+
 def firmware_dictionary(library: str) -> bytes:
     """The dictionary that was built into a firmware library, compressed."""
 
@@ -594,8 +629,14 @@ class Pump:
 
     def __init__(self, link: Link, device: Device, start: int = 0) -> None: ...
 
+    def attach(self, link: Link, device: Device) -> None:
+        """A further device, or another link to one that is here."""
+
     @property
     def now(self) -> int: ...
+
+    def board_clock(self, link: Link) -> int:
+        """What the clock of this link's board reads, as far as it is known."""
 
     @property
     def device_cpu_s(self) -> float: ...
@@ -615,6 +656,9 @@ class LiveWire:
 
     @property
     def now(self) -> int: ...
+
+    def board_clock(self, link: Link) -> int:
+        """What the board's clock reads, as far as it is known."""
 
     @property
     def latest_s(self) -> float:
@@ -1143,7 +1187,10 @@ class Job:
         """Changes an axis' `speed` or `accel`, never beyond the machine's own."""
 
     @property
-    def messages(self) -> MessageQueue: ...
+    def messages(self) -> MessageQueue:
+        """The main board's."""
+
+    def messages_of(self, board: int) -> MessageQueue: ...
 
     def keep_moves(self, on: bool) -> None: ...
 

@@ -164,7 +164,7 @@ def heater_options(
         control=heater.control,
         limits=heater.limits,
         model=heater.model,
-        fan_target=board.outputs.index(fans[0]) if fans else -1,
+        fan_target=board.output_targets[board.outputs.index(fans[0])] if fans else -1,
         fan_full=full_scale(fans[0], dictionary) if fans else 1,
         inverted=inverted(output.pin),
     )

@@ -44,7 +44,8 @@ class BoardSilentError(MachineError):
 class Connection:
     """The host's side of one board, wherever it is.
 
-    All times are ticks of the board's clock. Not thread-safe; `run` releases the interpreter lock.
+    All times are ticks of the main board's clock, which is this one unless others say so by `name`;
+    `board_clock` is the board's own. Not thread-safe; `run` releases the interpreter lock.
     On a live port real time passes, and a thread of the core looks after the link; else time passes
     only in `run` and in what asks the board.
     Every method that lets time pass raises MachineError when the board shuts down and
@@ -53,7 +54,8 @@ class Connection:
     that, it is raised as a MachineError.
     """
 
-    def __init__(self, board: BoardDescription, port: Port) -> None:
+    def __init__(self, board: BoardDescription, port: Port, name: str = "") -> None:
+        self.name = name
         self.board = board
         self.port = port
         self.link = _core.Link(float(board.clock_hz))
@@ -69,9 +71,14 @@ class Connection:
 
     @property
     def now(self) -> int:
-        """The board's clock; on a live port as far as it is known, and before that this
-        computer's."""
+        """The main board's clock; on a live port each board's own, as far as it is known, and
+        before that this computer's."""
         return self.wire.now
+
+    @property
+    def board_clock(self) -> int:
+        """This board's own clock, as far as it is known."""
+        return self.wire.board_clock(self.link)
 
     def connect(self) -> None:
         """Identifies and configures the board, follows its clock and starts its sensors.
@@ -85,9 +92,18 @@ class Connection:
             raise MachineError.of("machine.dictionary", value=str(error)) from None
         self._follow_clock()
         self._prepare()
-        for line in queries(self.board, self.dictionary, self.now + self._ticks(_LEAD_S)):
+        begin = self.board_clock + self._ticks(_LEAD_S)
+        for line in queries(self.board, self.dictionary, begin):
             self.command(line)
         self.run(self.now)
+
+    def join(self, timeline: _core.Timeline, *, main: bool, tolerance_s: float) -> None:
+        """The board is one of several: the main one, or one whose steps may miss the plan's times
+        by `tolerance_s` more."""
+        hz = self.board.clock_hz
+        self.link.join(timeline, main, tolerance_s * hz)
+        for target, s in zip(self.board.stepper_targets, self.board.steppers, strict=True):
+            self.link.set_apart(target, float(s.apart_ticks), float(s.turning_ticks))
 
     def command(self, text: str) -> None:
         """Queues a command, as `name parameter=value …`; it leaves when time next passes.
@@ -110,12 +126,18 @@ class Connection:
         taken, self._responses = self._responses, []
         return taken
 
-    def start_job(self, messages: _core.MessageQueue, base_clock: int | None = None) -> int:
+    def start_job(
+        self,
+        messages: _core.MessageQueue,
+        base_clock: int | None = None,
+        main_hz: float | None = None,
+    ) -> int:
         """Sends `messages` from now on, their clocks counted from `base_clock` (default: a quarter
-        of a second from now). Returns that clock."""
+        of a second from now). Both are the main board's, which runs at `main_hz` (default: as this
+        one). Returns that clock."""
         base = self.now + self._ticks(_LEAD_S) if base_clock is None else base_clock
         self.link.set_queue(messages)
-        self.link.start_job(base)
+        self.link.start_job(base, main_hz or float(self.board.clock_hz))
         return base
 
     def run(self, until_clock: int, *, until_heaters: bool = False) -> bool:
@@ -123,9 +145,9 @@ class Connection:
 
         Returns False if it came to `until_clock`, True if the heaters were first.
         """
-        stop = self._pass(until_clock, until_heaters)
-        if stop == _core.Stop.SHUTDOWN:
-            raise self._shutdown()
+        stop = self.pass_time(until_clock, until_heaters)
+        if self.link.shut_down:
+            raise self.shutdown_error()
         if self.link.lost:
             raise BoardSilentError("get_clock")
         return stop == _core.Stop.HEATERS
@@ -169,7 +191,7 @@ class Connection:
             self.wire.stop()
 
     def _switch_off_lasers(self) -> None:
-        clock = (self.now + self._ticks(_LEAD_S / 2)) & 0xFFFFFFFF
+        clock = (self.board_clock + self._ticks(_LEAD_S / 2)) & 0xFFFFFFFF
         heated = {h.output for h in self.board.heaters}
         for o in self.board.outputs:
             if o.kind == "pwm" and o.name not in heated:
@@ -190,14 +212,16 @@ class Connection:
         """The value of an output that means fully on."""
         return full_scale(next(o for o in self.board.outputs if o.name == output), self.dictionary)
 
-    def _pass(self, until_clock: int, until_heaters: bool = False) -> _core.Stop:
+    def pass_time(self, until_clock: int, until_heaters: bool = False) -> _core.Stop:
+        """As `run`, but a board that is shut down or silent is no error."""
         while (stop := self.wire.run(until_clock, until_heaters)) == _core.Stop.FAULT:
-            self._take_faults()
+            self.take_faults()
         if stop == _core.Stop.CLOSED:
             raise MachineError.of("machine.closed")
         return stop
 
-    def _take_faults(self) -> None:
+    def take_faults(self) -> None:
+        """Tells of the heaters that have failed since the last call."""
         for name, heater in self.heaters.items():
             fault = heater.fault
             if fault is None or self._told.get(name) == fault.clock:
@@ -246,7 +270,7 @@ class Connection:
         state = self.ask("get_config", "config")
         if state["is_shutdown"] or state["is_config"]:
             self.command("reset")
-            self._pass(self.now + self._ticks(_RESET_S))
+            self.pass_time(self.now + self._ticks(_RESET_S))
             self.link.restart()
             self._identify()
             state = self.ask("get_config", "config")
@@ -260,16 +284,16 @@ class Connection:
         renewed = sum(o.max_duration_ticks > 0 for o in self.board.outputs)
         slots = self.move_count - _SLOTS_RENEWED * renewed
         self.link.set_slots(slots)
-        for s in self.board.steppers:
+        for target, s in zip(self.board.stepper_targets, self.board.steppers, strict=True):
             turned = s.invert != inverted(s.dir_pin)
-            self.link.add_stepper(s.name, self._oids.steppers[s.name], turned)
+            self.link.add_stepper(target, s.name, self._oids.steppers[s.name], turned)
         heated = {h.output for h in self.board.heaters}
-        for o in self.board.outputs:
+        for target, o in zip(self.board.output_targets, self.board.outputs, strict=True):
             kind = _core.PinKind.PWM if o.kind == "pwm" else _core.PinKind.DIGITAL
             full = full_scale(o, self.dictionary) if inverted(o.pin) else 0
             # A heater's own loop renews it.
             longest = 0 if o.name in heated else o.max_duration_ticks
-            self.link.add_pin(o.name, self._oids.outputs[o.name], kind, full, longest)
+            self.link.add_pin(target, o.name, self._oids.outputs[o.name], kind, full, longest)
         for h in self.board.heaters:
             options = heater_options(self.board, h, self.dictionary)
             self.heaters[h.name] = self.link.add_heater(options)
@@ -282,7 +306,7 @@ class Connection:
             until = self.now
             while until <= end:
                 # A board that is shut down may still be asked.
-                self._pass(until)
+                self.pass_time(until)
                 found = self._find(answer)
                 if found is not None:
                     return found
@@ -302,6 +326,7 @@ class Connection:
     def _collect(self) -> None:
         self._responses += self.link.take_responses()
 
-    def _shutdown(self) -> MachineError:
+    def shutdown_error(self) -> MachineError:
+        """Why the board has shut down."""
         reason = self.dictionary.name_of("static_string_id", self.link.shutdown_reason)
         return MachineError.of("machine.shutdown", value=reason)

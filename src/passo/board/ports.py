@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import socket
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Protocol, TypeAlias
 
 from passo import _core
@@ -27,20 +27,34 @@ class Port(Protocol):
 
 
 class InProcess:
-    """A board of this process, in virtual time from `start_clock` on, ticks of its clock."""
+    """A board of this process, in virtual time from `start_clock` on, ticks of its clock; or in the
+    time of another one, `beside` which it works."""
 
     live = False
 
-    def __init__(self, device: _core.Device, start_clock: int = 0) -> None:
+    def __init__(
+        self, device: _core.Device, start_clock: int = 0, beside: InProcess | None = None
+    ) -> None:
         self.device = device
         self._clock = start_clock
+        self._beside = beside
         self._pump: _core.Pump | None = None
 
     def attach(self, link: _core.Link) -> _core.Pump:
-        """A pump; its time goes on where that of the last one stands."""
+        """A pump; its time goes on where that of the last one stands. A board beside another one
+        joins that one's pump, which must be attached before."""
+        if self._beside is not None and self._beside._pump is not None:
+            self._beside._pump.attach(link, self.device)
+            return self._beside._pump
         clock = self._clock if self._pump is None else self._pump.now
         self._pump = _core.Pump(link, self.device, clock)
         return self._pump
+
+
+def in_process(devices: Sequence[_core.Device]) -> list[InProcess]:
+    """Boards of this process that share their time, the main one first."""
+    main = InProcess(devices[0])
+    return [main, *(InProcess(device, beside=main) for device in devices[1:])]
 
 
 class LivePort:

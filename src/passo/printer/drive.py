@@ -12,7 +12,7 @@ from passo.printer.slots import SLOTS
 
 if TYPE_CHECKING:
     from passo import _core
-    from passo.board.connection import Connection
+    from passo.board.boards import Boards
 
 TICK_S = 0.01  # host time between two looks at the board in real time
 HORIZON_S = 0.16  # of print time ahead that cannot be taken back: the board has it
@@ -36,7 +36,7 @@ class Drive:
 
     def __init__(
         self,
-        connection: Connection,
+        connection: Boards,
         job: _core.Job,
         *,
         free: bool,
@@ -47,7 +47,7 @@ class Drive:
         self.on_motion: Callable[[], None] = lambda: None  # before moves leave for the board
         self.on_pass: Callable[[], None] = lambda: None  # whenever time has passed
         self.hz = connection.board.clock_hz
-        self.base = connection.start_job(job.messages)
+        self.base = connection.start_job(job)
         self._loop = asyncio.get_running_loop()
         self._start_s = self._loop.time()
         self._start_clock = connection.now
@@ -62,7 +62,7 @@ class Drive:
     @property
     def now(self) -> int:
         """Print time in ticks of the job's clock."""
-        if self._free or self._connection.port.live:
+        if self._free or self._connection.live:
             return self._connection.now - self.base
         passed = self._loop.time() - self._start_s
         return self._start_clock + int(passed * self.hz) - self.base
@@ -229,7 +229,7 @@ class Drive:
 
     def _run(self, job_clock: int) -> None:
         until = self.base + job_clock
-        if until > self._connection.now or self._connection.port.live:
+        if until > self._connection.now or self._connection.live:
             self._connection.run(until)  # a live board may have news at any time
 
     def _settle(self, now: int) -> None:
