@@ -102,13 +102,13 @@ class Plant {
     }
     return adc_max_;
   }
-  // Level of an input pin; net(step_pin) tells the steps that a motor has made.
-  template <class Net>
-  bool level(uint32_t pin, Net&& net) const {
+  // Level of an input pin; position(step_pin) tells where a motor's actuator is.
+  template <class Position>
+  bool level(uint32_t pin, Position&& position) const {
     for (const Switch& s : switches) {
       if (s.pin != pin) continue;
       double at = 0;
-      for (auto [step_pin, weight] : s.weights) at += weight * position(step_pin, net(step_pin));
+      for (auto [step_pin, weight] : s.weights) at += weight * position(step_pin);
       bool pressed = s.at_maximum ? at >= s.position : at <= s.position;
       if (s.forced >= 0) pressed = s.forced > 0;
       return pressed == s.pressed_level;

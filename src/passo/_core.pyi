@@ -510,6 +510,9 @@ class Bench(Device):
         Pressed at or beyond `position` of the weighted sum of actuators: (step pin, weight).
         """
 
+    def feel(self, step_pin: int, board: Bench, its_step_pin: int) -> None:
+        """A motor on another board, as the switches of this one feel it."""
+
     def place(self, step_pin: int, position: float) -> None:
         """Somebody moves the motor's actuator by hand."""
 

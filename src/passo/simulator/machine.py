@@ -41,6 +41,7 @@ class SimulatedMachine:
         self._distant: dict[SimulatedBoard, _core.Distant] = {}
         self._own: dict[tuple[str, str], SimulatedBoard] = {}
         for number, (name, board) in enumerate(boards.items()):
+            board.feel(boards.values())
             for part in ("steppers", "outputs", "sensors", "endstops"):
                 for entry in getattr(board.board, part):
                     self._own[part, entry.name] = board
