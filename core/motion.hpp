@@ -604,8 +604,7 @@ class Motion {
     auto held = hold();  // what the link has taken stays as it is until all is cut
     merge(true);
     in_pieces_ = false;
-    int64_t at =
-        std::max(int64_t(std::ceil(std::max(ticks, pieces_end_))), taken_until());
+    int64_t at = std::max(int64_t(std::ceil(std::max(ticks, pieces_end_))), taken_until());
     ticks_of_cut_ = std::min(double(at), planner_.clock());
     double speed2 = planner_.speed2();
     if (double(at) >= planner_.clock()) return speed2;

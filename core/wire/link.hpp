@@ -186,8 +186,9 @@ class Link {
 
  private:
   static constexpr uint32_t kLostAfter = 4;
-  static constexpr int kQuickSamples = 8, kQuickSamplesOfSeveral = 50;
-  static constexpr double kQuickSeconds = 0.05, kSyncSeconds = 0.9839, kRenewSeconds = 0.9;
+  static constexpr int kQuickSamples = 8, kQuickSamplesOfSeveral = 80;
+  static constexpr double kQuickSeconds = 0.05, kSyncSeconds = 0.9839;
+  static constexpr double kSyncOfSeveralSeconds = 0.0983, kRenewSeconds = 0.9;
   static constexpr double kHeaterLeadSeconds =
       0.1;  // from a report to the change of power it causes
   static constexpr size_t kInboxMax = 4096;
@@ -281,8 +282,9 @@ class Link {
     now_queue_.push_back({std::move(payload), true});
     asked_ = true;
     question_ = 0;
-    int quick = timeline_ ? kQuickSamplesOfSeveral : kQuickSamples;
-    next_sync_ = now + Ticks((samples_ < quick ? kQuickSeconds : kSyncSeconds) * hz_);
+    bool quick = samples_ < (timeline_ ? kQuickSamplesOfSeveral : kQuickSamples);
+    double seconds = quick ? kQuickSeconds : timeline_ ? kSyncOfSeveralSeconds : kSyncSeconds;
+    next_sync_ = now + Ticks(seconds * hz_);
   }
 
   Ticks deadline(Ticks now) const {

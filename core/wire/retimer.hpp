@@ -37,7 +37,9 @@ class Retimer {
     for (Motor& motor : motors_) motor = {motor.apart, 0, false};
     ready_.clear();
   }
-  int64_t clock_of(int64_t clock) const { return int64_t(std::floor(map_.at(double(clock)) + 0.5)); }
+  int64_t clock_of(int64_t clock) const {
+    return int64_t(std::floor(map_.at(double(clock)) + 0.5));
+  }
 
   // What the board is to be sent for the messages taken so far.
   MessageQueue& ready() { return ready_; }
@@ -106,7 +108,7 @@ class Retimer {
       int64_t clock = std::max(due, motor.last);
       motor.last += ticks * many + add * (many * (many - 1) / 2);
       ready_.push({clock, motor.last, uint32_t(ticks), uint16_t(many), int16_t(add), m.target,
-                MessageKind::queue_step, m.dir});
+                   MessageKind::queue_step, m.dir});
       i += size_t(many);
     }
   }

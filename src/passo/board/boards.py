@@ -9,7 +9,7 @@ from passo.board.connection import BoardSilentError, Connection
 from passo.board.description import Sensor, together
 from passo.board.faults import HeaterFault
 
-_SETTLING_S = 2.5  # until the clocks of several boards are known well enough
+_SETTLING_S = 4.0  # until the clocks of several boards are known well enough
 _LOOK_S = 0.02  # a fault of one live board among several is told so late at most
 _LEAD_S = 0.25
 _TOLERANCE_S = 1e-6  # of a step on a further board, beside what the plan allows

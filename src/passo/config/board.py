@@ -76,8 +76,8 @@ class Board(Model):
     `budget` the planner takes the board and its link to be fast enough. A simulated board is a
     model of one ("virtual") or runs Passo's firmware ("passo"): to the tick the same, but slower.
     A simulated board beside the main one begins at the clock `start_s`, which runs `drift_ppm`
-    faster than the main board's. `dictionary` is the file of a data dictionary as Klipper's build leaves it, for boards of the
-    kind `klipper`.
+    faster than the main board's. `dictionary` is the file of a data dictionary as Klipper's build
+    leaves it, for boards of the kind `klipper`.
     """
 
     base: str | None = None

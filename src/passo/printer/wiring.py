@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from math import ceil
 from typing import TYPE_CHECKING, Any
 
+from passo.board.boards import Boards
 from passo.board.connection import Connection
 from passo.board.description import (
     BoardDescription,
@@ -16,7 +17,6 @@ from passo.board.description import (
     Stepper,
     bare,
 )
-from passo.board.boards import Boards
 from passo.board.ports import Port, in_process, serial_port, tcp_port
 from passo.config.places import MAIN, named_on, placed
 from passo.heat.control import control_of, limits_of, model_of
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from passo.config.board import Board
     from passo.config.heat import Heater as HeaterConfig
     from passo.config.machine import MachineConfig
-    from passo.simulator import Actuator, SimulatedBoard, SimulatedMachine
+    from passo.simulator import Actuator, Cable, SimulatedBoard, SimulatedMachine
 
 _PWM_PERIOD_S = 0.1
 _MAX_DURATION_S = 3.0
@@ -260,17 +260,19 @@ def _at_maximum(machine: MachineConfig, switch: Switch) -> bool:
     return machine.homing[switch.home].direction == "max"
 
 
-def connect_simulated(machine: MachineConfig) -> tuple[Boards, SimulatedMachine]:
+def connect_simulated(
+    machine: MachineConfig, cable: Cable | None = None
+) -> tuple[Boards, SimulatedMachine]:
     """Connections to simulated boards for the machine, identified and configured, and the boards
     themselves, to look at. Raises MachineError."""
     boards = board_descriptions(machine)
-    simulated = simulated_machine(machine, boards)
+    simulated = simulated_machine(machine, boards, cable)
     ports = in_process([simulated.devices[name] for name in boards])
     return _connected(boards, ports), simulated
 
 
 def simulated_machine(
-    machine: MachineConfig, boards: dict[str, BoardDescription]
+    machine: MachineConfig, boards: dict[str, BoardDescription], cable: Cable | None = None
 ) -> SimulatedMachine:
     """All simulated boards of a machine; the clocks of further ones are as its file says."""
     from passo.simulator import SimulatedMachine
@@ -278,6 +280,7 @@ def simulated_machine(
     return SimulatedMachine(
         {name: simulated_board(machine, board, name) for name, board in boards.items()},
         {name: (config.start_s, config.drift_ppm) for name, config in machine.boards.items()},
+        cable,
     )
 
 

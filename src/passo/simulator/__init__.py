@@ -4,4 +4,12 @@ from passo.simulator.board import SimulatedBoard
 from passo.simulator.machine import Cable, SimulatedMachine
 from passo.simulator.plant import Actuator, Body, PlantDescription, Switch
 
-__all__ = ["Actuator", "Body", "Cable", "PlantDescription", "SimulatedBoard", "SimulatedMachine", "Switch"]
+__all__ = [
+    "Actuator",
+    "Body",
+    "Cable",
+    "PlantDescription",
+    "SimulatedBoard",
+    "SimulatedMachine",
+    "Switch",
+]

@@ -18,7 +18,6 @@ from passo.simulator.dictionary import (
 )
 from passo.simulator.plant import PlantDescription
 
-
 _ELSEWHERE = 1 << 16  # no board has so many pins
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from array import array
+from bisect import bisect_left
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -126,10 +127,10 @@ class SimulatedMachine:
         board = self._of("steppers", stepper)
         if board is self._main:
             return board.take_steps(stepper, from_clock, to_clock)
-        begin, end = (self._own_clock(board, clock) for clock in (from_clock, to_clock))
-        clocks, directions = board.take_steps(stepper, begin, end)
-        own = array("q", clocks)
-        return array("q", (self._main_clock(board, c) for c in own)).tobytes(), directions
+        own, directions = board.take_steps(stepper, 0, 2**62)
+        clocks = array("q", (self._main_clock(board, clock) for clock in array("q", own)))
+        first, end = bisect_left(clocks, from_clock), bisect_left(clocks, to_clock)
+        return clocks[first:end].tobytes(), directions[first:end]
 
     def take_commands(self, stepper: str) -> list[tuple[int, int, int, int, int]]:
         """(start clock, interval, count, add, direction ±1) of the traced commands executed since
@@ -137,7 +138,8 @@ class SimulatedMachine:
         stepper's own board."""
         board = self._of("steppers", stepper)
         return [
-            (self._main_clock(board, start), *rest) for start, *rest in board.take_commands(stepper)
+            (self._main_clock(board, start), interval, count, add, direction)
+            for start, interval, count, add, direction in board.take_commands(stepper)
         ]
 
     def trace_output(self, output: str) -> None:
