@@ -206,6 +206,18 @@ void bind_link(nb::module_& m) {
   nb::enum_<PinKind>(m, "PinKind").value("DIGITAL", PinKind::digital).value("PWM", PinKind::pwm);
   nb::class_<Timeline>(m, "Timeline", "What the links to the boards of one machine share.")
       .def(nb::init<>())
+      .def(
+          "arm",
+          [](Timeline& t, const std::vector<std::pair<size_t, uint32_t>>& members, uint32_t reason,
+             uint32_t expired, double clock, double patience) {
+            std::vector<Timeline::Member> list;
+            for (auto [seat, oid] : members) list.push_back({seat, oid});
+            t.arm(std::move(list), reason, expired, clock, patience);
+          },
+          "members"_a, "reason"_a, "expired"_a, "clock"_a, "patience"_a,
+          "These trsyncs, (seat of the link, oid), trigger together, for one of two reasons; and "
+          "by themselves when one of them was not heard of for so many ticks.")
+      .def("disarm", &Timeline::disarm)
       .def_prop_ro("halted", &Timeline::halted, "A board has stopped or is lost.");
   nb::class_<Link>(m, "Link", "The host's end of a board's wire; times in ticks.")
       .def(nb::init<double>(), "clock_hz"_a)
@@ -274,6 +286,10 @@ void bind_link(nb::module_& m) {
           "timeline"_a, "main"_a, "tolerance"_a = 0.0,
           "The board is one of several: the main one, or one whose steps are told in its own "
           "clock, within so many ticks.")
+      .def_prop_ro("seat", &held<&Link::seat>, "Its number among the links of the machine.")
+      .def("own_clock", &held<&Link::own_clock, Ticks>, "main_clock"_a,
+           "What this board's clock reads when the main one's reads so much.")
+      .def("main_clock", &held<&Link::main_clock, Ticks>, "own_clock"_a)
       .def(
           "set_apart",
           [](Link& l, size_t target, double least, double turning) {
@@ -630,6 +646,8 @@ void bind_board(nb::module_& m) {
                    "The most that the thread was late to send what was due.")
       .def("use_board_clock", &LiveWire::use_board_clock,
            "Once the link is synchronous: `now` is the board's clock from here on.")
+      .def("join", &LiveWire::join, "timeline"_a,
+           "The link looks up whenever others of its machine have news for it.")
       .def("stop", &LiveWire::stop, "No byte moves any more.",
            nb::call_guard<nb::gil_scoped_release>())
       .def("run", &LiveWire::run, "until"_a, "until_heaters"_a = false,

@@ -51,6 +51,7 @@ class Link {
     analog_id_ = id_of("analog_in_state");
     shutdown_id_ = id_of("shutdown");
     is_shutdown_id_ = id_of("is_shutdown");
+    trsync_id_ = id_of("trsync_state");
   }
   const Formats& commands() const { return commands_; }
 
@@ -73,18 +74,31 @@ class Link {
   }
   bool synchronous() const { return sync_.ready(); }
   const ClockSync& clock() const { return sync_; }
-  // True when the board left more than four questions unanswered.
-  bool lost() const { return unanswered_ > kLostAfter; }
+  // True when the board left its questions unanswered for some four seconds.
+  bool lost() const { return unanswered_ > (timeline_ ? kLostAfterOfSeveral : kLostAfter); }
 
   // This link's board is one of several: the main one, whose clock is that of the timeline, or a
   // further one, whose steps may miss their times by `tolerance` ticks more than the plan's.
   void join(std::shared_ptr<Timeline> timeline, bool main, double tolerance) {
     timeline_ = std::move(timeline);
+    seat_ = timeline_->take_seat();
     main_ = main;
     if (main)
       timeline_->set_clock(sync_.line(), hz_);
     else
       job_.retime(tolerance);
+  }
+  size_t seat() const { return seat_; }
+  // This board's clock when the main one's reads `clock`, and the other way.
+  Ticks own_clock(Ticks clock) const {
+    if (main_) return clock;
+    double host = timeline_->host_at(double(clock), hz_);
+    return Ticks(std::floor(sync_.line().clock_at(host) + 0.5));
+  }
+  Ticks main_clock(Ticks own) const {
+    if (main_) return own;
+    double host = sync_.line().host_at(double(own));
+    return Ticks(std::floor(timeline_->clock_at(host, hz_) + 0.5));
   }
   JobStream& job() { return job_; }
   // The messages of the job; other threads may use them as well, if one drives this link.
@@ -104,7 +118,7 @@ class Link {
     main_base_ = base;
     if (Retimer* retimer = job_.retimer()) {
       retimer->start(main_hz, hz_ / main_hz);
-      base = Ticks(expected(0));
+      base = own_clock(main_base_);
       job_.start(base);
       renew_map(0);
     }
@@ -167,6 +181,7 @@ class Link {
     size_t before = out.size();
     window_.poll(now, out);
     if (following_ && now >= next_sync_) ask_clock(now);
+    if (timeline_ && !shut_down_) follow_orders();
     if (timeline_ && timeline_->halted() && !shut_down_ && !halted_) stop_at_once();
     Ticks clock = sync_.ready() ? sync_.clock_at(now) : 0;
     if (sync_.ready() && !shut_down_)
@@ -185,7 +200,7 @@ class Link {
   }
 
  private:
-  static constexpr uint32_t kLostAfter = 4;
+  static constexpr uint32_t kLostAfter = 4, kLostAfterOfSeveral = 40;
   static constexpr int kQuickSamples = 8, kQuickSamplesOfSeveral = 80;
   static constexpr double kQuickSeconds = 0.05, kSyncSeconds = 0.9839;
   static constexpr double kSyncOfSeveralSeconds = 0.0983, kRenewSeconds = 0.9;
@@ -201,6 +216,7 @@ class Link {
   ClockSync sync_;
   JobStream job_;
   std::shared_ptr<Timeline> timeline_;  // none: the board is alone
+  size_t seat_ = 0;
   bool main_ = true, halted_ = false;
   Ticks main_base_ = 0;  // of the job, in the main board's clock
   double renewed_ = 0;   // the job's clock when the map of its time was renewed
@@ -223,7 +239,7 @@ class Link {
   int samples_ = 0;
   uint32_t unanswered_ = 0;
   int32_t clock_id_ = -1000, uptime_id_ = -1000, analog_id_ = -1000, shutdown_id_ = -1000,
-          is_shutdown_id_ = -1000;
+          is_shutdown_id_ = -1000, trsync_id_ = -1000;
   bool shut_down_ = false;
   uint32_t shutdown_reason_ = 0;
   uint64_t wire_bytes_ = 0, frames_ = 0, bad_frames_ = 0;
@@ -256,15 +272,20 @@ class Link {
     job_.stop();
     send("emergency_stop", {});
   }
-  // What this board's clock will read at a tick of the job.
-  double expected(double job_clock) const {
-    double host = timeline_->host_at(double(main_base_) + job_clock, hz_);
-    return std::floor(sync_.line().clock_at(host) + 0.5);
+  void follow_orders() {
+    for (const Timeline::Order& order : timeline_->take_mail(seat_)) {
+      if (order.triggers)
+        send("trsync_trigger", {int64_t(order.oid), int64_t(order.reason)});
+      else
+        send("trsync_set_timeout",
+             {int64_t(order.oid), int64_t(uint32_t(own_clock(Ticks(order.clock))))});
+    }
   }
   void renew_map(double job_clock) {
     renewed_ = job_clock;
-    double base = double(job_.base());
-    job_.retimer()->map().renew(job_clock, [&](double t) { return expected(t) - base; });
+    job_.retimer()->map().renew(job_clock, [&](double t) {
+      return double(own_clock(main_base_ + Ticks(t)) - job_.base());
+    });
   }
   // The clocks are known better now.
   void follow_timeline(Ticks now) {
@@ -276,7 +297,8 @@ class Link {
   }
 
   void ask_clock(Ticks now) {
-    if (asked_ && ++unanswered_ > kLostAfter && timeline_) timeline_->halt();
+    if (asked_) ++unanswered_;
+    if (timeline_ && lost()) timeline_->halt();
     Bytes payload;
     commands_.at(sync_.ready() ? "get_clock" : "get_uptime").encode({}, payload);
     now_queue_.push_back({std::move(payload), true});
@@ -316,6 +338,7 @@ class Link {
     } else if (id == analog_id_ && take_temperature(values, now)) {
       return;
     } else {
+      if (id == trsync_id_ && timeline_) take_trsync(values);
       if (id == shutdown_id_ || id == is_shutdown_id_) {
         shut_down_ = true;
         shutdown_reason_ = uint32_t(std::get<int64_t>(values.back()));
@@ -325,6 +348,13 @@ class Link {
       if (inbox_.size() == kInboxMax) inbox_.pop_front();
       inbox_.push_back({format, std::move(values)});
     }
+  }
+  // trsync_state oid can_trigger trigger_reason clock
+  void take_trsync(const std::vector<Value>& values) {
+    int64_t v[4];
+    for (size_t i = 0; i < 4; ++i) v[i] = std::get<int64_t>(values[i]);
+    Ticks clock = main_clock(sync_.unwrap(uint32_t(v[3])));
+    timeline_->heard(seat_, uint32_t(v[0]), v[1] != 0, uint32_t(v[2]), double(clock));
   }
   void take_clock(bool uptime, const std::vector<Value>& values, Ticks now) {
     if (!asked_ || question_ == 0) return;

@@ -388,6 +388,13 @@ class Timeline:
 
     def __init__(self) -> None: ...
 
+    def arm(self, members: Sequence[tuple[int, int]], reason: int, expired: int, clock: float, patience: float) -> None:
+        """
+        These trsyncs, (seat of the link, oid), trigger together, for one of two reasons; and by themselves when one of them was not heard of for so many ticks.
+        """
+
+    def disarm(self) -> None: ...
+
     @property
     def halted(self) -> bool:
         """A board has stopped or is lost."""
@@ -424,6 +431,15 @@ class Link:
         """
         The board is one of several: the main one, or one whose steps are told in its own clock, within so many ticks.
         """
+
+    @property
+    def seat(self) -> int:
+        """Its number among the links of the machine."""
+
+    def own_clock(self, main_clock: int) -> int:
+        """What this board's clock reads when the main one's reads so much."""
+
+    def main_clock(self, own_clock: int) -> int: ...
 
     def set_apart(self, target: int, least: float, turning: float) -> None:
         """
@@ -669,6 +685,9 @@ class LiveWire:
 
     def use_board_clock(self) -> None:
         """Once the link is synchronous: `now` is the board's clock from here on."""
+
+    def join(self, timeline: Timeline) -> None:
+        """The link looks up whenever others of its machine have news for it."""
 
     def stop(self) -> None:
         """No byte moves any more."""

@@ -27,6 +27,7 @@ class Boards:
         self.connections = list(connections)
         self.main = self.connections[0]
         self.board = together({c.name: c.board for c in self.connections})
+        self.timeline = _core.Timeline()
         self.faults: list[HeaterFault] = []
         for connection in self.connections:
             connection.faults = self.faults
@@ -36,9 +37,8 @@ class Boards:
         for connection in self.connections:
             connection.connect()
         if len(self.connections) > 1:
-            timeline = _core.Timeline()
             for connection in self.connections:
-                connection.join(timeline, main=connection is self.main, tolerance_s=_TOLERANCE_S)
+                connection.join(self.timeline, main=connection is self.main, tolerance_s=_TOLERANCE_S)
             self.run(self.now + int(_SETTLING_S * self.board.clock_hz))
 
     @property

@@ -19,7 +19,7 @@ SENSOR_RANGE_CHECKS = 4
 @dataclass(frozen=True, slots=True)
 class Oids:
     """Numbers of the board's objects: steppers, outputs, sensors, endstops, then a trsync for each
-    endstop: the group of motors that it stops."""
+    endstop, on this board or elsewhere: the group of motors here that it stops."""
 
     steppers: dict[str, int]
     outputs: dict[str, int]
@@ -44,7 +44,7 @@ class Oids:
             numbered(o.name for o in board.outputs),
             numbered(s.name for s in board.sensors),
             numbered(e.name for e in board.endstops),
-            numbered(e.name for e in board.endstops),
+            numbered([*(e.name for e in board.endstops), *board.endstops_elsewhere]),
             count,
         )
 

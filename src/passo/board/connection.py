@@ -66,7 +66,7 @@ class Connection:
         self.faults: list[HeaterFault] = []
         self.on_fault: Callable[[str, HeaterFault], None] | None = None
         self._told: dict[str, int] = {}
-        self._oids = Oids.of(board)
+        self.oids = Oids.of(board)
         self._responses: list[tuple[str, Values]] = []
 
     @property
@@ -102,6 +102,8 @@ class Connection:
         by `tolerance_s` more."""
         hz = self.board.clock_hz
         self.link.join(timeline, main, tolerance_s * hz)
+        if isinstance(self.wire, _core.LiveWire):
+            self.wire.join(timeline)
         for target, s in zip(self.board.stepper_targets, self.board.steppers, strict=True):
             self.link.set_apart(target, float(s.apart_ticks), float(s.turning_ticks))
 
@@ -161,7 +163,7 @@ class Connection:
         """Switches an output without a cycle at once. KeyError if there is no such output."""
         pin = next(o.pin for o in self.board.outputs if o.name == output)
         self.command(
-            f"update_digital_out oid={self._oids.outputs[output]} value={int(on != inverted(pin))}"
+            f"update_digital_out oid={self.oids.outputs[output]} value={int(on != inverted(pin))}"
         )
 
     def set_sensor(self, heater: str, sensor: Sensor) -> None:
@@ -196,13 +198,13 @@ class Connection:
         for o in self.board.outputs:
             if o.kind == "pwm" and o.name not in heated:
                 off = self.full_scale(o.name) if inverted(o.pin) else 0
-                oid = self._oids.outputs[o.name]
+                oid = self.oids.outputs[o.name]
                 self.command(f"queue_pwm_out oid={oid} clock={clock} value={off}")
 
     def net_steps(self, stepper: str) -> int:
         """Steps forward less steps backward that the board has made since it was configured. Lets
         time pass; raises MachineError."""
-        oid = self._oids.steppers[stepper]
+        oid = self.oids.steppers[stepper]
         answer = self.ask(f"stepper_get_position oid={oid}", "stepper_position")
         entry = next(s for s in self.board.steppers if s.name == stepper)
         sign = -1 if entry.invert != inverted(entry.dir_pin) else 1
@@ -286,14 +288,14 @@ class Connection:
         self.link.set_slots(slots)
         for target, s in zip(self.board.stepper_targets, self.board.steppers, strict=True):
             turned = s.invert != inverted(s.dir_pin)
-            self.link.add_stepper(target, s.name, self._oids.steppers[s.name], turned)
+            self.link.add_stepper(target, s.name, self.oids.steppers[s.name], turned)
         heated = {h.output for h in self.board.heaters}
         for target, o in zip(self.board.output_targets, self.board.outputs, strict=True):
             kind = _core.PinKind.PWM if o.kind == "pwm" else _core.PinKind.DIGITAL
             full = full_scale(o, self.dictionary) if inverted(o.pin) else 0
             # A heater's own loop renews it.
             longest = 0 if o.name in heated else o.max_duration_ticks
-            self.link.add_pin(target, o.name, self._oids.outputs[o.name], kind, full, longest)
+            self.link.add_pin(target, o.name, self.oids.outputs[o.name], kind, full, longest)
         for h in self.board.heaters:
             options = heater_options(self.board, h, self.dictionary)
             self.heaters[h.name] = self.link.add_heater(options)

@@ -96,7 +96,8 @@ class Endstop:
 @dataclass(frozen=True, slots=True)
 class BoardDescription:
     """A board and its wiring. The order of `steppers` and of `outputs` is that of message targets,
-    unless `stepper_targets` and `output_targets` number them: on one of several boards.
+    unless `stepper_targets` and `output_targets` number them: on one of several boards. There
+    `endstops_elsewhere` are the names of endstops of other boards that stop steppers of this one.
 
     `clock_hz` is the nominal frequency of the board's clock; `move_count` the number of commands
     that it can hold (a simulated board has as many, a real one reports its own).
@@ -110,6 +111,7 @@ class BoardDescription:
     endstops: tuple[Endstop, ...] = ()
     move_count: int = 1024
     mcu: str = "atmega2560"
+    endstops_elsewhere: tuple[str, ...] = ()
     stepper_targets: tuple[int, ...] = ()
     output_targets: tuple[int, ...] = ()
 
@@ -179,6 +181,7 @@ def together(boards: Mapping[str, BoardDescription]) -> BoardDescription:
         sensors=tuple(sensors),
         heaters=tuple(sorted(heaters, key=lambda h: order.index(h.output))),
         endstops=tuple(endstops),
+        endstops_elsewhere=(),
         stepper_targets=(),
         output_targets=(),
     )

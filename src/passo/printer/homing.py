@@ -199,7 +199,12 @@ class Homer:
         printer.drive.flush()
         try:
             await drive.until(
-                lambda: self._endstops.all_hit() or drive.standing or printer.interrupted
+                lambda: (
+                    self._endstops.all_hit()
+                    or bool(self._endstops.expired)
+                    or drive.standing
+                    or printer.interrupted
+                )
             )
             if not drive.standing:
                 drive.stop()
@@ -214,6 +219,8 @@ class Homer:
         printer.raise_if_interrupted()
         for way in ways:
             for switch in way.switches:
+                if switch.name in self._endstops.expired:
+                    raise self._problem("machine.switch-lost", switch, 0.0)
                 if switch.name not in self._endstops.hit:
                     far = travel[list(ways).index(way)]
                     raise self._problem("machine.switch-missed", switch, far)

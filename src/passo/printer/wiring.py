@@ -72,6 +72,11 @@ def board_description(machine: MachineConfig, board: str = MAIN) -> BoardDescrip
         ),
         move_count=config.move_count,
         mcu=config.mcu,
+        endstops_elsewhere=tuple(
+            s.name
+            for s in switches(machine)
+            if placed(s.pin)[0] != board and any(m.name in s.steppers for _, m in steppers)
+        ),
         stepper_targets=tuple(i for i, _ in steppers),
         output_targets=tuple(i for i, _ in outputs),
     )

@@ -32,6 +32,9 @@ class BenchPump:
     def device_cpu_s(self) -> float:
         return 0.0
 
+    def board_clock(self, _: _core.Link) -> int:
+        return self.now
+
     def run(self, until: int, until_heaters: bool = False) -> _core.Stop:
         shut_down = self._link.shut_down  # asked further, it needs time to answer
         while True:

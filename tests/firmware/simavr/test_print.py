@@ -10,6 +10,7 @@ from pathlib import Path
 from passo import config
 from passo.board.description import bare, inverted
 from passo.job.printing import Print
+from passo.board.boards import Boards
 from passo.printer.wiring import board_description
 from passo.toolchain.avr import AvrBoard, Motor
 
@@ -109,7 +110,7 @@ def test_a_minute_of_a_print_is_exact(tmp_path, monkeypatch):
         connection = AvrConnection(description, bench)
         connection.connect()
         connection.pump.world += bodies
-        return connection, Traced(bench, connection)
+        return Boards([connection]), Traced(bench, connection)
 
     monkeypatch.setattr("passo.job.printing.connect_simulated", on_bench)
     printing = Print(machine)
