@@ -107,6 +107,13 @@ class Connection:
         for target, s in zip(self.board.stepper_targets, self.board.steppers, strict=True):
             self.link.set_apart(target, float(s.apart_ticks), float(s.turning_ticks))
 
+    def main_clock(self, clock: int) -> int:
+        """The main board's clock when this one's reads `clock`, of which the low 32 bits count, not
+        long ago."""
+        now = self.board_clock
+        ago = (now - clock) & 0xFFFFFFFF
+        return self.link.main_clock(now - ago + (1 << 32 if ago >= 1 << 31 else 0))
+
     def command(self, text: str) -> None:
         """Queues a command, as `name parameter=value …`; it leaves when time next passes.
 

@@ -30,7 +30,7 @@ class Endstops:
         self._armed: dict[str, list[Connection]] = {}  # with all boards on which it stops motors
         self._rest_s = 0.0
         self._reason = 0
-        self.hit: set[str] = set()  # of those armed
+        self.hit: dict[str, int] = {}  # of those armed, and when its board stopped its motors
         self.expired: set[str] = set()  # of those armed: their boards lost each other
 
     def _board(self, name: str) -> Connection:
@@ -55,7 +55,7 @@ class Endstops:
         looks every `rest_s` seconds. The motors' clocks must not be set anew after that: it would
         let a stopped motor go on."""
         self._rest_s = rest_s
-        self._armed, self.hit, self.expired = {}, set(), set()
+        self._armed, self.hit, self.expired = {}, {}, set()
         self._reason = self._reason % _REASONS + 1
         for name, stopped in steppers.items():
             own = self._board(name)
@@ -119,10 +119,12 @@ class Endstops:
                 if name is None or values["can_trigger"]:
                     continue
                 if values["trigger_reason"] == self._reason:
-                    self.hit.add(name)
+                    # Later reports repeat it, with clocks of their own.
+                    if connection is self._board(name) and name not in self.hit:
+                        self.hit[name] = connection.main_clock(int(values["clock"]))
                 elif values["trigger_reason"] == self._reason + _EXPIRED:
                     self.expired.add(name)
-        return self.hit == set(self._armed)
+        return self.hit.keys() == self._armed.keys()
 
     def hit_clock(self, name: str) -> int:
         """Clock at which an endstop that was hit, and is still armed, first read as pressed. Asks
@@ -130,10 +132,8 @@ class Endstops:
         connection = self._board(name)
         rest = int(self._rest_s * connection.board.clock_hz)
         state = self._state(name)
-        now = connection.board_clock
         # The board tells when it would have looked again.
-        ago = (now - (int(state["next_clock"]) - rest)) & 0xFFFFFFFF
-        return connection.link.main_clock(now - ago)
+        return connection.main_clock(int(state["next_clock"]) - rest)
 
     def disarm(self) -> None:
         """None of them stops anything any more."""

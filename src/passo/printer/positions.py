@@ -17,21 +17,21 @@ class Positions:
 
     def __init__(self, printer: Printer) -> None:
         self._printer = printer
-        self._lost: dict[str, int] = {}
+        self.lost: dict[str, int] = {}
 
     def settle(self) -> None:
         """The machine stands: whatever the board has not made of the plan, it never will. Lets time
         pass; raises MachineError."""
         for row in self._printer.job.steppers():
             name = row["name"]
-            self._lost[name] = row["expected_net"] - self._printer.connection.net_steps(name)
+            self.lost[name] = row["expected_net"] - self._printer.connection.net_steps(name)
 
     def counts(self) -> dict[str, int]:
         """Each motor's position in steps, now. Lets time pass; raises MachineError."""
         found: dict[str, int] = {}
         for row in self._printer.job.steppers():
             name = row["name"]
-            net = self._printer.connection.net_steps(name) + self._lost.get(name, 0)
+            net = self._printer.connection.net_steps(name) + self.lost.get(name, 0)
             found[name] = net + row["count"] - row["expected_net"]
         return found
 

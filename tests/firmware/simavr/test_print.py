@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from passo import config
+from passo.board.boards import Boards
 from passo.board.description import bare, inverted
 from passo.job.printing import Print
-from passo.board.boards import Boards
 from passo.printer.wiring import board_description
 from passo.toolchain.avr import AvrBoard, Motor
 
