@@ -583,6 +583,7 @@ void bind_board(nb::module_& m) {
                               "bytes travel `latency` to `latency` + `jitter` ticks each way.")
       .def(nb::init<Device&, Ticks, double, Ticks, Ticks, uint32_t>(), "device"_a, "start"_a = 0,
            "drift"_a = 0.0, "latency"_a = 0, "jitter"_a = 0, "seed"_a = 1, nb::keep_alive<1, 2>())
+      .def("cut", &Distant::cut, "on"_a, "What is sent either way is lost.")
       .def("clock_at", &Distant::clock_at, "host_ticks"_a)
       .def("host_at", &Distant::host_at, "clock"_a);
   m.def(

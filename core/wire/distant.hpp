@@ -28,7 +28,11 @@ class Distant : public Device {
     return host;
   }
 
+  // While it is cut, what is sent either way is lost.
+  void cut(bool on) { cut_ = on; }
+
   void feed(const uint8_t* data, size_t n, Ticks now) override {
+    if (cut_) return;
     down_.push_back({arrival(down_, now), Bytes(data, data + n)});
   }
   void poll(Ticks now, Bytes& out) override {
@@ -57,6 +61,7 @@ class Distant : public Device {
   double rate_;
   Ticks latency_, jitter_;
   uint32_t random_;
+  bool cut_ = false;
   Way down_, up_;
 
   Ticks arrival(const Way& way, Ticks now) {
@@ -68,7 +73,7 @@ class Distant : public Device {
   void listen(Ticks now) {
     Bytes said;
     device_.poll(clock_at(now), said);
-    if (!said.empty()) up_.push_back({arrival(up_, now), std::move(said)});
+    if (!said.empty() && !cut_) up_.push_back({arrival(up_, now), std::move(said)});
   }
 };
 

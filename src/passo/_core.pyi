@@ -617,6 +617,9 @@ class Distant(Device):
 
     def __init__(self, device: Device, start: int = 0, drift: float = 0.0, latency: int = 0, jitter: int = 0, seed: int = 1) -> None: ...
 
+    def cut(self, on: bool) -> None:
+        """What is sent either way is lost."""
+
     def clock_at(self, host_ticks: int) -> int: ...
 
     def host_at(self, clock: int) -> int: ...

@@ -38,9 +38,8 @@ class Boards:
             connection.connect()
         if len(self.connections) > 1:
             for connection in self.connections:
-                connection.join(
-                    self.timeline, main=connection is self.main, tolerance_s=_TOLERANCE_S
-                )
+                main = connection is self.main
+                connection.join(self.timeline, main=main, tolerance_s=_TOLERANCE_S)
             self.run(self.now + int(_SETTLING_S * self.board.clock_hz))
 
     @property

@@ -59,6 +59,11 @@ class SimulatedMachine:
                     number + 1,
                 )
 
+    def cut_cable(self, board: str, on: bool = True) -> None:
+        """A fault: what is sent to a further board, or from it, is lost; False ends it. KeyError if
+        the board's clock and cable are perfect."""
+        self._distant[self.boards[board]].cut(on)
+
     def _of(self, part: str, name: str) -> SimulatedBoard:
         return self._own[part, name]
 
