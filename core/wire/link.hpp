@@ -297,16 +297,23 @@ class Link {
   }
 
   void ask_clock(Ticks now) {
-    if (asked_) ++unanswered_;
-    if (timeline_ && lost()) timeline_->halt();
+    bool quick = samples_ < (timeline_ ? kQuickSamplesOfSeveral : kQuickSamples);
+    double seconds = quick       ? kQuickSeconds
+                     : timeline_ ? kSyncOfSeveralSeconds
+                                 : kSyncSeconds;
+    next_sync_ = now + Ticks(seconds * hz_);
+    if (asked_) {
+      ++unanswered_;
+      if (timeline_ && lost()) timeline_->halt();
+      // An answer comes before the acknowledgement, or never. Two questions on their way would be
+      // taken for each other.
+      if (question_ == 0 || window_.acked() <= question_) return;
+    }
     Bytes payload;
     commands_.at(sync_.ready() ? "get_clock" : "get_uptime").encode({}, payload);
     now_queue_.push_back({std::move(payload), true});
     asked_ = true;
     question_ = 0;
-    bool quick = samples_ < (timeline_ ? kQuickSamplesOfSeveral : kQuickSamples);
-    double seconds = quick ? kQuickSeconds : timeline_ ? kSyncOfSeveralSeconds : kSyncSeconds;
-    next_sync_ = now + Ticks(seconds * hz_);
   }
 
   Ticks deadline(Ticks now) const {

@@ -185,6 +185,8 @@ class Homer:
         stops = {s.name: s.steppers for w in ways for s in w.switches}
         finest = max(speed * self._steps(w) for speed, w in zip(speeds, ways, strict=True))
         drive = printer.drive
+        if not printer.positions.settled:
+            printer.positions.settle()
         drive.before_moves()
         overshoot = Overshoot(printer, self._endstops, joints=self._joints)
         start = drive.base + int(printer.job.clock - _ARMED_S * drive.hz)

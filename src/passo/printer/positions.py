@@ -18,13 +18,16 @@ class Positions:
     def __init__(self, printer: Printer) -> None:
         self._printer = printer
         self.lost: dict[str, int] = {}
+        self.settled = True  # False: a board did not answer the last time
 
     def settle(self) -> None:
         """The machine stands: whatever the board has not made of the plan, it never will. Lets time
         pass; raises MachineError."""
+        self.settled = False
         for row in self._printer.job.steppers():
             name = row["name"]
             self.lost[name] = row["expected_net"] - self._printer.connection.net_steps(name)
+        self.settled = True
 
     def counts(self) -> dict[str, int]:
         """Each motor's position in steps, now. Lets time pass; raises MachineError."""
