@@ -298,9 +298,7 @@ class Link {
 
   void ask_clock(Ticks now) {
     bool quick = samples_ < (timeline_ ? kQuickSamplesOfSeveral : kQuickSamples);
-    double seconds = quick       ? kQuickSeconds
-                     : timeline_ ? kSyncOfSeveralSeconds
-                                 : kSyncSeconds;
+    double seconds = quick ? kQuickSeconds : timeline_ ? kSyncOfSeveralSeconds : kSyncSeconds;
     next_sync_ = now + Ticks(seconds * hz_);
     if (asked_) {
       ++unanswered_;

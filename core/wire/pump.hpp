@@ -45,23 +45,29 @@ class Pump {
   }
   Bytes& recorded() { return recorded_; }
 
-  // Runs until virtual time reaches `until`, until a board stops, a heater fails, or, if asked,
+  // Runs until virtual time reaches `until`, until all boards have stopped, or one for so long that
+  // the others should have heard of it, until a heater fails, or, if asked,
   // until no heater is on its way to its target. The queue of the job must already hold all
   // messages whose clock is below `until` plus the horizon.
   Stop run(Ticks until, bool until_heaters) {
-    for (;;) {
+    for (Ticks told = kNever;;) {
       Ticks next = exchange();
-      bool shut_down = false, fault = false, reached = until_heaters;
+      bool any_stopped = false, all_stopped = true, fault = false, reached = until_heaters;
       for (End& end : ends_) {
         next = std::min(next, end.host(end.device->next_deadline()));
-        shut_down |= end.link->shut_down();
+        any_stopped |= end.link->shut_down();
+        all_stopped = all_stopped && end.link->shut_down();
         fault |= end.link->take_fault();
         reached = reached && end.link->heaters_reached();
       }
-      if (shut_down) return Stop::shutdown;
+      if (any_stopped) {
+        told = std::min(told, now_ + Ticks(kNewsSeconds * ends_[0].link->hz()));
+        if (all_stopped || now_ >= told) return Stop::shutdown;
+        next = std::min(next, told);
+      }
       if (fault) return Stop::fault;
       if (reached) return Stop::heaters;
-      if (next > until) {
+      if (next > until && !any_stopped) {
         now_ = std::max(now_, until);
         // Nothing is due, but they learn the time.
         for (End& end : ends_) end.device->poll(end.own(now_), end.up);
@@ -88,6 +94,7 @@ class Pump {
   Bytes recorded_;
   bool recording_ = false;
   static constexpr unsigned kSample = 251;
+  static constexpr double kNewsSeconds = 0.05;
   double (*cpu_clock_)();
   unsigned exchanges_ = 0;
   double device_cpu_ = 0;

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from passo import _core
-from passo.board.connection import BoardSilentError, Connection
+from passo.board.connection import Connection
 from passo.board.description import Sensor, together
 from passo.board.faults import HeaterFault
 
 _SETTLING_S = 4.0  # until the clocks of several boards are known well enough
 _LOOK_S = 0.02  # a fault of one live board among several is told so late at most
+_NEWS_S = 0.05  # until all boards have been told that one is lost
 _LEAD_S = 0.25
 _TOLERANCE_S = 1e-6  # of a step on a further board, beside what the plan allows
 
@@ -105,7 +106,9 @@ class Boards:
             raise connection.shutdown_error()
         for connection in self.connections:
             if connection.link.lost:
-                raise BoardSilentError("get_clock")
+                # The others are being stopped.
+                self.main.pass_time(self.now + int(_NEWS_S * self.board.clock_hz))
+                raise connection.silence("get_clock")
 
     def connection_of(self, part: str, name: str) -> Connection:
         """The board that has a part, one of `steppers`, `outputs`, `sensors`, `heaters`,

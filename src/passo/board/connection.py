@@ -158,7 +158,7 @@ class Connection:
         if self.link.shut_down:
             raise self.shutdown_error()
         if self.link.lost:
-            raise BoardSilentError("get_clock")
+            raise self.silence("get_clock")
         return stop == _core.Stop.HEATERS
 
     def set_target(self, heater: str, celsius: float) -> None:
@@ -271,7 +271,7 @@ class Connection:
                     self.wire.use_board_clock()
                 return
             self.run(self.now + self._ticks(_STEP_S))
-        raise BoardSilentError("get_uptime")
+        raise self.silence("get_uptime")
 
     def _configure(self) -> None:
         lines = commands(self.board, self.dictionary)
@@ -320,7 +320,7 @@ class Connection:
                 if found is not None:
                     return found
                 until += self._ticks(_STEP_S)
-        raise BoardSilentError(name)
+        raise self.silence(name)
 
     def _find(self, answer: str) -> Values | None:
         fresh: list[tuple[str, Values]] = self.link.take_responses()
@@ -335,7 +335,14 @@ class Connection:
     def _collect(self) -> None:
         self._responses += self.link.take_responses()
 
+    def silence(self, question: str) -> BoardSilentError:
+        """The board has left a question unanswered."""
+        return BoardSilentError(self._named(question))
+
+    def _named(self, text: str) -> str:
+        return f"{text} (board {self.name})" if self.name else text
+
     def shutdown_error(self) -> MachineError:
         """Why the board has shut down."""
         reason = self.dictionary.name_of("static_string_id", self.link.shutdown_reason)
-        return MachineError.of("machine.shutdown", value=reason)
+        return MachineError.of("machine.shutdown", value=self._named(reason))
