@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 from passo.config.board_files import known_pins
 from passo.config.chips import Chip, Pulse, chip, chip_names
-from passo.config.findings import Finding, array, did_you_mean, table, tables
+from passo.config.findings import Finding, array, did_you_mean, key_text, table, tables
 from passo.config.lines import Path
 from passo.config.places import MAIN, named_on, placed, section
 
@@ -90,23 +90,23 @@ def _check_parts(data: Raw) -> Iterator[Finding]:
     """A motor has all its pins on one board, and a heater's sensor and fan are on its own."""
     for name, stepper in tables(data, "steppers"):
         keys = ("step_pin", "socket", "direction_pin", "enable_pin")
-        yield from _check_together(("steppers", name), stepper, keys, "this motor's other pins")
+        yield from _check_together(("steppers", name), stepper, keys)
     fans = dict(tables(data, "fans"))
     for name, heater in tables(data, "heaters"):
         path = ("heaters", name)
-        yield from _check_together(path, heater, ("pin", "sensor_pin"), "the heater")
+        yield from _check_together(path, heater, ("pin", "sensor_pin"))
         fan = fans.get(str(heater.get("fan")))
         both = {"pin": heater.get("pin"), "fan": fan.get("pin")} if fan else {}
-        yield from _check_together(path, both, ("pin", "fan"), "the heater")
+        yield from _check_together(path, both, ("pin", "fan"))
 
 
-def _check_together(path: Path, part: Raw, keys: tuple[str, ...], what: str) -> Iterator[Finding]:
-    """Those of the keys that are given name one board, that of the first."""
+def _check_together(path: Path, part: Raw, keys: tuple[str, ...]) -> Iterator[Finding]:
+    """Those of the keys that are given are on the board of the first of them."""
     pins = {key: pin for key in keys if isinstance(pin := part.get(key), str)}
     for key, pin in pins.items():
-        first = next(iter(pins.values()))
-        if placed(pin)[0] != placed(first)[0]:
-            limit = f"a pin of the board that {what} is on: {placed(first)[0] or 'the main one'}"
+        first, board = next((k, placed(p)[0]) for k, p in pins.items())
+        if placed(pin)[0] != board:
+            limit = f"a pin of the board of {key_text((*path, first))}, {board or 'the main one'}"
             yield Finding("config.conflict", (*path, key), pin, limit)
 
 
