@@ -623,6 +623,7 @@ void bind_board(nb::module_& m) {
       .def("attach", &Pump::attach, "link"_a, "device"_a, nb::keep_alive<1, 2>(),
            nb::keep_alive<1, 3>(), "A further device, or another link to one that is here.")
       .def_prop_ro("now", &Pump::now)
+      .def_prop_ro("hz", &Pump::hz, "Ticks of its time in a second.")
       .def("board_clock", &Pump::board_clock, "link"_a,
            "What the clock of this link's board reads, as far as it is known.")
       .def_prop_ro("device_cpu_s", &Pump::device_cpu)
@@ -640,6 +641,7 @@ void bind_board(nb::module_& m) {
                        "thread of its own.")
       .def(nb::init<Link&, int>(), "link"_a, "fd"_a, nb::keep_alive<1, 2>())
       .def_prop_ro("now", &LiveWire::now)
+      .def_prop_ro("hz", &LiveWire::hz, "Ticks of its time in a second.")
       .def(
           "board_clock", [](LiveWire& w, const Link&) { return w.now(); }, "link"_a,
           "What the board's clock reads, as far as it is known.")

@@ -25,6 +25,7 @@ class LiveWire {
   }
   ~LiveWire() { stop(); }
 
+  double hz() const { return link_.hz(); }
   // This computer's time in ticks, and from use_board_clock() on the board's clock, which never
   // runs backwards.
   Ticks now() {

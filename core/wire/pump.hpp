@@ -30,6 +30,7 @@ class Pump {
   }
 
   Ticks now() const { return now_; }
+  double hz() const { return ends_[0].link->hz(); }
   // The clock of a link's board, as far as that knows it.
   Ticks board_clock(const Link& link) const {
     for (const End& end : ends_)

@@ -657,6 +657,10 @@ class Pump:
     @property
     def now(self) -> int: ...
 
+    @property
+    def hz(self) -> float:
+        """Ticks of its time in a second."""
+
     def board_clock(self, link: Link) -> int:
         """What the clock of this link's board reads, as far as it is known."""
 
@@ -678,6 +682,10 @@ class LiveWire:
 
     @property
     def now(self) -> int: ...
+
+    @property
+    def hz(self) -> float:
+        """Ticks of its time in a second."""
 
     def board_clock(self, link: Link) -> int:
         """What the board's clock reads, as far as it is known."""

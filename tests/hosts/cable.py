@@ -16,14 +16,16 @@ T = TypeVar("T")
 
 
 class Cable:
-    """The board of a machine; hosts open the serial device `path`."""
+    """A board of a machine, the main one unless named; hosts open the serial device `path`."""
 
-    def __init__(self, machine: MachineConfig) -> None:
-        self.board: SimulatedBoard = simulated_board(machine, board_description(machine))
+    def __init__(self, machine: MachineConfig, name: str = "") -> None:
+        self.board: SimulatedBoard = simulated_board(
+            machine, board_description(machine, name), name
+        )
         master, self._slave = os.openpty()  # the host's end stays open: hosts come and go
         tty.setraw(self._slave)
         self.path = os.ttyname(self._slave)
-        self._live = _core.LiveBoard(self.board.device, master, float(machine.board.clock_hz))
+        self._live = _core.LiveBoard(self.board.device, master, float(self.board.board.clock_hz))
 
     def look(self, at: Callable[[], T]) -> T:
         """What a function of the board returns, while the board stands still."""

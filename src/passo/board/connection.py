@@ -92,8 +92,7 @@ class Connection:
             raise MachineError.of("machine.dictionary", value=str(error)) from None
         self._follow_clock()
         self._prepare()
-        begin = self.board_clock + self._ticks(_LEAD_S)
-        for line in queries(self.board, self.dictionary, begin):
+        for line in queries(self.board, self.dictionary, self._clock_after(_LEAD_S)):
             self.command(line)
         self.run(self.now)
 
@@ -200,7 +199,7 @@ class Connection:
             self.wire.stop()
 
     def _switch_off_lasers(self) -> None:
-        clock = (self.board_clock + self._ticks(_LEAD_S / 2)) & 0xFFFFFFFF
+        clock = self._clock_after(_LEAD_S / 2) & 0xFFFFFFFF
         heated = {h.output for h in self.board.heaters}
         for o in self.board.outputs:
             if o.kind == "pwm" and o.name not in heated:
@@ -243,7 +242,11 @@ class Connection:
             self.on_fault(name, event)
 
     def _ticks(self, seconds: float) -> int:
-        return int(seconds * self.board.clock_hz)
+        return int(seconds * self.wire.hz)
+
+    def _clock_after(self, seconds: float) -> int:
+        """What the board's own clock will read."""
+        return self.board_clock + int(seconds * self.board.clock_hz)
 
     def _identify(self) -> None:
         data = b""

@@ -32,6 +32,8 @@ class BenchPump:
     def device_cpu_s(self) -> float:
         return 0.0
 
+    hz = HZ
+
     def board_clock(self, _: _core.Link) -> int:
         return self.now
 
