@@ -10,6 +10,7 @@ from passo.board.connection import Connection
 from passo.board.description import BoardDescription, Sensor
 
 from .bench import AvrBench
+from .boards import HZ
 
 QUANTUM = 8000
 WORLD = 160_000
@@ -32,7 +33,7 @@ class BenchPump:
     def device_cpu_s(self) -> float:
         return 0.0
 
-    hz = HZ
+    hz = float(HZ)
 
     def board_clock(self, _: _core.Link) -> int:
         return self.now
