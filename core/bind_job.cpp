@@ -281,6 +281,31 @@ void bind_job(nb::module_& m) {
       .def(
           "hold_from", [](JobView& self, double ticks) { return self.job.motion.hold_from(ticks); },
           "ticks"_a)
+      .def(
+          "use_commits",
+          [](JobView& self, int64_t period, size_t most, int64_t taken) {
+            self.job.motion.flush();
+            self.job.motion.use_commits(period, most, taken);
+          },
+          "period"_a, "most"_a, "taken"_a,
+          "Messages come in commits of at most so many ticks and messages from now on, and those "
+          "taken are kept for some ticks, for recover_from; only while the machine stands.")
+      .def(
+          "stop_commits",
+          [](JobView& self) {
+            self.job.motion.flush();
+            self.job.motion.stop_commits();
+          },
+          "Messages come as they are; only while the machine stands.")
+      .def(
+          "recover_from",
+          [](JobView& self, uint32_t serial) { return self.job.motion.recover_from(serial); },
+          "serial"_a,
+          "The board has stopped behind this commit by itself: what was to follow is held until "
+          "`release`. Returns its clock; None, and nothing is changed, if it is not known.")
+      .def_prop_ro(
+          "holds", [](JobView& self) { return self.job.motion.held() > 0; },
+          "Moves wait for `release`.")
       .def("release", [](JobView& self) { self.job.motion.release(); })
       .def(
           "stop_from", [](JobView& self, double ticks) { return self.job.stop_from(ticks); },

@@ -181,7 +181,9 @@ void bind_link(nb::module_& m) {
       .value("QUEUE_STEP", MessageKind::queue_step)
       .value("SET_DIR", MessageKind::set_dir)
       .value("RESET_CLOCK", MessageKind::reset_clock)
-      .value("PIN", MessageKind::pin);
+      .value("PIN", MessageKind::pin)
+      .value("TAIL", MessageKind::tail)
+      .value("COMMIT", MessageKind::commit);
   nb::class_<MessageQueue>(m, "MessageQueue",
                            "Planned messages of one board, in the order of their clocks.")
       .def(nb::init<>())
@@ -325,6 +327,12 @@ void bind_link(nb::module_& m) {
           "queue"_a.none(), nb::keep_alive<1, 2>())
       .def("start_job", &held<&Link::start_job, Ticks, double>, "base_clock"_a, "main_hz"_a,
            "Both are the main board's.")
+      .def("use_commits", &held<&Link::use_commits, Ticks>, "horizon"_a,
+           "The job comes in commits, and leaves so many ticks ahead.")
+      .def("reconnect", &held<&Link::reconnect, Ticks>, "now"_a,
+           "The board has gone on without this host: what was on its way is forgotten, and the job "
+           "stands until go_on().")
+      .def("go_on", &held<&Link::go_on>)
       .def("stop_job",
            [](Link& l) {
              std::lock_guard lock(l.guard());
@@ -583,6 +591,7 @@ void bind_board(nb::module_& m) {
                               "bytes travel `latency` to `latency` + `jitter` ticks each way.")
       .def(nb::init<Device&, Ticks, double, Ticks, Ticks, uint32_t>(), "device"_a, "start"_a = 0,
            "drift"_a = 0.0, "latency"_a = 0, "jitter"_a = 0, "seed"_a = 1, nb::keep_alive<1, 2>())
+      .def_prop_ro("now", &Distant::now, "Host time.")
       .def("cut", &Distant::cut, "on"_a, "What is sent either way is lost.")
       .def("clock_at", &Distant::clock_at, "host_ticks"_a)
       .def("host_at", &Distant::host_at, "clock"_a);
@@ -626,6 +635,7 @@ void bind_board(nb::module_& m) {
       .def_prop_ro("hz", &Pump::hz, "Ticks of its time in a second.")
       .def("board_clock", &Pump::board_clock, "link"_a,
            "What the clock of this link's board reads, as far as it is known.")
+      .def("cut", &Pump::cut, "Takes the cable away.")
       .def_prop_ro("device_cpu_s", &Pump::device_cpu)
       .def("record", &Pump::record, "on"_a)
       .def("take_recorded",

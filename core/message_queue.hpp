@@ -22,7 +22,7 @@ class MessageQueue {
   bool empty() const { return head_ == tail_; }
   size_t size() const { return tail_ - head_; }
   void push(const Message& message) {
-    if (size() == ring_.size()) grow();
+    if (tail_ - kept_ == ring_.size()) grow();
     ring_[tail_++ & (ring_.size() - 1)] = message;
   }
   // Behind all messages whose clocks are not later.
@@ -41,6 +41,32 @@ class MessageQueue {
   void pop() {
     taken_until_ = std::max(taken_until_, front().end_clock);
     ++head_;
+    if (keeps_ > 0)
+      while (kept_ < head_ && at(kept_).end_clock < taken_until_ - keeps_) ++kept_;
+    else
+      kept_ = head_;
+  }
+  // From here on messages are kept for so many ticks behind the last one taken, for what follows.
+  void keep(int64_t ticks) {
+    keeps_ = ticks;
+    kept_ = head_;
+  }
+  int64_t kept_ticks() const { return keeps_; }
+  // All that is kept is to be taken again; what was taken before ended at `clock`.
+  void rewind(int64_t clock) {
+    head_ = kept_;
+    taken_until_ = clock;
+  }
+  // All messages behind this commit are to be taken again. False if it was taken too long ago, or
+  // not at all.
+  bool rewind_behind(uint32_t serial) {
+    for (size_t i = head_; i-- > kept_;) {
+      if (at(i).kind != MessageKind::commit || at(i).interval != serial) continue;
+      head_ = i + 1;
+      taken_until_ = at(i).clock;
+      return true;
+    }
+    return false;
   }
   // Latest end of all messages taken so far: they can no longer be revoked.
   int64_t taken_until() const { return taken_until_; }
@@ -54,17 +80,18 @@ class MessageQueue {
   }
   // Whoever holds one of the two holds both. Before either is used.
   void join(MessageQueue& other) { guard_ = other.guard_; }
-  void clear() { head_ = tail_; }
+  void clear() { tail_ = head_; }
 
  private:
+  const Message& at(size_t i) const { return ring_[i & (ring_.size() - 1)]; }
   void grow() {
     std::vector<Message> bigger(ring_.size() * 2);
-    for (size_t i = head_; i != tail_; ++i) bigger[i & (bigger.size() - 1)] = (*this)[i - head_];
+    for (size_t i = kept_; i != tail_; ++i) bigger[i & (bigger.size() - 1)] = at(i);
     ring_.swap(bigger);
   }
   std::vector<Message> ring_;  // size is a power of two
-  size_t head_ = 0, tail_ = 0;
-  int64_t taken_until_ = 0;
+  size_t kept_ = 0, head_ = 0, tail_ = 0;
+  int64_t taken_until_ = 0, keeps_ = 0;
   struct Guard {
     std::recursive_mutex mutex;  // cutting a plan hands messages on within
     std::atomic<bool> shared{false};

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "commits.hpp"
 #include "compressor.hpp"
 #include "laser.hpp"
 #include "message_queue.hpp"
@@ -121,7 +122,11 @@ class Motion {
     auto held = hold();
     int64_t clock = std::max(int64_t(std::ceil(ticks)), taken_until());
     Message m{clock, clock, value, 0, 0, target, MessageKind::pin, 0};
-    (clock < handed_out_ ? queue_of(m) : pins_).insert(m);
+    bool committed = !commits_ || clock <= commits_->points().back().clock;
+    MessageQueue& queue = clock >= handed_out_ ? pins_
+                          : committed          ? queue_of(m)
+                                               : commits_->waiting();
+    queue.insert(m);
     merge(false);
   }
 
@@ -169,6 +174,48 @@ class Motion {
   // after either change.
   void use_joints(bool on) { machine_.joints = on && planner_.constraints().actuators.size() >= 3; }
   void set_tool_offset(size_t tool, int j, double mm) { machine_.tools[tool].offset[j] = mm; }
+
+  // From now on messages come in commits (commits.hpp): each of at most `period` ticks and `most`
+  // messages. Only while the machine stands and nothing is waiting. `taken` ticks of messages are
+  // kept for recover_from().
+  void use_commits(int64_t period, size_t most, int64_t taken) {
+    commits_.emplace(machine_, period, most, last_steps(), nets());
+    auto held = hold();
+    messages_[0].keep(taken);
+  }
+  void stop_commits() { commits_.reset(); }
+  bool commits() const { return commits_.has_value(); }
+
+  // The board was left alone: it has come to a stop behind the commit `serial`, as that told it to.
+  // Plans anew from there; what was to follow is held, and `release` goes on with it at any later
+  // clock; expected_net() tells where each motor must be by now. Outputs that were to change on the
+  // way change when it goes on. Returns the clock of the commit; nothing, and nothing is changed,
+  // if that is not known any more.
+  std::optional<double> recover_from(uint32_t serial) {
+    if (!commits_) return std::nullopt;
+    auto held = hold();
+    const auto& points = commits_->points();
+    auto p = std::find_if(points.begin(), points.end(),
+                          [&](const Commits::Point& x) { return x.serial == serial; });
+    if (p == points.end()) return std::nullopt;
+    double clock = double(p->clock);
+    if (commits_->begins_with(*p))
+      messages_[0].rewind(p->clock);
+    else if (!messages_[0].rewind_behind(serial))
+      return std::nullopt;
+    if (held_.empty()) hold_from(clock);
+    std::deque<Record> late;
+    for (; !messages_[0].empty(); messages_[0].pop())
+      if (const Message& m = messages_[0].front();
+          m.kind == MessageKind::pin && m.target != laser_target_)
+        late.push_back({m.target, m.interval, m.clock});
+    (held_.empty() ? unattached_ : held_.front().records) += uint16_t(late.size());
+    records_.insert(records_.begin(), late.begin(), late.end());
+    for (size_t i = 0; i < compressors_.size(); ++i) compressors_[i].renew();
+    messages_[0].keep(messages_[0].kept_ticks());
+    commits_->begin(serial, int64_t(planner_.clock()), last_steps(), nets());
+    return clock;
+  }
 
   // After an endstop has stopped motors on the board: the next step of motor i tells its clock and
   // direction anew. Only after flush; where the motor is must be set then.
@@ -262,31 +309,8 @@ class Motion {
     planner_.stand(ticks_of_cut_);
     std::vector<Move> braking;
     size_t i = 0;
-    double v2 = speed2;
-    for (; i < rest.size() && v2 > 0; ++i) {
-      Move& m = rest[i];
-      double reach = 2 * m.b * m.d;
-      if (v2 <= reach) {
-        double part = v2 / reach;
-        if (part < 1 - 1e-9) {
-          Move first = m;
-          Bounds::cut(m, 0, part, first);
-          Move second = m;
-          Bounds::cut(m, part, 1, second);
-          second.inner = true;
-          second.records = 0;
-          braking.push_back(first);
-          rest[i] = second;
-        } else {
-          braking.push_back(m);
-          ++i;
-        }
-        v2 = 0;
-        break;
-      }
-      v2 -= reach;
-      braking.push_back(m);
-    }
+    for (double v2 = speed2; i < rest.size() && v2 > 0; ++i)
+      if (brake(rest[i], v2, braking)) break;
     held_.assign(rest.begin() + long(i), rest.end());
     // Records behind the last move held are not due at the stop.
     uint16_t behind = held_.empty() ? uint16_t(0) : std::exchange(unattached_, uint16_t(0));
@@ -393,6 +417,7 @@ class Motion {
   std::deque<Compressor> compressors_;
   std::deque<MessageQueue> messages_;  // by board
   MessageQueue pins_;
+  std::optional<Commits> commits_;     // only of a board that is alone
   std::vector<MessageQueue*> merged_;  // pins_ and those of the compressors
   std::vector<int64_t> next_clocks_;   // of each of them
   std::deque<Record> records_, placed_, marks_;
@@ -457,6 +482,91 @@ class Motion {
     const std::vector<uint16_t>& boards = machine_.output_boards;
     return messages_[m.target < boards.size() ? boards[m.target] : 0];
   }
+  // Puts into `braking` the part of a move in which the machine comes to a stop from speed² v2, or
+  // all of it, and takes what that costs from v2. True if a part of the move is left, which is `m`
+  // then.
+  static bool brake(Move& m, double& v2, std::vector<Move>& braking) {
+    double reach = 2 * m.b * m.d, part = v2 / reach;
+    if (part < 1 - 1e-9) {
+      Move first = m;
+      Bounds::cut(m, 0, part, first);
+      Move second = m;
+      Bounds::cut(m, part, 1, second);
+      second.inner = true;
+      second.records = 0;
+      braking.push_back(first);
+      m = second;
+      v2 = 0;
+      return true;
+    }
+    braking.push_back(m);
+    v2 = part <= 1 ? 0 : v2 - reach;
+    return false;
+  }
+  // How the machine would stop on its path from `clock` on.
+  void brake_from(int64_t clock, std::vector<Move>& moves) const {
+    auto under_way = std::partition_point(history_.begin() + long(history_begin_), history_.end(),
+                                          [&](const Move& m) { return m.end() <= double(clock); });
+    double v2 = planner_.speed2();
+    auto next = [&](const Move& m) {
+      Move copy = m;
+      if (v2 > 0) brake(copy, v2, moves);
+      return v2 > 0;
+    };
+    bool goes_on = true;
+    if (under_way != history_.end()) {
+      const Move& m = *under_way;
+      if (m.kind == MoveKind::dwell || m.start >= double(clock)) {
+        v2 = m.v0 * m.v0;
+        goes_on = m.kind != MoveKind::dwell && next(m);
+      } else {
+        auto [s, v] = along(m, double(clock) - m.start);
+        v2 = v * v;
+        Move left = m;
+        Bounds::cut(m, s / m.d, 1, left);
+        goes_on = next(left);
+      }
+      for (++under_way; goes_on && under_way != history_.end(); ++under_way)
+        goes_on = next(*under_way);
+    }
+    if (goes_on) planner_.all_queued(next);
+    double start = double(clock), hz = machine_.clock_hz, v = 0;
+    if (!moves.empty()) {
+      // The speed at the start, from what it takes to stop.
+      double way = 0;
+      for (const Move& m : moves) way += 2 * m.b * m.d;
+      v = std::sqrt(way);
+    }
+    for (Move& m : moves) {
+      m.v0 = m.vc = v;
+      m.v1 = v = std::sqrt(std::max(0.0, v * v - 2 * m.b * m.d));
+      m.a = m.b;
+      m.d_acc = m.d_cru = m.t_acc = m.t_cru = 0;
+      m.t_dec = (m.v0 - m.v1) / m.b * hz;
+      m.start = start;
+      start = m.end();
+    }
+  }
+  // Of each motor, at rest: the clock of its last step, its net steps.
+  std::vector<int64_t> last_steps() const {
+    std::vector<int64_t> last;
+    for (const Compressor& c : compressors_) last.push_back(c.last());
+    return last;
+  }
+  std::vector<int64_t> nets() const {
+    std::vector<int64_t> net;
+    for (size_t i = 0; i < solvers_.size(); ++i) net.push_back(expected_net(i));
+    return net;
+  }
+  // Hands out what is certain; `stands` where the machine stands, or kNoMessage.
+  void commit(int64_t known, int64_t stands) {
+    if (!commits_) return;
+    auto held = hold();
+    auto brake = [this](int64_t clock, std::vector<Move>& moves) { brake_from(clock, moves); };
+    commits_->advance(known, stands, set_apart_, brake, messages_[0]);
+    commits_->forget(taken_until() - int64_t(kKeptSeconds * machine_.clock_hz));
+  }
+
   void resume_plan(std::vector<Move>& moves, double speed2, double clock) {
     unattached_ += planner_.resume(std::move(moves), speed2, clock);
   }
@@ -485,6 +595,7 @@ class Motion {
       forget();
       history_.insert(history_.end(), moves.begin(), moves.end());
       merge(still);
+      if (still) commit(kNoMessage, int64_t(std::ceil(planner_.clock())));
       cpu_.compress += now() - solved;
     }
     moves.clear();
@@ -502,6 +613,7 @@ class Motion {
     records_.push_front({laser_target_, value, 0});
     place(planner_.clock(), 1);
     merge(true);
+    commit(kNoMessage, int64_t(std::ceil(planner_.clock())));
   }
   // Power that follows the speed of a move; off when the next one is none that has it.
   void light(const Move& m) {
@@ -562,9 +674,9 @@ class Motion {
       history_.erase(history_.begin(), history_.begin() + long(history_begin_));
       history_begin_ = 0;
     }
-    for (; !placed_.empty() && double(placed_.front().clock) < taken; placed_.pop_front())
+    for (; !placed_.empty() && double(placed_.front().clock) < past; placed_.pop_front())
       if (placed_.front().target == laser_target_) light_before_ = placed_.front().value;
-    for (Compressor& c : compressors_) c.forget_resets(taken_until());
+    for (Compressor& c : compressors_) c.forget_resets(int64_t(past));
   }
 
   // Moves to messages_, each to its board, all that no later message can precede.
@@ -589,11 +701,12 @@ class Motion {
       }
       if (clock >= end) break;
       const Message& next = queues[first]->front();
-      queue_of(next).push(next);
+      (commits_ ? commits_->waiting() : queue_of(next)).push(next);
       handed_out_ = std::max(handed_out_, next.clock);
       queues[first]->pop();
       next_clocks_[first] = queues[first]->next_clock();
     }
+    if (!all) commit(end, kNoMessage);
     if (all)
       for (Compressor& c : compressors_) c.not_before(handed_out_);
   }
@@ -696,10 +809,8 @@ class Motion {
     std::vector<bool> cut_off(n, false);
     for (size_t i = 0; i < n; ++i) last[i] = compressors_[i].last();
     int64_t floor = at;
-    for (MessageQueue& queue : messages_) {
-      revoke(queue, at, revoked, last, cut_off);
-      if (!queue.empty()) floor = std::max(floor, queue.back().clock);
-    }
+    for (MessageQueue& queue : messages_)
+      floor = std::max(floor, revoke(queue, at, revoked, last, cut_off));
     pins_.clear();
     handed_out_ = floor;
     for (size_t i = 0; i < n; ++i) {
@@ -707,16 +818,24 @@ class Motion {
       compressors_[i].restart(last[i], revoked[i]);
       compressors_[i].not_before(floor);
     }
+    if (commits_) commits_->resume(std::move(last), nets());
   }
-  void revoke(MessageQueue& queue, int64_t at, std::vector<StepStatistics>& revoked,
-              std::vector<int64_t>& last, std::vector<bool>& cut_off) {
+  // Returns the latest clock of what is kept, or `at`.
+  int64_t revoke(MessageQueue& queue, int64_t at, std::vector<StepStatistics>& revoked,
+                 std::vector<int64_t>& last, std::vector<bool>& cut_off) {
     std::vector<Message> kept;
+    size_t committed = 0;  // of these
+    if (commits_)
+      for (; !commits_->waiting().empty(); commits_->waiting().pop())
+        queue.push(commits_->waiting().front());
     // Directions and clocks go with the steps behind.
     std::vector<std::vector<Message>> ahead(compressors_.size());
     for (size_t i = 0; i < queue.size(); ++i) {
       Message m = queue[i];
-      if (m.kind == MessageKind::pin) {
+      if (m.kind == MessageKind::pin || m.kind == MessageKind::tail ||
+          m.kind == MessageKind::commit) {
         if (m.clock <= at) kept.push_back(m);
+        if (m.clock <= at && m.kind == MessageKind::commit) committed = kept.size();
         continue;
       }
       if (m.kind != MessageKind::queue_step) {
@@ -748,7 +867,14 @@ class Motion {
       kept.push_back(m);
     }
     queue.clear();
+    int64_t floor = kept.empty() ? at : std::max(at, kept.back().clock);
+    if (commits_) {
+      commits_->revoke(at);
+      commits_->put_back({kept.begin() + long(committed), kept.end()});
+      kept.resize(committed);
+    }
     for (const Message& m : kept) queue.push(m);
+    return floor;
   }
   static int64_t span(const Message& m, int64_t count) {
     return int64_t(m.interval) * count + int64_t(m.add) * (count * (count - 1) / 2);

@@ -37,16 +37,19 @@ struct MoveRequest {
 };
 
 // One command for the board. Commands of a board are queued in the order of `clock`.
-enum class MessageKind : uint8_t { queue_step, set_dir, reset_clock, pin };
+// `tail` and `commit`: see commits.hpp.
+enum class MessageKind : uint8_t { queue_step, set_dir, reset_clock, pin, tail, commit };
 struct Message {
   int64_t clock;      // tick at which the board takes it up (queue_step: the last step before it)
   int64_t end_clock;  // tick at which its move slot is free again (equals clock if it takes none)
-  uint32_t interval;  // queue_step: ticks to its first step; pin: value
-  uint16_t count;     // queue_step: number of steps
-  int16_t add;        // queue_step: change of the interval after each step
-  uint16_t target;    // index of the stepper, or of the output pin
+  // queue_step, tail: ticks to its first step (tail without steps: the clock to count from); pin:
+  // value; commit: serial number
+  uint32_t interval;
+  uint16_t count;   // queue_step: number of steps
+  int16_t add;      // queue_step: change of the interval after each step
+  uint16_t target;  // index of the stepper, or of the output pin
   MessageKind kind;
-  uint8_t dir;  // set_dir: 1 forward
+  uint8_t dir;  // set_dir, queue_step, tail: 1 forward; commit: 1 if the machine stands behind it
 };
 static_assert(sizeof(Message) == 32);
 

@@ -28,6 +28,8 @@ class Distant : public Device {
     return host;
   }
 
+  // Host time, as far as it has passed here.
+  Ticks now() const { return now_; }
   // While it is cut, what is sent either way is lost.
   void cut(bool on) { cut_ = on; }
 
@@ -59,7 +61,7 @@ class Distant : public Device {
   Device& device_;
   Ticks start_;
   double rate_;
-  Ticks latency_, jitter_;
+  Ticks latency_, jitter_, now_ = 0;
   uint32_t random_;
   bool cut_ = false;
   Way down_, up_;
@@ -71,6 +73,7 @@ class Distant : public Device {
     return std::max(now + latency_ + late, earliest);
   }
   void listen(Ticks now) {
+    now_ = std::max(now_, now);
     Bytes said;
     device_.poll(clock_at(now), said);
     if (!said.empty() && !cut_) up_.push_back({arrival(up_, now), std::move(said)});

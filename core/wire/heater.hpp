@@ -118,6 +118,14 @@ class Heater {
     protection_.restart();
   }
 
+  // There were no reports for a while.
+  void interrupted() {
+    known_ = reached_ = false;
+    protection_.restart();
+  }
+  // The share of power that has kept the target of late; 0 until it was reached.
+  double keeping() const { return reached_ ? keeping_ : 0; }
+
   std::deque<HeatSample>& samples() { return samples_; }
 
   // Takes a report (sum of samples) made at board clock `clock`; true if `value` must be sent.
@@ -143,6 +151,7 @@ class Heater {
         controller_.update({celsius_, target, dt, o_.max_power, body_ ? &*body_ : nullptr});
     if (target > 0 && celsius_ >= target - o_.tolerance_c && celsius_ <= target + o_.tolerance_c)
       reached_ = true;
+    keeping_ = reached_ ? keeping_ + (power - keeping_) * std::min(1.0, dt / kKeepingSeconds) : 0;
     bool send = power > 0 || power_ > 0 || failed;  // a heater that is on must be renewed
     power_ = power;
     value = uint32_t(power * o_.full + 0.5);
@@ -161,6 +170,7 @@ class Heater {
   }
 
  private:
+  static constexpr double kKeepingSeconds = 20;  // over which the power is averaged
   static constexpr size_t kSamplesMax = 4096;
   static constexpr double kFullShare = 0.95;  // of all the power: as good as all
 
@@ -171,7 +181,7 @@ class Heater {
   std::optional<heat::Observer> body_;
   heat::Fault fault_;
   std::deque<HeatSample> samples_;
-  double target_ = 0, celsius_ = 0, power_ = 0, fan_ = 0;
+  double target_ = 0, celsius_ = 0, power_ = 0, fan_ = 0, keeping_ = 0;
   uint32_t fan_value_ = 0;
   Ticks clock_ = 0;
   bool known_ = false, reached_ = false, news_ = false, wide_ = false, new_net_ = false;

@@ -34,9 +34,20 @@ class JobStream {
   void add_stepper(const Formats& commands, size_t target, const std::string& name, uint32_t oid,
                    bool invert) {
     if (steppers_.size() <= target) steppers_.resize(target + 1);
-    steppers_[target] = {
-        prefix(commands, "queue_step", oid), prefix(commands, "set_next_step_dir", oid),
-        prefix(commands, "reset_step_clock", oid), StreamHash::of_name(name), invert};
+    steppers_[target] = {prefix(commands, "queue_step", oid),
+                         prefix(commands, "set_next_step_dir", oid),
+                         prefix(commands, "reset_step_clock", oid),
+                         {},
+                         oid,
+                         StreamHash::of_name(name),
+                         invert};
+  }
+  // The board, which is alone, takes commits: a message leaves so many ticks before its clock
+  // instead.
+  void use_commits(const Formats& commands, Ticks horizon) {
+    commit_ = prefix(commands, "survive_commit");
+    for (Stepper& s : steppers_) s.tail = prefix(commands, "survive_tail", s.oid);
+    horizon_ = horizon;
   }
   // The clocks of its messages are another board's from now on; `tolerance` is that of a step's
   // time, in ticks of this board.
@@ -100,6 +111,11 @@ class JobStream {
     running_ = true;
   }
   void stop() { running_ = false; }
+  // Goes on after stop(): the board has forgotten what it had not done.
+  void go_on() {
+    ends_.clear();
+    running_ = true;
+  }
   bool running() const { return running_; }
   Ticks base() const { return base_; }
   uint64_t hash() const { return hash_.value(); }
@@ -132,7 +148,8 @@ class JobStream {
       if (queue.empty()) break;
       const Message& m = queue.front();
       if (m.clock > limit) break;
-      bool slot = m.kind == MessageKind::queue_step || m.kind == MessageKind::pin;
+      bool slot = m.kind == MessageKind::queue_step || m.kind == MessageKind::pin ||
+                  m.kind == MessageKind::tail;
       if (slot && ends_.size() >= slots_ && !free_slots(now)) break;
       uint8_t* end = encode(m, payload + size);
       if (size_t(end - payload) > kPayloadMax) return Fill::full;
@@ -173,7 +190,8 @@ class JobStream {
     uint8_t bytes[7], size;
   };
   struct Stepper {
-    Prefix queue_step, set_dir, reset_clock;
+    Prefix queue_step, set_dir, reset_clock, tail;
+    uint32_t oid;
     uint64_t name;
     bool invert;
   };
@@ -189,6 +207,7 @@ class JobStream {
   Ticks horizon_, quantum_, margin_;
   std::vector<Stepper> steppers_;
   std::vector<Pin> pins_;
+  Prefix commit_{};
   std::vector<Ticks> ends_;  // board clocks at which slots in use are free again; unordered
   size_t slots_ = 0;
   Ticks slot_wait_ = kNever;
@@ -210,6 +229,7 @@ class JobStream {
   }
   // The stream is that of the timeline, however well a board's clock is known.
   void count(const Message& m) {
+    if (m.kind == MessageKind::tail || m.kind == MessageKind::commit) return;
     ++messages_;
     hash_.add(m, m.kind == MessageKind::pin ? pins_[m.target].name : steppers_[m.target].name);
   }
@@ -220,6 +240,11 @@ class JobStream {
     count(queue_->front());
     retimer_->retime(queue_->front());
     queue_->pop();
+  }
+  static Prefix prefix(const Formats& commands, const std::string& name) {
+    Prefix prefix{};
+    prefix.size = uint8_t(put_vlq(prefix.bytes, uint32_t(commands.at(name).id)) - prefix.bytes);
+    return prefix;
   }
   static uint8_t* put(uint8_t* p, const Prefix& prefix) {
     std::memcpy(p, prefix.bytes, 4);
@@ -235,6 +260,14 @@ class JobStream {
                        uint32_t(m.dir != 0) ^ uint32_t(steppers_[m.target].invert));
       case MessageKind::reset_clock:
         return put_vlq(put(p, steppers_[m.target].reset_clock), uint32_t(m.clock + base_));
+      case MessageKind::tail:
+        p = put_vlq_any(put(p, steppers_[m.target].tail),
+                        m.count > 0 ? m.interval : m.interval + uint32_t(base_));
+        p = put_vlq_any(put_vlq(p, m.count), uint32_t(int32_t(m.add)));
+        return put_vlq(p, uint32_t(m.dir != 0) ^ uint32_t(steppers_[m.target].invert));
+      case MessageKind::commit:
+        p = put_vlq(put_vlq(put(p, commit_), m.interval), uint32_t(m.clock + base_));
+        return put_vlq(p, m.dir);
       case MessageKind::pin:
         return put_vlq(put_vlq(put(p, pins_[m.target].update), uint32_t(m.clock + base_)),
                        on_wire(m.interval, pins_[m.target].inverted_full));

@@ -3,6 +3,7 @@
 // a thread drives it (live_wire.hpp), all others hold guard() while they use it.
 #pragma once
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <deque>
 #include <memory>
@@ -130,6 +131,7 @@ class Link {
     commands_.at(options.pwm ? "queue_pwm_out" : "queue_digital_out");
     heaters_.push_back(std::make_unique<Heater>(std::move(options)));
     heater_clock_.push_back(0);
+    kept_.push_back(0);
     return *heaters_.back();
   }
   const std::vector<std::unique_ptr<Heater>>& heaters() const { return heaters_; }
@@ -138,6 +140,13 @@ class Link {
     for (const auto& heater : heaters_)
       if (heater->target() > 0 && !heater->reached() && !heater->faulty()) return false;
     return true;
+  }
+  // The board takes commits (docs/decisions/0013-survive.md): messages leave `horizon` ticks ahead,
+  // and the board learns how warm it keeps what, if this host falls silent.
+  void use_commits(Ticks horizon) {
+    job_.use_commits(commands_, horizon);
+    keeps_ = true;
+    for (size_t i = 0; i < heaters_.size(); ++i) tell_keeping(i, 0);
   }
   // True once after faults of heaters: the board has been sent the order to switch them off.
   bool take_fault() { return std::exchange(fault_, false); }
@@ -157,6 +166,18 @@ class Link {
     open_first_ = kNever;
     holds_question_ = holds_command_ = asked_ = shut_down_ = false;
   }
+
+  // The link was broken, and the board has gone on alone: what was on its way is forgotten, and the
+  // job stands until go_on().
+  void reconnect(Ticks now) {
+    restart();
+    for (size_t i = 0; i < heaters_.size(); ++i) {
+      std::lock_guard lock(heaters_[i]->guard());
+      heaters_[i]->interrupted();
+    }
+    if (following_) follow_clock(now);
+  }
+  void go_on() { job_.go_on(); }
 
   uint64_t wire_bytes() const { return wire_bytes_; }
   uint64_t frames() const { return frames_; }
@@ -225,6 +246,10 @@ class Link {
   std::deque<std::pair<Bytes, bool>> now_queue_;  // commands; true: a question for the clock
   std::deque<Response> inbox_;
   std::vector<std::unique_ptr<Heater>> heaters_;
+  static constexpr double kKeptStep = 0.02;  // of full power: what is not worth a word
+  static constexpr int64_t kKeptSeconds = 60;
+  bool keeps_ = false;
+  std::vector<int64_t> kept_;        // values that the board was told to keep
   std::vector<Ticks> heater_clock_;  // of the last update sent
   bool fault_ = false;
 
@@ -397,6 +422,9 @@ class Link {
       int32_t fan = heater.options().fan_target;
       if (fan >= 0) heater.follow_fan(job_.pin_value(size_t(fan)));
       if (heater.report(sum, clock, hz_, value)) set_power(i, value, now);
+      auto keeping = int64_t(heater.keeping() * heater.options().full);
+      if (keeps_ && std::fabs(double(keeping - kept_[i])) > kKeptStep * heater.options().full)
+        tell_keeping(i, keeping);
       fault_ |= heater.take_news();
       if (bool wide; heater.change_net(wide)) query(heater.options(), next, wide, now);
     }
@@ -415,6 +443,13 @@ class Link {
     values.push_back(int64_t(wide ? o.adc_full : q.maximum));
     values.push_back(int64_t(q.range_checks));
     send("query_analog_in", values);
+  }
+  void tell_keeping(size_t i, int64_t value) {
+    const HeaterOptions& o = heaters_[i]->options();
+    kept_[i] = value;
+    send("survive_output", {int64_t(o.output_oid),
+                            int64_t(JobStream::on_wire(uint32_t(value), o.inverted ? o.full : 0)),
+                            int64_t(value > 0 ? kKeptSeconds : 0)});
   }
   void set_power(size_t i, uint32_t value, Ticks now) {
     const HeaterOptions& o = heaters_[i]->options();

@@ -37,6 +37,8 @@ class Pump {
       if (end.link == &link && link.synchronous()) return link.clock().clock_at(end.own(now_));
     return now_;
   }
+  // The cables are cut: no byte arrives any more.
+  void cut() { cut_ = true; }
   // CPU seconds of the devices, from a sample of one exchange in kSample.
   double device_cpu() const { return device_cpu_; }
   // Bytes that the host sent to the first board, frames and all, from now on.
@@ -52,6 +54,7 @@ class Pump {
   // messages whose clock is below `until` plus the horizon.
   Stop run(Ticks until, bool until_heaters) {
     for (Ticks told = kNever;;) {
+      if (cut_) return Stop::closed;
       Ticks next = exchange();
       bool any_stopped = false, all_stopped = true, fault = false, reached = until_heaters;
       for (End& end : ends_) {
@@ -93,7 +96,7 @@ class Pump {
   std::vector<End> ends_;
   Ticks now_;
   Bytes recorded_;
-  bool recording_ = false;
+  bool recording_ = false, cut_ = false;
   static constexpr unsigned kSample = 251;
   static constexpr double kNewsSeconds = 0.05;
   double (*cpu_clock_)();

@@ -47,6 +47,13 @@ static bool run(struct timer *timer) {
 
 static const struct object_kind kind = {OBJECT_ANALOG_IN, NULL};
 
+bool analog_in_watches(void) {
+  const struct analog_in *in;
+  for (int16_t oid = -1; (in = object_next(&oid, OBJECT_ANALOG_IN)) != NULL;)
+    if (in->watching) return true;
+  return false;
+}
+
 void analog_in_task(void) {
   struct analog_in *in;
   for (int16_t oid = -1; (in = object_next(&oid, OBJECT_ANALOG_IN)) != NULL;) {
@@ -76,6 +83,7 @@ void analog_in_query(const uint32_t *args, uint8_t report_size, const uint32_t *
   if (in == NULL) return;
   timer_remove(&in->timer);
   hal_analog_cancel(&in->analog);
+  in->watching = false;
   if (args[3] == 0) return;
   if (args[4] < HAL_SHORTEST_PERIOD) {
     shut_down(SHUTDOWN_PERIOD_TOO_SHORT);
@@ -91,5 +99,6 @@ void analog_in_query(const uint32_t *args, uint8_t report_size, const uint32_t *
   in->timer.wake = in->begin = in->due = args[1];
   in->sum = 0;
   in->samples = in->outside = in->size = in->ready = 0;
+  in->watching = range[2] != 0;
   timer_add(&in->timer);
 }

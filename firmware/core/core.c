@@ -9,6 +9,7 @@
 #include "scheduler.h"
 #include "shutdown.h"
 #include "stepper.h"
+#include "survive.h"
 #include "trsync.h"
 
 void core_start(uint32_t clock_high) {
@@ -16,6 +17,7 @@ void core_start(uint32_t clock_high) {
   scheduler_start();
   objects_start();
   steppers_start();
+  survive_start();
   frame_start();
   control_start(clock_high);
 }
@@ -25,6 +27,7 @@ bool core_task(void) {
   bool busy = frame_task();
   if (task_woken()) {
     busy = true;
+    survive_task();
     trsync_task();
     analog_in_task();
     buttons_task();

@@ -4,6 +4,7 @@
 
 #include "command.h"
 #include "shutdown.h"
+#include "survive.h"
 
 DECL_SHUTDOWN(MISSED_DIGITAL, "Missed scheduling of next digital out event");
 DECL_SHUTDOWN(MISSED_PWM, "Missed scheduling of next hard pwm event");
@@ -28,6 +29,7 @@ static void set(struct output *output, uint32_t clock, uint32_t value) {
   output->value = value;
   output->watched = output->max_duration != 0 && value != output->default_value;
   output->expires = clock + output->max_duration;
+  output->keeping = false;
   HAL_WATCH_OUTPUT(output->pin, value, output->full);
   if (output->object.kind->type == OBJECT_PWM_OUT) {
     hal_pwm_write(&output->pwm, (uint16_t)value);
@@ -51,6 +53,26 @@ static bool plan(struct output *output) {
   return any;
 }
 
+static uint32_t from_default(const struct output *output, uint32_t value) {
+  return value > output->default_value ? value - output->default_value
+                                       : output->default_value - value;
+}
+
+// The duration of an output has passed, and its host is gone. False if that is a reason to stop.
+static bool keep(struct output *output, uint32_t clock) {
+  if (!output->kept || !survive_is_on()) return false;
+  if (!output->keeping) output->left = output->kept_seconds;
+  uint32_t value = output->value;
+  if (from_default(output, output->kept_value) < from_default(output, value))
+    value = output->kept_value;
+  if (output->left == 0) value = output->default_value;
+  set(output, clock, value);
+  output->keeping = true;
+  if (output->left > 0) --output->left;
+  output->expires = clock + HAL_CLOCK_HZ;
+  return true;
+}
+
 static bool run(struct timer *timer) {
   struct output *output = (struct output *)((char *)timer - offsetof(struct output, timer));
   uint32_t clock = timer->wake;
@@ -60,7 +82,7 @@ static bool run(struct timer *timer) {
     set(output, change->clock, change->value);
     move_free((struct move *)(void *)change);
   }
-  if (output->watched && !before(clock, output->expires)) {
+  if (output->watched && !before(clock, output->expires) && !keep(output, clock)) {
     shut_down(output->object.kind->type == OBJECT_PWM_OUT ? SHUTDOWN_MISSED_PWM
                                                           : SHUTDOWN_MISSED_DIGITAL);
     return false;
@@ -72,14 +94,44 @@ static bool run(struct timer *timer) {
   return plan(output);
 }
 
-static void shut_down_output(void *object) {
-  struct output *output = object;
-  timer_remove(&output->timer);
+static void drop_changes(struct output *output) {
   while (output->first != NULL) {
     struct change *change = output->first;
     output->first = change->next;
     move_free((struct move *)(void *)change);
   }
+}
+
+static void restart(struct output *output) {
+  timer_remove(&output->timer);
+  if (plan(output)) timer_add(&output->timer);
+}
+
+void output_keep(struct output *output, uint32_t value, uint8_t seconds) {
+  hal_irq_t irq = hal_irq_save();
+  output->kept_value = value < output->full ? value : output->full;
+  output->kept_seconds = seconds;
+  output->kept = true;
+  hal_irq_restore(irq);
+}
+
+void outputs_hold_none(void) {
+  static const uint8_t types[] = {OBJECT_DIGITAL_OUT, OBJECT_PWM_OUT};
+  for (uint8_t i = 0; i < sizeof types; ++i) {
+    struct output *output;
+    for (int16_t oid = -1; (output = object_next(&oid, types[i])) != NULL;) {
+      if (!output->kept || output->kept_seconds > 0) continue;
+      drop_changes(output);
+      set(output, hal_clock(), output->default_value);
+      restart(output);
+    }
+  }
+}
+
+static void shut_down_output(void *object) {
+  struct output *output = object;
+  timer_remove(&output->timer);
+  drop_changes(output);
   set(output, 0, output->default_value);
   output->watched = output->waiting = false;
 }

@@ -36,4 +36,14 @@ struct output {
   uint32_t expires;                        // if `watched`
   uint32_t toggle;                         // the next edge of software PWM, if `toggling`
   bool watched, toggling, level, waiting;  // waiting: the timer is going
+  // When its duration has passed while the board survives its host: this value, or the present one
+  // if that is nearer to the default, and the default when the seconds are over.
+  uint32_t kept_value;
+  uint8_t kept_seconds, left;
+  bool kept, keeping;
 };
+
+// Tells what becomes of an output when the host is gone. Foreground.
+void output_keep(struct output *output, uint32_t value, uint8_t seconds);
+// What is not to be kept at all goes to its default. Timer context.
+void outputs_hold_none(void);

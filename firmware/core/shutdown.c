@@ -4,6 +4,7 @@
 #include "hal.h"
 #include "object.h"
 #include "scheduler.h"
+#include "survive.h"
 
 DECL_SHUTDOWN(EMERGENCY_STOP, "Command request");
 DECL_REPORT("shutdown clock=%u static_string_id=%hu");
@@ -56,6 +57,7 @@ DECL_COMMAND(command_clear_shutdown, "clear_shutdown", IN_SHUTDOWN);
 void command_clear_shutdown(const uint32_t *args) {
   (void)args;
   shutdown_task();
+  survive_task();
   unreported = false;  // if the console has no room: what it would tell later is not so any more
   reason = 0;
 }

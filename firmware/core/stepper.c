@@ -5,6 +5,7 @@
 #include "command.h"
 #include "scheduler.h"
 #include "shutdown.h"
+#include "survive.h"
 
 DECL_SHUTDOWN(STEP_TOO_LATE, "Stepper too far in past");
 DECL_SHUTDOWN(COUNT_ZERO, "Invalid count parameter");
@@ -48,33 +49,38 @@ void command_config_stepper(const uint32_t *args) {
   if (stepper != NULL) stepper->axis = axes++;
 }
 
-DECL_COMMAND(command_queue_step, "queue_step oid=%c interval=%u count=%hu add=%hi", 0);
-void command_queue_step(const uint32_t *args) {
-  struct stepper *stepper = object_get(args[0], OBJECT_STEPPER);
-  if (stepper == NULL) return;
+// A slot with the move of a command, args[1] and so on; null after a shutdown.
+static struct move *move_of(const uint32_t *args, uint8_t direction) {
   uint32_t interval = args[1];
   uint16_t count = (uint16_t)args[2];
   int16_t add = (int16_t)args[3];
   struct move *move = move_take();
-  if (move == NULL) return;
-  if (count == 0) {
-    shut_down(SHUTDOWN_COUNT_ZERO);
-    return;
-  }
+  if (move == NULL) return NULL;
   // The last interval must not be negative, nor any that a clock of 32 bits cannot tell from one.
   uint32_t change = (uint32_t)(add < 0 ? -(int32_t)add : add) * (uint16_t)(count - 1);
-  if ((int32_t)interval < 0 || (add < 0 ? change > interval : (int32_t)(interval + change) < 0)) {
+  if (count > 0 &&
+      ((int32_t)interval < 0 || (add < 0 ? change > interval : (int32_t)(interval + change) < 0))) {
+    move_free(move);
     shut_down(SHUTDOWN_STEP_TOO_LATE);
-    return;
+    return NULL;
   }
+  move->next = NULL;
+  move->interval = interval;
+  move->count = count;
+  move->add = add;
+  move->direction = direction;
+  return move;
+}
+
+// Gives a move to the generator.
+static void give(struct stepper *stepper, struct move *move) {
+  uint32_t interval = move->interval;
+  uint16_t count = move->count;
+  int16_t add = move->add;
   if (stepper->halted) {
     move_free(move);
     return;
   }
-  move->interval = interval;
-  move->count = count;
-  move->add = add;
-  move->direction = stepper->direction;
   uint32_t first_step = stepper->last + interval;
   if (!stepgen_append(stepper->axis, move, first_step)) {
     move_free(move);
@@ -89,6 +95,75 @@ void command_queue_step(const uint32_t *args) {
   stepper->last += interval * count + (uint32_t)(int32_t)add * pairs;
 }
 
+static void put(struct move_list *list, struct move *move) {
+  if (list->first == NULL)
+    list->first = move;
+  else
+    list->last->next = move;
+  list->last = move;
+}
+
+static struct move *take(struct move_list *list) {
+  struct move *move = list->first;
+  if (move != NULL) list->first = move->next;
+  return move;
+}
+
+static void drop(struct move_list *list) {
+  struct move *move;
+  while ((move = take(list)) != NULL) move_free(move);
+}
+
+DECL_COMMAND(command_queue_step, "queue_step oid=%c interval=%u count=%hu add=%hi", 0);
+void command_queue_step(const uint32_t *args) {
+  struct stepper *stepper = object_get(args[0], OBJECT_STEPPER);
+  if (stepper == NULL) return;
+  if ((uint16_t)args[2] == 0) {
+    shut_down(SHUTDOWN_COUNT_ZERO);
+    return;
+  }
+  struct move *move = move_of(args, stepper->direction);
+  if (move == NULL) return;
+  if (survive_refuses())
+    move_free(move);
+  else if (survive_stages())
+    put(&stepper->staged, move);
+  else
+    give(stepper, move);
+}
+
+void stepper_add_tail(struct stepper *stepper, const uint32_t *args) {
+  struct move *move = move_of(args, args[4] != 0);
+  if (move != NULL) put(&stepper->next_tail, move);
+}
+
+void stepper_commit(struct stepper *stepper) {
+  drop(&stepper->tail);
+  stepper->tail = stepper->next_tail;
+  stepper->next_tail.first = NULL;
+  struct move *move;
+  while ((move = take(&stepper->staged)) != NULL) give(stepper, move);
+}
+
+void stepper_brake(struct stepper *stepper) {
+  stepper_forget(stepper, false);
+  struct move *move;
+  while ((move = take(&stepper->tail)) != NULL) {
+    if (move->count > 0) {
+      give(stepper, move);
+    } else {
+      stepper->last = move->interval;
+      move_free(move);
+    }
+  }
+}
+
+void stepper_forget(struct stepper *stepper, bool tail) {
+  drop(&stepper->staged);
+  drop(&stepper->next_tail);
+  if (tail) drop(&stepper->tail);
+}
+
 DECL_COMMAND(command_set_next_step_dir, "set_next_step_dir oid=%c dir=%c", 0);
 void command_set_next_step_dir(const uint32_t *args) {
   struct stepper *stepper = object_get(args[0], OBJECT_STEPPER);
@@ -98,7 +173,7 @@ void command_set_next_step_dir(const uint32_t *args) {
 DECL_COMMAND(command_reset_step_clock, "reset_step_clock oid=%c clock=%u", 0);
 void command_reset_step_clock(const uint32_t *args) {
   struct stepper *stepper = object_get(args[0], OBJECT_STEPPER);
-  if (stepper == NULL || !check_finalized()) return;
+  if (stepper == NULL || !check_finalized() || survive_refuses()) return;
   hal_irq_t irq = hal_irq_save();
   if (stepgen_active(stepper->axis)) {
     shut_down(SHUTDOWN_STEPPER_ACTIVE);

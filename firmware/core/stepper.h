@@ -8,6 +8,11 @@
 
 struct trsync;
 
+// Moves in their order.
+struct move_list {
+  struct move *first, *last;
+};
+
 struct stepper {
   struct object object;
   // The foreground's, under hal_irq_save(): see trsync.h.
@@ -17,10 +22,24 @@ struct stepper {
   uint8_t axis, direction;  // the foreground's
   // Steps are ignored until reset_step_clock. Written by foreground and timer.
   volatile bool halted;
+  // The foreground's: moves that wait for their commit; the moves that stop the motor if no further
+  // commit comes, and those that take their place with the next one (survive.h).
+  struct move_list staged, tail, next_tail;
 };
 
 void steppers_start(void);
 // Halts a motor at once. Any context.
 void stepper_halt(struct stepper *stepper);
+// What survive.c does with moves that wait. Foreground.
+//
+// Puts a move into the tail of the next commit: `args` as those of survive_tail. Its interval
+// counts from the step before; with a count of 0 it is the clock from which the next one counts.
+void stepper_add_tail(struct stepper *stepper, const uint32_t *args);
+// Staged moves go to the generator, the next tail takes the place of the tail.
+void stepper_commit(struct stepper *stepper);
+// The tail goes to the generator, what is staged is dropped.
+void stepper_brake(struct stepper *stepper);
+// Drops what is staged and the next tail, and the tail as well.
+void stepper_forget(struct stepper *stepper, bool tail);
 // Gives the moves that the generator has done with back to the pool. Foreground.
 void steppers_reclaim(void);

@@ -367,6 +367,10 @@ class MessageKind(enum.Enum):
 
     PIN = 3
 
+    TAIL = 4
+
+    COMMIT = 5
+
 class MessageQueue:
     """Planned messages of one board, in the order of their clocks."""
 
@@ -457,6 +461,16 @@ class Link:
 
     def start_job(self, base_clock: int, main_hz: float) -> None:
         """Both are the main board's."""
+
+    def use_commits(self, horizon: int) -> None:
+        """The job comes in commits, and leaves so many ticks ahead."""
+
+    def reconnect(self, now: int) -> None:
+        """
+        The board has gone on without this host: what was on its way is forgotten, and the job stands until go_on().
+        """
+
+    def go_on(self) -> None: ...
 
     def stop_job(self) -> None: ...
 
@@ -617,6 +631,10 @@ class Distant(Device):
 
     def __init__(self, device: Device, start: int = 0, drift: float = 0.0, latency: int = 0, jitter: int = 0, seed: int = 1) -> None: ...
 
+    @property
+    def now(self) -> int:
+        """Host time."""
+
     def cut(self, on: bool) -> None:
         """What is sent either way is lost."""
 
@@ -663,6 +681,9 @@ class Pump:
 
     def board_clock(self, link: Link) -> int:
         """What the clock of this link's board reads, as far as it is known."""
+
+    def cut(self) -> None:
+        """Takes the cable away."""
 
     @property
     def device_cpu_s(self) -> float: ...
@@ -1054,6 +1075,23 @@ class Job:
         """
 
     def hold_from(self, ticks: float) -> float: ...
+
+    def use_commits(self, period: int, most: int, taken: int) -> None:
+        """
+        Messages come in commits of at most so many ticks and messages from now on, and those taken are kept for some ticks, for recover_from; only while the machine stands.
+        """
+
+    def stop_commits(self) -> None:
+        """Messages come as they are; only while the machine stands."""
+
+    def recover_from(self, serial: int) -> float | None:
+        """
+        The board has stopped behind this commit by itself: what was to follow is held until `release`. Returns its clock; None, and nothing is changed, if it is not known.
+        """
+
+    @property
+    def holds(self) -> bool:
+        """Moves wait for `release`."""
 
     def release(self) -> None: ...
 

@@ -363,6 +363,24 @@ CATALOGUE: Mapping[str, Entry] = {
         "Check its cable and supply, and start again",
         ExitStatus.MACHINE_FAULT,
     ),
+    "machine.began-anew": Entry(
+        "board",
+        "the board has begun anew since the link was lost, and its place is not known any more",
+        "Home the machine; M1000 resumes a print from the card",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.place-unknown": Entry(
+        "board",
+        "the board does not tell where it stopped when the link was lost",
+        "Home the machine; M1000 resumes a print from the card",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.displaced": Entry(
+        "board",
+        "motor {axis} stopped at {value} steps when the link was lost, not at {limit}",
+        "Home the machine; M1000 resumes a print from the card",
+        ExitStatus.MACHINE_FAULT,
+    ),
     "machine.shutdown": Entry(
         "board",
         "the board shut down: {value}",

@@ -54,6 +54,12 @@ class Boards:
         return self.main.port.live
 
     @property
+    def survives(self) -> bool:
+        """The board, which is alone, can stop by itself when the link is lost. Of several boards
+        all stop at once then."""
+        return len(self.connections) == 1 and self.main.survives
+
+    @property
     def heaters(self) -> dict[str, _core.Heater]:
         """The loops of all heaters."""
         loops = {n: h for c in self.connections for n, h in c.heaters.items()}

@@ -19,7 +19,7 @@ from passo.board.configuration import (
 from passo.board.description import BoardDescription, Sensor, inverted
 from passo.board.dictionary import Dictionary, DictionaryError
 from passo.board.faults import HeaterFault
-from passo.board.ports import Port
+from passo.board.ports import LinkLostError, Port
 from passo.errors import MachineError, Problem
 
 Values: TypeAlias = dict[str, int | bytes]
@@ -34,7 +34,11 @@ _RESET_S = 0.05  # a board that has been told to reset has begun to by then
 _SLOTS_RENEWED = 4  # of each output that is told its value again and again
 
 
-class BoardSilentError(MachineError):
+class BoardBeganAnewError(MachineError):
+    """The board was shut down or reset meanwhile."""
+
+
+class BoardSilentError(LinkLostError):
     """The board does not answer."""
 
     def __init__(self, question: str) -> None:
@@ -66,6 +70,7 @@ class Connection:
         self.faults: list[HeaterFault] = []
         self.on_fault: Callable[[str, HeaterFault], None] | None = None
         self._told: dict[str, int] = {}
+        self._crc = 0
         self.oids = Oids.of(board)
         self._responses: list[tuple[str, Values]] = []
 
@@ -112,6 +117,36 @@ class Connection:
         now = self.board_clock
         ago = (now - clock) & 0xFFFFFFFF
         return self.link.main_clock(now - ago + (1 << 32 if ago >= 1 << 31 else 0))
+
+    @property
+    def survives(self) -> bool:
+        """The board can stop by itself when it is left alone (docs/decisions/0013-survive.md)."""
+        return any(text.startswith("survive_commit ") for _, text in self.dictionary.commands)
+
+    def use_commits(self, horizon_s: float) -> None:
+        """The job comes in commits, and leaves so long ahead. Only if the board `survives`."""
+        self.link.use_commits(self._ticks(horizon_s))
+        heated = {h.output for h in self.board.heaters}
+        for o in self.board.outputs:
+            if o.max_duration_ticks > 0 and o.name not in heated:
+                off = self.full_scale(o.name) if inverted(o.pin) else 0
+                oid = self.oids.outputs[o.name]
+                self.command(f"survive_output oid={oid} value={off} seconds=0")
+
+    def reopen(self) -> None:
+        """Opens the port again after the link was lost. The board has gone on alone, and the job
+        stands until `link.go_on`.
+
+        Raises LinkLostError or MachineError if it cannot be reached, BoardBeganAnewError if it does
+        not know any more what it did.
+        """
+        self.link.reconnect(self.now)
+        self.wire = self.port.attach(self.link)
+        if isinstance(self.wire, _core.LiveWire):
+            self.wire.use_board_clock()
+        state = self._ask("get_config", [], "config", tries=1)
+        if state["is_shutdown"] or not state["is_config"] or state["crc"] != self._crc:
+            raise BoardBeganAnewError.of("machine.began-anew")
 
     def command(self, text: str) -> None:
         """Queues a command, as `name parameter=value …`; it leaves when time next passes.
@@ -225,7 +260,7 @@ class Connection:
         while (stop := self.wire.run(until_clock, until_heaters)) == _core.Stop.FAULT:
             self.take_faults()
         if stop == _core.Stop.CLOSED:
-            raise MachineError.of("machine.closed")
+            raise LinkLostError.of("machine.closed")
         return stop
 
     def take_faults(self) -> None:
@@ -278,7 +313,7 @@ class Connection:
 
     def _configure(self) -> None:
         lines = commands(self.board, self.dictionary)
-        crc = checksum(lines)
+        self._crc = checksum(lines)
         state = self.ask("get_config", "config")
         if state["is_shutdown"] or state["is_config"]:
             self.command("reset")
@@ -287,7 +322,7 @@ class Connection:
             self._identify()
             state = self.ask("get_config", "config")
         if not state["is_config"]:
-            for line in [*lines, f"finalize_config crc={crc}"]:
+            for line in [*lines, f"finalize_config crc={self._crc}"]:
                 self.command(line)
             state = self.ask("get_config", "config")
         self.move_count = int(state["move_count"])
@@ -310,8 +345,10 @@ class Connection:
             options = heater_options(self.board, h, self.dictionary)
             self.heaters[h.name] = self.link.add_heater(options)
 
-    def _ask(self, name: str, values: Sequence[int | bytes], answer: str) -> Values:
-        for _ in range(_TRIES):
+    def _ask(
+        self, name: str, values: Sequence[int | bytes], answer: str, tries: int = _TRIES
+    ) -> Values:
+        for _ in range(tries):
             self._collect()
             self.link.send(name, list(values))
             end = self.now + self._ticks(_PATIENCE_S)

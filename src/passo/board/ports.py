@@ -13,6 +13,11 @@ from passo.serial_line import open_serial_line
 _PATIENCE_S = 5.0
 
 Wire: TypeAlias = "_core.Pump | _core.LiveWire"
+Simulated: TypeAlias = "_core.Bench | _core.Distant"
+
+
+class LinkLostError(MachineError):
+    """The board cannot be reached, or heard any more."""
 
 
 class Port(Protocol):
@@ -33,25 +38,34 @@ class InProcess:
     live = False
 
     def __init__(
-        self, device: _core.Device, start_clock: int = 0, beside: InProcess | None = None
+        self, device: Simulated, start_clock: int = 0, beside: InProcess | None = None
     ) -> None:
         self.device = device
+        self.unplugged = False
         self._clock = start_clock
         self._beside = beside
         self._pump: _core.Pump | None = None
 
+    def unplug(self) -> None:
+        """Takes the cable away; nobody reaches the board until `unplugged` is false again."""
+        self.unplugged = True
+        if self._pump is not None:
+            self._pump.cut()
+
     def attach(self, link: _core.Link) -> _core.Pump:
         """A pump; its time goes on where that of the last one stands. A board beside another one
         joins that one's pump, which must be attached before."""
+        if self.unplugged:
+            raise _unreachable("the simulated board", OSError("it is unplugged"))
         if self._beside is not None and self._beside._pump is not None:
             self._beside._pump.attach(link, self.device)
             return self._beside._pump
-        clock = self._clock if self._pump is None else self._pump.now
+        clock = self._clock if self._pump is None else max(self._pump.now, self.device.now)
         self._pump = _core.Pump(link, self.device, clock)
         return self._pump
 
 
-def in_process(devices: Sequence[_core.Device]) -> list[InProcess]:
+def in_process(devices: Sequence[Simulated]) -> list[InProcess]:
     """Boards of this process that share their time, the main one first."""
     main = InProcess(devices[0])
     return [main, *(InProcess(device, beside=main) for device in devices[1:])]
@@ -101,5 +115,5 @@ def tcp_port(host: str, port: int) -> LivePort:
     return LivePort(opened)
 
 
-def _unreachable(place: str, error: OSError) -> MachineError:
-    return MachineError.of("machine.unreachable", axis=place, value=error.strerror or str(error))
+def _unreachable(place: str, error: OSError) -> LinkLostError:
+    return LinkLostError.of("machine.unreachable", axis=place, value=error.strerror or str(error))

@@ -16,6 +16,10 @@ if TYPE_CHECKING:
 
 TICK_S = 0.01  # host time between two looks at the board in real time
 HORIZON_S = 0.16  # of print time ahead that cannot be taken back: the board has it
+COMMITS_AHEAD_S = 0.2  # the same where motion comes in commits, less the time to notice
+COMMIT_S = 0.075  # of print time in a commit
+_SHARE_OF_SLOTS = 4  # a commit takes no more than this part of them
+_KEPT_S = 1.0  # motion that the board has, but may never come to
 RUNNING_DRY_S = 0.3  # a plan that ends sooner is settled for a stop
 TAKE_BACK_S = 1.0  # that stop is taken back, if more moves came in, when it is so near
 LEAD_S = 0.2  # from a command on a standing machine to its first step
@@ -47,7 +51,12 @@ class Drive:
         self.on_motion: Callable[[], None] = lambda: None  # before moves leave for the board
         self.on_pass: Callable[[], None] = lambda: None  # whenever time has passed
         self.hz = connection.board.clock_hz
+        self.horizon_s = HORIZON_S
+        if connection.survives:
+            self.horizon_s = COMMITS_AHEAD_S + TICK_S
+            connection.main.use_commits(COMMITS_AHEAD_S)
         self.base = connection.start_job(job)
+        self.use_commits(True)
         self._loop = asyncio.get_running_loop()
         self._start_s = self._loop.time()
         self._start_clock = connection.now
@@ -163,8 +172,36 @@ class Drive:
         self._marks.clear()
         self._job.take_marks()
 
+    def use_commits(self, on: bool) -> None:
+        """Whether the board brakes by itself when it is left alone, if it can: not while switches
+        are to stop motors. Only while the machine stands."""
+        if not self._connection.survives:
+            return
+        if on:
+            hz = self.hz
+            most = self._connection.main.move_count // _SHARE_OF_SLOTS
+            self._job.use_commits(int(COMMIT_S * hz), most, int(_KEPT_S * hz))
+            self._connection.main.command("survive_arm")
+        else:
+            self._job.stop_commits()
+            self._connection.main.command("survive_off")
+
+    def recover_from(self, serial: int) -> bool:
+        """The board has stopped by itself behind a commit: all that was to follow is held. False if
+        that commit is not known."""
+        cut = self._job.recover_from(serial)
+        if cut is not None:
+            self._revoke(cut)
+        return cut is not None
+
+    def release(self) -> None:
+        """Goes on with what is held."""
+        self.before_moves()
+        self._job.release()
+        self.after_moves()
+
     def _earliest(self) -> float:
-        return self.now + HORIZON_S * self.hz
+        return self.now + self.horizon_s * self.hz
 
     def _revoke(self, cut: float) -> None:
         self._stop_clock = -1.0
@@ -213,6 +250,10 @@ class Drive:
             return
         self._woken.clear()
         await _either(self._woken, GATHER_S / 2 if moving else None)
+
+    def look(self) -> None:
+        """Lets time pass on the board, and no more. Raises MachineError."""
+        self._run(self.now)
 
     def _pass(self, now: int) -> None:
         if self._job.queued > 0:

@@ -89,14 +89,19 @@ class Homer:
         fixed = [name for name in names if name not in self.axes]
         self._printer.job.set_axes([(self._axes.index(n), self._home_of(n)) for n in fixed])
         self._printer.endstops.pause()
+        self._printer.drive.use_commits(False)
         batch: list[_Way] = []
-        for way in self._ways(names, everything=not letters.strip("O")):
-            if any(way.steppers & other.steppers for other in batch):
+        try:
+            for way in self._ways(names, everything=not letters.strip("O")):
+                if any(way.steppers & other.steppers for other in batch):
+                    await self._together(batch)
+                    batch = []
+                batch.append(way)
+            if batch:
                 await self._together(batch)
-                batch = []
-            batch.append(way)
-        if batch:
-            await self._together(batch)
+        finally:
+            if not self._printer.halted:
+                self._printer.drive.use_commits(True)
 
     def _home_of(self, name: str) -> float:
         axis = self._machine.axes[name]

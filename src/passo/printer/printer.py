@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from passo import _core
+from passo.board.ports import LinkLostError
 from passo.config.drives import axis_order
 from passo.errors import CommandError, MachineError
 from passo.printer.commands import Commands
@@ -19,6 +20,7 @@ from passo.printer.motion_commands import MotionCommands
 from passo.printer.motors import Motors
 from passo.printer.person import PersonCommands
 from passo.printer.positions import Positions
+from passo.printer.reconnection import reconnect
 from passo.printer.tune_commands import TuneCommands
 from passo.printer.turn import Turn
 from passo.printer.waits import (
@@ -274,7 +276,7 @@ class Printer:
         """By a handler of a living printer, or as in a print without consoles."""
         try:
             return handler(command, reply) if handler else self.commands.run(command)
-        except CommandError as error:
+        except (CommandError, LinkLostError) as error:
             reply.fail(str(error))
             return None
 
@@ -339,7 +341,10 @@ class Printer:
             try:
                 await self.drive.run()
             except MachineError as error:
-                self.halted = self.halted or str(error).rstrip(".")
+                failure = await self._reconnect(error)
+                if failure is None:
+                    continue
+                self.halted = self.halted or str(failure).rstrip(".")
                 self._make_safe()
                 self.tell(f"Error:Printer halted: {self.halted}. Make it safe, then send M999")
                 self.drive.end_waits()
@@ -350,6 +355,16 @@ class Printer:
                     await self._revive()
                 finally:
                     self.turn.give()
+
+    async def _reconnect(self, error: MachineError) -> MachineError | None:
+        """After a lost link goes on where the board has stopped by itself; else what halts it."""
+        if self.halted or not isinstance(error, LinkLostError) or not self.connection.survives:
+            return error
+        try:
+            await reconnect(self, error)
+        except MachineError as failure:
+            return failure
+        return None
 
     async def _all_have_stopped(self) -> None:
         """Takes the turn: who had it has heard of the halt by then, and waits for nothing of the

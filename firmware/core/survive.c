@@ -1,0 +1,165 @@
+#include "survive.h"
+
+#include <stddef.h>
+
+#include "analog_in.h"
+#include "command.h"
+#include "outputs.h"
+#include "scheduler.h"
+#include "shutdown.h"
+#include "stepper.h"
+
+DECL_SHUTDOWN(SURVIVE_TOO_LONG, "Output may not be held for so long");
+DECL_SHUTDOWN(SURVIVE_UNWATCHED, "No sensor watches what an output is held for");
+DECL_REPORT("survive_state state=%c serial=%u clock=%u");
+DECL_CONSTANT("SURVIVE", 1);
+DECL_CONSTANT("SURVIVE_GUARD_MS", 5);
+DECL_CONSTANT("SURVIVE_OUTPUT_S", 60);
+DECL_ENUMERATION("survive", "off", 0);
+DECL_ENUMERATION("survive", "resting", 1);
+DECL_ENUMERATION("survive", "moving", 2);
+DECL_ENUMERATION("survive", "braking", 3);
+DECL_ENUMERATION("survive", "held", 4);
+
+// Resting: the last commit ends with motors that stand. Moving: the next one must come in time.
+enum { OFF, RESTING, MOVING, BRAKING, HELD };
+
+// The decision falls so long before the commit's clock: time enough to queue all tails, or all
+// moves of the commit that comes just in time.
+#define GUARD (HAL_CLOCK_HZ / 200)
+// So many seconds an output may be kept.
+#define LONGEST 60
+
+static bool decide(struct timer *timer);
+static struct timer decision = {.run = decide};
+// Written by foreground and timer under hal_irq_save().
+static volatile uint8_t state;
+static volatile bool undone;  // decided, and the tails not queued yet
+// The foreground's.
+static uint32_t serial, limit;  // of the last commit
+
+void survive_start(void) {
+  state = OFF;
+  undone = false;
+  serial = limit = 0;
+}
+
+bool survive_stages(void) { return state == RESTING || state == MOVING; }
+bool survive_refuses(void) { return state >= BRAKING; }
+bool survive_is_on(void) { return state != OFF; }
+
+static bool decide(struct timer *timer) {
+  (void)timer;
+  if (state == MOVING && !is_shut_down()) {
+    state = BRAKING;
+    undone = true;
+    outputs_hold_none();
+    task_wake();
+  }
+  return false;
+}
+
+static void change(uint8_t to) {
+  hal_irq_t irq = hal_irq_save();
+  timer_remove(&decision);
+  state = to;
+  undone = false;
+  hal_irq_restore(irq);
+}
+
+void survive_task(void) {
+  struct stepper *stepper;
+  if (state == OFF) return;
+  if (is_shut_down()) {
+    change(OFF);
+    for (int16_t oid = -1; (stepper = object_next(&oid, OBJECT_STEPPER)) != NULL;)
+      stepper_forget(stepper, true);
+  } else if (undone) {
+    undone = false;
+    for (int16_t oid = -1; (stepper = object_next(&oid, OBJECT_STEPPER)) != NULL;)
+      stepper_brake(stepper);
+  }
+}
+
+static bool any_active(void) {
+  struct stepper *stepper;
+  for (int16_t oid = -1; (stepper = object_next(&oid, OBJECT_STEPPER)) != NULL;)
+    if (stepgen_active(stepper->axis)) return true;
+  return false;
+}
+
+// The host takes over, from motors that stand: what was staged is void.
+static void begin(uint8_t to) {
+  struct stepper *stepper;
+  if (!check_finalized()) return;
+  survive_task();
+  change(to);
+  for (int16_t oid = -1; (stepper = object_next(&oid, OBJECT_STEPPER)) != NULL;)
+    stepper_forget(stepper, true);
+}
+
+DECL_COMMAND(command_survive_arm, "survive_arm", 0);
+void command_survive_arm(const uint32_t *args) {
+  (void)args;
+  if (state == OFF) serial = 0;
+  begin(RESTING);
+}
+
+DECL_COMMAND(command_survive_off, "survive_off", 0);
+void command_survive_off(const uint32_t *args) {
+  (void)args;
+  begin(OFF);
+}
+
+DECL_COMMAND(command_survive_tail, "survive_tail oid=%c interval=%u count=%hu add=%hi dir=%c", 0);
+void command_survive_tail(const uint32_t *args) {
+  struct stepper *stepper = object_get(args[0], OBJECT_STEPPER);
+  if (stepper != NULL && survive_stages()) stepper_add_tail(stepper, args);
+}
+
+DECL_COMMAND(command_survive_commit, "survive_commit serial=%u clock=%u rest=%c", 0);
+void command_survive_commit(const uint32_t *args) {
+  struct stepper *stepper;
+  hal_irq_t irq = hal_irq_save();
+  bool valid = survive_stages() && !is_shut_down();
+  if (valid) {
+    timer_remove(&decision);
+    state = args[2] != 0 ? RESTING : MOVING;
+    decision.wake = args[1] - GUARD;
+    // A commit that is nearly over already: the decision falls at once.
+    if (before(decision.wake, hal_clock())) decision.wake = hal_clock();
+    if (args[2] == 0) timer_add(&decision);
+  }
+  hal_irq_restore(irq);
+  for (int16_t oid = -1; (stepper = object_next(&oid, OBJECT_STEPPER)) != NULL;) {
+    if (valid)
+      stepper_commit(stepper);
+    else
+      stepper_forget(stepper, false);
+  }
+  if (!valid) return;
+  serial = args[0];
+  limit = args[1];
+}
+
+DECL_COMMAND(command_survive_output, "survive_output oid=%c value=%u seconds=%c", 0);
+void command_survive_output(const uint32_t *args) {
+  struct output *output = object_find(args[0], OBJECT_PWM_OUT);
+  if (output == NULL) output = object_get(args[0], OBJECT_DIGITAL_OUT);
+  if (output == NULL) return;
+  if (args[2] > LONGEST)
+    shut_down(SHUTDOWN_SURVIVE_TOO_LONG);
+  else if (args[2] > 0 && !analog_in_watches())
+    shut_down(SHUTDOWN_SURVIVE_UNWATCHED);
+  else
+    output_keep(output, args[1], (uint8_t)args[2]);
+}
+
+DECL_COMMAND(command_survive_query, "survive_query", IN_SHUTDOWN);
+void command_survive_query(const uint32_t *args) {
+  (void)args;
+  survive_task();
+  if (state == BRAKING && !any_active()) change(HELD);
+  uint8_t told = state == RESTING && any_active() ? MOVING : state;
+  report(REPORT_SURVIVE_STATE, (uint32_t[]){told, serial, limit}, 3);
+}

@@ -1,0 +1,16 @@
+// What the board does when its host falls silent in the midst of a print: it stops the motors on
+// their path, by moves that the host sent for that case, and keeps heaters warm for a while. Only
+// hosts that ask for it get it (docs/decisions/0013-survive.md).
+#pragma once
+#include <stdbool.h>
+#include <stdint.h>
+
+// Whether moves wait for a commit; whether they come too late for one. Foreground.
+bool survive_stages(void);
+bool survive_refuses(void);
+// Whether an output that the host does not renew is held rather than a reason to shut down. Any
+// context.
+bool survive_is_on(void);
+// Brakes when that was decided; forgets all after a shutdown. Foreground.
+void survive_task(void);
+void survive_start(void);

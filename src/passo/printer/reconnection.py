@@ -1,0 +1,81 @@
+"""After a lost link: the board has stopped by itself, and the print goes on from there."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+from passo.board.connection import Values
+from passo.board.ports import LinkLostError
+from passo.errors import MachineError
+from passo.printer.drive import TICK_S
+
+if TYPE_CHECKING:
+    from passo.printer.printer import Printer
+
+_AGAIN_S = 0.5  # between two tries to open the port
+_BRAKING_S = 10.0  # no machine brakes for longer
+_LOOK_S = 0.05
+
+
+async def reconnect(printer: Printer, lost: LinkLostError) -> None:
+    """Waits for the board, proves that it stands where its brake tails end, and goes on with what
+    was held as soon as what was warm is so again. Raises `lost` when the printer is halted
+    meanwhile, and MachineError when the board's place cannot be proved."""
+    connection, drive = printer.connection.main, printer.drive  # a board that is alone
+    connection.link.stop_job()
+    problem = str(lost).partition(".")[0]
+    printer.tell(
+        f"echo:The link is lost ({problem}). The board stops by itself and keeps warm for a minute:"
+        " plug it in again, or give up with M112"
+    )
+    while True:
+        if printer.halted:
+            raise lost
+        try:
+            connection.reopen()
+            state = await _standing(printer)
+            break
+        except LinkLostError:
+            await asyncio.sleep(_AGAIN_S)
+    held = printer.job.holds
+    _prove(printer, state)
+    connection.command("survive_arm")
+    connection.link.go_on()
+    printer.endstops.begin()
+    printer.tell("echo:The board is back, and stands where it was told to stop")
+    heaters = [h for h in connection.heaters.values() if h.target > 0]
+    while not all(h.reached or h.fault for h in heaters):
+        if printer.halted:
+            raise lost
+        await asyncio.sleep(TICK_S)
+        drive.look()
+    if not held:
+        drive.release()
+
+
+async def _standing(printer: Printer) -> Values:
+    """The state of the board once its motors stand."""
+    connection = printer.connection.main
+    states = connection.dictionary.enumerations["survive"]
+    for _ in range(int(_BRAKING_S / _LOOK_S)):
+        state = connection.ask("survive_query", "survive_state")
+        if state["state"] not in (states["moving"], states["braking"]):
+            return state
+        await asyncio.sleep(_LOOK_S)
+        printer.drive.look()
+    raise MachineError.of("machine.place-unknown")
+
+
+def _prove(printer: Printer, state: Values) -> None:
+    """Plans anew from where the board has stopped; every motor must be there."""
+    states = printer.connection.main.dictionary.enumerations["survive"]
+    if state["state"] not in (states["resting"], states["held"]):
+        raise MachineError.of("machine.place-unknown")
+    if not printer.drive.recover_from(int(state["serial"])):
+        raise MachineError.of("machine.place-unknown")
+    found = printer.positions.counts()
+    for row in printer.job.steppers():
+        at, wanted = found[row["name"]], row["count"]
+        if at != wanted:
+            raise MachineError.of("machine.displaced", axis=row["name"], value=at, limit=wanted)

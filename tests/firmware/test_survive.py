@@ -1,0 +1,267 @@
+"""A host that falls silent: tails, refusals, outputs that are kept; and what it finds afterwards."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from tests.oracles.wire import step_clocks
+from tests.simulator.raw import RawBoard
+
+GUARD = 16_000_000 // 200
+STATES = ("off", "resting", "moving", "braking", "held")
+HEATER_LONGEST = 2000  # of oid 7 in RawBoard.configure()
+MOTORS = {0: "PF0", 1: "PF6"}
+
+
+class Host:
+    """Commits moves, and reckons where the steps must come out."""
+
+    def __init__(self) -> None:
+        self.board = RawBoard()
+        self.board.configure()
+        self.pins = {m: self.board.dictionary.enumerations["pin"][p] for m, p in MOTORS.items()}
+        for pin in self.pins.values():
+            self.board.device.trace_edges(pin)
+        self.last = dict.fromkeys(MOTORS, self.board.now)
+        self.steps: dict[int, list[int]] = {m: [] for m in MOTORS}
+        self.serial = 0
+        self.tell("survive_arm")
+
+    def tell(self, text: str) -> list[tuple[str, dict]]:
+        return self.board.tell(text)
+
+    def move(self, motor: int, interval: int, count: int, add: int = 0) -> None:
+        self.tell(f"queue_step oid={motor} interval={interval} count={count} add={add}")
+        self.steps[motor] += step_clocks(self.last[motor], interval, count, add)
+        self.last[motor] = self.steps[motor][-1]
+
+    def tail(self, motor: int, interval: int, count: int, direction: int = 0) -> None:
+        self.tell(
+            f"survive_tail oid={motor} interval={interval} count={count} add=0 dir={direction}"
+        )
+
+    def commit(self, clock: int, rest: bool = False) -> list[tuple[str, dict]]:
+        self.serial += 1
+        clock &= 0xFFFFFFFF
+        return self.tell(f"survive_commit serial={self.serial} clock={clock} rest={int(rest)}")
+
+    def state(self) -> tuple[str, int]:
+        ((name, values),) = self.tell("survive_query")
+        assert name == "survive_state"
+        return STATES[values["state"]], values["serial"]
+
+    def done(self, motor: int) -> list[int]:
+        return [c for c, level in self.board.device.take_edges(self.pins[motor]) if level]
+
+    def position(self, motor: int) -> int:
+        return self.tell(f"stepper_get_position oid={motor}")[0][1]["pos"]
+
+
+def test_moves_wait_for_their_commit():
+    host = Host()
+    host.move(0, 10_000, 10)
+    host.board.wait(50_000)
+    assert host.done(0) == [] and host.state() == ("resting", 0)
+    host.last[0] = host.board.now
+    host.tell(f"reset_step_clock oid=0 clock={host.board.clock(0)}")
+    host.steps[0] = step_clocks(host.board.now, 10_000, 10, 0)
+    host.commit(host.board.now + 500_000)
+    assert host.state() == ("moving", 1)
+    host.board.wait(200_000)
+    assert host.done(0) == host.steps[0]
+
+
+def test_without_a_further_commit_the_tails_stop_the_motors():
+    host = Host()
+    limit = host.board.now + 500_000
+    host.move(0, 10_000, 50)
+    host.move(1, 20_000, 25)
+    host.tail(0, 12_000, 1)
+    host.tail(0, 15_000, 3)
+    host.tail(1, 30_000, 2, direction=1)
+    host.commit(limit)
+    host.board.wait(500_000 - GUARD - 100)
+    assert host.state() == ("moving", 1)
+    host.board.wait(200)
+    assert host.state() == ("braking", 1)
+    host.move(0, 10_000, 5)  # too late
+    host.commit(limit + 100_000)
+    host.board.wait(GUARD + 200_000)
+    assert host.state() == ("held", 1)
+    assert host.done(0) == step_clocks(limit - 500_000, 10_000, 50, 0) + [
+        limit + 12_000 + 15_000 * k for k in range(4)
+    ]
+    assert host.done(1) == step_clocks(limit - 500_000, 20_000, 25, 0) + [
+        limit + 30_000 * k for k in (1, 2)
+    ]
+    assert (host.position(0), host.position(1)) == (-54, -23)
+    assert host.board.device.fault == ""
+
+
+@settings(max_examples=100, deadline=None)
+@given(
+    st.lists(st.tuples(st.integers(2, 12), st.integers(0, 4)), min_size=2, max_size=8), st.data()
+)
+def test_each_commit_takes_the_place_of_the_one_before(periods, data):
+    """The link breaks at any of the commits, before or behind its message."""
+    host = Host()
+    until = data.draw(st.integers(0, len(periods) - 1), "commits that arrive")
+    begin = host.board.now
+    limit = begin
+    tails: list[int] = []
+    for i, (tens, tail) in enumerate(periods):
+        host.move(0, 10_000, 10 * tens)
+        tails = [limit + 100_000 * tens + 15_000 * k for k in range(1, tail + 1)]
+        if i == until:
+            break
+        for _ in range(tail):
+            host.tail(0, 15_000, 1)
+        limit += 100_000 * tens
+        kept = (limit, tails)
+        host.commit(limit)
+        host.board.wait(max(0, limit - GUARD - 20_000 - host.board.now))
+    if until == 0:
+        host.board.wait(2_000_000)
+        assert host.done(0) == [] and host.state() == ("resting", 0)
+        return
+    host.board.wait(2_000_000)
+    limit, tails = kept
+    assert host.done(0) == [c for c in host.steps[0] if c <= limit] + tails
+    assert host.state() == ("held", until)
+
+
+def test_a_plan_that_ends_has_no_tail_and_rests():
+    host = Host()
+    host.move(0, 10_000, 50)
+    host.commit(host.board.now + 500_000, rest=True)
+    assert host.state() == ("moving", 1)
+    host.board.wait(2_000_000)
+    assert host.state() == ("resting", 1)
+    # The next print of this host goes on without a word about it.
+    host.tell(f"reset_step_clock oid=0 clock={host.board.clock(0)}")
+    host.last[0] = host.board.now
+    host.move(0, 10_000, 10)
+    host.commit(host.board.now + 100_000, rest=True)
+    host.board.wait(200_000)
+    assert host.done(0) == host.steps[0]
+
+
+def test_a_motor_that_stood_for_long_begins_in_a_tail():
+    host = Host()
+    host.move(0, 10_000, 50)
+    limit = host.board.now + 500_000
+    host.tail(1, limit + 1000 & 0xFFFFFFFF, 0)
+    host.tail(1, 5000, 2)
+    host.commit(limit)
+    host.board.wait(600_000)
+    assert host.done(1) == [limit + 6000, limit + 11_000]
+
+
+def test_the_host_takes_over_where_the_motors_stand():
+    host = Host()
+    host.move(0, 10_000, 50)
+    host.tail(0, 20_000, 2)
+    host.commit(host.board.now + 500_000)
+    host.board.wait(600_000)
+    assert host.state() == ("held", 1)
+    host.tell("survive_arm")
+    assert host.state() == ("resting", 1)
+    host.tell(f"reset_step_clock oid=0 clock={host.board.clock(0)}")
+    host.last[0] = host.board.now
+    host.done(0)
+    host.steps[0] = []
+    host.move(0, 10_000, 10)
+    host.commit(host.board.now + 100_000, rest=True)
+    host.board.wait(200_000)
+    assert host.done(0) == host.steps[0] and host.position(0) == -62
+
+
+def test_slots_come_back():
+    """Tails that were replaced, dropped moves, and those of a shutdown."""
+    host = Host()
+    slots = host.tell("get_config")[0][1]["move_count"]
+    for _ in range(2 * slots):
+        host.tell(f"reset_step_clock oid=0 clock={host.board.clock(0)}")
+        host.last[0] = host.board.now
+        host.move(0, 1000, 1)
+        host.tail(0, 300_000, 1)
+        host.commit(host.board.now + 200_000)
+        host.board.wait(1100)
+    host.board.wait(400_000)
+    for _ in range(2 * slots):
+        host.move(0, 1000, 1)
+    assert host.board.device.fault == "" and host.state()[0] == "held"
+    host.tell("survive_arm")
+    for _ in range(slots - 10):
+        host.move(0, 1000, 1)
+    host.tell("emergency_stop")
+    host.tell("clear_shutdown")
+    assert host.state()[0] == "off"
+    host.tell("survive_arm")
+    for _ in range(slots - 10):
+        host.move(0, 1000, 1)
+    assert host.tell("get_config")[0][1]["is_shutdown"] == 0
+
+
+def test_a_heater_is_kept_for_its_time_and_then_off():
+    host = Host()
+    host.tell("query_analog_in oid=4 clock=%d sample_ticks=1000 sample_count=1 rest_ticks=100000"
+              " bytes_per_report=2 min_value=0 max_value=1023 range_check_count=4"
+              % host.board.clock(1000))  # fmt: skip
+    heater = host.board.dictionary.enumerations["pin"]["PB4"]
+    host.board.device.trace_edges(heater)
+    host.tell("survive_output oid=7 value=1 seconds=2")
+    on = host.board.now + 1000
+    host.tell(f"queue_digital_out oid=7 clock={on & 0xFFFFFFFF} on_ticks=1")
+    host.board.wait(40_000_000)
+    assert host.board.device.take_edges(heater) == [(on, 1), (on + HEATER_LONGEST + 32_000_000, 0)]
+    assert host.board.device.fault == ""
+
+
+@pytest.mark.parametrize(
+    ("line", "reason"),
+    [
+        ("survive_output oid=7 value=1 seconds=1", "No sensor watches what an output is held"),
+        ("survive_output oid=7 value=1 seconds=61", "Output may not be held for so long"),
+    ],
+)
+def test_what_may_not_be_kept(line, reason):
+    host = Host()
+    host.tell(line)
+    assert host.board.device.fault.startswith(reason)
+
+
+def test_a_kept_heater_takes_the_lesser_power():
+    host = Host()
+    host.tell("survive_output oid=7 value=0 seconds=0")
+    on = host.board.now + 1000
+    host.tell(f"queue_digital_out oid=7 clock={on & 0xFFFFFFFF} on_ticks=1")
+    heater = host.board.dictionary.enumerations["pin"]["PB4"]
+    host.board.device.trace_edges(heater)
+    host.board.wait(100_000)
+    assert host.board.device.take_edges(heater) == [(on, 1), (on + HEATER_LONGEST, 0)]
+
+
+def test_a_laser_is_off_before_the_machine_brakes():
+    host = Host()
+    host.tell("survive_output oid=2 value=0 seconds=0")
+    fan = host.board.dictionary.enumerations["pin"]["PH6"]
+    host.board.device.trace_edges(fan)
+    limit = host.board.now + 500_000
+    host.move(0, 10_000, 50)
+    on = host.board.now + 1000
+    host.tell(f"queue_digital_out oid=2 clock={on & 0xFFFFFFFF} on_ticks=1")
+    host.tell(f"queue_digital_out oid=2 clock={limit + 5 & 0xFFFFFFFF} on_ticks=1")
+    host.commit(limit)
+    host.board.wait(700_000)
+    assert host.board.device.take_edges(fan) == [(on, 1), (limit - GUARD, 0)]
+
+
+def test_without_the_extension_a_duration_that_passes_is_a_shutdown():
+    host = Host()
+    host.tell("survive_output oid=7 value=0 seconds=0")
+    host.tell("survive_off")
+    host.tell(f"queue_digital_out oid=7 clock={host.board.clock(1000)} on_ticks=1")
+    host.board.wait(10_000)
+    assert host.board.device.fault == "Missed scheduling of next digital out event"
