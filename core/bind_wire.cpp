@@ -223,6 +223,7 @@ void bind_link(nb::module_& m) {
       .def_prop_ro("halted", &Timeline::halted, "A board has stopped or is lost.");
   nb::class_<Link>(m, "Link", "The host's end of a board's wire; times in ticks.")
       .def(nb::init<double>(), "clock_hz"_a)
+      .def_prop_ro("hz", &Link::hz)
       .def(
           "set_dictionary",
           [](Link& l, const FormatList& commands, const FormatList& reports,
@@ -251,6 +252,8 @@ void bind_link(nb::module_& m) {
           },
           nb::sig("def take_responses(self) -> list[tuple[str, dict[str, int | bytes]]]"))
       .def("follow_clock", &held<&Link::follow_clock, Ticks>, "now"_a)
+      .def("set_byte_ticks", &held<&Link::set_byte_ticks, double>, "ticks"_a,
+           "What a byte takes on a serial line.")
       .def_prop_ro("synchronous", &held<&Link::synchronous>)
       .def_prop_ro("lost", &held<&Link::lost>)
       .def(

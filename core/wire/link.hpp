@@ -73,6 +73,8 @@ class Link {
     samples_ = 0;
     unanswered_ = 0;
   }
+  // Ticks that a byte takes on a serial line: a frame that is sent has come when its last byte has.
+  void set_byte_ticks(double ticks) { byte_ticks_ = ticks; }
   bool synchronous() const { return sync_.ready(); }
   const ClockSync& clock() const { return sync_; }
   // True when the board left its questions unanswered for some four seconds.
@@ -259,6 +261,7 @@ class Link {
   bool holds_question_ = false, holds_command_ = false;
 
   bool following_ = false, asked_ = false;
+  double byte_ticks_ = 0;
   Ticks next_sync_ = kNever;
   uint64_t question_ = 0;  // number of the frame that carries the last question for the clock
   int samples_ = 0;
@@ -364,7 +367,7 @@ class Link {
       return;
     }
     if (id == clock_id_ || id == uptime_id_) {
-      take_clock(id == uptime_id_, values, now);
+      take_clock(id == uptime_id_, values, now - on_the_line(kFrameMin + size));
     } else if (id == analog_id_ && take_temperature(values, now)) {
       return;
     } else {
@@ -382,22 +385,25 @@ class Link {
   // trsync_state oid can_trigger trigger_reason clock
   void take_trsync(const std::vector<Value>& values) {
     int64_t v[4];
-    for (size_t i = 0; i < 4; ++i) v[i] = std::get<int64_t>(values[i]);
+    for (size_t i = 0; i < 4; ++i) v[i] = std::get<int64_t>(values.at(i));
     Ticks clock = main_clock(sync_.unwrap(uint32_t(v[3])));
     timeline_->heard(seat_, uint32_t(v[0]), v[1] != 0, uint32_t(v[2]), double(clock));
   }
-  void take_clock(bool uptime, const std::vector<Value>& values, Ticks now) {
+  Ticks on_the_line(size_t bytes) const { return Ticks(byte_ticks_ * double(bytes)); }
+  void take_clock(bool uptime, const std::vector<Value>& values, Ticks answered) {
     if (!asked_ || question_ == 0) return;
     asked_ = false;
     unanswered_ = 0;
     if (!window_.sent_once(question_)) return;  // it is not known which copy was answered
-    Ticks sent = window_.sent_at(question_);
+    Ticks heard = window_.sent_at(question_) + on_the_line(window_.length(question_));
+    answered = std::max(answered, heard);
     if (uptime)
-      sync_.start(std::get<int64_t>(values[0]) << 32 | std::get<int64_t>(values[1]), sent, now);
+      sync_.start(std::get<int64_t>(values.at(0)) << 32 | std::get<int64_t>(values.at(1)), heard,
+                  answered);
     else if (sync_.ready())
-      sync_.add(uint32_t(std::get<int64_t>(values[0])), sent, now);
+      sync_.add(uint32_t(std::get<int64_t>(values.at(0))), heard, answered);
     ++samples_;
-    if (timeline_) follow_timeline(now);
+    if (timeline_) follow_timeline(answered);
   }
   // analog_in_state oid next_clock values: next_clock is that of the next report; the newest of the
   // values (16 bits each) counts. Boards with older firmware send one value, as a number.

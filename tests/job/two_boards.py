@@ -6,6 +6,7 @@ import lzma
 from array import array
 from dataclasses import dataclass
 from functools import partial
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -51,6 +52,11 @@ class Edges:
         assert len(mine) == len(theirs) > 0
         assert turns == others
         return max(abs(a - b) for a, b in zip(mine, theirs, strict=True)) / 16
+
+    def gap_us(self, stepper: str) -> float:
+        """The least time between two steps."""
+        clocks, _ = self.steps[stepper]
+        return min(b - a for a, b in pairwise(clocks)) / 16
 
 
 def printed(

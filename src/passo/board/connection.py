@@ -63,6 +63,7 @@ class Connection:
         self.board = board
         self.port = port
         self.link = _core.Link(float(board.clock_hz))
+        self.link.set_byte_ticks(port.byte_s * board.clock_hz)
         self.wire = port.attach(self.link)
         self.dictionary = Dictionary((), (), {}, {})
         self.move_count = 0

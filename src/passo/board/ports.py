@@ -21,9 +21,11 @@ class LinkLostError(MachineError):
 
 
 class Port(Protocol):
-    """What a link can be attached to. `live`: real time passes at the board, whoever waits."""
+    """What a link can be attached to. `live`: real time passes at the board, whoever waits. A byte
+    takes `byte_s` seconds on the way, where that is known."""
 
     live: bool
+    byte_s: float
 
     def attach(self, link: _core.Link) -> Wire:
         """The wire between this port and a link, which carries bytes from now on. Raises
@@ -36,6 +38,7 @@ class InProcess:
     time of another one, `beside` which it works."""
 
     live = False
+    byte_s = 0.0
 
     def __init__(
         self, device: Simulated, start_clock: int = 0, beside: InProcess | None = None
@@ -77,8 +80,9 @@ class LivePort:
 
     live = True
 
-    def __init__(self, opened: Callable[[], int]) -> None:
+    def __init__(self, opened: Callable[[], int], byte_s: float = 0.0) -> None:
         self._opened = opened
+        self.byte_s = byte_s
         self._wire: _core.LiveWire | None = None
 
     def attach(self, link: _core.Link) -> _core.LiveWire:
@@ -89,8 +93,9 @@ class LivePort:
         return self._wire
 
 
-def serial_port(device: str, baud: int) -> LivePort:
-    """A board on a serial device. Opening it resets many of them."""
+def serial_port(device: str, baud: int, *, paced: bool = False) -> LivePort:
+    """A board on a serial device. Opening it resets many of them. `paced`: bytes really go at the
+    baud rate, ten bits each; behind a chip's own USB they do not."""
 
     def opened() -> int:
         try:
@@ -98,7 +103,7 @@ def serial_port(device: str, baud: int) -> LivePort:
         except OSError as error:
             raise _unreachable(device, error) from None
 
-    return LivePort(opened)
+    return LivePort(opened, 10 / baud if paced else 0.0)
 
 
 def tcp_port(host: str, port: int) -> LivePort:

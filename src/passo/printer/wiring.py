@@ -301,7 +301,8 @@ def connect(machine: MachineConfig) -> tuple[Boards, SimulatedMachine | None]:
 def _port(board: Board) -> Port:
     place = board.port or ""
     if board.link == "serial":
-        return serial_port(place, board.baud)
+        paced = board.console is not None and board.console.connector == "serial"
+        return serial_port(place, board.baud, paced=paced)
     host, _, number = place.rpartition(":")
     return tcp_port(host.strip("[]"), int(number))
 

@@ -38,7 +38,9 @@ class SimulatedMachine:
         self.board = together({name: board.board for name, board in boards.items()})
         self._main = next(iter(self.boards.values()))
         self.device = self._main.device
-        self.devices: dict[str, _core.Bench | _core.Distant] = {n: b.device for n, b in boards.items()}
+        self.devices: dict[str, _core.Bench | _core.Distant] = {
+            n: b.device for n, b in boards.items()
+        }
         self._distant: dict[SimulatedBoard, _core.Distant] = {}
         self._own: dict[tuple[str, str], SimulatedBoard] = {}
         for number, (name, board) in enumerate(boards.items()):

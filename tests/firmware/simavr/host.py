@@ -10,7 +10,6 @@ from passo.board.connection import Connection
 from passo.board.description import BoardDescription, Sensor
 
 from .bench import AvrBench
-from .boards import HZ
 
 QUANTUM = 8000
 WORLD = 160_000
@@ -24,6 +23,7 @@ class BenchPump:
         self._link = link
         self._bench = bench
         self.now = bench.cycle
+        self.hz = link.hz
         self.heaters: dict[str, _core.Heater] = {}
         self.world: list[Callable[[], None]] = []
         self._next_world = bench.cycle
@@ -32,8 +32,6 @@ class BenchPump:
     @property
     def device_cpu_s(self) -> float:
         return 0.0
-
-    hz = float(HZ)
 
     def board_clock(self, _: _core.Link) -> int:
         return self.now
