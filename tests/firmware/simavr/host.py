@@ -74,6 +74,7 @@ class BenchPort:
     """A bench as a connection sees it."""
 
     live = False
+    byte_s = 0.0
     pump: BenchPump
 
     def __init__(self, bench: AvrBench) -> None:
