@@ -25,7 +25,7 @@ demo: .venv/.built build/$(DEMO).gcode
 
 test: .venv/.built .venv/.dev .venv/hosts/.installed
 	tools/debian.sh g++-aarch64-linux-gnu g++-arm-linux-gnueabihf qemu-user-static dosfstools mtools \
-	  gcc-avr avr-libc libsimavr-dev libelf-dev
+	  gcc-avr avr-libc libsimavr-dev libelf-dev gcc-arm-none-eabi qemu-system-arm
 	$(BIN)/python -m pytest
 
 check: .venv/.built .venv/.dev

@@ -2,6 +2,7 @@
 #include <nanobind/nanobind.h>
 
 void bind_heat(nanobind::module_& m);
+void bind_chips(nanobind::module_& m);
 void bind_wire(nanobind::module_& m);
 void bind_geometry(nanobind::module_& m);
 void bind_motion(nanobind::module_& m);
@@ -11,6 +12,7 @@ NB_MODULE(_core, m) {
   m.doc() = "Native core of Passo: parse, plan, solve step times, compress, frame, virtual board.";
   bind_heat(m);
   bind_wire(m);
+  bind_chips(m);
   bind_geometry(m);
   bind_motion(m);
   bind_job(m);

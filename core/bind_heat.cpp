@@ -154,6 +154,23 @@ void bind_heater(nb::module_& m) {
       .def_ro("minimum", &SensorQuery::minimum)
       .def_ro("maximum", &SensorQuery::maximum)
       .def_ro("range_checks", &SensorQuery::range_checks);
+  nb::enum_<heat::Converter>(m, "Converter")
+      .value("NONE", heat::Converter::none)
+      .value("MAX31855", heat::Converter::max31855)
+      .value("MAX6675", heat::Converter::max6675);
+  nb::enum_<heat::ConverterFault>(m, "ConverterFault")
+      .value("NONE", heat::ConverterFault::none)
+      .value("OPEN", heat::ConverterFault::open)
+      .value("SHORT_CIRCUIT", heat::ConverterFault::short_circuit)
+      .value("NO_ANSWER", heat::ConverterFault::no_answer);
+  m.attr("CONVERTER_FULL") = heat::kConverterFull;
+  m.def(
+      "read_converter",
+      [](heat::Converter converter, uint32_t word) {
+        heat::ConverterReading reading = heat::read_converter(converter, word);
+        return std::pair(reading.quarters / 4.0, reading.fault);
+      },
+      "converter"_a, "word"_a, "°C, and what is wrong with the word of a converter.");
   nb::class_<HeaterOptions>(m, "HeaterOptions")
       .def(
           "__init__",
@@ -162,18 +179,20 @@ void bind_heater(nb::module_& m) {
              const Points& celsius, double low_share, double high_share, bool open_is_high,
              const Control& control, const ProtectionLimits& limits,
              const std::optional<HeatModel>& model, int32_t fan_target, double fan_full,
-             bool inverted) {
+             bool inverted, heat::Converter converter) {
             new (self) HeaterOptions{sensor_oid, output_oid,  pwm,
                                      full,       adc_full,    query,
                                      max_power,  tolerance_c, heat::Curve(celsius),
                                      low_share,  high_share,  open_is_high,
                                      control,    limits,      model,
-                                     fan_target, fan_full,    inverted};
+                                     fan_target, fan_full,    inverted,
+                                     converter};
           },
           "sensor_oid"_a, "output_oid"_a, "pwm"_a, "full"_a, "adc_full"_a, "query"_a, "max_power"_a,
           "tolerance_c"_a, "celsius"_a, "low_share"_a, "high_share"_a, "open_is_high"_a,
           "control"_a, "limits"_a, "model"_a.none(), "fan_target"_a = -1, "fan_full"_a = 1.0,
-          "inverted"_a = false, "fan_target: index of the fan's output among the link's pins.");
+          "inverted"_a = false, "converter"_a = heat::Converter::none,
+          "fan_target: index of the fan's output among the link's pins.");
   nb::class_<Heater>(m, "Heater", "A heater loop beside the link.")
       .def_prop_ro("celsius", &held<&Heater::celsius>)
       .def_prop_rw("target", &held<&Heater::target>, &held<&Heater::set_target, double>)

@@ -21,7 +21,8 @@ namespace {
 struct JobView {
   Job job;
   std::vector<Move> moves;
-  JobView(const Machine& machine, std::vector<double> home, bool laser, bool with_steps)
+  JobView(const Machine& machine, std::vector<double> home, const LaserWords& laser,
+          bool with_steps)
       : job(machine, std::move(home), laser, with_steps, thread_cpu_s) {}
 };
 
@@ -37,11 +38,19 @@ double* place_of(Limits& l, const std::string& name) {
 
 using Table = nb::typed<nb::dict, nb::str, nb::any>;
 
-// Whether M is a word of a move: only where it is one of the laser's own letters.
-bool uses_m(const nb::object& laser) {
-  if (laser.is_none()) return false;
-  return get<std::string>(laser, "density_letter") == "M" ||
-         get<std::string>(laser, "energy_letter") == "M";
+// M is a word of a move only where it is one of these letters.
+LaserWords laser_words(const nb::object& laser) {
+  LaserWords words;
+  if (laser.is_none()) return words;
+  auto letter = [&](const char* key) {
+    std::string text = get<std::string>(laser, key);
+    return text.empty() ? char(0) : text[0];
+  };
+  words.energy = letter("energy_letter");
+  words.density = letter("density_letter");
+  words.full_w = get<double>(laser, "full_w");
+  words.most_w = get<double>(laser, "most_w");
+  return words;
 }
 
 nb::typed<nb::dict, nb::str, nb::float_> cpu(const JobView& self) {
@@ -152,7 +161,7 @@ void bind_job(nb::module_& m) {
             std::vector<double> home;
             for (nb::handle axis : spec["axes"]) home.push_back(get<double>(axis, "home"));
             new (self)
-                JobView(machine_of(spec), std::move(home), uses_m(spec["laser"]), with_steps);
+                JobView(machine_of(spec), std::move(home), laser_words(spec["laser"]), with_steps);
             self->job.interpreter.clamp = clamp;
             self->job.interpreter.ignore_tools = ignore_tools;
           },
@@ -459,9 +468,11 @@ void bind_job(nb::module_& m) {
           "retraction",
           [](JobView& self) {
             Interpreter::Retraction r = self.job.interpreter.retraction();
-            return std::make_tuple(r.mm, r.feed_mm_s, r.hop_mm, r.recover_mm, r.recover_feed_mm_s);
+            return std::make_tuple(r.mm, r.feed_mm_s, r.hop_mm, r.recover_mm, r.recover_feed_mm_s,
+                                   r.swap_mm, r.swap_recover_mm);
           },
-          "(mm, mm/s, hop mm, extra mm, mm/s back or 0) of M207 and M208.")
+          "(mm, mm/s, hop mm, extra mm, mm/s back or 0, mm and extra mm of G10 S1) of M207 and "
+          "M208.")
       .def_prop_ro(
           "filament_diameters",
           [](JobView& self) -> std::optional<std::vector<double>> {
@@ -484,7 +495,8 @@ void bind_job(nb::module_& m) {
       .def(
           "limit",
           [](JobView& self, const std::string& name) {
-            return *place_of(self.job.motion.planner().limits(), name);
+            Limits limits = self.job.motion.planner().rules().now().limits;
+            return *place_of(limits, name);
           },
           "name"_a, "A limit as set_limit takes it.")
       .def(
@@ -507,9 +519,8 @@ void bind_job(nb::module_& m) {
       .def(
           "line_at", [](JobView& self, double ticks) { return self.job.motion.line_at(ticks); },
           "ticks"_a,
-          "Line of the program's move that is under way, or was last, at a clock (0: none), and "
-          "the "
-          "Z to which it goes. Clocks must not go back.")
+          "Line of the program's move that is under way, or was last, at a clock (0: none). Clocks "
+          "must not go back.")
       .def(
           "position_at",
           [](JobView& self, double ticks) -> std::optional<std::vector<double>> {
@@ -539,23 +550,38 @@ void bind_job(nb::module_& m) {
       .def_prop_ro("line", [](JobView& self) { return self.job.interpreter.line(); })
       .def_prop_ro("layer", [](JobView& self) { return self.job.interpreter.layers(); })
       .def_prop_ro("tool", [](JobView& self) { return self.job.interpreter.tool(); })
-      .def_prop_rw(
-          "speed_factor", [](JobView& self) { return self.job.motion.planner().speed_factor; },
-          [](JobView& self, double factor) { self.job.motion.planner().speed_factor = factor; })
+      .def_prop_ro(
+          "speed_factor",
+          [](JobView& self) { return self.job.motion.planner().rules().now().speed_factor; },
+          "M220, as a factor.")
+      .def(
+          "set_speed_factor",
+          [](JobView& self, double factor, bool live) {
+            self.job.motion.planner().rules().change(live,
+                                                     [&](Rules& r) { r.speed_factor = factor; });
+          },
+          "factor"_a, "live"_a = false,
+          "M220 for the moves that follow; `live`: for all that is planned anew from now on.")
       .def(
           "set_limit",
-          [](JobView& self, const std::string& name, double value) {
-            *place_of(self.job.motion.planner().limits(), name) = value;
+          [](JobView& self, const std::string& name, double value, bool live) {
+            self.job.motion.planner().rules().change(
+                live, [&](Rules& r) { *place_of(r.limits, name) = value; });
           },
-          "name"_a, "value"_a, "Changes a limit of the moves that follow.")
+          "name"_a, "value"_a, "live"_a = false,
+          "Changes a limit of the moves that follow; `live`: of all that is planned anew.")
       .def(
           "set_axis_limit",
-          [](JobView& self, const std::string& axis, const std::string& what, double value) {
-            self.job.motion.planner().constraints().set(self.job.motion.machine(), axis,
-                                                        what == "speed", value);
+          [](JobView& self, const std::string& axis, const std::string& what, double value,
+             bool live) {
+            self.job.motion.planner().rules().change(live, [&](Rules& r) {
+              auto changed = std::make_shared<Constraints>(*r.constraints);
+              changed->set(self.job.motion.machine(), axis, what == "speed", value);
+              r.constraints = std::move(changed);
+            });
           },
-          "axis"_a, "what"_a, "value"_a,
-          "Changes an axis' `speed` or `accel`, never beyond the machine's own.")
+          "axis"_a, "what"_a, "value"_a, "live"_a = false,
+          "Changes an axis' `speed` or `accel`, never beyond the machine's own, as set_limit.")
       .def_prop_ro(
           "messages", [](JobView& self) -> MessageQueue& { return self.job.motion.messages(); },
           nb::rv_policy::reference_internal, "The main board's.")

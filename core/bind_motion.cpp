@@ -193,13 +193,21 @@ void bind_motion(nb::module_& m) {
       .def(
           "release", [](RecordedMotion& self) { self.motion.release(); },
           "Goes on with what hold_from left.")
-      .def("set_speed_factor",
-           [](RecordedMotion& self, double factor) { self.motion.planner().speed_factor = factor; })
-      .def("set_accel",
-           [](RecordedMotion& self, double accel) {
-             Limits& l = self.motion.planner().limits();
-             l.print_accel = l.travel_accel = l.retract_accel = accel;
-           })
+      .def(
+          "set_speed_factor",
+          [](RecordedMotion& self, double factor, bool live) {
+            self.motion.planner().rules().change(live, [&](Rules& r) { r.speed_factor = factor; });
+          },
+          "factor"_a, "live"_a = true,
+          "M220: of moves to come, or, `live`, of all that is planned anew.")
+      .def(
+          "set_accel",
+          [](RecordedMotion& self, double accel, bool live) {
+            self.motion.planner().rules().change(live, [&](Rules& r) {
+              r.limits.print_accel = r.limits.travel_accel = r.limits.retract_accel = accel;
+            });
+          },
+          "accel"_a, "live"_a = true)
       .def_prop_ro(
           "clock", [](RecordedMotion& self) { return self.motion.planner().clock(); },
           "End of the last settled move, ticks.")

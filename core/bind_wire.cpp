@@ -671,7 +671,7 @@ void bind_board(nb::module_& m) {
   nb::class_<LiveBoard>(m, "LiveBoard",
                         "Lets a device answer on a file descriptor, which it owns, in real time "
                         "and a thread of its own; look at the device in `look`, or after `stop`.")
-      .def(nb::init<Device&, int, double>(), "device"_a, "fd"_a, "clock_hz"_a,
+      .def(nb::init<Device&, int, double, Ticks>(), "device"_a, "fd"_a, "clock_hz"_a, "start"_a = 0,
            nb::keep_alive<1, 2>())
       .def(
           "look",

@@ -10,21 +10,23 @@
 #include "junction.hpp"
 #include "machine.hpp"
 #include "move.hpp"
+#include "rules.hpp"
 
 namespace passo {
 
 class Bounds {
  public:
-  Bounds(const Machine& machine, const Limits& limits)
-      : machine_(machine), limits_(limits), constraints_(machine), junction_(machine) {}
+  explicit Bounds(const Machine& machine)
+      : machine_(machine), junction_(machine), curved_(!Constraints(machine).actuators.empty()) {}
 
-  Constraints& constraints() { return constraints_; }
-  const Constraints& constraints() const { return constraints_; }
-  bool nonlinear() const { return !constraints_.actuators.empty() && !machine_.joints; }
+  bool nonlinear() const { return curved_ && !machine_.joints; }
 
   // Fills d, vn2, a, b, cartesian and the limits' names, and clears what the budget sets. False if
   // the move covers no distance and takes no time.
-  bool apply(Move& m) const {
+  bool apply(Move& m, const Rules& rules) const {
+    const Limits& limits = rules.limits;
+    const Constraints& constraints = *rules.constraints;
+    const double speed_factor = m.unscaled ? 1 : rules.speed_factor;
     m.curved_steps = m.tolerance = m.step_load = m.command_load = 0;
     if (m.kind == MoveKind::dwell) {
       m.d = m.vn2 = 0;
@@ -47,7 +49,7 @@ class Bounds {
     mm = m.cartesian ? std::sqrt(mm) : longest;
     m.d = mm;
     double per_mm = 1;  // path measure per mm
-    if (limits_.junction == JunctionLaw::cornering_distance) {
+    if (limits.junction == JunctionLaw::cornering_distance) {
       m.d = 0;
       for (int j = 0; j < kAxes; ++j) m.d = std::max(m.d, junction_.steps(m, j));
       per_mm = m.d / mm;
@@ -55,36 +57,38 @@ class Bounds {
     LimitId accel_id = m.kind == MoveKind::print     ? kPrintAccel
                        : m.kind == MoveKind::extrude ? kRetractAccel
                                                      : kTravelAccel;
-    double v = std::min(m.feed * m.speed_factor, 1e6) * per_mm;
+    double v = std::min(m.feed * speed_factor, 1e6) * per_mm;
     LimitId speed_id = kFeedrate;
-    if (m.duration > 0 && m.d < v * m.duration / m.speed_factor)
-      v = m.d * m.speed_factor / m.duration, speed_id = kDuration;
-    if (m.cartesian && v > limits_.speed * per_mm)
-      v = limits_.speed * per_mm, speed_id = kPathSpeed;
-    double a = per_mm * (accel_id == kPrintAccel     ? limits_.print_accel
-                         : accel_id == kRetractAccel ? limits_.retract_accel
-                                                     : limits_.travel_accel);
+    if (m.duration > 0 && m.d < v * m.duration / speed_factor)
+      v = m.d * speed_factor / m.duration, speed_id = kDuration;
+    if (m.fastest > 0 && v > m.fastest * per_mm) v = m.fastest * per_mm, speed_id = kLaserPower;
+    if (m.cartesian && v > limits.speed * per_mm) v = limits.speed * per_mm, speed_id = kPathSpeed;
+    double a = per_mm * (accel_id == kPrintAccel     ? limits.print_accel
+                         : accel_id == kRetractAccel ? limits.retract_accel
+                                                     : limits.travel_accel);
     a = std::min(a, kHighestAccel * per_mm);
-    double inverse = 1 / m.d, climb = 0;  // climb: of the bed below the way, at most
-    if (machine_.height_map && !machine_.joints)
-      climb =
-          machine_.height_map->steepest() * std::sqrt(delta[0] * delta[0] + delta[1] * delta[1]);
-    auto tighten = [&](const Row& row, double distance) {
+    double inverse = 1 / m.d;
+    const Bed bed = bed_below(m);
+    // `bend`: second derivative of the row's position by path length.
+    auto tighten = [&](const Row& row, double distance, double bend = 0) {
       double part = std::fabs(distance) * inverse;
       if (part * v > row.speed) v = row.speed / part, speed_id = row.speed_id;
-      if (part * a > row.accel) a = row.accel / part, accel_id = row.accel_id;
+      if (bend * v * v > kOfBends * row.accel)
+        v = std::sqrt(kOfBends * row.accel / bend), speed_id = row.accel_id;
+      double left = row.accel - bend * v * v;
+      if (part * a > left) a = left / part, accel_id = row.accel_id;
     };
-    for (size_t i = 0; machine_.joints && i < constraints_.actuators.size(); ++i)
-      tighten(constraints_.actuators[i], delta[i]);
+    for (size_t i = 0; machine_.joints && i < constraints.actuators.size(); ++i)
+      tighten(constraints.actuators[i], delta[i]);
     double c[3];
-    for (const Row& row : constraints_.rows) {
+    for (const Row& row : constraints.rows) {
       if (machine_.joints && row.axis < 3 && !machine_.geometry->linear(row.axis, c)) continue;
       double way = row.axis >= 0 ? delta[row.axis]
                                  : row.c[0] * delta[0] + row.c[1] * delta[1] + row.c[2] * delta[2];
-      if (climb > 0) way = std::fabs(way) + std::fabs(row.c[kZ]) * climb;
-      tighten(row, way);
+      double lift = std::fabs(row.c[kZ]);
+      tighten(row, std::fabs(way) + lift * bed.slope * m.d, lift * bed.bend);
     }
-    if (delta[kE] != 0) tighten(constraints_.extruders[m.extruder], delta[kE]);
+    if (delta[kE] != 0) tighten(constraints.extruders[m.extruder], delta[kE]);
     if (m.radius < kInfinity && v * v > a * m.radius * per_mm)
       v = std::sqrt(a * m.radius * per_mm), speed_id = kArc;
     v = std::max(v, kLowestSpeed * per_mm);
@@ -98,12 +102,16 @@ class Bounds {
   // Nonlinear geometries: tightens vn2 and a by the actuators' limits along the way, curvature
   // included, and splits the move where these differ much, so that a narrow place does not slow
   // down the whole line. With q', q'' the derivatives of an actuator by path length: |q'| v ≤ V and
-  // |q''| v² + |q'| a ≤ A; half of A at most goes to curvature.
-  void split(const Move& m, std::vector<Move>& parts) {
+  // |q''| v² + |q'| a ≤ A; half of A at most goes to curvature. Where the bed is not flat, q' and
+  // q'' are the greatest that its steepest slope, up or down, makes of them. Its creases, between
+  // the cells of the map, are no bends: there Z changes its speed at once, by little.
+  void split(const Move& m, const Rules& rules, std::vector<Move>& parts) {
     parts.clear();
-    int n = std::clamp(int(std::ceil(m.d / kSampleEvery)), 1, kMostSamples);
+    double mm2 = 0;
+    for (int j = 0; j < 3; ++j) mm2 += (m.p1[j] - m.p0[j]) * (m.p1[j] - m.p0[j]);
+    int n = std::clamp(int(std::ceil(std::sqrt(mm2) / kSampleEvery)), 1, kMostSamples);
     samples_.resize(size_t(n) + 1);
-    for (int i = 0; i <= n; ++i) samples_[size_t(i)] = sample(m, m.d * i / n);
+    for (int i = 0; i <= n; ++i) samples_[size_t(i)] = sample(m, *rules.constraints, m.d * i / n);
     int first = 0;
     while (first < n) {
       Sample part = worse(samples_[size_t(first)], samples_[size_t(first) + 1]);
@@ -146,16 +154,16 @@ class Bounds {
   static constexpr double kHighestAccel = 1e7;   // mm/s²
   static constexpr double kSampleEvery = 2;      // mm
   static constexpr int kMostSamples = 256;
-  static constexpr double kAlike = 0.7;  // caps within this ratio share a part
+  static constexpr double kAlike = 0.7;    // caps within this ratio share a part
+  static constexpr double kOfBends = 0.5;  // share of an acceleration that bends may take
 
   struct Sample {
     double v, a, steps;  // steps of all actuators by path length
     LimitId speed_id, accel_id;
   };
   const Machine& machine_;
-  const Limits& limits_;
-  Constraints constraints_;
   JunctionRule junction_;
+  bool curved_;  // some actuators do not go evenly along a line
   std::vector<Sample> samples_;
 
   static Sample worse(const Sample& x, const Sample& y) {
@@ -163,7 +171,40 @@ class Bounds {
             x.v < y.v ? x.speed_id : y.speed_id, x.a < y.a ? x.accel_id : y.accel_id};
   }
 
-  Sample sample(const Move& m, double s) const {
+  // What the bed adds to Z along a move, at most: first and second derivative by path length.
+  struct Bed {
+    double slope = 0, bend = 0;
+  };
+  Bed bed_below(const Move& m) const {
+    if (!machine_.height_map || machine_.joints) return {};
+    double x = (m.p1[0] - m.p0[0]) / m.d, y = (m.p1[1] - m.p0[1]) / m.d;
+    return {machine_.height_map->steepest() * std::sqrt(x * x + y * y),
+            2 * machine_.height_map->twist() * std::fabs(x * y)};
+  }
+
+  // Derivatives of actuator i at s, at most. Along a line whose slope differs by k from the way's,
+  // q' = g + h k and q'' = e + b k + a k²; the bed's own bend moves the actuator as Z does, by h.
+  void slopes_above(const Bed& bed, int i, const Path& way, double s, double& q1,
+                    double& q2) const {
+    double first[3], second[3], at[3];
+    for (int j = 0; j < 3; ++j) at[j] = way.p0[j] + (way.p1[j] - way.p0[j]) / way.length * s;
+    double lift = machine_.raised(at) - at[kZ];
+    for (int side = -1; side <= 1; ++side) {
+      Path line = way;
+      double tilt = side * bed.slope;
+      line.p0[kZ] += lift - tilt * s;
+      line.p1[kZ] += lift + tilt * (way.length - s);
+      machine_.geometry->slopes(i, line, s, first[side + 1], second[side + 1]);
+    }
+    Path up = {{at[0], at[1], at[2] + lift}, {at[0], at[1], at[2] + lift + 1}, 1};
+    double lifts, curved;
+    machine_.geometry->slopes(i, up, 0, lifts, curved);
+    q1 = std::max(std::fabs(first[0]), std::fabs(first[2]));
+    q2 = std::fabs(second[1]) + 0.5 * std::fabs(second[2] - second[0]) +
+         0.5 * std::fabs(second[2] + second[0] - 2 * second[1]) + std::fabs(lifts) * bed.bend;
+  }
+
+  Sample sample(const Move& m, const Constraints& constraints, double s) const {
     Path path;
     std::memcpy(path.p0, m.p0, sizeof path.p0);
     std::memcpy(path.p1, m.p1, sizeof path.p1);
@@ -172,17 +213,21 @@ class Bounds {
     LimitId speed_id = m.speed_limit, accel_id = m.accel_limit;
     double q1[8], q2[8];
     int n = std::min(8, machine_.geometry->actuators());
+    const Bed bed = bed_below(m);
     for (int i = 0; i < n; ++i) {
-      machine_.geometry->slopes(i, path, s, q1[i], q2[i]);
+      if (machine_.height_map)
+        slopes_above(bed, i, path, s, q1[i], q2[i]);
+      else
+        machine_.geometry->slopes(i, path, s, q1[i], q2[i]);
       q1[i] = std::fabs(q1[i]);
       q2[i] = std::fabs(q2[i]);
-      const Row& row = constraints_.actuators[size_t(i)];
+      const Row& row = constraints.actuators[size_t(i)];
       if (q1[i] * v > row.speed) v = row.speed / q1[i], speed_id = row.speed_id;
-      if (q2[i] * v * v > 0.5 * row.accel)
-        v = std::sqrt(0.5 * row.accel / q2[i]), speed_id = row.accel_id;
+      if (q2[i] * v * v > kOfBends * row.accel)
+        v = std::sqrt(kOfBends * row.accel / q2[i]), speed_id = row.accel_id;
     }
     for (int i = 0; i < n; ++i) {
-      const Row& row = constraints_.actuators[size_t(i)];
+      const Row& row = constraints.actuators[size_t(i)];
       double left = row.accel - q2[i] * v * v;
       if (q1[i] * a > left) a = left / q1[i], accel_id = row.accel_id;
     }

@@ -40,17 +40,28 @@ class MoveBudget {
     return budget_.step_rate < kInfinity || budget_.command_rate < kInfinity;
   }
 
-  // The machine starts anew with speed² `start2`.
-  void restart(double start2) {
-    reach2_ = start2;
-    ahead_ = 0;
+  // The next move begins with speed² `start2`, not where the last one ended.
+  void restart(double start2) { reach2_ = start2; }
+  // Commands ahead of the rate: what the board's slots still hold, however the plan was cut.
+  void set_ahead(double commands) { ahead_ = commands; }
+  // The machine stands for so long.
+  void rest(double seconds) {
+    if (budget_.command_rate < kInfinity)
+      ahead_ = std::max(0.0, ahead_ - budget_.command_rate * seconds);
   }
 
   // Tightens vn2 and widens the tolerance of a move; its start has at most speed² `start2`.
   void apply(Move& m, double start2) {
+    m.ahead0 = ahead_;
+    charge(m, start2);
+    m.ahead1 = ahead_;
+  }
+
+ private:
+  void charge(Move& m, double start2) {
     if (m.kind == MoveKind::dwell) {
       reach2_ = 0;
-      ahead_ = std::max(0.0, ahead_ - budget_.command_rate * m.duration);
+      rest(m.duration);
       return;
     }
     double steps = m.curved_steps;
@@ -67,7 +78,6 @@ class MoveBudget {
     reach2_ = soonest.end2;
   }
 
- private:
   // A move in the least time: it starts at speed² start2 and never brakes.
   struct Soonest {
     double end2, ramp_s, seconds;

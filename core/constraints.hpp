@@ -22,6 +22,7 @@ enum FixedLimit : LimitId {
   kJunction,
   kBoard,
   kLink,
+  kLaserPower,
   kFixedLimits
 };
 
@@ -42,7 +43,8 @@ struct Constraints {
                                  "retract acceleration",
                                  "junction",
                                  "board",
-                                 "link"};
+                                 "link",
+                                 "laser power"};
   std::vector<Row> rows;       // for XYZ and further axes
   std::vector<Row> extruders;  // one per extruder
   std::vector<Row> actuators;  // nonlinear geometries: limits of each actuator, c unused

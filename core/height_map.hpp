@@ -13,7 +13,7 @@ class HeightMap {
   // Height number j * nx + i stands at (x + i dx, y + j dy), in mm; nx and ny are 2 at least.
   HeightMap(double x, double y, double dx, double dy, int nx, int ny, std::vector<double> heights)
       : first_{x, y}, spacing_{dx, dy}, count_{nx, ny}, heights_(std::move(heights)),
-        steepest_(find_steepest()) {}
+        steepest_(find_steepest()), twist_(find_twist()) {}
 
   // One cell: height = at_corner + by_x u + by_y v + by_both u v, u = x - corner[0], v = y -
   // corner[1].
@@ -48,18 +48,30 @@ class HeightMap {
   double line(int axis, int i) const { return first_[axis] + spacing_[axis] * i; }
   // No direction in X and Y is steeper, in mm/mm.
   double steepest() const { return steepest_; }
+  // Change of the slope in X for a mm of Y, at most: 1/mm.
+  double twist() const { return twist_; }
 
  private:
   double first_[2], spacing_[2];  // mm, X and Y
   int count_[2];
   std::vector<double> heights_;
-  double steepest_;
+  double steepest_, twist_;
 
   double height(int i, int j) const { return heights_[size_t(j) * size_t(count_[0]) + size_t(i)]; }
   // Which stretch between lines; -1 before the first, count - 1 behind the last.
   int index(int axis, double x) const {
     double i = std::floor((x - first_[axis]) / spacing_[axis]);
     return int(std::min(std::max(i, -1.0), double(count_[axis] - 1)));
+  }
+
+  double find_twist() const {
+    double most = 0;
+    for (int j = 0; j + 1 < count_[1]; ++j)
+      for (int i = 0; i + 1 < count_[0]; ++i) {
+        double both = height(i + 1, j + 1) - height(i + 1, j) - height(i, j + 1) + height(i, j);
+        most = std::max(most, std::fabs(both) / (spacing_[0] * spacing_[1]));
+      }
+    return most;
   }
 
   double find_steepest() const {

@@ -15,7 +15,7 @@ class Job {
  public:
   enum class Status : uint8_t { need_input, event, error, full, end };
 
-  Job(const Machine& machine, std::vector<double> home, bool laser, bool with_steps,
+  Job(const Machine& machine, std::vector<double> home, const LaserWords& laser, bool with_steps,
       double (*cpu_clock)())
       : motion(machine, with_steps, cpu_clock),
         interpreter(motion.machine(), std::move(home), laser), cpu_clock_(cpu_clock) {
@@ -78,6 +78,7 @@ class Job {
   // Brakes from `ticks` on and forgets all that was to follow.
   double stop_from(double ticks) {
     double cut = motion.stop_from(ticks);
+    interpreter.dark();
     abandon();
     return cut;
   }
@@ -116,7 +117,8 @@ class Job {
     m.extruder = uint16_t(interpreter.extruder());
     m.feed_mm_s = feed_mm_s;
     m.radius_mm = kInfinity;
-    m.rapid = true;  // no laser burns on it
+    m.rapid = true;     // no laser burns on it
+    m.unscaled = true;  // homing, parking: at the speed that the machine file says
     if (limited && motion.planner().constraints().checks_reach() && !reach(m)) return false;
     motion.push(m);
     abandon();
@@ -151,8 +153,10 @@ class Job {
     motion.flush();
     interpreter.adopt(other.interpreter);
     Planner &mine = motion.planner(), &theirs = other.motion.planner();
-    mine.limits() = theirs.limits();
-    mine.constraints() = theirs.constraints();
+    mine.rules().change(false, [&](Rules& rules) {
+      rules.limits = theirs.rules().now().limits;
+      rules.constraints = theirs.rules().now().constraints;
+    });
     double position[kAxes];
     std::copy_n(interpreter.position(), kAxes, position);
     for (size_t i = 0; i < motion.machine().extruders.size(); ++i) {
@@ -179,7 +183,8 @@ class Job {
   double now() const { return cpu_clock_ ? cpu_clock_() : 0; }
 
   bool push_batch() {
-    for (MoveRequest& m : batch_) {
+    for (size_t i = 0; i < batch_.size(); ++i) {
+      MoveRequest& m = batch_[i];
       // Filament alone moves nothing else, also where a move before it was left out.
       if (m.kind == MoveKind::extrude && unreachable_skipped > 0)
         std::copy_n(motion.planner().position(), 3, m.target);
@@ -187,11 +192,22 @@ class Job {
           m.kind != MoveKind::extrude && !reach(m)) {
         if (!interpreter.clamp) return false;
         ++unreachable_skipped;
+        leave_filament(i);
         continue;
       }
       motion.push(m);
     }
     return true;
+  }
+
+  // Move i of the batch is left out: what it would have printed is not printed by the next one.
+  void leave_filament(size_t i) {
+    const MoveRequest& m = batch_[i];
+    double mm = m.target[kE] - motion.planner().extruder_position(m.extruder);
+    if (motion.machine().extruders.empty() || !(mm > 0)) return;  // a retraction is made up for
+    for (size_t k = i + 1; k < batch_.size(); ++k)
+      if (batch_[k].extruder == m.extruder) batch_[k].target[kE] -= mm;
+    interpreter.leave_filament(m.extruder, mm);
   }
 
   // Whether every actuator reaches the whole line; else fills error_.

@@ -225,8 +225,8 @@ class Motion {
   int64_t expected_net(size_t i) const { return solvers_[i].count() - set_apart_[i]; }
 
   // Cuts every stepper at the first clock ≥ `ticks` that is not bound by a command already taken
-  // from messages(), and goes on from the speed that the machine has there, with the limits and the
-  // speed factor of now. Returns that clock.
+  // from messages(), and goes on from the speed that the machine has there, each move by its rules.
+  // Returns that clock.
   double replan_from(double ticks) {
     std::vector<Move> rest;
     double speed2 = cut(ticks, rest);
@@ -325,18 +325,18 @@ class Motion {
   void release() {
     std::vector<Move> rest;
     rest.swap(held_);
+    planner_.rules().renumber(rest);
     if (dark_ > 0) put_light(std::exchange(dark_, 0u));
     resume_plan(rest, 0, planner_.clock());
     process(false);
   }
   size_t held() const { return held_.size(); }
-  // Line of the program whose move is under way, or was the last one, at `ticks` (0: none), and the
-  // Z to which it goes. Asked for clocks that only grow.
-  std::pair<uint32_t, double> line_at(double ticks) {
+  // Line of the program whose move is under way, or was the last one, at `ticks` (0: none). Asked
+  // for clocks that only grow.
+  uint32_t line_at(double ticks) {
     keeps_lines_ = true;
     while (lines_.size() > 1 && lines_[1].start <= ticks) lines_.pop_front();
-    if (lines_.empty() || lines_[0].start > ticks) return {0, 0};
-    return {lines_[0].number, lines_[0].z};
+    return lines_.empty() || lines_[0].start > ticks ? 0 : lines_[0].number;
   }
   // Where the plan was at `ticks`, in the last second or so: X, Y, Z, the extruder of that move and
   // further axes. Nothing if that is longer ago.
@@ -345,8 +345,12 @@ class Motion {
                                  [](double t, const Move& m) { return t < m.start; });
     if (next == history_.begin()) return std::nullopt;
     const Move& m = *std::prev(next);
-    double part = m.kind == MoveKind::dwell ? 1 : along(m, ticks - m.start).first / m.d;
     std::array<double, kAxes> p;
+    if (ticks >= m.end()) {  // it stands, perhaps where it was told that it is
+      std::copy_n(next != history_.end() ? next->p0 : planner_.next_start(), kAxes, p.begin());
+      return p;
+    }
+    double part = m.kind == MoveKind::dwell ? 1 : along(m, ticks - m.start).first / m.d;
     for (size_t j = 0; j < p.size(); ++j) p[j] = m.p0[j] + (m.p1[j] - m.p0[j]) * part;
     return p;
   }
@@ -428,7 +432,6 @@ class Motion {
   struct Line {
     double start;
     uint32_t number;
-    double z;
   };
   std::deque<Line> lines_;  // of moves of the program
   struct Aside {
@@ -440,8 +443,9 @@ class Motion {
     std::vector<int64_t> counts;  // steps of each motor at the stop
   };
   std::optional<Aside> aside_;
-  uint16_t unattached_ = 0;  // last records_ that wait for a move to follow
-  uint16_t laser_target_ = kMark;
+  uint16_t unattached_ = 0;                        // last records_ that wait for a move to follow
+  static constexpr uint16_t kNoLaser = kMark - 1;  // no output has this number
+  uint16_t laser_target_ = kNoLaser;
   uint32_t laser_full_ = 0, light_ = 0;   // light_: the last value sent while following_
   uint32_t light_before_ = 0, dark_ = 0;  // of records forgotten; what a stop has switched off
   bool following_ = false;                // the laser's power is that of the speed, not of a record
@@ -580,7 +584,7 @@ class Motion {
       if (with_steps_) light(m);
       if (on_move) on_move(m);
       if (keeps_lines_ && m.line > 0 && (lines_.empty() || lines_.back().number != m.line))
-        lines_.push_back({m.start, m.line, m.p1[kZ]});
+        lines_.push_back({m.start, m.line});
     }
     if (still) {
       dim(planner_.clock());
@@ -594,9 +598,12 @@ class Motion {
       for (Compressor& c : compressors_) c.advance(planner_.clock(), still);
       forget();
       history_.insert(history_.end(), moves.begin(), moves.end());
+      if (history_begin_ < history_.size()) forget_rules(history_[history_begin_]);
       merge(still);
       if (still) commit(kNoMessage, int64_t(std::ceil(planner_.clock())));
       cpu_.compress += now() - solved;
+    } else if (!moves.empty()) {
+      forget_rules(moves.back());
     }
     moves.clear();
   }
@@ -618,6 +625,10 @@ class Motion {
   // Power that follows the speed of a move; off when the next one is none that has it.
   void light(const Move& m) {
     if (m.duty == 0) return dim(m.start);
+    if (m.kind == MoveKind::dwell) {
+      set_light(m.start, uint32_t(std::min(1.0, m.duty) * laser_full_ + 0.5));
+      return;
+    }
     double mm2 = 0, longest = 0;
     for (int j = 0; j < kAxes; ++j) {
       double mm = std::fabs(m.p1[j] - m.p0[j]);
@@ -679,6 +690,11 @@ class Motion {
     for (Compressor& c : compressors_) c.forget_resets(int64_t(past));
   }
 
+  // No move before this one will be planned anew; what is held or aside may be older.
+  void forget_rules(const Move& oldest) {
+    if (held_.empty() && !aside_) planner_.rules().forget_before(oldest.rules);
+  }
+
   // Moves to messages_, each to its board, all that no later message can precede.
   void merge(bool all) {
     auto held = hold();
@@ -720,7 +736,10 @@ class Motion {
     int64_t at = std::max(int64_t(std::ceil(std::max(ticks, pieces_end_))), taken_until());
     ticks_of_cut_ = std::min(double(at), planner_.clock());
     double speed2 = planner_.speed2();
-    if (double(at) >= planner_.clock()) return speed2;
+    if (double(at) >= planner_.clock()) {
+      planner_.rewind_budget(rest);
+      return speed2;
+    }
     // Steps that wait for more of their kind may be due before the cut: they become commands now.
     for (Compressor& c : compressors_) c.advance(planner_.clock(), true);
     merge(true);
@@ -757,6 +776,7 @@ class Motion {
     else if (!rest.empty())
       speed2 = rest[0].v0 * rest[0].v0;
     if (late > 0) rest[0].records = uint16_t(late);
+    planner_.rewind_budget(rest);
     return speed2;
   }
 
@@ -765,6 +785,7 @@ class Motion {
     Move done = rest[0];
     double tau = ticks_of_cut_ - done.start;
     if (done.kind == MoveKind::dwell) {
+      rest[0].ahead0 += (done.ahead1 - done.ahead0) * (tau / done.ticks());
       done.t_cru = tau;
       rest[0].duration -= tau / machine_.clock_hz;
       finish(rest, done);
@@ -781,6 +802,7 @@ class Motion {
     done.t_cru = std::clamp(tau - done.t_acc, 0.0, done.t_cru);
     done.t_acc = std::min(tau, done.t_acc);
     left.inner = true;
+    left.ahead0 += (left.ahead1 - left.ahead0) * (tau / rest[0].ticks());
     rest[0] = left;
     finish(rest, done);
     return v * v;

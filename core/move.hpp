@@ -12,18 +12,20 @@ namespace passo {
 // accelerations below are of that measure, per second. The time law over the path position s:
 //   s0 ≤ s: d_acc at acceleration a, d_cru at speed vc, the rest of d at deceleration b.
 struct Move {
-  double p0[kAxes], p1[kAxes];                  // ends, mm
-  double d;                                     // path measure
-  double v0, vc, v1, a, b;                      // speeds at start, in cruise, at end; a, b > 0
-  double d_acc, d_cru;                          // lengths of the phases
-  double start;                                 // ticks since the start of the job
-  double t_acc, t_cru, t_dec;                   // ticks
-  double vn2, vj2;                              // caps of v²: within the move; at its start
-  double duty;                                  // share of a laser's power at 1 mm/s
-  double feed, duration, radius, speed_factor;  // as requested, kept for replanning
-  double curved_steps;                          // steps of the nonlinear actuators, at most
+  double p0[kAxes], p1[kAxes];  // ends, mm
+  double d;                     // path measure
+  double v0, vc, v1, a, b;      // speeds at start, in cruise, at end; a, b > 0
+  double d_acc, d_cru;          // lengths of the phases
+  double start;                 // ticks since the start of the job
+  double t_acc, t_cru, t_dec;   // ticks
+  double vn2, vj2;              // caps of v²: within the move; at its start
+  double duty;                  // share of a laser's power at 1 mm/s; of a dwell: its share
+  double feed, duration, radius, fastest;  // as requested, kept for replanning
+  double curved_steps;                     // steps of the nonlinear actuators, at most
   double tolerance;  // ticks by which steps may miss their ideal times; 0: the board's own
   double step_load, command_load;  // share of the board's budget that was asked for; ≤ 1: kept
+  double ahead0, ahead1;  // commands ahead of the board's rate at its start and end, at most
+  uint32_t rules;         // number in the planner's RuleBook
   uint32_t line;
   uint16_t layer, feature, extruder;
   uint16_t records;  // timed records that are due at its start
@@ -33,6 +35,7 @@ struct Move {
   bool inner;  // continues the same path: chord of an arc, split or cut move; no junction law
   bool rapid;
   bool cartesian;  // X, Y or Z moves
+  bool unscaled;   // M220 leaves it alone
 
   double ticks() const { return t_acc + t_cru + t_dec; }
   double end() const { return start + ticks(); }

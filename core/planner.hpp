@@ -12,6 +12,7 @@
 #include "junction.hpp"
 #include "machine.hpp"
 #include "move.hpp"
+#include "rules.hpp"
 #include "shift.hpp"
 
 namespace passo {
@@ -24,14 +25,14 @@ class Planner {
   static constexpr size_t kLongest = 8192;
 
   explicit Planner(const Machine& machine)
-      : clock_hz_(machine.clock_hz), limits_(machine.limits), bounds_(machine, limits_),
-        junction_(machine), budget_(machine), extruder_(machine.extruders.size(), 0.0) {}
+      : clock_hz_(machine.clock_hz), rules_(machine), bounds_(machine), junction_(machine),
+        budget_(machine), extruder_(machine.extruders.size(), 0.0) {}
 
-  Limits& limits() { return limits_; }
-  Constraints& constraints() { return bounds_.constraints(); }
-  const Constraints& constraints() const { return bounds_.constraints(); }
-  double speed_factor = 1;  // M220
-  double laser_share = 0;   // of full power, at the feed rate of moves to come
+  // What holds for moves to come; those that came in before keep what held then.
+  RuleBook& rules() { return rules_; }
+  const RuleBook& rules() const { return rules_; }
+  const Constraints& constraints() const { return *rules_.now().constraints; }
+  double laser_share = 0;  // of full power, at the feed rate of moves to come
 
   // Settled moves that the caller has not taken yet; it clears the vector.
   std::vector<Move>& settled() { return settled_; }
@@ -49,6 +50,8 @@ class Planner {
   double speed2() const { return speed2_; }  // its end speed, squared
 
   const double* position() const { return position_; }  // end of the last move pushed
+  // Where the first queued move starts, or the next one will.
+  const double* next_start() const { return queued() > 0 ? queue_[head_].p0 : position_; }
   double extruder_position(size_t i) const { return extruder_[i]; }
   // Sets where the next move starts, without motion. Only while nothing is queued.
   void set_position(const double* position, size_t extruder) {
@@ -56,14 +59,17 @@ class Planner {
     if (extruder < extruder_.size()) extruder_[extruder] = position[kE];
   }
   // Time passes with the machine at rest. Only while nothing is queued.
-  void wait_until(double ticks) { clock_ = std::max(clock_, ticks); }
+  void wait_until(double ticks) {
+    budget_.rest(std::max(0.0, ticks - clock_) / clock_hz_);
+    clock_ = std::max(clock_, ticks);
+  }
 
   // Takes a move from where the last one ended, with `records` timed records due at its start.
   // False if it covers no distance and is dropped.
   bool push(const MoveRequest& r, uint16_t records) {
     Move m = move_of(r);
     m.records = records;
-    if (!bounds_.apply(m)) return false;
+    if (!bounds_.apply(m, rules_.now())) return false;
     std::memcpy(position_, m.p1, sizeof position_);
     if (!extruder_.empty()) extruder_[r.extruder] = m.p1[kE];
     enqueue(m, true);
@@ -74,9 +80,9 @@ class Planner {
   void flush() { settle(true); }
 
   // Goes on at `clock` with speed² `speed2` in the midst of rest[0]: these moves, settled before,
-  // and all that is queued are planned anew with the limits of now. Where the new limits ask for
-  // less speed than the machine has, it brakes as the old plan could. Returns how many records were
-  // due at the start of moves that are none any more, with no other behind them.
+  // and all that is queued are planned anew, each by its own rules. Where these ask for less speed
+  // than the machine has, it brakes as the old plan could. Returns how many records were due at the
+  // start of moves that are none any more, with no other behind them.
   uint16_t resume(std::vector<Move> rest, double speed2, double clock) {
     rest.insert(rest.end(), queue_.begin() + long(head_), queue_.end());
     stand(clock);
@@ -84,16 +90,24 @@ class Planner {
     uint16_t carried = 0;
     for (Move& m : rest) {
       double braking = m.b;
-      m.speed_factor = speed_factor;
       m.records = uint16_t(m.records + carried);
       carried = m.records;
-      if (!bounds_.apply(m)) continue;
+      if (!bounds_.apply(m, rules_.of(m.rules))) continue;
       carried = 0;
       m.b = std::max(m.b, braking);
       enqueue(m, false);
     }
     settle(false);
     return carried;
+  }
+
+  // The plan is cut before `rest`, or else before what is queued: the board has its commands so
+  // far.
+  void rewind_budget(const std::vector<Move>& rest) {
+    if (!rest.empty())
+      budget_.set_ahead(rest[0].ahead0);
+    else if (queued() > 0)
+      budget_.set_ahead(queue_[head_].ahead0);
   }
 
   // More records are due at the start of what is queued; false if nothing is.
@@ -117,7 +131,7 @@ class Planner {
   // Shifts these moves, taken from the plan with all of its queue, see Shift; what comes later
   // starts beside where it would have.
   double shift(std::vector<Move>& moves, double speed2, int j, double mm) {
-    double left = Shift(bounds_, junction_, limits_).apply(moves, speed2, j, mm);
+    double left = Shift(bounds_, junction_, rules_).apply(moves, speed2, j, mm);
     position_[j] += mm - left;
     return left;
   }
@@ -133,7 +147,7 @@ class Planner {
 
  private:
   double clock_hz_;
-  Limits limits_;
+  RuleBook rules_;
   Bounds bounds_;
   JunctionRule junction_;
   MoveBudget budget_;
@@ -146,15 +160,17 @@ class Planner {
   std::vector<double> extruder_;
   double clock_ = 0, speed2_ = 0;
 
-  Move move_of(const MoveRequest& r) const {
+  Move move_of(const MoveRequest& r) {
     Move m;
     std::memcpy(m.p0, position_, sizeof m.p0);
     std::memcpy(m.p1, r.target, sizeof m.p1);
     if (!extruder_.empty()) m.p0[kE] = extruder_[r.extruder];
     m.feed = r.feed_mm_s;
     m.duration = r.duration_s;
+    m.fastest = r.fastest_mm_s;
     m.radius = r.radius_mm;
-    m.speed_factor = speed_factor;
+    m.rules = rules_.use();
+    m.unscaled = r.unscaled;
     m.line = r.line;
     m.layer = r.layer;
     m.feature = r.feature;
@@ -164,7 +180,7 @@ class Planner {
     m.inner = r.arc_inner;
     m.rapid = r.rapid;
     bool dark = r.rapid || r.kind == MoveKind::dwell || !(r.feed_mm_s < kInfinity);
-    m.duty = dark ? 0 : laser_share / r.feed_mm_s;
+    m.duty = r.beam > 0 ? r.beam : dark ? 0 : laser_share / r.feed_mm_s;
     return m;
   }
 
@@ -173,7 +189,7 @@ class Planner {
       append(m, passes);
       return;
     }
-    bounds_.split(m, parts_);
+    bounds_.split(m, rules_.of(m.rules), parts_);
     for (size_t i = 0; i < parts_.size(); ++i) {
       if (i > 0) parts_[i].records = 0;
       append(parts_[i], passes);
@@ -183,7 +199,7 @@ class Planner {
   void append(const Move& m, bool passes) {
     queue_.push_back(m);
     Move& last = queue_.back();
-    last.vj2 = moving_ ? junction_.cap2(before_, last, limits_) : 0;
+    last.vj2 = moving_ ? junction_.cap2(before_, last, rules_.of(last.rules).limits) : 0;
     if (budget_.bounds_anything()) {
       if (!moving_) budget_.restart(speed2_);
       budget_.apply(last, moving_ ? last.vj2 : speed2_);
@@ -248,7 +264,7 @@ class Planner {
       m.d_acc = std::min((start2 - peak2) / (2 * braking), m.d);
       m.a = -braking;
     } else {
-      double room = reach * (1 - limits_.minimum_cruise_ratio);
+      double room = reach * (1 - rules_.of(m.rules).limits.minimum_cruise_ratio);
       peak2 = std::max(std::min(m.vn2, 0.5 * (start2 + end2 + room)), std::max(start2, end2));
       m.d_acc = std::min((peak2 - start2) / (2 * m.a), m.d);
     }

@@ -15,8 +15,8 @@ namespace passo {
 // become shorter, so that the way to brake might not suffice, does not lean.
 class Shift {
  public:
-  Shift(const Bounds& bounds, const JunctionRule& junction, const Limits& limits)
-      : bounds_(bounds), junction_(junction), limits_(limits) {}
+  Shift(const Bounds& bounds, const JunctionRule& junction, const RuleBook& rules)
+      : bounds_(bounds), junction_(junction), rules_(rules) {}
 
   // Shifts `moves`, the first of which begins at speed² `speed2`, by `mm` along slot j. Returns
   // what did not find room in them.
@@ -42,7 +42,7 @@ class Shift {
 
   const Bounds& bounds_;
   const JunctionRule& junction_;
-  const Limits& limits_;
+  const RuleBook& rules_;
 
   static double way(const Move& m) {
     double mm2 = 0;
@@ -52,14 +52,15 @@ class Shift {
 
   // Appends m, leaning as steeply as costs next to no speed; adds to `done`.
   void lean(const Move& m, double speed2, int j, double mm, double& done, std::vector<Move>& out) {
+    const Rules& rules = rules_.of(m.rules);
     double slope = kSteepest, corner2 = 0;
     Move leaning = m;
     for (;; slope *= 0.5) {
       if (slope < kGentlest) return out.push_back(m);
       leaning = m;
       leaning.p1[j] += std::copysign(slope * way(m), mm);
-      bounds_.apply(leaning);
-      corner2 = junction_.cap2(m, leaning, limits_);
+      bounds_.apply(leaning, rules);
+      corner2 = junction_.cap2(m, leaning, rules.limits);
       double least2 = kEqual * m.vn2;
       if (leaning.d >= kEqual * m.d && leaning.a >= kEqual * m.a && leaning.vn2 >= least2 &&
           corner2 >= least2)

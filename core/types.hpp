@@ -24,16 +24,19 @@ struct MoveRequest {
   double target[kAxes];  // absolute machine position, mm
   double feed_mm_s;      // F; infinity when none was ever given
   double duration_s;     // APrinter's T: at least this long; of a dwell: exactly; else 0
-  double speed_cap2;  // (mm/s)²: v²/r ≤ a on arcs is applied as radius_mm below; infinity if none
-  double radius_mm;   // arc radius; infinity on straight moves
-  uint32_t line;      // 1-based line of the source
-  uint16_t layer;     // slicer's layer, 0 before the first
-  uint16_t feature;   // index in the interpreter's table of feature names, 0 = none
-  uint16_t extruder;  // active extruder
+  double energy_ws;      // of a laser, for this move alone
+  double beam;           // a laser's share of full power at 1 mm/s; of a dwell: its share; 0: none
+  double fastest_mm_s;   // whatever M220 says; 0: no such limit
+  double radius_mm;      // arc radius; infinity on straight moves
+  uint32_t line;         // 1-based line of the source
+  uint16_t layer;        // slicer's layer, 0 before the first
+  uint16_t feature;      // index in the interpreter's table of feature names, 0 = none
+  uint16_t extruder;     // active extruder
   MoveKind kind;
   uint8_t moved;   // bit per axis: the letter stood in the command
   bool arc_inner;  // joins the chord before it on the same arc: no junction limit
   bool rapid;      // G0
+  bool unscaled;   // not of a program: M220 leaves it alone
 };
 
 // One command for the board. Commands of a board are queued in the order of `clock`.

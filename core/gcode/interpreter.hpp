@@ -54,6 +54,14 @@ struct GcodeError {
   double point[3] = {0, 0, 0};  // of what cannot be reached, mm
 };
 
+// APrinter's words of a laser, in W·s for a move and in W·s/mm from now on; 0: no such word.
+struct LaserWords {
+  char energy = 0, density = 0;
+  double full_w = 1, most_w = 1;  // the laser's power fully on, and what a move may ask for
+  bool any() const { return energy || density; }
+  bool has(char letter) const { return any() && (letter == energy || letter == density); }
+};
+
 class Interpreter {
  public:
   bool clamp = false;         // targets out of range go to the limit
@@ -61,7 +69,7 @@ class Interpreter {
   bool cold = false;          // filament must not move: its hotend is too cold
   double flow = 1;            // M221
 
-  Interpreter(const Machine& machine, std::vector<double> home, bool laser)
+  Interpreter(const Machine& machine, std::vector<double> home, const LaserWords& laser)
       : machine_(&machine), home_(std::move(home)), laser_(laser),
         extruder_(machine.extruders.size(), 0.0), diameter_(machine.extruders.size(), kUsualMm),
         change_(machine.extruders.size(), Change{100, 100}) {
@@ -84,7 +92,12 @@ class Interpreter {
   void feed(const char* data, size_t n) { lines().feed(data, n); }
   void finish() { lines().finish(); }
   // Forgets the unread text of the selected source; its lines count from `first` again.
-  void restart(uint32_t first = 1) { lines() = Lines(first); }
+  void restart(uint32_t first = 1) {
+    lines() = Lines(first);
+    dark();
+  }
+  // No move gets a laser's energy any more that does not ask for it again.
+  void dark() { density_ = 0; }
   uint64_t offset() const { return lines().offset(); }
   // The machine is at `position` (the active extruder's in kE): what the program still meant to do
   // in this line is forgotten, and its positions follow the machine's.
@@ -131,6 +144,16 @@ class Interpreter {
     arc_.shift(j, mm);
     for (Item& item : pending_) item.move.target[j] += mm;
   }
+  // An extruder stays `mm` behind what the program has moved it; the program does not notice.
+  void leave_filament(size_t extruder, double mm) {
+    extruder_[extruder] -= mm;
+    if (extruder == active_) {
+      position_[kE] -= mm;
+      arc_.shift(kE, -mm);
+    }
+    for (Item& item : pending_)
+      if (item.found == Found::move && item.move.extruder == extruder) item.move.target[kE] -= mm;
+  }
   // Whether axis slot j may be at this machine position; else what the error says.
   bool in_range(int j, double at, GcodeError& error) const {
     if (at >= low_[j] - 1e-6 && at <= high_[j] + 1e-6) return true;
@@ -139,10 +162,11 @@ class Interpreter {
   }
   // M207 and M208.
   struct Retraction {
-    double mm, feed_mm_s, hop_mm, recover_mm, recover_feed_mm_s;
+    double mm, feed_mm_s, hop_mm, recover_mm, recover_feed_mm_s, swap_mm, swap_recover_mm;
   };
   Retraction retraction() const {
-    return {retract_mm_, retract_feed_, retract_hop_, recover_mm_, recover_feed_};
+    return {retract_mm_,   retract_feed_, retract_hop_,    recover_mm_,
+            recover_feed_, swap_mm_,      swap_recover_mm_};
   }
   // M200: E is a volume, of filament with this diameter for each extruder; and M209.
   bool volumetric() const { return volumetric_; }
@@ -233,8 +257,9 @@ class Interpreter {
   };
   const Machine* machine_;
   std::vector<double> home_;
-  bool laser_;
-  Lines sources_[2];  // the program, the console
+  LaserWords laser_;
+  double density_ = 0;  // W·s/mm
+  Lines sources_[2];    // the program, the console
   bool source_ = false;
   MoveRequest move_{};
   Event event_;
@@ -264,9 +289,10 @@ class Interpreter {
     double at[kAxes];
   };
   Saved saved_[kSaved];  // machine positions of G60
-  bool retracted_ = false, auto_retract_ = false;
+  bool retracted_ = false, swapped_ = false, auto_retract_ = false;
   uint8_t locked_ = 0;  // a bit for each axis slot
   double hop_ = 0;
+  double swap_mm_ = 13, swap_recover_mm_ = 0, retracted_mm_ = 0;
   double retract_mm_ = 3, retract_feed_ = 45, retract_hop_ = 0, recover_mm_ = 0, recover_feed_ = 0;
   int marked_layers_ = 0;
   uint32_t risen_layers_ = 0;
@@ -350,6 +376,7 @@ class Interpreter {
     move_.radius_mm = kInfinity;
     move_.arc_inner = false;
     move_.rapid = rapid;
+    move_.energy_ws = 0;
     return ready();
   }
 
@@ -417,6 +444,7 @@ class Interpreter {
     if (m.kind == MoveKind::dwell && m.duration_s > 0) {
       std::copy(position_, position_ + kAxes, m.target);
       m.extruder = uint16_t(active_);
+      m.beam = m.energy_ws / (m.duration_s * laser_.full_w);
       move_ = m;
       move_.kind = MoveKind::dwell;
       return true;
@@ -434,11 +462,26 @@ class Interpreter {
         uint16_t(std::min(marked_layers_ > 0 ? uint32_t(marked_layers_) : risen_layers_, 65535u));
     m.feature = feature_;
     m.extruder = uint16_t(active_);
+    if (laser_.any()) shine(m);
     std::copy(m.target, m.target + kAxes, position_);
     if (!extruder_.empty()) extruder_[active_] = position_[kE];
     if (&m != &move_) move_ = m;
     move_.kind = m.kind;
     return true;
+  }
+
+  // What the laser gives to a move from position_, and the speed at which that is all it may give.
+  void shine(MoveRequest& m) const {
+    double mm2 = 0, longest = 0;
+    for (int j = 0; j < kAxes; ++j) {
+      double mm = std::fabs(m.target[j] - position_[j]);
+      longest = std::max(longest, mm);
+      if (j <= kZ) mm2 += mm * mm;
+    }
+    double mm = mm2 > 0 ? std::sqrt(mm2) : longest;
+    double density = m.energy_ws > 0 ? m.energy_ws / mm : m.rapid ? 0 : density_;
+    m.beam = density / laser_.full_w;
+    m.fastest_mm_s = density > 0 ? laser_.most_w / density : 0;
   }
 
   void comment(std::string_view text) {
@@ -463,10 +506,11 @@ class Interpreter {
   void run_motion(int code, const Word* first, const Word* last);
   void run_arc(bool clockwise, const double* value, uint32_t have, int turns);
   void run_saved(bool save, const Word* first, const Word* last);
-  void queue_straight(double feed, double duration, bool rapid);
+  void queue_straight(double feed, double duration, bool rapid, double energy_ws = 0);
   bool run_filament(int code, const Word* first, const Word* last);
   void queue_step(int j, double by, double feed);
-  void run_retract(bool in);
+  void run_retract(bool in, bool swap = false);
+  void queue_return(const double* to);
   void select_tool(const Word& word);
   bool next_chord();
 };

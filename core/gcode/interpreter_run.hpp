@@ -118,7 +118,8 @@ inline void Interpreter::run_words() {
     bool motion = w->letter == 'G' && w->value >= 0 && w->value <= 3 && w->whole();
     const Word* next = w + 1;
     for (; next < end; ++next) {
-      if (starts(*next) && !(motion && next->letter == 'M' && (!next->whole() || laser_))) break;
+      if (starts(*next) && !(motion && next->letter == 'M' && (!next->whole() || laser_.has('M'))))
+        break;
       if (motion && tool(*next) &&
           (next->value >= 0 && next->value < double(machine_->tools.size())))
         break;
@@ -171,6 +172,8 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
         m.layer = uint16_t(marked_layers_ > 0 ? marked_layers_ : int(risen_layers_));
         m.feature = feature_;
         m.radius_mm = m.feed_mm_s = kInfinity;
+        if (laser_.energy) m.energy_ws = std::max(0.0, value_of(laser_.energy, 0));
+        m.duration_s = std::max(m.duration_s, m.energy_ws / laser_.most_w);
         if (m.duration_s > kLongestDwell)
           return fail(Fault::number, has('S') ? "S" : "P", m.duration_s, kLongestDwell);
         if (m.duration_s > 0) {
@@ -183,7 +186,7 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
       }
       case 10:
         if (has('P')) break;
-        run_retract(true);
+        run_retract(true, has('S') && value_of('S', 0) != 0);
         return;
       case 11:
         run_retract(false);
@@ -206,11 +209,16 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
               x->letter != 'E')
             letters += x->letter;
         // O: only what does not know where it is, which the caller must find out.
+        bool back = has('B') && letter_slot_['B' - 'A'] < 0;
+        double before[kAxes];
+        std::copy(position_, position_ + kAxes, before);
         if (has('O') && letter_slot_['O' - 'A'] < 0)
           letters += 'O';
         else
           home(letters);
-        return emit('G', 28, 0, "", letters);
+        emit('G', 28, 0, "", back ? letters + 'B' : letters);
+        if (back) queue_return(before);
+        return;
       }
       case 60:
       case 61:
@@ -286,9 +294,11 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
         retract_feed_ = has('F') ? value_of('F', 0) / 60 : retract_feed_;
         retract_hop_ = value_of('Z', retract_hop_);
         recover_mm_ = value_of('R', recover_mm_);
+        swap_mm_ = value_of('W', swap_mm_);
         return;
       case 208:
         recover_mm_ = value_of('S', recover_mm_);
+        swap_recover_mm_ = value_of('W', swap_recover_mm_);
         recover_feed_ = has('F') ? value_of('F', 0) / 60 : recover_feed_;
         return;
       case 221:
@@ -299,6 +309,7 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
         break;
     }
   }
+  if (command.letter == 'M' && code == 5) dark();
   emit(command.letter, code, minor, "", text);
 }
 
@@ -310,7 +321,7 @@ inline void Interpreter::run_modal(const Word* w, const Word* end) {
 
 inline void Interpreter::run_motion(int code, const Word* w, const Word* end) {
   if (w == end) return;
-  double value[26] = {}, feed = feed_, duration = 0, laser = 0;
+  double value[26] = {}, feed = feed_, duration = 0, laser = 0, energy = 0;
   uint32_t have = 0;
   uint32_t relative = this->relative();
   bool keeps_feed = true, has_laser = false;
@@ -331,7 +342,9 @@ inline void Interpreter::run_motion(int code, const Word* w, const Word* end) {
     }
     if (x->letter < 'A' || x->letter > 'Z') return fail(Fault::word, shown, 0, 0);
     if (!sound(*x)) return;
-    if (slot >= 0) {
+    if (laser_.has(x->letter)) {
+      (x->letter == laser_.energy ? energy : density_) = std::max(0.0, x->value);
+    } else if (slot >= 0) {
       value[x->letter - 'A'] = x->value;
       have |= 1u << (x->letter - 'A');
     } else if (x->letter == 'F') {
@@ -361,14 +374,17 @@ inline void Interpreter::run_motion(int code, const Word* w, const Word* end) {
     if ((have >> k & 1) && letter_slot_[k] >= 0) axes |= 1u << k;
   if (code >= 2) {
     move_.feed_mm_s = feed;
+    move_.energy_ws = 0;  // an arc knows only a density
     return run_arc(code == 2, value, have, turns);
   }
   if (!target(value, axes, relative) || retracts(axes)) return;
-  queue_straight(feed, duration, code == 0);
+  queue_straight(feed, duration, code == 0, energy);
 }
 
 // The target that move_ has now.
-inline void Interpreter::queue_straight(double feed, double duration, bool rapid) {
+inline void Interpreter::queue_straight(double feed, double duration, bool rapid,
+                                        double energy_ws) {
+  move_.energy_ws = energy_ws;
   move_.feed_mm_s = feed;
   move_.duration_s = duration;
   move_.radius_mm = kInfinity;

@@ -91,19 +91,34 @@ inline bool Interpreter::run_filament(int code, const Word* w, const Word* end) 
   return true;
 }
 
+// G28 B: back to machine position `to`, X and Y first.
+inline void Interpreter::queue_return(const double* to) {
+  std::copy(position_, position_ + kAxes, move_.target);
+  for (int j = 0; j < kAxes; ++j)
+    if (j != kZ && j != kE) move_.target[j] = to[j];
+  move_.moved = 0;
+  queue_straight(kInfinity, 0, true);
+  move_.target[kZ] = to[kZ];
+  queue_straight(kInfinity, 0, true);
+}
+
 // Firmware retraction (G10, G11): filament first, then the hop; back in the reverse order.
-inline void Interpreter::run_retract(bool in) {
+// `swap`: by the length for a change of tools, and so is what G11 gives back then.
+inline void Interpreter::run_retract(bool in, bool swap) {
   if (in == retracted_ || machine_->extruders.empty()) return;
   if (cold) return fail(Fault::cold, "E", 0, 0);
   retracted_ = in;
   if (in) {
-    queue_step(kE, -retract_mm_, retract_feed_);
+    swapped_ = swap;
+    retracted_mm_ = swap ? swap_mm_ : retract_mm_;
+    queue_step(kE, -retracted_mm_, retract_feed_);
     hop_ = std::clamp(retract_hop_, 0.0, std::max(0.0, high_[kZ] - position_[kZ]));
     queue_step(kZ, hop_, kInfinity);
   } else {
     queue_step(kZ, -hop_, kInfinity);
     hop_ = 0;
-    queue_step(kE, retract_mm_ + recover_mm_, recover_feed_ > 0 ? recover_feed_ : retract_feed_);
+    queue_step(kE, retracted_mm_ + (swapped_ ? swap_recover_mm_ : recover_mm_),
+               recover_feed_ > 0 ? recover_feed_ : retract_feed_);
   }
 }
 

@@ -91,8 +91,8 @@ class Bench : public Device {
 
   // As net_steps(); 0 for a motor that the board does not know yet.
   virtual int64_t net(uint32_t step_pin) = 0;
-  bool level(uint32_t pin) {
-    return plant_.level(pin, [this](uint32_t step_pin) {
+  bool level(uint32_t pin, Ticks clock) {
+    return plant_.level(pin, clock, [this](uint32_t step_pin) {
       auto elsewhere = elsewhere_.find(step_pin);
       return elsewhere == elsewhere_.end()
                  ? position(step_pin)

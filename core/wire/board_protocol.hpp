@@ -40,6 +40,14 @@ enum class Command : int32_t {
   set_digital_out,
   config_pwm_out,
   set_pwm_out,
+  config_tmcuart,
+  tmcuart_send,
+  config_spi,
+  spi_set_sw_bus,
+  spi_transfer,
+  spi_send,
+  config_thermocouple,
+  query_thermocouple,
   end_
 };
 enum class Report : int32_t {
@@ -55,6 +63,9 @@ enum class Report : int32_t {
   endstop_state,
   trsync_state,
   analog_in_state,
+  tmcuart_response,
+  spi_transfer_response,
+  thermocouple_result,
 };
 
 struct Declaration {
@@ -106,6 +117,18 @@ inline constexpr Declaration kCommands[] = {
     {int(Command::config_pwm_out),
      "config_pwm_out oid=%c pin=%u cycle_ticks=%u value=%hu default_value=%hu max_duration=%u"},
     {int(Command::set_pwm_out), "set_pwm_out pin=%u cycle_ticks=%u value=%hu"},
+    {int(Command::config_tmcuart),
+     "config_tmcuart oid=%c rx_pin=%u pull_up=%c tx_pin=%u bit_time=%u"},
+    {int(Command::tmcuart_send), "tmcuart_send oid=%c write=%*s read=%c"},
+    {int(Command::config_spi), "config_spi oid=%c pin=%u cs_active_high=%c"},
+    {int(Command::spi_set_sw_bus),
+     "spi_set_sw_bus oid=%c miso_pin=%u mosi_pin=%u sclk_pin=%u mode=%u pulse_ticks=%u"},
+    {int(Command::spi_transfer), "spi_transfer oid=%c data=%*s"},
+    {int(Command::spi_send), "spi_send oid=%c data=%*s"},
+    {int(Command::config_thermocouple),
+     "config_thermocouple oid=%c spi_oid=%c thermocouple_type=%c consecutive_fault_limit=%u"},
+    {int(Command::query_thermocouple),
+     "query_thermocouple oid=%c clock=%u rest_ticks=%u min_value=%u max_value=%u"},
 };
 
 inline constexpr Declaration kReports[] = {
@@ -121,6 +144,10 @@ inline constexpr Declaration kReports[] = {
     {int(Report::endstop_state), "endstop_state oid=%c homing=%c next_clock=%u pin_value=%c"},
     {int(Report::trsync_state), "trsync_state oid=%c can_trigger=%c trigger_reason=%c clock=%u"},
     {int(Report::analog_in_state), "analog_in_state oid=%c next_clock=%u values=%*s"},
+    {int(Report::tmcuart_response), "tmcuart_response oid=%c read=%*s"},
+    {int(Report::spi_transfer_response), "spi_transfer_response oid=%c response=%*s"},
+    {int(Report::thermocouple_result),
+     "thermocouple_result oid=%c next_clock=%u value=%u fault=%c"},
 };
 
 // Why a board shuts down. The number goes over the wire as static_string_id.
@@ -142,6 +169,11 @@ enum class Fault : uint16_t {
   missed_pwm,
   output_queue_busy,
   period_too_short,
+  uart_too_long,
+  spi_without_bus,
+  thermocouple_type,
+  thermocouple_range,
+  thermocouple_fault,
 };
 inline constexpr const char* kFaults[] = {
     "",
@@ -161,8 +193,13 @@ inline constexpr const char* kFaults[] = {
     "Missed scheduling of next hard pwm event",
     "Output updated while its queue holds commands",
     "Period too short for this board",
+    "tmcuart data too large",
+    "SPI device without a bus",
+    "Invalid thermocouple chip type",
+    "Thermocouple ADC out of range",
+    "Thermocouple reader fault",
 };
-static_assert(std::size(kFaults) == size_t(Fault::period_too_short) + 1);
+static_assert(std::size(kFaults) == size_t(Fault::thermocouple_fault) + 1);
 
 // Thrown by the parts of the board; the board stops all motion and outputs.
 struct Shutdown {

@@ -187,6 +187,7 @@ class FirmwareBoard : public Bench {
     }
     for (Motor& m : motors_)
       if (m.dir_pin == pin) m.forward = level;
+    plant_.edge(pin, level, clock);
   }
   static void step(Motor& m, Ticks clock) {
     int8_t dir = m.forward ? 1 : -1;
@@ -201,7 +202,9 @@ class FirmwareBoard : public Bench {
     output.value = value;
     board.plant_.set_output(pin, clock, double(value) / full);
   }
-  static bool on_level(void* owner, uint16_t pin, int64_t) { return self(owner).level(pin); }
+  static bool on_level(void* owner, uint16_t pin, int64_t clock) {
+    return self(owner).level(pin, clock);
+  }
   static uint16_t on_analog(void* owner, uint16_t pin, int64_t clock) {
     return uint16_t(self(owner).plant_.adc(pin, clock));
   }

@@ -11,6 +11,7 @@
 
 #include "device.hpp"
 #include "heat/controller.hpp"
+#include "heat/converter.hpp"
 #include "heat/curve.hpp"
 #include "heat/protection.hpp"
 
@@ -39,6 +40,7 @@ struct HeaterOptions {
   int32_t fan_target = -1;               // pin of the job that cools the body; -1: none
   double fan_full = 1;                   // that pin's value at full speed
   bool inverted = false;                 // the output is on when low
+  heat::Converter converter = heat::Converter::none;  // whose words the reports are, if any's
 };
 
 // What the loop saw and did with one report.

@@ -50,6 +50,7 @@ class Link {
     clock_id_ = id_of("clock");
     uptime_id_ = id_of("uptime");
     analog_id_ = id_of("analog_in_state");
+    converter_id_ = id_of("thermocouple_result");
     shutdown_id_ = id_of("shutdown");
     is_shutdown_id_ = id_of("is_shutdown");
     trsync_id_ = id_of("trsync_state");
@@ -266,8 +267,8 @@ class Link {
   uint64_t question_ = 0;  // number of the frame that carries the last question for the clock
   int samples_ = 0;
   uint32_t unanswered_ = 0;
-  int32_t clock_id_ = -1000, uptime_id_ = -1000, analog_id_ = -1000, shutdown_id_ = -1000,
-          is_shutdown_id_ = -1000, trsync_id_ = -1000;
+  int32_t clock_id_ = -1000, uptime_id_ = -1000, analog_id_ = -1000, converter_id_ = -1000,
+          shutdown_id_ = -1000, is_shutdown_id_ = -1000, trsync_id_ = -1000;
   bool shut_down_ = false;
   uint32_t shutdown_reason_ = 0;
   uint64_t wire_bytes_ = 0, frames_ = 0, bad_frames_ = 0;
@@ -368,7 +369,7 @@ class Link {
     }
     if (id == clock_id_ || id == uptime_id_) {
       take_clock(id == uptime_id_, values, now - on_the_line(kFrameMin + size));
-    } else if (id == analog_id_ && take_temperature(values, now)) {
+    } else if ((id == analog_id_ || id == converter_id_) && take_temperature(values, now)) {
       return;
     } else {
       if (id == trsync_id_ && timeline_) take_trsync(values);
@@ -407,8 +408,9 @@ class Link {
   }
   // analog_in_state oid next_clock values: next_clock is that of the next report; the newest of the
   // values (16 bits each) counts. Boards with older firmware send one value, as a number.
+  // thermocouple_result oid next_clock value fault: a word of a converter.
   bool take_temperature(const std::vector<Value>& values, Ticks now) {
-    if (values.size() != 3) return false;
+    if (values.size() < 3) return false;
     bool taken = false;
     for (size_t i = 0; i < heaters_.size(); ++i) {
       Heater& heater = *heaters_[i];
@@ -421,6 +423,8 @@ class Link {
       } else {
         sum = uint32_t(std::get<int64_t>(values[2]));
       }
+      if (auto converter = heater.options().converter; converter != heat::Converter::none)
+        sum = heat::converter_sum(converter, sum);
       if (!sync_.ready()) return true;
       taken = true;
       Ticks next = sync_.unwrap(uint32_t(std::get<int64_t>(values[1])));
@@ -440,6 +444,15 @@ class Link {
   void query(const HeaterOptions& o, Ticks clock, bool wide, Ticks now) {
     const SensorQuery& q = o.query;
     Ticks due = std::max(clock, sync_.clock_at(now) + Ticks(kHeaterLeadSeconds * hz_));
+    if (o.converter != heat::Converter::none) {
+      std::vector<Value> words = {int64_t(o.sensor_oid), int64_t(uint32_t(due)),
+                                  int64_t(q.rest_ticks), int64_t(wide ? 0 : q.minimum),
+                                  int64_t(wide ? UINT32_MAX : q.maximum)};
+      if (commands_.at("query_thermocouple").parameters.size() == 6)  // older firmware
+        words.push_back(int64_t(q.range_checks));
+      send("query_thermocouple", words);
+      return;
+    }
     std::vector<Value> values = {int64_t(o.sensor_oid), int64_t(uint32_t(due)),
                                  int64_t(q.sample_ticks), int64_t(q.sample_count),
                                  int64_t(q.rest_ticks)};

@@ -13,11 +13,11 @@ namespace passo::wire {
 
 class LiveBoard {
  public:
-  // Begins at once, at the device's clock 0. Until stop() the device is used under guard() only.
-  // Its clock runs with the computer's, but stands still while the computer does not let it run, as
-  // that of a chip would which is stopped.
-  LiveBoard(Device& device, int fd, double clock_hz)
-      : device_(device), cable_(fd), hz_(clock_hz), seen_(monotonic_ticks(clock_hz)),
+  // Begins at once, at this clock of the device. Until stop() the device is used under guard()
+  // only. Its clock runs with the computer's, but stands still while the computer does not let it
+  // run, as that of a chip would which is stopped.
+  LiveBoard(Device& device, int fd, double clock_hz, Ticks start = 0)
+      : device_(device), cable_(fd), hz_(clock_hz), now_(start), seen_(monotonic_ticks(clock_hz)),
         thread_([this] { serve(); }) {}
   ~LiveBoard() { stop(); }
 
@@ -36,7 +36,7 @@ class LiveBoard {
   Device& device_;
   Cable cable_;
   double hz_;
-  Ticks now_ = 0, seen_;
+  Ticks now_, seen_;
   std::mutex guard_;
   std::atomic<bool> stopping_{false};
   std::thread thread_;

@@ -3,10 +3,13 @@
 #pragma once
 #include <algorithm>
 #include <cstdint>
+#include <deque>
 #include <vector>
 
 #include "device.hpp"
 #include "heat/curve.hpp"
+#include "spi_device.hpp"
+#include "uart_line.hpp"
 
 namespace passo::wire {
 
@@ -71,6 +74,8 @@ class Plant {
   std::vector<Switch> switches;
   std::vector<HeatedBody> bodies;
   std::vector<uint32_t> low_is_on;  // output pins
+  std::deque<UartLine> uarts;
+  std::deque<SpiDevice> spi_devices;
 
   Plant(double clock_hz, uint32_t adc_max, Ticks start)
       : step_s_(kStepSeconds), step_ticks_(Ticks(kStepSeconds * clock_hz)), adc_max_(adc_max),
@@ -92,19 +97,40 @@ class Plant {
       (fan ? body.fan : body.heat).set(duty, clock);
     }
   }
-  uint32_t adc(uint32_t pin, Ticks clock) {
+  // What the sensor on a pin shows at `clock`, as a share of full scale; 1 where there is none.
+  double share(uint32_t pin, Ticks clock) {
     for (HeatedBody& body : bodies) {
       if (body.sensor_pin != pin) continue;
       run_until(clock);
       double ratio = body.forced_ratio >= 0 ? body.forced_ratio : body.adc_ratio.at(body.sensor_c);
       if (body.noise > 0) ratio = std::clamp(ratio + body.noise * random(), 0.0, 1.0);
-      return uint32_t(ratio * adc_max_ + 0.5);
+      return ratio;
     }
-    return adc_max_;
+    return 1;
+  }
+  uint32_t adc(uint32_t pin, Ticks clock) { return uint32_t(share(pin, clock) * adc_max_ + 0.5); }
+  // A pin of a UART or an SPI bus takes a level.
+  void edge(uint32_t pin, bool level, Ticks clock) {
+    for (UartLine& line : uarts)
+      if (line.tx_pin() == pin) line.edge(level, clock);
+    for (SpiDevice& device : spi_devices) device.edge(pin, level, clock);
+  }
+  UartLine* uart(uint32_t rx_pin) {
+    for (UartLine& line : uarts)
+      if (line.rx_pin() == rx_pin) return &line;
+    return nullptr;
+  }
+  SpiDevice* spi_device(uint32_t select_pin) {
+    for (SpiDevice& device : spi_devices)
+      if (device.pins().select == select_pin) return &device;
+    return nullptr;
   }
   // Level of an input pin; position(step_pin) tells where a motor's actuator is.
   template <class Position>
-  bool level(uint32_t pin, Position&& position) const {
+  bool level(uint32_t pin, Ticks clock, Position&& position) {
+    if (UartLine* line = uart(pin)) return line->level(clock);
+    for (const SpiDevice& device : spi_devices)
+      if (device.drives(pin)) return device.level();
     for (const Switch& s : switches) {
       if (s.pin != pin) continue;
       double at = 0;

@@ -14,6 +14,7 @@
 #include "board_io.hpp"
 #include "board_motor.hpp"
 #include "board_protocol.hpp"
+#include "board_serial.hpp"
 #include "dictionary.hpp"
 #include "frame.hpp"
 
@@ -30,14 +31,18 @@ class VirtualBoard : public Bench {
   };
 
   explicit VirtualBoard(Options options)
-      : Bench(options.clock_hz, options.adc_max, options.start), options_(std::move(options)) {
+      : Bench(options.clock_hz, options.adc_max, options.start), options_(std::move(options)),
+        serial_(plant_, options_.clock_hz,
+                [this](Report id, std::initializer_list<uint32_t> values, const Bytes* blob) {
+                  report(id, values, blob);
+                }) {
     for (const Declaration& d : kCommands) {
       Format format(d.id, d.text);
       Shape& shape = shapes_[size_t(d.id)];
-      shape = {true, d.in_shutdown, uint8_t(format.parameters.size()), false, {}};
+      shape = {true, d.in_shutdown, uint8_t(format.parameters.size()), kParametersMax, {}};
       for (size_t i = 0; i < format.parameters.size(); ++i) {
         Type type = format.parameters[i].type;
-        shape.blob |= type == Type::blob;
+        if (type == Type::blob) shape.blob = uint8_t(i);
         shape.most[i] = type == Type::byte            ? 0xff
                         : type == Type::unsigned_word ? 0xffff
                                                       : 0xffffffff;
@@ -105,7 +110,7 @@ class VirtualBoard : public Bench {
   struct Shape {
     bool known, in_shutdown;
     uint8_t parameters;
-    bool blob;
+    uint8_t blob;                   // the parameter that is bytes, if any
     uint32_t most[kParametersMax];  // of each parameter, by its type
   };
 
@@ -113,7 +118,8 @@ class VirtualBoard : public Bench {
   Scanner scanner_;
   Bytes out_;
   Shape shapes_[size_t(Command::end_)] = {};
-  std::map<uint32_t, Part> parts_;   // by oid
+  std::map<uint32_t, Part> parts_;  // by oid
+  SerialParts serial_;
   std::vector<BoardMotor*> motors_;  // by oid, null where there is none
   std::vector<BoardOutput*> outputs_;
   uint64_t sequence_ = 0, frames_ = 0, naks_ = 0;
@@ -127,7 +133,7 @@ class VirtualBoard : public Bench {
   // ---- time
 
   void schedule() {
-    next_ = kNever;
+    next_ = serial_.next();
     for (auto& [oid, part] : parts_) next_ = std::min(next_, next_of(part));
   }
   static Ticks next_of(const Part& part) {
@@ -151,6 +157,11 @@ class VirtualBoard : public Bench {
           shut_down(s.fault);
         }
       }
+      try {
+        serial_.run(now_);
+      } catch (const Shutdown& s) {
+        shut_down(s.fault);
+      }
       schedule();
     }
     now_ = std::max(now_, now);
@@ -166,7 +177,7 @@ class VirtualBoard : public Bench {
       }
       if (fault) throw Shutdown{Fault::adc_range};
     } else if (auto* endstop = std::get_if<BoardEndstop>(&part)) {
-      if (endstop->run(level(endstop->pin))) trigger(endstop->trsync, endstop->reason);
+      if (endstop->run(level(endstop->pin, now_))) trigger(endstop->trsync, endstop->reason);
     } else if (auto* group = std::get_if<BoardTrsync>(&part)) {
       if (group->timeout <= now_) {
         group->timeout = kNever;
@@ -204,13 +215,14 @@ class VirtualBoard : public Bench {
         uint32_t a[kParametersMax] = {};
         const uint8_t* blob = nullptr;
         size_t blob_size = 0;
-        if (shape.blob)
-          blob = in.blob(blob_size);
-        else
-          for (size_t i = 0; i < shape.parameters; ++i) {
-            a[i] = in.vlq();
-            in.ok &= a[i] <= shape.most[i];
+        for (size_t i = 0; i < shape.parameters; ++i) {
+          if (i == shape.blob) {
+            blob = in.blob(blob_size);
+            continue;
           }
+          a[i] = in.vlq();
+          in.ok &= a[i] <= shape.most[i];
+        }
         if (!in.ok) throw Shutdown{Fault::bad_command};
         if (fault_ != Fault::none && !shape.in_shutdown) {
           report(Report::is_shutdown, {uint32_t(fault_)});
@@ -261,7 +273,14 @@ class VirtualBoard : public Bench {
         report(Report::pong, {}, &blob);
         break;
       default:
-        part_command(id, a);
+        if (!SerialParts::knows(id)) {
+          part_command(id, a);
+        } else if (auto part = serial_.made(id, a)) {
+          check_oid(a[0]);
+          serial_.add(a[0], *part);
+        } else {
+          serial_.command(id, a, blob, now_, [this](uint32_t clock) { return ahead(clock); });
+        }
     }
   }
 
@@ -375,7 +394,7 @@ class VirtualBoard : public Bench {
       case Command::endstop_query_state: {
         BoardEndstop& e = get<BoardEndstop>(a[0]);
         Ticks clock = e.hits > 0 ? e.first_hit + e.rest : e.next_sample;
-        report(Report::endstop_state, {a[0], e.armed, uint32_t(clock), level(e.pin)});
+        report(Report::endstop_state, {a[0], e.armed, uint32_t(clock), level(e.pin, now_)});
         break;
       }
       case Command::trsync_start: {
@@ -413,10 +432,13 @@ class VirtualBoard : public Bench {
 
   // ---- parts
 
+  void check_oid(uint32_t oid) const {
+    if (!oids_ || oid >= *oids_ || finalized_ || parts_.count(oid) || serial_.has(oid))
+      throw Shutdown{Fault::oid_taken};
+  }
   template <class T>
   T& configure(uint32_t oid, T part) {
-    if (!oids_ || oid >= *oids_ || finalized_ || parts_.count(oid))
-      throw Shutdown{Fault::oid_taken};
+    check_oid(oid);
     T& made = std::get<T>(parts_.emplace(oid, std::move(part)).first->second);
     if constexpr (std::is_same_v<T, BoardMotor>) {
       if (motors_.size() <= oid) motors_.resize(oid + 1);
@@ -508,6 +530,7 @@ class VirtualBoard : public Bench {
       if (auto* endstop = std::get_if<BoardEndstop>(&part)) endstop->armed = false;
       if (auto* group = std::get_if<BoardTrsync>(&part)) *group = BoardTrsync();
     }
+    serial_.shut_down();
     report(Report::shutdown, {uint32_t(now_), uint32_t(fault)});
   }
   void reset() {
@@ -519,6 +542,7 @@ class VirtualBoard : public Bench {
       }
     }
     parts_.clear();
+    serial_.clear();
     motors_.clear();
     outputs_.clear();
     oids_.reset();

@@ -10,6 +10,8 @@
 #include "shutdown.h"
 #include "stepper.h"
 #include "survive.h"
+#include "thermocouple.h"
+#include "tmcuart.h"
 #include "trsync.h"
 
 void core_start(uint32_t clock_high) {
@@ -31,6 +33,8 @@ bool core_task(void) {
     trsync_task();
     analog_in_task();
     buttons_task();
+    tmcuart_task();
+    thermocouple_task();
     shutdown_task();
   }
   control_task(began, busy);

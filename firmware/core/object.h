@@ -21,6 +21,9 @@ enum object_type {
   OBJECT_BUTTONS,
   OBJECT_SPI,
   OBJECT_SPI_SHUTDOWN,
+  OBJECT_TMCUART,
+  OBJECT_I2C,
+  OBJECT_THERMOCOUPLE,
 };
 
 // What is done to every object of one kind.

@@ -3,24 +3,13 @@
 #include <string.h>
 
 #include "command.h"
-#include "scheduler.h"
 #include "shutdown.h"
+#include "wait.h"
 
 DECL_SHUTDOWN(SPI_PINS, "Pins cannot make an SPI bus");
 DECL_SHUTDOWN(SPI_NO_BUS, "SPI device without a bus");
 DECL_SHUTDOWN(SPI_TOO_SLOW, "SPI clock too slow for this board");
 DECL_REPORT("spi_transfer_response oid=%c response=%*s");
-
-// Half a bit takes a millisecond at most: interrupts are off during the messages of a shutdown.
-#define LONGEST_PULSE (HAL_CLOCK_HZ / 1000 < 0x7fff ? HAL_CLOCK_HZ / 1000 : 0x7fff)
-
-#ifndef HAL_WAIT
-static void wait(uint16_t ticks) {
-  uint32_t end = hal_clock() + ticks;
-  while (before(hal_clock(), end)) continue;
-}
-#define HAL_WAIT(ticks) wait(ticks)
-#endif
 
 static uint8_t exchange(const struct spi *spi, uint8_t byte) {
   for (uint8_t bit = 0; bit < 8; ++bit) {
@@ -36,6 +25,7 @@ static uint8_t exchange(const struct spi *spi, uint8_t byte) {
 }
 
 void spi_exchange(const struct spi *spi, uint8_t *bytes, uint8_t size) {
+  hal_output_write(&spi->clock, spi->clock_rest);  // another device may want it otherwise
   if (spi->has_select) hal_output_write(&spi->select, spi->select_level);
   for (; size > 0; --size, ++bytes) *bytes = exchange(spi, *bytes);
   if (spi->has_select) hal_output_write(&spi->select, !spi->select_level);
@@ -51,8 +41,7 @@ static void send_last(void *object) {
 }
 static const struct object_kind shutdown_kind = {OBJECT_SPI_SHUTDOWN, send_last};
 
-// The device, if it has its bus.
-static struct spi *get(uint32_t oid) {
+struct spi *spi_get(uint32_t oid) {
   struct spi *spi = object_get(oid, OBJECT_SPI);
   if (spi == NULL || spi->has_bus) return spi;
   shut_down(SHUTDOWN_SPI_NO_BUS);
@@ -79,6 +68,7 @@ DECL_COMMAND(command_spi_set_sw_bus,
 void command_spi_set_sw_bus(const uint32_t *args) {
   struct spi *spi = object_get(args[0], OBJECT_SPI);
   if (spi == NULL) return;
+  // Interrupts are off during the messages of a shutdown.
   if (args[5] > LONGEST_PULSE) {
     shut_down(SHUTDOWN_SPI_TOO_SLOW);
     return;
@@ -96,7 +86,7 @@ void command_spi_set_sw_bus(const uint32_t *args) {
 DECL_COMMAND(command_config_spi_shutdown, "config_spi_shutdown oid=%c spi_oid=%c shutdown_msg=%*s",
              0);
 void command_config_spi_shutdown(const uint32_t *args) {
-  const struct spi *spi = get(args[1]);
+  const struct spi *spi = spi_get(args[1]);
   if (spi == NULL) return;
   struct spi_shutdown *last = object_add(args[0], &shutdown_kind, sizeof *last + args[2]);
   if (last == NULL) return;
@@ -107,7 +97,7 @@ void command_config_spi_shutdown(const uint32_t *args) {
 
 DECL_COMMAND(command_spi_transfer, "spi_transfer oid=%c data=%*s", 0);
 void command_spi_transfer(const uint32_t *args) {
-  const struct spi *spi = get(args[0]);
+  const struct spi *spi = spi_get(args[0]);
   if (spi == NULL) return;
   uint8_t bytes[FRAME_MAX];
   memcpy(bytes, command_bytes(), args[1]);
@@ -117,7 +107,7 @@ void command_spi_transfer(const uint32_t *args) {
 
 DECL_COMMAND(command_spi_send, "spi_send oid=%c data=%*s", 0);
 void command_spi_send(const uint32_t *args) {
-  const struct spi *spi = get(args[0]);
+  const struct spi *spi = spi_get(args[0]);
   if (spi == NULL) return;
   uint8_t bytes[FRAME_MAX];
   memcpy(bytes, command_bytes(), args[1]);

@@ -26,5 +26,7 @@ struct spi_shutdown {
   uint8_t bytes[];
 };
 
+// The device if it has its bus, or null after a shutdown. Foreground.
+struct spi *spi_get(uint32_t oid);
 // Sends bytes and puts what comes back in their place. Foreground, or under hal_irq_save().
 void spi_exchange(const struct spi *spi, uint8_t *bytes, uint8_t size);

@@ -8,6 +8,9 @@
 //   timer        sched_interrupt(), which the layer calls when the alarm is due; not reentrant
 //   generator    interrupts of the step generator and of the console; they call nothing in the core
 //
+// The layer's main loop calls core_task() and, where the chip has one, feeds a watchdog: if that
+// loop stands still for a second or so, the chip starts anew.
+//
 // hal_irq_save() keeps the other two out. Clocks are 32-bit ticks of HAL_CLOCK_HZ and wrap; a is
 // before b if (int32_t)(a - b) < 0.
 //
@@ -62,7 +65,8 @@ void hal_console_write(const uint8_t *data, uint8_t size);
 
 // ---- Pins: by the number that the dictionary's enumeration `pin` gives them
 
-// Each setup is false, and leaves the pin alone, if the pin cannot do this. Foreground.
+// Each setup is false, and leaves the pin alone, if the pin cannot do this. Foreground; a pin that
+// has been both is made an output or an input again in any context.
 bool hal_output_setup(struct hal_output *output, uint16_t pin, bool level);
 bool hal_input_setup(struct hal_input *input, uint16_t pin, bool pull_up);
 bool hal_analog_setup(struct hal_analog *analog, uint16_t pin);

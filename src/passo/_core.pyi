@@ -244,8 +244,29 @@ class SensorQuery:
     @property
     def range_checks(self) -> int: ...
 
+class Converter(enum.Enum):
+    NONE = 0
+
+    MAX31855 = 1
+
+    MAX6675 = 2
+
+class ConverterFault(enum.Enum):
+    NONE = 0
+
+    OPEN = 1
+
+    SHORT_CIRCUIT = 2
+
+    NO_ANSWER = 3
+
+CONVERTER_FULL: int = 16384
+
+def read_converter(converter: Converter, word: int) -> tuple[float, ConverterFault]:
+    """°C, and what is wrong with the word of a converter."""
+
 class HeaterOptions:
-    def __init__(self, sensor_oid: int, output_oid: int, pwm: bool, full: int, adc_full: int, query: SensorQuery, max_power: float, tolerance_c: float, celsius: Sequence[tuple[float, float]], low_share: float, high_share: float, open_is_high: bool, control: PidControl | OnOffControl | ModelControl | RelayControl, limits: ProtectionLimits, model: HeatModel | None, fan_target: int = -1, fan_full: float = 1.0, inverted: bool = False) -> None:
+    def __init__(self, sensor_oid: int, output_oid: int, pwm: bool, full: int, adc_full: int, query: SensorQuery, max_power: float, tolerance_c: float, celsius: Sequence[tuple[float, float]], low_share: float, high_share: float, open_is_high: bool, control: PidControl | OnOffControl | ModelControl | RelayControl, limits: ProtectionLimits, model: HeatModel | None, fan_target: int = -1, fan_full: float = 1.0, inverted: bool = False, converter: Converter = Converter.NONE) -> None:
         """fan_target: index of the fan's output among the link's pins."""
 
 class Heater:
@@ -737,12 +758,58 @@ class LiveBoard:
     Lets a device answer on a file descriptor, which it owns, in real time and a thread of its own; look at the device in `look`, or after `stop`.
     """
 
-    def __init__(self, device: Device, fd: int, clock_hz: float) -> None: ...
+    def __init__(self, device: Device, fd: int, clock_hz: float, start: int = 0) -> None: ...
 
     def look(self, at: Callable) -> object:
         """What the function returns, which may use the device."""
 
     def stop(self) -> None: ...
+
+class TrinamicKind(enum.Enum):
+    TMC2208 = 0
+
+    TMC2209 = 1
+
+    TMC2130 = 2
+
+    TMC5160 = 3
+
+class TrinamicChip:
+    """A simulated motor driver with registers."""
+
+    def __init__(self, kind: TrinamicKind, address: int = 0) -> None: ...
+
+    def read(self, register: int) -> int: ...
+
+    def set(self, register: int, value: int) -> None:
+        """What the chip itself finds out."""
+
+    def power_on(self) -> None:
+        """Its supply was gone: it forgets its settings."""
+
+    @property
+    def plugged(self) -> bool: ...
+
+    @plugged.setter
+    def plugged(self, arg: bool, /) -> None: ...
+
+    @property
+    def damaged_answers(self) -> int:
+        """So many of its next answers have a bit turned over."""
+
+    @damaged_answers.setter
+    def damaged_answers(self, arg: int, /) -> None: ...
+
+def add_uart_driver(bench: Bench, rx_pin: int, tx_pin: int, chip: TrinamicChip) -> None:
+    """Wires a driver to the UART on these pins, which may have others."""
+
+def add_spi_driver(bench: Bench, select_pin: int, clock_pin: int, to_device: int, from_device: int, chip: TrinamicChip) -> None:
+    """Wires a driver to the SPI bus on these pins."""
+
+def add_converter(bench: Bench, select_pin: int, clock_pin: int, to_device: int, from_device: int, converter: Converter) -> None:
+    """
+    Wires a converter to the SPI bus on these pins; its thermocouple belongs to the body whose sensor is on the select pin.
+    """
 
 def sincos(x: float) -> tuple[float, float]: ...
 
@@ -917,9 +984,10 @@ class Motion:
     def release(self) -> None:
         """Goes on with what hold_from left."""
 
-    def set_speed_factor(self, arg: float, /) -> None: ...
+    def set_speed_factor(self, factor: float, live: bool = True) -> None:
+        """M220: of moves to come, or, `live`, of all that is planned anew."""
 
-    def set_accel(self, arg: float, /) -> None: ...
+    def set_accel(self, accel: float, live: bool = True) -> None: ...
 
     @property
     def clock(self) -> float:
@@ -1182,8 +1250,10 @@ class Job:
     def tool_offsets(self) -> list[list[float]]: ...
 
     @property
-    def retraction(self) -> tuple[float, float, float, float, float]:
-        """(mm, mm/s, hop mm, extra mm, mm/s back or 0) of M207 and M208."""
+    def retraction(self) -> tuple[float, float, float, float, float, float, float]:
+        """
+        (mm, mm/s, hop mm, extra mm, mm/s back or 0, mm and extra mm of G10 S1) of M207 and M208.
+        """
 
     @property
     def filament_diameters(self) -> list[float] | None:
@@ -1207,9 +1277,9 @@ class Job:
         Takes the state of a program that another job has read up to where this machine stands.
         """
 
-    def line_at(self, ticks: float) -> tuple[int, float]:
+    def line_at(self, ticks: float) -> int:
         """
-        Line of the program's move that is under way, or was last, at a clock (0: none), and the Z to which it goes. Clocks must not go back.
+        Line of the program's move that is under way, or was last, at a clock (0: none). Clocks must not go back.
         """
 
     def position_at(self, ticks: float) -> list[float] | None:
@@ -1252,16 +1322,23 @@ class Job:
     def tool(self) -> int: ...
 
     @property
-    def speed_factor(self) -> float: ...
+    def speed_factor(self) -> float:
+        """M220, as a factor."""
 
-    @speed_factor.setter
-    def speed_factor(self, arg: float, /) -> None: ...
+    def set_speed_factor(self, factor: float, live: bool = False) -> None:
+        """
+        M220 for the moves that follow; `live`: for all that is planned anew from now on.
+        """
 
-    def set_limit(self, name: str, value: float) -> None:
-        """Changes a limit of the moves that follow."""
+    def set_limit(self, name: str, value: float, live: bool = False) -> None:
+        """
+        Changes a limit of the moves that follow; `live`: of all that is planned anew.
+        """
 
-    def set_axis_limit(self, axis: str, what: str, value: float) -> None:
-        """Changes an axis' `speed` or `accel`, never beyond the machine's own."""
+    def set_axis_limit(self, axis: str, what: str, value: float, live: bool = False) -> None:
+        """
+        Changes an axis' `speed` or `accel`, never beyond the machine's own, as set_limit.
+        """
 
     @property
     def messages(self) -> MessageQueue:

@@ -52,6 +52,10 @@ def _heat(says: str, action: str) -> Entry:
     return Entry("heat", says, f"{action}, then rearm it", ExitStatus.MACHINE_FAULT)
 
 
+def _driver(says: str, action: str) -> Entry:
+    return Entry("driver", f"motor {{axis}}: {says}", action, ExitStatus.MACHINE_FAULT)
+
+
 CATALOGUE: Mapping[str, Entry] = {
     "config.unknown-machine": _config(
         "there is no machine called {value!r}",
@@ -246,6 +250,9 @@ CATALOGUE: Mapping[str, Entry] = {
         "axis {axis} does not know where it is",
         "Home it (G28), or say where it is (G92)",
     ),
+    "input.homing": _input(
+        "homing", "{axis} has to wait until all axes are at home", "Send it again when G28 is done"
+    ),
     "machine.slow-heater": Entry(
         "heat",
         "heater {axis} has reached only {value:.1f} °C of {limit:.1f} °C in an hour",
@@ -293,6 +300,46 @@ CATALOGUE: Mapping[str, Entry] = {
         "heater {axis} was switched off: at {value:.1f} °C it does not behave as its model, by more"
         " than {limit:.2f} of full power",
         "Check cartridge, sensor and fan, or tune its model again",
+    ),
+    "driver.silent": _driver(
+        "its driver, a {value} on {limit}, does not answer",
+        "Switch the motors' supply on, check the driver's seat, jumpers and these pins, then M999",
+    ),
+    "driver.deaf": _driver(
+        "its driver, a {value} on {limit}, does not take its settings",
+        "Check the wire to it and that no other driver has its address, then M999",
+    ),
+    "driver.other-chip": _driver(
+        "the driver on {limit} is another chip than the machine file says, of version {value}",
+        "Correct the motor's driver in the machine file, or the pins",
+    ),
+    "driver.reset": _driver(
+        "its driver, a {value}, was reset: its settings are gone",
+        "Check the plugs and wires of the motors' supply, then M999",
+    ),
+    "driver.short-to-ground": _driver(
+        "coil {value} has a short circuit to ground; its driver has switched it off",
+        "Cut the power, check the motor's cable and plug, then M999",
+    ),
+    "driver.short-to-supply": _driver(
+        "coil {value} has a short circuit to the supply; its driver has switched it off",
+        "Cut the power, check the motor's cable and plug, then M999",
+    ),
+    "driver.overheated": _driver(
+        "its driver, a {value}, has switched it off, for it is too hot",
+        "Let it cool, check its fan and heat sink or lower its current (M906), then M999",
+    ),
+    "driver.hot": _driver(
+        "its driver, a {value}, is hot and will soon switch it off",
+        "Cool it better, or lower its current (M906)",
+    ),
+    "driver.undervoltage": _driver(
+        "its driver, a {value}, has too little voltage to switch on fully",
+        "Check the motors' supply and its plugs, then M999",
+    ),
+    "driver.stopped": _driver(
+        "its driver, a {value}, has switched it off for a moment, for heat or a short circuit",
+        "Check the motor's cable and the driver's cooling, then M999",
     ),
     "firmware.board": _firmware(
         "there is no board called {value!r}",

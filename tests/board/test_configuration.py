@@ -7,8 +7,11 @@ from dataclasses import replace
 
 import pytest
 
-from passo.board import Dictionary, Output, Stepper
-from passo.board.configuration import checksum, commands, full_scale, queries
+from passo import _core
+from passo.board import Dictionary, Output, Sensor, Stepper
+from passo.board.configuration import checksum, commands, full_scale, queries, uart_bit_ticks
+from passo.board.description import Driver, SpiPins, UartPins
+from passo.board.trinamic import DriverSettings
 from passo.simulator.dictionary import compressed_dictionary
 
 from .bench import HZ, description
@@ -73,3 +76,60 @@ def test_sensors_report_four_times_a_second_within_their_range():
         "query_analog_in oid=5 clock=5 sample_ticks=16000 sample_count=8 rest_ticks=4000000"
         " bytes_per_report=2 min_value=81 max_value=8102 range_check_count=4"
     ]
+
+
+def test_wires_to_drivers_and_converters():
+    silent = DriverSettings("TMC2209", 0.8, 0.8, 0.11)
+    bus = ("PA1", "PA2", "PA3")
+    wired = SpiPins("PA4", *bus, mode=0)
+    thermocouple = Sensor(
+        "hotend", "PA4", ((0.0, 0.5), (1000.0, 0.75)), 0.505, 0.55,
+        converter=_core.Converter.MAX31855, spi=wired,
+    )  # fmt: skip
+    board = replace(
+        BOARD,
+        sensors=(thermocouple,),
+        drivers=(
+            Driver("x", UartPins("^PC0", "PC0"), silent),
+            Driver("y", SpiPins("PA0", *bus), replace(silent, chip="TMC5160")),
+        ),
+    )
+    dictionary = Dictionary.parse(compressed_dictionary(board))
+    assert commands(board, dictionary)[8:] == [
+        "config_endstop oid=6 pin=PE5 pull_up=1",
+        "config_trsync oid=7",
+        "config_tmcuart oid=8 rx_pin=PC0 pull_up=1 tx_pin=PC0 bit_time=1776",
+        "config_spi oid=9 pin=PA0 cs_active_high=0",
+        "spi_set_sw_bus oid=9 miso_pin=PA3 mosi_pin=PA2 sclk_pin=PA1 mode=3 pulse_ticks=80",
+        "config_spi oid=10 pin=PA4 cs_active_high=0",
+        "spi_set_sw_bus oid=10 miso_pin=PA3 mosi_pin=PA2 sclk_pin=PA1 mode=0 pulse_ticks=80",
+        "config_thermocouple oid=5 spi_oid=10 thermocouple_type=MAX31855 consecutive_fault_limit=3",
+    ]
+    low, high = 82, 819  # quarters of a degree
+    assert queries(board, dictionary, 5) == [
+        f"query_thermocouple oid=5 clock=5 rest_ticks=4000000 min_value={low << 18}"
+        f" max_value={high << 18 | 0x3FFFF}"
+    ]
+    older = replace(
+        dictionary,
+        commands=tuple(
+            (
+                number,
+                text.replace("spi_set_sw_bus", "spi_set_software_bus").replace(
+                    "pulse_ticks", "rate"
+                ),
+            )
+            for number, text in dictionary.commands
+        ),
+    )
+    assert (
+        "spi_set_software_bus oid=9 miso_pin=PA3 mosi_pin=PA2 sclk_pin=PA1 mode=3 rate=100000"
+        in commands(board, older)
+    )
+
+
+@pytest.mark.parametrize(
+    ("hz", "ticks"), [(16_000_000, 1776), (84_000_000, 2100), (168_000_000, 4200)]
+)
+def test_the_bits_of_a_uart_are_as_long_as_a_board_can_make_them(hz, ticks):
+    assert uart_bit_ticks(hz) == ticks

@@ -145,6 +145,18 @@ def test_filament_alone_goes_nowhere_after_a_move_that_was_left_out(capsys, tmp_
     assert result["final_steps"] == printed(capsys, str(path), "--machine", "delta")["final_steps"]
 
 
+@pytest.mark.parametrize("mode", ["M83", "M82"])
+def test_filament_of_a_move_that_was_left_out_is_left_out(capsys, tmp_path, mode):
+    """The next move does not print it too, whichever way E is counted; a retraction is kept."""
+    lines = ["G92 X0 Y0 Z50 E0", mode, "G1 X20 F3000 E1", "G1 X74 Y74 Z160 E5"]
+    lines += ["G1 X0 E1", "G1 E-1", "G1 E1"] if mode == "M83" else ["G1 X0 E6", "G1 E5", "G1 E6"]
+    path = tmp_path / "p.gcode"
+    path.write_text("\n".join(lines))
+    result = printed(capsys, str(path), "--machine", "delta", "--out-of-range", "clamp")
+    assert sum(result["filament_mm"].values()) == pytest.approx(2.0)
+    assert result["final_position_mm"]["e"] == pytest.approx(2.0)
+
+
 def test_json_errors_are_an_object(capsys, tmp_path):
     path = tmp_path / "p.gcode"
     path.write_text("G1 X300 F3000\n")

@@ -175,7 +175,11 @@ def test_laser_letters_reach_the_core_only_if_given(i3_text: str) -> None:
     assert config.load_text(laser).core_spec()["laser"] is None
     letters = laser + "energy_letter = 'L'\ndensity_letter = 'M'\n"
     spec = config.load_text(letters).core_spec()["laser"]
-    assert spec == {"density_letter": "M", "energy_letter": "L"}
+    powers = {"full_w": 100.0, "most_w": 100.0}
+    assert spec == {"density_letter": "M", "energy_letter": "L"} | powers
+    weaker = letters + "power_w = 5\nmax_power_w = 4\n"
+    spec = config.load_text(weaker).core_spec()["laser"]
+    assert (spec["full_w"], spec["most_w"]) == (5.0, 4.0)
 
 
 def test_unknown_machine_names_the_close_one() -> None:

@@ -19,9 +19,10 @@ import pytest
 
 from passo import config
 from passo.cli.main import main
-from passo.console import wires
+from passo.console import lines, wires
+from passo.console.lines import open_pty, open_serial
 from passo.console.printer_console import furnished
-from passo.console.wires import ConsoleError, open_pty, open_serial, open_tcp
+from passo.console.wires import ConsoleError, open_tcp
 
 PATIENCE_S = 60
 
@@ -69,8 +70,8 @@ def greet(session):
 class Served:
     """A printer with its consoles."""
 
-    def __init__(self):
-        self.printer = furnished(config.load("i3"))
+    def __init__(self, card=None):
+        self.printer = furnished(config.load("i3"), card=card)
         self.consoles = []
         self._run = asyncio.get_running_loop().create_task(self.printer.run())
 
@@ -99,7 +100,8 @@ def served(test):
     def run(**fixtures):
         async def body():
             async with asyncio.timeout(PATIENCE_S):
-                serving = Served()
+                path = fixtures.get("tmp_path")
+                serving = Served(None if path is None else str(path))
                 try:
                     await test(serving, **fixtures)
                 finally:
@@ -132,6 +134,35 @@ async def test_a_pty_survives_hosts_that_come_and_go(s, tmp_path):
         host.write(b"G1 X")
         host.close()
         cut = True
+
+
+@served
+async def test_a_host_that_hangs_up_in_mid_upload_ends_it(s, tmp_path):
+    """Nothing of the file stays, and what the next host sends is carried out."""
+    path = tmp_path / "port"
+    console = await s.pty(path)
+    for i in range(3):
+        host = await at_pty(path)
+        await host.ok("G92 X0")
+        assert (await host.ok("M28 new.g"))[-2] == "Writing to file: new.g"
+        assert (await host.ok(f"G1 X{50 + i}"))[-1] == "ok"
+        before = console.session
+        host.write(b"G1 X60\nM106 S255\nG1 X7")
+        host.close()
+        while not before.closed or console.session is before:
+            await asyncio.sleep(0)
+    host = await at_pty(path)
+    assert (await host.ok("M114"))[-2].startswith("X:0.000 ")
+    assert s.printer.commands.fans.get("part", 0) == 0
+    assert "NEW.G" not in " ".join(await host.ok("M20"))
+    await host.ok("M28 whole.g")
+    await host.ok("G1 X5")
+    assert "Done saving file." in await host.ok("M29")
+    host.close()
+    host = await at_pty(path)
+    assert "WHOLE.G 6" in " ".join(await host.ok("M20"))
+    assert console.session is not before
+    host.close()
 
 
 @served
@@ -205,6 +236,45 @@ def test_a_serial_device_at_any_rate(baud):
         await s.end()
         host.close()
         os.close(slave)
+
+    asyncio.run(body())
+
+
+def test_a_serial_device_that_was_unplugged_is_opened_when_it_is_back(tmp_path, monkeypatch):
+    monkeypatch.setattr(lines, "REOPEN_S", 0.01)
+    device = tmp_path / "ttyUSB0"
+
+    async def plugged(s):
+        """The host's end of the cable, when the printer has opened its own."""
+        master, slave = os.openpty()
+        device.symlink_to(os.ttyname(slave))
+        if not s.consoles:
+            await s.open(open_serial(s.printer, str(device), 115200, greet))
+        reader = asyncio.StreamReader()
+        transport, _ = await asyncio.get_running_loop().connect_read_pipe(
+            lambda: asyncio.StreamReaderProtocol(reader), os.fdopen(master, "rb", 0)
+        )
+        host = Client(reader, lambda data: os.write(master, data), transport.close)
+        await host.until("^start$")
+        os.close(slave)
+        return host
+
+    async def body():
+        s = Served()
+        try:
+            async with asyncio.timeout(PATIENCE_S):
+                for i in range(3):
+                    host = await plugged(s)
+                    assert (await host.ok(f"G92 X{i}"))[-1] == "ok"
+                    host.write(b"M28 half.g\nG1 X")
+                    before = s.consoles[0].session
+                    device.unlink()
+                    host.close()
+                    while s.consoles[0].session is before:
+                        await asyncio.sleep(0)
+                    assert before.closed
+        finally:
+            await s.end()
 
     asyncio.run(body())
 

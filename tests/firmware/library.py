@@ -12,11 +12,13 @@ FIRMWARE = Path(__file__).parents[2] / "firmware"
 
 
 def library_for_older_hosts(folder: Path) -> Path:
-    """With analog inputs in the words of older hosts; made in `folder`."""
-    core = [s for s in FIRMWARE.glob("core/*.c") if s.name != "analog_report.c"]
+    """With analog inputs and converters in the words of older hosts; made in `folder`."""
+    newer = ("analog_report.c", "thermocouple_words.c")
+    core = [s for s in FIRMWARE.glob("core/*.c") if s.name not in newer]
     sources = [
         *sorted(core),
         FIRMWARE / "alternative/analog_value.c",
+        FIRMWARE / "alternative/thermocouple_words.c",
         FIRMWARE / "hal/common/stepgen.c",
         FIRMWARE / "hal/host/host.c",
     ]

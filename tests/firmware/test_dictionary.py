@@ -20,7 +20,7 @@ def test_every_reason_for_a_shutdown_is_in_the_dictionary():
     used = {
         name
         for source in CORE
-        for name in re.findall(r"\bSHUTDOWN_([A-Z_]+)", source.read_text(encoding="utf-8"))
+        for name in re.findall(r"\bSHUTDOWN_([A-Z0-9_]+)", source.read_text(encoding="utf-8"))
     }
     found = gather(CORE)
     assert set(found.shutdowns) == used

@@ -1,17 +1,24 @@
-"""Passo's host on a board whose firmware speaks of analog inputs in older words."""
+"""Passo's host on a board whose firmware speaks of analog inputs and converters in older words."""
 
 import pytest
 from tests.board.bench import Bench
+from tests.console.scenario import Scenario
 from tests.firmware.library import library_for_older_hosts
+from tests.printer.test_thermocouples import text
 
+from passo import config
 from passo.simulator import dictionary
 
 
-@pytest.fixture
-def bench(tmp_path, monkeypatch):
+@pytest.fixture(autouse=True)
+def library(tmp_path, monkeypatch):
     library = library_for_older_hosts(tmp_path)
     monkeypatch.setattr(dictionary, "firmware_library", lambda: library)
     monkeypatch.setattr("passo.simulator.board.firmware_library", lambda: library)
+
+
+@pytest.fixture
+def bench():
     return Bench()
 
 
@@ -29,3 +36,20 @@ def test_it_heats_and_watches_the_sensor(bench):
     assert told == ["hotend"]
     assert bench.simulated.output_value("hotend") == 0
     assert not bench.device.stopped
+
+
+def test_it_heats_by_a_thermocouple_and_watches_it():
+    machine = config.load_text(text(firmware="passo", policy="heater"), "t.toml")
+    with Scenario(machine) as s:
+        asked = s.printer.connection.main.dictionary
+        assert asked.takes("query_thermocouple", "max_invalid_count")
+        assert not asked.takes("config_thermocouple", "consecutive_fault_limit")
+        s.host.ok("M109 S150", 300)
+        s.board.force_sensor("hotend", 1.0)
+        s.host.expect("heater hotend was switched off: its sensor is open", 1)
+        s.passes(5)
+        assert not s.printer.halted
+        s.board.force_sensor("hotend", None)
+        s.passes(1)
+        s.host.ok("M922")
+        s.host.ok("M109 S100", 300)

@@ -1,4 +1,4 @@
-"""A host that falls silent: tails, refusals, outputs that are kept; and what it finds afterwards."""
+"""A host that falls silent: tails, refusals, outputs that are kept, and what it finds later."""
 
 from __future__ import annotations
 
@@ -206,9 +206,10 @@ def test_slots_come_back():
 
 def test_a_heater_is_kept_for_its_time_and_then_off():
     host = Host()
-    host.tell("query_analog_in oid=4 clock=%d sample_ticks=1000 sample_count=1 rest_ticks=100000"
-              " bytes_per_report=2 min_value=0 max_value=1023 range_check_count=4"
-              % host.board.clock(1000))  # fmt: skip
+    host.tell(
+        f"query_analog_in oid=4 clock={host.board.clock(1000)} sample_ticks=1000 sample_count=1"
+        " rest_ticks=100000 bytes_per_report=2 min_value=0 max_value=1023 range_check_count=4"
+    )
     heater = host.board.dictionary.enumerations["pin"]["PB4"]
     host.board.device.trace_edges(heater)
     host.tell("survive_output oid=7 value=1 seconds=2")

@@ -39,7 +39,7 @@ void configure() {
     uint32_t command;
     std::vector<uint32_t> values;
   };
-  static const std::vector<Line> lines = {{COMMAND_ALLOCATE_OIDS, {10}},
+  static const std::vector<Line> lines = {{COMMAND_ALLOCATE_OIDS, {14}},
                                           {COMMAND_CONFIG_STEPPER, {0, 1, 2, 0, 32}},
                                           {COMMAND_CONFIG_STEPPER, {1, 3, 4, 1, 0}},
                                           {COMMAND_CONFIG_DIGITAL_OUT, {2, 5, 0, 0, 0}},
@@ -54,6 +54,11 @@ void configure() {
                                           {COMMAND_BUTTONS_ADD, {8, 0, 10, 1}},
                                           {COMMAND_CONFIG_SPI, {9, 11, 0}},
                                           {COMMAND_SPI_SET_SW_BUS, {9, 12, 13, 14, 3, 16}},
+                                          {COMMAND_CONFIG_TMCUART, {10, 15, 1, 15, 400}},
+                                          {COMMAND_CONFIG_TMCUART, {11, 16, 0, 17, 101}},
+                                          {COMMAND_CONFIG_I2C, {12}},
+                                          {COMMAND_I2C_SET_SW_BUS, {12, 18, 19, 16, 72}},
+                                          {COMMAND_CONFIG_THERMOCOUPLE, {13, 9, 2, 1}},
                                           {COMMAND_FINALIZE_CONFIG, {1}}};
   for (const Line& line : lines) {
     uint8_t payload[64], *end = passo::wire::put_vlq(payload, line.command);

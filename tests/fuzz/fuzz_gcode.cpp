@@ -45,7 +45,8 @@ void drain(Interpreter& interpreter, int& moves) {
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (size == 0) return 0;
   static const Machine machine = cartesian_machine();
-  Interpreter interpreter(machine, {0, 0, 0}, data[0] & 1);
+  const LaserWords words = data[0] & 1 ? LaserWords{'L', 'M', 100, 80} : LaserWords{};
+  Interpreter interpreter(machine, {0, 0, 0}, words);
   interpreter.clamp = data[0] & 2;
   interpreter.ignore_tools = data[0] & 4;
   const size_t chunk = data[0] & 8 ? size : 1 + (data[0] >> 4);

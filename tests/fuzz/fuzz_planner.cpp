@@ -127,7 +127,6 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     move.feed_mm_s = p[10] ? std::pow(1.2, p[10] - 64) + 0.05 : kInfinity;
     move.radius_mm = p[0] & 16 ? 0.01 + p[11] : kInfinity;
     move.arc_inner = p[0] & 32;
-    move.speed_cap2 = kInfinity;
     move.moved = p[0] & 15;
     move.line = uint32_t(i);
     motion.push(move);
@@ -138,7 +137,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         motion.hold_from(cut);
         motion.release();
       } else {
-        motion.planner().speed_factor = 0.25 + p[10] / 64.0;
+        motion.planner().rules().change(
+            p[9] & 32, [&](Rules& rules) { rules.speed_factor = 0.25 + p[10] / 64.0; });
         motion.replan_from(cut);
       }
     }

@@ -82,6 +82,19 @@ def test_firmware_retraction():
     assert out.moves[1].cruise_speed == pytest.approx(20)
 
 
+def test_a_retraction_for_a_change_of_tools_has_a_length_of_its_own():
+    lines = ["M83", "G1 X10 E20", "G10 S1", "G11", "M207 W5", "M208 S0.1 W0.5", "G10 S1"]
+    out = run("\n".join([*lines, "M207 S2", "G11", "G10 S0", "G11"]))
+    assert [end[3] for end in out.ends] == [20, 7, 20, 15, 20.5, 18.5, 20.6]
+
+
+def test_homing_with_b_goes_back():
+    """Without a console homing sets positions, and the way back is one across and one of Z."""
+    out = run("G1 X10 Y20 Z5\nG28 B\nG1 X11\n")
+    ways = [(10, 20, 5), (10, 20, 0), (10, 20, 5), (11, 20, 5)]
+    assert [end[:3] for end in out.ends] == ways
+
+
 def test_the_hop_goes_along_with_absolute_heights_and_stays_below_the_limit():
     out = run("M207 S1 Z2\nG1 Z5\nG10\nG1 Z6\nG11\n")
     assert [end[2] for end in out.ends] == [5, 5, 7, 8, 6, 6]

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from passo.heat.spi_words import Word, max6675, max31855
+from passo import _core
+from passo.heat.sensors import Table, celsius_at, sensor_table
+
+MAX31855, MAX6675 = _core.Converter.MAX31855, _core.Converter.MAX6675
+FAULT = _core.ConverterFault
 
 
 @pytest.mark.parametrize(
@@ -15,37 +19,41 @@ from passo.heat.spi_words import Word, max6675, max31855
         ("11111111111100", -1.0), ("11110000011000", -250.0),
     ],
 )  # fmt: skip
-def test_max31855_thermocouple(bits, celsius):
-    assert max31855(int(bits, 2) << 18) == Word(celsius, 0.0)
-
-
-@pytest.mark.parametrize(
-    ("bits", "celsius"),
-    [
-        ("011111110000", 127.0), ("011001001001", 100.5625), ("000110010000", 25.0),
-        ("000000000000", 0.0), ("111111111111", -0.0625), ("111111110000", -1.0),
-        ("111011000000", -20.0), ("110010010000", -55.0),
-    ],
-)  # fmt: skip
-def test_max31855_internal(bits, celsius):
-    assert max31855(int(bits, 2) << 4) == Word(0.0, celsius)
+@pytest.mark.parametrize("internal", [0, 25 << 8, 0xFFF << 4])
+def test_max31855_thermocouple(bits, celsius, internal):
+    assert _core.read_converter(MAX31855, int(bits, 2) << 18 | internal) == (celsius, FAULT.NONE)
 
 
 @pytest.mark.parametrize(
     ("word", "fault"),
-    [(0x0001_1901, "open"), (0x0001_1902, "short to ground"), (0x0001_1904, "short to supply")],
+    [
+        (0x0001_1901, FAULT.OPEN),
+        (0x0001_1902, FAULT.SHORT_CIRCUIT),
+        (0x0001_1904, FAULT.SHORT_CIRCUIT),
+    ],
 )
 def test_max31855_faults(word, fault):
-    assert max31855(word) == Word(None, 25.0, fault)
+    assert _core.read_converter(MAX31855, word)[1] == fault
 
 
 def test_max6675():
-    assert max6675(0) == Word(0.0)
-    assert max6675(0x7FF8) == Word(1023.75)
-    assert max6675(0b0000_0011_0010_0000) == Word(25.0)
-    assert max6675(0b0000_0011_0010_0100) == Word(fault="open")
+    assert _core.read_converter(MAX6675, 0) == (0.0, FAULT.NONE)
+    assert _core.read_converter(MAX6675, 0x7FF8) == (1023.75, FAULT.NONE)
+    assert _core.read_converter(MAX6675, 0b0000_0011_0010_0000) == (25.0, FAULT.NONE)
+    assert _core.read_converter(MAX6675, 0b0000_0011_0010_0100)[1] == FAULT.OPEN
 
 
 def test_a_bus_on_which_nobody_answers():
-    assert max31855(0xFFFF_FFFF) == Word(fault="no answer")
-    assert max6675(0xFFFF) == Word(fault="no answer")
+    assert _core.read_converter(MAX31855, 0xFFFF_FFFF)[1] == FAULT.NO_ANSWER
+    assert _core.read_converter(MAX6675, 0xFFFF)[1] == FAULT.NO_ANSWER
+
+
+@pytest.mark.parametrize("kind", ["max31855", "max6675"])
+def test_a_share_of_full_scale_is_a_quarter_of_a_degree(kind):
+    from passo.config.sensors import ThermocoupleConverter
+
+    pins = {"clock_pin": "D52", "miso_pin": "D50", "mosi_pin": "D51"}
+    table: Table = sensor_table(ThermocoupleConverter(kind=kind, **pins))
+    for quarters in (0, 1, 100, 800, 4000):
+        share = (quarters + 8192) / _core.CONVERTER_FULL
+        assert celsius_at(table, share) == pytest.approx(quarters / 4, abs=1e-9)

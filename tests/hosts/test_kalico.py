@@ -14,8 +14,11 @@ from pathlib import Path
 import pytest
 from tests.firmware.library import library_for_older_hosts
 from tests.hosts.cable import Cable
+from tests.printer.driver_machine import machine_text
 
 from passo import config
+from passo.board.trinamic import registers as r
+from passo.config.machine import MachineConfig
 from passo.simulator import SimulatedBoard
 from passo.simulator import dictionary as simulated
 
@@ -31,6 +34,43 @@ G1 X45.6 Y57.3 Z2.4 F6000
 """
 STEPS = {"x": -352, "y": 1384, "z": 160, "e": 525}  # of all but the first line
 
+CONVERTER = """sensor_pin = "D31"
+sensor = { kind = "max31855", clock_pin = "D33", mosi_pin = "D35", miso_pin = "D37" }
+"""
+THERMOCOUPLE = """\
+sensor_type: MAX31855
+sensor_pin: PC6
+spi_software_sclk_pin: PC4
+spi_software_mosi_pin: PC2
+spi_software_miso_pin: PC0
+"""
+DRIVERS = """
+[tmc2209 stepper_x]
+uart_pin: ^PG1
+sense_resistor: 0.11
+run_current: 0.8
+
+[tmc2209 stepper_y]
+uart_pin: ^PG1
+uart_address: 1
+sense_resistor: 0.11
+run_current: 0.8
+
+[tmc2208 stepper_z]
+uart_pin: PL7
+tx_pin: PL5
+sense_resistor: 0.11
+run_current: 0.6
+
+[tmc5160 extruder]
+cs_pin: PA1
+spi_software_sclk_pin: PA3
+spi_software_mosi_pin: PA5
+spi_software_miso_pin: PA7
+sense_resistor: 0.075
+run_current: 1.2
+"""
+
 
 @pytest.fixture
 def library(tmp_path: Path) -> Path:
@@ -38,11 +78,18 @@ def library(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def cable(library: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Cable]:
-    """The shipped i3's board on a serial line."""
+def machine() -> MachineConfig:
+    """The shipped i3."""
+    return config.load("i3")
+
+
+@pytest.fixture
+def cable(
+    library: Path, machine: MachineConfig, monkeypatch: pytest.MonkeyPatch
+) -> Iterator[Cable]:
+    """The machine's board on a serial line."""
     monkeypatch.setattr(simulated, "firmware_library", lambda: library)
     monkeypatch.setattr("passo.simulator.board.firmware_library", lambda: library)
-    machine = config.load("i3")
     chosen = machine.board.model_copy(update={"firmware": "passo"})
     machine = machine.model_copy(update={"board": chosen})
     cable = Cable(machine)
@@ -53,9 +100,9 @@ def cable(library: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Cable]:
 class Kalico:
     """A running Kalico, spoken to over its own pty."""
 
-    def __init__(self, hosts: Path, folder: Path, device: str) -> None:
-        text = (HERE / "kalico.cfg").read_text(encoding="utf-8")
-        (folder / "printer.cfg").write_text(text.format(serial=device), encoding="utf-8")
+    def __init__(self, hosts: Path, folder: Path, device: str, configuration: str) -> None:
+        text = configuration.format(serial=device)
+        (folder / "printer.cfg").write_text(text, encoding="utf-8")
         self.log = folder / "kalico.log"
         words = [hosts / "python", "-m", "klippy", "printer.cfg", "-l", self.log, "-I", "printer"]
         self.process = subprocess.Popen(
@@ -105,8 +152,14 @@ class Kalico:
 
 
 @pytest.fixture
-def kalico(hosts: Path, cable: Cable, tmp_path: Path) -> Iterator[Kalico]:
-    host = Kalico(hosts, tmp_path, cable.path)
+def configuration() -> str:
+    """What Kalico is told of the machine."""
+    return (HERE / "kalico.cfg").read_text(encoding="utf-8")
+
+
+@pytest.fixture
+def kalico(hosts: Path, cable: Cable, tmp_path: Path, configuration: str) -> Iterator[Kalico]:
+    host = Kalico(hosts, tmp_path, cable.path, configuration)
     try:
         host.wait()
         yield host
@@ -144,3 +197,45 @@ def test_it_homes_prints_and_heats(cable, kalico):
     cable.cut()
     assert board.device.fault == "Missed scheduling of next digital out event"
     assert board.output_value("hotend") == 0
+
+
+class TestDrivers:
+    """Drivers with registers and a thermocouple, on all wires that the firmware has."""
+
+    @pytest.fixture
+    def machine(self) -> MachineConfig:
+        return config.load_text(machine_text().replace('sensor_pin = "T0"\n', CONVERTER, 1))
+
+    @pytest.fixture
+    def configuration(self) -> str:
+        text = (HERE / "kalico.cfg").read_text(encoding="utf-8")
+        begin = text.index("sensor_type")
+        end = text.index("control: pid")
+        return f"{text[:begin]}{THERMOCOUPLE}{text[end:]}{DRIVERS}"
+
+    def test_it_sets_drivers_up_and_asks_a_thermocouple(self, cable, kalico):
+        chips = cable.board.drivers
+
+        def registers() -> dict[str, dict[int, int]]:
+            numbers = (r.IHOLD_IRUN, r.CHOPCONF, r.GCONF, r.IFCNT, r.GLOBALSCALER)
+            return {name: {n: chip.read(n) for n in numbers} for name, chip in chips.items()}
+
+        kalico.tell("G92 E0")
+        kalico.tell("SET_TMC_CURRENT STEPPER=stepper_y CURRENT=0.5")
+        found = cable.look(registers)
+        assert cable.look(lambda: cable.board.device.fault) == ""
+        expected = {"x": 0.8, "y": 0.5, "z": 0.6, "e": 1.2}
+        for name, numbers in found.items():
+            chip = r.CHIPS["TMC5160" if name == "e" else "TMC2209"]
+            irun = chip.unpack(r.IHOLD_IRUN, numbers[r.IHOLD_IRUN])["irun"]
+            chopper = chip.unpack(r.CHOPCONF, numbers[r.CHOPCONF])
+            assert chopper["mres"] == 4
+            if name == "e":
+                ampere = (irun + 1) / 32 * numbers[r.GLOBALSCALER] / 256 * 0.325 / 0.075 / 2**0.5
+            else:
+                volts = 0.18 if chopper["vsense"] else 0.32
+                ampere = (irun + 1) / 32 * volts / 0.13 / 2**0.5
+                assert numbers[r.IFCNT] >= 5
+            assert ampere == pytest.approx(expected[name], rel=0.05)
+        assert "IOIN" in kalico.tell("DUMP_TMC STEPPER=stepper_z")
+        assert re.search(r"T0:25\.\d /0\.0", kalico.tell("M105"))

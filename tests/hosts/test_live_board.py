@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from tests.console.scenario import Scenario
+from tests.console.scenario import Host, Scenario
 from tests.hosts.cable import Cable
 
 from passo import config
@@ -19,6 +19,9 @@ from passo.errors import MachineError
 from passo.printer.wiring import connect
 
 MACHINE = config.load("i3")
+RUNS_FIRMWARE = MACHINE.model_copy(
+    update={"board": MACHINE.board.model_copy(update={"firmware": "passo"})}
+)
 STALL_US = 500_000
 
 
@@ -63,6 +66,26 @@ def test_a_stall_of_the_interpreter_delays_no_step(cable: Cable) -> None:
     assert steps == {"x": 800, "y": 780, "z": 0, "e": round(1.95 * 95.5)}
 
 
+def test_a_stall_at_the_end_of_a_few_long_moves_costs_nothing(cable: Cable) -> None:
+    """The host's last move comes when the plan is about to run dry, and then nobody looks."""
+    with Scenario(on("serial", cable.path), loop=asyncio.new_event_loop()) as scenario:
+        host, drive = scenario.host, scenario.printer.drive
+        host.ok("G92 X0")
+        host.send("G1 X10 F600", "G1 X20")
+        scenario.passes(0.5)
+        for x in (24, 28):
+            scenario.until(lambda: drive.ahead_s < 0.45, 10.0)
+            host.send(f"G1 X{x}")
+            scenario.passes(0.03)
+            stall()
+        host.send("M400", "M118 done")
+        host.expect("done", 10.0)
+        assert scenario.printer.halted == ""
+    cable.cut()
+    assert cable.board.device.fault == ""
+    assert cable.board.position("x") == pytest.approx(20.0 + 28.0)
+
+
 def test_a_stall_at_the_start_of_a_move_costs_nothing(cable: Cable) -> None:
     with Scenario(on("serial", cable.path), loop=asyncio.new_event_loop()) as scenario:
         host = scenario.host
@@ -78,12 +101,58 @@ def test_a_stall_at_the_start_of_a_move_costs_nothing(cable: Cable) -> None:
     assert cable.board.position("x") == pytest.approx(25.0)
 
 
-def test_a_cut_cable_halts_the_printer(cable: Cable) -> None:
+def test_a_print_goes_on_when_the_cable_is_back() -> None:
+    cable = Cable(RUNS_FIRMWARE)
+    with Scenario(on("serial", cable.path), loop=asyncio.new_event_loop()) as scenario:
+        host = scenario.host
+        host.ok("G92 X0 Y0 Z0")
+        host.ok("M302 P1")
+        host.send("M104 S50")
+        other = Host(scenario)
+        for i in range(40):
+            host.send(f"G1 X{10 if i % 2 else 0} Y{i / 4} E{i / 20} F3000")
+        for seconds in (0.3, 1.0):
+            scenario.passes(1.2)
+            cable.unplug()
+            scenario.passes(seconds)
+            assert "connection to the board has ended" in other.ok("M114 R")[0]
+            cable.plug()
+            host.expect("stands where it was told to stop", 20.0)
+        host.send("M400", "M118 done")
+        host.expect("done", 30.0)
+        assert scenario.printer.halted == ""
+    cable.cut()
+    assert cable.board.device.fault == ""
+    steps = {s.name: cable.board.net_steps(s.name) for s in cable.board.board.steppers}
+    assert steps == {"x": 800, "y": 780, "z": 0, "e": round(1.95 * 95.5)}
+    cable.close()
+
+
+def test_who_does_not_want_to_wait_for_the_board_stops_the_printer() -> None:
+    cable = Cable(RUNS_FIRMWARE)
+    with Scenario(on("serial", cable.path), loop=asyncio.new_event_loop()) as scenario:
+        host = scenario.host
+        host.ok("G92 X0 Y0 Z0")
+        host.send("G1 X50 F600")
+        scenario.passes(1.0)
+        cable.unplug()
+        host.expect("The link is lost", 5.0)
+        host.send("M112")
+        host.expect("Printer halted", 5.0)
+        cable.plug()
+        host.send("M999")
+        host.expect("ready again", 20.0)
+    cable.close()
+
+
+def test_a_cut_cable_halts_the_printer_of_a_board_that_cannot_stop_by_itself() -> None:
+    cable = Cable(MACHINE)
     with Scenario(on("serial", cable.path), loop=asyncio.new_event_loop()) as scenario:
         scenario.host.ok("G92 X0 Y0 Z0")
         cable.cut()
         scenario.host.expect("connection to the board has ended", 5.0)
         assert "connection to the board" in scenario.printer.halted
+    cable.close()
 
 
 def test_an_emergency_stop_is_over_after_m999(cable: Cable) -> None:

@@ -24,10 +24,11 @@ def undisturbed(tmp_path_factory):
 
 def break_link(s, seconds):
     """The cable is out for so long."""
-    s.printer.connection.main.port.unplug()
+    port, drive = s.printer.connection.main.port, s.printer.drive
+    port.unplug()
     s.passes(seconds)
-    s.board.device.poll(s.printer.drive.base + s.printer.drive.now)
-    s.printer.connection.main.port.unplugged = False
+    port.plug(drive.base + drive.now)
+    s.board.device.poll(drive.base + drive.now)
 
 
 @pytest.mark.parametrize("seed", range(12))

@@ -177,6 +177,34 @@ def test_a_cut_keeps_counts_and_commands_valid(seed):
         assert sum(way for _, way in executed_ticks(messages, i)) == count
 
 
+@pytest.mark.parametrize("how", ["replan", "hold", "flush"])
+def test_a_cut_gives_no_new_burst(how):
+    """However often the plan is cut, the board's slots fill only once."""
+    rate, burst = 500.0, 60.0
+    motion = Motion(machine(20_000.0, budget=budget(commands_s=rate, burst=burst)))
+    messages = []
+    for i, target in enumerate(wander(0.1, 1200, 0.5, 4)):
+        motion.push(target, 300.0, "print")
+        if i % 20 != 19:
+            continue
+        if how == "flush":
+            motion.flush()
+        elif how == "replan":
+            motion.flush()
+            motion.replan_from(motion.clock - 0.02 * HZ)
+        else:
+            motion.flush()
+            motion.hold_from(motion.clock - 0.02 * HZ)
+            motion.release()
+    motion.flush()
+    messages = motion.take_messages()
+    ahead = most = last = 0.0
+    for t in sorted(m[3] for m in messages if m[0] == "queue_step"):
+        ahead = max(0.0, ahead - rate * (t - last) / HZ) + 1
+        most, last = max(most, ahead), t
+    assert most <= 1.6 * burst  # commands that a cut shortens count as whole ones
+
+
 def test_messages_do_not_depend_on_when_they_are_taken():
     targets = list(wander(0.1, 900, 0.5, 8))
     spec = machine(20_000.0, budget=budget(commands_s=1200.0, burst=50.0))

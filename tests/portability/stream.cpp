@@ -34,7 +34,7 @@ static Machine machine(const std::string& kind, const GeometryParams& params, do
 }
 
 static void run(const Machine& m, const std::string& program) {
-  Job job(m, {0, 0, 0}, false, true, nullptr);
+  Job job(m, {0, 0, 0}, {}, true, nullptr);
   job.interpreter.clamp = true;
   job.interpreter.feed(program.data(), program.size());
   job.interpreter.finish();

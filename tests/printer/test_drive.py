@@ -1,9 +1,11 @@
 """How print time passes: from standing still, through running dry, and where time is free."""
 
+import random
+
 import pytest
 from tests.console.scenario import Scenario
 
-from passo.printer.drive import BUFFER_S, GATHER_S, LEAD_S
+from passo.printer.drive import BUFFER_S, GATHER_S, HORIZON_S, LEAD_S
 
 
 @pytest.fixture
@@ -113,3 +115,25 @@ def test_in_free_time_moves_are_done_when_the_host_is_silent():
         s.host.send("G1 X60 F600")
         s.passes(2)
         assert s.positions()["x"] == 60.0
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_stall_of_half_a_second_is_covered_whenever_it_comes(s, seed):
+    """Whatever the board needs for half a second, and for the time that what is planned then takes
+    to get there, is handed out; or else all is, for a stop."""
+    chance = random.Random(seed)
+    job, drive = s.printer.job, s.printer.drive
+    least = []
+
+    def look():
+        ahead = (job.handed_out - drive.now) / drive.hz
+        if job.queued > 0 and job.handed_out > 0:
+            least.append(ahead)
+
+    s.printer.watchers.append(look)
+    for _ in range(60):
+        x, y = chance.uniform(20, 60), chance.uniform(20, 60)
+        s.host.send(f"G1 X{x:.3f} Y{y:.3f} F{chance.choice((600, 1200, 3000))}")
+        s.passes(chance.uniform(0, 0.9))
+    assert len(least) > 50
+    assert min(least) > 0.5 + HORIZON_S

@@ -1,7 +1,7 @@
 """Axes find their switches on the simulated mechanics, or say why they did not."""
 
 import pytest
-from tests.console.scenario import Scenario
+from tests.console.scenario import Host, Scenario
 
 from passo import config
 from passo.config.load import shipped_text
@@ -296,3 +296,54 @@ def test_a_delta_that_knows_nothing_homes_its_carriages_before_z():
         assert s.host.ok("G28 Z", 120)[-1] == "ok"
         middle = s.machine.geometry.inverse((0.0, 0.0, 0.0))
         assert [s.positions()[k] for k in "abc"] == pytest.approx(list(middle), abs=0.03)
+
+
+@pytest.mark.parametrize("machine", ["i3", "delta", "rotary-delta", "scara"])
+def test_what_a_console_asks_while_axes_home(machine):
+    """Positions are the last ones of the program, motors count on, and nothing shifts."""
+    with Scenario(machine) as s:
+        s.host.ok("G28", 60)
+        s.host.ok("G91")
+        s.host.ok("G1 Z-10 F3000" if machine.endswith("delta") else "G1 Z10 F600")
+        s.host.ok("M400", 10)
+        before, other = s.host.ok("M114")[0], Host(s)
+        s.host.send("G28")
+        s.passes(0.2)
+        counts = []
+        while s.printer.homer.active:
+            assert "M290 has to wait until all axes are at home" in other.ok("M290 Z0.5")[0]
+            plain, real = other.ok("M114")[0], other.ok("M114 R")[0]
+            places = before.split(" Count")[0]
+            assert (plain.split(" Count")[0], real.split(" Count")[0]) == (places, places)
+            counts.append(real.split(" Count ")[1])
+            s.passes(0.3)
+        assert len(set(counts)) > 2
+        s.host.expect("^ok", 60)
+        after = s.positions()
+        assert s.host.ok("M290 Z0") == ["ok"]
+        assert s.host.ok("G28", 60)[-1] == "ok"
+        assert s.positions() == pytest.approx(after, abs=0.05)
+
+
+@pytest.mark.parametrize("machine", ["i3", "delta", "scara"])
+@pytest.mark.parametrize("line", ["G28 B", "G28 X B"])
+def test_homing_with_b_goes_back_to_where_it_was(machine, line):
+    with Scenario(machine) as s:
+        s.host.ok("G28", 60)
+        x, y, z = (10, 20, 60) if machine == "delta" else (120, 90, 30)
+        s.host.ok(f"G1 X{x} Y{y} Z{z} F3000")
+        s.host.ok("M400", 60)
+        before = s.positions()
+        assert s.host.ok(line, 60)[-1] == "ok"
+        assert s.positions() == pytest.approx(before, abs=0.06)
+        assert f"X:{x}.000 Y:{y}.000 Z:{z}.000" in s.host.ok("M114")[0]
+        s.host.ok("G91")
+        s.host.ok("G1 X5 F3000")
+        s.host.ok("M400")
+        assert f"X:{x + 5}.000 Y:{y}.000 Z:{z}.000" in s.host.ok("M114")[0]
+
+
+def test_homing_with_b_stays_where_nothing_was_known():
+    with Scenario("i3") as s:
+        assert s.host.ok("G28 B", 60)[-1] == "ok"
+        assert s.positions() == {"x": 0.0, "y": 0.0, "z": 0.0, "e": 0.0}

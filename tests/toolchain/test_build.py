@@ -2,16 +2,19 @@
 
 import hashlib
 import json
+import re
 import zlib
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from passo import config
 from passo.cli.main import main
-from passo.config.chips import chip
+from passo.config.chips import chip, chip_names
 from passo.errors import FirmwareError
-from passo.toolchain import avr
+from passo.toolchain import arm, avr
+from passo.toolchain.arm import ArmBoard, board_header, pin_number
 from passo.toolchain.build import build
 from passo.toolchain.images import check_image, read_about
 from passo.toolchain.tables import compress
@@ -19,14 +22,21 @@ from passo.toolchain.targets import Motor, board_target, state, target
 
 # board: most bytes of flash, and of static data in RAM
 LIMITS = {
-    "ramps": (29_000, 7_200),
-    "mks-gen": (26_000, 7_200),
-    "mks-gen-l": (26_000, 7_200),
-    "melzi": (26_000, 14_000),
-    "radds": (20_000, 56_000),
-    "ramps-fd": (20_000, 56_000),
-    "duet-0.6": (20_000, 56_000),
+    "ramps": (34_000, 7_200),
+    "mks-gen": (34_000, 7_200),
+    "mks-gen-l": (34_000, 7_200),
+    "melzi": (34_000, 14_000),
+    "radds": (24_000, 56_000),
+    "ramps-fd": (24_000, 56_000),
+    "duet-0.6": (24_000, 56_000),
+    "4pi": (24_000, 28_600),
+    "teensy3-mk20dx128": (24_000, 12_200),
+    "teensy3-mk20dx256": (24_000, 40_000),
+    "stm32f407-discovery": (24_000, 56_000),
+    "stm32f429-discovery": (24_000, 56_000),
+    "pico": (24_000, 76_000),
 }
+SUFFIXES = {"avrdude": ".hex", "teensy_loader_cli": ".hex", "uf2": ".uf2"}
 STATES = {
     "ramps": "ready",
     "mks-gen": "ready",
@@ -35,39 +45,76 @@ STATES = {
     "radds": "ready",
     "ramps-fd": "ready",
     "duet-0.6": "incomplete: usb",
-    "4pi": "incomplete: usb, no image yet",
-    "teensy3-mk20dx128": "incomplete: usb, no image yet",
-    "teensy3-mk20dx256": "incomplete: usb, no image yet",
-    "stm32f407-discovery": "incomplete: usb, no image yet",
-    "stm32f429-discovery": "incomplete: usb, no image yet",
-    "pico": "incomplete: usb, no image yet",
+    "4pi": "incomplete: usb",
+    "teensy3-mk20dx128": "incomplete: usb",
+    "teensy3-mk20dx256": "incomplete: usb",
+    "stm32f407-discovery": "incomplete: usb",
+    "stm32f429-discovery": "incomplete: usb",
+    "pico": "incomplete: usb",
     "klipper": "runs Klipper's",
 }
 
 
-def test_the_limits_are_those_of_all_boards_with_a_layer() -> None:
+def test_the_limits_are_those_of_all_boards_with_firmware() -> None:
     assert {name for name, it in STATES.items() if it in ("ready", "incomplete: usb")} == {*LIMITS}
 
 
+def _told_by_the_documentation() -> dict[str, tuple[int, int]]:
+    """Flash and RAM of each board in the table of docs/boards.md."""
+    text = (Path(__file__).parents[2] / "docs" / "boards.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| ([\w., -]+) \| \w+ \| (\d+) of \d+ \| (\d+) of", text, re.MULTILINE)
+    return {name: (int(f), int(r)) for names, f, r in rows for name in names.split(", ")}
+
+
 @pytest.mark.parametrize("name", LIMITS)
-def test_every_board_with_a_layer_builds_within_its_limits(name: str, tmp_path: Path) -> None:
+def test_every_board_builds_within_its_limits(name: str, tmp_path: Path) -> None:
     image, about = build(board_target(name), tmp_path)
     flash, ram = LIMITS[name]
     assert 10_000 < about.flash_bytes <= flash
     assert 2_000 < about.ram_bytes <= ram
     assert about.flash_size == chip(about.mcu).flash_bytes
     assert about.ram_size == chip(about.mcu).ram_bytes
-    suffix = ".hex" if about.mcu.startswith("atmega") else ".bin"
+    flash_method = config.load_board(name).flash
+    assert flash_method
+    suffix = SUFFIXES.get(flash_method.method, ".bin")
     assert image == tmp_path / f"{name}{suffix}"
     assert {path.name for path in tmp_path.iterdir()} == {f"{name}{suffix}", f"{name}.json"}
     assert about.sha256 == hashlib.sha256(image.read_bytes()).hexdigest()
     assert read_about(image) == about == check_image(image, name, about.mcu, (suffix,))
+    told = _told_by_the_documentation()[name]
+    assert (about.flash_bytes, about.ram_bytes) == pytest.approx(told, rel=0.1)
     board = config.load_board(name)
     assert about.dictionary["config"]["CLOCK_FREQ"] == board.clock_hz
     assert board.console
     assert about.dictionary["config"]["SERIAL_BAUD"] == board.console.baud
     assert about.dictionary["config"]["MCU"] == board.mcu
     assert any(text.startswith("queue_step ") for text in about.dictionary["commands"])
+
+
+def test_a_cortex_m_board_tells_its_layer_about_its_pins() -> None:
+    it = chip("mk20dx128")
+    board = ArmBoard(it, 48_000_000, "UART1", 250_000, ("PTE1", "PTE0"))
+    lines = board_header(board).splitlines()
+    assert lines[2:7] == [
+        "#define BOARD_CLOCK_HZ 48000000UL",
+        "#define BOARD_UART_UART1 1",
+        "#define BOARD_BAUD 250000UL",
+        "#define BOARD_RECEIVE 129",
+        "#define BOARD_SEND 128",
+    ]
+    assert lines[7] == (
+        "#define CHIP_PINS 0x000c303f, 0x000f000f, 0x00000fff, 0x000000ff, 0x00000000"
+    )
+    assert lines[8].startswith("#define CHIP_ANALOG(X) X(66, 4) X(97, 5) ")
+    assert lines[9].startswith("#define CHIP_PULSES(X) X(65, FTM0, 0) ")
+    with pytest.raises(avr.FirmwareError, match="PTF0 is no pin of MK20DX128"):
+        pin_number(it, "PTF0")
+
+
+def test_a_timer_that_the_firmware_uses_makes_no_pulses() -> None:
+    text = board_header(ArmBoard(chip("stm32f407"), 84_000_000, "USART3", 9600, ("PD9", "PD8")))
+    assert "X(0, TIM5, 1)" in text
+    assert "TIM2" not in text
 
 
 def _bytes_of(image: Path) -> bytes:
@@ -114,6 +161,7 @@ def test_motors_of_boards() -> None:
 
 
 def test_boards_and_builds_know_the_same_chips() -> None:
+    assert {*avr.CHIPS, *arm.CHIPS} == {*chip_names()}
     for name, known in avr.CHIPS.items():
         it = chip(name)
         assert (known.flash, known.ram, set(known.units)) == (
@@ -122,6 +170,13 @@ def test_boards_and_builds_know_the_same_chips() -> None:
             set(it.compare_units),
         )
         assert {f"P{port}" for port in known.ports} == {pin[:2] for pin in it.pins}
+
+
+def test_a_clock_that_the_chip_has_not_is_refused(tmp_path: Path) -> None:
+    aim = board_target("pico")
+    board = aim.board.model_copy(update={"clock_hz": 1_000_000})
+    with pytest.raises(FirmwareError, match="the chip's clock has another frequency"):
+        build(replace(aim, board=board), tmp_path)
 
 
 def test_where_nothing_can_be_written(tmp_path: Path) -> None:

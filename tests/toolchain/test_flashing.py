@@ -279,7 +279,6 @@ def test_a_dry_run_does_nothing(
         (["flash", "ramps", "--port", "/dev/null", "--image", "x.bin"], "ends in .hex"),
         (["flash", "klipper", "--port", "/dev/null", "--image", "x.hex"], "no firmware of Passo"),
         (["build", "rumps"], "there is no board called 'rumps'"),
-        (["build", "pico"], "that for the RP2040 is not written yet"),
         (["build", "klipper"], "it runs Klipper's own firmware"),
     ],
 )

@@ -7,6 +7,7 @@
 
 #define RATIO (CHIP_CORE_HZ / HAL_CLOCK_HZ)
 _Static_assert(RATIO *HAL_CLOCK_HZ == CHIP_CORE_HZ, "the core's clock is no multiple of the clock");
+_Static_assert(HAL_CLOCK_HZ == CHIP_CLOCK_HZ, "the chip's clock has another frequency");
 #define FARTHEST ((int32_t)(SYST_MAX / RATIO))
 
 struct alarm {

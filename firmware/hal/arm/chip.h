@@ -20,6 +20,12 @@
 #define hal_const32(p) (*(const uint32_t *)(p))
 #define hal_const_pointer(p) (*(p))
 
+#define HAL_PWM_MAX 255
+
+struct hal_analog {
+  uint8_t input;
+};
+
 typedef uint32_t hal_irq_t;
 
 static inline hal_irq_t hal_irq_save(void) {

@@ -19,6 +19,7 @@ typedef void (*handler)(void);
 extern const handler vectors[];
 
 _Noreturn void reset_handler(void) {
+  watchdog_start();
   for (uint32_t *to = data_begin, *from = data_load; to < data_end;) *to++ = *from++;
   for (uint32_t *to = bss_begin; to < bss_end;) *to++ = 0;
   SCB_VTOR = (uint32_t)vectors;  // a loader may have set its own
@@ -31,7 +32,13 @@ _Noreturn void reset_handler(void) {
   NVIC_IPR(CHIP_UART_IRQ) = 0x40404040u;
   NVIC_ISER(CHIP_UART_IRQ) = 1u << CHIP_UART_IRQ % 32;
   __asm__ volatile("cpsie i" ::: "memory");
-  for (;;) core_task();
+  // Watchdogs have slow clocks of their own, and some take no second word before they took one.
+  for (uint32_t fed = chip_clock();;) {
+    core_task();
+    if (chip_clock() - fed < HAL_CLOCK_HZ / 100) continue;
+    fed = chip_clock();
+    watchdog_feed();
+  }
 }
 
 void hal_reset(void) { chip_reset(); }

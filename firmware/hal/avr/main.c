@@ -9,7 +9,8 @@
 #include "pins.h"
 #include "stepgen.h"
 
-// A boot loader, or a reset by the watchdog, may leave the watchdog running.
+// A boot loader may leave the watchdog running, and after a reset by the watchdog it runs with its
+// shortest time.
 __attribute__((naked, used, section(".init3"))) static void stop_watchdog(void) {
   MCUSR = 0;
   wdt_disable();
@@ -29,7 +30,7 @@ static void clear(void) {
     if (pin_find(pin, &port, &mask)) pin_make_input(port, mask, false);
 }
 
-// Without the watchdog, whose reset some boot loaders do not survive.
+// Not by the watchdog, whose reset some boot loaders do not survive.
 void hal_reset(void) {
   cli();
   clear();
@@ -44,6 +45,11 @@ int main(void) {
   analog_start();
   stepgen_start();
   core_start(0);
+  // A board whose foreground hangs, or has no time left, starts anew with its pins as inputs.
+  wdt_enable(WDTO_1S);
   sei();
-  for (;;) core_task();
+  for (;;) {
+    core_task();
+    wdt_reset();
+  }
 }

@@ -77,9 +77,10 @@ bool hal_output_setup(struct hal_output *output, uint16_t pin, bool level) {
 }
 void hal_output_write(const struct hal_output *output, bool level) { drive(output->pin, level); }
 bool hal_input_setup(struct hal_input *input, uint16_t pin, bool pull_up) {
-  (void)pull_up;
+  if (pin >= PINS) return false;
   input->pin = pin;
-  return pin < PINS;
+  if (pull_up) drive(pin, true);  // as far as the board is concerned
+  return true;
 }
 bool hal_input_read(const struct hal_input *input) {
   return around.level(around.owner, input->pin, now);

@@ -3,29 +3,49 @@
 from __future__ import annotations
 
 import zlib
-from collections.abc import Iterable
+from collections.abc import Hashable, Iterable
 from dataclasses import dataclass
+from typing import TypeVar
 
 from passo import _core
-from passo.board.description import BoardDescription, Heater, Output, Sensor, bare, inverted
+from passo.board.description import (
+    BoardDescription,
+    Heater,
+    Output,
+    Sensor,
+    SpiPins,
+    UartPins,
+    bare,
+    inverted,
+)
 from passo.board.dictionary import Dictionary
+
+_Key = TypeVar("_Key", bound=Hashable)
 
 SENSOR_SAMPLES = 8
 SENSOR_SAMPLE_S = 0.001
 SENSOR_PERIOD_S = 0.25
 SENSOR_RANGE_CHECKS = 4
 
+_UART_BAUD = 40_000
+_SLOW_UART_BAUD = 9_000  # the least that the drivers know
+_FAST_HZ = 20_000_000
+_SPI_HZ = 100_000
+
 
 @dataclass(frozen=True, slots=True)
 class Oids:
     """Numbers of the board's objects: steppers, outputs, sensors, endstops, then a trsync for each
-    endstop, on this board or elsewhere: the group of motors here that it stops."""
+    endstop, on this board or elsewhere: the group of motors here that it stops; UARTs and SPI
+    devices by their wires."""
 
     steppers: dict[str, int]
     outputs: dict[str, int]
     sensors: dict[str, int]
     endstops: dict[str, int]
     trsyncs: dict[str, int]
+    uarts: dict[UartPins, int]
+    spi_devices: dict[SpiPins, int]
     count: int
 
     @classmethod
@@ -33,7 +53,7 @@ class Oids:
         """Numbers from 0 for all objects of a board, the same for the same description."""
         count = 0
 
-        def numbered(names: Iterable[str]) -> dict[str, int]:
+        def numbered(names: Iterable[_Key]) -> dict[_Key, int]:
             nonlocal count
             numbers = {name: count + i for i, name in enumerate(names)}
             count += len(numbers)
@@ -45,6 +65,8 @@ class Oids:
             numbered(s.name for s in board.sensors),
             numbered(e.name for e in board.endstops),
             numbered([*(e.name for e in board.endstops), *board.endstops_elsewhere]),
+            numbered(board.uarts),
+            numbered(board.spi_devices),
             count,
         )
 
@@ -69,14 +91,51 @@ def commands(board: BoardDescription, dictionary: Dictionary) -> list[str]:
     for o in board.outputs:
         lines += _output(o, oids.outputs[o.name], full_scale(o, dictionary))
     lines += [
-        f"config_analog_in oid={oids.sensors[s.name]} pin={bare(s.pin)}" for s in board.sensors
+        f"config_analog_in oid={oids.sensors[s.name]} pin={bare(s.pin)}"
+        for s in board.sensors
+        if s.spi is None
     ]
     lines += [
         f"config_endstop oid={oids.endstops[e.name]} pin={bare(e.pin)} pull_up={int('^' in e.pin)}"
         for e in board.endstops
     ]
     lines += [f"config_trsync oid={oid}" for oid in oids.trsyncs.values()]
+    for pins, oid in oids.uarts.items():
+        lines.append(
+            f"config_tmcuart oid={oid} rx_pin={bare(pins.rx_pin)} pull_up={int('^' in pins.rx_pin)}"
+            f" tx_pin={bare(pins.tx_pin)} bit_time={uart_bit_ticks(board.clock_hz)}"
+        )
+    for pins, oid in oids.spi_devices.items():
+        lines += _spi_device(pins, oid, board.clock_hz, dictionary)
+    # Older firmware is told with each question.
+    newer = dictionary.takes("config_thermocouple", "consecutive_fault_limit")
+    limit = f" consecutive_fault_limit={SENSOR_RANGE_CHECKS - 1}" if newer else ""
+    for s in board.sensors:
+        if s.spi is not None:
+            lines.append(
+                f"config_thermocouple oid={oids.sensors[s.name]}"
+                f" spi_oid={oids.spi_devices[s.spi]} thermocouple_type={s.converter.name}{limit}"
+            )
     return lines
+
+
+def uart_bit_ticks(clock_hz: int) -> int:
+    """How long a bit on the drivers' UARTs is: slower on slow boards, and a multiple of the four
+    looks in which the firmware finds the beginning of an answer."""
+    baud = _UART_BAUD if clock_hz >= _FAST_HZ else _SLOW_UART_BAUD
+    return clock_hz // baud // 4 * 4
+
+
+def _spi_device(pins: SpiPins, oid: int, clock_hz: int, dictionary: Dictionary) -> list[str]:
+    wires = (
+        f"miso_pin={bare(pins.miso_pin)} mosi_pin={bare(pins.mosi_pin)}"
+        f" sclk_pin={bare(pins.clock_pin)} mode={pins.mode}"
+    )
+    if dictionary.takes("spi_set_sw_bus", "pulse_ticks"):
+        bus = f"spi_set_sw_bus oid={oid} {wires} pulse_ticks={clock_hz // (2 * _SPI_HZ)}"
+    else:  # older firmware
+        bus = f"spi_set_software_bus oid={oid} {wires} rate={_SPI_HZ}"
+    return [f"config_spi oid={oid} pin={bare(pins.cs_pin)} cs_active_high=0", bus]
 
 
 def _output(output: Output, oid: int, full: int) -> list[str]:
@@ -102,20 +161,35 @@ def checksum(lines: list[str]) -> int:
 
 
 def queries(board: BoardDescription, dictionary: Dictionary, clock: int) -> list[str]:
-    """Starts the reports of every sensor, the first at board clock `clock`, evenly spread."""
+    """Starts the reports of every sensor, the first at board clock `clock`, evenly spread, and what
+    blinks."""
     oids = Oids.of(board)
     # Older firmware does not ask how many bytes make a report.
     size = " bytes_per_report=2" if dictionary.takes("query_analog_in", "bytes_per_report") else ""
+    older = dictionary.takes("query_thermocouple", "max_invalid_count")
+    count = f" max_invalid_count={SENSOR_RANGE_CHECKS}" if older else ""
     lines: list[str] = []
     for i, sensor in enumerate(board.sensors):
         begin = clock + int(SENSOR_PERIOD_S * board.clock_hz * i / len(board.sensors))
         q = sensor_query(board, sensor, dictionary)
+        if sensor.spi is not None:
+            lines.append(
+                f"query_thermocouple oid={oids.sensors[sensor.name]} clock={begin & 0xFFFFFFFF}"
+                f" rest_ticks={q.rest_ticks} min_value={q.minimum} max_value={q.maximum}{count}"
+            )
+            continue
         lines.append(
             f"query_analog_in oid={oids.sensors[sensor.name]} clock={begin & 0xFFFFFFFF}"
             f" sample_ticks={q.sample_ticks} sample_count={q.sample_count}"
             f" rest_ticks={q.rest_ticks}{size}"
             f" min_value={q.minimum} max_value={q.maximum} range_check_count={q.range_checks}"
         )
+    lines += [
+        f"queue_digital_out oid={oids.outputs[o.name]} clock={clock & 0xFFFFFFFF}"
+        f" on_ticks={o.cycle_ticks // 2}"
+        for o in board.outputs
+        if o.blinks
+    ]
     return lines
 
 
@@ -128,6 +202,15 @@ def sensor_query(
     board: BoardDescription, sensor: Sensor, dictionary: Dictionary
 ) -> _core.SensorQuery:
     """How the board is asked to sample a sensor."""
+    if sensor.spi is not None:
+        return _core.SensorQuery(
+            sample_ticks=0,
+            sample_count=0,
+            rest_ticks=int(SENSOR_PERIOD_S * board.clock_hz),
+            minimum=_converter_word(sensor, sensor.min_ratio, 0),
+            maximum=_converter_word(sensor, sensor.max_ratio, -1),
+            range_checks=SENSOR_RANGE_CHECKS,
+        )
     full = adc_full(dictionary)
     return _core.SensorQuery(
         sample_ticks=int(SENSOR_SAMPLE_S * board.clock_hz),
@@ -137,6 +220,14 @@ def sensor_query(
         maximum=int(sensor.max_ratio * full),
         range_checks=SENSOR_RANGE_CHECKS,
     )
+
+
+def _converter_word(sensor: Sensor, share: float, rest: int) -> int:
+    """The word of a converter at a share of its full scale, at least 0 °C; the bits that are not
+    the temperature's as in `rest`."""
+    quarters = max(round(share * _core.CONVERTER_FULL) - _core.CONVERTER_FULL // 2, 0)
+    shift = 18 if sensor.converter == _core.Converter.MAX31855 else 3
+    return quarters << shift | rest & (1 << shift) - 1
 
 
 def heater_options(
@@ -153,7 +244,7 @@ def heater_options(
         output_oid=oids.outputs[output.name],
         pwm=output.kind == "pwm",
         full=full_scale(output, dictionary),
-        adc_full=adc_full(dictionary),
+        adc_full=_core.CONVERTER_FULL if sensor.spi else adc_full(dictionary),
         query=sensor_query(board, sensor, dictionary),
         max_power=heater.max_power,
         tolerance_c=heater.tolerance_c,
@@ -167,4 +258,5 @@ def heater_options(
         fan_target=board.output_targets[board.outputs.index(fans[0])] if fans else -1,
         fan_full=full_scale(fans[0], dictionary) if fans else 1,
         inverted=inverted(output.pin),
+        converter=sensor.converter,
     )

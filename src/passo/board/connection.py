@@ -31,6 +31,7 @@ _TRIES = 5
 _LEAD_S = 0.25
 _FAREWELL_S = 0.6
 _RESET_S = 0.05  # a board that has been told to reset has begun to by then
+_RESPONSES_KEPT = 1024
 _SLOTS_RENEWED = 4  # of each output that is told its value again and again
 
 
@@ -164,10 +165,12 @@ class Connection:
         name, values = self.dictionary.values(text)
         return self._ask(name, values, answer)
 
-    def take_responses(self) -> list[tuple[str, Values]]:
-        """All reports since the last call that nobody asked for, oldest first."""
+    def take_responses(self, *names: str) -> list[tuple[str, Values]]:
+        """Reports since the last call that nobody asked for, oldest first: those of these names, or
+        all."""
         self._collect()
-        taken, self._responses = self._responses, []
+        taken = [r for r in self._responses if not names or r[0] in names]
+        self._responses = [r for r in self._responses if names and r[0] not in names]
         return taken
 
     def start_job(
@@ -375,6 +378,7 @@ class Connection:
 
     def _collect(self) -> None:
         self._responses += self.link.take_responses()
+        del self._responses[:-_RESPONSES_KEPT]  # what nobody takes
 
     def silence(self, question: str) -> BoardSilentError:
         """The board has left a question unanswered."""

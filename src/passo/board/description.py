@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 from typing import Literal, TypeAlias
 
 from passo import _core
+from passo.board.trinamic.settings import DriverSettings
 from passo.config.places import MAIN, named_on
 
 Control: TypeAlias = _core.PidControl | _core.OnOffControl | _core.ModelControl
@@ -36,7 +37,8 @@ class Output:
     `digital` with `cycle_ticks` 0 is on or off (values 0 and 1); with a cycle it is pulsed by the
     board's software, its value being the ticks on of each cycle. `pwm` is pulsed by hardware, its
     value 0 to PWM_MAX. While on, it must be renewed within `max_duration_ticks` (0: never), or the
-    board shuts down; then, as at the start, it is fully on or off as `default_on` says.
+    board shuts down; then, as at the start, it is fully on or off as `default_on` says. One that
+    `blinks` is on for half of each cycle, until the board shuts down.
     """
 
     name: str
@@ -45,11 +47,44 @@ class Output:
     cycle_ticks: int = 0
     max_duration_ticks: int = 0
     default_on: bool = False
+    blinks: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class UartPins:
+    """A one-wire UART: the board receives on `rx_pin` and sends on `tx_pin`, often the same."""
+
+    rx_pin: str
+    tx_pin: str
+
+    @property
+    def pins(self) -> tuple[str, ...]:
+        """Each pin once."""
+        one = bare(self.rx_pin) == bare(self.tx_pin)
+        return (self.rx_pin,) if one else (self.rx_pin, self.tx_pin)
+
+
+@dataclass(frozen=True, slots=True)
+class SpiPins:
+    """A device on an SPI bus, which it may share. It is selected while `cs_pin` is low; `mode` is
+    the bus's for it, 0 to 3."""
+
+    cs_pin: str
+    clock_pin: str
+    mosi_pin: str
+    miso_pin: str
+    mode: int = 3
+
+    @property
+    def pins(self) -> tuple[str, ...]:
+        """All pins."""
+        return (self.cs_pin, self.clock_pin, self.mosi_pin, self.miso_pin)
 
 
 @dataclass(frozen=True, slots=True)
 class Sensor:
-    """A temperature sensor on an analog input.
+    """A temperature sensor on an analog input, or a thermocouple behind a converter that is
+    selected by `pin` on the bus `spi`; then a share is that of `_core.CONVERTER_FULL`.
 
     `table` holds (°C, share of the ADC's full scale) by ascending °C, the share strictly rising or
     falling; beyond its ends the sensor is broken: open above the greatest share and shorted below
@@ -63,6 +98,8 @@ class Sensor:
     min_ratio: float = 0.0
     max_ratio: float = 1.0
     open_is_high: bool = True
+    converter: _core.Converter = _core.Converter.NONE
+    spi: SpiPins | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,6 +131,17 @@ class Endstop:
 
 
 @dataclass(frozen=True, slots=True)
+class Driver:
+    """The driver of the motor `stepper`, set up over a wire; `address` tells those on one UART
+    apart."""
+
+    stepper: str
+    wire: UartPins | SpiPins
+    settings: DriverSettings
+    address: int = 0
+
+
+@dataclass(frozen=True, slots=True)
 class BoardDescription:
     """A board and its wiring. The order of `steppers` and of `outputs` is that of message targets,
     unless `stepper_targets` and `output_targets` number them: on one of several boards. There
@@ -109,6 +157,7 @@ class BoardDescription:
     sensors: tuple[Sensor, ...] = ()
     heaters: tuple[Heater, ...] = ()
     endstops: tuple[Endstop, ...] = ()
+    drivers: tuple[Driver, ...] = ()
     move_count: int = 1024
     mcu: str = "atmega2560"
     endstops_elsewhere: tuple[str, ...] = ()
@@ -141,13 +190,27 @@ class BoardDescription:
                 raise ValueError(f"heater {heater.name}: its output needs a maximum duration")
 
     @property
+    def uarts(self) -> tuple[UartPins, ...]:
+        """The drivers' UARTs, each once."""
+        return tuple(dict.fromkeys(d.wire for d in self.drivers if isinstance(d.wire, UartPins)))
+
+    @property
+    def spi_devices(self) -> tuple[SpiPins, ...]:
+        """All that is selected on an SPI bus."""
+        wires = (*(d.wire for d in self.drivers), *(s.spi for s in self.sensors))
+        return tuple(wire for wire in wires if isinstance(wire, SpiPins))
+
+    @property
     def pins(self) -> tuple[str, ...]:
-        """All pins in use, as written."""
+        """All pins in use, as written; those that are shared once."""
         return (
             *(pin for s in self.steppers for pin in (s.step_pin, s.dir_pin)),
             *(o.pin for o in self.outputs),
-            *(s.pin for s in self.sensors),
+            *(s.pin for s in self.sensors if s.spi is None),
             *(e.pin for e in self.endstops),
+            *{
+                bare(pin): pin for wire in (*self.uarts, *self.spi_devices) for pin in wire.pins
+            }.values(),
         )
 
 

@@ -114,8 +114,8 @@ class Endstops:
                 for name, boards in self._armed.items()
                 if connection in boards
             }
-            for report, values in connection.take_responses():
-                name = groups.get(int(values.get("oid", -1))) if report == "trsync_state" else None
+            for _, values in connection.take_responses("trsync_state"):
+                name = groups.get(int(values["oid"]))
                 if name is None or values["can_trigger"]:
                     continue
                 if values["trigger_reason"] == self._reason:

@@ -50,10 +50,15 @@ class InProcess:
         self._pump: _core.Pump | None = None
 
     def unplug(self) -> None:
-        """Takes the cable away; nobody reaches the board until `unplugged` is false again."""
+        """Takes the cable away."""
         self.unplugged = True
         if self._pump is not None:
             self._pump.cut()
+
+    def plug(self, clock: int) -> None:
+        """Brings the cable back, when the board has lived on without it until this clock."""
+        self.unplugged = False
+        self._clock = clock
 
     def attach(self, link: _core.Link) -> _core.Pump:
         """A pump; its time goes on where that of the last one stands. A board beside another one
@@ -63,7 +68,7 @@ class InProcess:
         if self._beside is not None and self._beside._pump is not None:
             self._beside._pump.attach(link, self.device)
             return self._beside._pump
-        clock = self._clock if self._pump is None else max(self._pump.now, self.device.now)
+        clock = self._clock if self._pump is None else max(self._clock, self._pump.now)
         self._pump = _core.Pump(link, self.device, clock)
         return self._pump
 

@@ -67,6 +67,7 @@ class Board(Model):
     microcontroller behind each, and every other pin is the microcontroller's too. `variant` chooses
     one of the `variants` as the board's `functions`. `fitted` lists what is plugged in besides:
     `card`, or one of the `displays`. `reserved` pins belong to the board itself.
+    `status_led` blinks once a second while the board is configured and not shut down.
 
     `link` says where the board is: simulated, on the serial device `port` at `baud` (the console's,
     unless given), or at the network address `port` (host:port).
@@ -107,6 +108,7 @@ class Board(Model):
     card: dict[str, Pin] = {}
     displays: dict[str, dict[str, Pin]] = {}
     reserved: dict[str, list[Pin]] = {}
+    status_led: Pin | None = None
     fitted: list[str] = []
     variant: str | None = None
     variants: dict[str, dict[str, Function]] = {}

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
+from passo.config.driver_checks import check_drivers, check_thresholds
 from passo.config.drives import Drivable, Driven, axis_order
 from passo.config.findings import Finding, array, did_you_mean, number, table, tables
 from passo.config.heat_checks import check_heaters
@@ -98,6 +99,7 @@ def check_steppers(
         turns = driven.drive == "actuator" and actuators[driven.index] in rotary
         yield from _check_scale(path, stepper, turns)
         yield from _check_range(path, stepper, "deg" if turns else "mm")
+        yield from check_thresholds(stepper, path, turns)
     for name, driven in drivable.by_name.items():
         if driven not in driven_names:
             limit = f"a motor that drives {driven.drive} {name}"
@@ -175,7 +177,12 @@ def check_all(
     data: Raw, actuators: tuple[str, ...], rotary: tuple[str, ...], arms: tuple[str, ...] = ()
 ) -> Iterator[Finding]:
     """All checks; those that need the geometry are skipped where it is not known."""
-    parts: list[Callable[[Raw], Iterator[Finding]]] = [check_references, check_heaters, check_pins]
+    parts: list[Callable[[Raw], Iterator[Finding]]] = [
+        check_references,
+        check_heaters,
+        check_drivers,
+        check_pins,
+    ]
     yield from check_link(data)
     yield from check_axes(data, actuators)
     if actuators:

@@ -20,12 +20,15 @@ class Fan(Model):
 class Laser(Model):
     """A laser or a spindle. S of M3 and M4 at full power is `full_scale`. The two letters are
     APrinter's words of a G1 (energy in W·s, density in W·s/mm); only if given do they belong to a
-    move."""
+    move. `power_w` is the power of the beam fully on; no move goes faster than it gets its energy
+    with `max_power_w`, which is the same by default."""
 
     pin: Pin
     full_scale: Positive = 255.0
     energy_letter: Letter | None = None
     density_letter: Letter | None = None
+    power_w: Positive = 100.0
+    max_power_w: Positive | None = None
 
 
 Fans = dict[Name, Fan]

@@ -157,13 +157,15 @@ class MachineConfig(Model):
             specs.append((drivable.order(driven), spec | _stepper_numbers(stepper)))
         return [spec for _, spec in sorted(specs, key=lambda item: item[0])]
 
-    def _laser_spec(self) -> dict[str, str] | None:
+    def _laser_spec(self) -> dict[str, Any] | None:
         laser = self.laser
         if laser is None or not (laser.density_letter or laser.energy_letter):
             return None
         return {
             "density_letter": laser.density_letter or "",
             "energy_letter": laser.energy_letter or "",
+            "full_w": laser.power_w,
+            "most_w": min(laser.max_power_w or laser.power_w, laser.power_w),
         }
 
     def _limits_spec(self) -> dict[str, Any]:

@@ -8,6 +8,7 @@ from pydantic import Field
 
 from passo.config.base import Fraction, Model, Name, NotNegative, Pair, Pin, Point, Positive
 from passo.config.drivers import DRIVERS, DriverName, DriverTimes
+from passo.config.trinamic import Tmc
 
 
 class Axis(Model):
@@ -52,6 +53,7 @@ class Stepper(Model):
     given as `steps_per_mm` (`steps_per_degree` on arms), or by the parts it comes from:
     full steps per rotation × microsteps × gear ratio / rotation distance (or / 360°).
     Limits hold for the motor's own position: a tower's carriage, an arm's angle.
+    A driver with the table `tmc` is set up by Passo, to these microsteps too.
     """
 
     drives: str | None = None
@@ -63,6 +65,7 @@ class Stepper(Model):
     gear_ratio: Positive = 1.0
     invert: bool = False
     driver: DriverName = "A4988"
+    tmc: Tmc | None = None
     pulse_us: NotNegative | None = None
     direction_setup_us: NotNegative | None = None
     direction_hold_us: NotNegative | None = None

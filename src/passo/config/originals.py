@@ -9,11 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 from passo.config.findings import table, tables
 from passo.config.places import placed
+from passo.config.sensors import CONVERTERS, ThermocoupleConverter
 
 if TYPE_CHECKING:
     from passo.config.board import Board
     from passo.config.machine import MachineConfig
 
+_BUS = ("clock_pin", "mosi_pin", "miso_pin")
+_WIRES = ("uart_pin", "tx_pin", *_BUS)
 _TOWERS = {"a": "X", "b": "Y", "c": "Z"}
 
 
@@ -42,10 +45,15 @@ def put_originals(data: dict[str, Any]) -> None:
         for key, content in _functions(data, part):
             function = table(functions, key)
             for own, other in (("pin", "output"), ("sensor_pin", "sensor")):
-                if other == "sensor" and part == "fans":
+                if other == "sensor" and (part == "fans" or _selects(content)):
                     continue
                 if own not in content and other in function:
                     content[own] = function[other]
+
+
+def _selects(heater: Mapping[str, Any]) -> bool:
+    """Whether its sensor's pin selects a converter: the board's own is a thermistor's."""
+    return table(heater, "sensor").get("kind") in CONVERTERS
 
 
 def _functions(data: Mapping[str, Any], part: str) -> Iterator[tuple[str, dict[str, Any]]]:
@@ -70,7 +78,8 @@ class _FunctionNames:
 
 
 def bindings(machine: MachineConfig) -> list[Binding]:
-    """Every pin of the machine's motors, heaters, sensors, fans, switches and laser."""
+    """Every pin of the machine's motors, drivers, heaters, sensors, fans, switches, laser and
+    status light."""
     board = machine.board
     found: list[Binding] = []
 
@@ -92,11 +101,25 @@ def bindings(machine: MachineConfig) -> list[Binding]:
         ):
             original = f"{stepper.socket}_{word}" if stepper.socket else None
             add(f"steppers.{name}.{key}", given or original, original)
+        if stepper.tmc:
+            socket = machine.socket(name)
+            select = f"{stepper.socket}_SELECT" if socket and socket.select else None
+            by_spi = stepper.tmc.uart_pin is None
+            add(
+                f"steppers.{name}.tmc.cs_pin",
+                (stepper.tmc.cs_pin or select) if by_spi else None,
+                select,
+            )
+            for key in _WIRES:
+                add(f"steppers.{name}.tmc.{key}", getattr(stepper.tmc, key), None)
     names = _FunctionNames()
     for name, heater in machine.heaters.items():
         function = board.functions.get(names.of(heater.kind))
         add(f"heaters.{name}.pin", heater.pin, function.output if function else None)
         add(f"heaters.{name}.sensor_pin", heater.sensor_pin, function.sensor if function else None)
+        if isinstance(heater.sensor, ThermocoupleConverter):
+            for key in _BUS:
+                add(f"heaters.{name}.sensor.{key}", getattr(heater.sensor, key), None)
     for name, fan in machine.fans.items():
         function = board.functions.get(names.of("fan"))
         add(f"fans.{name}.pin", fan.pin, function.output if function else None)
@@ -108,6 +131,7 @@ def bindings(machine: MachineConfig) -> list[Binding]:
             add(f"homing.{name}.stepper_pins.{stepper}", pin, own)
     if machine.laser:
         add("laser.pin", machine.laser.pin, None)
+    add("board.status_led", board.status_led, "LED" if "LED" in board.pins else None)
     return found
 
 

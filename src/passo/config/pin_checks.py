@@ -11,13 +11,25 @@ from passo.config.chips import Chip, Pulse, chip, chip_names
 from passo.config.findings import Finding, array, did_you_mean, key_text, table, tables
 from passo.config.lines import Path
 from passo.config.places import MAIN, named_on, placed, section
+from passo.config.sensors import CONVERTERS
 
 Raw = Mapping[str, Any]
-Need = Literal["digital", "enable", "analog", "pwm"]
+Need = Literal[
+    "digital", "enable", "analog", "pwm", "receive", "send", "clock", "to-device", "from-device"
+]
 
 # Drivers that are set up over SPI: each needs the chip select of its socket.
 _SPI_DRIVERS = ("TMC2130", "TMC2660", "TMC5160")
 _MOTOR_PINS: dict[str, Need] = {"step": "digital", "direction": "digital", "enable": "enable"}
+# Wires to several drivers or sensors at once.
+_WIRES: dict[str, Need] = {
+    "uart_pin": "receive",
+    "tx_pin": "send",
+    "clock_pin": "clock",
+    "mosi_pin": "to-device",
+    "miso_pin": "from-device",
+}
+_SHARED = ("enable", *_WIRES.values())
 _NEEDS = {"analog": "an analog input", "pwm": "a pin with hardware PWM"}
 
 
@@ -33,7 +45,8 @@ class Claim:
 
 def check_pins(data: Raw) -> Iterator[Finding]:
     """Boards and sockets exist, parts are on one board each, and each pin and timer has one owner
-    that it suits. Motors may share the pin that enables them."""
+    that it suits. Motors may share the pin that enables them, drivers the wires over which they are
+    set up."""
     claims = list(machine_claims(data))
     boards = {MAIN: table(data, "board"), **dict(tables(data, "boards"))}
     yield from _check_boards(claims, boards)
@@ -56,12 +69,19 @@ def machine_claims(data: Raw) -> Iterator[Claim]:
                 yield from _claim((*path, f"{key}_pin"), stepper[f"{key}_pin"], need)
             else:
                 yield from _claim((*path, "socket"), _on(board, socket.get(key)), need)
-        if stepper.get("driver") in _SPI_DRIVERS:
+        tmc = table(stepper, "tmc")
+        if "cs_pin" in tmc:
+            yield from _claim((*path, "tmc", "cs_pin"), tmc["cs_pin"])
+        elif stepper.get("driver") in _SPI_DRIVERS:
             yield from _claim((*path, "socket"), _on(board, socket.get("select")))
+        yield from _wires((*path, "tmc"), tmc)
     for part in ("heaters", "fans"):
         for name, content in tables(data, part):
             yield from _claim((part, name, "pin"), content.get("pin"))
-            yield from _claim((part, name, "sensor_pin"), content.get("sensor_pin"), "analog")
+            sensor = table(content, "sensor")
+            need: Need = "digital" if sensor.get("kind") in CONVERTERS else "analog"
+            yield from _claim((part, name, "sensor_pin"), content.get("sensor_pin"), need)
+            yield from _wires((part, name, "sensor"), sensor)
     for name, content in tables(data, "homing"):
         yield from _claim(("homing", name, "pin"), content.get("pin"))
         for stepper, pin in table(content, "stepper_pins").items():
@@ -91,6 +111,10 @@ def _check_parts(data: Raw) -> Iterator[Finding]:
     for name, stepper in tables(data, "steppers"):
         keys = ("step_pin", "socket", "direction_pin", "enable_pin")
         yield from _check_together(("steppers", name), stepper, keys)
+        tmc = table(stepper, "tmc")
+        first = stepper.get("step_pin", stepper.get("socket"))
+        keys = ("socket", "cs_pin", *_WIRES)
+        yield from _check_together(("steppers", name, "tmc"), {**tmc, "socket": first}, keys)
     fans = dict(tables(data, "fans"))
     for name, heater in tables(data, "heaters"):
         path = ("heaters", name)
@@ -110,6 +134,11 @@ def _check_together(path: Path, part: Raw, keys: tuple[str, ...]) -> Iterator[Fi
             yield Finding("config.conflict", (*path, key), pin, limit)
 
 
+def _wires(path: Path, content: Raw) -> Iterator[Claim]:
+    for key, need in _WIRES.items():
+        yield from _claim((*path, key), content.get(key), need)
+
+
 def board_claims(board: Raw, place: Path) -> Iterator[Claim]:
     """What a board itself claims: its console, what it reserves, and what is plugged in."""
     for pin in array(table(board, "console"), "pins"):
@@ -117,6 +146,7 @@ def board_claims(board: Raw, place: Path) -> Iterator[Claim]:
     for what in table(board, "reserved"):
         for pin in array(table(board, "reserved"), what):
             yield from _claim((*place, "reserved", what), pin)
+    yield from _claim((*place, "status_led"), board.get("status_led"))
     for word in array(board, "fitted"):
         if word == "card":
             path, pins = (*place, "card"), table(board, "card")
@@ -180,7 +210,7 @@ class _Owners:
             owner = self.pins.setdefault(pin, claim)
             if owner is claim:
                 owned.append(claim)
-            elif not owner.need == claim.need == "enable":
+            elif owner.need != claim.need or claim.need not in _SHARED:
                 limit = f"a pin of its own: {pin} belongs to"
                 yield Finding("config.conflict", claim.path, claim.pin, limit, owner=owner.path)
         yield from self._check_steps()

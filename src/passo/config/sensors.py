@@ -1,12 +1,12 @@
-"""Temperature sensors on an analog input, as a machine file describes them."""
+"""Temperature sensors on an analog input or an SPI bus, as a machine file describes them."""
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, get_args
 
 from pydantic import Field
 
-from passo.config.base import Model, Pair, Positive
+from passo.config.base import Model, Pair, Pin, Positive
 
 _Offset = Annotated[float, Field(ge=-64, le=64)]
 
@@ -66,7 +66,24 @@ class SensorTable(Model):
     open_reads: Literal["high", "low"] = "high"
 
 
+class ThermocoupleConverter(Model):
+    """A thermocouple behind a converter on an SPI bus, which it may share; the heater's
+    `sensor_pin` selects it. It hears nothing, but the board wants a pin to send on."""
+
+    kind: Literal["max31855", "max6675"]
+    clock_pin: Pin
+    miso_pin: Pin
+    mosi_pin: Pin
+
+
+CONVERTERS = get_args(ThermocoupleConverter.model_fields["kind"].annotation)
+
 AnySensor = Annotated[
-    Thermistor | Platinum | PlatinumAmplifier | ThermocoupleAmplifier | SensorTable,
+    Thermistor
+    | Platinum
+    | PlatinumAmplifier
+    | ThermocoupleAmplifier
+    | ThermocoupleConverter
+    | SensorTable,
     Field(discriminator="kind"),
 ]

@@ -29,4 +29,4 @@ class Ahead:
         elif code == "M108" or (code == "M876" and "S" in command.words()):
             self._printer.go_on()
         elif code == "M410":
-            self._printer.stop()
+            self._printer.stop_all("M410")

@@ -36,7 +36,7 @@ class JsonStatus:
     def status(self) -> dict[str, Any]:
         """What all forms of the answer have. Positions in mm, temperatures in °C, time in s."""
         printer, job = self._printer, self._printer.job
-        *axes, e = job.program_position
+        *axes, e = printer.positions.program
         hotends = [n for n, h in printer.machine.heaters.items() if h.kind == "hotend"]
         temps: dict[str, Any] = {
             kind: dict(zip(("current", "active", "state"), self._heater(name), strict=True))

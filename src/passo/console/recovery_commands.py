@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
     from passo.printer.printer import Printer
 
 EVERY_S = 1.0  # of print time between two records
+Z_MM = 0.02  # and earlier where Z is kept, if it has gone so far: a tenth of a usual layer
+_NO_WAY_MM = 1e-5
 
 
 class RecoveryCommands:
@@ -28,7 +31,8 @@ class RecoveryCommands:
     ) -> None:
         self._printer, self._runner, self._files = printer, runner, files
         self._journal = Journal(directory)
-        self._recorded_s = self._recorded_z_mm = 0.0
+        self._recorded = Moment(0, 0.0)
+        self._seen_z_mm = 0.0
         self._interrupted = self._journal.read()
         self.planned: dict[str, Handler] = {"M1000": self._go_on}
         runner.watchers.append(self._job_changed)
@@ -54,7 +58,7 @@ class RecoveryCommands:
                 self._journal.leave()
                 self._interrupted = self._journal.read()
             elif self._journal.open:
-                self._journal.end()
+                self._end()
 
     def _begin(self) -> None:
         """Before the first line of a print is read."""
@@ -64,29 +68,57 @@ class RecoveryCommands:
         self._interrupted = None
         program = Program.of(self._printer.machine.uuid, self._runner.path, reader)
         reader.seek(self._runner.offset)
+        self._seen_z_mm = self._z()
+        self._recorded = self._moment(self._runner.first_line, self._seen_z_mm)
         try:
-            self._journal.begin(program, self._moment(self._runner.first_line, self._z()))
+            self._journal.begin(program, self._recorded)
         except OSError as error:
             self._printer.tell(f"echo:No journal of this print: {error.strerror}")
-        self._recorded_s = 0.0
 
     def _time_passed(self) -> None:
-        drive = self._printer.drive
-        if not self._journal.open or self._runner.state is not State.PRINTING:
+        printer = self._printer
+        if not self._journal.open or not self._runner.active or printer.homer.active:
             return
-        line, z_mm = self._printer.job.line_at(drive.now)  # asked often: it forgets what is past
-        # A resumed print keeps Z without homing it, so every step of Z is recorded as it begins.
-        if z_mm == self._recorded_z_mm and drive.now_s < self._recorded_s + EVERY_S:
+        drive = printer.drive
+        line = printer.job.line_at(drive.now)  # asked often: it forgets what is past
+        before, self._seen_z_mm = self._seen_z_mm, self._z()
+        if drive.now_s < self._recorded.print_s + EVERY_S and not self._z_matters(before):
             return
-        self._recorded_s, self._recorded_z_mm = drive.now_s, z_mm
+        moment = self._moment(line or self._runner.first_line, self._seen_z_mm)
+        if self._runner.state is State.PAUSED:
+            # Fans and heaters that are switched off meanwhile are wanted again for the print.
+            moment = replace(self._recorded, z_mm=moment.z_mm, babysteps_mm=moment.babysteps_mm)
+        if replace(moment, print_s=self._recorded.print_s) != self._recorded:
+            self._record(moment)
+
+    def _z_matters(self, before_mm: float) -> bool:
+        """Z has gone far since the last record, or has come to rest elsewhere. A print that goes on
+        keeps Z without homing it where Z moves alone."""
+        if self._printer.machine.geometry.lifts_together:
+            return False
+        way_mm = abs(self._seen_z_mm - self._recorded.z_mm)
+        return way_mm >= Z_MM or (way_mm > _NO_WAY_MM and self._seen_z_mm == before_mm)
+
+    def _record(self, moment: Moment) -> None:
+        self._recorded = moment
         try:
-            self._journal.record(self._moment(line or self._runner.first_line, z_mm))
+            self._journal.record(moment)
         except OSError as error:
-            self._journal.leave()
-            self._printer.tell(f"echo:The journal of this print ends here: {error.strerror}")
+            # What it says would soon be long past.
+            self._end()
+            self._printer.tell(
+                f"echo:This print cannot be gone on with after a power cut: {error.strerror}"
+            )
+
+    def _end(self) -> None:
+        try:
+            self._journal.end()
+        except OSError as error:
+            self._printer.tell(f"echo:The journal of the print stays: {error.strerror}")
 
     def _z(self) -> float:
-        return self._printer.job.machine_position[2]
+        job = self._printer.job
+        return (job.position_at(self._printer.drive.now) or job.machine_position)[2]
 
     def _moment(self, line: int, z_mm: float) -> Moment:
         printer, job = self._printer, self._printer.job
@@ -98,6 +130,7 @@ class RecoveryCommands:
             dict(printer.commands.fans),
             job.speed_factor,
             job.flow,
+            {axis: mm for axis, mm in printer.motion.babysteps_mm.items() if mm},
         )
 
     def _go_on(self, command: Command, reply: Reply) -> Wait | None:
@@ -106,7 +139,7 @@ class RecoveryCommands:
         program, moment = self._interrupted
         if "C" in command.text.upper():
             self._interrupted = None
-            self._journal.end()
+            self._end()
             return None
         if program.machine != self._printer.machine.uuid:
             raise CommandError.of("job.other-machine", program.path)

@@ -66,12 +66,23 @@ class Session:
         self.failed = False
         self.busy_s = 2.0  # M113
         self.advanced_ok = False
-        self.upload: Upload | None = None  # M28: lines go into this file
+        self._upload: Upload | None = None
+        self.on_upload: Callable[[bool], None] = lambda _: None  # an upload begins, or has ended
         self._working = False  # this console's line has the turn and is under way
         self.closed = False
         self._then: Callable[[], None] | None = None  # to call after the last line
         printer.listeners.append(self.hear)
         self.every("wait", WAIT_S, self._say_wait)
+
+    @property
+    def upload(self) -> Upload | None:
+        """M28: lines go into this file."""
+        return self._upload
+
+    @upload.setter
+    def upload(self, upload: Upload | None) -> None:
+        self._upload = upload
+        self.on_upload(upload is not None)
 
     # -- bytes ------------------------------------------------------------------------------------
 
@@ -96,9 +107,9 @@ class Session:
         self.closed = True
         self._timers.stop()
         self._lines.clear()
-        if self.upload is not None:
-            self.upload.abort()
-            self.upload = None
+        if self._upload is not None:
+            self._upload.abort()
+            self._upload = None
         if self._working:
             self._printer.end_wait()  # cutting it off would leave a machine that moves
         elif self._task is not None:

@@ -48,6 +48,8 @@ class SettingsCommands:
             yield "Filament", list(motion.filament_lines())
             yield "Firmware retraction", list(motion.retraction_lines())
             yield "Filament change", list(motion.change_lines())
+        if self._printer.drivers.states:
+            yield "Motor drivers", list(self._printer.driver_commands.setting_lines())
         yield "Idle times", [f"M84 S{self._printer.motors.idle_s:.10g}"]
         yield "Cold extrusion", [f"M302 S{heat.cold_c:.10g} P{int(heat.cold_allowed)}"]
 

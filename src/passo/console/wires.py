@@ -1,19 +1,17 @@
-"""Ways in: pty, serial device, TCP, standard input and output. Each gives a session its bytes."""
+"""Ways in: TCP, standard input and output, and what all have in common. Each gives a session its
+bytes. Pseudo terminals and serial devices are in `lines`."""
 
 from __future__ import annotations
 
 import asyncio
 import os
 import sys
-import tty
 from collections.abc import Callable
-from pathlib import Path
 from typing import Protocol
 
 from passo.console.session import Session
 from passo.errors import PassoError
 from passo.printer.printer import Printer
-from passo.serial_line import open_serial_line
 
 _AT_ONCE = 4096  # bytes; asyncio would read 256 KiB, whose lines keep all others waiting for 0.8 s
 _ROOM = 1 << 16  # bytes that may wait for a reader before dispensable ones are dropped
@@ -35,12 +33,13 @@ class ConsoleError(PassoError):
     """A console cannot be opened."""
 
 
-def _cannot(what: str, error: Exception) -> ConsoleError:
+def cannot_open(what: str, error: Exception) -> ConsoleError:
+    """What to raise for a console of this name."""
     why = error.strerror if isinstance(error, OSError) else None
     return ConsoleError.of("console.unopened", axis=what, value=why or str(error))
 
 
-class _Wire(asyncio.Protocol):
+class StreamWire(asyncio.Protocol):
     """A session on one transport for both ways, or on one that reads and, given before, one that
     writes."""
 
@@ -49,10 +48,10 @@ class _Wire(asyncio.Protocol):
         printer: Printer,
         opened: Opened,
         place: str,
-        closed: Callable[[_Wire], None] | None = None,
+        closed: Callable[[StreamWire], None] | None = None,
     ) -> None:
         self.place = place
-        self._printer, self._opened, self._closed = printer, opened, closed
+        self._printer, self._opened, self.closed = printer, opened, closed
         self.reader: asyncio.ReadTransport | None = None
         self.writer: asyncio.WriteTransport | None = None
         self.session: Session | None = None
@@ -73,8 +72,8 @@ class _Wire(asyncio.Protocol):
     def connection_lost(self, exc: Exception | None) -> None:
         if self.session is not None and not self.session.closed:
             self.session.close()
-            if self._closed is not None:
-                self._closed(self)
+            if self.closed is not None:
+                self.closed(self)
 
     def write(self, text: bytes, *, dispensable: bool = False) -> None:
         """Sends bytes; drops them where nobody reads."""
@@ -102,10 +101,12 @@ class _Wire(asyncio.Protocol):
 
 
 class _Writing(asyncio.BaseProtocol):
-    """Of a transport that only writes: what cannot be written is dropped by `_Wire.write`."""
+    """Of a transport that only writes: what cannot be written is dropped by `StreamWire.write`."""
 
 
-async def _join(wire: _Wire, read_fd: int, write_fd: int) -> _Wire:
+async def join(wire: StreamWire, read_fd: int, write_fd: int) -> StreamWire:
+    """Opens a session on two descriptors, which are the wire's from now on. Raises OSError, and
+    ValueError for a file."""
     loop = asyncio.get_running_loop()
     writes, reads = os.fdopen(write_fd, "wb", 0), os.fdopen(read_fd, "rb", 0)
     try:
@@ -117,47 +118,6 @@ async def _join(wire: _Wire, read_fd: int, write_fd: int) -> _Wire:
         reads.close()
         raise
     return wire
-
-
-class _Pty(_Wire):
-    """Holds the end that hosts open and close, and the link to it."""
-
-    slave: int
-    link: Path
-
-    def close(self) -> None:
-        super().close()
-        if self.link.is_symlink() and str(self.link.readlink()) == os.ttyname(self.slave):
-            self.link.unlink()
-        os.close(self.slave)
-
-
-async def open_pty(printer: Printer, path: str, opened: Opened) -> Console:
-    """A pseudo terminal with a link to it at `path`, in place of a link that is there. Hosts may
-    open and close it as they like: its other end stays open here. Raises ConsoleError."""
-    wire = _Pty(printer, opened, f"pty {path}")
-    master, wire.slave = os.openpty()
-    tty.setraw(wire.slave)
-    wire.link = Path(path)
-    try:
-        if wire.link.is_symlink():
-            wire.link.unlink()
-        wire.link.symlink_to(os.ttyname(wire.slave))
-    except OSError as error:
-        os.close(master)
-        os.close(wire.slave)
-        raise _cannot(f"the pty {path}", error) from None
-    return await _join(wire, master, os.dup(master))
-
-
-async def open_serial(printer: Printer, device: str, baud: int, opened: Opened) -> Console:
-    """A serial device at any rate that its driver can do. Raises ConsoleError."""
-    try:
-        port = open_serial_line(device, baud)
-    except OSError as error:
-        raise _cannot(f"the serial device {device}", error) from None
-    wire = _Wire(printer, opened, f"serial {device} at {baud}")
-    return await _join(wire, port, os.dup(port))
 
 
 class _SentAway(asyncio.Protocol):
@@ -176,13 +136,13 @@ class _Tcp:
         self.place = ""
         self.server: asyncio.Server | None = None
         self._printer, self._most, self._opened = printer, most, opened
-        self._clients: set[_Wire] = set()
+        self._clients: set[StreamWire] = set()
 
     def client(self) -> asyncio.Protocol:
         """For a client that is coming."""
         if len(self._clients) >= self._most:
             return _SentAway()
-        wire = _Wire(self._printer, self._opened, self.place, self._clients.discard)
+        wire = StreamWire(self._printer, self._opened, self.place, self._clients.discard)
         self._clients.add(wire)
         return wire
 
@@ -201,12 +161,12 @@ async def open_tcp(printer: Printer, host: str, port: int, clients: int, opened:
     try:
         tcp.server = await asyncio.get_running_loop().create_server(tcp.client, host, port)
     except (OSError, UnicodeError) as error:
-        raise _cannot(f"TCP {host}:{port}", error) from None
+        raise cannot_open(f"TCP {host}:{port}", error) from None
     tcp.place = f"tcp {host}:{tcp.server.sockets[0].getsockname()[1]}"
     return tcp
 
 
-class _Standard(_Wire):
+class _Standard(StreamWire):
     """Standard input: at its end the lines in hand are carried out, and `ended` is called."""
 
     ended: Callable[[], None]
@@ -222,7 +182,7 @@ async def open_stdin(printer: Printer, opened: Opened, ended: Callable[[], None]
     wire = _Standard(printer, opened, "standard input")
     wire.ended = ended
     try:
-        return await _join(wire, os.dup(sys.stdin.fileno()), os.dup(sys.stdout.fileno()))
+        return await join(wire, os.dup(sys.stdin.fileno()), os.dup(sys.stdout.fileno()))
     except (ValueError, OSError):
         raise ConsoleError.of(
             "console.unopened", axis=wire.place, value="it, or standard output, is a file"

@@ -1,4 +1,4 @@
-"""Sensors on an analog input: from a machine file's description to what the ADC sees."""
+"""Sensors: from a machine file's description to what the ADC sees, or a converter says."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import itertools
 from collections.abc import Callable, Iterable
 from typing import TypeAlias
 
+from passo import _core
 from passo.config.sensors import (
     AnySensor,
     Platinum,
@@ -13,6 +14,7 @@ from passo.config.sensors import (
     SensorTable,
     Thermistor,
     ThermocoupleAmplifier,
+    ThermocoupleConverter,
 )
 from passo.heat import platinum
 from passo.heat.thermistor import Divider, Ntc
@@ -24,6 +26,7 @@ _PLATINUM_C = range(-50, 851, 5)
 # What the ADC says of a cable that is open or shorted lies outside these.
 _LEAST_SHARE = 0.002
 _MOST_SHARE = 0.998
+_CONVERTER_C = {"max31855": (-270.0, 1800.0), "max6675": (0.0, 1023.75)}
 _VOLTS_BY_C = {"ad595": 0.010, "ad8495": 0.005}
 
 
@@ -50,7 +53,18 @@ def sensor_table(sensor: AnySensor) -> Table:
         full_c = sensor.full_scale_v / _VOLTS_BY_C[sensor.kind] * sensor.scale
         ends = (_LEAST_SHARE, _MOST_SHARE)
         return tuple((round(share * full_c + sensor.offset_c, 9), share) for share in ends)
+    if isinstance(sensor, ThermocoupleConverter):
+        # Quarters of a degree around the middle of its full scale.
+        full = _core.CONVERTER_FULL
+        return tuple((t, (4 * t + full // 2) / full) for t in _CONVERTER_C[sensor.kind])
     return tuple(sorted((t, share) for t, share in sensor.points))
+
+
+def converter_of(sensor: AnySensor) -> _core.Converter:
+    """The converter that the sensor is behind, if any."""
+    if isinstance(sensor, ThermocoupleConverter):
+        return getattr(_core.Converter, sensor.kind.upper())
+    return _core.Converter.NONE
 
 
 def open_is_high(sensor: AnySensor) -> bool:

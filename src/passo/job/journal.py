@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from passo.job.runner import Reader
 
 _HEAD_BYTES = 1 << 16  # of the file, to know it again
-_LARGEST = 1 << 26
+_LONGEST = 1 << 16  # bytes of a record; nothing that is longer is one
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,8 +39,9 @@ class Program:
 
 @dataclass(frozen=True, slots=True)
 class Moment:
-    """How far a print is: the line whose move is under way at `print_s`, the Z to which it goes,
-    and what the file alone does not tell. Line 0: no move yet."""
+    """How far a print is: the line whose move is under way at `print_s`, the Z of the machine then,
+    and what the file alone does not tell: `babysteps_mm` are those that consoles have sent, by
+    axis. Line 0: no move yet."""
 
     line: int
     print_s: float
@@ -49,6 +50,7 @@ class Moment:
     fans: dict[str, float] = field(default_factory=dict[str, float])
     speed_factor: float = 1.0
     flow: float = 1.0
+    babysteps_mm: dict[str, float] = field(default_factory=dict[str, float])
 
 
 class Journal:
@@ -100,24 +102,17 @@ class Journal:
     def read(self) -> tuple[Program, Moment] | None:
         """The print that was interrupted, and how far it was; None if there is none that can be
         read."""
-        try:
-            with self.path.open("rb") as file:
-                raw = file.read(_LARGEST)
-        except OSError:
-            return None
         program: Program | None = None
         moment: Moment | None = None
-        for line in raw.split(b"\n"):
-            content = _checked(line)
-            if content is None:
-                break
-            try:
-                if program is None:
-                    program = Program(**content)
-                else:
-                    moment = Moment(**content)
-            except TypeError:
-                break
+        try:
+            with self.path.open("rb") as file:
+                while content := _checked(file.readline(_LONGEST)):
+                    if program is None:
+                        program = Program(**content)
+                    else:
+                        moment = Moment(**content)
+        except (OSError, TypeError):
+            pass  # what stands before the damage holds
         return (program, moment) if program and moment else None
 
     def _write(self, content: dict[str, Any]) -> None:
@@ -130,7 +125,7 @@ class Journal:
 
 def _checked(line: bytes) -> dict[str, Any] | None:
     """The content of a line that is whole."""
-    crc, _, text = line.partition(b" ")
+    crc, _, text = line.removesuffix(b"\n").partition(b" ")
     try:
         if int(crc, 16) != zlib.crc32(text):
             return None

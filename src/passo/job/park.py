@@ -29,6 +29,8 @@ class Park:
             return
         await printer.drive.until(lambda: printer.drive.standing or bool(printer.halted))
         printer.raise_if_halted()
+        if not printer.job.suspended:
+            return  # cancelled meanwhile
         drive, at = printer.drive, printer.job.stop_position
         self._retracted_mm = park.retract_mm if printer.can_extrude() else 0.0
         top = printer.machine.axes["z"].max_mm
@@ -51,8 +53,11 @@ class Park:
         at: list[float] | None = None
         while job.suspended and at != job.stop_position:
             at = job.stop_position
-            if not job.locked_axes:
-                drive.move({X: at[X], Y: at[Y]}, park.speed_mm_s if park else math.inf)
+            # Axes that do not know where they are have not been moved by anybody.
+            known = [slot for slot in (X, Y, Z) if slot not in job.locked_axes]
+            across = {slot: at[slot] for slot in known if slot != Z}
+            drive.move(across, park.speed_mm_s if park else math.inf)
+            if Z in known:
                 drive.move({Z: at[Z]}, math.inf)
             if self._away and park is not None and printer.can_extrude():
                 drive.move({E: job.machine_position[E] + self._retracted_mm}, park.retract_mm_s)

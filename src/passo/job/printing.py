@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from passo import _core
+from passo.board.drivers import Drivers
 from passo.board.faults import HeaterFault
 from passo.errors import MachineError
 from passo.job.program import heated, run_program
@@ -60,6 +61,8 @@ class Print:
         self._heaters = list(machine.heaters)
         self._marks: deque[tuple[int, int, int]] = deque()
         self.connection, self.board = connect_simulated(machine)
+        for connection in self.connection.connections:
+            Drivers(connection).require()
         self.connection.set_on_fault(self._heater_failed)
         outputs = self.connection.board.outputs
         self.job = _core.Job(

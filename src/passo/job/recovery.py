@@ -13,6 +13,7 @@ from passo.job.journal import Moment, Program
 from passo.job.program import at_rest, read_program
 from passo.job.runner import Reader
 from passo.printer.commands import Commands
+from passo.printer.faults import problem_of
 from passo.printer.slots import E, X, Y, Z
 from passo.printer.switches import axes_of_arms, home_point
 from passo.printer.waits import Homing, Silence, Temperatures, Wait
@@ -76,6 +77,8 @@ def _home(machine: MachineConfig, job: _core.Job, letters: str) -> None:
         job.settle_position()
         return
     job.abandon()
+    if "B" in letters and "b" not in machine.axes:
+        return  # it went back to where it was
     letters = letters.replace("O", "")
     names = {n for n in "xyz" if not letters or n.upper() in letters}
     if names & set(axes_of_arms(machine)):
@@ -99,13 +102,18 @@ class Recovery:
         printer = self._printer
         offset = offset_of_line(self._reader, self._moment.line)
         state = state_before(printer.machine, self._reader, offset)
+        for axis, mm in self._moment.babysteps_mm.items():
+            if not state.shift("xyz".index(axis), mm):
+                raise CommandError([problem_of(state, self._program.path)])
+        state.flush()
         at = state.machine_position
         await self._lift_and_home()
         await self._warm()
         await self._approach(at)
         printer.job.adopt(state)
-        printer.job.speed_factor = self._moment.speed_factor
+        printer.job.set_speed_factor(self._moment.speed_factor)
         printer.job.flow = self._moment.flow
+        printer.motion.babysteps_mm |= self._moment.babysteps_mm
         return offset
 
     async def _lift_and_home(self) -> None:
@@ -142,7 +150,10 @@ class Recovery:
         if self._printer.machine.geometry.lifts_together:
             # At the top the arms reach only the middle.
             await self._go({Z: at[Z] + (park.raise_mm if park else 0.0)}, math.inf)
-        await self._go({X: at[X], Y: at[Y]}, speed)
+        if axes_of_arms(self._printer.machine) == ("x", "y"):
+            await self._printer.homer.swing(at[X], at[Y])
+        else:
+            await self._go({X: at[X], Y: at[Y]}, speed)
         if park and park.prime_mm > 0 and self._printer.can_extrude():
             e = self._printer.job.machine_position[E]
             await self._go({E: e + park.prime_mm}, park.prime_mm_s)

@@ -8,6 +8,7 @@ from enum import Enum
 from typing import TYPE_CHECKING, Protocol
 
 from passo import _core
+from passo.config.drives import axis_order
 from passo.errors import CommandError, PassoError
 from passo.job.park import Park
 from passo.printer.faults import problem_of
@@ -62,6 +63,8 @@ class Runner:
         self.first_line = 1  # number of the first line fed
         self._begin = 0  # offset of the first byte fed since the source was restarted
         self._returns = False  # a pause is over, its end is still to be done
+        self._locked = set[int]()  # axes that did not know where they are when it began
+        self._again = False  # to be started as soon as the last print has ended
         self._failed = ""
         self._state = State.NONE
         self.watchers: list[Callable[[State], None]] = []
@@ -146,12 +149,19 @@ class Runner:
     def start(self) -> None:
         """Starts the selected file where it stands, or ends a pause. Raises CommandError."""
         if self.state is State.PAUSED:
+            lost = set(self._printer.job.locked_axes) - self._locked
+            if self._returns and lost:
+                axis = axis_order(self._printer.machine.axes)[min(lost)].upper()
+                raise CommandError.of("input.not-homed", axis=axis)
             self.state = State.PRINTING
             self._resumed.set()
             return
         self._refuse_if_active()
         if self._reader is None:
             raise CommandError.of("job.no-file")
+        self._again = self._task is not None and not self._task.done()
+        if self._again:
+            return  # when the one that was just cancelled has let go of the machine
         self.state = State.PRINTING
         self._resumed.clear()
         task = asyncio.get_running_loop().create_task(self._print())
@@ -163,15 +173,22 @@ class Runner:
         if self.state is State.PRINTING:
             self.state = State.PAUSED
             self._resumed.clear()
-            if self._returns:
-                return  # from the last pause: the print stands aside already
+            # Axes that home do so to the end: their moves are not the program's.
+            if not self._printer.homer.active:
+                self._set_aside()
+
+    def _set_aside(self) -> None:
+        """Brakes; the rest of the print stands aside, if it does not yet since the last pause."""
+        if not self._returns:
             self._returns = True
+            self._locked = set(self._printer.job.locked_axes)
             self._printer.drive.hold()
             self._printer.job.suspend()
 
     def cancel(self) -> None:
         """Ends the print: brakes to a stop, heaters and fans off. The file stays selected, from its
         beginning."""
+        self._again = False
         if not self.active:
             return
         printer = self._printer
@@ -233,15 +250,19 @@ class Runner:
             self._failed = f"{type(fault).__name__}: {fault}"
             self._printer.halt(f"a fault of the program, {self._failed}")
             self._end()
+        if self._again:
+            self.start()
 
     def _stopped(self, reason: str) -> None:
-        """The machine was stopped in mid-print: the file stays where it is."""
+        """The machine was stopped in mid-print. What was planned is lost, so the file can only be
+        printed from its beginning."""
         revived = self.active and bool(self._printer.halted)  # a pause has nothing to return to
         if self.state is State.PRINTING or revived:
             self._failed = reason
             self._returns = False
             self._end()
             self._resumed.set()
+            self._rewind(0)
 
     def _end(self) -> None:
         printer = self._printer
@@ -260,6 +281,7 @@ class Runner:
         await printer.turn.wait()
         try:
             if self.state is State.PAUSED:
+                self._set_aside()
                 await self._park.leave()
         finally:
             printer.turn.give()
@@ -277,6 +299,8 @@ class Runner:
         printer = self._printer
         job, drive = printer.job, printer.drive
         printer.raise_if_halted()
+        if self.state is State.PAUSED:
+            self._set_aside()
         if self.state is not State.PRINTING:
             return False
         if self._returns:
@@ -288,6 +312,7 @@ class Runner:
             job.resume()
             drive.after_moves()
         printer.select(console=False)
+        printer.program = self._reply
         drive.before_moves()
         try:
             horizon = drive.now + _AHEAD_S * drive.hz

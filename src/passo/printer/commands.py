@@ -304,8 +304,8 @@ class Commands:
             if value > 0:
                 self._job.set_axis_limit(letter.lower(), what, value)
 
-    def accelerations(self, words: dict[str, float]) -> None:
-        """M204."""
+    def accelerations(self, words: dict[str, float], *, live: bool = False) -> None:
+        """M204, for the moves that follow, or `live` for all that is planned anew."""
         for letter, names in (
             ("S", ("print_accel", "travel_accel")),
             ("P", ("print_accel",)),
@@ -314,7 +314,7 @@ class Commands:
         ):
             if words.get(letter, 0) > 0:
                 for name in names:
-                    self._job.set_limit(name, words[letter])
+                    self._job.set_limit(name, words[letter], live)
 
     def _junction(self, command: Command) -> None:
         deviation = command.words().get("J", 0)
@@ -324,7 +324,7 @@ class Commands:
     def _speed(self, command: Command) -> None:
         percent = command.words().get("S", 0)
         if percent > 0:
-            self._job.speed_factor = min(max(percent, 10.0), 1000.0) / 100
+            self._job.set_speed_factor(min(max(percent, 10.0), 1000.0) / 100)
 
     def babysteps(self, command: Command) -> list[tuple[int, float]]:
         """M290: numbers of axes with how far they go, mm; S is Z's. Raises CommandError."""

@@ -20,7 +20,7 @@ COMMITS_AHEAD_S = 0.2  # the same where motion comes in commits, less the time t
 COMMIT_S = 0.075  # of print time in a commit
 _SHARE_OF_SLOTS = 4  # a commit takes no more than this part of them
 _KEPT_S = 1.0  # motion that the board has, but may never come to
-RUNNING_DRY_S = 0.3  # a plan that ends sooner is settled for a stop
+RUNNING_DRY_S = 0.9  # a plan that ends sooner is settled for a stop, as Python may stall for 0.5 s
 TAKE_BACK_S = 1.0  # that stop is taken back, if more moves came in, when it is so near
 LEAD_S = 0.2  # from a command on a standing machine to its first step
 GATHER_S = 0.08  # host time in which a standing machine hopes for more moves to plan with
@@ -84,7 +84,8 @@ class Drive:
     @property
     def standing(self) -> bool:
         """All moves so far are done."""
-        return self._job.queued == 0 and self._job.clock <= self.now
+        job = self._job
+        return job.queued == 0 and job.clock <= self.now and not job.holds
 
     @property
     def idle_s(self) -> float:
@@ -135,7 +136,7 @@ class Drive:
         self.after_moves()
 
     def replan(self) -> None:
-        """Plans anew, with the limits of now, what the board does not have yet."""
+        """Plans anew, each move by its limits of now, what the board does not have yet."""
         self._revoke(self._job.replan_from(self._earliest()))
 
     def shift(self, axis: int, mm: float) -> bool:

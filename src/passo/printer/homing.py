@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING
 from passo.board.endstops import Endstops
 from passo.config.drives import axis_order
 from passo.errors import CommandError
+from passo.geometry.base import Point
+from passo.printer.faults import problem_of
 from passo.printer.overshoot import Overshoot
-from passo.printer.slots import Z, slot_of_axis
+from passo.printer.slots import E, X, Y, Z, slot_of_axis
 from passo.printer.switches import (
     Switch,
     axes_of_arms,
@@ -67,6 +69,7 @@ class Homer:
         self._order = [row["name"] for row in self._machine.core_spec()["steppers"]]
         self._endstops = Endstops(printer.connection)
         self._joints = False
+        self.active = False
 
     @property
     def axes(self) -> set[str]:
@@ -81,13 +84,72 @@ class Homer:
     async def home(self, letters: str) -> None:
         """Homes the axes of these letters, all by default. An axis without a switch is taken to be
         at home already. An axis that does not find its switch no longer knows where it is. With the
-        letter O axes that know where they are stay."""
+        letter O axes that know where they are stay; with B the nozzle goes back to where it was,
+        where that was known."""
+        back = "B" in letters and "b" not in self._axes
+        letters = letters.replace("B", "") if back else letters
+        before = None if self._printer.job.locked_axes else self._printer.job.machine_position
+        self.active = True
+        self._printer.positions.freeze()
+        try:
+            await self._home(letters)
+        finally:
+            self.active = False
+            self._printer.positions.thaw()
+        if back and before is not None:
+            await self._return(before)
+
+    async def _return(self, to: Sequence[float]) -> None:
+        """Back to a machine position, X and Y first; from the top, where arms that lift together
+        reach only the middle, straight."""
+        drive = self._printer.drive
+        slots = [slot_of_axis(i) for i in range(len(self._axes))]
+        straight = self._machine.geometry.lifts_together
+        across = {slot: to[slot] for slot in slots if slot != Z or straight}
+        reached = drive.move(across, math.inf) and drive.move({Z: to[Z]}, math.inf)
+        drive.flush()
+        await self._still()
+        self._printer.raise_if_interrupted()
+        if not reached:
+            raise CommandError([problem_of(self._printer.job, "")])
+
+    async def swing(self, x: float, y: float) -> None:
+        """Brings the nozzle over this place, machine mm, each arm going its own way: between two
+        places that arms reach the straight way may lead where they do not."""
+        printer, job, geometry = self._printer, self._printer.job, self._machine.geometry
+
+        def point(position: Sequence[float]) -> Point:
+            a, b, c = position[:E]
+            return a, b, c
+
+        before = point(job.machine_position)
+        target = (x, y, before[Z])
+        self.active = True
+        printer.positions.freeze()
+        job.use_joints(True)
+        job.set_axes(list(enumerate(geometry.inverse(before))))
+        try:
+            a, b, _ = geometry.inverse(target)
+            printer.drive.move({X: a, Y: b}, math.inf, limited=False)
+            printer.drive.flush()
+            await self._still()
+        finally:
+            reached = target
+            if printer.interrupted:
+                reached = geometry.forward(point(job.machine_position))
+            job.use_joints(False)
+            job.set_axes(list(enumerate(reached)))
+            self.active = False
+            printer.positions.thaw()
+        printer.raise_if_interrupted()
+
+    async def _home(self, letters: str) -> None:
         names = [a for a in self._axes if a.upper() in letters] or self._axes
         if "O" in letters and self._machine.unhomed_moves == "refuse":
             unknown = [self._axes[i] for i in self._printer.job.locked_axes]
             names = [name for name in names if name in unknown]
         fixed = [name for name in names if name not in self.axes]
-        self._printer.job.set_axes([(self._axes.index(n), self._home_of(n)) for n in fixed])
+        self._set({name: self._home_of(name) for name in fixed})
         self._printer.endstops.pause()
         self._printer.drive.use_commits(False)
         batch: list[_Way] = []
@@ -273,6 +335,7 @@ class Homer:
 
     def _set(self, places: dict[str, float]) -> None:
         self._printer.job.set_axes([(self._axes.index(n), at) for n, at in places.items()])
+        self._printer.motion.homed(places)
 
     def _problem(self, code: str, switch: Switch, limit: float) -> CommandError:
         geometry, home = self._machine.geometry, switch.home

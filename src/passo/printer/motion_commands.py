@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 from passo.config.drives import axis_order
@@ -18,16 +18,19 @@ _PERCENT = (10.0, 1000.0)  # of M220
 
 
 class MotionCommands:
-    """Settings of motion of one printer. Those that a plan can be made anew for act at once on what
-    the board does not have yet."""
+    """Settings of motion of one printer. Limits and the feed rate override take their place among
+    the moves of the program, or of the line, that they stand in. What a console sends beside a
+    print is live, and so are its M220 and M290, in lines of their own, always: they act at once on
+    what the board does not have yet."""
 
     def __init__(self, printer: Printer) -> None:
         self._printer = printer
         self._machine = printer.machine
         self._axes = axis_order(self._machine.axes)
         self.home_offset_mm = dict.fromkeys(self._axes, 0.0)
+        self.babysteps_mm = dict.fromkeys("xyz", 0.0)  # live ones, since the axis was homed
         self.immediate: dict[str, Handler] = {
-            "M220": self._speed,
+            "M220": lambda c, r: self._speed(c, r, live=True),
             "M290": self._babystep,
         }
         self.planned: dict[str, Handler] = {
@@ -41,9 +44,9 @@ class MotionCommands:
             "M205": self._junction,
             "M206": self._home_offsets,
             "M218": self._tool_offset,
+            "M220": lambda c, r: self._speed(c, r, live=False),
             "M221": self._flow,
             "M290": lambda c, r: self._printer.commands.run(c),
-            "M569": self._drivers,
             "M603": lambda c, r: self._say(r, *self.change_lines()),
         }
 
@@ -107,10 +110,12 @@ class MotionCommands:
         if not words:
             reply.say(self.axis_limit_line(what))
             return None
+        live = self._printer.beside(reply)
         for letter, value in words.items():
             if value > 0:
-                self._printer.job.set_axis_limit(letter.lower(), what, value)
-        self._printer.drive.replan()
+                self._printer.job.set_axis_limit(letter.lower(), what, value, live)
+        if live:
+            self._printer.drive.replan()
         return None
 
     def axis_limit_line(self, what: str) -> str:
@@ -125,8 +130,10 @@ class MotionCommands:
         if not words:
             reply.say(self.acceleration_line())
             return None
-        self._printer.commands.accelerations(words)
-        self._printer.drive.replan()
+        live = self._printer.beside(reply)
+        self._printer.commands.accelerations(words, live=live)
+        if live:
+            self._printer.drive.replan()
         return None
 
     def acceleration_line(self) -> str:
@@ -143,8 +150,10 @@ class MotionCommands:
         if deviation is not None:
             if not 0.001 <= deviation <= 0.3:
                 raise CommandError.bad_value("J", deviation, "0.001 to 0.3 mm")
-            self._printer.job.set_limit("junction_deviation", deviation)
-            self._printer.drive.replan()
+            live = self._printer.beside(reply)
+            self._printer.job.set_limit("junction_deviation", deviation, live)
+            if live:
+                self._printer.drive.replan()
         return None
 
     def junction_line(self) -> str:
@@ -179,10 +188,12 @@ class MotionCommands:
     def retraction_lines(self) -> Iterator[str]:
         """M207 to M209 with what holds now."""
         job = self._printer.job
-        mm, feed, hop, extra, back = job.retraction
-        yield f"M207 S{mm:.10g} F{feed * 60:.10g} Z{hop:.10g} R{extra:.10g}"
+        mm, feed, hop, extra, back, swap, swap_extra = job.retraction
+        yield f"M207 S{mm:.10g} F{feed * 60:.10g} Z{hop:.10g} R{extra:.10g} W{swap:.10g}"
         if back > 0:
-            yield f"M208 S{extra:.10g} F{back * 60:.10g}"
+            yield f"M208 S{extra:.10g} F{back * 60:.10g} W{swap_extra:.10g}"
+        elif swap_extra:
+            yield f"M208 W{swap_extra:.10g}"
         yield f"M209 S{int(job.auto_retract)}"
 
     # -- offsets ----------------------------------------------------------------------------------
@@ -242,14 +253,21 @@ class MotionCommands:
         return None
 
     def _babystep(self, command: Command, _: Reply) -> Wait | None:
+        if self._printer.homer.active:
+            raise CommandError.of("input.homing", axis=command.code)
         for axis, mm in self._printer.commands.babysteps(command):
             if not self._printer.drive.shift(axis, mm):
                 raise CommandError([problem_of(self._printer.job, "")])
+            self.babysteps_mm["xyz"[axis]] += mm
         return None
+
+    def homed(self, axes: Iterable[str]) -> None:
+        """These axes are at home: how far they were shifted means nothing any more."""
+        self.babysteps_mm |= {axis: 0.0 for axis in axes if axis in self.babysteps_mm}
 
     # -- overrides --------------------------------------------------------------------------------
 
-    def _speed(self, command: Command, reply: Reply) -> Wait | None:
+    def _speed(self, command: Command, reply: Reply, *, live: bool) -> Wait | None:
         words = command.words()
         job = self._printer.job
         if "S" not in words:
@@ -258,18 +276,16 @@ class MotionCommands:
         low, high = _PERCENT
         if words["S"] <= 0:
             raise CommandError.bad_value("S", words["S"], f"{low:g} to {high:g} percent")
-        job.speed_factor = min(max(words["S"], low), high) / 100
-        self._printer.drive.replan()
+        job.set_speed_factor(min(max(words["S"], low), high) / 100, live)
+        if live:
+            self._printer.drive.replan()
         return None
 
-    def _drivers(self, command: Command, reply: Reply) -> Wait | None:
-        """What the machine file says of the drivers; it is fixed when the board is configured."""
-        if command.words():
-            raise CommandError.of("command.fixed", value="steppers")
+    def tell_drivers(self, reply: Reply) -> None:
+        """What the machine file says of the drivers' inputs."""
         reply.say("Reporting Stepper control")
         for row in self._machine.core_spec()["steppers"]:
             reply.say(
                 f" {row['name'].upper()} dir:{'false' if row['invert'] else 'true'}"
                 f" pulse(us):{row['pulse_s'] * 1e6:g} delay(us):{row['dir_setup_s'] * 1e6:g}"
             )
-        return None

@@ -63,7 +63,7 @@ class Motors:
                 arm = is_actuator(self._machine, name)
                 self._printer.lock(axes_of_arms(self._machine) if arm else [name])
 
-    def _named(self, text: str) -> list[str]:
+    def named(self, text: str) -> list[str]:
         """The motors of the letters in a command: axes, actuators, E; all without letters."""
         letters = re.findall(r"[A-Z]", text.upper().partition("S")[0])
         if not letters:
@@ -84,7 +84,7 @@ class Motors:
         return found
 
     def _switch_on(self, command: Command, _: Reply) -> Wait | None:
-        self._set(self._named(command.text), on=True)
+        self._set(self.named(command.text), on=True)
         return None
 
     def _switch_off(self, command: Command, _: Reply) -> Wait | None:
@@ -92,5 +92,5 @@ class Motors:
         if "S" in words:
             self.idle_s = max(words["S"], 0.0)
             return None
-        steppers = self._named(command.text)
+        steppers = self.named(command.text)
         return Still(lambda: self._set(steppers, on=False))

@@ -19,6 +19,21 @@ class Positions:
         self._printer = printer
         self.lost: dict[str, int] = {}
         self.settled = True  # False: a board did not answer the last time
+        self._frozen: list[float] | None = None
+
+    def freeze(self) -> None:
+        """Axes home now. What the plan calls positions are those of arms, or of axes that do not
+        know where they are: reports keep to where the program was, until `thaw`."""
+        self._frozen = self._printer.job.program_position
+
+    def thaw(self) -> None:
+        """Positions mean again what they say."""
+        self._frozen = None
+
+    @property
+    def program(self) -> list[float]:
+        """The program's coordinates at the end of the plan: the axes, then E."""
+        return self._frozen or self._printer.job.program_position
 
     def settle(self) -> None:
         """The machine stands: whatever the board has not made of the plan, it never will. Lets time
@@ -69,6 +84,8 @@ class Positions:
                 at = counts[name] / rows[name]["steps_per_unit"]
                 real.setdefault((driven.drive, driven.index), at)
         letters = [row["letter"] for row in machine.core_spec()["axes"]]
+        if self._frozen is not None:
+            return dict(zip([*letters, "E"], self._frozen, strict=True)), counts
         places: list[float | None] = [None] * len(letters)
         try:
             a, b, c = (real[("actuator", i)] for i in range(3))

@@ -12,6 +12,8 @@ from passo.config.drives import axis_order
 from passo.errors import CommandError, MachineError
 from passo.printer.commands import Commands
 from passo.printer.drive import MOST_QUEUED, TICK_S, Drive
+from passo.printer.driver_commands import DriverCommands
+from passo.printer.drivers import DriverWatch
 from passo.printer.endstop_watch import EndstopWatch
 from passo.printer.faults import problem_of
 from passo.printer.heat_commands import HeatCommands
@@ -66,6 +68,8 @@ class Printer:
         self.watchers: list[Callable[[], None]] = [self._look_after_idleness]  # time has passed
         connection, self.board = connect(machine)
         self.motors = Motors(self)
+        self.drivers = DriverWatch(self)
+        self.driver_commands = DriverCommands(self)
         self._begin(connection)
         self.turn = Turn()
         self.busy: Callable[[], bool] = lambda: False  # a print is under way, or paused
@@ -76,6 +80,7 @@ class Printer:
         self.tunes = TuneCommands(self)
         self.endstops = EndstopWatch(self)
         self.watchers.append(self.endstops.time_passed)
+        self.watchers.append(self.drivers.time_passed)
         self.store_settings: Callable[[], object] = lambda: None
         self.immediate: dict[str, Handler] = (
             self.heat.immediate
@@ -90,11 +95,13 @@ class Printer:
             | self.motors.planned
             | self.person.planned
             | self.tunes.planned
+            | self.driver_commands.planned
         )
         self.stop_listeners: list[Callable[[str], None]] = []
         self.fault_listeners: list[Callable[[HeaterFault], None]] = []
         self.greeting: Callable[[], str] = str  # what a console that opens should hear
         self.listeners: list[Callable[[str], None]] = []
+        self.program: Reply | None = None  # whose moves were planned last
         self.halted = ""  # why nothing moves or heats any more; M999 clears it
         self.heating = False  # somebody waits for a temperature
         self._skip = asyncio.Event()
@@ -107,17 +114,23 @@ class Printer:
         connection.run(connection.now + int(_FIRST_REPORTS_S * machine.board.clock_hz))
         self.connection = connection
         connection.set_on_fault(self._heater_failed)
+        self.drivers.begin(connection)
         self.job = _core.Job(machine.core_spec(), True, False, False)
         full = [connection.full_scale(o.name) for o in connection.board.outputs]
         self.commands = Commands(machine, self.job, self, full)
         self.drive = Drive(connection, self.job, free=self._free, set_target=self._apply_target)
         self.commands.record_at_once = self.drive.record_at_once
-        self.drive.on_motion = self.motors.all_on
+        self.drive.on_motion = self._before_motion
         self.drive.on_pass = self._time_passed
         self.homer = Homer(self)
         self.positions = Positions(self)
         if machine.unhomed_moves == "refuse":
             self.lock(self.homer.axes)
+
+    def _before_motion(self) -> None:
+        self.drivers.before_motion()
+        if not self.halted:
+            self.motors.all_on()
 
     def _time_passed(self) -> None:
         for watcher in self.watchers:
@@ -215,12 +228,17 @@ class Printer:
 
     def stop_by_endstop(self, names: Sequence[str]) -> None:
         """A switch was hit in mid-move: brakes, and ends the print if one is under way."""
+        self.stop_all(f"endstop {', '.join(names)} was hit")
+
+    def stop_all(self, reason: str) -> None:
+        """M410: brakes to a stop on the path and forgets all moves that were planned. A print that
+        moves the machine ends: what is left of it would not follow on."""
         self.stop()
         for listener in self.stop_listeners:
-            listener(f"endstop {', '.join(names)} was hit")
+            listener(reason)
 
     def stop(self) -> None:
-        """M410: brakes to a stop on the path and forgets all moves that were planned."""
+        """Brakes to a stop on the path and forgets all moves that were planned."""
         self.drive.stop()
         self.commands.laser_off()
         self._skip.set()
@@ -242,6 +260,11 @@ class Printer:
         # Beside a print the plan is always full: a line comes behind what is planned.
         return self.job.queued <= MOST_QUEUED if self.busy() else not self.drive.full
 
+    def beside(self, reply: Reply) -> bool:
+        """Who asks is not the one whose moves are planned: a console beside a print from the card,
+        or beside another console."""
+        return reply is not self.program
+
     def select(self, *, console: bool) -> None:
         """What is read next comes from a console, or else from the file."""
         self.job.select(console)
@@ -251,8 +274,13 @@ class Printer:
         """Takes in one line of a console: all of it, or up to a command that waits; then `finish`
         goes on. Only with the turn and with room."""
         self.select(console=True)
-        self.job.feed(text.encode("ascii", "replace") + b"\n")
-        return self._go_on(reply)
+        job = self.job
+        job.feed(text.encode("ascii", "replace") + b"\n")
+        before = job.queued, job.clock
+        wait = self._go_on(reply)
+        if not self.busy() and (job.queued, job.clock) != before:
+            self.program = reply
+        return wait
 
     def take_setting(self, text: str, reply: Reply) -> None:
         """Carries out one line of stored settings, the machine standing, by who has the turn."""
@@ -394,6 +422,7 @@ class Printer:
         for listener in self.stop_listeners:
             listener(self.halted)
         self.motors.forget()
+        self.motion.homed("xyz")
         lines = list(self.settings())
         self._begin(reconnected(self.connection))
         self.endstops.begin()

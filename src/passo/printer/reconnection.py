@@ -22,36 +22,38 @@ async def reconnect(printer: Printer, lost: LinkLostError) -> None:
     """Waits for the board, proves that it stands where its brake tails end, and goes on with what
     was held as soon as what was warm is so again. Raises `lost` when the printer is halted
     meanwhile, and MachineError when the board's place cannot be proved."""
-    connection, drive = printer.connection.main, printer.drive  # a board that is alone
-    connection.link.stop_job()
+    held = printer.job.holds
+    printer.connection.stop_job()
     problem = str(lost).partition(".")[0]
     printer.tell(
         f"echo:The link is lost ({problem}). The board stops by itself and keeps warm for a minute:"
         " plug it in again, or give up with M112"
     )
-    while True:
-        if printer.halted:
-            raise lost
+    while not printer.halted:
         try:
-            connection.reopen()
-            state = await _standing(printer)
+            await _take_over(printer)
             break
         except LinkLostError:
             await asyncio.sleep(_AGAIN_S)
-    held = printer.job.holds
-    _prove(printer, state)
+    if printer.halted:
+        raise lost
+    if not held:
+        printer.drive.release()
+
+
+async def _take_over(printer: Printer) -> None:
+    """Raises LinkLostError while the board cannot be reached, and again when it is lost again."""
+    connection = printer.connection.main
+    connection.reopen()
+    _prove(printer, await _standing(printer))
     connection.command("survive_arm")
     connection.link.go_on()
     printer.endstops.begin()
     printer.tell("echo:The board is back, and stands where it was told to stop")
     heaters = [h for h in connection.heaters.values() if h.target > 0]
-    while not all(h.reached or h.fault for h in heaters):
-        if printer.halted:
-            raise lost
+    while not printer.halted and not all(h.reached or h.fault for h in heaters):
         await asyncio.sleep(TICK_S)
-        drive.look()
-    if not held:
-        drive.release()
+        printer.drive.look()
 
 
 async def _standing(printer: Printer) -> Values:

@@ -73,7 +73,7 @@ class Reports:
     def position(self) -> str:
         """`X:0.00 Y:0.00 Z:0.00 E:0.00 Count X:0 Y:0 Z:0`: the program's target, motor steps."""
         printer = self._printer
-        *axes, e = printer.job.program_position
+        *axes, e = printer.positions.program
         rounded = [round(at, 3) + 0.0 for at in axes]  # never -0
         text = " ".join(
             f"{letter}:{at:.3f}" for letter, at in zip(self._letters, rounded, strict=True)
@@ -124,6 +124,8 @@ class Reports:
         low = " ".join(f"{n.upper()}:{axes[n].min_mm:.2f}" for n in names)
         high = " ".join(f"{n.upper()}:{axes[n].max_mm:.2f}" for n in names)
         reply.say(f"Soft endstops: ON  Min: {low}  Max: {high}")
+        for line in self._printer.driver_commands.status_lines():
+            reply.say(line)
         return None
 
     def _switch_logic(self, command: Command, reply: Reply) -> Wait | None:

@@ -20,7 +20,8 @@ from passo.board.description import (
 from passo.board.ports import Port, in_process, serial_port, tcp_port
 from passo.config.places import MAIN, named_on, placed
 from passo.heat.control import control_of, limits_of, model_of
-from passo.heat.sensors import open_is_high, sensor_table, share_at
+from passo.heat.sensors import converter_of, open_is_high, sensor_table, share_at
+from passo.printer.driver_wiring import converter_wires, drivers
 from passo.printer.switches import (
     Switch,
     axes_of_arms,
@@ -70,6 +71,7 @@ def board_description(machine: MachineConfig, board: str = MAIN) -> BoardDescrip
             for s in switches(machine)
             if placed(s.pin)[0] == board
         ),
+        drivers=tuple(d for d in drivers(machine) if machine.board_of_stepper(d.stepper) == board),
         move_count=config.move_count,
         mcu=config.mcu,
         endstops_elsewhere=tuple(
@@ -104,7 +106,7 @@ def _stepper(machine: MachineConfig, spec: dict[str, Any], clock_hz: int) -> Ste
 
 def _outputs(machine: MachineConfig) -> list[tuple[str, str]]:
     """All outputs and their pins as written, by number: those on the timeline, heaters, fans, the
-    laser, then what switches motors on."""
+    laser, then what switches motors on, and the main board's status LED."""
     outputs = [(name, heater.pin) for name, heater in machine.heaters.items()]
     outputs += [(name, fan.pin) for name, fan in machine.fans.items()]
     if machine.laser:
@@ -112,6 +114,8 @@ def _outputs(machine: MachineConfig) -> list[tuple[str, str]]:
     for name, output in enable_outputs(machine).items():
         if output == f"{name}-enable":
             outputs.append((output, str(enable_pin(machine, name))))
+    if machine.board.status_led:
+        outputs.append(("status-led", machine.board.status_led))
     return outputs
 
 
@@ -124,6 +128,8 @@ def _output(machine: MachineConfig, name: str, written: str, clock_hz: int) -> O
         return Output(name, pin, "digital", cycle)
     if name == "laser":
         return Output(name, pin, "pwm", round(0.001 * clock_hz), longest)
+    if name == "status-led":
+        return Output(name, pin, cycle_ticks=clock_hz, blinks=True)
     return Output(name, pin, "digital")
 
 
@@ -145,7 +151,8 @@ def sensor_of(machine: MachineConfig, name: str, heater: HeaterConfig) -> Sensor
     table = sensor_table(heater.sensor)
     low, high = sorted((share_at(table, heater.min_c), share_at(table, heater.max_c)))
     pin = machine.pin(heater.sensor_pin)
-    return Sensor(name, pin, table, low, high, open_is_high=open_is_high(heater.sensor))
+    sensor, spi = heater.sensor, converter_wires(machine, heater)
+    return Sensor(name, pin, table, low, high, open_is_high(sensor), converter_of(sensor), spi)
 
 
 def _driver_pins(machine: MachineConfig, name: str) -> tuple[str, str]:

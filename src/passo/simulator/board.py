@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 from passo import _core
-from passo.board.description import BoardDescription, bare, inverted
+from passo.board.description import BoardDescription, UartPins, bare, inverted
 from passo.simulator.dictionary import (
     ADC_MAX,
     PWM_MAX,
@@ -55,6 +55,27 @@ class SimulatedBoard:
                 start=start_clock,
             )
         self._add_plant(plant)
+        self.drivers = dict(self._add_drivers())
+        self._add_converters()
+
+    def _add_drivers(self) -> Iterator[tuple[str, _core.TrinamicChip]]:
+        """The chips of the drivers with registers, by their motors."""
+        for driver in self.board.drivers:
+            kind = getattr(_core.TrinamicKind, driver.settings.chip)
+            chip = _core.TrinamicChip(kind, driver.address)
+            pins = [self._pins[bare(pin)] for pin in driver.wire.pins]
+            if isinstance(driver.wire, UartPins):
+                _core.add_uart_driver(self.device, pins[0], pins[-1], chip)
+            else:
+                select, clock, mosi, miso = pins
+                _core.add_spi_driver(self.device, select, clock, mosi, miso, chip)
+            yield driver.stepper, chip
+
+    def _add_converters(self) -> None:
+        for sensor in self.board.sensors:
+            if sensor.spi is not None:
+                select, clock, mosi, miso = (self._pins[bare(pin)] for pin in sensor.spi.pins)
+                _core.add_converter(self.device, select, clock, mosi, miso, sensor.converter)
 
     def _firmware_board(self, start_clock: int) -> _core.FirmwareBoard:
         device = _core.FirmwareBoard(

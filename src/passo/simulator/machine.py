@@ -41,6 +41,7 @@ class SimulatedMachine:
         self.devices: dict[str, _core.Bench | _core.Distant] = {
             n: b.device for n, b in boards.items()
         }
+        self.drivers = {m: chip for b in boards.values() for m, chip in b.drivers.items()}
         self._distant: dict[SimulatedBoard, _core.Distant] = {}
         self._own: dict[tuple[str, str], SimulatedBoard] = {}
         for number, (name, board) in enumerate(boards.items()):

@@ -14,16 +14,27 @@ from pathlib import Path
 from passo.config.chips import Chip
 from passo.toolchain.avr import FirmwareError
 from passo.toolchain.declarations import Constant, gather
+from passo.toolchain.formats import with_boot_sum
 from passo.toolchain.image import Image
 from passo.toolchain.tables import dictionary, write_tables
 
-# Chips whose folder is in firmware/hal/arm.
-CHIPS = ("sam3x8e",)
+# The folders of each chip in firmware/hal/arm: the chip's own, and that of its family.
+CHIPS = {
+    "sam3x8e": ("sam3x8e", "sam3"),
+    "sam3u4e": ("sam3u4e", "sam3"),
+    "mk20dx128": ("mk20dx128", "mk20"),
+    "mk20dx256": ("mk20dx256", "mk20"),
+    "rp2040": ("rp2040",),
+    "stm32f407": ("stm32f4",),
+    "stm32f429": ("stm32f4",),
+}
+# Chips whose flash is outside, and slow: a stage that their ROM checks copies the code to RAM.
+STAGED = ("rp2040",)
 # A stack this deep must fit beside the static data.
 STACK = 4096
 _RECEIVE_WINDOW = 192
-_CPU = {"cortex-m0plus": "cortex-m0+", "cortex-m3": "cortex-m3", "cortex-m4": "cortex-m4"}
 _LOAD = 1
+_PIN = re.compile(r"(?:P|PT)([A-Z])(\d+)|gpio(\d+)")
 _COMPILE = (
     *("-std=gnu11", "-Os", "-Wall", "-Wextra", "-ffreestanding", "-fno-builtin"),
     *("-fno-strict-aliasing", "-ffunction-sections", "-fdata-sections", "-fshort-enums"),
@@ -32,10 +43,11 @@ _COMPILE = (
 
 @dataclass(frozen=True, slots=True)
 class ArmBoard:
-    """What an image is built for; `console` are the console's pins."""
+    """What an image is built for; `console` are the pins of `uart`: receive, send."""
 
     chip: Chip
     clock_hz: int
+    uart: str
     baud: int
     console: tuple[str, ...]
 
@@ -61,14 +73,43 @@ def compiler() -> list[str] | None:
     return None
 
 
+def pin_number(chip: Chip, pin: str) -> int:
+    """A pin's number: 32 a port, counted from port A. Raises FirmwareError if it is none."""
+    match = _PIN.fullmatch(pin)
+    if match is None or pin not in chip.pins:
+        raise FirmwareError(f"{pin} is no pin of {chip.name}")
+    port, n, alone = match.groups()
+    return int(alone) if port is None else (ord(port) - ord("A")) * 32 + int(n)
+
+
 def board_header(board: ArmBoard) -> str:
-    """board.h for firmware/hal/arm."""
+    """board.h for firmware/hal/arm: what differs from board to board, and the chip's pins."""
+    chip = board.chip
+    receive, send = (pin_number(chip, pin) for pin in board.console)
+    masks: dict[int, int] = {}
+    for pin in chip.pins:
+        port, bit = divmod(pin_number(chip, pin), 32)
+        masks[port] = masks.get(port, 0) | (pin not in board.console) << bit
+    usable = (f"0x{masks.get(i, 0):08x}" for i in range(max(masks) + 1))
+    analog = (f"X({pin_number(chip, pin)}, {channel})" for pin, channel in chip.adc.items())
+    pulses = (
+        f"X({pin_number(chip, pin)}, {way.timer}, {way.channel})"
+        for pin, ways in chip.pwm.items()
+        for way in ways
+        if not chip.timers[way.timer].firmware
+    )
     return "\n".join(
         [
             "// Made by the build.",
             "#pragma once",
             f"#define BOARD_CLOCK_HZ {board.clock_hz}UL",
+            f"#define BOARD_UART_{board.uart} 1",
             f"#define BOARD_BAUD {board.baud}UL",
+            f"#define BOARD_RECEIVE {receive}",
+            f"#define BOARD_SEND {send}",
+            f"#define CHIP_PINS {', '.join(usable)}",
+            f"#define CHIP_ANALOG(X) {' '.join(analog)}",
+            f"#define CHIP_PULSES(X) {' '.join(pulses)}",
             "",
         ]
     )
@@ -82,6 +123,7 @@ def memory(chip: Chip) -> str:
             f"  FLASH (rx) : ORIGIN = 0x{chip.flash_start:08x}, LENGTH = {chip.flash_bytes}",
             f"  RAM (rwx) : ORIGIN = 0x{chip.ram_start:08x}, LENGTH = {chip.ram_bytes}",
             "}",
+            f'REGION_ALIAS("CODE", {"RAM" if chip.key in STAGED else "FLASH"})',
             "",
         ]
     )
@@ -89,39 +131,43 @@ def memory(chip: Chip) -> str:
 
 def sources(firmware: Path, chip: Chip) -> list[Path]:
     """The sources of an image, below the folder `firmware`."""
-    layer = firmware / "hal" / "arm"
     found = [
         *firmware.glob("core/*.c"),
         *firmware.glob("hal/common/*.c"),
-        *layer.glob("*.c"),
-        *(layer / chip.key).glob("*.c"),
+        *(source for folder in _layer(firmware, chip) for source in folder.glob("*.[cS]")),
         firmware / "hal" / "plain" / "string.c",
     ]
     return sorted(found)
 
 
+def _layer(firmware: Path, chip: Chip) -> list[Path]:
+    """The folders of the chip's hardware layer, the general one last."""
+    layer = firmware / "hal" / "arm"
+    return [*(layer / name for name in CHIPS[chip.key]), layer]
+
+
 def flags(command: list[str], chip: Chip) -> list[str]:
     """How a compiler compiles and links for a chip."""
-    cpu = _CPU[chip.core]
     common = [*_COMPILE, "-nostartfiles", "-nostdlib"]
     if command[0] == "arm-none-eabi-gcc":
         # A loop in memcpy() must not become a call of memcpy().
         common.append("-fno-tree-loop-distribute-patterns")
-        return ["-mthumb", f"-mcpu={cpu}", *common, "-Wl,--gc-sections", "-lgcc"]
-    target = ["-target", "thumb-freestanding-eabi", f"-mcpu={cpu.replace('-', '_')}"]
+        return ["-mthumb", f"-mcpu={chip.core}", *common, "-Wl,--gc-sections", "-lgcc"]
+    target = ["-target", "thumb-freestanding-eabi", f"-mcpu={chip.core.replace('-', '_')}"]
     common.remove("-nostdlib")  # the compiler's own support library comes with the standard ones
-    return [*target, *common, "-Wl,--gc-sections"]
+    # The floating point unit of an M4 is off, and its registers would not be saved.
+    return [*target, "-mfloat-abi=soft", *common, "-Wl,--gc-sections"]
 
 
 def enumerations(chip: Chip) -> dict[str, dict[str, int | tuple[int, int]]]:
-    """The names of the pins: 32 a port, counted from port A."""
-    counts: dict[str, int] = {}
+    """The numbers of the pins, by the first of each port."""
+    counts: dict[str, tuple[int, int]] = {}
     for pin in chip.pins:
-        match = re.fullmatch(r"P([A-Z])(\d+)", pin)
-        if match is None:
-            raise FirmwareError(f"{pin} is no pin of {chip.name}")
-        counts[match[1]] = max(counts.get(match[1], 0), int(match[2]) + 1)
-    return {"pin": {f"P{p}0": ((ord(p) - ord("A")) * 32, n) for p, n in counts.items()}}
+        number = pin_number(chip, pin)
+        first, count = number // 32 * 32, number % 32 + 1
+        name = f"{pin.rstrip('0123456789')}0"
+        counts[name] = (first, max(counts.get(name, (0, 0))[1], count))
+    return {"pin": dict(counts)}
 
 
 def constants(board: ArmBoard) -> dict[str, Constant]:
@@ -143,7 +189,7 @@ def build(
     """Builds an image with the compiler `command` into the folder `output`. Raises FirmwareError if
     the compiler fails, or if the image does not fit."""
     output.mkdir(parents=True, exist_ok=True)
-    chip, layer = board.chip, firmware / "hal" / "arm"
+    chip = board.chip
     code = sources(firmware, chip)
     found = gather(code)
     content = dictionary(
@@ -151,11 +197,11 @@ def build(
     )
     tables = write_tables(found, content, output)
     (output / "board.h").write_text(board_header(board), encoding="utf-8")
-    script = memory(chip) + (layer / "link.ld").read_text(encoding="utf-8")
+    script = memory(chip) + (firmware / "hal" / "arm" / "link.ld").read_text(encoding="utf-8")
     (output / "image.ld").write_text(script, encoding="utf-8")
     elf, image = output / "passo.elf", output / "passo.bin"
-    folders = [output, *(firmware / f for f in ("core", "hal", "hal/common")), layer]
-    include = [f"-I{folder}" for folder in (*folders, layer / chip.key)]
+    folders = [output, *(firmware / f for f in ("core", "hal", "hal/common"))]
+    include = [f"-I{folder}" for folder in (*folders, *_layer(firmware, chip))]
     words = [*command, *include, *map(str, (*code, *tables)), *flags(command, chip)]
     words += [f"-Wl,-T,{output / 'image.ld'}"]
     done = subprocess.run([*words, "-o", str(elf)], capture_output=True, text=True, check=False)
@@ -163,6 +209,8 @@ def build(
         raise FirmwareError(done.stderr.strip())
     parts = segments(elf.read_bytes())
     data = flash_content(parts, chip)
+    if chip.key in STAGED:
+        data = with_boot_sum(data)
     image.write_bytes(data)
     in_ram = (p for p in parts if chip.ram_start <= p.run < chip.ram_start + chip.ram_bytes)
     ram = sum(p.size for p in in_ram)

@@ -38,7 +38,7 @@ _DEVICES = {
 # Parts of the compiler's library that leave the registers of the interrupts alone.
 _HARMLESS = (
     *("_clear_bss.o", "_copy_data.o", "_mulsi3.o"),
-    *("_muluhisi3.o", "_umulhisi3.o", "_usmulhisi3.o"),
+    *("_mulshisi3.o", "_muluhisi3.o", "_umulhisi3.o", "_usmulhisi3.o"),
 )
 
 

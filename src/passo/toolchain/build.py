@@ -15,9 +15,10 @@ from passo import _core
 from passo.config.board import Console
 from passo.errors import FirmwareError, Problem
 from passo.toolchain import arm, avr, avr_wheel
+from passo.toolchain.formats import intel_hex, uf2
 from passo.toolchain.images import About, about_path, write_about
 from passo.toolchain.tables import compress
-from passo.toolchain.targets import LAYERS, Target, no_firmware
+from passo.toolchain.targets import Target, no_firmware
 
 
 def firmware_folder() -> Path:
@@ -41,12 +42,10 @@ def build(target: Target, output: Path) -> tuple[Path, About]:
     """Builds the image of a target into the folder `output`. Returns its path, and what the JSON
     file beside it says.
 
-    The same sources, compiler and target make the same image. Raises FirmwareError if there is no
-    firmware for that chip yet, if the compiler is missing, or if the build fails.
+    The same sources, compiler and target make the same image. Raises FirmwareError if the
+    board has firmware of its own, if the compiler is missing, or if the build fails.
     """
     chip = target.chip
-    if chip.key not in LAYERS:
-        raise no_firmware(target.name, f"that for the {chip.name} is not written yet")
     make = _make_avr if chip.core == "avr" else _make_arm
     try:
         output.mkdir(parents=True, exist_ok=True)
@@ -107,10 +106,24 @@ def _make_arm(target: Target, folder: Path) -> _Made:
         tools = "arm-none-eabi-gcc (Debian: gcc-arm-none-eabi; or the package ziglang from PyPI)"
         raise _problem("firmware.tool", target, tools)
     console, firmware = _console(target), firmware_folder()
-    pins = tuple(console.pins)
-    board = arm.ArmBoard(target.chip, target.board.clock_hz, console.baud, pins)
+    pins = tuple(target.board.pin(pin) for pin in console.pins)
+    uart = console.uart or ""
+    board = arm.ArmBoard(target.chip, target.board.clock_hz, uart, console.baud, pins)
     made = arm.build(board, firmware, folder, compiler, _version(arm.board_header(board), firmware))
-    return _Made(made.file, made.flash, made.ram, made.dictionary, _name_of(compiler))
+    image = _for_flashing(target, made.file)
+    return _Made(image, made.flash, made.ram, made.dictionary, _name_of(compiler))
+
+
+def _for_flashing(target: Target, image: Path) -> Path:
+    """The image as the board's flashing program wants it."""
+    method = target.board.flash.method if target.board.flash else ""
+    make = {"teensy_loader_cli": (".hex", intel_hex), "uf2": (".uf2", uf2)}.get(method)
+    if make is None:
+        return image
+    suffix, convert = make
+    made = image.with_suffix(suffix)
+    made.write_bytes(convert(image.read_bytes(), target.chip.flash_start))
+    return made
 
 
 def _console(target: Target) -> Console:
@@ -123,7 +136,7 @@ def _version(header: str, firmware: Path) -> str:
     """Passo's version and a digest of all that the image is made from, so that a board tells which
     image it runs."""
     digest = hashlib.sha256(header.encode())
-    for path in sorted(firmware.rglob("*.[chS]")):
+    for path in sorted([*firmware.rglob("*.[chS]"), *firmware.rglob("*.ld")]):
         digest.update(path.read_bytes())
     return f"{passo.__version__}-{digest.hexdigest()[:12]}"
 

@@ -10,10 +10,7 @@ from passo.config.board import Board
 from passo.config.chips import Chip
 from passo.config.places import MAIN, placed
 from passo.errors import FirmwareError, Problem
-from passo.toolchain import arm, avr
 
-# Chips that firmware/hal has a layer for.
-LAYERS = (*avr.CHIPS, *arm.CHIPS)
 # Of a board whose microcontroller Passo does not know.
 KLIPPERS = "it runs Klipper's own firmware"
 
@@ -89,14 +86,11 @@ def _of_machine(path: str, board_name: str) -> Target:
 
 
 def state(board: Board) -> str:
-    """How far Passo's firmware is for a board: `ready`, `no image yet`, `incomplete: usb` where the
-    board's only connector is one that the firmware does not speak on; or that it has its own."""
+    """How far Passo's firmware is for a board: `ready`; `incomplete: usb` where the board's only
+    connector is one that the firmware does not speak on; or that it has its own."""
     if board.chip is None:
         return "runs Klipper's"
-    parts = [f"incomplete: {board.incomplete}"] if board.incomplete else []
-    if board.mcu not in LAYERS:
-        parts.append("no image yet")
-    return ", ".join(parts) or "ready"
+    return f"incomplete: {board.incomplete}" if board.incomplete else "ready"
 
 
 def no_firmware(name: str, why: str) -> FirmwareError:

@@ -65,6 +65,7 @@ def _library() -> ctypes.CDLL:
         "revivals": (number, [pointer]),
         "siblings": (number, [pointer]),
         "channels": (number, [pointer]),
+        "hang": (ctypes.c_int, [pointer]),
         "ram": (ctypes.c_uint8, [pointer, ctypes.c_int]),
     }
     for name, (result, arguments) in signatures.items():
@@ -208,3 +209,7 @@ class AvrBench:
         """A little-endian number in the chip's memory."""
         parts = (self._library.bench_ram(self._bench, address + i) for i in range(size))
         return sum(byte << 8 * i for i, byte in enumerate(parts))
+
+    def hang(self) -> None:
+        """The foreground goes round and round in one place; interrupts come as before."""
+        assert self._library.bench_hang(self._bench)

@@ -174,3 +174,22 @@ def test_a_heater_is_off_before_the_last_messages_and_the_chip_lives_on(monkeypa
     waits = [b.cycle - a.cycle for a, b in pairwise(clocked)]
     assert 3000 <= min(waits) <= max(waits) < 3200
     chip.close()
+
+
+def test_a_board_that_hangs_starts_anew_with_its_heater_off():
+    chip = bench()
+    description = BoardDescription(HZ, outputs=(Output("heater", "PH5"),))
+    connection = AvrConnection(description, chip)
+    connection.connect()
+    connection.switch("heater", True)
+    connection.run(connection.now + HZ)
+    assert (chip.level("PH5"), chip.ram(DDRH) >> 5 & 1) == (1, 1)
+    chip.hang()
+    chip.run_for(9 * HZ // 10)
+    assert chip.ram(DDRH) >> 5 & 1 == 1
+    chip.run_for(HZ // 5)
+    assert chip.ram(DDRH) >> 5 & 1 == 0
+    chip.receive()
+    AvrConnection(description, chip).connect()
+    assert chip.level("PH5") == 0
+    chip.close()

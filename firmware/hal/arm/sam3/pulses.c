@@ -1,19 +1,17 @@
-// Pulse width modulation: eight channels, each with a cycle of its own, on their outputs L.
+// Pulse width modulation: each channel has a cycle of its own.
 #include "hal.h"
-#include "pins.h"
+#include "layer.h"
 
 #define STEPS HAL_PWM_MAX
-#define SLOWEST 10  // exponent of the last prescaler
-#define P(port, n) (((port) - 'A') * 32 + (n))
+#define SLOWEST 10             // exponent of the last prescaler
+#define STARTS_HIGH (1u << 9)  // an output H is on from a cycle's start; L is its opposite
+enum { PWM0, PWM1, PWM2, PWM3, PWM4, PWM5, PWM6, PWM7 };
+enum { L, H };
 
+#define ROW(pin, timer, side) {pin, timer, side},
 static const struct output {
-  uint8_t pin, channel;
-} outputs[] = {
-    {P('A', 21), 0}, {P('B', 16), 0}, {P('C', 2), 0},  {P('A', 12), 1},
-    {P('B', 17), 1}, {P('C', 4), 1},  {P('A', 20), 2}, {P('B', 18), 2},
-    {P('C', 6), 2},  {P('A', 0), 3},  {P('B', 19), 3}, {P('C', 8), 3},
-    {P('C', 21), 4}, {P('C', 22), 5}, {P('C', 23), 6}, {P('C', 24), 7},
-};
+  uint8_t pin, channel, side;
+} outputs[] = {CHIP_PULSES(ROW)};
 
 // The exponent of the prescaler whose cycle is nearest to the wish, in ticks.
 static uint32_t nearest(uint32_t cycle) {
@@ -26,14 +24,17 @@ static uint32_t nearest(uint32_t cycle) {
 bool hal_pwm_setup(struct hal_pwm *pwm, uint16_t pin, uint32_t cycle, uint16_t value) {
   for (const struct output *it = outputs; it < outputs + sizeof outputs / sizeof *outputs; ++it) {
     if (it->pin != pin) continue;
-    volatile uint32_t *port, *channel = PWM_CHANNEL(it->channel);
-    uint32_t mask;
-    if ((PWM_SR & 1u << it->channel) || !pin_find(pin, &port, &mask)) return false;
-    channel[PWM_CMR] = nearest(cycle);
+    volatile uint32_t *port = PIO(pin / 32), *channel = PWM_CHANNEL(it->channel);
+    uint32_t mask = 1u << pin % 32;
+    if ((PWM_SR & 1u << it->channel) || !pin_usable(pin)) return false;
+    channel[PWM_CMR] = nearest(cycle) | (it->side == H ? STARTS_HIGH : 0);
     channel[PWM_CPRD] = STEPS;
     channel[PWM_CDTY] = value;
     PWM_ENA = 1u << it->channel;
-    port[PIO_ABSR] |= mask;  // module B
+    if (IS_MODULE_A(pin))
+      port[PIO_ABSR] &= ~mask;
+    else
+      port[PIO_ABSR] |= mask;
     port[PIO_PDR] = mask;
     pwm->duty = &channel[PWM_CDTYUPD];
     return true;

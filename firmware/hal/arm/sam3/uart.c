@@ -7,8 +7,8 @@ _Static_assert(MADE > BOARD_BAUD - BOARD_BAUD / 40 && MADE < BOARD_BAUD + BOARD_
                "the clock does not give this baud rate within 2.5 %");
 
 void uart_start(void) {
-  PIO(0)[PIO_PDR] = 3u << 8;  // PA8, PA9: their module A
-  PIO(0)[PIO_PUER] = 1u << 8;
+  PIO(0)[PIO_PDR] = UART_PINS;  // their module A
+  PIO(0)[PIO_PUER] = UART_RECEIVE_PIN;
   UART_BRGR = DIVISOR;
   UART_MR = 4u << 9;  // no parity
   UART_CR = 1u << 4 | 1u << 6;

@@ -1,0 +1,159 @@
+// I2C over any two pins, by software, as the only master: for sensors and displays that are asked
+// now and then. A line is pulled low or let go; the pull-ups are those of the bus, and the pins'.
+#include <stdbool.h>
+#include <string.h>
+
+#include "command.h"
+#include "frame.h"
+#include "hal.h"
+#include "object.h"
+#include "shutdown.h"
+#include "wait.h"
+
+DECL_SHUTDOWN(I2C_PINS, "Pins cannot make an I2C bus");
+DECL_SHUTDOWN(I2C_NO_BUS, "I2C device without a bus");
+DECL_SHUTDOWN(I2C_TOO_SLOW, "I2C clock too slow for this board");
+DECL_SHUTDOWN(I2C_TOO_LONG, "I2C data too large");
+DECL_ENUMERATION("i2c_bus_status", "SUCCESS", 0);
+DECL_ENUMERATION("i2c_bus_status", "NACK", 1);
+DECL_ENUMERATION("i2c_bus_status", "BUS_TIMEOUT", 2);
+DECL_ENUMERATION("i2c_bus_status", "START_NACK", 3);
+DECL_ENUMERATION("i2c_bus_status", "START_READ_NACK", 4);
+DECL_REPORT("i2c_response oid=%c i2c_bus_status=%c response=%*s");
+
+enum { SUCCESS, NACK, BUS_TIMEOUT, START_NACK, START_READ_NACK };
+
+#define STRETCH_PULSES 1000  // a device may hold the clock low so long
+
+struct line {
+  struct hal_output output;
+  struct hal_input input;
+  uint16_t pin;
+};
+
+struct i2c {
+  struct object object;
+  struct line clock, data;
+  uint16_t pulse_ticks;  // half a bit, at least
+  uint8_t address;       // in the upper seven bits
+  bool has_bus;
+  bool stuck;  // the clock stays low
+};
+
+static const struct object_kind kind = {OBJECT_I2C, NULL};
+
+static void pull(struct line *line) { hal_output_setup(&line->output, line->pin, false); }
+static void let_go(struct line *line) { hal_input_setup(&line->input, line->pin, true); }
+static void set(struct line *line, bool high) {
+  if (high)
+    let_go(line);
+  else
+    pull(line);
+}
+
+// Lets the clock rise, and waits for a device that still holds it.
+static void rise(struct i2c *i2c) {
+  let_go(&i2c->clock);
+  HAL_WAIT(i2c->pulse_ticks);
+  uint16_t pulses = i2c->stuck ? 0 : STRETCH_PULSES;
+  for (; pulses > 0 && !hal_input_read(&i2c->clock.input); --pulses) HAL_WAIT(i2c->pulse_ticks);
+  i2c->stuck = pulses == 0;
+}
+
+// One bit, either way: the line is read while the clock is high, which of a bit that is sent gives
+// the bit itself unless a device pulls.
+static bool bit(struct i2c *i2c, bool value) {
+  set(&i2c->data, value);
+  HAL_WAIT(i2c->pulse_ticks);
+  rise(i2c);
+  bool seen = hal_input_read(&i2c->data.input);
+  pull(&i2c->clock);
+  return seen;
+}
+
+// Begins, also in the midst of a transfer.
+static void start(struct i2c *i2c) {
+  let_go(&i2c->data);
+  HAL_WAIT(i2c->pulse_ticks);
+  rise(i2c);
+  pull(&i2c->data);
+  HAL_WAIT(i2c->pulse_ticks);
+  pull(&i2c->clock);
+}
+
+static void stop(struct i2c *i2c) {
+  pull(&i2c->data);
+  HAL_WAIT(i2c->pulse_ticks);
+  rise(i2c);
+  let_go(&i2c->data);
+  HAL_WAIT(i2c->pulse_ticks);
+}
+
+// True if the device has taken it.
+static bool send(struct i2c *i2c, uint8_t byte) {
+  for (uint8_t i = 0; i < 8; ++i) bit(i2c, byte >> (7 - i) & 1);
+  return !bit(i2c, true);
+}
+
+static uint8_t receive(struct i2c *i2c, bool more) {
+  uint8_t byte = 0;
+  for (uint8_t i = 0; i < 8; ++i) byte = (uint8_t)(byte << 1 | bit(i2c, true));
+  bit(i2c, !more);
+  return byte;
+}
+
+static uint8_t exchange(struct i2c *i2c, const uint8_t *out, uint8_t out_size, uint8_t *in,
+                        uint8_t in_size) {
+  if (out_size > 0 || in_size == 0) {
+    start(i2c);
+    if (!send(i2c, i2c->address)) return START_NACK;
+    for (; out_size > 0; --out_size)
+      if (!send(i2c, *out++)) return NACK;
+  }
+  if (in_size == 0) return SUCCESS;
+  start(i2c);
+  if (!send(i2c, i2c->address | 1)) return START_READ_NACK;
+  while (in_size-- > 0) *in++ = receive(i2c, in_size > 0);
+  return SUCCESS;
+}
+
+DECL_COMMAND(command_config_i2c, "config_i2c oid=%c", 0);
+void command_config_i2c(const uint32_t *args) { object_add(args[0], &kind, sizeof(struct i2c)); }
+
+static bool line_setup(struct line *line, uint32_t pin) {
+  line->pin = (uint16_t)pin;
+  return pin <= 0xffff && hal_output_setup(&line->output, line->pin, true) &&
+         hal_input_setup(&line->input, line->pin, true);
+}
+
+DECL_COMMAND(command_i2c_set_sw_bus,
+             "i2c_set_sw_bus oid=%c scl_pin=%u sda_pin=%u pulse_ticks=%u address=%u", 0);
+void command_i2c_set_sw_bus(const uint32_t *args) {
+  struct i2c *i2c = object_get(args[0], OBJECT_I2C);
+  if (i2c == NULL) return;
+  if (args[3] > LONGEST_PULSE) {
+    shut_down(SHUTDOWN_I2C_TOO_SLOW);
+    return;
+  }
+  i2c->pulse_ticks = (uint16_t)args[3];
+  i2c->address = (uint8_t)(args[4] << 1);
+  i2c->has_bus = line_setup(&i2c->clock, args[1]) && line_setup(&i2c->data, args[2]);
+  if (!i2c->has_bus) shut_down(SHUTDOWN_I2C_PINS);
+}
+
+DECL_COMMAND(command_i2c_transfer, "i2c_transfer oid=%c write=%*s read_len=%u", 0);
+void command_i2c_transfer(const uint32_t *args) {
+  struct i2c *i2c = object_get(args[0], OBJECT_I2C);
+  if (i2c == NULL) return;
+  uint8_t in[FRAME_MAX];
+  if (!i2c->has_bus || args[2] > sizeof in) {
+    shut_down(i2c->has_bus ? SHUTDOWN_I2C_TOO_LONG : SHUTDOWN_I2C_NO_BUS);
+    return;
+  }
+  memset(in, 0, sizeof in);
+  i2c->stuck = false;
+  uint8_t status = exchange(i2c, command_bytes(), (uint8_t)args[1], in, (uint8_t)args[2]);
+  if (i2c->stuck) status = BUS_TIMEOUT;
+  stop(i2c);
+  report_bytes(REPORT_I2C_RESPONSE, (uint32_t[]){args[0], status}, 2, in, (uint8_t)args[2]);
+}

@@ -1,0 +1,29 @@
+// Converters of thermocouples and platinum resistors on an SPI bus, asked at regular times. Words
+// outside their range, or with a fault, several times in a row shut the board down, and with it
+// every heater. A range of all words watches neither.
+#pragma once
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "object.h"
+#include "scheduler.h"
+#include "spi.h"
+
+struct thermocouple {
+  struct object object;
+  struct timer timer;
+  const struct spi *spi;
+  uint32_t rest_ticks, minimum, maximum;
+  uint32_t most_faults, faults;  // in a row
+  uint8_t type;
+  volatile bool due;
+};
+
+// Asks those that are due, and reports. Foreground.
+void thermocouple_task(void);
+// A new converter. `args` are those of config_thermocouple up to its type. Foreground.
+void thermocouple_config(const uint32_t *args);
+// Begins anew. `args` are those of query_thermocouple up to max_value. Foreground.
+void thermocouple_query(const uint32_t *args);
+// From now on so many faults in a row are no reason to shut down. Foreground.
+void thermocouple_forgive(uint32_t oid, uint32_t most_faults);

@@ -1,0 +1,17 @@
+// Short waits in the foreground, or under hal_irq_save().
+#pragma once
+#include <stdint.h>
+
+#include "hal.h"
+#include "scheduler.h"
+
+#ifndef HAL_WAIT
+static inline void wait(uint16_t ticks) {
+  uint32_t end = hal_clock() + ticks;
+  while (before(hal_clock(), end)) continue;
+}
+#define HAL_WAIT(ticks) wait(ticks)
+#endif
+
+// The most that half a bit of a bus by software may take: a millisecond.
+#define LONGEST_PULSE (HAL_CLOCK_HZ / 1000 < 0x7fff ? HAL_CLOCK_HZ / 1000 : 0x7fff)

@@ -1,0 +1,34 @@
+#include "hal.h"
+#include "layer.h"
+
+#define CRYSTAL_FIRST 18  // PTA18, PTA19: taken from the crystal, the chip would stop
+#define CRYSTAL_LAST 19
+
+static bool usable(uint16_t pin) {
+  return pin_usable(pin) && (pin < CRYSTAL_FIRST || pin > CRYSTAL_LAST);
+}
+
+bool hal_output_setup(struct hal_output *output, uint16_t pin, bool level) {
+  if (!usable(pin)) return false;
+  output->port = GPIO(pin / 32);
+  output->mask = 1u << pin % 32;
+  hal_output_write(output, level);
+  output->port[GPIO_PDDR] |= output->mask;
+  PORT_PCR(pin) = PCR_GPIO | PCR_STRONG;
+  return true;
+}
+
+void hal_output_write(const struct hal_output *output, bool level) {
+  output->port[level ? GPIO_PSOR : GPIO_PCOR] = output->mask;
+}
+
+bool hal_input_setup(struct hal_input *input, uint16_t pin, bool pull_up) {
+  if (!usable(pin)) return false;
+  input->port = GPIO(pin / 32);
+  input->mask = 1u << pin % 32;
+  input->port[GPIO_PDDR] &= ~input->mask;
+  PORT_PCR(pin) = PCR_GPIO | (pull_up ? PCR_PULL_UP : 0);
+  return true;
+}
+
+bool hal_input_read(const struct hal_input *input) { return input->port[GPIO_PDIR] & input->mask; }

@@ -1,0 +1,32 @@
+#include "hal.h"
+#include "layer.h"
+
+#define DIVISOR ((2 * CHIP_CORE_HZ + BOARD_BAUD / 2) / BOARD_BAUD)  // in 32nds of 16 times the rate
+#define MADE (2 * CHIP_CORE_HZ / DIVISOR)
+_Static_assert(MADE > BOARD_BAUD - BOARD_BAUD / 40 && MADE < BOARD_BAUD + BOARD_BAUD / 40,
+               "the clock does not give this baud rate within 2.5 %");
+
+#define S1_RECEIVED (1u << 5)
+#define S1_READY (1u << 7)
+#define C2_ON (1u << 5 | 1u << 3 | 1u << 2)  // both ways, interrupt when received
+#define C2_READY (1u << 7)
+
+void uart_start(void) {
+  PORT_PCR(BOARD_RECEIVE) = PCR_FUNCTION(UART_FUNCTION) | PCR_PULL_UP;
+  PORT_PCR(BOARD_SEND) = PCR_FUNCTION(UART_FUNCTION) | PCR_STRONG;
+  UART_BDH = (uint8_t)(DIVISOR / 32 >> 8);
+  UART_BDL = (uint8_t)(DIVISOR / 32);
+  UART_C4 = DIVISOR % 32;
+  UART_C2 = C2_ON;
+}
+
+// Reading status and data takes the flag back, and that of an overrun.
+bool uart_take(uint8_t *byte) {
+  if (!(UART_S1 & S1_RECEIVED)) return false;
+  *byte = UART_D;
+  return true;
+}
+
+bool uart_ready(void) { return UART_S1 & S1_READY; }
+void uart_give(uint8_t byte) { UART_D = byte; }
+void uart_ask(bool ready) { UART_C2 = ready ? C2_ON | C2_READY : C2_ON; }

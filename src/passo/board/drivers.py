@@ -1,0 +1,182 @@
+"""The drivers of one board that are set up over a wire: configured, watched, set anew."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from passo.board.configuration import Oids
+from passo.board.description import Driver, UartPins, bare
+from passo.board.trinamic import (
+    DriverFailure,
+    DriverLink,
+    DriverSettings,
+    Exchange,
+    Question,
+    Reading,
+    SpiWire,
+    UartWire,
+)
+from passo.errors import MachineError
+
+if TYPE_CHECKING:
+    from passo.board.connection import Connection
+
+_PATIENCE_S = 0.5  # for an answer, which takes 30 ms on the slowest wire
+_ANSWERS = ("tmcuart_response", "spi_transfer_response")
+
+
+@dataclass
+class DriverState:
+    """One driver: what it is to be set to, the `failure` if it is not, and the `reading` when it
+    was last asked, `fresh` until somebody has looked at it."""
+
+    link: DriverLink
+    settings: DriverSettings
+    failure: DriverFailure | None = None
+    reading: Reading | None = None
+    fresh: bool = False
+
+
+@dataclass
+class _Talk:
+    """An exchange that goes on, one question at a time."""
+
+    exchange: Exchange[Any]
+    done: Callable[[Any], None]
+    failed: Callable[[DriverFailure], None]
+    question: Question | None = None
+    deadline: int = 0
+
+
+@dataclass
+class _Line:
+    """A wire with the exchanges that wait for it."""
+
+    talks: deque[_Talk] = field(default_factory=deque[_Talk])
+
+
+class Drivers:
+    """All drivers of a connection that have registers, by their motors.
+
+    `configure` asks and waits, before anything moves. After that everything is asked while time
+    passes elsewhere: whoever lets it pass calls `poll` now and then.
+    """
+
+    def __init__(self, connection: Connection) -> None:
+        self._connection = connection
+        oids = Oids.of(connection.board)
+        self._lines: dict[int, _Line] = {}
+        self.states: dict[str, DriverState] = {}
+        for driver in connection.board.drivers:
+            link, oid = _link(driver, oids)
+            self.states[driver.stepper] = DriverState(link, driver.settings)
+            self._lines.setdefault(oid, _Line())
+        self._oids = {d.stepper: _link(d, oids)[1] for d in connection.board.drivers}
+
+    @property
+    def idle(self) -> bool:
+        """Nothing is being asked."""
+        return not any(line.talks for line in self._lines.values())
+
+    def configure(self) -> None:
+        """Sets all drivers up, one after the other. Lets time pass; raises MachineError if the
+        board fails. A driver that fails says so in its state."""
+        for state in self.states.values():
+            exchange = state.link.configure(state.settings)
+            try:
+                question = next(exchange)
+                while True:
+                    question = exchange.send(self._ask(question))
+            except StopIteration:
+                state.failure = None
+            except DriverFailure as failure:
+                state.failure = failure
+
+    def require(self) -> None:
+        """As `configure`, and raises MachineError for drivers that fail, too."""
+        self.configure()
+        failures = [state.failure for state in self.states.values() if state.failure is not None]
+        if failures:
+            raise MachineError([failure.problem for failure in failures])
+
+    def _ask(self, question: Question) -> bytes:
+        values = self._connection.ask(question.text, question.answer)
+        data = values[question.parameter]
+        return data if isinstance(data, bytes) else b""
+
+    def begin_configure(self, motor: str, settings: DriverSettings | None = None) -> None:
+        """Sets a driver up (anew, or to other settings) as time passes."""
+        state = self.states[motor]
+        if settings is not None:
+            state.settings = settings
+
+        def done(_: None) -> None:
+            state.failure = None
+
+        self._begin(motor, state.link.configure(state.settings), done)
+
+    def begin_status(self, motor: str) -> None:
+        """Asks a driver how it is as time passes."""
+        state = self.states[motor]
+
+        def done(reading: Reading) -> None:
+            state.reading, state.fresh = reading, True
+
+        self._begin(motor, state.link.status(), done)
+
+    def _begin(self, motor: str, exchange: Exchange[Any], done: Callable[[Any], None]) -> None:
+        state = self.states[motor]
+
+        def failed(failure: DriverFailure) -> None:
+            state.failure = failure
+
+        self._lines[self._oids[motor]].talks.append(_Talk(exchange, done, failed))
+
+    def poll(self) -> None:
+        """Takes in what the drivers have answered, and asks on. Lets no time pass."""
+        if self.idle:
+            return
+        answers: dict[int, bytes] = {}
+        for _, values in self._connection.take_responses(*_ANSWERS):
+            data = values.get("read", values.get("response"))
+            if isinstance(data, bytes):
+                answers[int(values["oid"])] = data
+        now = self._connection.now
+        for oid, line in self._lines.items():
+            if line.talks:
+                self._go_on(line, answers.get(oid), now)
+
+    def _go_on(self, line: _Line, answer: bytes | None, now: int) -> None:
+        talk = line.talks[0]
+        if talk.question is not None and answer is None and now < talk.deadline:
+            return
+        try:
+            if talk.question is None:
+                talk.question = next(talk.exchange)
+            else:
+                talk.question = talk.exchange.send(answer or b"")
+        except StopIteration as end:
+            talk.done(end.value)
+            line.talks.popleft()
+        except DriverFailure as failure:
+            talk.failed(failure)
+            line.talks.popleft()
+        else:
+            self._connection.command(talk.question.text)
+            talk.deadline = now + int(_PATIENCE_S * self._connection.board.clock_hz)
+
+
+def _link(driver: Driver, oids: Oids) -> tuple[DriverLink, int]:
+    wire = driver.wire
+    chip = driver.settings.chip
+    if isinstance(wire, UartPins):
+        oid = oids.uarts[wire]
+        place = " and ".join(bare(pin) for pin in wire.pins)
+        if chip == "TMC2209":
+            place += f" (address {driver.address})"
+        return DriverLink(driver.stepper, chip, UartWire(oid, driver.address), place), oid
+    oid = oids.spi_devices[wire]
+    return DriverLink(driver.stepper, chip, SpiWire(oid), bare(wire.cs_pin)), oid

@@ -1,0 +1,27 @@
+"""Motor drivers that are set up and asked over a wire: TMC2208, TMC2209, TMC2130, TMC5160."""
+
+from passo.board.trinamic.driver import (
+    DriverFailure,
+    DriverLink,
+    Exchange,
+    Question,
+    SpiWire,
+    UartWire,
+)
+from passo.board.trinamic.settings import DriverSettings, threshold_of
+from passo.board.trinamic.status import Finding, Reading, findings, open_coils
+
+__all__ = [
+    "DriverFailure",
+    "DriverLink",
+    "DriverSettings",
+    "Exchange",
+    "Finding",
+    "Question",
+    "Reading",
+    "SpiWire",
+    "UartWire",
+    "findings",
+    "open_coils",
+    "threshold_of",
+]

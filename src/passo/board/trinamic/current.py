@@ -1,0 +1,51 @@
+"""From amperes to the numbers in a driver's registers, and back."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from passo.config.trinamic import CHIPS, ChipName, full_scale_a
+
+_STEPS = 32  # of IRUN and IHOLD: 0 is a 32nd of full scale
+_SCALER_FULL = 256
+_SCALER_LEAST = 32  # below, the TMC5160 is not specified
+
+
+class CurrentNumbers(NamedTuple):
+    """`irun` and `ihold`, and what they are shares of: the smaller range of voltages (`vsense`), or
+    the TMC5160's `scaler` of 256. `run_a` and `hold_a` are what they make, effective values."""
+
+    irun: int
+    ihold: int
+    vsense: int
+    scaler: int
+    run_a: float
+    hold_a: float
+
+
+def current_numbers(
+    chip: ChipName, resistor_ohm: float, run_a: float, hold_a: float
+) -> CurrentNumbers:
+    """The nearest that the chip can do: I = (CS + 1) / 32 · full scale, of the smallest range that
+    is large enough. A TMC5160's full scale is itself a share, in 256ths, of what its resistor
+    allows, such that the run current is all of it."""
+    ranges = CHIPS[chip].full_scale_v
+    volts = next((v for v in ranges if full_scale_a(chip, resistor_ohm, v) >= run_a), max(ranges))
+    full_a = full_scale_a(chip, resistor_ohm, volts)
+    scaler = _SCALER_FULL
+    if chip == "TMC5160":
+        scaler = min(max(round(_SCALER_FULL * run_a / full_a), _SCALER_LEAST), _SCALER_FULL)
+        full_a *= scaler / _SCALER_FULL
+    irun, ihold = _share(run_a, full_a), _share(hold_a, full_a)
+    return CurrentNumbers(
+        irun,
+        ihold,
+        int(len(ranges) > 1 and volts == min(ranges)),
+        scaler,
+        (irun + 1) / _STEPS * full_a,
+        (ihold + 1) / _STEPS * full_a,
+    )
+
+
+def _share(ampere: float, full_a: float) -> int:
+    return min(max(round(_STEPS * ampere / full_a) - 1, 0), _STEPS - 1)

@@ -1,0 +1,83 @@
+"""What goes over the wire to a driver: frames of the one-wire UART, and those of SPI.
+
+Layouts are those of the data sheets (TMC2209, chapter 4; TMC5160, chapter 4).
+"""
+
+from __future__ import annotations
+
+ANSWER_BYTES = 10  # of bits that a read access brings back
+SPI_BYTES = 5
+
+_SYNC = 0xF5  # the upper half is free: high, it ends the sync nibble with an edge
+_HOST = 0xFF  # the address in an answer
+_WRITE = 0x80
+
+
+def crc8(data: bytes) -> int:
+    """The checksum of a UART datagram: x⁸ + x² + x + 1, each byte's lowest bit first."""
+    crc = 0
+    for byte in data:
+        for bit in range(8):
+            one = (crc >> 7 ^ byte >> bit) & 1
+            crc = (crc << 1 & 0xFF) ^ (0x07 if one else 0)
+    return crc
+
+
+def uart_read(address: int, register: int) -> bytes:
+    """The bits of a read access, as `tmcuart_send` takes them."""
+    return _line_bits(_sealed(bytes([_SYNC, address, register])))
+
+
+def uart_write(address: int, register: int, value: int) -> bytes:
+    """The bits of a write access; it has no answer."""
+    head = bytes([_SYNC, address, register | _WRITE])
+    return _line_bits(_sealed(head + value.to_bytes(4, "big")))
+
+
+def uart_value(register: int, bits: bytes) -> int | None:
+    """The register's value in the bits of an answer; None if they are damaged or of another."""
+    data = _from_line(bits)
+    if data is None or len(data) != 8 or crc8(data[:7]) != data[7]:
+        return None
+    if data[0] & 0x0F != _SYNC & 0x0F or data[1] != _HOST or data[2] != register:
+        return None
+    return int.from_bytes(data[3:7], "big")
+
+
+def spi_read(register: int) -> bytes:
+    """A read access; the value comes back during the next access, whatever that is."""
+    return bytes([register, 0, 0, 0, 0])
+
+
+def spi_write(register: int, value: int) -> bytes:
+    """A write access; the value comes back during the next access."""
+    return bytes([register | _WRITE]) + value.to_bytes(4, "big")
+
+
+def spi_value(data: bytes) -> int | None:
+    """The value in what came back; None if nobody drove the line, which then is
+    high."""
+    if len(data) != SPI_BYTES or data == b"\xff" * SPI_BYTES:
+        return None
+    return int.from_bytes(data[1:], "big")
+
+
+def _sealed(data: bytes) -> bytes:
+    return data + bytes([crc8(data)])
+
+
+def _line_bits(data: bytes) -> bytes:
+    """Each byte between a start and a stop bit, the lowest bit of all first."""
+    line = 0
+    for i, byte in enumerate(data):
+        line |= (byte << 1 | 0x200) << 10 * i
+    return line.to_bytes((10 * len(data) + 7) // 8, "little")
+
+
+def _from_line(bits: bytes) -> bytes | None:
+    """The bytes between start and stop bits; None if those are not where they must be."""
+    line, size = int.from_bytes(bits, "little"), len(bits) * 8 // 10
+    words = [line >> 10 * i & 0x3FF for i in range(size)]
+    if any(word & 0x201 != 0x200 for word in words):
+        return None
+    return bytes(word >> 1 & 0xFF for word in words)

@@ -1,0 +1,177 @@
+"""A conversation with one driver: setting it up, checking that, asking how it is.
+
+It is written once for hosts that wait for each answer and for those that do not: an `Exchange`
+yields questions to the board and is sent the bytes of their answers, empty if there was none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from dataclasses import dataclass
+from typing import ClassVar, NamedTuple, Protocol, TypeAlias, TypeVar
+
+from passo.board.trinamic import registers as r
+from passo.board.trinamic.datagrams import (
+    ANSWER_BYTES,
+    spi_read,
+    spi_value,
+    spi_write,
+    uart_read,
+    uart_value,
+    uart_write,
+)
+from passo.board.trinamic.settings import DriverSettings
+from passo.board.trinamic.status import Reading
+from passo.config.trinamic import ChipName
+from passo.errors import Problem
+
+_TRIES = 5
+_SHOWN = (r.GCONF, r.CHOPCONF)  # registers that every chip reads back as they were written
+
+
+class Question(NamedTuple):
+    """A command for the board, and the report that answers it: its name, and the parameter that
+    holds the bytes."""
+
+    text: str
+    answer: str
+    parameter: str
+    oid: int
+
+
+T = TypeVar("T")
+Exchange: TypeAlias = Generator[Question, bytes, T]
+
+
+class DriverFailure(Exception):
+    """The driver cannot be spoken to, or is another."""
+
+    def __init__(self, problem: Problem) -> None:
+        super().__init__(str(problem))
+        self.problem = problem
+
+
+class _Wire(Protocol):
+    """How registers are read and written. `read` is None and `write` False if that failed; answers
+    are `checked` if a checksum protects them."""
+
+    checked: ClassVar[bool]
+
+    def read(self, register: int) -> Exchange[int | None]: ...
+
+    def write(self, writes: list[tuple[int, int]]) -> Exchange[bool]: ...
+
+
+@dataclass(frozen=True, slots=True)
+class UartWire:
+    """By the board's object `oid`, a UART that several drivers may share."""
+
+    checked: ClassVar[bool] = True
+    oid: int
+    address: int
+
+    def read(self, register: int) -> Exchange[int | None]:
+        """Reads a register."""
+        bits = yield self._question(uart_read(self.address, register), ANSWER_BYTES)
+        return uart_value(register, bits)
+
+    def write(self, writes: list[tuple[int, int]]) -> Exchange[bool]:
+        """Writes registers; the driver's count of them tells whether all have come."""
+        before = yield from self.read(r.IFCNT)
+        if before is None:
+            return False
+        for register, value in writes:
+            yield self._question(uart_write(self.address, register, value), 0)
+        after = yield from self.read(r.IFCNT)
+        return after is not None and after - before & 0xFF == len(writes)
+
+    def _question(self, bits: bytes, read: int) -> Question:
+        text = f"tmcuart_send oid={self.oid} write={bits.hex()} read={read}"
+        return Question(text, "tmcuart_response", "read", self.oid)
+
+
+@dataclass(frozen=True, slots=True)
+class SpiWire:
+    """By the board's object `oid`, an SPI device."""
+
+    checked: ClassVar[bool] = False
+    oid: int
+
+    def read(self, register: int) -> Exchange[int | None]:
+        """Reads a register, whose value comes with the access after."""
+        yield self._question(spi_read(register))
+        data = yield self._question(spi_read(r.IHOLD_IRUN))
+        return spi_value(data)
+
+    def write(self, writes: list[tuple[int, int]]) -> Exchange[bool]:
+        """Writes registers; what came in comes back with the access after."""
+        right = True
+        written: int | None = None
+        for register, value in writes:
+            data = yield self._question(spi_write(register, value))
+            right &= written is None or spi_value(data) == written
+            written = value
+        data = yield self._question(spi_read(r.GSTAT))
+        return right and spi_value(data) == written
+
+    def _question(self, data: bytes) -> Question:
+        text = f"spi_transfer oid={self.oid} data={data.hex()}"
+        return Question(text, "spi_transfer_response", "response", self.oid)
+
+
+@dataclass(frozen=True, slots=True)
+class DriverLink:
+    """The driver of a motor, reached over `wire`; `place` names its pins for a person. All methods
+    raise DriverFailure."""
+
+    motor: str
+    chip: ChipName
+    wire: _Wire
+    place: str
+
+    def configure(self, settings: DriverSettings) -> Exchange[None]:
+        """Makes sure that it is the right chip, writes all its registers, and reads back what can
+        be read."""
+        yield from self._identify()
+        writes = settings.writes()
+        for _ in range(_TRIES):
+            if (yield from self.wire.write(writes)):
+                break
+        else:
+            raise self._failure("deaf")
+        for register, value in writes:
+            if register in _SHOWN and (yield from self._read(register)) != value:
+                raise self._failure("deaf")
+        yield from self._read(r.GSTAT)  # a TMC2130 clears its flags so
+
+    def status(self) -> Exchange[Reading]:
+        """Asks how it is."""
+        gstat = yield from self._read(r.GSTAT)
+        status = yield from self._read(r.DRV_STATUS)
+        if not self.wire.checked:
+            status &= yield from self._read(r.DRV_STATUS)  # what is wrong must be said twice
+        reading = Reading(gstat, status)
+        if not any(reading):
+            yield from self._identify()  # a wire that is always low says that all is well
+        return reading
+
+    def _identify(self) -> Exchange[None]:
+        chip, found = r.CHIPS[self.chip], 0
+        for _ in range(_TRIES):
+            found = chip.version_of((yield from self._read(chip.version_register)))
+            if found == chip.version:
+                return
+        if found == 0:
+            raise self._failure("silent")
+        raise self._failure("other-chip", f"0x{found:02x}")
+
+    def _read(self, register: int) -> Exchange[int]:
+        for _ in range(_TRIES):
+            value = yield from self.wire.read(register)
+            if value is not None:
+                return value
+        raise self._failure("silent")
+
+    def _failure(self, code: str, value: str = "") -> DriverFailure:
+        values = {"axis": self.motor, "value": value or self.chip, "limit": self.place}
+        return DriverFailure(Problem(f"driver.{code}", values=values))

@@ -1,0 +1,84 @@
+"""Checks of motor drivers with registers: each is reached in its own way, and can do its current.
+
+Like the other checks they read raw tables.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from passo.config.findings import Finding, did_you_mean, number, table, tables
+from passo.config.lines import Path
+from passo.config.trinamic import CHIPS, ChipName, chip_of, largest_current_a
+
+Raw = Mapping[str, Any]
+
+_UART_KEYS = ("uart_pin", "tx_pin", "address")
+_SPI_KEYS = ("cs_pin", "clock_pin", "mosi_pin", "miso_pin")
+_CURRENTS = ("run_current_a", "hold_current_a")
+
+
+def check_drivers(data: Raw) -> Iterator[Finding]:
+    """All motors with a table `tmc`."""
+    addresses: dict[tuple[str, float], Path] = {}
+    for name, stepper in tables(data, "steppers"):
+        if "tmc" not in stepper:
+            continue
+        path: Path = ("steppers", name, "tmc")
+        tmc = table(stepper, "tmc")
+        chip = chip_of(stepper.get("driver"))
+        if chip is None:
+            given = stepper.get("driver", "A4988")
+            limit = f"one of {', '.join(CHIPS)}, for the motor has a table tmc"
+            hint = did_you_mean(given, CHIPS)
+            yield Finding("config.value", ("steppers", name, "driver"), given, limit, hint)
+            continue
+        yield from _check_keys(data, stepper, tmc, chip, path)
+        yield from _check_currents(tmc, chip, path)
+        if isinstance(tmc.get("uart_pin"), str):
+            key = (str(tmc["uart_pin"]).lstrip("!^~"), number(tmc, "address") or 0)
+            owner = addresses.setdefault(key, path)
+            if owner is not path:
+                what, value = ("address", int(key[1])) if chip == "TMC2209" else ("pin", key[0])
+                limit = f"{'an' if what == 'address' else 'a'} {what} of its own: it belongs to"
+                where = (*path, "address" if what == "address" else "uart_pin")
+                yield Finding("config.conflict", where, value, limit, owner=owner)
+
+
+def _check_keys(data: Raw, stepper: Raw, tmc: Raw, chip: ChipName, path: Path) -> Iterator[Finding]:
+    by_uart = CHIPS[chip].wire == "uart"
+    for key in _SPI_KEYS if by_uart else _UART_KEYS:
+        if key in tmc:
+            limit = f"{'uart_pin' if by_uart else ', '.join(_SPI_KEYS)} for a {chip}"
+            yield Finding("config.conflict", (*path, key), tmc[key], limit)
+    wanted = ("uart_pin",) if by_uart else _SPI_KEYS
+    socket = table(data, "board", "sockets", str(stepper.get("socket")))
+    for key in wanted:
+        if key not in tmc and not (key == "cs_pin" and "select" in socket):
+            yield Finding("config.missing-key", (*path, key), None, f"a pin, for a {chip}")
+    if chip == "TMC2208" and "address" in tmc:
+        limit = "no address: a TMC2208 has a wire of its own"
+        yield Finding("config.conflict", (*path, "address"), tmc["address"], limit)
+
+
+def _check_currents(tmc: Raw, chip: ChipName, path: Path) -> Iterator[Finding]:
+    resistor = number(tmc, "sense_resistor_ohm") or CHIPS[chip].resistor_ohm
+    if resistor <= 0:
+        return
+    most = largest_current_a(chip, resistor)
+    for key in _CURRENTS:
+        ampere = number(tmc, key)
+        if ampere is not None and ampere > most:
+            limit = f"at most {most:.2f} A with a sense resistor of {resistor:g} ohm"
+            yield Finding("config.value", (*path, key), ampere, limit)
+
+
+def check_thresholds(stepper: Raw, path: Path, turns: bool) -> Iterator[Finding]:
+    """The speed of stealthChop is in the motor's unit."""
+    right, wrong = ("deg", "mm") if turns else ("mm", "deg")
+    key = f"stealthchop_below_{wrong}_s"
+    value = table(stepper, "tmc").get(key)
+    if value is not None:
+        limit = f"stealthchop_below_{right}_s here"
+        yield Finding("config.conflict", (*path, "tmc", key), value, limit)

@@ -1,0 +1,166 @@
+"""Drivers with registers, from the host through the board's wires to simulated chips."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from tests.board.bench import Bench, Kind, description
+
+from passo.board.description import Driver, SpiPins, UartPins
+from passo.board.drivers import Drivers
+from passo.board.trinamic import DriverSettings
+from passo.board.trinamic import registers as r
+from passo.config.trinamic import ChipName
+from passo.errors import MachineError
+
+WIRES: dict[ChipName, UartPins | SpiPins] = {
+    "TMC2208": UartPins("^PG0", "PG0"),
+    "TMC2209": UartPins("^PG0", "PG1"),
+    "TMC2130": SpiPins("PG2", "PG3", "PG4", "PG5"),
+    "TMC5160": SpiPins("PG2", "PG3", "PG4", "PG5"),
+}
+
+
+@pytest.fixture(params=["virtual", "passo"], autouse=True)
+def firmware(request: pytest.FixtureRequest):
+    before, Kind.firmware = Kind.firmware, request.param
+    yield
+    Kind.firmware = before
+
+
+def bench(*chips: ChipName, **settings) -> tuple[Bench, Drivers]:
+    named = zip(("x", "y"), chips, strict=False)
+    drivers = tuple(
+        Driver(name, WIRES[chip], DriverSettings(chip, 0.9, 0.45, 0.11, **settings), address)
+        for address, (name, chip) in enumerate(named)
+    )
+    made = Bench(replace(description(), drivers=drivers))
+    return made, Drivers(made.connection)
+
+
+@pytest.mark.parametrize("chip", WIRES)
+def test_settings_arrive(chip: ChipName):
+    made, drivers = bench(chip)
+    drivers.configure()
+    state = drivers.states["x"]
+    assert state.failure is None
+    simulated = made.simulated.drivers["x"]
+    for register, value in state.settings.writes():
+        if register != r.GSTAT:
+            assert simulated.read(register) == value, hex(register)
+    assert simulated.read(r.GSTAT) == 0
+
+
+def failure(drivers: Drivers, name: str = "x") -> str:
+    found = drivers.states[name].failure
+    return "" if found is None else found.problem.code
+
+
+def passes(made: Bench, drivers: Drivers, seconds: float) -> None:
+    """Time passes, with a look at the drivers every 10 ms."""
+    for _ in range(round(seconds * 100)):
+        made.run(0.01)
+        drivers.poll()
+
+
+@pytest.mark.parametrize("chip", WIRES)
+def test_nobody_answers(chip: ChipName):
+    made, drivers = bench(chip)
+    made.simulated.drivers["x"].plugged = False
+    drivers.configure()
+    assert failure(drivers) == "driver.silent"
+    assert ("PG0" if chip in ("TMC2208", "TMC2209") else "PG2") in str(drivers.states["x"].failure)
+
+
+def test_who_needs_them_all_hears_of_each_that_fails():
+    made, drivers = bench("TMC2209", "TMC2209")
+    drivers.require()
+    for chip in made.simulated.drivers.values():
+        chip.plugged = False
+    with pytest.raises(MachineError) as caught:
+        drivers.require()
+    assert [p.values["axis"] for p in caught.value.problems] == ["x", "y"]
+
+
+@pytest.mark.parametrize(
+    ("chip", "other"), [("TMC2208", 0x21), ("TMC2209", 0x20), ("TMC2130", 0x30), ("TMC5160", 0x11)]
+)
+def test_another_chip_is_named_and_left_alone(chip: ChipName, other: int):
+    made, drivers = bench(chip)
+    simulated = made.simulated.drivers["x"]
+    simulated.set(r.CHIPS[chip].version_register, other << 24)
+    drivers.configure()
+    assert failure(drivers) == "driver.other-chip"
+    assert f"0x{other:02x}" in str(drivers.states["x"].failure)
+    assert simulated.read(r.IHOLD_IRUN) == 0
+
+
+@pytest.mark.parametrize("damaged", range(1, 5))
+@pytest.mark.parametrize("chip", WIRES)
+def test_damaged_answers_are_asked_for_again(chip: ChipName, damaged: int):
+    made, drivers = bench(chip)
+    made.simulated.drivers["x"].damaged_answers = damaged
+    drivers.configure()
+    assert failure(drivers) == ""
+    assert made.simulated.drivers["x"].read(r.TPOWERDOWN) == 20
+    made.simulated.drivers["x"].damaged_answers = damaged
+    drivers.begin_status("x")
+    passes(made, drivers, 1)
+    assert drivers.states["x"].reading is not None
+    assert drivers.states["x"].reading.status == 0
+
+
+def test_two_on_one_wire_are_told_apart():
+    made, drivers = bench("TMC2209", "TMC2209")
+    drivers.configure()
+    drivers.begin_configure("y", replace(drivers.states["y"].settings, run_a=0.3))
+    passes(made, drivers, 1)
+    chips = made.simulated.drivers
+    assert [chips[n].read(r.IHOLD_IRUN) for n in "xy"] == [0x81C0E, 0x8090E]
+
+
+@pytest.mark.parametrize("chip", WIRES)
+def test_status_is_asked_while_time_passes(chip: ChipName):
+    made, drivers = bench(chip)
+    drivers.configure()
+    made.simulated.drivers["x"].set(r.DRV_STATUS, 0x8000_0001)
+    drivers.begin_status("x")
+    assert not drivers.idle
+    passes(made, drivers, 0.3)
+    assert drivers.idle
+    state = drivers.states["x"]
+    assert (state.fresh, state.reading) == (True, (0, 0x8000_0001))
+
+
+@pytest.mark.parametrize("chip", WIRES)
+def test_a_driver_that_is_pulled_out_is_noticed_and_set_up_when_it_is_back(chip: ChipName):
+    made, drivers = bench(chip)
+    drivers.configure()
+    simulated = made.simulated.drivers["x"]
+    simulated.plugged = False
+    drivers.begin_status("x")
+    passes(made, drivers, 1)
+    assert failure(drivers) == "driver.silent"
+    simulated.power_on()
+    simulated.plugged = True
+    drivers.begin_configure("x")
+    passes(made, drivers, 1)
+    assert failure(drivers) == ""
+    assert simulated.read(r.TPOWERDOWN) == 20
+
+
+@pytest.mark.parametrize("chip", WIRES)
+def test_an_answer_that_the_wire_loses_is_asked_for_again(chip: ChipName):
+    made, drivers = bench(chip)
+    drivers.configure()
+    made.simulated.drivers["x"].set(r.DRV_STATUS, 0x8000_0001)
+    drivers.begin_status("x")
+    for _ in range(3):
+        drivers.poll()
+        made.run(0.1)
+        assert len(made.connection.take_responses("tmcuart_response", "spi_transfer_response")) == 1
+        made.run(0.5)
+    passes(made, drivers, 3)
+    assert failure(drivers) == ""
+    assert drivers.states["x"].reading == (0, 0x8000_0001)

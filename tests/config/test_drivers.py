@@ -1,0 +1,69 @@
+"""What is wrong with drivers in a machine file, by line, key and what was expected."""
+
+from __future__ import annotations
+
+import pytest
+from tests.printer.driver_machine import DRIVERS, machine, machine_text
+
+from passo import config
+from passo.errors import ConfigError
+from passo.printer.wiring import board_description
+
+
+def problems(text: str) -> list[tuple[str, str]]:
+    with pytest.raises(ConfigError) as caught:
+        config.load_text(text, "m.toml")
+    return [(str(p.values["key"]), str(p)) for p in caught.value.problems]
+
+
+def changed(old: str, new: str) -> str:
+    assert old in DRIVERS
+    return machine_text(DRIVERS.replace(old, new, 1))
+
+
+def test_drivers_become_part_of_the_board():
+    board = board_description(machine())
+    assert [(d.stepper, d.settings.chip, d.address) for d in board.drivers] == [
+        ("x", "TMC2209", 0),
+        ("y", "TMC2209", 1),
+        ("z", "TMC2208", 0),
+        ("e", "TMC5160", 0),
+    ]
+    assert board.drivers[0].wire == board.drivers[1].wire
+    assert board.drivers[0].settings.threshold == 94
+    assert board.drivers[1].settings.hold_a == 0.8
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "key", "sentence"),
+    [
+        ('"TMC2209"', '"A4988"', "steppers.x.driver",
+         "expected one of TMC2208, TMC2209, TMC2130, TMC5160, for the motor has a table tmc"),
+        ("address = 1", "address = 0", "steppers.y.tmc.address",
+         "expected an address of its own: it belongs to steppers.x.tmc (m.toml:"),
+        ("address = 1", "address = 4", "steppers.y.tmc.address", "a number of at most 3"),
+        ("run_current_a = 0.8", "run_current_a = 1.8", "steppers.x.tmc.run_current_a",
+         "is 1.8: expected at most 1.74 A with a sense resistor of 0.11 ohm"),
+        ("hold_current_a = 0.4", "hold_current_a = 2", "steppers.x.tmc.hold_current_a",
+         "at most 1.74 A"),
+        ('uart_pin = "D42", ', "", "steppers.z.tmc.uart_pin", "expected a pin, for a TMC2208"),
+        ('uart_pin = "D42"', 'uart_pin = "D40"', "steppers.z.tmc.uart_pin",
+         "expected a pin of its own: it belongs to steppers.x.tmc"),
+        ('tx_pin = "D44"', 'tx_pin = "D44", address = 0', "steppers.z.tmc.address",
+         "expected no address"),
+        ('tx_pin = "D44"', 'tx_pin = "D40"', "steppers.z.tmc.tx_pin",
+         "expected a pin of its own: PG1 belongs to steppers.x.tmc.uart_pin"),
+        ('tx_pin = "D44"', 'tx_pin = "D10"', "heaters.hotend.pin", "a pin of its own"),
+        ('tx_pin = "D44"', 'cs_pin = "D44"', "steppers.z.tmc.cs_pin",
+         "expected uart_pin for a TMC2208"),
+        ('clock_pin = "D25"\n', "", "steppers.e.tmc.clock_pin", "a pin, for a TMC5160"),
+        ('miso_pin = "D29"', 'miso_pin = "D27"', "steppers.e.tmc.miso_pin", "a pin of its own"),
+        ("stealthchop_below_mm_s", "stealthchop_below_deg_s",
+         "steppers.x.tmc.stealthchop_below_deg_s", "expected stealthchop_below_mm_s here"),
+        ("run_current_a = 1.2\n", "", "steppers.e.tmc.run_current_a", "missing"),
+    ],
+)  # fmt: skip
+def test_mistakes(old, new, key, sentence):
+    found = problems(changed(old, new))
+    assert [k for k, _ in found] == [key]
+    assert sentence in found[0][1]

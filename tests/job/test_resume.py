@@ -1,0 +1,196 @@
+"""What a print that goes on after a power cut must know beside its file."""
+
+import math
+from pathlib import Path
+
+import pytest
+from tests.console.scenario import Scenario
+from tests.job.test_journal import WALL, journal_of
+
+from passo.job.journal import Journal, Moment, Program
+
+VASE = "M302 P1\nG28\nG92 E0\nG1 Z0.2 F600\n" + "".join(
+    f"G1 X{100 + 20 * math.cos(i / 10):.3f} Y{100 + 20 * math.sin(i / 10):.3f}"
+    f" Z{0.2 + i / 3000:.5f} E{i / 40:.3f} F2400\n"
+    for i in range(600)
+)
+
+
+@pytest.fixture
+def places(tmp_path):
+    (tmp_path / "card").mkdir()
+    (tmp_path / "card" / "wall.gcode").write_text(WALL)
+    (tmp_path / "card" / "vase.gcode").write_text(VASE)
+    return {"card": str(tmp_path / "card"), "state": str(tmp_path / "state")}
+
+
+def recorded(places):
+    return journal_of(Path(places["state"]))
+
+
+def left_after(places, *lines):
+    """Where the motors are when the power goes in the fifth layer, these lines a moment before."""
+    with Scenario("i3", **places) as s:
+        s.host.ok("M32 wall.gcode")
+        s.until(lambda: s.positions()["e"] > 6.5, 200)
+        for line in lines:
+            s.host.ok(line)
+            s.passes(3)
+        return s.positions()
+
+
+def gone_on(places, left):
+    """Where they are at the end of the print, gone on with from there."""
+    with Scenario("i3", **places) as s:
+        for stepper in "xyz":
+            s.board.place(stepper, left[stepper])
+        s.host.ok("M302 P1")
+        s.host.ok("M1000", 600)
+        s.host.expect("Done printing", 300)
+        return s.positions()
+
+
+def test_babysteps_of_a_console_are_not_forgotten(places):
+    left = left_after(places, "M290 Z0.3", "M290 X-0.5")
+    assert recorded(places)[1].babysteps_mm == {"x": -0.5, "z": 0.3}
+    end = gone_on(places, left)
+    assert end["z"] == pytest.approx(1.6 + 0.3, abs=0.01)
+    assert end["x"] == pytest.approx(10.0 - 0.5, abs=0.02)
+
+
+def test_babysteps_end_where_the_axis_is_homed(places):
+    with Scenario("i3", **places) as s:
+        s.host.ok("G28", 60)
+        s.host.ok("M290 Z0.3")
+        s.host.ok("M290 X0.3")
+        s.host.ok("G28 Z", 60)
+        assert s.printer.motion.babysteps_mm == {"x": 0.3, "y": 0.0, "z": 0.0}
+
+
+def test_z_is_known_after_a_power_cut_in_a_pause(places):
+    left = left_after(places, "M25")
+    assert left["z"] > 5  # parked above the print
+    assert gone_on(places, left)["z"] == pytest.approx(1.6, abs=0.01)
+
+
+def test_z_is_known_after_a_babystep_in_a_pause(places):
+    left = left_after(places, "M25", "M290 Z0.5")
+    assert gone_on(places, left)["z"] == pytest.approx(2.1, abs=0.01)
+
+
+def test_a_vase_is_recorded_as_seldom_as_its_z_allows(places, monkeypatch):
+    records = []
+    record = Journal.record
+    monkeypatch.setattr(Journal, "record", lambda s, m: (records.append(m), record(s, m)))
+    with Scenario("i3", **places) as s:
+        s.host.ok("M32 vase.gcode")
+        s.until(lambda: s.positions()["e"] > 1, 60)
+        records.clear()
+        start = s.loop.time()
+        s.until(lambda: s.positions()["e"] > 13, 200)
+        seconds = s.loop.time() - start
+        rise = 12 * 40 / 3000
+        assert len(records) <= seconds + rise / 0.02 + 2
+        true_z = s.positions()["z"]
+        assert abs(records[-1].z_mm - true_z) < 0.04
+
+
+def test_nothing_is_written_while_nothing_changes(places, monkeypatch):
+    text = "G28\nG1 Z5\nG4 S600\nG1 Z6\n"
+    (Path(places["card"]) / "still.g").write_text(text)
+    records = []
+    record = Journal.record
+    monkeypatch.setattr(Journal, "record", lambda s, m: (records.append(m), record(s, m)))
+    with Scenario("i3", **places) as s:
+        s.host.ok("M32 still.g")
+        s.passes(30)
+        records.clear()
+        s.passes(300)
+        assert records == []
+        s.host.ok("M140 S40 F")  # what the file does not tell
+        s.passes(2)
+        assert [m.targets_c["bed"] for m in records] == [40.0]
+
+
+def test_only_steps_of_z_that_matter_are_written(places):
+    """A machine that homes upwards finds its Z by itself."""
+    with Scenario("delta", **places) as s:
+        s.host.ok("M32 wall.gcode")
+        s.until(lambda: s.positions()["e"] > 6.5, 200)
+        written = len(Journal(Path(places["state"])).path.read_bytes().split(b"\n"))
+        assert written <= s.printer.drive.now_s + 4
+
+
+def test_a_long_journal_is_read_to_its_end(tmp_path):
+    journal = Journal(tmp_path)
+    program = Program("m", "/a", 5, 7)
+    journal.begin(program, Moment(1, 0.0, 0.0, {"x" * 60000: 1.0}))
+    journal.record(Moment(8, 9.5, 0.2))
+    journal.leave()
+    first, early, late, _ = journal.path.read_bytes().split(b"\n")
+    with journal.path.open("wb") as file:
+        file.write(first + b"\n")
+        for _ in range((1 << 26) // len(early) + 1):
+            file.write(early + b"\n")
+        file.write(late + b"\n")
+    assert journal.path.stat().st_size > 1 << 26
+    assert journal.read() == (program, Moment(8, 9.5, 0.2))
+
+
+def test_a_line_without_end_is_no_record(tmp_path):
+    journal = Journal(tmp_path)
+    journal.begin(Program("m", "/a", 5, 7), Moment(3, 1.0))
+    journal.leave()
+    with journal.path.open("ab") as file:
+        file.write(b"0" * (1 << 20))
+    assert journal.read() == (Program("m", "/a", 5, 7), Moment(3, 1.0))
+
+
+def test_a_full_disk_leaves_no_stale_offer(places, monkeypatch):
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    with Scenario("i3", **places) as s:
+        s.host.ok("M32 wall.gcode")
+        s.until(lambda: s.positions()["e"] > 2, 200)
+        monkeypatch.setattr(Journal, "record", full)
+        s.host.expect("cannot be gone on with after a power cut: No space left", 3)
+        s.host.expect("Done printing", 300)
+        assert s.positions()["z"] == pytest.approx(1.6, abs=0.01)
+    assert recorded(places) is None
+
+
+FAR = WALL.replace("X10", "X90").replace("X50", "X130").replace("Y10", "Y60").replace("Y50", "Y100")
+NEAR = WALL.replace("G92 E0\n", "G92 E0\nG1 X100 Y100 F6000\n")  # no straight way from home
+
+
+@pytest.mark.parametrize("text", [FAR, NEAR])
+@pytest.mark.parametrize(("machine", "when"), [("scara", 6.5), ("scara", 0.9), ("scara", 13.3)])
+def test_a_print_goes_on_with_arms(machine, when, text, tmp_path):
+    """Arms find their switches anew, and their way; Z, which moves alone, is kept."""
+    (tmp_path / "card").mkdir()
+    (tmp_path / "card" / "wall.gcode").write_text(text)
+    places = {"card": str(tmp_path / "card"), "state": str(tmp_path / "state")}
+    with Scenario(machine, **places) as s:
+        s.host.ok("M32 wall.gcode")
+        s.host.expect("Done printing", 600)
+        whole = s.positions()
+    with Scenario(machine, **places) as s:
+        s.host.ok("M140 S50")
+        s.host.ok("M32 wall.gcode")
+        assert s.until(lambda: s.positions()["e"] > when, 300)
+        left = s.positions()
+    with Scenario(machine, **places) as s:
+        for stepper in left:
+            if stepper != "e":
+                s.board.place(stepper, left[stepper])
+        s.host.ok("M302 P1")
+        lowest = [left["z"]]
+        s.printer.watchers.append(lambda: lowest.append(s.positions()["z"]))
+        answer = s.host.ok("M1000", 900)
+        assert any("Printing wall.gcode from line" in x for x in answer), answer
+        assert min(lowest) > left["z"] - 0.05
+        s.host.expect("Done printing", 600)
+        end = s.positions()
+        for stepper in ("a", "b", "z"):
+            assert end[stepper] == pytest.approx(whole[stepper], abs=0.03)

@@ -1,0 +1,85 @@
+"""Above a bed that is not flat no motor exceeds its speed or its acceleration."""
+
+from __future__ import annotations
+
+from random import Random
+
+import pytest
+from tests.oracles import motion as oracle
+
+from passo._core import Motion
+from passo.config import load
+
+from .test_nonlinear import REACH, nozzle
+
+H = 1e-3  # seconds between two looks
+# Heights, mm, at the four corners of a square of 400 mm: beyond what anybody prints on.
+BEDS = {
+    "a slope": lambda x, y: 0.25 * x - 0.15 * y,
+    "a twist": lambda x, y: 0.05 * x + 0.0012 * x * y,
+}
+
+
+def above(name, bed):
+    machine = load(name)
+    spec = machine.core_spec()
+    for row in spec["steppers"]:
+        row["accel"] = min(row["accel"], 3000.0)
+        row["speed"] = min(row["speed"], 250.0)
+    spec["axes"][2] |= {"speed": 200.0, "accel": 2000.0}
+    spec["limits"] |= {"print_accel": 8000.0, "travel_accel": 8000.0}
+    centre, half = REACH.get(name, ((100, 100, 50), (80, 80, 30)))
+    motion = Motion(spec, False)
+    z = centre[2] - bed(*centre[:2])
+    motion.set_height_map(
+        (-200.0, -200.0), (400.0, 400.0), [[bed(x, y) for x in (-200, 200)] for y in (-200, 200)]
+    )
+    motion.set_position([*map(float, centre[:2]), z, 0.0])
+    return machine, spec, centre, half, motion
+
+
+@pytest.mark.parametrize("bed", BEDS)
+@pytest.mark.parametrize("name", [*REACH, "i3", "corexy"])
+def test_no_motor_exceeds_its_limits(name, bed):
+    height = BEDS[bed]
+    machine, spec, centre, half, motion = above(name, height)
+    random = Random(name + bed)
+    if name in REACH:
+        half = tuple(0.5 * h for h in half)
+    for _ in range(12):
+        x, y = (c + h * random.uniform(-1, 1) for c, h in zip(centre[:2], half, strict=False))
+        lowest = centre[2] - half[2] * random.uniform(0, 0.5)
+        motion.push([x, y, lowest - height(x, y), 0.0], 1000.0)
+    motion.flush()
+
+    def actuators(move, tick):
+        x, y, low = nozzle(move, tick)
+        return machine.geometry.inverse((x, y, low + height(x, y)))
+
+    h = H * oracle.HZ
+    limits = [(row["speed"], row["accel"]) for row in spec["steppers"][:3]]
+    axes = spec["axes"][2]
+    if name in ("i3", "corexy"):
+        limits = [
+            (row["speed"], min(r["accel"], row["accel"]))
+            for row, r in zip(spec["axes"][:3], spec["steppers"], strict=False)
+        ]
+        limits[2] = (axes["speed"], axes["accel"])
+    fastest, hardest = [0.0] * 3, [0.0] * 3
+    for move in motion.take_moves():
+        edges = (
+            move.start_ticks + move.accelerate_ticks,
+            move.end_ticks - move.decelerate_ticks,
+        )
+        tick = move.start_ticks + h
+        while tick < move.end_ticks - h:
+            q = [actuators(move, tick + d) for d in (-h, 0, h)]
+            at_an_edge = any(abs(tick - edge) < 1.1 * h for edge in edges)
+            for i, (a, b, c) in enumerate(zip(*q, strict=True)):
+                fastest[i] = max(fastest[i], abs(c - a) / (2 * H) / limits[i][0])
+                if not at_an_edge:
+                    hardest[i] = max(hardest[i], abs(c - 2 * b + a) / H**2 / limits[i][1])
+            tick += 1.7 * h
+    assert max(fastest) < 1.01
+    assert max(hardest) < 1.01
+    assert max(*fastest, *hardest) > 0.25  # and not for nothing

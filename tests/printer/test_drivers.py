@@ -1,0 +1,201 @@
+"""Drivers with registers on a printer that lives: set up, asked, and what their faults do."""
+
+from __future__ import annotations
+
+import pytest
+from tests.console.scenario import Scenario
+from tests.printer.driver_machine import DRIVERS, machine, machine_text
+
+from passo import config
+from passo.board.trinamic import registers as r
+
+
+@pytest.fixture(params=["virtual", "passo"])
+def s(request):
+    with Scenario(machine(firmware=request.param)) as scenario:
+        yield scenario
+
+
+def register(s, motor: str, number: int) -> int:
+    return s.board.drivers[motor].read(number)
+
+
+def field(s, motor: str, number: int, name: str) -> int:
+    chip = r.CHIPS[s.printer.drivers.states[motor].settings.chip]
+    return chip.unpack(number, register(s, motor, number))[name]
+
+
+def test_a_print_moves_with_all_drivers_set_up(s):
+    assert field(s, "x", r.IHOLD_IRUN, "irun") == 25
+    assert field(s, "x", r.CHOPCONF, "mres") == 4
+    assert field(s, "x", r.GCONF, "en_spreadcycle") == 0
+    assert register(s, "x", r.TPWMTHRS) == 94  # 12 MHz / (100 mm/s · 80 · 16)
+    assert field(s, "y", r.GCONF, "en_spreadcycle") == 1
+    assert field(s, "e", r.CHOPCONF, "intpol") == 0
+    s.host.ok("G28", 60)
+    s.host.ok("G1 X50 Y50 Z5 F6000")
+    s.host.ok("M400", 20)
+    assert s.positions()["x"] == 50
+
+
+def test_a_short_circuit_stops_the_printer_and_is_named(s):
+    s.host.ok("G28", 60)
+    s.host.ok("G1 X200 F1200")
+    s.passes(2)
+    s.board.drivers["x"].set(r.DRV_STATUS, 1 << 2)
+    s.host.expect(
+        "^Error:Printer halted: motor x: coil A has a short circuit to ground; its driver has"
+        " switched it off. Cut the power",
+        2,
+    )
+    assert s.positions()["x"] < 150
+    s.board.drivers["x"].set(r.DRV_STATUS, 0)
+    s.host.send("M999")
+    s.host.expect("ready again", 5)
+
+
+def test_a_driver_that_is_not_there_refuses_motion_until_it_is(s):
+    s.board.drivers["z"].plugged = False
+    s.board.drivers["z"].power_on()
+    s.host.expect(r"^echo:motor z: its driver, a TMC2208 on P\w\d and P\w\d, does not answer", 5)
+    s.host.silent(5, "does not answer")  # told once
+    s.host.send("G92 X0 Y0 Z0 E0", "G1 X10 F6000")
+    s.host.expect("^Error:Printer halted: motor z: its driver", 2)
+    assert s.board.steps("x") == 0
+    s.board.drivers["z"].plugged = True
+    s.host.send("M999")
+    s.host.expect("ready again", 5)
+    s.host.ok("G28", 60)
+    assert field(s, "z", r.GCONF, "pdn_disable") == 1
+
+
+def test_a_driver_that_comes_back_is_set_up(s):
+    s.board.drivers["x"].plugged = False
+    s.host.expect("motor x: its driver", 5)
+    s.board.drivers["x"].plugged = True
+    s.board.drivers["x"].power_on()
+    s.host.expect("^echo:The driver of motor x is set up", 5)
+    assert field(s, "x", r.IHOLD_IRUN, "irun") == 25
+
+
+def test_a_reset_loses_the_settings_and_halts_only_motors_that_are_on(s):
+    s.board.drivers["y"].power_on()
+    s.host.expect("^echo:motor y: its driver, a TMC2209, was reset: its settings are gone", 3)
+    s.passes(1)
+    assert field(s, "y", r.IHOLD_IRUN, "irun") > 0
+    s.host.ok("M17")
+    s.board.drivers["y"].power_on()
+    s.host.expect("^Error:Printer halted: motor y: its driver, a TMC2209, was reset", 3)
+
+
+def test_a_damaged_answer_is_asked_for_again(s):
+    for chip in s.board.drivers.values():
+        chip.damaged_answers = 3
+    s.host.ok("M17")
+    s.host.silent(5, "halted|driver")
+
+
+def test_heat_is_told_of_before_it_stops_the_motor(s):
+    s.host.ok("M17")
+    s.board.drivers["e"].set(r.DRV_STATUS, 1 << 26)
+    s.host.expect("^echo:motor e: its driver, a TMC5160, is hot", 2)
+    assert s.host.ok("M911")[:-1] == [
+        f"{m} temperature prewarn triggered: {'true' if m == 'E' else 'false'}" for m in "XYZE"
+    ]
+    s.board.drivers["e"].set(r.DRV_STATUS, 0)
+    s.passes(2)
+    s.host.ok("M912 E")
+    assert "E temperature prewarn triggered: false" in s.host.ok("M911")
+    s.board.drivers["e"].set(r.DRV_STATUS, 1 << 25)
+    s.host.expect("halted: motor e: its driver, a TMC5160, has switched it off, for it is too", 2)
+
+
+def test_currents_and_modes_by_command(s):
+    assert s.host.ok("M906")[:-1] == [
+        "X driver current: 800",
+        "Y driver current: 800",
+        "Z driver current: 600",
+        "E driver current: 1200",
+    ]
+    s.host.ok("M906 X500 E900")
+    s.host.ok("M569 S1 Y")
+    s.passes(2)
+    assert field(s, "x", r.IHOLD_IRUN, "irun") == 15
+    assert field(s, "x", r.CHOPCONF, "vsense") == 1
+    assert field(s, "y", r.GCONF, "en_spreadcycle") == 0
+    assert register(s, "y", r.TPWMTHRS) == 0
+    assert register(s, "e", r.GLOBALSCALER) == 75
+    assert "Y driver mode: stealthChop" in s.host.ok("M569")
+    assert "M906 X500" in "\n".join(s.host.ok("M503"))
+    s.host.send("M906 X5000")
+    s.host.expect("X is 5000.*at most 1741 mA", 1)
+    s.host.send("M112")
+    s.host.expect("halted", 2)
+    s.host.send("M999")
+    s.host.expect("ready again", 5)
+    assert field(s, "x", r.IHOLD_IRUN, "irun") == 15  # it outlives the halt
+
+
+def test_microsteps_are_told_and_fixed(s):
+    assert s.host.ok("M350")[:-1] == [f"{m} microsteps: 16" for m in "XYZE"]
+    s.host.send("M350 X32")
+    s.host.expect("steppers is fixed while the printer runs", 1)
+
+
+SHARED_BUS = """
+[steppers.z]
+driver = "TMC2130"
+steps_per_mm = 400.0
+socket = "Z"
+
+[steppers.z.tmc]
+run_current_a = 0.6
+cs_pin = "D33"
+clock_pin = "D25"
+mosi_pin = "D27"
+miso_pin = "D29"
+"""
+CONVERTER = """sensor_pin = "D31"
+sensor = { kind = "max31855", clock_pin = "D25", mosi_pin = "D27", miso_pin = "D29" }
+"""
+
+
+@pytest.mark.parametrize("firmware", ["virtual", "passo"])
+def test_drivers_and_a_thermocouple_share_a_bus(firmware):
+    begin, end = DRIVERS.index("[steppers.z]"), DRIVERS.index("[steppers.e]")
+    text = machine_text(DRIVERS[:begin] + SHARED_BUS + DRIVERS[end:], firmware)
+    text = text.replace('sensor_pin = "T0"\n', CONVERTER, 1)
+    with Scenario(config.load_text(text, "m.toml")) as s:
+        s.host.ok("M17")
+        s.host.ok("M109 S100", 300)
+        assert field(s, "z", r.IHOLD_IRUN, "irun") == 19
+        s.host.silent(5, "driver|halted")
+        s.board.drivers["z"].set(r.DRV_STATUS, 1 << 28)
+        s.host.expect("halted: motor z: coil B has a short circuit to ground", 3)
+
+
+def test_the_state_of_each_driver_is_told(s):
+    s.board.drivers["z"].set(r.DRV_STATUS, 1 << 6)
+    s.passes(2)
+    lines = s.host.ok("M122")
+    assert "X TMC2209 0.80 A running, 0.40 A standing, 16 microsteps, stealthChop" in lines
+    at = lines.index("Z TMC2208 0.61 A running, 0.61 A standing, 16 microsteps, spreadCycle")
+    assert lines[at + 1].startswith("  coil A looks open")
+
+
+def test_currents_and_modes_are_stored(tmp_path):
+    with Scenario(machine(), state=str(tmp_path)) as s:
+        s.host.ok("M906 X500 E900")
+        s.host.ok("M569 S0 X")
+        s.host.ok("M500")
+    with Scenario(machine(), state=str(tmp_path)) as s:
+        s.passes(2)
+        assert field(s, "x", r.IHOLD_IRUN, "irun") == 15
+        assert field(s, "x", r.GCONF, "en_spreadcycle") == 1
+        assert field(s, "y", r.IHOLD_IRUN, "irun") == 25
+        assert register(s, "e", r.GLOBALSCALER) == 75
+        lines = [line.removeprefix("echo:").strip() for line in s.host.ok("M503")]
+        assert [x for x in lines if x.startswith(("M906", "M569"))] == [
+            "M906 X500", "M569 S0 X", "M906 Y800", "M569 S0 Y",
+            "M906 Z600", "M569 S0 Z", "M906 T0 E900", "M569 T0 S0 E",
+        ]  # fmt: skip
