@@ -584,7 +584,14 @@ void bind_job(nb::module_& m) {
           "Changes an axis' `speed` or `accel`, never beyond the machine's own, as set_limit.")
       .def_prop_ro(
           "messages", [](JobView& self) -> MessageQueue& { return self.job.motion.messages(); },
-          nb::rv_policy::reference_internal)
+          nb::rv_policy::reference_internal, "The main board's.")
+      .def(
+          "messages_of",
+          [](JobView& self, size_t board) -> MessageQueue& {
+            if (board >= self.job.motion.machine().boards) throw nb::index_error("no such board");
+            return self.job.motion.messages(board);
+          },
+          "board"_a, nb::rv_policy::reference_internal)
       .def(
           "keep_moves",
           [](JobView& self, bool on) {

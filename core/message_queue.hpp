@@ -1,9 +1,11 @@
 // Messages of one board between the planner's side and the link, in the order of their clocks.
 #pragma once
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <mutex>
 #include <vector>
 
@@ -69,11 +71,15 @@ class MessageQueue {
   // Latest end of all messages taken so far: they can no longer be revoked.
   int64_t taken_until() const { return taken_until_; }
   // From now on a link's thread takes messages while others add and revoke them.
-  void share() { shared_ = true; }
-  // Keeps the queue to the caller while the result lives, if it is shared.
+  void share() { guard_->shared = true; }
+  // Keeps the queue, and all that were joined, to the caller while the result lives, if it is
+  // shared.
   std::unique_lock<std::recursive_mutex> hold() {
-    return shared_ ? std::unique_lock(guard_) : std::unique_lock(guard_, std::defer_lock);
+    return guard_->shared ? std::unique_lock(guard_->mutex)
+                          : std::unique_lock(guard_->mutex, std::defer_lock);
   }
+  // Whoever holds one of the two holds both. Before either is used.
+  void join(MessageQueue& other) { guard_ = other.guard_; }
   void clear() { tail_ = head_; }
 
  private:
@@ -86,8 +92,11 @@ class MessageQueue {
   std::vector<Message> ring_;  // size is a power of two
   size_t kept_ = 0, head_ = 0, tail_ = 0;
   int64_t taken_until_ = 0, keeps_ = 0;
-  std::recursive_mutex guard_;  // cutting a plan hands messages on within
-  bool shared_ = false;
+  struct Guard {
+    std::recursive_mutex mutex;  // cutting a plan hands messages on within
+    std::atomic<bool> shared{false};
+  };
+  std::shared_ptr<Guard> guard_ = std::make_shared<Guard>();
 };
 
 }  // namespace passo

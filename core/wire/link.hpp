@@ -18,6 +18,7 @@
 #include "frame.hpp"
 #include "heater.hpp"
 #include "job_stream.hpp"
+#include "timeline.hpp"
 #include "window.hpp"
 
 namespace passo::wire {
@@ -52,6 +53,7 @@ class Link {
     converter_id_ = id_of("thermocouple_result");
     shutdown_id_ = id_of("shutdown");
     is_shutdown_id_ = id_of("is_shutdown");
+    trsync_id_ = id_of("trsync_state");
   }
   const Formats& commands() const { return commands_; }
 
@@ -72,11 +74,36 @@ class Link {
     samples_ = 0;
     unanswered_ = 0;
   }
+  // Ticks that a byte takes on a serial line: a frame that is sent has come when its last byte has.
+  void set_byte_ticks(double ticks) { byte_ticks_ = ticks; }
   bool synchronous() const { return sync_.ready(); }
   const ClockSync& clock() const { return sync_; }
-  // True when the board left more than four questions unanswered.
-  bool lost() const { return unanswered_ > kLostAfter; }
+  // True when the board left its questions unanswered for some four seconds.
+  bool lost() const { return unanswered_ > (timeline_ ? kLostAfterOfSeveral : kLostAfter); }
 
+  // This link's board is one of several: the main one, whose clock is that of the timeline, or a
+  // further one, whose steps may miss their times by `tolerance` ticks more than the plan's.
+  void join(std::shared_ptr<Timeline> timeline, bool main, double tolerance) {
+    timeline_ = std::move(timeline);
+    seat_ = timeline_->take_seat();
+    main_ = main;
+    if (main)
+      timeline_->set_clock(sync_.line(), hz_);
+    else
+      job_.retime(tolerance);
+  }
+  size_t seat() const { return seat_; }
+  // This board's clock when the main one's reads `clock`, and the other way.
+  Ticks own_clock(Ticks clock) const {
+    if (main_) return clock;
+    double host = timeline_->host_at(double(clock), hz_);
+    return Ticks(std::floor(sync_.line().clock_at(host) + 0.5));
+  }
+  Ticks main_clock(Ticks own) const {
+    if (main_) return own;
+    double host = sync_.line().host_at(double(own));
+    return Ticks(std::floor(timeline_->clock_at(host, hz_) + 0.5));
+  }
   JobStream& job() { return job_; }
   // The messages of the job; other threads may use them as well, if one drives this link.
   void set_queue(MessageQueue* queue) {
@@ -89,13 +116,17 @@ class Link {
     live_ = true;
     set_queue(queue_);
   }
-  // Starts the job at board clock `base`: every motor's clock is set, then messages flow.
-  void start_job(Ticks base) {
-    for (size_t i = 0; i < job_.steppers(); ++i) {
-      Bytes payload;
-      job_.put_reset(i, base, payload);
-      now_queue_.push_back({std::move(payload), false});
+  // Starts the job at clock `base` of the main board, whose clock runs at `main_hz`: every motor's
+  // clock is set, then messages flow.
+  void start_job(Ticks base, double main_hz) {
+    main_base_ = base;
+    if (Retimer* retimer = job_.retimer()) {
+      retimer->start(main_hz, hz_ / main_hz);
+      base = own_clock(main_base_);
+      job_.start(base);
+      renew_map(0);
     }
+    for (Bytes& reset : job_.resets(base)) now_queue_.push_back({std::move(reset), false});
     job_.start(base);
   }
 
@@ -126,6 +157,8 @@ class Link {
   // The board said that it stopped; its static_string_id tells why.
   bool shut_down() const { return shut_down_; }
   uint32_t shutdown_reason() const { return shutdown_reason_; }
+  // It was told to, since another board of the machine had stopped or was lost.
+  bool stopped_with_others() const { return halted_; }
   // The board begins anew, after a reset or a power cycle: whatever was on its way is forgotten.
   void restart() {
     window_.restart();
@@ -172,6 +205,8 @@ class Link {
     size_t before = out.size();
     window_.poll(now, out);
     if (following_ && now >= next_sync_) ask_clock(now);
+    if (timeline_ && !shut_down_) follow_orders();
+    if (timeline_ && timeline_->halted() && !shut_down_ && !halted_) stop_at_once();
     Ticks clock = sync_.ready() ? sync_.clock_at(now) : 0;
     if (sync_.ready() && !shut_down_)
       for (Bytes again = job_.renew(clock); !again.empty(); again = job_.renew(clock))
@@ -189,9 +224,10 @@ class Link {
   }
 
  private:
-  static constexpr uint32_t kLostAfter = 4;
-  static constexpr int kQuickSamples = 8;
+  static constexpr uint32_t kLostAfter = 4, kLostAfterOfSeveral = 40;
+  static constexpr int kQuickSamples = 8, kQuickSamplesOfSeveral = 80;
   static constexpr double kQuickSeconds = 0.05, kSyncSeconds = 0.9839;
+  static constexpr double kSyncOfSeveralSeconds = 0.0983, kRenewSeconds = 0.9;
   static constexpr double kHeaterLeadSeconds =
       0.1;  // from a report to the change of power it causes
   static constexpr size_t kInboxMax = 4096;
@@ -203,6 +239,11 @@ class Link {
   Window window_;
   ClockSync sync_;
   JobStream job_;
+  std::shared_ptr<Timeline> timeline_;  // none: the board is alone
+  size_t seat_ = 0;
+  bool main_ = true, halted_ = false;
+  Ticks main_base_ = 0;  // of the job, in the main board's clock
+  double renewed_ = 0;   // the job's clock when the map of its time was renewed
   MessageQueue* queue_ = nullptr;
   bool live_ = false;
   std::deque<std::pair<Bytes, bool>> now_queue_;  // commands; true: a question for the clock
@@ -221,12 +262,13 @@ class Link {
   bool holds_question_ = false, holds_command_ = false;
 
   bool following_ = false, asked_ = false;
+  double byte_ticks_ = 0;
   Ticks next_sync_ = kNever;
   uint64_t question_ = 0;  // number of the frame that carries the last question for the clock
   int samples_ = 0;
   uint32_t unanswered_ = 0;
   int32_t clock_id_ = -1000, uptime_id_ = -1000, analog_id_ = -1000, converter_id_ = -1000,
-          shutdown_id_ = -1000, is_shutdown_id_ = -1000;
+          shutdown_id_ = -1000, is_shutdown_id_ = -1000, trsync_id_ = -1000;
   bool shut_down_ = false;
   uint32_t shutdown_reason_ = 0;
   uint64_t wire_bytes_ = 0, frames_ = 0, bad_frames_ = 0;
@@ -254,14 +296,51 @@ class Link {
     return holds_command_ || job_.must_leave(open_first_) <= clock;
   }
 
+  void stop_at_once() {
+    halted_ = true;
+    job_.stop();
+    send("emergency_stop", {});
+  }
+  void follow_orders() {
+    for (const Timeline::Order& order : timeline_->take_mail(seat_)) {
+      if (order.triggers)
+        send("trsync_trigger", {int64_t(order.oid), int64_t(order.reason)});
+      else
+        send("trsync_set_timeout",
+             {int64_t(order.oid), int64_t(uint32_t(own_clock(Ticks(order.clock))))});
+    }
+  }
+  void renew_map(double job_clock) {
+    renewed_ = job_clock;
+    job_.retimer()->map().renew(job_clock, [&](double t) {
+      return double(own_clock(main_base_ + Ticks(t)) - job_.base());
+    });
+  }
+  // The clocks are known better now.
+  void follow_timeline(Ticks now) {
+    if (main_) return timeline_->set_clock(sync_.line(), hz_);
+    if (!job_.running()) return;
+    const TimeMap& map = job_.retimer()->map();
+    double job_clock = map.inverse(double(sync_.clock_at(now) - job_.base()));
+    if (job_clock >= renewed_ + kRenewSeconds * map.hz()) renew_map(job_clock);
+  }
+
   void ask_clock(Ticks now) {
-    if (asked_) ++unanswered_;
+    bool quick = samples_ < (timeline_ ? kQuickSamplesOfSeveral : kQuickSamples);
+    double seconds = quick ? kQuickSeconds : timeline_ ? kSyncOfSeveralSeconds : kSyncSeconds;
+    next_sync_ = now + Ticks(seconds * hz_);
+    if (asked_) {
+      ++unanswered_;
+      if (timeline_ && lost()) timeline_->halt();
+      // An answer comes before the acknowledgement, or never. Two questions on their way would be
+      // taken for each other.
+      if (question_ == 0 || window_.acked() <= question_) return;
+    }
     Bytes payload;
     commands_.at(sync_.ready() ? "get_clock" : "get_uptime").encode({}, payload);
     now_queue_.push_back({std::move(payload), true});
     asked_ = true;
     question_ = 0;
-    next_sync_ = now + Ticks((samples_ < kQuickSamples ? kQuickSeconds : kSyncSeconds) * hz_);
   }
 
   Ticks deadline(Ticks now) const {
@@ -289,30 +368,43 @@ class Link {
       return;
     }
     if (id == clock_id_ || id == uptime_id_) {
-      take_clock(id == uptime_id_, values, now);
+      take_clock(id == uptime_id_, values, now - on_the_line(kFrameMin + size));
     } else if ((id == analog_id_ || id == converter_id_) && take_temperature(values, now)) {
       return;
     } else {
+      if (id == trsync_id_ && timeline_) take_trsync(values);
       if (id == shutdown_id_ || id == is_shutdown_id_) {
         shut_down_ = true;
         shutdown_reason_ = uint32_t(std::get<int64_t>(values.back()));
         job_.stop();
+        if (timeline_) timeline_->halt();
       }
       if (inbox_.size() == kInboxMax) inbox_.pop_front();
       inbox_.push_back({format, std::move(values)});
     }
   }
-  void take_clock(bool uptime, const std::vector<Value>& values, Ticks now) {
+  // trsync_state oid can_trigger trigger_reason clock
+  void take_trsync(const std::vector<Value>& values) {
+    int64_t v[4];
+    for (size_t i = 0; i < 4; ++i) v[i] = std::get<int64_t>(values.at(i));
+    Ticks clock = main_clock(sync_.unwrap(uint32_t(v[3])));
+    timeline_->heard(seat_, uint32_t(v[0]), v[1] != 0, uint32_t(v[2]), double(clock));
+  }
+  Ticks on_the_line(size_t bytes) const { return Ticks(byte_ticks_ * double(bytes)); }
+  void take_clock(bool uptime, const std::vector<Value>& values, Ticks answered) {
     if (!asked_ || question_ == 0) return;
     asked_ = false;
     unanswered_ = 0;
     if (!window_.sent_once(question_)) return;  // it is not known which copy was answered
-    Ticks sent = window_.sent_at(question_);
+    Ticks heard = window_.sent_at(question_) + on_the_line(window_.length(question_));
+    answered = std::max(answered, heard);
     if (uptime)
-      sync_.start(std::get<int64_t>(values[0]) << 32 | std::get<int64_t>(values[1]), sent, now);
+      sync_.start(std::get<int64_t>(values.at(0)) << 32 | std::get<int64_t>(values.at(1)), heard,
+                  answered);
     else if (sync_.ready())
-      sync_.add(uint32_t(std::get<int64_t>(values[0])), sent, now);
+      sync_.add(uint32_t(std::get<int64_t>(values.at(0))), heard, answered);
     ++samples_;
+    if (timeline_) follow_timeline(answered);
   }
   // analog_in_state oid next_clock values: next_clock is that of the next report; the newest of the
   // values (16 bits each) counts. Boards with older firmware send one value, as a number.

@@ -198,6 +198,12 @@ CATALOGUE: Mapping[str, Entry] = {
         "Look whether the axis moved towards it, and what M119 says while you press it",
         ExitStatus.MACHINE_FAULT,
     ),
+    "machine.switch-lost": Entry(
+        "homing",
+        "{axis} was not homed: {value} and a motor of it are on boards that lost each other",
+        "Look at the cables of the boards, and at how busy this computer is",
+        ExitStatus.MACHINE_FAULT,
+    ),
     "machine.switch-stuck": Entry(
         "homing",
         "{axis} was not homed: {value} is still pressed {limit} away from {position}",

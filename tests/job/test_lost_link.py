@@ -24,7 +24,7 @@ def undisturbed(tmp_path_factory):
 
 def break_link(s, seconds):
     """The cable is out for so long."""
-    port, drive = s.printer.connection.port, s.printer.drive
+    port, drive = s.printer.connection.main.port, s.printer.drive
     port.unplug()
     s.passes(seconds)
     port.plug(drive.base + drive.now)

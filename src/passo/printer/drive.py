@@ -12,7 +12,7 @@ from passo.printer.slots import SLOTS
 
 if TYPE_CHECKING:
     from passo import _core
-    from passo.board.connection import Connection
+    from passo.board.boards import Boards
 
 TICK_S = 0.01  # host time between two looks at the board in real time
 HORIZON_S = 0.16  # of print time ahead that cannot be taken back: the board has it
@@ -40,7 +40,7 @@ class Drive:
 
     def __init__(
         self,
-        connection: Connection,
+        connection: Boards,
         job: _core.Job,
         *,
         free: bool,
@@ -54,8 +54,8 @@ class Drive:
         self.horizon_s = HORIZON_S
         if connection.survives:
             self.horizon_s = COMMITS_AHEAD_S + TICK_S
-            connection.use_commits(COMMITS_AHEAD_S)
-        self.base = connection.start_job(job.messages)
+            connection.main.use_commits(COMMITS_AHEAD_S)
+        self.base = connection.start_job(job)
         self.use_commits(True)
         self._loop = asyncio.get_running_loop()
         self._start_s = self._loop.time()
@@ -71,7 +71,7 @@ class Drive:
     @property
     def now(self) -> int:
         """Print time in ticks of the job's clock."""
-        if self._free or self._connection.port.live:
+        if self._free or self._connection.live:
             return self._connection.now - self.base
         passed = self._loop.time() - self._start_s
         return self._start_clock + int(passed * self.hz) - self.base
@@ -180,12 +180,12 @@ class Drive:
             return
         if on:
             hz = self.hz
-            most = self._connection.move_count // _SHARE_OF_SLOTS
+            most = self._connection.main.move_count // _SHARE_OF_SLOTS
             self._job.use_commits(int(COMMIT_S * hz), most, int(_KEPT_S * hz))
-            self._connection.command("survive_arm")
+            self._connection.main.command("survive_arm")
         else:
             self._job.stop_commits()
-            self._connection.command("survive_off")
+            self._connection.main.command("survive_off")
 
     def recover_from(self, serial: int) -> bool:
         """The board has stopped by itself behind a commit: all that was to follow is held. False if
@@ -271,7 +271,7 @@ class Drive:
 
     def _run(self, job_clock: int) -> None:
         until = self.base + job_clock
-        if until > self._connection.now or self._connection.port.live:
+        if until > self._connection.now or self._connection.live:
             self._connection.run(until)  # a live board may have news at any time
 
     def _settle(self, now: int) -> None:

@@ -17,7 +17,8 @@ class Positions:
 
     def __init__(self, printer: Printer) -> None:
         self._printer = printer
-        self._lost: dict[str, int] = {}
+        self.lost: dict[str, int] = {}
+        self.settled = True  # False: a board did not answer the last time
         self._frozen: list[float] | None = None
 
     def freeze(self) -> None:
@@ -37,14 +38,16 @@ class Positions:
     def settle(self) -> None:
         """The machine stands: whatever the board has not made of the plan, it never will. Lets time
         pass; raises MachineError."""
+        self.settled = False
         for row in self._printer.job.steppers():
             name = row["name"]
-            self._lost[name] = row["expected_net"] - self._printer.connection.net_steps(name)
+            self.lost[name] = row["expected_net"] - self._printer.connection.net_steps(name)
+        self.settled = True
 
     def origins(self) -> dict[str, int]:
         """Each motor's position, in steps, where the board's count of it is 0."""
         return {
-            row["name"]: row["count"] - row["expected_net"] + self._lost.get(row["name"], 0)
+            row["name"]: row["count"] - row["expected_net"] + self.lost.get(row["name"], 0)
             for row in self._printer.job.steppers()
         }
 
@@ -93,7 +96,7 @@ class Positions:
         found: dict[str, int] = {}
         for row in self._printer.job.steppers():
             name = row["name"]
-            net = self._printer.connection.net_steps(name) + self._lost.get(name, 0)
+            net = self._printer.connection.net_steps(name) + self.lost.get(name, 0)
             found[name] = net + row["count"] - row["expected_net"]
         return found
 

@@ -41,7 +41,7 @@ from passo.printer.wiring import connect, reconnected
 from passo.printer.words import Command
 
 if TYPE_CHECKING:
-    from passo.board.connection import Connection
+    from passo.board.boards import Boards
     from passo.board.faults import HeaterFault
     from passo.config.machine import MachineConfig
 
@@ -108,12 +108,12 @@ class Printer:
         self._impatient = False  # the wait that goes on shall not even wait for moves
         self._revived = asyncio.Event()
 
-    def _begin(self, connection: Connection) -> None:
-        """Starts from a board that has just been configured, with nothing planned."""
+    def _begin(self, connection: Boards) -> None:
+        """Starts from boards that have just been configured, with nothing planned."""
         machine = self.machine
         connection.run(connection.now + int(_FIRST_REPORTS_S * machine.board.clock_hz))
         self.connection = connection
-        connection.on_fault = self._heater_failed
+        connection.set_on_fault(self._heater_failed)
         self.drivers.begin(connection)
         self.job = _core.Job(machine.core_spec(), True, False, False)
         full = [connection.full_scale(o.name) for o in connection.board.outputs]
@@ -208,7 +208,7 @@ class Printer:
         self.halted = reason.rstrip(".")
         for name in self.heaters:
             self.connection.set_target(name, 0.0)
-        self.connection.command("emergency_stop")
+        self.connection.emergency_stop()
         self._skip.set()
 
     def revive(self) -> None:
@@ -408,8 +408,8 @@ class Printer:
         """The board may only have been silent for a moment: it must not go on when it is back."""
         for name in self.heaters:
             self.connection.set_target(name, 0.0)
-        self.connection.link.stop_job()
-        self.connection.command("emergency_stop")
+        self.connection.stop_job()
+        self.connection.emergency_stop()
 
     async def _revive(self) -> None:
         """Begins anew; as often as somebody asks, until the board can be reached."""

@@ -23,7 +23,7 @@ async def reconnect(printer: Printer, lost: LinkLostError) -> None:
     was held as soon as what was warm is so again. Raises `lost` when the printer is halted
     meanwhile, and MachineError when the board's place cannot be proved."""
     held = printer.job.holds
-    printer.connection.link.stop_job()
+    printer.connection.stop_job()
     problem = str(lost).partition(".")[0]
     printer.tell(
         f"echo:The link is lost ({problem}). The board stops by itself and keeps warm for a minute:"
@@ -43,7 +43,7 @@ async def reconnect(printer: Printer, lost: LinkLostError) -> None:
 
 async def _take_over(printer: Printer) -> None:
     """Raises LinkLostError while the board cannot be reached, and again when it is lost again."""
-    connection = printer.connection
+    connection = printer.connection.main
     connection.reopen()
     _prove(printer, await _standing(printer))
     connection.command("survive_arm")
@@ -58,7 +58,7 @@ async def _take_over(printer: Printer) -> None:
 
 async def _standing(printer: Printer) -> Values:
     """The state of the board once its motors stand."""
-    connection = printer.connection
+    connection = printer.connection.main
     states = connection.dictionary.enumerations["survive"]
     for _ in range(int(_BRAKING_S / _LOOK_S)):
         state = connection.ask("survive_query", "survive_state")
@@ -71,7 +71,7 @@ async def _standing(printer: Printer) -> Values:
 
 def _prove(printer: Printer, state: Values) -> None:
     """Plans anew from where the board has stopped; every motor must be there."""
-    states = printer.connection.dictionary.enumerations["survive"]
+    states = printer.connection.main.dictionary.enumerations["survive"]
     if state["state"] not in (states["resting"], states["held"]):
         raise MachineError.of("machine.place-unknown")
     if not printer.drive.recover_from(int(state["serial"])):
