@@ -292,13 +292,13 @@ void bind_job(nb::module_& m) {
           "ticks"_a)
       .def(
           "use_commits",
-          [](JobView& self, int64_t period, size_t most, int64_t taken) {
+          [](JobView& self, int64_t period, size_t most) {
             self.job.motion.flush();
-            self.job.motion.use_commits(period, most, taken);
+            self.job.motion.use_commits(period, most);
           },
-          "period"_a, "most"_a, "taken"_a,
-          "Messages come in commits of at most so many ticks and messages from now on, and those "
-          "taken are kept for some ticks, for recover_from; only while the machine stands.")
+          "period"_a, "most"_a,
+          "Messages come in commits of at most so many ticks and messages from now on; only while "
+          "the machine stands.")
       .def(
           "stop_commits",
           [](JobView& self) {

@@ -349,6 +349,7 @@ void bind_link(nb::module_& m) {
           },
           "options"_a, nb::rv_policy::reference_internal)
       .def_prop_ro("shut_down", &held<&Link::shut_down>)
+      .def_prop_ro("alone", &held<&Link::alone>, "The board has stopped by itself.")
       .def_prop_ro("stopped_with_others", &held<&Link::stopped_with_others>,
                    "The board was shut down because another one of the machine had failed.")
       .def_prop_ro("shutdown_reason", &held<&Link::shutdown_reason>)

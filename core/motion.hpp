@@ -87,6 +87,7 @@ class Motion {
   // std::invalid_argument, and takes none, if they do not join, or a motor cannot follow.
   static constexpr double kJoint = 1e-6;
   void add_pieces(std::vector<Piece> pieces) {
+    if (commits_) throw std::invalid_argument("pieces cannot be stopped on their way");
     if (!in_pieces_) flush();
     check(pieces);
     for (Piece& p : pieces) {
@@ -176,12 +177,11 @@ class Motion {
   void set_tool_offset(size_t tool, int j, double mm) { machine_.tools[tool].offset[j] = mm; }
 
   // From now on messages come in commits (commits.hpp): each of at most `period` ticks and `most`
-  // messages. Only while the machine stands and nothing is waiting. `taken` ticks of messages are
-  // kept for recover_from().
-  void use_commits(int64_t period, size_t most, int64_t taken) {
-    commits_.emplace(machine_, period, most, last_steps(), nets());
-    auto held = hold();
-    messages_[0].keep(taken);
+  // messages. Only while the machine stands and nothing is waiting. The last
+  // kKeptCommits that were taken are kept for recover_from().
+  void use_commits(int64_t period, size_t most) {
+    commits_.emplace(machine_, period, most);
+    begin_commits(0, 0);
   }
   void stop_commits() { commits_.reset(); }
   bool commits() const { return commits_.has_value(); }
@@ -212,8 +212,7 @@ class Motion {
     (held_.empty() ? unattached_ : held_.front().records) += uint16_t(late.size());
     records_.insert(records_.begin(), late.begin(), late.end());
     for (size_t i = 0; i < compressors_.size(); ++i) compressors_[i].renew();
-    messages_[0].keep(messages_[0].kept_ticks());
-    commits_->begin(serial, int64_t(planner_.clock()), last_steps(), nets());
+    begin_commits(serial, int64_t(planner_.clock()));
     return clock;
   }
 
@@ -410,6 +409,7 @@ class Motion {
 
  private:
   static constexpr double kKeptSeconds = 1.0;  // of motion that is under way or done already
+  static constexpr size_t kKeptCommits = 128;  // more than the frames on their way can hold
   Machine machine_;  // its steps per unit and tool offsets may change while it stands
   Planner planner_;
   bool with_steps_;
@@ -551,6 +551,14 @@ class Motion {
       start = m.end();
     }
   }
+  // The board's last commit is `serial`, and the machine stands.
+  void begin_commits(uint32_t serial, int64_t clock) {
+    auto held = hold();
+    messages_[0].keep(kKeptCommits);
+    std::vector<bool> renews;
+    for (const Compressor& c : compressors_) renews.push_back(c.renews());
+    commits_->begin(serial, clock, last_steps(), nets(), std::move(renews));
+  }
   // Of each motor, at rest: the clock of its last step, its net steps.
   std::vector<int64_t> last_steps() const {
     std::vector<int64_t> last;
@@ -568,7 +576,7 @@ class Motion {
     auto held = hold();
     auto brake = [this](int64_t clock, std::vector<Move>& moves) { brake_from(clock, moves); };
     commits_->advance(known, stands, set_apart_, brake, messages_[0]);
-    commits_->forget(taken_until() - int64_t(kKeptSeconds * machine_.clock_hz));
+    commits_->forget(messages_[0].taken_until(), kKeptCommits);
   }
 
   void resume_plan(std::vector<Move>& moves, double speed2, double clock) {
@@ -679,6 +687,7 @@ class Motion {
     auto held = hold();
     double taken = double(taken_until());
     double past = taken - kKeptSeconds * machine_.clock_hz;
+    if (commits_) past = std::min(past, double(commits_->points().front().clock));
     while (history_begin_ < history_.size() && history_[history_begin_].end() < past)
       ++history_begin_;
     if (2 * history_begin_ >= history_.size()) {

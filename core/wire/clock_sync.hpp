@@ -52,6 +52,10 @@ class ClockSync {
     usual_excess_ = 0;
   }
 
+  // The board was not asked for a while, until this host time.
+  void bridge(Ticks host) {
+    if (ready_) last_clock_ = std::max(last_clock_, clock_at(host));
+  }
   // The low 32 bits of a clock that lies within 2^31 ticks of the last one known.
   Ticks unwrap(uint32_t clock) const {
     return last_clock_ + int32_t(clock - uint32_t(uint64_t(last_clock_)));

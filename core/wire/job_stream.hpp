@@ -48,6 +48,7 @@ class JobStream {
     commit_ = prefix(commands, "survive_commit");
     for (Stepper& s : steppers_) s.tail = prefix(commands, "survive_tail", s.oid);
     horizon_ = horizon;
+    commits_ = true;
   }
   // The clocks of its messages are another board's from now on; `tolerance` is that of a step's
   // time, in ticks of this board.
@@ -114,6 +115,8 @@ class JobStream {
   // Goes on after stop(): the board has forgotten what it had not done.
   void go_on() {
     ends_.clear();
+    for (Pin& pin : pins_)
+      if (pin.longest > 0) pin.value = 0;  // the board has switched it off
     running_ = true;
   }
   bool running() const { return running_; }
@@ -149,13 +152,13 @@ class JobStream {
       const Message& m = queue.front();
       if (m.clock > limit) break;
       bool slot = m.kind == MessageKind::queue_step || m.kind == MessageKind::pin ||
-                  m.kind == MessageKind::tail;
+                  m.kind == MessageKind::tail || (commits_ && m.kind == MessageKind::reset_clock);
       if (slot && ends_.size() >= slots_ && !free_slots(now)) break;
       uint8_t* end = encode(m, payload + size);
       if (size_t(end - payload) > kPayloadMax) return Fill::full;
       size = size_t(end - payload);
       first = std::min(first, m.clock + base_);
-      if (slot) ends_.push_back((m.kind == MessageKind::pin ? m.clock : m.end_clock) + base_);
+      if (slot) ends_.push_back(std::max(m.clock, m.end_clock) + base_);
       if (m.kind == MessageKind::pin) {
         pins_[m.target].value = m.interval;
         pins_[m.target].told = m.clock + base_;
@@ -208,6 +211,7 @@ class JobStream {
   std::vector<Stepper> steppers_;
   std::vector<Pin> pins_;
   Prefix commit_{};
+  bool commits_ = false;
   std::vector<Ticks> ends_;  // board clocks at which slots in use are free again; unordered
   size_t slots_ = 0;
   Ticks slot_wait_ = kNever;

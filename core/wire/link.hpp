@@ -53,6 +53,7 @@ class Link {
     converter_id_ = id_of("thermocouple_result");
     shutdown_id_ = id_of("shutdown");
     is_shutdown_id_ = id_of("is_shutdown");
+    survive_id_ = id_of("survive_state");
     trsync_id_ = id_of("trsync_state");
   }
   const Formats& commands() const { return commands_; }
@@ -170,6 +171,9 @@ class Link {
     holds_question_ = holds_command_ = asked_ = shut_down_ = false;
   }
 
+  // The board has heard nothing of this host in time, and stops by itself.
+  bool alone() const { return alone_; }
+
   // The link was broken, and the board has gone on alone: what was on its way is forgotten, and the
   // job stands until go_on().
   void reconnect(Ticks now) {
@@ -179,8 +183,14 @@ class Link {
       heaters_[i]->interrupted();
     }
     if (following_) follow_clock(now);
+    sync_.bridge(now);
   }
-  void go_on() { job_.go_on(); }
+  // The board has taken over again what it keeps; the job goes on.
+  void go_on() {
+    alone_ = false;
+    for (size_t i = 0; keeps_ && i < heaters_.size(); ++i) tell_keeping(i, kept_[i]);
+    job_.go_on();
+  }
 
   uint64_t wire_bytes() const { return wire_bytes_; }
   uint64_t frames() const { return frames_; }
@@ -269,6 +279,9 @@ class Link {
   uint32_t unanswered_ = 0;
   int32_t clock_id_ = -1000, uptime_id_ = -1000, analog_id_ = -1000, converter_id_ = -1000,
           shutdown_id_ = -1000, is_shutdown_id_ = -1000, trsync_id_ = -1000;
+  int32_t survive_id_ = -1000;
+  static constexpr int64_t kBraking = 3;  // state of survive_state from which on the board is alone
+  bool alone_ = false;
   bool shut_down_ = false;
   uint32_t shutdown_reason_ = 0;
   uint64_t wire_bytes_ = 0, frames_ = 0, bad_frames_ = 0;
@@ -339,6 +352,7 @@ class Link {
     Bytes payload;
     commands_.at(sync_.ready() ? "get_clock" : "get_uptime").encode({}, payload);
     now_queue_.push_back({std::move(payload), true});
+    if (keeps_ && job_.running()) send("survive_query", {});  // what it said may have been lost
     asked_ = true;
     question_ = 0;
   }
@@ -373,6 +387,10 @@ class Link {
       return;
     } else {
       if (id == trsync_id_ && timeline_) take_trsync(values);
+      if (id == survive_id_ && job_.running()) {
+        alone_ |= std::get<int64_t>(values.at(0)) >= kBraking;
+        return;
+      }
       if (id == shutdown_id_ || id == is_shutdown_id_) {
         shut_down_ = true;
         shutdown_reason_ = uint32_t(std::get<int64_t>(values.back()));

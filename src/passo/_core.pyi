@@ -507,6 +507,10 @@ class Link:
     def shut_down(self) -> bool: ...
 
     @property
+    def alone(self) -> bool:
+        """The board has stopped by itself."""
+
+    @property
     def stopped_with_others(self) -> bool:
         """The board was shut down because another one of the machine had failed."""
 
@@ -1150,9 +1154,9 @@ class Job:
 
     def hold_from(self, ticks: float) -> float: ...
 
-    def use_commits(self, period: int, most: int, taken: int) -> None:
+    def use_commits(self, period: int, most: int) -> None:
         """
-        Messages come in commits of at most so many ticks and messages from now on, and those taken are kept for some ticks, for recover_from; only while the machine stands.
+        Messages come in commits of at most so many ticks and messages from now on; only while the machine stands.
         """
 
     def stop_commits(self) -> None:

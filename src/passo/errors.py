@@ -410,6 +410,12 @@ CATALOGUE: Mapping[str, Entry] = {
         "Check its cable and supply, and start again",
         ExitStatus.MACHINE_FAULT,
     ),
+    "machine.alone": Entry(
+        "board",
+        "the board was not told in time how to go on, and has stopped by itself",
+        "Let the computer do less beside, use a shorter or faster link, or start again",
+        ExitStatus.MACHINE_FAULT,
+    ),
     "machine.began-anew": Entry(
         "board",
         "the board has begun anew since the link was lost, and its place is not known any more",

@@ -36,6 +36,10 @@ _RESPONSES_KEPT = 1024
 _SLOTS_RENEWED = 4  # of each output that is told its value again and again
 
 
+class BoardAloneError(LinkLostError):
+    """The board was not told in time how to go on, and has stopped by itself."""
+
+
 class BoardBeganAnewError(MachineError):
     """The board was shut down or reset meanwhile."""
 
@@ -157,6 +161,12 @@ class Connection:
         if state["is_shutdown"] or not state["is_config"] or state["crc"] != self._crc:
             raise BoardBeganAnewError.of("machine.began-anew")
 
+    def renew(self) -> None:
+        """Tells again what the board may not have heard when the link was lost: how it is to sample
+        its sensors."""
+        for line in queries(self.board, self.dictionary, self._clock_after(_LEAD_S)):
+            self.command(line)
+
     def command(self, text: str) -> None:
         """Queues a command, as `name parameter=value …`; it leaves when time next passes.
 
@@ -202,6 +212,8 @@ class Connection:
         stop = self.pass_time(until_clock, until_heaters)
         if self.link.shut_down:
             raise self.shutdown_error()
+        if self.link.alone:
+            raise BoardAloneError.of("machine.alone")
         if self.link.lost:
             raise self.silence("get_clock")
         return stop == _core.Stop.HEATERS

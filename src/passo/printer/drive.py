@@ -19,7 +19,6 @@ HORIZON_S = 0.16  # of print time ahead that cannot be taken back: the board has
 COMMITS_AHEAD_S = 0.2  # the same where motion comes in commits, less the time to notice
 COMMIT_S = 0.075  # of print time in a commit
 _SHARE_OF_SLOTS = 4  # a commit takes no more than this part of them
-_KEPT_S = 1.0  # motion that the board has, but may never come to
 RUNNING_DRY_S = 0.9  # a plan that ends sooner is settled for a stop, as Python may stall for 0.5 s
 TAKE_BACK_S = 1.0  # that stop is taken back, if more moves came in, when it is so near
 LEAD_S = 0.2  # from a command on a standing machine to its first step
@@ -181,7 +180,7 @@ class Drive:
         if on:
             hz = self.hz
             most = self._connection.main.move_count // _SHARE_OF_SLOTS
-            self._job.use_commits(int(COMMIT_S * hz), most, int(_KEPT_S * hz))
+            self._job.use_commits(int(COMMIT_S * hz), most)
             self._connection.main.command("survive_arm")
         else:
             self._job.stop_commits()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
-from passo.board.connection import Values
+from passo.board.connection import BoardAloneError, Values
 from passo.board.ports import LinkLostError
 from passo.errors import MachineError
 from passo.printer.drive import TICK_S
@@ -25,15 +25,20 @@ async def reconnect(printer: Printer, lost: LinkLostError) -> None:
     held = printer.job.holds
     printer.connection.stop_job()
     problem = str(lost).partition(".")[0]
+    plug = "" if isinstance(lost, BoardAloneError) else " plug it in again, or give up with M112"
     printer.tell(
-        f"echo:The link is lost ({problem}). The board stops by itself and keeps warm for a minute:"
-        " plug it in again, or give up with M112"
+        f"echo:The print waits: {problem}. The board stops by itself and keeps warm for a minute"
+        + (":" + plug if plug else "")
     )
+    reopen = not isinstance(lost, BoardAloneError)
     while not printer.halted:
         try:
-            await _take_over(printer)
+            await _take_over(printer, reopen=reopen)
             break
+        except BoardAloneError:
+            reopen = False
         except LinkLostError:
+            reopen = True
             await asyncio.sleep(_AGAIN_S)
     if printer.halted:
         raise lost
@@ -41,12 +46,15 @@ async def reconnect(printer: Printer, lost: LinkLostError) -> None:
         printer.drive.release()
 
 
-async def _take_over(printer: Printer) -> None:
+async def _take_over(printer: Printer, *, reopen: bool) -> None:
     """Raises LinkLostError while the board cannot be reached, and again when it is lost again."""
     connection = printer.connection.main
-    connection.reopen()
+    if reopen:
+        connection.reopen()
     _prove(printer, await _standing(printer))
     connection.command("survive_arm")
+    connection.renew()
+    printer.motors.renew()
     connection.link.go_on()
     printer.endstops.begin()
     printer.tell("echo:The board is back, and stands where it was told to stop")
