@@ -332,9 +332,11 @@ void bind_link(nb::module_& m) {
            "Both are the main board's.")
       .def("use_commits", &held<&Link::use_commits, Ticks>, "horizon"_a,
            "The job comes in commits, and leaves so many ticks ahead.")
-      .def("reconnect", &held<&Link::reconnect, Ticks>, "now"_a,
+      .def("reconnect", &held<&Link::reconnect>,
            "The board has gone on without this host: what was on its way is forgotten, and the job "
            "stands until go_on().")
+      .def_prop_ro("delivered", &held<&Link::delivered>,
+                   "Everything of the job so far is at the board.")
       .def("go_on", &held<&Link::go_on>)
       .def("stop_job",
            [](Link& l) {
@@ -639,6 +641,7 @@ void bind_board(nb::module_& m) {
       .def_prop_ro("hz", &Pump::hz, "Ticks of its time in a second.")
       .def("board_clock", &Pump::board_clock, "link"_a,
            "What the clock of this link's board reads, as far as it is known.")
+      .def("sleep", &Pump::sleep, "until"_a, "The host does nothing until then; boards live on.")
       .def("cut", &Pump::cut, "Takes the cable away.")
       .def_prop_ro("device_cpu_s", &Pump::device_cpu)
       .def("record", &Pump::record, "on"_a)

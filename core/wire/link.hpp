@@ -176,14 +176,23 @@ class Link {
 
   // The link was broken, and the board has gone on alone: what was on its way is forgotten, and the
   // job stands until go_on().
-  void reconnect(Ticks now) {
+  void reconnect() {
     restart();
     for (size_t i = 0; i < heaters_.size(); ++i) {
       std::lock_guard lock(heaters_[i]->guard());
       heaters_[i]->interrupted();
     }
-    if (following_) follow_clock(now);
-    sync_.bridge(now);
+    if (following_) follow_clock(0);
+    long_ago_ = true;
+  }
+  // Everything of the job so far is at the board.
+  bool delivered() const {
+    bool all = true;
+    if (queue_) {
+      auto held = queue_->hold();
+      all = queue_->empty();
+    }
+    return all && open_first_ == kNever && window_.acked() > last_of_job_;
   }
   // The board has taken over again what it keeps; the job goes on.
   void go_on() {
@@ -224,6 +233,7 @@ class Link {
     while (window_.room(kPayloadMax) && fill_frame(clock)) {
       if (holds_question_) question_ = window_.next();
       holds_question_ = holds_command_ = false;
+      if (open_first_ != kNever) last_of_job_ = window_.next();
       window_.seal(open_size_, now, out);
       ++frames_;
       open_size_ = 0;
@@ -281,7 +291,8 @@ class Link {
           shutdown_id_ = -1000, is_shutdown_id_ = -1000, trsync_id_ = -1000;
   int32_t survive_id_ = -1000;
   static constexpr int64_t kBraking = 3;  // state of survive_state from which on the board is alone
-  bool alone_ = false;
+  bool alone_ = false, long_ago_ = false;  // the board was not heard for a while
+  uint64_t last_of_job_ = 0;               // number of the last frame with messages of the job
   bool shut_down_ = false;
   uint32_t shutdown_reason_ = 0;
   uint64_t wire_bytes_ = 0, frames_ = 0, bad_frames_ = 0;
@@ -339,6 +350,7 @@ class Link {
   }
 
   void ask_clock(Ticks now) {
+    if (std::exchange(long_ago_, false)) sync_.bridge(now);
     bool quick = samples_ < (timeline_ ? kQuickSamplesOfSeveral : kQuickSamples);
     double seconds = quick ? kQuickSeconds : timeline_ ? kSyncOfSeveralSeconds : kSyncSeconds;
     next_sync_ = now + Ticks(seconds * hz_);

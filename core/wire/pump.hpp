@@ -39,6 +39,11 @@ class Pump {
   }
   // The cables are cut: no byte arrives any more.
   void cut() { cut_ = true; }
+  // This host does nothing until then, and the boards live on.
+  void sleep(Ticks until) {
+    now_ = std::max(now_, until);
+    for (End& end : ends_) end.device->poll(end.own(now_), end.up);
+  }
   // CPU seconds of the devices, from a sample of one exchange in kSample.
   double device_cpu() const { return device_cpu_; }
   // Bytes that the host sent to the first board, frames and all, from now on.

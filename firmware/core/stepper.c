@@ -155,6 +155,16 @@ void stepper_add_tail(struct stepper *stepper, const uint32_t *args) {
   if (move != NULL) put(&stepper->next_tail, move);
 }
 
+bool stepper_is_late(const struct stepper *stepper) {
+  uint32_t clock = stepper->last;
+  if (stepper->halted || stepgen_active(stepper->axis)) return false;
+  for (const struct move *move = stepper->staged.first; move != NULL; move = move->next) {
+    if (move->count > 0) return before(clock + move->interval, hal_clock());
+    clock = move->interval;
+  }
+  return false;
+}
+
 void stepper_commit(struct stepper *stepper) {
   drop(&stepper->tail);
   stepper->tail = stepper->next_tail;

@@ -39,6 +39,8 @@ void stepper_add_tail(struct stepper *stepper, const uint32_t *args);
 void stepper_commit(struct stepper *stepper);
 // All staged moves go to the generator.
 void stepper_give_staged(struct stepper *stepper);
+// Whether its first staged step is past, and the motor stands.
+bool stepper_is_late(const struct stepper *stepper);
 // The tail goes to the generator, what is staged is dropped.
 void stepper_brake(struct stepper *stepper);
 // Drops what is staged, but for clocks that are set anew, and the next tail, or both tails.

@@ -129,6 +129,12 @@ void command_survive_tail(const uint32_t *args) {
 DECL_COMMAND(command_survive_commit, "survive_commit serial=%u clock=%u rest=%c", 0);
 void command_survive_commit(const uint32_t *args) {
   struct stepper *stepper;
+  // Where the machine rests no decision has told that time is up.
+  for (int16_t oid = -1; (stepper = object_next(&oid, OBJECT_STEPPER)) != NULL;)
+    if (state == RESTING && stepper_is_late(stepper)) {
+      state = MOVING;
+      decide(&decision);
+    }
   hal_irq_t irq = hal_irq_save();
   bool valid = survive_stages() && !is_shut_down();
   if (valid) {
@@ -155,7 +161,8 @@ void command_survive_commit(const uint32_t *args) {
   }
   for (int16_t oid = -1; (stepper = object_next(&oid, OBJECT_STEPPER)) != NULL;)
     stepper_forget(stepper, false);
-  untold = state >= BRAKING;
+  // Before the acknowledgement, so that a host that has that knows.
+  if (state >= BRAKING) untold = !report_state();
 }
 
 DECL_COMMAND(command_survive_output, "survive_output oid=%c value=%u seconds=%c", 0);

@@ -492,10 +492,14 @@ class Link:
     def use_commits(self, horizon: int) -> None:
         """The job comes in commits, and leaves so many ticks ahead."""
 
-    def reconnect(self, now: int) -> None:
+    def reconnect(self) -> None:
         """
         The board has gone on without this host: what was on its way is forgotten, and the job stands until go_on().
         """
+
+    @property
+    def delivered(self) -> bool:
+        """Everything of the job so far is at the board."""
 
     def go_on(self) -> None: ...
 
@@ -712,6 +716,9 @@ class Pump:
 
     def board_clock(self, link: Link) -> int:
         """What the clock of this link's board reads, as far as it is known."""
+
+    def sleep(self, until: int) -> None:
+        """The host does nothing until then; boards live on."""
 
     def cut(self) -> None:
         """Takes the cable away."""

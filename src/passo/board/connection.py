@@ -153,7 +153,7 @@ class Connection:
         Raises LinkLostError or MachineError if it cannot be reached, BoardBeganAnewError if it does
         not know any more what it did.
         """
-        self.link.reconnect(self.now)
+        self.link.reconnect()
         self.wire = self.port.attach(self.link)
         if isinstance(self.wire, _core.LiveWire):
             self.wire.use_board_clock()

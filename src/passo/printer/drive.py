@@ -51,6 +51,7 @@ class Drive:
         self.on_pass: Callable[[], None] = lambda: None  # whenever time has passed
         self.hz = connection.board.clock_hz
         self.horizon_s = HORIZON_S
+        self.interrupted = False  # the board has stopped by itself, who knows where
         if connection.survives:
             self.horizon_s = COMMITS_AHEAD_S + TICK_S
             connection.main.use_commits(COMMITS_AHEAD_S)
@@ -84,7 +85,11 @@ class Drive:
     def standing(self) -> bool:
         """All moves so far are done."""
         job = self._job
-        return job.queued == 0 and job.clock <= self.now and not job.holds
+        planned = job.queued == 0 and job.clock <= self.now and not job.holds
+        if not planned or not self._connection.survives:
+            return planned
+        # What the board does not have yet comes too late, and it will say so.
+        return not self.interrupted and self._connection.main.link.delivered
 
     @property
     def idle_s(self) -> float:
@@ -196,6 +201,8 @@ class Drive:
 
     def release(self) -> None:
         """Goes on with what is held."""
+        if self._job.holds:
+            self.on_motion()
         self.before_moves()
         self._job.release()
         self.after_moves()

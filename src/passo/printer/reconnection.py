@@ -23,6 +23,7 @@ async def reconnect(printer: Printer, lost: LinkLostError) -> None:
     was held as soon as what was warm is so again. Raises `lost` when the printer is halted
     meanwhile, and MachineError when the board's place cannot be proved."""
     held = printer.job.holds
+    printer.drive.interrupted = True
     printer.connection.stop_job()
     problem = str(lost).partition(".")[0]
     plug = "" if isinstance(lost, BoardAloneError) else " plug it in again, or give up with M112"
@@ -42,6 +43,7 @@ async def reconnect(printer: Printer, lost: LinkLostError) -> None:
             await asyncio.sleep(_AGAIN_S)
     if printer.halted:
         raise lost
+    printer.drive.interrupted = False
     if not held:
         printer.drive.release()
 
