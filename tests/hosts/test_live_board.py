@@ -167,7 +167,7 @@ def test_who_does_not_want_to_wait_for_the_board_stops_the_printer() -> None:
         host.send("G1 X50 F600")
         scenario.passes(1.0)
         cable.unplug()
-        host.expect("The link is lost", 5.0)
+        host.expect("The machine waits", 5.0)
         host.send("M112")
         host.expect("Printer halted", 5.0)
         cable.plug()

@@ -28,7 +28,7 @@ async def reconnect(printer: Printer, lost: LinkLostError) -> None:
     problem = str(lost).partition(".")[0]
     plug = "" if isinstance(lost, BoardAloneError) else " plug it in again, or give up with M112"
     printer.tell(
-        f"echo:The print waits: {problem}. The board stops by itself and keeps warm for a minute"
+        f"echo:The machine waits: {problem}. The board stops by itself and keeps warm for a minute"
         + (":" + plug if plug else "")
     )
     reopen = not isinstance(lost, BoardAloneError)
@@ -81,9 +81,7 @@ async def _standing(printer: Printer) -> Values:
 
 def _prove(printer: Printer, state: Values) -> None:
     """Plans anew from where the board has stopped; every motor must be there."""
-    states = printer.connection.main.dictionary.enumerations["survive"]
-    if state["state"] not in (states["resting"], states["held"]):
-        raise MachineError.of("machine.place-unknown")
+    # One that was not armed yet has not moved yet; while axes home the plan has no commits.
     if not printer.drive.recover_from(int(state["serial"])):
         raise MachineError.of("machine.place-unknown")
     found = printer.positions.counts()
