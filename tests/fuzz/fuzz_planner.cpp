@@ -1,7 +1,8 @@
 // Moves from bytes through planner, step solver and compressor: every command must be one that the
 // board accepts, and the steps must add up to the rounded targets. Lengths go down to nanometres
 // and feed rates from crawling to absurd; the board's budget may be short, and some moves come as
-// polynomials of time that swing beyond both ends, and the bed may not be flat.
+// polynomials of time that swing beyond both ends, and the bed may not be flat. Motion may come in
+// commits, and the board be left alone with what it was told last.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -60,6 +61,51 @@ struct Board {
   }
 };
 
+// A board that takes commits.
+struct LoneBoard {
+  Board moves;
+  std::vector<Message> staged, tails, next_tails;
+  uint32_t serial = 0;
+  int64_t limit = 0;
+
+  void take(const Message& m) {
+    if (m.kind == MessageKind::tail) {
+      next_tails.push_back(m);
+    } else if (m.kind != MessageKind::commit) {
+      staged.push_back(m);
+    } else {
+      for (const Message& x : staged) {
+        if (x.kind == MessageKind::queue_step &&
+            moves.clock[x.target] + int64_t(x.interval) <= limit)
+          std::abort();  // it belongs to the commit before
+        moves.take(x);
+      }
+      staged.clear();
+      tails.swap(next_tails);
+      next_tails.clear();
+      serial = m.interval;
+      limit = m.clock;
+      for (int64_t clock : moves.clock)
+        if (clock > limit) std::abort();
+    }
+  }
+  void stop_alone() {
+    for (Message m : tails) {
+      if (m.count == 0) {
+        moves.clock[m.target] += int32_t(m.interval - uint32_t(moves.clock[m.target]));
+        continue;
+      }
+      if (moves.clock[m.target] + int64_t(m.interval) <= limit) std::abort();
+      moves.direction[m.target] = m.dir ? 1 : -1;
+      m.kind = MessageKind::queue_step;
+      moves.take(m);
+    }
+    tails.clear();
+    staged.clear();
+    next_tails.clear();
+  }
+};
+
 // From rest to rest, and by the way a swing: with τ = t/seconds,
 // P = a + (b - a)(10 τ³ - 15 τ⁴ + 6 τ⁵) + mm τ²(1 - τ)²(1 - 2 τ).
 Piece swing(const double* a, const double* b, double seconds, double mm) {
@@ -88,6 +134,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   double at[kAxes] = {};
   motion.set_position(at, 0);
   Board board;
+  LoneBoard lone;
+  bool commits = data[0] & 32;
   int64_t before[4];
   for (size_t i = 0; i < 4; ++i) before[i] = motion.count(i);
   if (data[0] & 16) {
@@ -96,8 +144,22 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     std::copy_n(motion.planner().position(), kAxes, at);
     std::copy_n(at, kAxes, move.target);
   }
+  if (commits) motion.use_commits(1'200'000, 60);
+  MessageQueue& queue = motion.messages();
   for (size_t i = 1; i + 12 <= size; i += 12) {
     const uint8_t* p = data + i;
+    if (commits && p[11] % 8 == 7) {
+      for (size_t n = size_t(p[10]) * 4; n > 0 && !queue.empty(); --n, queue.pop())
+        lone.take(queue.front());
+      if (p[9] & 1) {
+        lone.stop_alone();
+        if (!motion.recover_from(lone.serial)) std::abort();
+        for (size_t k = 0; k < 4; ++k)
+          if (motion.expected_net(k) != lone.moves.net[k]) std::abort();
+        motion.wait_until(motion.planner().clock() + 1e5 * p[8]);
+        motion.release();
+      }
+    }
     bool travels = false;
     for (int j = 0; j < 4; ++j) {
       if (!(p[0] >> j & 1)) continue;
@@ -144,8 +206,10 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     }
   }
   motion.flush();
-  MessageQueue& queue = motion.messages();
-  for (; !queue.empty(); queue.pop()) board.take(queue.front());
+  for (; !queue.empty(); queue.pop())
+    commits ? lone.take(queue.front()) : board.take(queue.front());
+  if (commits && !lone.staged.empty()) std::abort();
+  if (commits) board = lone.moves;
   for (size_t i = 0; i < 4; ++i) {
     const StepStatistics& s = motion.steps(i);
     if (board.net[i] != s.net || board.net[i] != motion.count(i) - before[i]) std::abort();
