@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
@@ -78,7 +77,7 @@ class ProcessBoard:
     def close(self) -> None:
         self._process.communicate()
         assert self._process.returncode == 0
-        os.unlink(self.path)
+        Path(self.path).unlink()
 
 
 class AvrOnPty:
