@@ -11,7 +11,7 @@ from pathlib import Path
 
 from tests.hosts.shared_clock import SharedClock
 
-PATIENCE_S = 60
+PATIENCE_S = 300
 
 
 class Kalico:

@@ -141,7 +141,7 @@ class TestAvr:
         with Kalico(hosts, tmp_path, board.path, configuration, clock) as kalico:
             homes_and_prints(kalico, board)
             kalico.tell("M104 S200")
-            kalico.tell("G4 P2000")
+            clock.pass_s(2)
             assert board.look(lambda: hotend.celsius) > 30
         # Nobody renews the heater any more.
         clock.pass_s(4)
@@ -189,7 +189,7 @@ class TestDrivers:
         with Kalico(hosts, tmp_path, line.path, configuration, clock) as kalico:
             yield kalico
 
-    def test_it_sets_drivers_up_and_asks_a_thermocouple(self, board, line, kalico):
+    def test_it_sets_drivers_up_and_asks_a_thermocouple(self, board, line, clock, kalico):
         chips = board.drivers
 
         def registers() -> dict[str, dict[int, int]]:
@@ -214,5 +214,5 @@ class TestDrivers:
                 assert numbers[r.IFCNT] >= 5
             assert ampere == pytest.approx(expected[name], rel=0.05)
         assert "IOIN" in kalico.tell("DUMP_TMC STEPPER=stepper_z")
-        kalico.tell("G4 P1000")  # until it has asked
+        clock.pass_s(1)  # until it has asked
         assert re.search(r"T0:25\.\d /0\.0", kalico.tell("M105"))
