@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Protocol, TypeVar
 
 SOURCE = Path(__file__).with_suffix(".c")
-LOOK_NS = 1_000_000
+LOOK_NS = 2_000_000
 SECOND_NS = 1_000_000_000
 
 T = TypeVar("T")
