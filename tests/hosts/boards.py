@@ -47,16 +47,16 @@ class PtyBoard(Protocol):
 
 
 class ProcessBoard:
-    """The firmware as a process of its own."""
+    """The firmware as a process of its own; in real time without a shared clock."""
 
-    def __init__(self, program: Path, folder: Path, clock: SharedClock) -> None:
+    def __init__(self, program: Path, folder: Path, clock: SharedClock | None = None) -> None:
         self.path = str(folder / "board")
         words = [program, self.path, ROOM_COUNTS]
         for m in MOTORS.values():
             words += [*map(pin_number, (m.step, m.direction, m.switch)), m.above]
         self._process = subprocess.Popen(
             list(map(str, words)),
-            env=clock.environment,
+            env=clock.environment if clock else None,
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,

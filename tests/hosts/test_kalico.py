@@ -4,6 +4,7 @@ of their own, so that neither is late on a busy computer."""
 
 from __future__ import annotations
 
+import asyncio
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -29,6 +30,7 @@ from passo.printer.wiring import board_description, simulated_board
 from passo.simulator import SimulatedBoard
 from passo.simulator import dictionary as simulated
 from passo.toolchain import avr
+from passo.toolchain.readback import identify
 
 HERE = Path(__file__).parent
 PRINT = """\
@@ -120,6 +122,13 @@ class TestProcess:
     def test_it_homes_and_prints(self, hosts, tmp_path, clock, board, configuration):
         with Kalico(hosts, tmp_path, board.path, configuration, clock) as kalico:
             homes_and_prints(kalico, board)
+
+    def test_it_tells_who_it_is_in_real_time(self, tmp_path):
+        board = ProcessBoard(process_for_older_hosts(tmp_path), tmp_path)
+        found = asyncio.run(identify(board.path, 250_000))
+        board.close()
+        assert found is not None and found.dictionary is not None
+        assert found.dictionary.version == "test"
 
 
 class TestAvr:

@@ -17,8 +17,8 @@ pressed, when low. How a board gets its firmware: [Bring up a board](../boards.m
 Every board also knows the pins of its microcontroller (`PB4`), the numbers printed beside them
 (`D10`, `A13`), and the pins of its sockets (`X_STEP`, `X_DIR`, `X_ENABLE`).
 
-A budget is what the planner keeps to: shares of the processor's time for steps and for commands, and
-what the serial link carries. How it was measured: [How fast](../boards.md#how-fast).
+A budget is what the planner keeps to: shares of the processor's time for steps and for commands,
+and what the serial link carries. How it was measured: [How fast](../boards.md#how-fast).
 
 """
 
