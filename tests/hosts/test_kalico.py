@@ -93,18 +93,21 @@ def configuration() -> str:
     return (HERE / "kalico.cfg").read_text(encoding="utf-8")
 
 
-def homes_and_prints(kalico: Kalico, board: PtyBoard) -> None:
+def homes_and_prints(kalico: Kalico, board: PtyBoard, clock: SharedClock) -> None:
+    def stands() -> dict[str, Moved]:
+        kalico.tell("M400")
+        clock.pass_s(0.1)  # what Kalico takes for the board's clock may be ahead of it
+        return board.moved()
+
     kalico.tell("G28")
     first, *rest = PRINT.splitlines()
     kalico.tell(first)
-    kalico.tell("M400")
-    before = board.moved()
+    before = stands()
     for axis, steps in (("x", 4000), ("y", 3200), ("z", 800)):
         assert -2 <= before[axis].position - steps <= 0
     for line in rest:
         kalico.tell(line)
-    kalico.tell("M400")
-    after = board.moved()
+    after = stands()
     assert {a: after[a].position - before[a].position for a in after} == NET
     assert {a: after[a].steps - before[a].steps for a in after} == MADE
     assert re.search(r"B:2[45]\.\d /0\.0 T0:2[45]\.\d /0\.0", kalico.tell("M105"))
@@ -121,7 +124,7 @@ class TestProcess:
 
     def test_it_homes_and_prints(self, hosts, tmp_path, clock, board, configuration):
         with Kalico(hosts, tmp_path, board.path, configuration, clock) as kalico:
-            homes_and_prints(kalico, board)
+            homes_and_prints(kalico, board, clock)
 
     def test_it_tells_who_it_is_in_real_time(self, tmp_path):
         board = ProcessBoard(process_for_older_hosts(tmp_path), tmp_path)
@@ -148,7 +151,7 @@ class TestAvr:
         hotend = Hotend(bench, "PB4", 13, sensor)
         board.look(lambda: board.world.append(hotend))
         with Kalico(hosts, tmp_path, board.path, configuration, clock) as kalico:
-            homes_and_prints(kalico, board)
+            homes_and_prints(kalico, board, clock)
             kalico.tell("M104 S200")
             clock.pass_s(2)
             assert board.look(lambda: hotend.celsius) > 30
