@@ -18,7 +18,7 @@ from tests.firmware.library import (
 from tests.firmware.simavr.bench import AvrBench
 from tests.firmware.simavr.boards import RAMPS
 from tests.firmware.simavr.host import Hotend
-from tests.hosts.boards import AvrOnPty, ProcessBoard, PtyBoard
+from tests.hosts.boards import AvrOnPty, Moved, ProcessBoard, PtyBoard
 from tests.hosts.kalico import Kalico
 from tests.hosts.shared_clock import SharedClock, SharedLine
 from tests.printer.driver_machine import machine_text
