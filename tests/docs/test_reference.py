@@ -11,6 +11,10 @@ import pytest
 import passo
 from passo.config.board_reference import reference as boards
 from passo.gcode.reference import reference
+from passo.toolchain import protocol_words
+from passo.toolchain.build import firmware_folder
+from passo.toolchain.declarations import gather, message_name
+from passo.toolchain.protocol_reference import reference as protocol
 
 ROOT = Path(__file__).parents[2]
 
@@ -21,6 +25,20 @@ def test_the_reference_is_up_to_date():
 
 def test_the_reference_of_boards_is_up_to_date():
     assert (ROOT / "docs/reference/boards.md").read_text(encoding="utf-8") == boards()
+
+
+def test_the_reference_of_the_protocol_is_up_to_date():
+    assert (ROOT / "docs/reference/protocol.md").read_text(encoding="utf-8") == protocol()
+
+
+def test_the_reference_of_the_protocol_leaves_nothing_out():
+    found = gather(sorted(firmware_folder().glob("core/*.c")))
+    commands = [name for words in protocol_words.COMMANDS.values() for name in words]
+    assert sorted(commands) == sorted(message_name(c.format) for c in found.commands)
+    assert sorted(protocol_words.REPORTS) == sorted(map(message_name, found.reports))
+    assert protocol_words.SHUTDOWNS.keys() == found.shutdowns.keys()
+    assert protocol_words.CONSTANTS.keys() >= found.constants.keys()
+    assert protocol_words.ENUMERATIONS.keys() == found.enumerations.keys()
 
 
 @pytest.mark.parametrize(

@@ -1,34 +1,62 @@
-"""Another firmware library than the package's."""
+"""The firmware in the words of older hosts: as sources, as a library and as the host process."""
 
 from __future__ import annotations
 
+import shutil
 import subprocess
+from collections.abc import Iterable
 from pathlib import Path
 
 from passo.toolchain.declarations import gather
 from passo.toolchain.tables import dictionary, write_tables
 
 FIRMWARE = Path(__file__).parents[2] / "firmware"
+CLOCK_HZ = 16_000_000
+MOVES = 1024
+PORTS = "ABCDEFGHIJKL"
+
+
+def sources_for_older_hosts(folder: Path) -> Path:
+    """All sources, with analog inputs and converters in other words; made in `folder`."""
+    made = folder / "sources"
+    shutil.copytree(FIRMWARE, made)
+    (made / "core/analog_report.c").unlink()
+    for alternative in made.glob("alternative/*.c"):
+        alternative.replace(made / "core" / alternative.name)
+    return made
 
 
 def library_for_older_hosts(folder: Path) -> Path:
-    """With analog inputs and converters in the words of older hosts; made in `folder`."""
-    newer = ("analog_report.c", "thermocouple_words.c")
-    core = [s for s in FIRMWARE.glob("core/*.c") if s.name not in newer]
+    """Made in `folder`."""
+    return _compile(folder, ["host.c"], ["-shared", "-fPIC"], {}, folder / "firmware.so")
+
+
+def process_for_older_hosts(folder: Path) -> Path:
+    """A program, with the pins of an ATmega2560; made in `folder`."""
+    additions = {
+        "constants": {"CLOCK_FREQ": CLOCK_HZ},
+        "enumerations": {"pin": {f"P{port}0": (8 * i, 8) for i, port in enumerate(PORTS)}},
+    }
+    flags = [f"-DPROCESS_CLOCK_HZ={CLOCK_HZ}", f"-DPROCESS_MOVES={MOVES}"]
+    return _compile(folder, ["host.c", "process.c"], flags, additions, folder / "process")
+
+
+def _compile(
+    folder: Path, layer: Iterable[str], flags: list[str], additions: dict, made: Path
+) -> Path:
+    firmware = sources_for_older_hosts(folder)
+    host = firmware / "hal/host"
     sources = [
-        *sorted(core),
-        FIRMWARE / "alternative/analog_value.c",
-        FIRMWARE / "alternative/thermocouple_words.c",
-        FIRMWARE / "hal/common/stepgen.c",
-        FIRMWARE / "hal/host/host.c",
+        *sorted(firmware.glob("core/*.c")),
+        firmware / "hal/common/stepgen.c",
+        *(host / name for name in layer),
     ]
     found = gather(sources)
-    sources += write_tables(found, dictionary(found, version="test"), folder)
-    folders = [*(FIRMWARE / f for f in ("core", "hal", "hal/common", "hal/host")), folder]
-    made = folder / "firmware.so"
+    sources += write_tables(found, dictionary(found, version="test", **additions), folder)
+    folders = [firmware / "core", firmware / "hal", firmware / "hal/common", host, folder]
     subprocess.run(
-        ["cc", "-std=c11", "-O2", "-shared", "-fPIC", "-fno-strict-aliasing", "-Wall", "-Wextra",
-         "-Werror", *(f"-I{f}" for f in folders), *map(str, sources), "-o", str(made)],
+        ["cc", "-std=c11", "-O2", "-fno-strict-aliasing", "-Wall", "-Wextra", "-Werror", *flags,
+         *(f"-I{f}" for f in folders), *map(str, sources), "-o", str(made)],
         check=True,
     )  # fmt: skip
     return made

@@ -17,6 +17,9 @@ pressed, when low. How a board gets its firmware: [Bring up a board](../boards.m
 Every board also knows the pins of its microcontroller (`PB4`), the numbers printed beside them
 (`D10`, `A13`), and the pins of its sockets (`X_STEP`, `X_DIR`, `X_ENABLE`).
 
+A budget is what the planner keeps to: shares of the processor's time for steps and for commands,
+and what the serial link carries. How it was measured: [How fast](../boards.md#how-fast).
+
 """
 
 
@@ -52,7 +55,24 @@ def _facts(board: Board, chip: Chip) -> Iterator[str]:
         yield f"- flashed with {board.flash.method}"
         yield from (f"- before: {text}" for text in board.flash.before)
         yield from (f"- after: {text}" for text in board.flash.after)
+    yield from _budget(board)
     yield ""
+
+
+def _budget(board: Board) -> Iterator[str]:
+    """What the planner counts with when the board is on its serial line."""
+    budget = board.budget
+    if budget is None:
+        return
+    serial = {"link": "serial", "baud": board.console.baud if board.console else board.baud}
+    rates = board.model_copy(update=serial).budget_spec() or {}
+    cycles = f"{budget.cycles_per_step:g} cycles a step, {budget.cycles_per_command:g} a command"
+    bound = "the link" if rates["by_link"] else "the processor"
+    yield (
+        f"- budget: {cycles}, at {(budget.cpu_hz or board.clock_hz) / 1e6:g} MHz; of all motors"
+        f" together {rates['steps_s']:.0f} steps/s, and {rates['commands_s']:.0f} commands/s, which"
+        f" {bound} bounds"
+    )
 
 
 def _motors(board: Board) -> Iterator[str]:

@@ -14,6 +14,7 @@
 //             lets them share the places of channels 0 to 7 and fills these when one is sampled
 //   (always)  a byte takes 11 bit times on the line; the bench sets the 10 of 8N1
 #include <simavr/avr_adc.h>
+#include <simavr/avr_extint.h>
 #include <simavr/avr_ioport.h>
 #include <simavr/avr_timer.h>
 #include <simavr/avr_uart.h>
@@ -24,7 +25,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { kPins = 96, kChannels = 16, kCarriages = 8, kTimers = 8, kQueue = 1 << 16 };
+enum { kPins = 96, kChannels = 16, kCarriages = 8, kTimers = 8, kExternal = 8, kQueue = 1 << 16 };
 enum { kEdges = 1, kRises = 2 };
 enum { kSlice = 400, kBitsPerByte = 10, kFifo = 32, kSupplyMillivolts = 5000 };
 
@@ -211,6 +212,8 @@ static void connect_modules(Bench* b) {
   for (int i = 0; i < 8; ++i)
     b->adc->muxmode[0x20 + i] = (avr_adc_mux_t){.kind = ADC_MUX_SINGLE, .src = i};
   avr_irq_register_notify(b->adc->io.irq + ADC_IRQ_OUT_TRIGGER, on_conversion, b);
+  // The firmware uses no external interrupts; looking at their pins every cycle takes long.
+  for (uint8_t i = 0; i < kExternal; ++i) avr_extint_set_strict_lvl_trig(b->avr, i, 0);
   uint32_t flags = 0;
   avr_ioctl(b->avr, AVR_IOCTL_UART_SET_FLAGS('0'), &flags);
   avr_irq_register_notify(b->uart->io.irq + UART_IRQ_OUTPUT, on_byte, b);

@@ -1,0 +1,186 @@
+"""What the firmware's commands, reports and reasons for a shutdown mean, for the reference page."""
+
+from __future__ import annotations
+
+COMMANDS = {
+    "Board": {
+        "identify": "Asks for `count` bytes (at most 48) of the compressed dictionary.",
+        "get_clock": "Asks for the clock.",
+        "get_uptime": "Asks for the clock in 64 bits.",
+        "get_config": "Asks whether the board is configured, and for its move slots.",
+        "allocate_oids": "Begins a configuration with so many objects.",
+        "finalize_config": "Ends it: what is left of the memory becomes move slots.",
+        "emergency_stop": "Shuts down.",
+        "clear_shutdown": "Goes back to work; what was queued is lost.",
+        "reset": "Starts the chip anew, unconfigured.",
+        "get_counters": "Asks how the link fares.",
+        "debug_nop": "Does nothing.",
+        "debug_ping": "Asks for the same bytes back.",
+    },
+    "Motors": {
+        "config_stepper": (
+            "A motor. Each step is a pulse of at least `step_pulse_ticks`, from high to low if"
+            " `invert_step` is not 0; steps at both edges are not known."
+        ),
+        "set_next_step_dir": "Level of the direction pin for the moves that follow.",
+        "queue_step": (
+            "A move of `count` steps, the first `interval` after the end of what is queued; each"
+            " further interval is `add` longer than the one before. Takes a slot."
+        ),
+        "reset_step_clock": "The next move counts from this clock. Only while the motor rests.",
+        "stepper_get_position": "Asks for steps forward less steps backward.",
+        "stepper_stop_on_trigger": "The motor stops when the group is triggered.",
+    },
+    "Groups that stop together": {
+        "config_trsync": "A group of motors that one event stops.",
+        "trsync_start": "Arms it, with a report every `report_ticks`; 0: none.",
+        "trsync_set_timeout": "Triggers it with `expire_reason` at this clock.",
+        "trsync_trigger": "Triggers it now, and asks for its state.",
+    },
+    "Endstops": {
+        "config_endstop": "A switch.",
+        "endstop_home": (
+            "Looks from `clock` on every `rest_ticks`. After `sample_count` looks, `sample_ticks`"
+            " apart, that find `pin_value`, triggers the group. `sample_count` 0: looks no more."
+        ),
+        "endstop_query_state": "Asks for its state.",
+    },
+    "Outputs": {
+        "config_digital_out": (
+            "A pin. It takes its default after a shutdown; staying off it for `max_duration` ticks"
+            " without news is one (0: for ever)."
+        ),
+        "set_digital_out_pwm_cycle": "The pin is switched by software, in cycles of this length.",
+        "queue_digital_out": "At `clock`: on for so many ticks of each cycle. Takes a slot.",
+        "update_digital_out": "On or off, now.",
+        "set_digital_out": "Sets a pin that no object has.",
+        "config_pwm_out": "The same for a pin that the chip's hardware pulses.",
+        "queue_pwm_out": "At `clock`: this value, of `PWM_MAX`. Takes a slot.",
+        "set_pwm_out": "Pulses a pin that no object has.",
+    },
+    "Sensors": {
+        "config_analog_in": "An analog input.",
+        "query_analog_in": (
+            "From `clock` on every `rest_ticks` a sum of `sample_count` samples, told in reports of"
+            " `bytes_per_report`. So many sums in a row out of range: a shutdown."
+        ),
+        "config_thermocouple": "A converter on an SPI device, and how many faults in a row count.",
+        "query_thermocouple": "Asks it from `clock` on every `rest_ticks`; 0: no more.",
+        "config_buttons": "Up to eight inputs that are told when they change.",
+        "buttons_add": "One of them.",
+        "buttons_query": "Looks from `clock` on; tells again after so many looks unacknowledged.",
+        "buttons_ack": "So many states have arrived.",
+    },
+    "Buses and drivers": {
+        "config_spi": "A device with a select pin.",
+        "config_spi_without_cs": "A device without.",
+        "spi_set_sw_bus": "Its pins and pace.",
+        "spi_send": "Sends bytes.",
+        "spi_transfer": "Sends bytes, and asks for those that come back.",
+        "config_spi_shutdown": "Bytes that are sent to it at a shutdown.",
+        "config_i2c": "A device.",
+        "i2c_set_sw_bus": "Its pins, pace and address.",
+        "i2c_transfer": "Writes bytes, then reads so many; asks for the result.",
+        "config_tmcuart": "The one-wire line of Trinamic's drivers.",
+        "tmcuart_send": "Sends a datagram, and asks for an answer of so many bytes.",
+    },
+    "Surviving a lost link": {
+        "survive_arm": "On; the machine rests.",
+        "survive_off": "Off: a board as without the extension.",
+        "survive_tail": "A move of the motor's brake tail, which waits for its commit.",
+        "survive_commit": (
+            "All moves and tails since the last commit hold, until `clock`; if nothing newer has"
+            " come shortly before, the tails run. `rest`: the motors stand there anyway."
+        ),
+        "survive_output": "What an output keeps, for so many seconds, when nobody renews it.",
+        "survive_query": "Asks for the state.",
+    },
+}
+
+REPORTS = {
+    "identify_response": "A part of the dictionary.",
+    "starting": "The board has started; it has no configuration.",
+    "clock": "The clock, 32 bits of it.",
+    "uptime": "The clock, all of it.",
+    "config": "Configured or not, with which sum; shut down or not; move slots.",
+    "stats": "Rounds of the main loop in 5 s, their ticks, and the sum of the squares of these.",
+    "counters": "Frames taken, frames refused, and reports for which there was no room.",
+    "pong": "The bytes of `debug_ping`.",
+    "shutdown": "It has shut down at this clock, for this reason.",
+    "is_shutdown": "It is shut down, and does not obey.",
+    "stepper_position": "Where a motor is, in steps.",
+    "trsync_state": "Whether a group is still armed; if not, why, and when that was.",
+    "endstop_state": "Whether it still looks, when next, and the level.",
+    "analog_in_state": "Sums, low byte first, and when the next one is due.",
+    "thermocouple_result": "What a converter said, and whether it sees a fault.",
+    "buttons_state": "The inputs as they changed, one byte each time.",
+    "spi_transfer_response": "What came back.",
+    "i2c_response": "What was read, or why not.",
+    "tmcuart_response": "What a driver said; nothing if it was silent.",
+    "survive_state": "The state, and serial number and clock of the last commit that holds.",
+}
+
+SHUTDOWNS = {
+    "EMERGENCY_STOP": "the host asked for it",
+    "BAD_COMMAND": "a command that is unknown, cut short, or out of its type's range",
+    "TIMER_TOO_CLOSE": "what is to be done has come after its time",
+    "OVERLOADED": "the chip does not keep up with what it is to do at given clocks",
+    "OID_TAKEN": "an object's number is used twice, or was not allocated",
+    "INVALID_OID": "no object of this kind has the number",
+    "ARENA_FULL": "the objects do not fit the memory",
+    "NOT_FINALIZED": "",
+    "FINALIZED": "",
+    "SLOTS_EXHAUSTED": "the host sent more moves than there are slots",
+    "STEP_TOO_LATE": "a motor's first step has come after its time",
+    "COUNT_ZERO": "a move of no step",
+    "STEPPER_ACTIVE": "",
+    "STEPPER_PINS": "a pin cannot do it, or there are more motors than the chip can time",
+    "PERIOD_TOO_SHORT": "looks or reports that leave the chip no time",
+    "INPUT_PIN": "",
+    "OUTPUT_PIN": "",
+    "PWM_PIN": "",
+    "ADC_PIN": "",
+    "PIN_CONFIGURED": "a command for a pin without object names one with",
+    "OUTPUT_BUSY": "",
+    "MISSED_DIGITAL": "nobody renewed an output within its maximum duration",
+    "MISSED_PWM": "the same for a pin that hardware pulses",
+    "DURATION_TOO_LONG": "",
+    "NOT_AT_DEFAULT": "",
+    "ADC_RANGE": "a sensor is cut, short, or too hot",
+    "THERMOCOUPLE_TYPE": "",
+    "THERMOCOUPLE_RANGE": "a thermocouple is too hot or too cold",
+    "THERMOCOUPLE_FAULT": "a thermocouple is cut or short, or its converter silent",
+    "TOO_MANY_BUTTONS": "",
+    "NO_SUCH_BUTTON": "",
+    "SPI_PINS": "",
+    "SPI_NO_BUS": "",
+    "SPI_TOO_SLOW": "",
+    "I2C_PINS": "",
+    "I2C_NO_BUS": "",
+    "I2C_TOO_SLOW": "",
+    "I2C_TOO_LONG": "",
+    "TMCUART_TOO_LONG": "",
+    "TMCUART_PINS": "",
+    "SURVIVE_TOO_LONG": "more than `SURVIVE_OUTPUT_S`",
+    "SURVIVE_UNWATCHED": "no analog input with limits is being asked",
+}
+
+CONSTANTS = {
+    "ADC_MAX": "what an analog input reads at full scale",
+    "CLOCK_FREQ": "ticks of the clock a second",
+    "MCU": "the chip",
+    "PWM_MAX": "the value of a pulsed output that is fully on",
+    "RECEIVE_WINDOW": "bytes that may be on their way to the board",
+    "RESERVE_PINS_serial": "pins of the console",
+    "SERIAL_BAUD": "of the console",
+    "STATS_SUMSQ_BASE": "unit of the squares in `stats`",
+    "SURVIVE": "version of the extension",
+    "SURVIVE_GUARD_MS": "how long before a commit's clock the board decides whether to brake",
+    "SURVIVE_OUTPUT_S": "how long an output may be kept at most",
+}
+
+ENUMERATIONS = {
+    "i2c_bus_status": "how an I2C transfer ended",
+    "survive": "the state of the extension",
+    "thermocouple_type": "converters",
+}
