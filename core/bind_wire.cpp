@@ -204,6 +204,21 @@ void bind_link(nb::module_& m) {
         return q.size();
       });
   nb::enum_<PinKind>(m, "PinKind").value("DIGITAL", PinKind::digital).value("PWM", PinKind::pwm);
+  nb::enum_<Cause>(m, "Cause", "Why a frame was not at the board sooner.")
+      .value("PLAN", Cause::plan, "Its moves were planned late.")
+      .value("STALL", Cause::stall, "The program did not run.")
+      .value("BYTES", Cause::bytes, "The link carries no more bytes.")
+      .value("RETRANSMITS", Cause::retransmits, "Bytes got lost.")
+      .value("SLOTS", Cause::slots, "The board had no slot free.");
+  m.attr("LATE_S") = Lateness::kLateSeconds;
+  nb::class_<Slack>(m, "Slack",
+                    "Of a frame: ticks before the clock of its most urgent message at which the "
+                    "board had it, that clock, and what held it up for how long.")
+      .def_prop_ro("known", [](const Slack& s) { return s.slack != kNever; })
+      .def_ro("slack", &Slack::slack)
+      .def_ro("clock", &Slack::clock)
+      .def_ro("held", &Slack::held)
+      .def_ro("cause", &Slack::cause);
   nb::class_<Link>(m, "Link", "The host's end of a board's wire; times in ticks.")
       .def(nb::init<double>(), "clock_hz"_a)
       .def(
@@ -315,6 +330,34 @@ void bind_link(nb::module_& m) {
       .def_prop_ro("frames", &held<&Link::frames>)
       .def_prop_ro("retransmitted_bytes", &held<&Link::retransmitted_bytes>)
       .def_prop_ro("bad_frames", &held<&Link::bad_frames>)
+      .def(
+          "take_slack",
+          [](Link& l) {
+            std::lock_guard lock(l.guard());
+            return l.lateness().take_recent();
+          },
+          "The least since this was last asked.")
+      .def_prop_ro("least_slack",
+                   [](Link& l) {
+                     std::lock_guard lock(l.guard());
+                     return l.lateness().least();
+                   })
+      .def_prop_ro(
+          "late_frames",
+          [](Link& l) {
+            std::lock_guard lock(l.guard());
+            std::map<Cause, uint64_t> frames;
+            for (size_t i = 0; i < kCauses; ++i) frames[Cause(i)] = l.lateness().late_frames()[i];
+            return frames;
+          },
+          "How many frames were at the board less than LATE_S before it needed them, by cause.")
+      .def_prop_ro(
+          "longest_stall",
+          [](Link& l) {
+            std::lock_guard lock(l.guard());
+            return l.lateness().longest_stall();
+          },
+          "The most that it was looked after too late, ticks.")
       .def_prop_ro("queue_steps",
                    [](Link& l) {
                      std::lock_guard lock(l.guard());
@@ -595,6 +638,8 @@ void bind_board(nb::module_& m) {
       .def_prop_ro("now", &LiveWire::now)
       .def_prop_ro("latest_s", &LiveWire::latest_s,
                    "The most that the thread was late to send what was due.")
+      .def_prop_ro("failure", &LiveWire::failure,
+                   "What ended the connection, if it was not the cable.")
       .def("use_board_clock", &LiveWire::use_board_clock,
            "Once the link is synchronous: `now` is the board's clock from here on.")
       .def("stop", &LiveWire::stop, "No byte moves any more.",

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "device.hpp"
@@ -95,12 +96,14 @@ class JobStream {
     base_ = base;
     hash_ = StreamHash();
     queue_steps_ = messages_ = 0;
+    staged_ = kNever;
     running_ = true;
   }
   void stop() { running_ = false; }
   // Goes on after stop(): the board has forgotten what it had not done.
   void go_on() {
     ends_.clear();
+    staged_ = kNever;
     running_ = true;
   }
   bool running() const { return running_; }
@@ -119,8 +122,8 @@ class JobStream {
   enum class Fill : uint8_t { dry, full };
   // Appends commands that may leave at board clock `now` to a payload of `size` bytes (room for
   // kPayloadMax + kLongestCommand). full: the next one did not fit. `first` becomes the clock of
-  // the most urgent message in the frame.
-  Fill fill(uint8_t* payload, size_t& size, Ticks& first, Ticks now) {
+  // the most urgent message in the frame, `need` the clock at which the board needs it.
+  Fill fill(uint8_t* payload, size_t& size, Ticks& first, Ticks& need, Ticks now) {
     slot_wait_ = kNever;
     if (!running_ || !queue_) return Fill::dry;
     auto held = queue_->hold();
@@ -135,6 +138,7 @@ class JobStream {
       if (size_t(end - payload) > kPayloadMax) return Fill::full;
       size = size_t(end - payload);
       first = std::min(first, m.clock + base_);
+      need = std::min(need, needed_at(m));
       if (slot) ends_.push_back((m.kind == MessageKind::pin ? m.clock : m.end_clock) + base_);
       if (m.kind == MessageKind::pin) {
         pins_[m.target].value = m.interval;
@@ -153,6 +157,8 @@ class JobStream {
   // A frame whose most urgent message is due at `first` must leave at this board clock at the
   // latest.
   Ticks must_leave(Ticks first) const { return first - horizon_ + quantum_; }
+  // The next message has to wait for a slot.
+  bool short_of_slots() const { return slot_wait_ != kNever; }
   // Board clock at which fill() is worth calling again.
   Ticks wake() const {
     if (!running_ || !queue_) return kNever;
@@ -190,6 +196,7 @@ class JobStream {
   std::vector<Ticks> ends_;  // board clocks at which slots in use are free again; unordered
   size_t slots_ = 0;
   Ticks slot_wait_ = kNever;
+  Ticks staged_ = kNever;  // clock of the first message of the commit that is not complete yet
   MessageQueue* queue_ = nullptr;
   bool running_ = false;
   Ticks base_ = 0;
@@ -237,6 +244,15 @@ class JobStream {
                        on_wire(m.interval, pins_[m.target].inverted_full));
     }
     return p;
+  }
+  // What is staged has to be valid when its first message is due, and by the clock of the commit
+  // before, at which the board would brake: so much its commit has to be there.
+  Ticks needed_at(const Message& m) {
+    Ticks clock = m.clock + base_;
+    if (commit_.size == 0 || m.kind == MessageKind::pin) return clock;
+    staged_ = std::min(staged_, clock);
+    if (m.kind != MessageKind::commit) return clock;
+    return std::exchange(staged_, m.dir ? kNever : clock);
   }
   // Forgets the slots that are free by now; false if there is none.
   bool free_slots(Ticks now) {

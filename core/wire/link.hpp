@@ -18,6 +18,7 @@
 #include "frame.hpp"
 #include "heater.hpp"
 #include "job_stream.hpp"
+#include "lateness.hpp"
 #include "window.hpp"
 
 namespace passo::wire {
@@ -30,7 +31,7 @@ struct Response {
 class Link {
  public:
   explicit Link(double clock_hz)
-      : hz_(clock_hz), window_(clock_hz), sync_(clock_hz), job_(clock_hz) {
+      : hz_(clock_hz), window_(clock_hz), sync_(clock_hz), job_(clock_hz), lateness_(clock_hz) {
     reports_.add(0, "identify_response offset=%u data=%.*s");
     commands_.add(1, "identify offset=%u count=%c");
   }
@@ -132,8 +133,10 @@ class Link {
     scanner_.reset();
     now_queue_.clear();
     job_.stop();
+    lateness_.restart();
+    due_ = kNever;
     open_size_ = 0;
-    open_first_ = kNever;
+    open_first_ = open_need_ = kNever;
     holds_question_ = holds_command_ = asked_ = shut_down_ = false;
   }
 
@@ -153,8 +156,11 @@ class Link {
   uint64_t frames() const { return frames_; }
   uint64_t retransmitted_bytes() const { return window_.retransmitted_bytes(); }
   uint64_t bad_frames() const { return bad_frames_; }
+  Lateness& lateness() { return lateness_; }
 
   void feed(const uint8_t* data, size_t n, Ticks now) {
+    Ticks clock = wake(now);
+    uint64_t acked = window_.acked();
     scanner_.feed(
         data, n,
         [&](uint8_t sequence, const uint8_t* payload, size_t size) {
@@ -164,6 +170,14 @@ class Link {
             receive(payload, size, now);
         },
         [&] { ++bad_frames_; });
+    if (sync_.ready())
+      for (; acked < window_.acked(); ++acked)
+        lateness_.arrived(acked, !window_.sent_once(acked), clock);
+  }
+  // The cable takes no bytes now, so poll() has to wait.
+  void cable_full(Ticks now) {
+    lateness_.looked(Cause::bytes, wake(now));
+    due_ = kNever;
   }
 
   // Appends what is to be sent now; returns the host time of the next call that has any use, if no
@@ -172,20 +186,22 @@ class Link {
     size_t before = out.size();
     window_.poll(now, out);
     if (following_ && now >= next_sync_) ask_clock(now);
-    Ticks clock = sync_.ready() ? sync_.clock_at(now) : 0;
+    Ticks clock = wake(now);
     if (sync_.ready() && !shut_down_)
       for (Bytes again = job_.renew(clock); !again.empty(); again = job_.renew(clock))
         now_queue_.push_back({std::move(again), false});
     while (window_.room(kPayloadMax) && fill_frame(clock)) {
       if (holds_question_) question_ = window_.next();
       holds_question_ = holds_command_ = false;
+      lateness_.left(window_.next(), job_.must_leave(open_first_), open_need_, clock);
       window_.seal(open_size_, now, out);
       ++frames_;
       open_size_ = 0;
-      open_first_ = kNever;
+      open_first_ = open_need_ = kNever;
     }
     wire_bytes_ += out.size() - before;
-    return deadline(now);
+    lateness_.looked(obstacle(clock), clock);
+    return due_ = deadline(now);
   }
 
  private:
@@ -203,6 +219,8 @@ class Link {
   Window window_;
   ClockSync sync_;
   JobStream job_;
+  Lateness lateness_;
+  Ticks due_ = kNever;  // host time by which poll() should be called
   MessageQueue* queue_ = nullptr;
   bool live_ = false;
   std::deque<std::pair<Bytes, bool>> now_queue_;  // commands; true: a question for the clock
@@ -217,7 +235,7 @@ class Link {
 
   // The frame under construction lies in the window's next block.
   size_t open_size_ = 0;
-  Ticks open_first_ = kNever;
+  Ticks open_first_ = kNever, open_need_ = kNever;
   bool holds_question_ = false, holds_command_ = false;
 
   bool following_ = false, asked_ = false;
@@ -236,6 +254,21 @@ class Link {
     return format ? format->id : -1000;
   }
 
+  // The board's clock, as far as it is known; what was due before now is late.
+  Ticks wake(Ticks now) {
+    if (!sync_.ready()) return 0;
+    Ticks clock = sync_.clock_at(now);
+    lateness_.woke(now > due_ ? sync_.clock_at(due_) : clock, clock);
+    due_ = std::max(due_, now);
+    return clock;
+  }
+  // What keeps more of the job from leaving.
+  Cause obstacle(Ticks clock) const {
+    if (!window_.room(kPayloadMax) && job_.wake() <= clock)
+      return window_.resending() ? Cause::retransmits : Cause::bytes;
+    return job_.short_of_slots() ? Cause::slots : Cause::plan;
+  }
+
   // Puts into the open frame what may go; true if it is to leave now.
   bool fill_frame(Ticks clock) {
     uint8_t* payload = window_.payload();
@@ -249,7 +282,8 @@ class Link {
       now_queue_.pop_front();
     }
     if (sync_.ready() && !shut_down_)
-      if (job_.fill(payload, open_size_, open_first_, clock) == JobStream::Fill::full) return true;
+      if (job_.fill(payload, open_size_, open_first_, open_need_, clock) == JobStream::Fill::full)
+        return true;
     if (open_size_ == 0) return false;
     return holds_command_ || job_.must_leave(open_first_) <= clock;
   }

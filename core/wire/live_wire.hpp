@@ -5,7 +5,9 @@
 #include <atomic>
 #include <condition_variable>
 #include <mutex>
+#include <string>
 #include <thread>
+#include <utility>
 
 #include "cable.hpp"
 #include "link.hpp"
@@ -60,6 +62,11 @@ class LiveWire {
   }
   // The longest time that the thread came too late to send what was due, seconds.
   double latest_s() const { return latest_s_; }
+  // What ended the connection, if it was not the cable; empty if it was, or while it lasts.
+  std::string failure() {
+    std::lock_guard lock(link_.guard());
+    return failure_;
+  }
 
  private:
   static constexpr double kIdleSeconds = 0.01;  // planned messages come without a call
@@ -69,6 +76,7 @@ class LiveWire {
   std::condition_variable news_;
   bool closed_ = false, board_clock_ = false;
   Ticks last_ = 0;
+  std::string failure_;
   std::atomic<bool> stopping_{false};
   std::atomic<double> latest_s_{0};
   std::thread thread_;
@@ -80,11 +88,14 @@ class LiveWire {
   }
 
   void carry() {
+    std::string failure;
     try {
       carry_on();
-    } catch (const std::exception&) {  // of a board that does not keep to its own dictionary
+    } catch (const std::exception& e) {  // of a board that does not keep to its own dictionary
+      failure = e.what();
     }
     std::lock_guard lock(link_.guard());
+    failure_ = std::move(failure);
     closed_ = true;
     news_.notify_all();
   }
@@ -95,9 +106,12 @@ class LiveWire {
       Ticks now = monotonic_ticks(hz);
       if (due != kNever) latest_s_ = std::max(latest_s_.load(), double(now - due) / hz);
       due = kNever;
-      if (cable_.written()) {
+      {
         std::lock_guard lock(link_.guard());
-        due = link_.poll(now, cable_.outgoing());
+        if (cable_.written())
+          due = link_.poll(now, cable_.outgoing());
+        else
+          link_.cable_full(now);
       }
       cable_.write_out();
       double sleep = kIdleSeconds;

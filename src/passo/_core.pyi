@@ -408,6 +408,46 @@ class PinKind(enum.Enum):
 
     PWM = 1
 
+class Cause(enum.Enum):
+    """Why a frame was not at the board sooner."""
+
+    PLAN = 0
+    """Its moves were planned late."""
+
+    STALL = 1
+    """The program did not run."""
+
+    BYTES = 2
+    """The link carries no more bytes."""
+
+    RETRANSMITS = 3
+    """Bytes got lost."""
+
+    SLOTS = 4
+    """The board had no slot free."""
+
+LATE_S: float = 0.05
+
+class Slack:
+    """
+    Of a frame: ticks before the clock of its most urgent message at which the board had it, that clock, and what held it up for how long.
+    """
+
+    @property
+    def known(self) -> bool: ...
+
+    @property
+    def slack(self) -> int: ...
+
+    @property
+    def clock(self) -> int: ...
+
+    @property
+    def held(self) -> int: ...
+
+    @property
+    def cause(self) -> Cause: ...
+
 class Link:
     """The host's end of a board's wire; times in ticks."""
 
@@ -483,6 +523,22 @@ class Link:
 
     @property
     def bad_frames(self) -> int: ...
+
+    def take_slack(self) -> Slack:
+        """The least since this was last asked."""
+
+    @property
+    def least_slack(self) -> Slack: ...
+
+    @property
+    def late_frames(self) -> dict[Cause, int]:
+        """
+        How many frames were at the board less than LATE_S before it needed them, by cause.
+        """
+
+    @property
+    def longest_stall(self) -> int:
+        """The most that it was looked after too late, ticks."""
 
     @property
     def queue_steps(self) -> int: ...
@@ -657,6 +713,10 @@ class LiveWire:
     @property
     def latest_s(self) -> float:
         """The most that the thread was late to send what was due."""
+
+    @property
+    def failure(self) -> str:
+        """What ended the connection, if it was not the cable."""
 
     def use_board_clock(self) -> None:
         """Once the link is synchronous: `now` is the board's clock from here on."""
