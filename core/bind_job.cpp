@@ -522,6 +522,9 @@ void bind_job(nb::module_& m) {
           "Line of the program's move that is under way, or was last, at a clock (0: none). Clocks "
           "must not go back.")
       .def(
+          "line_near", [](JobView& self, double ticks) { return self.job.motion.line_near(ticks); },
+          "ticks"_a, "As line_at, for any clock since it was last asked.")
+      .def(
           "position_at",
           [](JobView& self, double ticks) -> std::optional<std::vector<double>> {
             auto p = self.job.motion.position_at(ticks);

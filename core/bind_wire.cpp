@@ -305,6 +305,14 @@ void bind_link(nb::module_& m) {
       .def("start_job", &held<&Link::start_job, Ticks>, "base_clock"_a)
       .def("use_commits", &held<&Link::use_commits, Ticks>, "horizon"_a,
            "The job comes in commits, and leaves so many ticks ahead.")
+      .def(
+          "begin_commits",
+          [](Link& l) {
+            std::lock_guard lock(l.guard());
+            l.job().begin_commits();
+          },
+          "The machine stands, and the board is armed: what moves it comes in commits from here "
+          "on.")
       .def("reconnect", &held<&Link::reconnect, Ticks>, "now"_a,
            "The board has gone on without this host: what was on its way is forgotten, and the job "
            "stands until go_on().")

@@ -330,6 +330,13 @@ class Motion {
     while (lines_.size() > 1 && lines_[1].start <= ticks) lines_.pop_front();
     return lines_.empty() || lines_[0].start > ticks ? 0 : lines_[0].number;
   }
+  // The same for any clock, as far as lines are kept: from the last line_at() on.
+  uint32_t line_near(double ticks) const {
+    auto behind = std::upper_bound(lines_.begin(), lines_.end(), ticks,
+                                   [](double t, const Line& line) { return t < line.start; });
+    if (lines_.empty()) return 0;
+    return (behind == lines_.begin() ? behind : behind - 1)->number;
+  }
   // Where the plan was at `ticks`, in the last second or so: X, Y, Z, the extruder of that move and
   // further axes. Nothing if that is longer ago.
   std::optional<std::array<double, kAxes>> position_at(double ticks) const {

@@ -45,6 +45,8 @@ class JobStream {
     for (Stepper& s : steppers_) s.tail = prefix(commands, "survive_tail", s.oid);
     horizon_ = horizon;
   }
+  // The board is armed: what it has been sent so far is in no commit.
+  void begin_commits() { staged_ = kNever; }
   // `inverted_full`: the value at full scale of a pin that is on when low; 0 of all others.
   // `longest`: the board shuts down when a pin is on for so many ticks without a word of the host;
   // 0: it does not.

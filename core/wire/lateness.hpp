@@ -16,7 +16,7 @@ enum class Cause : uint8_t { plan, stall, bytes, retransmits, slots };
 inline constexpr size_t kCauses = 5;
 
 // Of a frame: how long before the clock of its most urgent message it was there, and what held it
-// up for the longest, `held` ticks of the time since it should have left.
+// up for the longest: `held` ticks of the time since it should have left, or all of a stall.
 struct Slack {
   Ticks slack = kNever, clock = 0, held = 0;
   Cause cause = Cause::plan;
@@ -27,7 +27,7 @@ struct Slack {
 class Lateness {
  public:
   // A frame with less than this to spare counts as late.
-  static constexpr double kLateSeconds = 0.050;
+  static constexpr double kLateSeconds = 0.060;
 
   explicit Lateness(double clock_hz)
       : late_(Ticks(kLateSeconds * clock_hz)), stall_(Ticks(kStallSeconds * clock_hz)) {}
@@ -72,6 +72,10 @@ class Lateness {
       if (held > s.held) s.held = held, s.cause = cause;
     }
     f.need = kNever;
+    if (s.cause == Cause::stall && s.held > 0) {  // all of it, as others would see it
+      const Span& stall = spans_[size_t(Cause::stall)];
+      s.held = stall.until - stall.from;
+    }
     if (s.slack < late_) ++late_frames_[size_t(s.cause)];
     if (s.slack < recent_.slack) recent_ = s;
     if (s.slack < least_.slack) least_ = s;

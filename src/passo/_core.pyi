@@ -426,7 +426,7 @@ class Cause(enum.Enum):
     SLOTS = 4
     """The board had no slot free."""
 
-LATE_S: float = 0.05
+LATE_S: float = 0.06
 
 class Slack:
     """
@@ -489,6 +489,11 @@ class Link:
 
     def use_commits(self, horizon: int) -> None:
         """The job comes in commits, and leaves so many ticks ahead."""
+
+    def begin_commits(self) -> None:
+        """
+        The machine stands, and the board is armed: what moves it comes in commits from here on.
+        """
 
     def reconnect(self, now: int) -> None:
         """
@@ -1254,6 +1259,9 @@ class Job:
         """
         Line of the program's move that is under way, or was last, at a clock (0: none). Clocks must not go back.
         """
+
+    def line_near(self, ticks: float) -> int:
+        """As line_at, for any clock since it was last asked."""
 
     def position_at(self, ticks: float) -> list[float] | None:
         """

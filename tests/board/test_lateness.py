@@ -61,7 +61,7 @@ def test_a_program_that_does_not_run_is_to_blame():
     wire.now += 100 * MS
     bench.device.poll(wire.now)
     wire.run(base + 2 * HZ)
-    slack = assert_blamed(bench, Cause.STALL, 20 * MS, 48 * MS)
+    slack = assert_blamed(bench, Cause.STALL, 20 * MS, 50 * MS)
     assert 75 * MS <= slack.held <= 100 * MS
     assert base + HZ < slack.clock < base + HZ + 300 * MS
     assert 75 * MS <= bench.link.longest_stall <= 100 * MS

@@ -101,6 +101,7 @@ class JobCommands:
                 self._watch.reset()
                 self._filament_mm = self._printer.filament_mm()
                 self._planned_s = self._printer.planned_s()
+                self._printer.lateness.begin()
                 self._reckon()
             self._watch.start()
         else:
@@ -140,7 +141,8 @@ class JobCommands:
         if self._history is None:
             return
         try:
-            self._history.add(runner.name, runner.size, runner.ended, watch.seconds, used)
+            note = self._printer.lateness.worst
+            self._history.add(runner.name, runner.size, runner.ended, watch.seconds, used, note)
         except sqlite3.Error as error:
             self._printer.tell(f"echo:This print is not in the history: {error}")
 
@@ -159,8 +161,10 @@ class JobCommands:
             f"echo:Print time: {spoken(totals.print_s)}, longest: {spoken(totals.longest_s)},"
             f" filament: {totals.filament_mm / 1000:.2f}m"
         )
-        for file, ended, seconds in self._history.last(5):
+        for file, ended, seconds, note in self._history.last(5):
             reply.say(f"echo:  {file}: {ended}, {spoken(seconds)}")
+            if note:
+                reply.say(f"echo:    {note}")
         return None
 
     def _time(self, _: Command, reply: Reply) -> Wait | None:

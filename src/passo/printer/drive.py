@@ -183,6 +183,7 @@ class Drive:
             most = self._connection.move_count // _SHARE_OF_SLOTS
             self._job.use_commits(int(COMMIT_S * hz), most, int(_KEPT_S * hz))
             self._connection.command("survive_arm")
+            self._connection.link.begin_commits()
         else:
             self._job.stop_commits()
             self._connection.command("survive_off")
