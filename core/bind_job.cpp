@@ -92,6 +92,14 @@ Table statistics(JobView& self) {
   if (board.share > 1) loads["board"] = std::make_tuple(board.line, board.share);
   if (link.share > 1) loads["link"] = std::make_tuple(link.line, link.share);
   d["loads"] = loads;
+  nb::dict densest;
+  auto put = [&](const char* name, const PlanStatistics::Peak& p) {
+    densest[name] = std::make_tuple(p.line, p.most);
+  };
+  put("steps_s", plan.steps_s);
+  put("commands_s", plan.commands_s);
+  put("ahead", plan.ahead);
+  d["densest"] = densest;
   d["widened_s"] = plan.widened_s;
   d["widest_ticks"] = plan.widest_ticks;
   for (size_t i = 0; i < plan.feature_s.size(); ++i) {

@@ -247,14 +247,25 @@ class JobStream {
     }
     return p;
   }
-  // What is staged has to be valid when its first message is due, and by the clock of the commit
-  // before, at which the board would brake: so much its commit has to be there.
+  // The board needs moves by their first step, with what goes before them. What is staged needs its
+  // commit by then too, and by the clock of the commit before, at which the board would brake.
   Ticks needed_at(const Message& m) {
     Ticks clock = m.clock + base_;
-    if (commit_.size == 0 || m.kind == MessageKind::pin) return clock;
-    staged_ = std::min(staged_, clock);
-    if (m.kind != MessageKind::commit) return clock;
-    return std::exchange(staged_, m.dir ? kNever : clock);
+    switch (m.kind) {
+      case MessageKind::pin:
+        return clock;
+      case MessageKind::queue_step: {
+        int64_t gaps = m.count - 1;  // between its steps
+        int64_t later = int64_t(m.interval) * gaps + int64_t(m.add) * (gaps * (gaps + 1) / 2);
+        clock = m.end_clock - later + base_;
+        staged_ = std::min(staged_, clock);
+        return clock;
+      }
+      case MessageKind::commit:
+        return std::exchange(staged_, m.dir ? kNever : clock);
+      default:
+        return kNever;
+    }
   }
   // Forgets the slots that are free by now; false if there is none.
   bool free_slots(Ticks now) {

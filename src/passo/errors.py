@@ -412,7 +412,7 @@ CATALOGUE: Mapping[str, Entry] = {
     "machine.link-failed": Entry(
         "board",
         "the connection to the board was ended: {value}",
-        "Check that its firmware is Passo's or Klipper's and fits the machine file, and start again",
+        "Check that its firmware is Passo's or Klipper's and fits the machine file",
         ExitStatus.MACHINE_FAULT,
     ),
     "late.stall": _late(

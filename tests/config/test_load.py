@@ -249,7 +249,8 @@ def test_a_board_brings_its_budget(i3_text: str) -> None:
     assert spec["by_link"] is False
     slow = config.load_text(i3_text + "budget = { link_bytes_s = 8300 }\nmove_count = 100\n")
     serial = 'link = "serial"\nport = "/dev/x"\nbaud = 83_000\n'
-    bound = pytest.approx(950)
+    tails = 1200.0
+    bound = pytest.approx((7885 - tails) / 8.3)
     assert config.load_text(i3_text + serial).core_spec()["budget"]["commands_s"] == bound
     bound = pytest.approx(1000)
     assert slow.core_spec()["budget"] == spec | {"commands_s": bound, "burst": 50, "by_link": True}

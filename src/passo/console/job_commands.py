@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from passo.card import Reader as CardReader
 from passo.errors import CommandError, PassoError
-from passo.job.forecast import forecast
+from passo.job.forecast import Forecast, forecast
 from passo.job.history import History
 from passo.job.runner import Runner, State
 from passo.printer.waits import Handler, Person, Reply, Wait
@@ -70,7 +70,7 @@ class JobCommands:
     ) -> None:
         self._printer, self._runner, self._history = printer, runner, history
         self._open_again = open_again
-        self._forecast: asyncio.Task[float | None] | None = None
+        self._forecast: asyncio.Task[Forecast | None] | None = None
         self._planned_s = 0.0  # before this print
         self._watch = Stopwatch(printer)
         self._paused = False
@@ -121,15 +121,23 @@ class JobCommands:
             return
         loop = asyncio.get_running_loop()
         self._forecast = loop.create_task(forecast(self._printer.machine, reader))
+        self._forecast.add_done_callback(self._foretell)
+
+    def _foretell(self, task: asyncio.Task[Forecast | None]) -> None:
+        """What the file will ask of the board, when that is known."""
+        found = None if task.cancelled() else task.result()
+        for sentence in found.budget.told(self._runner.name) if found else ():
+            self._printer.tell(f"echo:{sentence}")
 
     def _times(self) -> tuple[float, float] | None:
         """Seconds of motion done and in all, of a print from its beginning; None if not known."""
         task = self._forecast
         if not self._runner.active or self._runner.first_line > 1 or task is None:
             return None
-        total = task.result() if task.done() and not task.cancelled() else None
-        if not total:
+        found = task.result() if task.done() and not task.cancelled() else None
+        if not found or not found.seconds:
             return None
+        total = found.seconds
         ahead = max(0.0, self._printer.drive.ahead_s)
         done = self._printer.planned_s() - self._planned_s - ahead
         return min(max(done, 0.0), total), total

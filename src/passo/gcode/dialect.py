@@ -207,7 +207,7 @@ TABLE: tuple[Row, ...] = (
         _Q,
         _I,
         "S",
-        "Tells the limits of the axes, which hold always, and how drivers and link are.",
+        "Tells the limits of the axes, which always hold, and of drivers and link.",
     ),
     Row("M123", _Q, _I, "X Y Z", "Tells the logic of the switches, which the machine file sets."),
     Row("M124", _Q, _I, "X Y Z", "As M123: it tells the pull-ups, too."),
