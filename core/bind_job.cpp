@@ -531,7 +531,7 @@ void bind_job(nb::module_& m) {
           "must not go back.")
       .def(
           "line_near", [](JobView& self, double ticks) { return self.job.motion.line_near(ticks); },
-          "ticks"_a, "As line_at, for any clock since it was last asked.")
+          "ticks"_a, "As line_at, for any clock from a second before the last one asked for.")
       .def(
           "position_at",
           [](JobView& self, double ticks) -> std::optional<std::vector<double>> {

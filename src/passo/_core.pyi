@@ -1261,7 +1261,7 @@ class Job:
         """
 
     def line_near(self, ticks: float) -> int:
-        """As line_at, for any clock since it was last asked."""
+        """As line_at, for any clock from a second before the last one asked for."""
 
     def position_at(self, ticks: float) -> list[float] | None:
         """
