@@ -409,6 +409,12 @@ CATALOGUE: Mapping[str, Entry] = {
         "Check its cable and supply, and start again",
         ExitStatus.MACHINE_FAULT,
     ),
+    "machine.braked": Entry(
+        "board",
+        "the board has stopped by itself, since commands came too late",
+        "Read above why they were late",
+        ExitStatus.MACHINE_FAULT,
+    ),
     "machine.link-failed": Entry(
         "board",
         "the connection to the board was ended: {value}",

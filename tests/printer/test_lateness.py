@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import re
+from random import Random
 
 import pytest
 from tests.console.scenario import Scenario
+from tests.job.test_disturbed import steps
 
 from passo import config
 from passo._core import Link, Stop
@@ -109,3 +111,29 @@ def test_a_stalled_program_is_told_at_most_every_ten_seconds(printing):
     told = [x for x in s.host.heard if "commands reached" in x]
     assert len(told) == 1
     assert re.search(r"the computer did not let Passo run for 0\.(0[7-9]|10) s\. End", told[0])
+
+
+def test_a_board_that_braked_for_late_commands_goes_on(printing, tmp_path):
+    s, wire = printing
+    if s.machine.board.firmware != "passo":
+        wire.cut = True
+        s.passes(0.1)
+        wire.cut = False
+        s.host.expect("ms after they were due, .* bytes were lost", 3)
+        s.host.expect("Printer halted: the board shut down", 3)
+        return
+    generator = Random(3)
+    for _ in range(4):
+        wire.cut = True
+        s.passes(generator.uniform(0.13, 0.2))
+        wire.cut = False
+        s.host.expect("has stopped by itself, since commands came too late; the print goes on", 3)
+        s.host.expect("The board is back", 3)
+        s.passes(generator.uniform(0.1, 1.0))
+    s.host.expect("Done printing", 60)
+    assert s.board.device.fault == ""
+    found = steps(s)
+    with Scenario(s.machine, card=str(tmp_path / "card")) as undisturbed:
+        undisturbed.host.ok("M32 a.g")
+        undisturbed.host.expect("Done printing", 60)
+        assert found == steps(undisturbed)

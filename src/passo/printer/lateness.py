@@ -11,7 +11,6 @@ if TYPE_CHECKING:
     from passo import _core
     from passo.printer.printer import Printer
 
-_LOOK_S = 0.5
 _AGAIN_S = 10.0  # between two lines on the consoles
 
 
@@ -24,7 +23,7 @@ class LatenessWatch:
         self.program: Callable[[], str] = str
         self.worst = ""
         self._least = 0  # slack of `worst`
-        self._next_look = self._next_word = 0
+        self._next_word = 0
         self._pending: tuple[int, str] | None = None
 
     def begin(self) -> None:
@@ -32,21 +31,19 @@ class LatenessWatch:
         self.worst = ""
 
     def time_passed(self) -> None:
-        """Looks every half a second; tells the least slack of the last ten seconds."""
-        connection, drive = self._printer.connection, self._printer.drive
-        now = connection.now
-        if now < self._next_look:
-            return
-        self._next_look = now + int(_LOOK_S * drive.hz)
-        self._printer.job.line_at(drive.now)  # what lies behind it is forgotten
+        """Looks at what has arrived since; tells the least slack of the last ten seconds."""
+        printer = self._printer
+        printer.job.line_at(printer.drive.now)  # what lies behind it is forgotten
         self.look()
+        now = printer.connection.now
         if self._pending is not None and now >= self._next_word:
-            self._next_word = now + int(_AGAIN_S * drive.hz)
+            self._next_word = now + int(_AGAIN_S * printer.drive.hz)
             self._tell()
 
     def look(self) -> None:
         """Takes notice of what has happened since the last look."""
         slack = self._printer.connection.link.take_slack()
+        self._printer.braking.look_at(slack)
         if not is_late(self._printer.connection, slack):
             return
         sentence = self._sentence(slack)
@@ -58,7 +55,7 @@ class LatenessWatch:
     def board_failed(self) -> None:
         """What is known is told at once: it may be why."""
         self.look()
-        self._next_look = self._next_word = 0  # the board's clock may begin anew
+        self._next_word = 0  # the board's clock may begin anew
         self._tell()
 
     def summary(self) -> str:

@@ -10,6 +10,7 @@ from passo import _core
 from passo.board.ports import LinkLostError
 from passo.config.drives import axis_order
 from passo.errors import CommandError, MachineError
+from passo.printer.braking import BrakeWatch
 from passo.printer.commands import Commands
 from passo.printer.drive import MOST_QUEUED, TICK_S, Drive
 from passo.printer.driver_commands import DriverCommands
@@ -71,6 +72,7 @@ class Printer:
         self.motors = Motors(self)
         self.drivers = DriverWatch(self)
         self.lateness = LatenessWatch(self)
+        self.braking = BrakeWatch(self)
         self.driver_commands = DriverCommands(self)
         self._begin(connection)
         self.turn = Turn()
@@ -84,6 +86,7 @@ class Printer:
         self.watchers.append(self.endstops.time_passed)
         self.watchers.append(self.drivers.time_passed)
         self.watchers.append(self.lateness.time_passed)
+        self.watchers.append(self.braking.time_passed)
         self.store_settings: Callable[[], object] = lambda: None
         self.immediate: dict[str, Handler] = (
             self.heat.immediate

@@ -1,4 +1,5 @@
-"""After a lost link: the board has stopped by itself, and the print goes on from there."""
+"""After a lost link, or commands that came late: the board has stopped by itself, and the print goes
+on from there."""
 
 from __future__ import annotations
 
@@ -8,6 +9,7 @@ from typing import TYPE_CHECKING
 from passo.board.connection import Values
 from passo.board.ports import LinkLostError
 from passo.errors import MachineError
+from passo.printer.braking import BrakedError
 from passo.printer.drive import TICK_S
 
 if TYPE_CHECKING:
@@ -25,15 +27,19 @@ async def reconnect(printer: Printer, lost: LinkLostError) -> None:
     held = printer.job.holds
     printer.connection.link.stop_job()
     problem = str(lost).partition(".")[0]
+    gone = not isinstance(lost, BrakedError)
     printer.tell(
         f"echo:The link is lost ({problem}). The board stops by itself and keeps warm for a minute:"
         " plug it in again, or give up with M112"
+        if gone
+        else f"echo:{problem[0].upper()}{problem[1:]}; the print goes on from there"
     )
     while not printer.halted:
         try:
-            await _take_over(printer)
+            await _take_over(printer, reopen=gone)
             break
         except LinkLostError:
+            gone = True
             await asyncio.sleep(_AGAIN_S)
     if printer.halted:
         raise lost
@@ -41,10 +47,11 @@ async def reconnect(printer: Printer, lost: LinkLostError) -> None:
         printer.drive.release()
 
 
-async def _take_over(printer: Printer) -> None:
+async def _take_over(printer: Printer, *, reopen: bool) -> None:
     """Raises LinkLostError while the board cannot be reached, and again when it is lost again."""
     connection = printer.connection
-    connection.reopen()
+    if reopen:
+        connection.reopen()
     _prove(printer, await _standing(printer))
     connection.command("survive_arm")
     connection.link.go_on()
