@@ -8,6 +8,7 @@
 #include <deque>
 #include <memory>
 #include <mutex>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -322,18 +323,25 @@ class Link {
       ++bad_frames_;
       return;
     }
+    try {
+      take(id, *format, values, now);
+    } catch (const std::exception& e) {  // another dictionary than this program expects
+      throw std::runtime_error("its report " + format->name + " cannot be used: " + e.what());
+    }
+  }
+  void take(int32_t id, const Format& format, std::vector<Value>& values, Ticks now) {
     if (id == clock_id_ || id == uptime_id_) {
       take_clock(id == uptime_id_, values, now);
     } else if ((id == analog_id_ || id == converter_id_) && take_temperature(values, now)) {
       return;
     } else {
       if (id == shutdown_id_ || id == is_shutdown_id_) {
+        shutdown_reason_ = uint32_t(std::get<int64_t>(values.at(values.size() - 1)));
         shut_down_ = true;
-        shutdown_reason_ = uint32_t(std::get<int64_t>(values.back()));
         job_.stop();
       }
       if (inbox_.size() == kInboxMax) inbox_.pop_front();
-      inbox_.push_back({format, std::move(values)});
+      inbox_.push_back({&format, std::move(values)});
     }
   }
   void take_clock(bool uptime, const std::vector<Value>& values, Ticks now) {

@@ -1,5 +1,5 @@
-"""After a lost link, or commands that came late: the board has stopped by itself, and the print goes
-on from there."""
+"""After a lost link, or commands that came late: the board has stopped by itself, and the print
+goes on from there."""
 
 from __future__ import annotations
 
