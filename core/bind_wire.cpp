@@ -644,8 +644,6 @@ void bind_board(nb::module_& m) {
                        "thread of its own.")
       .def(nb::init<Link&, int>(), "link"_a, "fd"_a, nb::keep_alive<1, 2>())
       .def_prop_ro("now", &LiveWire::now)
-      .def_prop_ro("latest_s", &LiveWire::latest_s,
-                   "The most that the thread was late to send what was due.")
       .def_prop_ro("failure", &LiveWire::failure,
                    "What ended the connection, if it was not the cable.")
       .def("use_board_clock", &LiveWire::use_board_clock,

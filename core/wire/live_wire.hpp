@@ -60,8 +60,6 @@ class LiveWire {
       news_.wait_for(lock, std::chrono::duration<double>(left));
     }
   }
-  // The longest time that the thread came too late to send what was due, seconds.
-  double latest_s() const { return latest_s_; }
   // What ended the connection, if it was not the cable; empty if it was, or while it lasts.
   std::string failure() {
     std::lock_guard lock(link_.guard());
@@ -78,7 +76,6 @@ class LiveWire {
   Ticks last_ = 0;
   std::string failure_;
   std::atomic<bool> stopping_{false};
-  std::atomic<double> latest_s_{0};
   std::thread thread_;
 
   Ticks clock() {
@@ -101,11 +98,8 @@ class LiveWire {
   }
   void carry_on() {
     const double hz = link_.hz();
-    Ticks due = kNever;
     while (!stopping_ && cable_.open()) {
-      Ticks now = monotonic_ticks(hz);
-      if (due != kNever) latest_s_ = std::max(latest_s_.load(), double(now - due) / hz);
-      due = kNever;
+      Ticks now = monotonic_ticks(hz), due = kNever;
       {
         std::lock_guard lock(link_.guard());
         if (cable_.written())
@@ -118,7 +112,6 @@ class LiveWire {
       if (due != kNever) sleep = std::clamp(double(due - monotonic_ticks(hz)) / hz, 0.0, sleep);
       const Bytes& in = cable_.wait(sleep);
       Ticks after = monotonic_ticks(hz);
-      if (due > after) due = kNever;  // it was not waited for to its end
       std::lock_guard lock(link_.guard());
       if (!in.empty()) link_.feed(in.data(), in.size(), after);
       closed_ = !cable_.open();
