@@ -300,13 +300,13 @@ void bind_job(nb::module_& m) {
           "ticks"_a)
       .def(
           "use_commits",
-          [](JobView& self, int64_t period, size_t most, int64_t taken) {
+          [](JobView& self, int64_t period, size_t most) {
             self.job.motion.flush();
-            self.job.motion.use_commits(period, most, taken);
+            self.job.motion.use_commits(period, most);
           },
-          "period"_a, "most"_a, "taken"_a,
-          "Messages come in commits of at most so many ticks and messages from now on, and those "
-          "taken are kept for some ticks, for recover_from; only while the machine stands.")
+          "period"_a, "most"_a,
+          "Messages come in commits of at most so many ticks and messages from now on; only while "
+          "the machine stands.")
       .def(
           "stop_commits",
           [](JobView& self) {
@@ -595,7 +595,14 @@ void bind_job(nb::module_& m) {
           "Changes an axis' `speed` or `accel`, never beyond the machine's own, as set_limit.")
       .def_prop_ro(
           "messages", [](JobView& self) -> MessageQueue& { return self.job.motion.messages(); },
-          nb::rv_policy::reference_internal)
+          nb::rv_policy::reference_internal, "The main board's.")
+      .def(
+          "messages_of",
+          [](JobView& self, size_t board) -> MessageQueue& {
+            if (board >= self.job.motion.machine().boards) throw nb::index_error("no such board");
+            return self.job.motion.messages(board);
+          },
+          "board"_a, nb::rv_policy::reference_internal)
       .def(
           "keep_moves",
           [](JobView& self, bool on) {

@@ -73,6 +73,12 @@ inline Machine machine_of(const nb::dict& spec) {
                           ticks("dir_setup_s"), ticks("dir_hold_s"), get<double>(s, "max_rate_hz"),
                           get<double>(s, "speed"), get<double>(s, "accel"), get<double>(s, "min"),
                           get<double>(s, "max")});
+    if (nb::cast<nb::dict>(s).contains("board"))
+      m.steppers.back().board = get<uint16_t>(s, "board");
+  }
+  if (spec.contains("boards")) {
+    m.boards = get<size_t>(spec, "boards");
+    m.output_boards = get<std::vector<uint16_t>>(spec, "output_boards");
   }
   nb::dict limits = get<nb::dict>(spec, "limits");
   m.limits = {get<double>(limits, "print_accel"),

@@ -2,6 +2,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/pair.h>
+#include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
@@ -11,6 +12,7 @@
 
 #include "cpu_clock.hpp"
 #include "message_queue.hpp"
+#include "wire/distant.hpp"
 #include "wire/firmware_board.hpp"
 #include "wire/live_board.hpp"
 #include "wire/live_wire.hpp"
@@ -219,8 +221,24 @@ void bind_link(nb::module_& m) {
       .def_ro("clock", &Slack::clock)
       .def_ro("held", &Slack::held)
       .def_ro("cause", &Slack::cause);
+  nb::class_<Timeline>(m, "Timeline", "What the links to the boards of one machine share.")
+      .def(nb::init<>())
+      .def(
+          "arm",
+          [](Timeline& t, const std::vector<std::pair<size_t, uint32_t>>& members, uint32_t reason,
+             uint32_t expired, double clock, double patience) {
+            std::vector<Timeline::Member> list;
+            for (auto [seat, oid] : members) list.push_back({seat, oid});
+            t.arm(std::move(list), reason, expired, clock, patience);
+          },
+          "members"_a, "reason"_a, "expired"_a, "clock"_a, "patience"_a,
+          "These trsyncs, (seat of the link, oid), trigger together, for one of two reasons; and "
+          "by themselves when one of them was not heard of for so many ticks.")
+      .def("disarm", &Timeline::disarm)
+      .def_prop_ro("halted", &Timeline::halted, "A board has stopped or is lost.");
   nb::class_<Link>(m, "Link", "The host's end of a board's wire; times in ticks.")
       .def(nb::init<double>(), "clock_hz"_a)
+      .def_prop_ro("hz", &Link::hz)
       .def(
           "set_dictionary",
           [](Link& l, const FormatList& commands, const FormatList& reports,
@@ -249,6 +267,8 @@ void bind_link(nb::module_& m) {
           },
           nb::sig("def take_responses(self) -> list[tuple[str, dict[str, int | bytes]]]"))
       .def("follow_clock", &held<&Link::follow_clock, Ticks>, "now"_a)
+      .def("set_byte_ticks", &held<&Link::set_byte_ticks, double>, "ticks"_a,
+           "What a byte takes on a serial line.")
       .def_prop_ro("synchronous", &held<&Link::synchronous>)
       .def_prop_ro("lost", &held<&Link::lost>)
       .def(
@@ -272,19 +292,40 @@ void bind_link(nb::module_& m) {
                    })
       .def(
           "add_stepper",
-          [](Link& l, const std::string& name, uint32_t oid, bool invert) {
+          [](Link& l, size_t target, const std::string& name, uint32_t oid, bool invert) {
             std::lock_guard lock(l.guard());
-            l.job().add_stepper(l.commands(), name, oid, invert);
+            l.job().add_stepper(l.commands(), target, name, oid, invert);
           },
-          "name"_a, "oid"_a, "invert"_a)
+          "target"_a, "name"_a, "oid"_a, "invert"_a)
+      .def(
+          "join",
+          [](Link& l, const std::shared_ptr<Timeline>& timeline, bool main, double tolerance) {
+            std::lock_guard lock(l.guard());
+            l.join(timeline, main, tolerance);
+          },
+          "timeline"_a, "main"_a, "tolerance"_a = 0.0,
+          "The board is one of several: the main one, or one whose steps are told in its own "
+          "clock, within so many ticks.")
+      .def_prop_ro("seat", &held<&Link::seat>, "Its number among the links of the machine.")
+      .def("own_clock", &held<&Link::own_clock, Ticks>, "main_clock"_a,
+           "What this board's clock reads when the main one's reads so much.")
+      .def("main_clock", &held<&Link::main_clock, Ticks>, "own_clock"_a)
+      .def(
+          "set_apart",
+          [](Link& l, size_t target, double least, double turning) {
+            std::lock_guard lock(l.guard());
+            if (Retimer* retimer = l.job().retimer()) retimer->set_apart(target, {least, turning});
+          },
+          "target"_a, "least"_a, "turning"_a,
+          "How close steps of a motor may come, in ticks, one way and where it turns.")
       .def(
           "add_pin",
-          [](Link& l, const std::string& name, uint32_t oid, PinKind kind, uint32_t inverted_full,
-             Ticks longest) {
+          [](Link& l, size_t target, const std::string& name, uint32_t oid, PinKind kind,
+             uint32_t inverted_full, Ticks longest) {
             std::lock_guard lock(l.guard());
-            l.job().add_pin(l.commands(), name, oid, kind, inverted_full, longest);
+            l.job().add_pin(l.commands(), target, name, oid, kind, inverted_full, longest);
           },
-          "name"_a, "oid"_a, "kind"_a, "inverted_full"_a = 0, "longest"_a = 0,
+          "target"_a, "name"_a, "oid"_a, "kind"_a, "inverted_full"_a = 0, "longest"_a = 0,
           "inverted_full: the value at full scale of a pin that is on when low; longest: ticks "
           "that "
           "the board lets it be on without a word.")
@@ -302,7 +343,8 @@ void bind_link(nb::module_& m) {
             l.set_queue(q);
           },
           "queue"_a.none(), nb::keep_alive<1, 2>())
-      .def("start_job", &held<&Link::start_job, Ticks>, "base_clock"_a)
+      .def("start_job", &held<&Link::start_job, Ticks, double>, "base_clock"_a, "main_hz"_a,
+           "Both are the main board's.")
       .def("use_commits", &held<&Link::use_commits, Ticks>, "horizon"_a,
            "The job comes in commits, and leaves so many ticks ahead.")
       .def(
@@ -313,9 +355,11 @@ void bind_link(nb::module_& m) {
           },
           "The machine stands, and the board is armed: what moves it comes in commits from here "
           "on.")
-      .def("reconnect", &held<&Link::reconnect, Ticks>, "now"_a,
+      .def("reconnect", &held<&Link::reconnect>,
            "The board has gone on without this host: what was on its way is forgotten, and the job "
            "stands until go_on().")
+      .def_prop_ro("delivered", &held<&Link::delivered>,
+                   "Everything of the job so far is at the board.")
       .def("go_on", &held<&Link::go_on>)
       .def("stop_job",
            [](Link& l) {
@@ -330,6 +374,9 @@ void bind_link(nb::module_& m) {
           },
           "options"_a, nb::rv_policy::reference_internal)
       .def_prop_ro("shut_down", &held<&Link::shut_down>)
+      .def_prop_ro("alone", &held<&Link::alone>, "The board has stopped by itself.")
+      .def_prop_ro("stopped_with_others", &held<&Link::stopped_with_others>,
+                   "The board was shut down because another one of the machine had failed.")
       .def_prop_ro("shutdown_reason", &held<&Link::shutdown_reason>)
       .def(
           "restart", &held<&Link::restart>,
@@ -487,6 +534,8 @@ void bind_board(nb::module_& m) {
           },
           "pin"_a, "weights"_a, "position"_a, "at_maximum"_a, "pressed_level"_a,
           "Pressed at or beyond `position` of the weighted sum of actuators: (step pin, weight).")
+      .def("feel", &Bench::feel, "step_pin"_a, "board"_a, "its_step_pin"_a, nb::keep_alive<1, 3>(),
+           "A motor on another board, as the switches of this one feel it.")
       .def("place", &Bench::place, "step_pin"_a, "position"_a,
            "Somebody moves the motor's actuator by hand.")
       .def(
@@ -593,6 +642,16 @@ void bind_board(nb::module_& m) {
           "take_edges",
           [](FirmwareBoard& b, uint32_t pin) { return changes_of(b.take_edges(pin)); }, "pin"_a,
           "List of (clock, level) since the last call.");
+  nb::class_<Distant, Device>(m, "Distant",
+                              "A device with a clock and a cable that are not perfect: its clock "
+                              "begins at `start` and is a share of `drift` faster than host time; "
+                              "bytes travel `latency` to `latency` + `jitter` ticks each way.")
+      .def(nb::init<Device&, Ticks, double, Ticks, Ticks, uint32_t>(), "device"_a, "start"_a = 0,
+           "drift"_a = 0.0, "latency"_a = 0, "jitter"_a = 0, "seed"_a = 1, nb::keep_alive<1, 2>())
+      .def_prop_ro("now", &Distant::now, "Host time.")
+      .def("cut", &Distant::cut, "on"_a, "What is sent either way is lost.")
+      .def("clock_at", &Distant::clock_at, "host_ticks"_a)
+      .def("host_at", &Distant::host_at, "clock"_a);
   m.def(
       "firmware_dictionary",
       [](const std::string& library) {
@@ -627,7 +686,13 @@ void bind_board(nb::module_& m) {
             new (self) Pump(link, device, start, thread_cpu_s);
           },
           "link"_a, "device"_a, "start"_a = 0, nb::keep_alive<1, 2>(), nb::keep_alive<1, 3>())
+      .def("attach", &Pump::attach, "link"_a, "device"_a, nb::keep_alive<1, 2>(),
+           nb::keep_alive<1, 3>(), "A further device, or another link to one that is here.")
       .def_prop_ro("now", &Pump::now)
+      .def_prop_ro("hz", &Pump::hz, "Ticks of its time in a second.")
+      .def("board_clock", &Pump::board_clock, "link"_a,
+           "What the clock of this link's board reads, as far as it is known.")
+      .def("sleep", &Pump::sleep, "until"_a, "The host does nothing until then; boards live on.")
       .def("cut", &Pump::cut, "Takes the cable away.")
       .def_prop_ro("device_cpu_s", &Pump::device_cpu)
       .def("record", &Pump::record, "on"_a)
@@ -646,8 +711,14 @@ void bind_board(nb::module_& m) {
       .def_prop_ro("now", &LiveWire::now)
       .def_prop_ro("failure", &LiveWire::failure,
                    "What ended the connection, if it was not the cable.")
+      .def_prop_ro("hz", &LiveWire::hz, "Ticks of its time in a second.")
+      .def(
+          "board_clock", [](LiveWire& w, const Link&) { return w.now(); }, "link"_a,
+          "What the board's clock reads, as far as it is known.")
       .def("use_board_clock", &LiveWire::use_board_clock,
            "Once the link is synchronous: `now` is the board's clock from here on.")
+      .def("join", &LiveWire::join, "timeline"_a,
+           "The link looks up whenever others of its machine have news for it.")
       .def("stop", &LiveWire::stop, "No byte moves any more.",
            nb::call_guard<nb::gil_scoped_release>())
       .def("run", &LiveWire::run, "until"_a, "until_heaters"_a = false,

@@ -22,24 +22,24 @@ class Commits {
   };
 
   // A commit spans `period` ticks, and fewer where more than `most` messages would be in it.
-  Commits(const Machine& machine, int64_t period, size_t most, std::vector<int64_t> last,
-          std::vector<int64_t> net)
+  Commits(const Machine& machine, int64_t period, size_t most)
       : period_(period), most_(std::max<size_t>(most, 1)),
         widest_(std::max(kTailTolerance * machine.clock_hz, machine.widest_tolerance())) {
     for (size_t i = 0; i < machine.steppers.size(); ++i) {
       solvers_.emplace_back(machine, machine.steppers[i]);
       compressors_.emplace_back(machine, machine.steppers[i], uint16_t(i));
     }
-    begin(0, 0, std::move(last), std::move(net));
   }
 
   MessageQueue& waiting() { return waiting_; }
   const std::deque<Point>& points() const { return points_; }
   // All motors stand, nothing waits, and the board's last commit was `serial`: the clocks of their
-  // last steps, and their net steps.
-  void begin(uint32_t serial, int64_t clock, std::vector<int64_t> last, std::vector<int64_t> net) {
+  // last steps, their net steps, and whether their clocks must be told anew.
+  void begin(uint32_t serial, int64_t clock, std::vector<int64_t> last, std::vector<int64_t> net,
+             std::vector<bool> renew) {
     last_ = std::move(last);
     net_ = std::move(net);
+    renew_ = std::move(renew);
     begin_ = serial;
     points_.assign(1, {serial, clock, true});
   }
@@ -105,9 +105,9 @@ class Commits {
     for (; !waiting_.empty(); waiting_.pop()) messages.push_back(waiting_.front());
     for (const Message& m : messages) waiting_.push(m);
   }
-  // What is older than `clock` nobody will ask for.
-  void forget(int64_t clock) {
-    while (points_.size() > 1 && points_[1].clock < clock) points_.pop_front();
+  // Of those that were taken, until a clock, no more than so many will be asked for.
+  void forget(int64_t taken_until, size_t kept) {
+    while (points_.size() > kept && points_[kept].clock <= taken_until) points_.pop_front();
   }
 
  private:
@@ -122,6 +122,7 @@ class Commits {
   MessageQueue waiting_;
   std::deque<Point> points_;
   std::vector<int64_t> last_, net_;  // of each motor, of all that does not wait
+  std::vector<bool> renew_;          // its clock must be told anew before its next step
   std::vector<Move> moves_;
   std::vector<Message> within_, behind_;
   std::vector<std::vector<Message>> ahead_;  // directions and clocks go with the steps behind them
@@ -174,7 +175,10 @@ class Commits {
       to.insert(to.end(), ahead.begin(), ahead.end());
       if (done > 0)
         for (const Message& a : ahead)
-          if (a.kind == MessageKind::reset_clock) last_[m.target] = a.clock;
+          if (a.kind == MessageKind::reset_clock) {
+            last_[m.target] = a.clock;
+            renew_[m.target] = false;
+          }
       ahead.clear();
       if (done > 0) {
         Message first = m;
@@ -202,6 +206,7 @@ class Commits {
       Compressor& c = compressors_[i];
       c.restart(last_[i], {});
       c.not_before(clock);
+      c.renew(renew_[i]);
       solvers_[i].set_count(origin[i] + net_[i]);
       for (Move m : moves) {
         m.tolerance = widest_;

@@ -117,10 +117,11 @@ class Compressor {
   void not_before(int64_t clock) { floor_ = clock; }
 
   // The motor has stopped by itself: its clock and direction are told anew before its next step.
-  void renew() {
-    renew_ = true;
+  void renew(bool on = true) {
+    renew_ = on;
     dir_ = 0;
   }
+  bool renews() const { return renew_; }
 
   // The last step before the clock was set anew at `clock`.
   int64_t before_reset(int64_t clock) const {

@@ -49,6 +49,7 @@ struct StepperSpec {
   int64_t pulse, dir_setup, dir_hold;  // ticks
   double max_rate;                     // steps per second
   double speed, accel, min, max;       // units; infinite where there is no limit
+  uint16_t board = 0;                  // the main one is 0
 };
 
 struct Limits {
@@ -76,6 +77,8 @@ struct Machine {
   std::vector<StepperSpec> steppers;
   Limits limits;
   Budget budget;
+  size_t boards = 1;
+  std::vector<uint16_t> output_boards;  // board of each output; those not named are the main one's
   std::shared_ptr<const Geometry> geometry;
   std::shared_ptr<const HeightMap> height_map;  // none: the bed is flat
   bool joints = false;  // X, Y, Z of positions are the first three actuators' own, for homing

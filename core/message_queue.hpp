@@ -1,9 +1,11 @@
 // Messages of one board between the planner's side and the link, in the order of their clocks.
 #pragma once
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <mutex>
 #include <vector>
 
@@ -39,20 +41,23 @@ class MessageQueue {
   void pop() {
     taken_until_ = std::max(taken_until_, front().end_clock);
     ++head_;
-    if (keeps_ > 0)
-      while (kept_ < head_ && at(kept_).end_clock < taken_until_ - keeps_) ++kept_;
-    else
+    if (keeps_ == 0) {
       kept_ = head_;
+    } else if (at(head_ - 1).kind == MessageKind::commit && ++commits_ > keeps_) {
+      while (at(kept_++).kind != MessageKind::commit) continue;
+      --commits_;
+    }
   }
-  // From here on messages are kept for so many ticks behind the last one taken, for what follows.
-  void keep(int64_t ticks) {
-    keeps_ = ticks;
+  // From here on the messages of the last so many commits are kept, for what follows.
+  void keep(size_t commits) {
+    keeps_ = commits;
+    commits_ = 0;
     kept_ = head_;
   }
-  int64_t kept_ticks() const { return keeps_; }
   // All that is kept is to be taken again; what was taken before ended at `clock`.
   void rewind(int64_t clock) {
     head_ = kept_;
+    commits_ = 0;
     taken_until_ = clock;
   }
   // All messages behind this commit are to be taken again. False if it was taken too long ago, or
@@ -60,6 +65,7 @@ class MessageQueue {
   bool rewind_behind(uint32_t serial) {
     for (size_t i = head_; i-- > kept_;) {
       if (at(i).kind != MessageKind::commit || at(i).interval != serial) continue;
+      for (size_t k = i + 1; k < head_; ++k) commits_ -= at(k).kind == MessageKind::commit;
       head_ = i + 1;
       taken_until_ = at(i).clock;
       return true;
@@ -69,11 +75,15 @@ class MessageQueue {
   // Latest end of all messages taken so far: they can no longer be revoked.
   int64_t taken_until() const { return taken_until_; }
   // From now on a link's thread takes messages while others add and revoke them.
-  void share() { shared_ = true; }
-  // Keeps the queue to the caller while the result lives, if it is shared.
+  void share() { guard_->shared = true; }
+  // Keeps the queue, and all that were joined, to the caller while the result lives, if it is
+  // shared.
   std::unique_lock<std::recursive_mutex> hold() {
-    return shared_ ? std::unique_lock(guard_) : std::unique_lock(guard_, std::defer_lock);
+    return guard_->shared ? std::unique_lock(guard_->mutex)
+                          : std::unique_lock(guard_->mutex, std::defer_lock);
   }
+  // Whoever holds one of the two holds both. Before either is used.
+  void join(MessageQueue& other) { guard_ = other.guard_; }
   void clear() { tail_ = head_; }
 
  private:
@@ -85,9 +95,13 @@ class MessageQueue {
   }
   std::vector<Message> ring_;  // size is a power of two
   size_t kept_ = 0, head_ = 0, tail_ = 0;
-  int64_t taken_until_ = 0, keeps_ = 0;
-  std::recursive_mutex guard_;  // cutting a plan hands messages on within
-  bool shared_ = false;
+  int64_t taken_until_ = 0;
+  size_t keeps_ = 0, commits_ = 0;  // commits from kept_ to head_
+  struct Guard {
+    std::recursive_mutex mutex;  // cutting a plan hands messages on within
+    std::atomic<bool> shared{false};
+  };
+  std::shared_ptr<Guard> guard_ = std::make_shared<Guard>();
 };
 
 }  // namespace passo

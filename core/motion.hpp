@@ -36,6 +36,10 @@ class Motion {
       solvers_.emplace_back(machine_, machine_.steppers[i]);
       compressors_.emplace_back(machine_, machine_.steppers[i], uint16_t(i));
     }
+    for (size_t i = 0; i < machine_.boards; ++i) {
+      messages_.emplace_back();
+      messages_[i].join(messages_[0]);
+    }
     set_apart_.resize(solvers_.size());
     plan_.filament_mm.resize(machine_.extruders.size());
   }
@@ -46,11 +50,14 @@ class Motion {
   Planner& planner() { return planner_; }
   const PlanStatistics& plan() const { return plan_; }
   const Cpu& cpu() const { return cpu_; }
-  MessageQueue& messages() { return messages_; }
+  // Of one board; all their clocks are those of the main one, 0.
+  MessageQueue& messages(size_t board = 0) { return messages_[board]; }
   // Messages that wait to be taken.
   size_t waiting() {
-    auto held = messages_.hold();
-    return messages_.size();
+    auto held = hold();
+    size_t all = 0;
+    for (const MessageQueue& queue : messages_) all += queue.size();
+    return all;
   }
   const StepStatistics& steps(size_t i) const { return compressors_[i].statistics(); }
   Compressor& compressor(size_t i) { return compressors_[i]; }
@@ -80,6 +87,7 @@ class Motion {
   // std::invalid_argument, and takes none, if they do not join, or a motor cannot follow.
   static constexpr double kJoint = 1e-6;
   void add_pieces(std::vector<Piece> pieces) {
+    if (commits_) throw std::invalid_argument("pieces cannot be stopped on their way");
     if (!in_pieces_) flush();
     check(pieces);
     for (Piece& p : pieces) {
@@ -112,13 +120,14 @@ class Motion {
   // A record for output `target`, due at `ticks` in the midst of the moves. It cannot be revoked:
   // no cut may be asked for at an earlier clock any more.
   void record_at(double ticks, uint16_t target, uint32_t value) {
-    auto held = messages_.hold();
-    int64_t clock = std::max(int64_t(std::ceil(ticks)), messages_.taken_until());
+    auto held = hold();
+    int64_t clock = std::max(int64_t(std::ceil(ticks)), taken_until());
+    Message m{clock, clock, value, 0, 0, target, MessageKind::pin, 0};
     bool committed = !commits_ || clock <= commits_->points().back().clock;
     MessageQueue& queue = clock >= handed_out_ ? pins_
-                          : committed          ? messages_
+                          : committed          ? queue_of(m)
                                                : commits_->waiting();
-    queue.insert({clock, clock, value, 0, 0, target, MessageKind::pin, 0});
+    queue.insert(m);
     merge(false);
   }
 
@@ -168,12 +177,11 @@ class Motion {
   void set_tool_offset(size_t tool, int j, double mm) { machine_.tools[tool].offset[j] = mm; }
 
   // From now on messages come in commits (commits.hpp): each of at most `period` ticks and `most`
-  // messages. Only while the machine stands and nothing is waiting. `taken` ticks of messages are
-  // kept for recover_from().
-  void use_commits(int64_t period, size_t most, int64_t taken) {
-    commits_.emplace(machine_, period, most, last_steps(), nets());
-    auto held = messages_.hold();
-    messages_.keep(taken);
+  // messages. Only while the machine stands and nothing is waiting. The last
+  // kKeptCommits that were taken are kept for recover_from().
+  void use_commits(int64_t period, size_t most) {
+    commits_.emplace(machine_, period, most);
+    begin_commits(0, 0);
   }
   void stop_commits() { commits_.reset(); }
   bool commits() const { return commits_.has_value(); }
@@ -185,27 +193,26 @@ class Motion {
   // if that is not known any more.
   std::optional<double> recover_from(uint32_t serial) {
     if (!commits_) return std::nullopt;
-    auto held = messages_.hold();
+    auto held = hold();
     const auto& points = commits_->points();
     auto p = std::find_if(points.begin(), points.end(),
                           [&](const Commits::Point& x) { return x.serial == serial; });
     if (p == points.end()) return std::nullopt;
     double clock = double(p->clock);
     if (commits_->begins_with(*p))
-      messages_.rewind(p->clock);
-    else if (!messages_.rewind_behind(serial))
+      messages_[0].rewind(p->clock);
+    else if (!messages_[0].rewind_behind(serial))
       return std::nullopt;
     if (held_.empty()) hold_from(clock);
     std::deque<Record> late;
-    for (; !messages_.empty(); messages_.pop())
-      if (const Message& m = messages_.front();
+    for (; !messages_[0].empty(); messages_[0].pop())
+      if (const Message& m = messages_[0].front();
           m.kind == MessageKind::pin && m.target != laser_target_)
         late.push_back({m.target, m.interval, m.clock});
     (held_.empty() ? unattached_ : held_.front().records) += uint16_t(late.size());
     records_.insert(records_.begin(), late.begin(), late.end());
     for (size_t i = 0; i < compressors_.size(); ++i) compressors_[i].renew();
-    messages_.keep(messages_.kept_ticks());
-    commits_->begin(serial, int64_t(planner_.clock()), last_steps(), nets());
+    begin_commits(serial, int64_t(planner_.clock()));
     return clock;
   }
 
@@ -410,6 +417,7 @@ class Motion {
 
  private:
   static constexpr double kKeptSeconds = 1.0;  // of motion that is under way or done already
+  static constexpr size_t kKeptCommits = 128;  // more than the frames on their way can hold
   Machine machine_;  // its steps per unit and tool offsets may change while it stands
   Planner planner_;
   bool with_steps_;
@@ -419,8 +427,9 @@ class Motion {
   std::vector<StepSolver> solvers_;
   std::vector<int64_t> set_apart_;  // steps by which positions were set without motion
   std::deque<Compressor> compressors_;
-  MessageQueue messages_, pins_;
-  std::optional<Commits> commits_;
+  std::deque<MessageQueue> messages_;  // by board
+  MessageQueue pins_;
+  std::optional<Commits> commits_;     // only of a board that is alone
   std::vector<MessageQueue*> merged_;  // pins_ and those of the compressors
   std::vector<int64_t> next_clocks_;   // of each of them
   std::deque<Record> records_, placed_, marks_;
@@ -474,6 +483,18 @@ class Motion {
     }
   }
 
+  std::unique_lock<std::recursive_mutex> hold() { return messages_[0].hold(); }
+  int64_t taken_until() const {
+    int64_t latest = 0;
+    for (const MessageQueue& queue : messages_) latest = std::max(latest, queue.taken_until());
+    return latest;
+  }
+  // The queue of the board that is to have a message.
+  MessageQueue& queue_of(const Message& m) {
+    if (m.kind != MessageKind::pin) return messages_[machine_.steppers[m.target].board];
+    const std::vector<uint16_t>& boards = machine_.output_boards;
+    return messages_[m.target < boards.size() ? boards[m.target] : 0];
+  }
   // Puts into `braking` the part of a move in which the machine comes to a stop from speed² v2, or
   // all of it, and takes what that costs from v2. True if a part of the move is left, which is `m`
   // then.
@@ -539,6 +560,14 @@ class Motion {
       start = m.end();
     }
   }
+  // The board's last commit is `serial`, and the machine stands.
+  void begin_commits(uint32_t serial, int64_t clock) {
+    auto held = hold();
+    messages_[0].keep(kKeptCommits);
+    std::vector<bool> renews;
+    for (const Compressor& c : compressors_) renews.push_back(c.renews());
+    commits_->begin(serial, clock, last_steps(), nets(), std::move(renews));
+  }
   // Of each motor, at rest: the clock of its last step, its net steps.
   std::vector<int64_t> last_steps() const {
     std::vector<int64_t> last;
@@ -553,10 +582,10 @@ class Motion {
   // Hands out what is certain; `stands` where the machine stands, or kNoMessage.
   void commit(int64_t known, int64_t stands) {
     if (!commits_) return;
-    auto held = messages_.hold();
+    auto held = hold();
     auto brake = [this](int64_t clock, std::vector<Move>& moves) { brake_from(clock, moves); };
-    commits_->advance(known, stands, set_apart_, brake, messages_);
-    commits_->forget(messages_.taken_until() - int64_t(kKeptSeconds * machine_.clock_hz));
+    commits_->advance(known, stands, set_apart_, brake, messages_[0]);
+    commits_->forget(messages_[0].taken_until(), kKeptCommits);
   }
 
   void resume_plan(std::vector<Move>& moves, double speed2, double clock) {
@@ -664,9 +693,10 @@ class Motion {
 
   // What ended before the last command taken can no longer be replanned.
   void forget() {
-    auto held = messages_.hold();
-    double taken = double(messages_.taken_until());
+    auto held = hold();
+    double taken = double(taken_until());
     double past = taken - kKeptSeconds * machine_.clock_hz;
+    if (commits_) past = std::min(past, double(commits_->points().front().clock));
     while (history_begin_ < history_.size() && history_[history_begin_].end() < past)
       ++history_begin_;
     if (2 * history_begin_ >= history_.size()) {
@@ -683,14 +713,13 @@ class Motion {
     if (held_.empty() && !aside_) planner_.rules().forget_before(oldest.rules);
   }
 
-  // Moves to messages_ all that no later message can precede.
+  // Moves to messages_, each to its board, all that no later message can precede.
   void merge(bool all) {
-    auto held = messages_.hold();
+    auto held = hold();
     double limit = planner_.clock();
     for (Compressor& c : compressors_) limit = std::min(limit, c.next_clock(planner_.clock()));
     // Which comes next is as good as random: the comparisons must not be branches.
     std::vector<MessageQueue*>& queues = merged_;
-    MessageQueue& out = commits_ ? commits_->waiting() : messages_;
     queues.assign(1, &pins_);
     for (Compressor& c : compressors_) queues.push_back(&c.messages());
     next_clocks_.clear();
@@ -705,11 +734,12 @@ class Motion {
         first = sooner ? i : first;
       }
       if (clock >= end) break;
-      out.push(queues[first]->front());
+      const Message& next = queues[first]->front();
+      (commits_ ? commits_->waiting() : queue_of(next)).push(next);
+      handed_out_ = std::max(handed_out_, next.clock);
       queues[first]->pop();
       next_clocks_[first] = queues[first]->next_clock();
     }
-    if (!out.empty()) handed_out_ = std::max(handed_out_, out.back().clock);
     if (!all) commit(end, kNoMessage);
     if (all)
       for (Compressor& c : compressors_) c.not_before(handed_out_);
@@ -718,11 +748,10 @@ class Motion {
   // Revokes steps, messages and moves from a clock ≥ `ticks` on; that clock goes to ticks_of_cut_,
   // the revoked moves to `rest`. Returns the speed² at the cut.
   double cut(double ticks, std::vector<Move>& rest) {
-    auto held = messages_.hold();  // what the link has taken stays as it is until all is cut
+    auto held = hold();  // what the link has taken stays as it is until all is cut
     merge(true);
     in_pieces_ = false;
-    int64_t at =
-        std::max(int64_t(std::ceil(std::max(ticks, pieces_end_))), messages_.taken_until());
+    int64_t at = std::max(int64_t(std::ceil(std::max(ticks, pieces_end_))), taken_until());
     ticks_of_cut_ = std::min(double(at), planner_.clock());
     double speed2 = planner_.speed2();
     if (double(at) >= planner_.clock()) {
@@ -819,14 +848,30 @@ class Motion {
     std::vector<int64_t> last(n);
     std::vector<bool> cut_off(n, false);
     for (size_t i = 0; i < n; ++i) last[i] = compressors_[i].last();
+    int64_t floor = at;
+    for (MessageQueue& queue : messages_)
+      floor = std::max(floor, revoke(queue, at, revoked, last, cut_off));
+    pins_.clear();
+    handed_out_ = floor;
+    for (size_t i = 0; i < n; ++i) {
+      solvers_[i].set_count(solvers_[i].count() - compressors_[i].pending_net() - revoked[i].net);
+      compressors_[i].restart(last[i], revoked[i]);
+      compressors_[i].not_before(floor);
+    }
+    if (commits_) commits_->resume(std::move(last), nets());
+  }
+  // Returns the latest clock of what is kept, or `at`.
+  int64_t revoke(MessageQueue& queue, int64_t at, std::vector<StepStatistics>& revoked,
+                 std::vector<int64_t>& last, std::vector<bool>& cut_off) {
     std::vector<Message> kept;
     size_t committed = 0;  // of these
     if (commits_)
       for (; !commits_->waiting().empty(); commits_->waiting().pop())
-        messages_.push(commits_->waiting().front());
-    std::vector<std::vector<Message>> ahead(n);  // directions and clocks go with the steps behind
-    for (size_t i = 0; i < messages_.size(); ++i) {
-      Message m = messages_[i];
+        queue.push(commits_->waiting().front());
+    // Directions and clocks go with the steps behind.
+    std::vector<std::vector<Message>> ahead(compressors_.size());
+    for (size_t i = 0; i < queue.size(); ++i) {
+      Message m = queue[i];
       if (m.kind == MessageKind::pin || m.kind == MessageKind::tail ||
           m.kind == MessageKind::commit) {
         if (m.clock <= at) kept.push_back(m);
@@ -861,22 +906,15 @@ class Motion {
       m.end_clock = start + span(m, count);
       kept.push_back(m);
     }
-    messages_.clear();
+    queue.clear();
     int64_t floor = kept.empty() ? at : std::max(at, kept.back().clock);
     if (commits_) {
       commits_->revoke(at);
       commits_->put_back({kept.begin() + long(committed), kept.end()});
       kept.resize(committed);
     }
-    for (const Message& m : kept) messages_.push(m);
-    pins_.clear();
-    handed_out_ = floor;
-    for (size_t i = 0; i < n; ++i) {
-      solvers_[i].set_count(solvers_[i].count() - compressors_[i].pending_net() - revoked[i].net);
-      compressors_[i].restart(last[i], revoked[i]);
-      compressors_[i].not_before(floor);
-    }
-    if (commits_) commits_->resume(std::move(last), nets());
+    for (const Message& m : kept) queue.push(m);
+    return floor;
   }
   static int64_t span(const Message& m, int64_t count) {
     return int64_t(m.interval) * count + int64_t(m.add) * (count * (count - 1) / 2);

@@ -1,6 +1,7 @@
 // A simulated board on the bench: a device with the plant around it, and what a person sees there.
 #pragma once
 #include <cstdint>
+#include <map>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -70,10 +71,19 @@ class Bench : public Device {
 
   // Actuator position of a motor (mm or degrees) now.
   double position(uint32_t step_pin) { return plant_.position(step_pin, net(step_pin)); }
+  // A motor on another board, whose actuator the switches of this one feel as that of `step_pin`.
+  // Both boards are at the same time whenever this one looks, to within what it does between two
+  // looks.
+  void feel(uint32_t step_pin, Bench& board, uint32_t its_step_pin) {
+    elsewhere_[step_pin] = {&board, its_step_pin};
+  }
   // Somebody moves a motor's actuator by hand.
   void place(uint32_t step_pin, double position) {
     plant_.place(step_pin, net(step_pin), position);
   }
+
+ private:
+  std::map<uint32_t, std::pair<Bench*, uint32_t>> elsewhere_;
 
  protected:
   Plant plant_;
@@ -82,7 +92,12 @@ class Bench : public Device {
   // As net_steps(); 0 for a motor that the board does not know yet.
   virtual int64_t net(uint32_t step_pin) = 0;
   bool level(uint32_t pin, Ticks clock) {
-    return plant_.level(pin, clock, [this](uint32_t step_pin) { return net(step_pin); });
+    return plant_.level(pin, clock, [this](uint32_t step_pin) {
+      auto elsewhere = elsewhere_.find(step_pin);
+      return elsewhere == elsewhere_.end()
+                 ? position(step_pin)
+                 : elsewhere->second.first->position(elsewhere->second.second);
+    });
   }
 };
 

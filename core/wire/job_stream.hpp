@@ -3,6 +3,7 @@
 #pragma once
 #include <algorithm>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "dictionary.hpp"
 #include "frame.hpp"
 #include "message_queue.hpp"
+#include "retimer.hpp"
 #include "stream_hash.hpp"
 
 namespace passo::wire {
@@ -28,33 +30,45 @@ class JobStream {
       : horizon_(Ticks(kHorizonSeconds * clock_hz)), quantum_(Ticks(kQuantumSeconds * clock_hz)),
         margin_(Ticks(kMarginSeconds * clock_hz)) {}
 
-  // Targets in the order of Message::target. Throws std::invalid_argument if the board lacks a
-  // command.
-  void add_stepper(const Formats& commands, const std::string& name, uint32_t oid, bool invert) {
-    steppers_.push_back({prefix(commands, "queue_step", oid),
+  // A motor or a pin of this board; targets are those of Message::target. Throws
+  // std::invalid_argument if the board lacks a command.
+  void add_stepper(const Formats& commands, size_t target, const std::string& name, uint32_t oid,
+                   bool invert) {
+    if (steppers_.size() <= target) steppers_.resize(target + 1);
+    steppers_[target] = {prefix(commands, "queue_step", oid),
                          prefix(commands, "set_next_step_dir", oid),
                          prefix(commands, "reset_step_clock", oid),
                          {},
                          oid,
                          StreamHash::of_name(name),
-                         invert});
+                         invert};
   }
-  // The board takes commits: a message leaves so many ticks before its clock instead.
+  // The board, which is alone, takes commits: a message leaves so many ticks before its clock
+  // instead.
   void use_commits(const Formats& commands, Ticks horizon) {
     commit_ = prefix(commands, "survive_commit");
     for (Stepper& s : steppers_) s.tail = prefix(commands, "survive_tail", s.oid);
     horizon_ = horizon;
+    commits_ = true;
   }
   // The board is armed: what it has been sent so far is in no commit.
   void begin_commits() { staged_ = kNever; }
+  // The clocks of its messages are another board's from now on; `tolerance` is that of a step's
+  // time, in ticks of this board.
+  Retimer& retime(double tolerance) {
+    if (!retimer_) retimer_ = std::make_unique<Retimer>(tolerance);
+    return *retimer_;
+  }
+  Retimer* retimer() { return retimer_.get(); }
   // `inverted_full`: the value at full scale of a pin that is on when low; 0 of all others.
   // `longest`: the board shuts down when a pin is on for so many ticks without a word of the host;
   // 0: it does not.
-  void add_pin(const Formats& commands, const std::string& name, uint32_t oid, PinKind kind,
-               uint32_t inverted_full, Ticks longest) {
-    pins_.push_back(
-        {prefix(commands, kind == PinKind::pwm ? "queue_pwm_out" : "queue_digital_out", oid),
-         StreamHash::of_name(name), inverted_full, longest});
+  void add_pin(const Formats& commands, size_t target, const std::string& name, uint32_t oid,
+               PinKind kind, uint32_t inverted_full, Ticks longest) {
+    if (pins_.size() <= target) pins_.resize(target + 1);
+    pins_[target] = {
+        prefix(commands, kind == PinKind::pwm ? "queue_pwm_out" : "queue_digital_out", oid),
+        StreamHash::of_name(name), inverted_full, longest};
   }
   // The board clock at which a pin must be told its value again, lest the board think that nobody
   // is there; kNever if none.
@@ -106,6 +120,8 @@ class JobStream {
   void go_on() {
     ends_.clear();
     staged_ = kNever;
+    for (Pin& pin : pins_)
+      if (pin.longest > 0) pin.value = 0;  // the board has switched it off
     running_ = true;
   }
   bool running() const { return running_; }
@@ -113,12 +129,16 @@ class JobStream {
   uint64_t hash() const { return hash_.value(); }
   uint64_t queue_steps() const { return queue_steps_; }
   uint64_t messages() const { return messages_; }
-  size_t steppers() const { return steppers_.size(); }
-  // The reset_step_clock that every motor needs before its first step.
-  void put_reset(size_t stepper, Ticks clock, Bytes& out) const {
-    uint8_t buffer[kLongestCommand];
-    uint8_t* p = put_vlq(put(buffer, steppers_[stepper].reset_clock), uint32_t(clock));
-    out.assign(buffer, p);
+  // The commands that every motor needs before its first step.
+  std::vector<Bytes> resets(Ticks clock) const {
+    std::vector<Bytes> all;
+    for (const Stepper& stepper : steppers_) {
+      if (stepper.reset_clock.size == 0) continue;
+      uint8_t buffer[kLongestCommand];
+      uint8_t* p = put_vlq(put(buffer, stepper.reset_clock), uint32_t(clock));
+      all.emplace_back(buffer, p);
+    }
+    return all;
   }
 
   enum class Fill : uint8_t { dry, full };
@@ -130,28 +150,28 @@ class JobStream {
     if (!running_ || !queue_) return Fill::dry;
     auto held = queue_->hold();
     const Ticks limit = now + horizon_ - base_;
-    while (!queue_->empty()) {
-      const Message& m = queue_->front();
+    for (;;) {
+      if (retimer_) retime(limit);
+      MessageQueue& queue = retimer_ ? retimer_->ready() : *queue_;
+      if (queue.empty()) break;
+      const Message& m = queue.front();
       if (m.clock > limit) break;
       bool slot = m.kind == MessageKind::queue_step || m.kind == MessageKind::pin ||
-                  m.kind == MessageKind::tail;
+                  m.kind == MessageKind::tail || (commits_ && m.kind == MessageKind::reset_clock);
       if (slot && ends_.size() >= slots_ && !free_slots(now)) break;
       uint8_t* end = encode(m, payload + size);
       if (size_t(end - payload) > kPayloadMax) return Fill::full;
       size = size_t(end - payload);
       first = std::min(first, m.clock + base_);
       need = std::min(need, needed_at(m));
-      if (slot) ends_.push_back((m.kind == MessageKind::pin ? m.clock : m.end_clock) + base_);
+      if (slot) ends_.push_back(std::max(m.clock, m.end_clock) + base_);
       if (m.kind == MessageKind::pin) {
         pins_[m.target].value = m.interval;
         pins_[m.target].told = m.clock + base_;
       }
       queue_steps_ += m.kind == MessageKind::queue_step;
-      if (m.kind != MessageKind::tail && m.kind != MessageKind::commit) {
-        ++messages_;
-        hash_.add(m, m.kind == MessageKind::pin ? pins_[m.target].name : steppers_[m.target].name);
-      }
-      queue_->pop();
+      if (!retimer_) count(m);
+      queue.pop();
     }
     return Fill::dry;
   }
@@ -165,8 +185,12 @@ class JobStream {
   Ticks wake() const {
     if (!running_ || !queue_) return kNever;
     auto held = queue_->hold();
-    if (queue_->empty()) return kNever;
-    Ticks due = must_leave(queue_->front().clock + base_);
+    bool ready = retimer_ && !retimer_->ready().empty();
+    if (queue_->empty() && !ready) return kNever;
+    Ticks clock = ready      ? retimer_->ready().front().clock
+                  : retimer_ ? retimer_->clock_of(queue_->front().clock)
+                             : queue_->front().clock;
+    Ticks due = must_leave(clock + base_);
     return slot_wait_ == kNever ? due : std::max(due, slot_wait_);
   }
 
@@ -195,6 +219,7 @@ class JobStream {
   std::vector<Stepper> steppers_;
   std::vector<Pin> pins_;
   Prefix commit_{};
+  bool commits_ = false;
   std::vector<Ticks> ends_;  // board clocks at which slots in use are free again; unordered
   size_t slots_ = 0;
   Ticks slot_wait_ = kNever;
@@ -202,6 +227,7 @@ class JobStream {
   MessageQueue* queue_ = nullptr;
   bool running_ = false;
   Ticks base_ = 0;
+  std::unique_ptr<Retimer> retimer_;  // none: clocks are this board's own
   StreamHash hash_;
   uint64_t queue_steps_ = 0, messages_ = 0;
 
@@ -213,6 +239,20 @@ class JobStream {
     if (prefix.size > 4) throw std::invalid_argument("oid out of range: " + std::to_string(oid));
     std::copy(buffer, end, prefix.bytes);
     return prefix;
+  }
+  // The stream is that of the timeline, however well a board's clock is known.
+  void count(const Message& m) {
+    if (m.kind == MessageKind::tail || m.kind == MessageKind::commit) return;
+    ++messages_;
+    hash_.add(m, m.kind == MessageKind::pin ? pins_[m.target].name : steppers_[m.target].name);
+  }
+  // Takes a message, if one is due and those before it are on their way.
+  void retime(Ticks limit) {
+    if (!retimer_->ready().empty() || queue_->empty()) return;
+    if (retimer_->clock_of(queue_->front().clock) > limit) return;
+    count(queue_->front());
+    retimer_->retime(queue_->front());
+    queue_->pop();
   }
   static Prefix prefix(const Formats& commands, const std::string& name) {
     Prefix prefix{};

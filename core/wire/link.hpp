@@ -20,6 +20,7 @@
 #include "heater.hpp"
 #include "job_stream.hpp"
 #include "lateness.hpp"
+#include "timeline.hpp"
 #include "window.hpp"
 
 namespace passo::wire {
@@ -54,6 +55,8 @@ class Link {
     converter_id_ = id_of("thermocouple_result");
     shutdown_id_ = id_of("shutdown");
     is_shutdown_id_ = id_of("is_shutdown");
+    survive_id_ = id_of("survive_state");
+    trsync_id_ = id_of("trsync_state");
   }
   const Formats& commands() const { return commands_; }
 
@@ -74,11 +77,36 @@ class Link {
     samples_ = 0;
     unanswered_ = 0;
   }
+  // Ticks that a byte takes on a serial line: a frame that is sent has come when its last byte has.
+  void set_byte_ticks(double ticks) { byte_ticks_ = ticks; }
   bool synchronous() const { return sync_.ready(); }
   const ClockSync& clock() const { return sync_; }
-  // True when the board left more than four questions unanswered.
-  bool lost() const { return unanswered_ > kLostAfter; }
+  // True when the board left its questions unanswered for some four seconds.
+  bool lost() const { return unanswered_ > (timeline_ ? kLostAfterOfSeveral : kLostAfter); }
 
+  // This link's board is one of several: the main one, whose clock is that of the timeline, or a
+  // further one, whose steps may miss their times by `tolerance` ticks more than the plan's.
+  void join(std::shared_ptr<Timeline> timeline, bool main, double tolerance) {
+    timeline_ = std::move(timeline);
+    seat_ = timeline_->take_seat();
+    main_ = main;
+    if (main)
+      timeline_->set_clock(sync_.line(), hz_);
+    else
+      job_.retime(tolerance);
+  }
+  size_t seat() const { return seat_; }
+  // This board's clock when the main one's reads `clock`, and the other way.
+  Ticks own_clock(Ticks clock) const {
+    if (main_) return clock;
+    double host = timeline_->host_at(double(clock), hz_);
+    return Ticks(std::floor(sync_.line().clock_at(host) + 0.5));
+  }
+  Ticks main_clock(Ticks own) const {
+    if (main_) return own;
+    double host = sync_.line().host_at(double(own));
+    return Ticks(std::floor(timeline_->clock_at(host, hz_) + 0.5));
+  }
   JobStream& job() { return job_; }
   // The messages of the job; other threads may use them as well, if one drives this link.
   void set_queue(MessageQueue* queue) {
@@ -91,13 +119,17 @@ class Link {
     live_ = true;
     set_queue(queue_);
   }
-  // Starts the job at board clock `base`: every motor's clock is set, then messages flow.
-  void start_job(Ticks base) {
-    for (size_t i = 0; i < job_.steppers(); ++i) {
-      Bytes payload;
-      job_.put_reset(i, base, payload);
-      now_queue_.push_back({std::move(payload), false});
+  // Starts the job at clock `base` of the main board, whose clock runs at `main_hz`: every motor's
+  // clock is set, then messages flow.
+  void start_job(Ticks base, double main_hz) {
+    main_base_ = base;
+    if (Retimer* retimer = job_.retimer()) {
+      retimer->start(main_hz, hz_ / main_hz);
+      base = own_clock(main_base_);
+      job_.start(base);
+      renew_map(0);
     }
+    for (Bytes& reset : job_.resets(base)) now_queue_.push_back({std::move(reset), false});
     job_.start(base);
   }
 
@@ -128,6 +160,8 @@ class Link {
   // The board said that it stopped; its static_string_id tells why.
   bool shut_down() const { return shut_down_; }
   uint32_t shutdown_reason() const { return shutdown_reason_; }
+  // It was told to, since another board of the machine had stopped or was lost.
+  bool stopped_with_others() const { return halted_; }
   // The board begins anew, after a reset or a power cycle: whatever was on its way is forgotten.
   void restart() {
     window_.restart();
@@ -141,17 +175,35 @@ class Link {
     holds_question_ = holds_command_ = asked_ = shut_down_ = false;
   }
 
+  // The board has heard nothing of this host in time, and stops by itself.
+  bool alone() const { return alone_; }
+
   // The link was broken, and the board has gone on alone: what was on its way is forgotten, and the
   // job stands until go_on().
-  void reconnect(Ticks now) {
+  void reconnect() {
     restart();
     for (size_t i = 0; i < heaters_.size(); ++i) {
       std::lock_guard lock(heaters_[i]->guard());
       heaters_[i]->interrupted();
     }
-    if (following_) follow_clock(now);
+    if (following_) follow_clock(0);
+    long_ago_ = true;
   }
-  void go_on() { job_.go_on(); }
+  // Everything of the job so far is at the board.
+  bool delivered() const {
+    bool all = true;
+    if (queue_) {
+      auto held = queue_->hold();
+      all = queue_->empty();
+    }
+    return all && open_first_ == kNever && window_.acked() > last_of_job_;
+  }
+  // The board has taken over again what it keeps; the job goes on.
+  void go_on() {
+    alone_ = false;
+    for (size_t i = 0; keeps_ && i < heaters_.size(); ++i) tell_keeping(i, kept_[i]);
+    job_.go_on();
+  }
 
   uint64_t wire_bytes() const { return wire_bytes_; }
   uint64_t frames() const { return frames_; }
@@ -187,6 +239,8 @@ class Link {
     size_t before = out.size();
     window_.poll(now, out);
     if (following_ && now >= next_sync_) ask_clock(now);
+    if (timeline_ && !shut_down_) follow_orders();
+    if (timeline_ && timeline_->halted() && !shut_down_ && !halted_) stop_at_once();
     Ticks clock = wake(now);
     if (sync_.ready() && !shut_down_)
       for (Bytes again = job_.renew(clock); !again.empty(); again = job_.renew(clock))
@@ -195,6 +249,7 @@ class Link {
       if (holds_question_) question_ = window_.next();
       holds_question_ = holds_command_ = false;
       lateness_.left(window_.next(), job_.must_leave(open_first_), open_need_, clock);
+      if (open_first_ != kNever) last_of_job_ = window_.next();
       window_.seal(open_size_, now, out);
       ++frames_;
       open_size_ = 0;
@@ -206,9 +261,10 @@ class Link {
   }
 
  private:
-  static constexpr uint32_t kLostAfter = 4;
-  static constexpr int kQuickSamples = 8;
+  static constexpr uint32_t kLostAfter = 4, kLostAfterOfSeveral = 40;
+  static constexpr int kQuickSamples = 8, kQuickSamplesOfSeveral = 80;
   static constexpr double kQuickSeconds = 0.05, kSyncSeconds = 0.9839;
+  static constexpr double kSyncOfSeveralSeconds = 0.0983, kRenewSeconds = 0.9;
   static constexpr double kHeaterLeadSeconds =
       0.1;  // from a report to the change of power it causes
   static constexpr size_t kInboxMax = 4096;
@@ -221,7 +277,12 @@ class Link {
   ClockSync sync_;
   JobStream job_;
   Lateness lateness_;
-  Ticks due_ = kNever;  // host time by which poll() should be called
+  Ticks due_ = kNever;                  // host time by which poll() should be called
+  std::shared_ptr<Timeline> timeline_;  // none: the board is alone
+  size_t seat_ = 0;
+  bool main_ = true, halted_ = false;
+  Ticks main_base_ = 0;  // of the job, in the main board's clock
+  double renewed_ = 0;   // the job's clock when the map of its time was renewed
   MessageQueue* queue_ = nullptr;
   bool live_ = false;
   std::deque<std::pair<Bytes, bool>> now_queue_;  // commands; true: a question for the clock
@@ -240,12 +301,17 @@ class Link {
   bool holds_question_ = false, holds_command_ = false;
 
   bool following_ = false, asked_ = false;
+  double byte_ticks_ = 0;
   Ticks next_sync_ = kNever;
   uint64_t question_ = 0;  // number of the frame that carries the last question for the clock
   int samples_ = 0;
   uint32_t unanswered_ = 0;
   int32_t clock_id_ = -1000, uptime_id_ = -1000, analog_id_ = -1000, converter_id_ = -1000,
-          shutdown_id_ = -1000, is_shutdown_id_ = -1000;
+          shutdown_id_ = -1000, is_shutdown_id_ = -1000, trsync_id_ = -1000;
+  int32_t survive_id_ = -1000;
+  static constexpr int64_t kBraking = 3;  // state of survive_state from which on the board is alone
+  bool alone_ = false, long_ago_ = false;  // the board was not heard for a while
+  uint64_t last_of_job_ = 0;               // number of the last frame with messages of the job
   bool shut_down_ = false;
   uint32_t shutdown_reason_ = 0;
   uint64_t wire_bytes_ = 0, frames_ = 0, bad_frames_ = 0;
@@ -289,14 +355,53 @@ class Link {
     return holds_command_ || job_.must_leave(open_first_) <= clock;
   }
 
+  void stop_at_once() {
+    halted_ = true;
+    job_.stop();
+    send("emergency_stop", {});
+  }
+  void follow_orders() {
+    for (const Timeline::Order& order : timeline_->take_mail(seat_)) {
+      if (order.triggers)
+        send("trsync_trigger", {int64_t(order.oid), int64_t(order.reason)});
+      else
+        send("trsync_set_timeout",
+             {int64_t(order.oid), int64_t(uint32_t(own_clock(Ticks(order.clock))))});
+    }
+  }
+  void renew_map(double job_clock) {
+    renewed_ = job_clock;
+    job_.retimer()->map().renew(job_clock, [&](double t) {
+      return double(own_clock(main_base_ + Ticks(t)) - job_.base());
+    });
+  }
+  // The clocks are known better now.
+  void follow_timeline(Ticks now) {
+    if (main_) return timeline_->set_clock(sync_.line(), hz_);
+    if (!job_.running()) return;
+    const TimeMap& map = job_.retimer()->map();
+    double job_clock = map.inverse(double(sync_.clock_at(now) - job_.base()));
+    if (job_clock >= renewed_ + kRenewSeconds * map.hz()) renew_map(job_clock);
+  }
+
   void ask_clock(Ticks now) {
-    if (asked_) ++unanswered_;
+    if (std::exchange(long_ago_, false)) sync_.bridge(now);
+    bool quick = samples_ < (timeline_ ? kQuickSamplesOfSeveral : kQuickSamples);
+    double seconds = quick ? kQuickSeconds : timeline_ ? kSyncOfSeveralSeconds : kSyncSeconds;
+    next_sync_ = now + Ticks(seconds * hz_);
+    if (asked_) {
+      ++unanswered_;
+      if (timeline_ && lost()) timeline_->halt();
+      // An answer comes before the acknowledgement, or never. Two questions on their way would be
+      // taken for each other.
+      if (question_ == 0 || window_.acked() <= question_) return;
+    }
     Bytes payload;
     commands_.at(sync_.ready() ? "get_clock" : "get_uptime").encode({}, payload);
     now_queue_.push_back({std::move(payload), true});
+    if (keeps_ && job_.running()) send("survive_query", {});  // what it said may have been lost
     asked_ = true;
     question_ = 0;
-    next_sync_ = now + Ticks((samples_ < kQuickSamples ? kQuickSeconds : kSyncSeconds) * hz_);
   }
 
   Ticks deadline(Ticks now) const {
@@ -324,37 +429,54 @@ class Link {
       return;
     }
     try {
-      take(id, *format, values, now);
+      take(id, *format, values, size, now);
     } catch (const std::exception& e) {  // another dictionary than this program expects
       throw std::runtime_error("its report " + format->name + " cannot be used: " + e.what());
     }
   }
-  void take(int32_t id, const Format& format, std::vector<Value>& values, Ticks now) {
+  void take(int32_t id, const Format& format, std::vector<Value>& values, size_t size, Ticks now) {
     if (id == clock_id_ || id == uptime_id_) {
-      take_clock(id == uptime_id_, values, now);
+      take_clock(id == uptime_id_, values, now - on_the_line(kFrameMin + size));
     } else if ((id == analog_id_ || id == converter_id_) && take_temperature(values, now)) {
       return;
     } else {
+      if (id == trsync_id_ && timeline_) take_trsync(values);
+      if (id == survive_id_ && job_.running()) {
+        alone_ |= std::get<int64_t>(values.at(0)) >= kBraking;
+        return;
+      }
       if (id == shutdown_id_ || id == is_shutdown_id_) {
         shutdown_reason_ = uint32_t(std::get<int64_t>(values.at(values.size() - 1)));
         shut_down_ = true;
         job_.stop();
+        if (timeline_) timeline_->halt();
       }
       if (inbox_.size() == kInboxMax) inbox_.pop_front();
       inbox_.push_back({&format, std::move(values)});
     }
   }
-  void take_clock(bool uptime, const std::vector<Value>& values, Ticks now) {
+  // trsync_state oid can_trigger trigger_reason clock
+  void take_trsync(const std::vector<Value>& values) {
+    int64_t v[4];
+    for (size_t i = 0; i < 4; ++i) v[i] = std::get<int64_t>(values.at(i));
+    Ticks clock = main_clock(sync_.unwrap(uint32_t(v[3])));
+    timeline_->heard(seat_, uint32_t(v[0]), v[1] != 0, uint32_t(v[2]), double(clock));
+  }
+  Ticks on_the_line(size_t bytes) const { return Ticks(byte_ticks_ * double(bytes)); }
+  void take_clock(bool uptime, const std::vector<Value>& values, Ticks answered) {
     if (!asked_ || question_ == 0) return;
     asked_ = false;
     unanswered_ = 0;
     if (!window_.sent_once(question_)) return;  // it is not known which copy was answered
-    Ticks sent = window_.sent_at(question_);
+    Ticks heard = window_.sent_at(question_) + on_the_line(window_.length(question_));
+    answered = std::max(answered, heard);
     if (uptime)
-      sync_.start(std::get<int64_t>(values[0]) << 32 | std::get<int64_t>(values[1]), sent, now);
+      sync_.start(std::get<int64_t>(values.at(0)) << 32 | std::get<int64_t>(values.at(1)), heard,
+                  answered);
     else if (sync_.ready())
-      sync_.add(uint32_t(std::get<int64_t>(values[0])), sent, now);
+      sync_.add(uint32_t(std::get<int64_t>(values.at(0))), heard, answered);
     ++samples_;
+    if (timeline_) follow_timeline(answered);
   }
   // analog_in_state oid next_clock values: next_clock is that of the next report; the newest of the
   // values (16 bits each) counts. Boards with older firmware send one value, as a number.

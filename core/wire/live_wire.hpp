@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <condition_variable>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -25,6 +26,7 @@ class LiveWire {
   }
   ~LiveWire() { stop(); }
 
+  double hz() const { return link_.hz(); }
   // This computer's time in ticks, and from use_board_clock() on the board's clock, which never
   // runs backwards.
   Ticks now() {
@@ -37,12 +39,19 @@ class LiveWire {
     std::lock_guard lock(link_.guard());
     board_clock_ = true;
   }
+  // The link looks up whenever others of its machine have news for it.
+  void join(std::shared_ptr<Timeline> timeline) {
+    std::lock_guard lock(link_.guard());
+    timeline_ = std::move(timeline);
+    timeline_->set_wake(link_.seat(), [this] { cable_.wake(); });
+  }
   // No byte moves any more, and the cable is let go.
   void stop() {
     if (!thread_.joinable()) return;
     stopping_ = true;
     cable_.wake();
     thread_.join();
+    if (timeline_) timeline_->set_wake(link_.seat(), nullptr);
     cable_.cut();
   }
   // As Pump::run, but real time passes; also ends when the cable is cut.
@@ -71,6 +80,7 @@ class LiveWire {
 
   Link& link_;
   Cable cable_;
+  std::shared_ptr<Timeline> timeline_;
   std::condition_variable news_;
   bool closed_ = false, board_clock_ = false;
   Ticks last_ = 0;
@@ -94,6 +104,7 @@ class LiveWire {
     std::lock_guard lock(link_.guard());
     failure_ = std::move(failure);
     closed_ = true;
+    if (timeline_ && !stopping_) timeline_->halt();
     news_.notify_all();
   }
   void carry_on() {

@@ -125,16 +125,16 @@ class Plant {
       if (device.pins().select == select_pin) return &device;
     return nullptr;
   }
-  // Level of an input pin; net(step_pin) tells the steps that a motor has made.
-  template <class Net>
-  bool level(uint32_t pin, Ticks clock, Net&& net) {
+  // Level of an input pin; position(step_pin) tells where a motor's actuator is.
+  template <class Position>
+  bool level(uint32_t pin, Ticks clock, Position&& position) {
     if (UartLine* line = uart(pin)) return line->level(clock);
     for (const SpiDevice& device : spi_devices)
       if (device.drives(pin)) return device.level();
     for (const Switch& s : switches) {
       if (s.pin != pin) continue;
       double at = 0;
-      for (auto [step_pin, weight] : s.weights) at += weight * position(step_pin, net(step_pin));
+      for (auto [step_pin, weight] : s.weights) at += weight * position(step_pin);
       bool pressed = s.at_maximum ? at >= s.position : at <= s.position;
       if (s.forced >= 0) pressed = s.forced > 0;
       return pressed == s.pressed_level;

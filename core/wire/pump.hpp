@@ -1,7 +1,8 @@
-// A link and a device in one process, in virtual time: from deadline to deadline, as fast as it
-// goes.
+// Links and devices in one process, in virtual time: from deadline to deadline, as fast as it goes.
 #pragma once
 #include <algorithm>
+#include <cmath>
+#include <vector>
 
 #include "device.hpp"
 #include "link.hpp"
@@ -11,37 +12,74 @@ namespace passo::wire {
 
 class Pump {
  public:
-  // Host time equals the device's clock and begins at `start`.
+  // Host time equals the first device's clock and begins at `start`.
   // `cpu_clock` gives CPU seconds, or is null.
   Pump(Link& link, Device& device, Ticks start, double (*cpu_clock)() = nullptr)
-      : link_(link), device_(device), now_(start), cpu_clock_(cpu_clock) {}
+      : now_(start), cpu_clock_(cpu_clock) {
+    attach(link, device);
+  }
+  // A further device, or another link to one that is here already. The device's clock is host time,
+  // in ticks of the link's frequency.
+  void attach(Link& link, Device& device) {
+    for (End& end : ends_)
+      if (end.device == &device) {
+        end.link = &link;
+        return;
+      }
+    ends_.push_back({&link, &device, ends_.empty() ? 1 : link.hz() / ends_[0].link->hz(), {}, {}});
+  }
 
   Ticks now() const { return now_; }
-  // The cable is cut: no byte arrives any more.
+  double hz() const { return ends_[0].link->hz(); }
+  // The clock of a link's board, as far as that knows it.
+  Ticks board_clock(const Link& link) const {
+    for (const End& end : ends_)
+      if (end.link == &link && link.synchronous()) return link.clock().clock_at(end.own(now_));
+    return now_;
+  }
+  // The cables are cut: no byte arrives any more.
   void cut() { cut_ = true; }
-  // CPU seconds of the device, from a sample of one exchange in kSample.
+  // This host does nothing until then, and the boards live on.
+  void sleep(Ticks until) {
+    now_ = std::max(now_, until);
+    for (End& end : ends_) end.device->poll(end.own(now_), end.up);
+  }
+  // CPU seconds of the devices, from a sample of one exchange in kSample.
   double device_cpu() const { return device_cpu_; }
-  // Bytes that the host sent, frames and all, from now on.
+  // Bytes that the host sent to the first board, frames and all, from now on.
   void record(bool on) {
     recording_ = on;
     recorded_.clear();
   }
   Bytes& recorded() { return recorded_; }
 
-  // Runs until virtual time reaches `until`, until the board stops, a heater fails, or, if asked,
+  // Runs until virtual time reaches `until`, until all boards have stopped, or one for so long that
+  // the others should have heard of it, until a heater fails, or, if asked,
   // until no heater is on its way to its target. The queue of the job must already hold all
   // messages whose clock is below `until` plus the horizon.
   Stop run(Ticks until, bool until_heaters) {
-    for (;;) {
+    for (Ticks told = kNever;;) {
       if (cut_) return Stop::closed;
       Ticks next = exchange();
-      if (link_.shut_down()) return Stop::shutdown;
-      if (link_.take_fault()) return Stop::fault;
-      if (until_heaters && link_.heaters_reached()) return Stop::heaters;
-      next = std::min(next, device_.next_deadline());
-      if (next > until) {
+      bool any_stopped = false, all_stopped = true, fault = false, reached = until_heaters;
+      for (End& end : ends_) {
+        next = std::min(next, end.host(end.device->next_deadline()));
+        any_stopped |= end.link->shut_down();
+        all_stopped = all_stopped && end.link->shut_down();
+        fault |= end.link->take_fault();
+        reached = reached && end.link->heaters_reached();
+      }
+      if (any_stopped) {
+        told = std::min(told, now_ + Ticks(kNewsSeconds * ends_[0].link->hz()));
+        if (all_stopped || now_ >= told) return Stop::shutdown;
+        next = std::min(next, told);
+      }
+      if (fault) return Stop::fault;
+      if (reached) return Stop::heaters;
+      if (next > until && !any_stopped) {
         now_ = std::max(now_, until);
-        device_.poll(now_, up_);  // nothing is due, but it learns the time
+        // Nothing is due, but they learn the time.
+        for (End& end : ends_) end.device->poll(end.own(now_), end.up);
         return Stop::time;
       }
       now_ = std::max(next, now_);
@@ -49,23 +87,44 @@ class Pump {
   }
 
  private:
-  Link& link_;
-  Device& device_;
+  struct End {
+    Link* link;
+    Device* device;
+    double ratio;  // its ticks per tick of the first one
+    Bytes down, up;
+
+    Ticks own(Ticks host) const { return ratio == 1 ? host : Ticks(double(host) * ratio); }
+    Ticks host(Ticks own) const {
+      return ratio == 1 || own == kNever ? own : Ticks(std::ceil(double(own) / ratio));
+    }
+  };
+  std::vector<End> ends_;
   Ticks now_;
-  Bytes down_, up_, recorded_;
+  Bytes recorded_;
   bool recording_ = false, cut_ = false;
   static constexpr unsigned kSample = 251;
+  static constexpr double kNewsSeconds = 0.05;
   double (*cpu_clock_)();
   unsigned exchanges_ = 0;
   double device_cpu_ = 0;
 
-  // Carries bytes both ways until none move.
+  // Carries bytes until none move: what one link has heard another may have to tell its board.
+  // Returns the links' next deadline.
   Ticks exchange() {
     for (;;) {
-      down_.clear();
-      up_.clear();
-      Ticks next = link_.poll(now_, down_);
-      if (recording_) recorded_.insert(recorded_.end(), down_.begin(), down_.end());
+      Ticks next = kNever;
+      bool moved = false;
+      for (End& end : ends_) next = std::min(next, end.host(exchange(end, moved)));
+      if (!moved || ends_.size() == 1) return next;
+    }
+  }
+  Ticks exchange(End& end, bool& moved) {
+    const Ticks now = end.own(now_);
+    for (;;) {
+      end.down.clear();
+      Ticks next = end.link->poll(now, end.down);
+      if (recording_ && &end == &ends_[0])
+        recorded_.insert(recorded_.end(), end.down.begin(), end.down.end());
       bool sampled = cpu_clock_ && exchanges_++ % kSample == 0;
       double idle = 0, before = 0;
       if (sampled) {
@@ -73,12 +132,14 @@ class Pump {
         idle = cpu_clock_();
         before = cpu_clock_();
       }
-      if (!down_.empty()) device_.feed(down_.data(), down_.size(), now_);
-      device_.poll(now_, up_);
+      if (!end.down.empty()) end.device->feed(end.down.data(), end.down.size(), now);
+      end.device->poll(now, end.up);
       // The clock's own cost, before - idle, is taken off.
       if (sampled) device_cpu_ += kSample * (cpu_clock_() - before - (before - idle));
-      if (up_.empty()) return next;
-      link_.feed(up_.data(), up_.size(), now_);
+      moved |= !end.down.empty() || !end.up.empty();
+      if (end.up.empty()) return next;
+      end.link->feed(end.up.data(), end.up.size(), now);
+      end.up.clear();
     }
   }
 };

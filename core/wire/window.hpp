@@ -108,6 +108,7 @@ class Window {
   bool sent_once(uint64_t number) const {
     return number + kSequenceMask >= next_ && !blocks_[number & kSequenceMask].again;
   }
+  size_t length(uint64_t number) const { return blocks_[number & kSequenceMask].length; }
   Ticks sent_at(uint64_t number) const { return blocks_[number & kSequenceMask].sent; }
 
  private:

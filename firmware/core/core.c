@@ -27,9 +27,9 @@ void core_start(uint32_t clock_high) {
 bool core_task(void) {
   uint32_t began = hal_clock();
   bool busy = frame_task();
+  survive_task();  // nothing may delay a brake
   if (task_woken()) {
     busy = true;
-    survive_task();
     trsync_task();
     analog_in_task();
     buttons_task();

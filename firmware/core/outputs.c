@@ -204,6 +204,11 @@ void command_config_pwm_out(const uint32_t *args) {
     hal_pwm_write(&wanted.pwm, (uint16_t)wanted.default_value);
 }
 
+// While the board survives its host, nobody turns on what is not to be kept.
+static bool is_barred(const struct output *output) {
+  return survive_refuses() && output->kept && output->kept_seconds == 0;
+}
+
 static void queue(struct output *output, uint32_t clock, uint32_t value) {
   struct change *change = (struct change *)(void *)move_take();
   if (change == NULL) return;
@@ -211,7 +216,8 @@ static void queue(struct output *output, uint32_t clock, uint32_t value) {
   change->clock = clock;
   change->value = value < output->full ? value : output->full;
   hal_irq_t irq = hal_irq_save();
-  if (is_shut_down()) {
+  // What comes late then is late because of what the board has decided.
+  if (is_shut_down() || is_barred(output) || (survive_refuses() && before(clock, hal_clock()))) {
     move_free((struct move *)(void *)change);
   } else if (before(clock, hal_clock())) {
     move_free((struct move *)(void *)change);
@@ -251,7 +257,7 @@ void command_update_digital_out(const uint32_t *args) {
   hal_irq_t irq = hal_irq_save();
   if (output->first != NULL) {
     shut_down(SHUTDOWN_OUTPUT_BUSY);
-  } else if (!is_shut_down()) {
+  } else if (!is_shut_down() && !is_barred(output)) {
     timer_remove(&output->timer);
     set(output, hal_clock(), args[1] != 0 ? output->full : 0);
     if (plan(output)) timer_add(&output->timer);

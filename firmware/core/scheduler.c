@@ -23,9 +23,9 @@ void scheduler_start(void) {
 void task_wake(void) { woken = true; }
 
 bool task_woken(void) {
-  bool was = woken;
+  if (!woken) return false;  // what is set between a reading and a writing must not be lost
   woken = false;
-  return was;
+  return true;
 }
 
 static void insert(struct timer *timer) {

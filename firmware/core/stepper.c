@@ -72,9 +72,27 @@ static struct move *move_of(const uint32_t *args, uint8_t direction) {
   return move;
 }
 
-// Gives a move to the generator.
+// Counts from a new clock, and takes steps again.
+static void set_clock(struct stepper *stepper, uint32_t clock) {
+  hal_irq_t irq = hal_irq_save();
+  if (stepgen_active(stepper->axis)) {
+    shut_down(SHUTDOWN_STEPPER_ACTIVE);
+  } else if (!is_shut_down()) {
+    stepper->last = clock;
+    stepper->halted = false;
+    stepgen_resume(stepper->axis);
+  }
+  hal_irq_restore(irq);
+}
+
+// Gives a move to the generator; without steps it sets the clock.
 static void give(struct stepper *stepper, struct move *move) {
   uint32_t interval = move->interval;
+  if (move->count == 0) {
+    move_free(move);
+    set_clock(stepper, interval);
+    return;
+  }
   uint16_t count = move->count;
   int16_t add = move->add;
   if (stepper->halted) {
@@ -137,29 +155,44 @@ void stepper_add_tail(struct stepper *stepper, const uint32_t *args) {
   if (move != NULL) put(&stepper->next_tail, move);
 }
 
+bool stepper_is_late(const struct stepper *stepper) {
+  uint32_t clock = stepper->last;
+  if (stepper->halted || stepgen_active(stepper->axis)) return false;
+  for (const struct move *move = stepper->staged.first; move != NULL; move = move->next) {
+    if (move->count > 0) return before(clock + move->interval, hal_clock());
+    clock = move->interval;
+  }
+  return false;
+}
+
 void stepper_commit(struct stepper *stepper) {
   drop(&stepper->tail);
   stepper->tail = stepper->next_tail;
   stepper->next_tail.first = NULL;
+  struct move *move = take(&stepper->staged);
+  if (move != NULL) give(stepper, move);
+}
+
+void stepper_give_staged(struct stepper *stepper) {
   struct move *move;
   while ((move = take(&stepper->staged)) != NULL) give(stepper, move);
 }
 
 void stepper_brake(struct stepper *stepper) {
-  stepper_forget(stepper, false);
+  drop(&stepper->staged);
+  drop(&stepper->next_tail);
   struct move *move;
-  while ((move = take(&stepper->tail)) != NULL) {
-    if (move->count > 0) {
-      give(stepper, move);
-    } else {
-      stepper->last = move->interval;
-      move_free(move);
-    }
-  }
+  while ((move = take(&stepper->tail)) != NULL) give(stepper, move);
 }
 
 void stepper_forget(struct stepper *stepper, bool tail) {
-  drop(&stepper->staged);
+  struct move *move;
+  while ((move = take(&stepper->staged)) != NULL) {
+    if (move->count == 0 && !stepgen_active(stepper->axis))
+      give(stepper, move);
+    else
+      move_free(move);
+  }
   drop(&stepper->next_tail);
   if (tail) drop(&stepper->tail);
 }
@@ -174,15 +207,12 @@ DECL_COMMAND(command_reset_step_clock, "reset_step_clock oid=%c clock=%u", 0);
 void command_reset_step_clock(const uint32_t *args) {
   struct stepper *stepper = object_get(args[0], OBJECT_STEPPER);
   if (stepper == NULL || !check_finalized() || survive_refuses()) return;
-  hal_irq_t irq = hal_irq_save();
-  if (stepgen_active(stepper->axis)) {
-    shut_down(SHUTDOWN_STEPPER_ACTIVE);
-  } else if (!is_shut_down()) {
-    stepper->last = args[1];
-    stepper->halted = false;
-    stepgen_resume(stepper->axis);
+  if (!survive_stages()) {
+    set_clock(stepper, args[1]);
+    return;
   }
-  hal_irq_restore(irq);
+  struct move *move = move_of((const uint32_t[]){args[0], args[1], 0, 0}, 0);
+  if (move != NULL) put(&stepper->staged, move);
 }
 
 DECL_COMMAND(command_stepper_get_position, "stepper_get_position oid=%c", 0);

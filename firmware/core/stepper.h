@@ -33,13 +33,17 @@ void stepper_halt(struct stepper *stepper);
 // What survive.c does with moves that wait. Foreground.
 //
 // Puts a move into the tail of the next commit: `args` as those of survive_tail. Its interval
-// counts from the step before; with a count of 0 it is the clock from which the next one counts.
+// counts from the step before; with a count of 0 it is what reset_step_clock sets.
 void stepper_add_tail(struct stepper *stepper, const uint32_t *args);
-// Staged moves go to the generator, the next tail takes the place of the tail.
+// The next tail takes the place of the tail, and the first staged move goes to the generator.
 void stepper_commit(struct stepper *stepper);
+// All staged moves go to the generator.
+void stepper_give_staged(struct stepper *stepper);
+// Whether its first staged step is past, and the motor stands.
+bool stepper_is_late(const struct stepper *stepper);
 // The tail goes to the generator, what is staged is dropped.
 void stepper_brake(struct stepper *stepper);
-// Drops what is staged and the next tail, and the tail as well.
+// Drops what is staged, but for clocks that are set anew, and the next tail, or both tails.
 void stepper_forget(struct stepper *stepper, bool tail);
 // Gives the moves that the generator has done with back to the pool. Foreground.
 void steppers_reclaim(void);

@@ -8,6 +8,7 @@
 #include "scheduler.h"
 #include "shutdown.h"
 #include "stepper.h"
+#include "thermocouple.h"
 
 DECL_SHUTDOWN(SURVIVE_TOO_LONG, "Output may not be held for so long");
 DECL_SHUTDOWN(SURVIVE_UNWATCHED, "No sensor watches what an output is held for");
@@ -35,12 +36,13 @@ static struct timer decision = {.run = decide};
 // Written by foreground and timer under hal_irq_save().
 static volatile uint8_t state;
 static volatile bool undone;  // decided, and the tails not queued yet
+static volatile bool untold;  // the host does not know of the decision
 // The foreground's.
 static uint32_t serial, limit;  // of the last commit
 
 void survive_start(void) {
   state = OFF;
-  undone = false;
+  undone = untold = false;
   serial = limit = 0;
 }
 
@@ -52,9 +54,8 @@ static bool decide(struct timer *timer) {
   (void)timer;
   if (state == MOVING && !is_shut_down()) {
     state = BRAKING;
-    undone = true;
+    undone = untold = true;
     outputs_hold_none();
-    task_wake();
   }
   return false;
 }
@@ -63,8 +64,21 @@ static void change(uint8_t to) {
   hal_irq_t irq = hal_irq_save();
   timer_remove(&decision);
   state = to;
-  undone = false;
+  undone = untold = false;
   hal_irq_restore(irq);
+}
+
+static bool any_active(void) {
+  struct stepper *stepper;
+  for (int16_t oid = -1; (stepper = object_next(&oid, OBJECT_STEPPER)) != NULL;)
+    if (stepgen_active(stepper->axis)) return true;
+  return false;
+}
+
+static bool report_state(void) {
+  if (state == BRAKING && !undone && !any_active()) state = HELD;
+  uint8_t told = state == RESTING && any_active() ? MOVING : state;
+  return report(REPORT_SURVIVE_STATE, (uint32_t[]){told, serial, limit}, 3);
 }
 
 void survive_task(void) {
@@ -79,13 +93,8 @@ void survive_task(void) {
     for (int16_t oid = -1; (stepper = object_next(&oid, OBJECT_STEPPER)) != NULL;)
       stepper_brake(stepper);
   }
-}
-
-static bool any_active(void) {
-  struct stepper *stepper;
-  for (int16_t oid = -1; (stepper = object_next(&oid, OBJECT_STEPPER)) != NULL;)
-    if (stepgen_active(stepper->axis)) return true;
-  return false;
+  // A host that was only late must hear of it.
+  if (untold) untold = !report_state();
 }
 
 // The host takes over, from motors that stand: what was staged is void.
@@ -120,26 +129,40 @@ void command_survive_tail(const uint32_t *args) {
 DECL_COMMAND(command_survive_commit, "survive_commit serial=%u clock=%u rest=%c", 0);
 void command_survive_commit(const uint32_t *args) {
   struct stepper *stepper;
+  // Where the machine rests no decision has told that time is up.
+  for (int16_t oid = -1; (stepper = object_next(&oid, OBJECT_STEPPER)) != NULL;)
+    if (state == RESTING && stepper_is_late(stepper)) {
+      state = MOVING;
+      decide(&decision);
+    }
   hal_irq_t irq = hal_irq_save();
   bool valid = survive_stages() && !is_shut_down();
   if (valid) {
     timer_remove(&decision);
     state = args[2] != 0 ? RESTING : MOVING;
-    decision.wake = args[1] - GUARD;
-    // A commit that is nearly over already: the decision falls at once.
-    if (before(decision.wake, hal_clock())) decision.wake = hal_clock();
-    if (args[2] == 0) timer_add(&decision);
+    serial = args[0];
+    limit = args[1];
+    decision.wake = limit - GUARD;
+    if (args[2] != 0)
+      ;  // nothing to decide
+    else if (before(decision.wake, hal_clock() + HAL_SHORTEST_PERIOD))
+      decide(&decision);  // it is nearly over already
+    else
+      timer_add(&decision);
   }
   hal_irq_restore(irq);
-  for (int16_t oid = -1; (stepper = object_next(&oid, OBJECT_STEPPER)) != NULL;) {
-    if (valid)
+  if (valid) {
+    // The first move of each before all others: it is the most urgent one.
+    for (int16_t oid = -1; (stepper = object_next(&oid, OBJECT_STEPPER)) != NULL;)
       stepper_commit(stepper);
-    else
-      stepper_forget(stepper, false);
+    for (int16_t oid = -1; (stepper = object_next(&oid, OBJECT_STEPPER)) != NULL;)
+      stepper_give_staged(stepper);
+    return;
   }
-  if (!valid) return;
-  serial = args[0];
-  limit = args[1];
+  for (int16_t oid = -1; (stepper = object_next(&oid, OBJECT_STEPPER)) != NULL;)
+    stepper_forget(stepper, false);
+  // Before the acknowledgement, so that a host that has that knows.
+  if (state >= BRAKING) untold = !report_state();
 }
 
 DECL_COMMAND(command_survive_output, "survive_output oid=%c value=%u seconds=%c", 0);
@@ -149,7 +172,7 @@ void command_survive_output(const uint32_t *args) {
   if (output == NULL) return;
   if (args[2] > LONGEST)
     shut_down(SHUTDOWN_SURVIVE_TOO_LONG);
-  else if (args[2] > 0 && !analog_in_watches())
+  else if (args[2] > 0 && !analog_in_watches() && !thermocouple_watches())
     shut_down(SHUTDOWN_SURVIVE_UNWATCHED);
   else
     output_keep(output, args[1], (uint8_t)args[2]);
@@ -159,7 +182,5 @@ DECL_COMMAND(command_survive_query, "survive_query", IN_SHUTDOWN);
 void command_survive_query(const uint32_t *args) {
   (void)args;
   survive_task();
-  if (state == BRAKING && !any_active()) change(HELD);
-  uint8_t told = state == RESTING && any_active() ? MOVING : state;
-  report(REPORT_SURVIVE_STATE, (uint32_t[]){told, serial, limit}, 3);
+  report_state();
 }

@@ -58,6 +58,13 @@ static void watch(struct thermocouple *it, uint32_t word, bool fault) {
     shut_down(outside ? SHUTDOWN_THERMOCOUPLE_RANGE : SHUTDOWN_THERMOCOUPLE_FAULT);
 }
 
+bool thermocouple_watches(void) {
+  const struct thermocouple *it;
+  for (int16_t oid = -1; (it = object_next(&oid, OBJECT_THERMOCOUPLE)) != NULL;)
+    if (it->rest_ticks != 0 && (it->minimum != 0 || it->maximum != UINT32_MAX)) return true;
+  return false;
+}
+
 void thermocouple_task(void) {
   struct thermocouple *it;
   for (int16_t oid = -1; (it = object_next(&oid, OBJECT_THERMOCOUPLE)) != NULL;) {

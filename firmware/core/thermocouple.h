@@ -21,6 +21,8 @@ struct thermocouple {
 
 // Asks those that are due, and reports. Foreground.
 void thermocouple_task(void);
+// Whether any converter is asked whose words have a range. Foreground.
+bool thermocouple_watches(void);
 // A new converter. `args` are those of config_thermocouple up to its type. Foreground.
 void thermocouple_config(const uint32_t *args);
 // Begins anew. `args` are those of query_thermocouple up to max_value. Foreground.

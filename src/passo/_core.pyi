@@ -448,10 +448,29 @@ class Slack:
     @property
     def cause(self) -> Cause: ...
 
+class Timeline:
+    """What the links to the boards of one machine share."""
+
+    def __init__(self) -> None: ...
+
+    def arm(self, members: Sequence[tuple[int, int]], reason: int, expired: int, clock: float, patience: float) -> None:
+        """
+        These trsyncs, (seat of the link, oid), trigger together, for one of two reasons; and by themselves when one of them was not heard of for so many ticks.
+        """
+
+    def disarm(self) -> None: ...
+
+    @property
+    def halted(self) -> bool:
+        """A board has stopped or is lost."""
+
 class Link:
     """The host's end of a board's wire; times in ticks."""
 
     def __init__(self, clock_hz: float) -> None: ...
+
+    @property
+    def hz(self) -> float: ...
 
     def set_dictionary(self, commands: Sequence[tuple[int, str]], reports: Sequence[tuple[int, str]], receive_window: int) -> None: ...
 
@@ -460,6 +479,9 @@ class Link:
     def take_responses(self) -> list[tuple[str, dict[str, int | bytes]]]: ...
 
     def follow_clock(self, now: int) -> None: ...
+
+    def set_byte_ticks(self, ticks: float) -> None:
+        """What a byte takes on a serial line."""
 
     @property
     def synchronous(self) -> bool: ...
@@ -474,9 +496,28 @@ class Link:
     @property
     def clock_rate(self) -> float: ...
 
-    def add_stepper(self, name: str, oid: int, invert: bool) -> None: ...
+    def add_stepper(self, target: int, name: str, oid: int, invert: bool) -> None: ...
 
-    def add_pin(self, name: str, oid: int, kind: PinKind, inverted_full: int = 0, longest: int = 0) -> None:
+    def join(self, timeline: Timeline, main: bool, tolerance: float = 0.0) -> None:
+        """
+        The board is one of several: the main one, or one whose steps are told in its own clock, within so many ticks.
+        """
+
+    @property
+    def seat(self) -> int:
+        """Its number among the links of the machine."""
+
+    def own_clock(self, main_clock: int) -> int:
+        """What this board's clock reads when the main one's reads so much."""
+
+    def main_clock(self, own_clock: int) -> int: ...
+
+    def set_apart(self, target: int, least: float, turning: float) -> None:
+        """
+        How close steps of a motor may come, in ticks, one way and where it turns.
+        """
+
+    def add_pin(self, target: int, name: str, oid: int, kind: PinKind, inverted_full: int = 0, longest: int = 0) -> None:
         """
         inverted_full: the value at full scale of a pin that is on when low; longest: ticks that the board lets it be on without a word.
         """
@@ -485,7 +526,8 @@ class Link:
 
     def set_queue(self, queue: MessageQueue | None) -> None: ...
 
-    def start_job(self, base_clock: int) -> None: ...
+    def start_job(self, base_clock: int, main_hz: float) -> None:
+        """Both are the main board's."""
 
     def use_commits(self, horizon: int) -> None:
         """The job comes in commits, and leaves so many ticks ahead."""
@@ -495,10 +537,14 @@ class Link:
         The machine stands, and the board is armed: what moves it comes in commits from here on.
         """
 
-    def reconnect(self, now: int) -> None:
+    def reconnect(self) -> None:
         """
         The board has gone on without this host: what was on its way is forgotten, and the job stands until go_on().
         """
+
+    @property
+    def delivered(self) -> bool:
+        """Everything of the job so far is at the board."""
 
     def go_on(self) -> None: ...
 
@@ -508,6 +554,14 @@ class Link:
 
     @property
     def shut_down(self) -> bool: ...
+
+    @property
+    def alone(self) -> bool:
+        """The board has stopped by itself."""
+
+    @property
+    def stopped_with_others(self) -> bool:
+        """The board was shut down because another one of the machine had failed."""
 
     @property
     def shutdown_reason(self) -> int: ...
@@ -581,6 +635,9 @@ class Bench(Device):
         """
         Pressed at or beyond `position` of the weighted sum of actuators: (step pin, weight).
         """
+
+    def feel(self, step_pin: int, board: Bench, its_step_pin: int) -> None:
+        """A motor on another board, as the switches of this one feel it."""
 
     def place(self, step_pin: int, position: float) -> None:
         """Somebody moves the motor's actuator by hand."""
@@ -663,6 +720,24 @@ class FirmwareBoard(Bench):
     def take_edges(self, pin: int) -> list[tuple[int, int]]:
         """List of (clock, level) since the last call."""
 
+class Distant(Device):
+    """
+    A device with a clock and a cable that are not perfect: its clock begins at `start` and is a share of `drift` faster than host time; bytes travel `latency` to `latency` + `jitter` ticks each way.
+    """
+
+    def __init__(self, device: Device, start: int = 0, drift: float = 0.0, latency: int = 0, jitter: int = 0, seed: int = 1) -> None: ...
+
+    @property
+    def now(self) -> int:
+        """Host time."""
+
+    def cut(self, on: bool) -> None:
+        """What is sent either way is lost."""
+
+    def clock_at(self, host_ticks: int) -> int: ...
+
+    def host_at(self, clock: int) -> int: ...
+
 def firmware_dictionary(library: str) -> bytes:
     """The dictionary that was built into a firmware library, compressed."""
 
@@ -690,8 +765,21 @@ class Pump:
 
     def __init__(self, link: Link, device: Device, start: int = 0) -> None: ...
 
+    def attach(self, link: Link, device: Device) -> None:
+        """A further device, or another link to one that is here."""
+
     @property
     def now(self) -> int: ...
+
+    @property
+    def hz(self) -> float:
+        """Ticks of its time in a second."""
+
+    def board_clock(self, link: Link) -> int:
+        """What the clock of this link's board reads, as far as it is known."""
+
+    def sleep(self, until: int) -> None:
+        """The host does nothing until then; boards live on."""
 
     def cut(self) -> None:
         """Takes the cable away."""
@@ -716,15 +804,21 @@ class LiveWire:
     def now(self) -> int: ...
 
     @property
-    def latest_s(self) -> float:
-        """The most that the thread was late to send what was due."""
-
-    @property
     def failure(self) -> str:
         """What ended the connection, if it was not the cable."""
 
+    @property
+    def hz(self) -> float:
+        """Ticks of its time in a second."""
+
+    def board_clock(self, link: Link) -> int:
+        """What the board's clock reads, as far as it is known."""
+
     def use_board_clock(self) -> None:
         """Once the link is synchronous: `now` is the board's clock from here on."""
+
+    def join(self, timeline: Timeline) -> None:
+        """The link looks up whenever others of its machine have news for it."""
 
     def stop(self) -> None:
         """No byte moves any more."""
@@ -1128,9 +1222,9 @@ class Job:
 
     def hold_from(self, ticks: float) -> float: ...
 
-    def use_commits(self, period: int, most: int, taken: int) -> None:
+    def use_commits(self, period: int, most: int) -> None:
         """
-        Messages come in commits of at most so many ticks and messages from now on, and those taken are kept for some ticks, for recover_from; only while the machine stands.
+        Messages come in commits of at most so many ticks and messages from now on; only while the machine stands.
         """
 
     def stop_commits(self) -> None:
@@ -1322,7 +1416,10 @@ class Job:
         """
 
     @property
-    def messages(self) -> MessageQueue: ...
+    def messages(self) -> MessageQueue:
+        """The main board's."""
+
+    def messages_of(self, board: int) -> MessageQueue: ...
 
     def keep_moves(self, on: bool) -> None: ...
 

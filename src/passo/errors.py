@@ -203,6 +203,12 @@ CATALOGUE: Mapping[str, Entry] = {
         "Look whether the axis moved towards it, and what M119 says while you press it",
         ExitStatus.MACHINE_FAULT,
     ),
+    "machine.switch-lost": Entry(
+        "homing",
+        "{axis} was not homed: {value} and a motor of it are on boards that lost each other",
+        "Look at the cables of the boards, and at how busy this computer is",
+        ExitStatus.MACHINE_FAULT,
+    ),
     "machine.switch-stuck": Entry(
         "homing",
         "{axis} was not homed: {value} is still pressed {limit} away from {position}",
@@ -409,12 +415,6 @@ CATALOGUE: Mapping[str, Entry] = {
         "Check its cable and supply, and start again",
         ExitStatus.MACHINE_FAULT,
     ),
-    "machine.braked": Entry(
-        "board",
-        "the board has stopped by itself, since commands came too late",
-        "Read above why they were late",
-        ExitStatus.MACHINE_FAULT,
-    ),
     "machine.link-failed": Entry(
         "board",
         "the connection to the board was ended: {value}",
@@ -440,6 +440,12 @@ CATALOGUE: Mapping[str, Entry] = {
     "late.slots": _late(
         "the board's {slots} places for commands were taken for {held:.2f} s",
         "Give the board a budget in the machine file, or print at lower speed",
+    ),
+    "machine.alone": Entry(
+        "board",
+        "the board was not told in time how to go on, and has stopped by itself",
+        "Let the computer do less beside, use a shorter or faster link, or start again",
+        ExitStatus.MACHINE_FAULT,
     ),
     "machine.began-anew": Entry(
         "board",

@@ -48,13 +48,15 @@ NOISES: list[Noise] = [drop, flip, double, swap, insert]
 
 class Wire:
     """Carries bytes between a bench's link and its board in virtual time, one way trip of `delay`
-    ticks; `spoil` is asked for each delivery. The board's clock may run at another rate."""
+    ticks, and `byte` for each byte; `spoil` is asked for each delivery. The board's clock may run
+    at another rate."""
 
-    def __init__(self, bench: Bench, delay: int = 0, rate: float = 1.0) -> None:
+    def __init__(self, bench: Bench, delay: int = 0, rate: float = 1.0, byte: int = 0) -> None:
         self.bench = bench
         self.start = self.now = bench.connection.now
         self.delay = delay
         self.rate = rate
+        self.byte = byte
         self.flying: list[tuple[int, bool, bytes]] = []
         self.sent: list[tuple[int, bytes]] = []
         self.spoil: Callable[[bytes], bytes] = lambda data: data
@@ -84,7 +86,12 @@ class Wire:
                     if to_board:
                         self.sent.append((self.now, data))
                     data = self.spoil(data)
-                    self.flying.append((self.now + self.delay, to_board, data))
+                    pieces = (
+                        [data] if self.byte == 0 else [data[i : i + 1] for i in range(len(data))]
+                    )
+                    for i, piece in enumerate(pieces):
+                        arrival = self.now + self.delay + (i + 1) * self.byte
+                        self.flying.append((arrival, to_board, piece))
             times = [wake, self.host_time(device.next_deadline), *(f[0] for f in self.flying)]
             self.now = max(min(times), self.now if self.flying or down else self.now + 1)
 
@@ -231,6 +238,21 @@ def test_the_clock_of_a_board_that_runs_fast_is_followed():
     assert abs(estimate - wire.board_time(wire.now)) < MS // 20
     assert abs(bench.link.host_at(estimate) - wire.now) <= 2
     assert_executed(bench, plan, base)
+
+
+@pytest.mark.parametrize(("known", "least_us", "most_us"), [(True, 0, 3), (False, 60, 100)])
+def test_an_answer_on_a_slow_line_is_longer_than_the_question(known, least_us, most_us):
+    bench = Bench()
+    wire = Wire(bench, byte=640)  # 250 000 baud at 16 MHz
+    d = bench.connection.dictionary
+    bench.link = _core.Link(HZ)
+    bench.link.set_byte_ticks(640 if known else 0)
+    bench.link.set_dictionary(d.commands, d.reports, d.number("RECEIVE_WINDOW"))
+    bench.link.follow_clock(wire.now)
+    wire.run(wire.now + 10 * HZ)
+    off_us = (bench.link.clock_at(wire.now) - wire.board_time(wire.now)) * 1e6 / HZ
+    # Unless the length of both is reckoned with, half of the difference is taken for time.
+    assert least_us <= abs(off_us) <= most_us
 
 
 def test_a_silent_board_is_reported_and_asked_with_growing_patience():

@@ -68,6 +68,7 @@ def test_i3_for_the_core() -> None:
         "name": "e",
         "drive": "extruder",
         "index": 0,
+        "board": 0,
         "steps_per_unit": 95.5,
         "invert": False,
         "pulse_s": 1e-6,

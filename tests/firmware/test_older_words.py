@@ -41,7 +41,7 @@ def test_it_heats_and_watches_the_sensor(bench):
 def test_it_heats_by_a_thermocouple_and_watches_it():
     machine = config.load_text(text(firmware="passo", policy="heater"), "t.toml")
     with Scenario(machine) as s:
-        asked = s.printer.connection.dictionary
+        asked = s.printer.connection.main.dictionary
         assert asked.takes("query_thermocouple", "max_invalid_count")
         assert not asked.takes("config_thermocouple", "consecutive_fault_limit")
         s.host.ok("M109 S150", 300)

@@ -58,18 +58,19 @@ class Host:
         return self.tell(f"stepper_get_position oid={motor}")[0][1]["pos"]
 
 
-def test_moves_wait_for_their_commit():
+def test_moves_and_clocks_wait_for_their_commit():
     host = Host()
-    host.move(0, 10_000, 10)
+    host.move(0, 200_000, 3)
+    host.tell(f"reset_step_clock oid=1 clock={host.board.clock(300_000)}")
+    host.last[1] = host.board.now + 300_000
+    host.move(1, 100_000, 2)
     host.board.wait(50_000)
     assert host.done(0) == [] and host.state() == ("resting", 0)
-    host.last[0] = host.board.now
-    host.tell(f"reset_step_clock oid=0 clock={host.board.clock(0)}")
-    host.steps[0] = step_clocks(host.board.now, 10_000, 10, 0)
-    host.commit(host.board.now + 500_000)
+    host.commit(host.board.now + 650_000)
     assert host.state() == ("moving", 1)
-    host.board.wait(200_000)
+    host.board.wait(600_000)
     assert host.done(0) == host.steps[0]
+    assert host.done(1) == host.steps[1]
 
 
 def test_without_a_further_commit_the_tails_stop_the_motors():
@@ -257,6 +258,57 @@ def test_a_laser_is_off_before_the_machine_brakes():
     host.commit(limit)
     host.board.wait(700_000)
     assert host.board.device.take_edges(fan) == [(on, 1), (limit - GUARD, 0)]
+
+
+def test_the_host_is_told_of_the_decision_and_of_words_that_came_too_late():
+    host = Host()
+    limit = host.board.now + 500_000
+    host.move(0, 10_000, 50)
+    host.commit(limit)
+    told = host.board.wait(600_000)
+    assert [(n, STATES[v["state"]], v["serial"]) for n, v in told] == [
+        ("survive_state", "braking", 1)
+    ]
+    (again,) = host.commit(limit + 100_000)
+    assert (again[0], STATES[again[1]["state"]]) == ("survive_state", "held")
+    assert host.state() == ("held", 1)
+
+
+def test_nobody_turns_a_laser_on_while_the_board_holds():
+    host = Host()
+    host.tell("survive_output oid=2 value=0 seconds=0")
+    host.tell("survive_output oid=3 value=0 seconds=0")
+    host.move(0, 10_000, 50)
+    host.commit(host.board.now + 500_000)
+    host.board.wait(600_000)
+    pins = host.board.dictionary.enumerations["pin"]
+    for name in ("PH6", "PH5"):
+        host.board.device.trace_edges(pins[name])
+    host.tell(f"queue_digital_out oid=2 clock={host.board.clock(1000)} on_ticks=1")
+    host.tell(f"queue_digital_out oid=2 clock={host.board.clock(-1000)} on_ticks=1")
+    host.tell("update_digital_out oid=2 value=1")
+    host.tell(f"queue_pwm_out oid=3 clock={host.board.clock(1000)} value=100")
+    host.board.wait(100_000)
+    assert host.board.device.take_edges(pins["PH6"]) == []
+    assert host.board.device.output_value(pins["PH5"]) == 0
+    assert host.board.device.fault == ""
+    host.tell("survive_arm")
+    host.tell(f"queue_digital_out oid=2 clock={host.board.clock(1000)} on_ticks=1")
+    host.board.wait(2000)
+    assert len(host.board.device.take_edges(pins["PH6"])) == 1
+
+
+def test_a_commit_that_is_nearly_over_brakes_at_once():
+    host = Host()
+    host.move(0, 10_000, 10)
+    limit = host.board.now + 100_000
+    host.tail(0, 20_000, 2)
+    host.board.wait(5_000)
+    host.commit(limit - 60_000)
+    assert host.state()[0] == "braking"
+    host.board.wait(300_000)
+    assert host.state() == ("held", 1) and host.position(0) == -12
+    assert host.board.device.fault == ""
 
 
 def test_without_the_extension_a_duration_that_passes_is_a_shutdown():

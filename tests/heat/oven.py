@@ -30,7 +30,8 @@ class Oven:
         text = text.replace(HOTEND, f"{HOTEND}{self.hotend}\n", 1)
         text = text.replace(BED, f"{BED}{self.bed}\n", 1)
         self.machine = config.load_text(text)
-        self.connection, self.board = connect(self.machine)
+        boards, self.board = connect(self.machine)
+        self.connection = boards.main
         self.connection.on_fault = lambda _, fault: self.faults.append(fault)
         self.hz = self.machine.board.clock_hz
         self.heater = self.connection.heaters[self.name]

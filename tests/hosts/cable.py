@@ -19,11 +19,13 @@ T = TypeVar("T")
 
 
 class Cable:
-    """The board of a machine; hosts open the serial device `path`."""
+    """A board of a machine, the main one unless named; hosts open the serial device `path`."""
 
-    def __init__(self, machine: MachineConfig) -> None:
-        self.board: SimulatedBoard = simulated_board(machine, board_description(machine))
-        self._hz = float(machine.board.clock_hz)
+    def __init__(self, machine: MachineConfig, name: str = "") -> None:
+        self.board: SimulatedBoard = simulated_board(
+            machine, board_description(machine, name), name
+        )
+        self._hz = float(self.board.board.clock_hz)
         self._folder = tempfile.TemporaryDirectory()
         self._link = Path(self._folder.name) / "board"
         self.path = str(self._link)

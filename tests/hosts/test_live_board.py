@@ -78,7 +78,7 @@ def test_a_stall_of_the_interpreter_delays_no_step(cable: Cable) -> None:
 def test_a_stall_of_the_interpreter_is_none_of_the_links(cable: Cable) -> None:
     """A plan for two seconds is on the way: the thread sends it in time."""
     with Scenario(on("serial", cable.path), loop=asyncio.new_event_loop()) as scenario:
-        host, link = scenario.host, scenario.printer.connection.link
+        host, link = scenario.host, scenario.printer.connection.main.link
         host.ok("G92 X0")
         host.send("G1 X40 F600", "G1 X60")
         scenario.passes(1.0)
@@ -205,6 +205,37 @@ def test_a_print_goes_on_when_the_cable_is_back() -> None:
     cable.close()
 
 
+def test_another_host_goes_on_with_the_print_without_homing(tmp_path: Path) -> None:
+    """The host is killed in mid-print; the board stops by itself and knows where."""
+    cable = Cable(RUNS_FIRMWARE)
+    moves = [f"G1 X{60 if i % 2 else 40} Y{40 + i / 4} F3000" for i in range(32)]
+    card = tmp_path / "card"
+    card.mkdir()
+    (card / "a.g").write_text("\n".join(["M302 P1", "G28", "G1 X40 Y40 Z1 F6000", *moves]) + "\n")
+    places = {"card": str(card), "state": str(tmp_path / "state")}
+    machine = on("serial", cable.path)
+    with Scenario(machine, **places, loop=asyncio.new_event_loop()) as scenario:
+        scenario.host.ok("M32 a.g")
+        scenario.until(lambda: cable.look(lambda: cable.board.position("y")) > 42, 60.0)
+        cable.unplug()
+        scenario.passes(0.5)
+    cable.plug()
+    stopped = cable.look(lambda: cable.board.position("x"))
+    with Scenario(machine, **places, loop=asyncio.new_event_loop()) as scenario:
+        assert scenario.printer.connection.adopted
+        assert "from where the board has stopped" in scenario.printer.greeting()
+        assert cable.look(lambda: cable.board.position("x")) == stopped
+        scenario.host.send("M1000")
+        scenario.host.expect("Printing a.g from line", 20.0)
+        scenario.host.expect("Done printing", 90.0)
+        assert scenario.printer.halted == ""
+    cable.cut()
+    assert cable.board.device.fault == ""
+    assert cable.board.position("x") == pytest.approx(60.0, abs=0.02)
+    assert cable.board.position("y") == pytest.approx(40 + 31 / 4, abs=0.02)
+    cable.close()
+
+
 def test_who_does_not_want_to_wait_for_the_board_stops_the_printer() -> None:
     cable = Cable(RUNS_FIRMWARE)
     with Scenario(on("serial", cable.path), loop=asyncio.new_event_loop()) as scenario:
@@ -213,7 +244,7 @@ def test_who_does_not_want_to_wait_for_the_board_stops_the_printer() -> None:
         host.send("G1 X50 F600")
         scenario.passes(1.0)
         cable.unplug()
-        host.expect("The link is lost", 5.0)
+        host.expect("The machine waits", 5.0)
         host.send("M112")
         host.expect("Printer halted", 5.0)
         cable.plug()

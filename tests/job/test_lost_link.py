@@ -10,6 +10,8 @@ from passo import config
 
 I3 = config.load("i3")
 FIRMWARE = I3.model_copy(update={"board": I3.board.model_copy(update={"firmware": "passo"})})
+_LASER = config.load("laser")
+LASER = _LASER.model_copy(update={"board": _LASER.board.model_copy(update={"firmware": "passo"})})
 
 
 @pytest.fixture(scope="module")
@@ -24,7 +26,7 @@ def undisturbed(tmp_path_factory):
 
 def break_link(s, seconds):
     """The cable is out for so long."""
-    port, drive = s.printer.connection.port, s.printer.drive
+    port, drive = s.printer.connection.main.port, s.printer.drive
     port.unplug()
     s.passes(seconds)
     port.plug(drive.base + drive.now)
@@ -50,6 +52,100 @@ def test_it_ends_where_it_would_have_ended(undisturbed, seed):
         assert breaks > 3
         assert s.board.device.fault == ""
         assert steps(s) == wanted
+
+
+def stall(s, seconds):
+    """The host stands still for so long, and the link is open."""
+    s.printer.connection.main.wire.sleep(
+        s.printer.connection.now + int(seconds * I3.board.clock_hz)
+    )
+    s.passes(seconds)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_host_that_was_late_goes_on_where_the_board_has_stopped(undisturbed, seed):
+    card, wanted = undisturbed
+    generator = random.Random(seed)
+    with Scenario(FIRMWARE, card=str(card)) as s:
+        s.host.ok("M32 a.g")
+        s.passes(14)
+        stops = 0
+        while "Done printing file" not in s.host.heard:
+            s.passes(generator.expovariate(0.5))
+            stall(s, generator.choice((0.05, 0.25, 0.6, 3.0)))
+            assert not s.printer.halted
+            stops = sum("stopped by itself" in line for line in s.host.heard)
+        assert stops > 3
+        assert s.board.device.fault == ""
+        assert steps(s) == wanted
+
+
+@pytest.mark.parametrize("seconds", [100, 140, 300])
+def test_the_boards_clock_is_known_after_a_long_time(seconds):
+    """2^31 ticks are 134 s."""
+    with Scenario(FIRMWARE) as s:
+        s.host.ok("G92 X0 Y0 Z0")
+        s.host.send("G1 X50 F1200")
+        s.passes(1)
+        break_link(s, seconds)
+        s.host.send("M400", "M118 done")
+        s.host.expect("done", 10)
+        assert s.board.net_steps("x") == 4000
+
+
+def test_motors_are_on_when_the_print_goes_on():
+    """The word that turns them on was on its way when the cable came out."""
+    with Scenario(FIRMWARE) as s:
+        s.host.ok("G92 X0 Y0 Z0")
+        s.printer.connection.main.port.unplug()
+        s.passes(0.2)
+        s.host.send("G1 X10 F3000", "M118 done")
+        s.passes(2)
+        off = s.board.output_value("x-enable")
+        break_link(s, 0.1)
+        s.host.send("M400")
+        s.host.expect("done", 10)
+        s.passes(1)
+        assert s.board.output_value("x-enable") != off
+        assert s.board.net_steps("x") == 800
+
+
+@pytest.mark.parametrize("moment", [0.3 + 0.06 * i for i in range(8)])
+def test_a_motor_that_was_homed_first_moves_on_the_way_to_the_stop(moment):
+    """Its clock must be told anew by the tail itself."""
+    with Scenario(FIRMWARE) as s:
+        s.host.ok("G28", 60)
+        s.host.send("G1 X20 F3000", "G1 X40 Y3 F3000")
+        s.passes(moment)
+        break_link(s, 1.0)
+        s.host.send("M400", "M118 done")
+        s.host.expect("done", 10)
+        assert not s.printer.halted
+        before = s.printer.positions.now()[0]
+        assert (before["X"], before["Y"]) == pytest.approx((40, 3), abs=0.01)
+
+
+@pytest.mark.parametrize("code", ["M3", "M4"])
+@pytest.mark.parametrize("lost", [stall, break_link])
+def test_a_laser_is_dark_until_the_machine_moves(code, lost):
+    with Scenario(LASER) as s:
+        s.host.ok("G92 X0 Y0")
+        s.host.ok(f"{code} S800")
+        s.host.send("G1 X100 F600 S800", "M400", "M5", "M118 done")
+        s.passes(3)
+        assert s.board.output_value("laser") > 0
+        lost(s, 0.4)
+        stood, seen = s.board.net_steps("x"), []
+        while s.board.net_steps("x") == stood:
+            seen.append(s.board.output_value("laser"))
+            s.passes(0.01)
+        # It is on from the start of the move on, and the first step comes a little later.
+        assert len(seen) > 10 and set(seen[:-3]) == {0}
+        s.passes(0.5)
+        assert s.board.output_value("laser") > 0
+        s.host.expect("done", 20)
+        s.passes(1)
+        assert s.board.output_value("laser") == 0
 
 
 @pytest.mark.parametrize("seed", range(8))

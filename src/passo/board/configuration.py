@@ -36,7 +36,8 @@ _SPI_HZ = 100_000
 @dataclass(frozen=True, slots=True)
 class Oids:
     """Numbers of the board's objects: steppers, outputs, sensors, endstops, then a trsync for each
-    endstop: the group of motors that it stops; UARTs and SPI devices by their wires."""
+    endstop, on this board or elsewhere: the group of motors here that it stops; UARTs and SPI
+    devices by their wires."""
 
     steppers: dict[str, int]
     outputs: dict[str, int]
@@ -63,7 +64,7 @@ class Oids:
             numbered(o.name for o in board.outputs),
             numbered(s.name for s in board.sensors),
             numbered(e.name for e in board.endstops),
-            numbered(e.name for e in board.endstops),
+            numbered([*(e.name for e in board.endstops), *board.endstops_elsewhere]),
             numbered(board.uarts),
             numbered(board.spi_devices),
             count,
@@ -254,7 +255,7 @@ def heater_options(
         control=heater.control,
         limits=heater.limits,
         model=heater.model,
-        fan_target=board.outputs.index(fans[0]) if fans else -1,
+        fan_target=board.output_targets[board.outputs.index(fans[0])] if fans else -1,
         fan_full=full_scale(fans[0], dictionary) if fans else 1,
         inverted=inverted(output.pin),
         converter=sensor.converter,

@@ -30,9 +30,14 @@ _PATIENCE_S = 0.5
 _TRIES = 5
 _LEAD_S = 0.25
 _FAREWELL_S = 0.6
+_BRAKING_S, _LOOK_S = 10.0, 0.05  # no machine brakes for longer; between two looks
 _RESET_S = 0.05  # a board that has been told to reset has begun to by then
 _RESPONSES_KEPT = 1024
 _SLOTS_RENEWED = 4  # of each output that is told its value again and again
+
+
+class BoardAloneError(LinkLostError):
+    """The board was not told in time how to go on, and has stopped by itself."""
 
 
 class BoardBeganAnewError(MachineError):
@@ -49,7 +54,8 @@ class BoardSilentError(LinkLostError):
 class Connection:
     """The host's side of one board, wherever it is.
 
-    All times are ticks of the board's clock. Not thread-safe; `run` releases the interpreter lock.
+    All times are ticks of the main board's clock, which is this one unless others say so by `name`;
+    `board_clock` is the board's own. Not thread-safe; `run` releases the interpreter lock.
     On a live port real time passes, and a thread of the core looks after the link; else time passes
     only in `run` and in what asks the board.
     Every method that lets time pass raises MachineError when the board shuts down and
@@ -58,10 +64,12 @@ class Connection:
     that, it is raised as a MachineError.
     """
 
-    def __init__(self, board: BoardDescription, port: Port) -> None:
+    def __init__(self, board: BoardDescription, port: Port, name: str = "") -> None:
+        self.name = name
         self.board = board
         self.port = port
         self.link = _core.Link(float(board.clock_hz))
+        self.link.set_byte_ticks(port.byte_s * board.clock_hz)
         self.wire = port.attach(self.link)
         self.dictionary = Dictionary((), (), {}, {})
         self.move_count = 0
@@ -70,30 +78,58 @@ class Connection:
         self.on_fault: Callable[[str, HeaterFault], None] | None = None
         self._told: dict[str, int] = {}
         self._crc = 0
-        self._oids = Oids.of(board)
+        self.adopted = False
+        self.oids = Oids.of(board)
         self._responses: list[tuple[str, Values]] = []
 
     @property
     def now(self) -> int:
-        """The board's clock; on a live port as far as it is known, and before that this
-        computer's."""
+        """The main board's clock; on a live port each board's own, as far as it is known, and
+        before that this computer's."""
         return self.wire.now
 
-    def connect(self) -> None:
+    @property
+    def board_clock(self) -> int:
+        """This board's own clock, as far as it is known."""
+        return self.wire.board_clock(self.link)
+
+    def connect(self, *, adopt: bool = False) -> None:
         """Identifies and configures the board, follows its clock and starts its sensors.
 
-        A board that was in use is reset first: what it was doing nobody knows any more.
+        A board that was in use is reset first, for nobody knows any more what it was doing. With
+        `adopt` one that outlived its host, and has the very configuration, stays as it is, but for
+        outputs other than heaters and motors; then `adopted` is true.
         """
         try:
             self._identify()
-            self._configure()
+            self._configure(adopt)
         except DictionaryError as error:
             raise MachineError.of("machine.dictionary", value=str(error)) from None
         self._follow_clock()
         self._prepare()
-        for line in queries(self.board, self.dictionary, self.now + self._ticks(_LEAD_S)):
+        for line in queries(self.board, self.dictionary, self._clock_after(_LEAD_S)):
             self.command(line)
+        if self.adopted:
+            self.command("survive_arm")  # it takes orders again
+            self._switch_off_loads()
         self.run(self.now)
+
+    def join(self, timeline: _core.Timeline, *, main: bool, tolerance_s: float) -> None:
+        """The board is one of several: the main one, or one whose steps may miss the plan's times
+        by `tolerance_s` more."""
+        hz = self.board.clock_hz
+        self.link.join(timeline, main, tolerance_s * hz)
+        if isinstance(self.wire, _core.LiveWire):
+            self.wire.join(timeline)
+        for target, s in zip(self.board.stepper_targets, self.board.steppers, strict=True):
+            self.link.set_apart(target, float(s.apart_ticks), float(s.turning_ticks))
+
+    def main_clock(self, clock: int) -> int:
+        """The main board's clock when this one's reads `clock`, of which the low 32 bits count, not
+        long ago."""
+        now = self.board_clock
+        ago = (now - clock) & 0xFFFFFFFF
+        return self.link.main_clock(now - ago + (1 << 32 if ago >= 1 << 31 else 0))
 
     @property
     def survives(self) -> bool:
@@ -107,7 +143,7 @@ class Connection:
         for o in self.board.outputs:
             if o.max_duration_ticks > 0 and o.name not in heated:
                 off = self.full_scale(o.name) if inverted(o.pin) else 0
-                oid = self._oids.outputs[o.name]
+                oid = self.oids.outputs[o.name]
                 self.command(f"survive_output oid={oid} value={off} seconds=0")
 
     def reopen(self) -> None:
@@ -117,13 +153,19 @@ class Connection:
         Raises LinkLostError or MachineError if it cannot be reached, BoardBeganAnewError if it does
         not know any more what it did.
         """
-        self.link.reconnect(self.now)
+        self.link.reconnect()
         self.wire = self.port.attach(self.link)
         if isinstance(self.wire, _core.LiveWire):
             self.wire.use_board_clock()
         state = self._ask("get_config", [], "config", tries=1)
         if state["is_shutdown"] or not state["is_config"] or state["crc"] != self._crc:
             raise BoardBeganAnewError.of("machine.began-anew")
+
+    def renew(self) -> None:
+        """Tells again what the board may not have heard when the link was lost: how it is to sample
+        its sensors."""
+        for line in queries(self.board, self.dictionary, self._clock_after(_LEAD_S)):
+            self.command(line)
 
     def command(self, text: str) -> None:
         """Queues a command, as `name parameter=value …`; it leaves when time next passes.
@@ -148,12 +190,18 @@ class Connection:
         self._responses = [r for r in self._responses if names and r[0] not in names]
         return taken
 
-    def start_job(self, messages: _core.MessageQueue, base_clock: int | None = None) -> int:
+    def start_job(
+        self,
+        messages: _core.MessageQueue,
+        base_clock: int | None = None,
+        main_hz: float | None = None,
+    ) -> int:
         """Sends `messages` from now on, their clocks counted from `base_clock` (default: a quarter
-        of a second from now). Returns that clock."""
+        of a second from now). Both are the main board's, which runs at `main_hz` (default: as this
+        one). Returns that clock."""
         base = self.now + self._ticks(_LEAD_S) if base_clock is None else base_clock
         self.link.set_queue(messages)
-        self.link.start_job(base)
+        self.link.start_job(base, main_hz or float(self.board.clock_hz))
         return base
 
     def run(self, until_clock: int, *, until_heaters: bool = False) -> bool:
@@ -161,11 +209,13 @@ class Connection:
 
         Returns False if it came to `until_clock`, True if the heaters were first.
         """
-        stop = self._pass(until_clock, until_heaters)
-        if stop == _core.Stop.SHUTDOWN:
-            raise self._shutdown()
+        stop = self.pass_time(until_clock, until_heaters)
+        if self.link.shut_down:
+            raise self.shutdown_error()
+        if self.link.alone:
+            raise BoardAloneError.of("machine.alone")
         if self.link.lost:
-            raise BoardSilentError("get_clock")
+            raise self.silence("get_clock")
         return stop == _core.Stop.HEATERS
 
     def set_target(self, heater: str, celsius: float) -> None:
@@ -177,7 +227,7 @@ class Connection:
         """Switches an output without a cycle at once. KeyError if there is no such output."""
         pin = next(o.pin for o in self.board.outputs if o.name == output)
         self.command(
-            f"update_digital_out oid={self._oids.outputs[output]} value={int(on != inverted(pin))}"
+            f"update_digital_out oid={self.oids.outputs[output]} value={int(on != inverted(pin))}"
         )
 
     def set_sensor(self, heater: str, sensor: Sensor) -> None:
@@ -206,19 +256,28 @@ class Connection:
                 self.run(self.now + self._ticks(_LEAD_S))
             self.wire.stop()
 
+    def _switch_off_loads(self) -> None:
+        """Fans and the laser; motors stay on, lest they lose their place."""
+        self._switch_off_lasers()
+        heated = {h.output for h in self.board.heaters}
+        for o in self.board.outputs:
+            if o.kind == "digital" and o.cycle_ticks > 0 and o.name not in heated:
+                value = int(inverted(o.pin))
+                self.command(f"update_digital_out oid={self.oids.outputs[o.name]} value={value}")
+
     def _switch_off_lasers(self) -> None:
-        clock = (self.now + self._ticks(_LEAD_S / 2)) & 0xFFFFFFFF
+        clock = self._clock_after(_LEAD_S / 2) & 0xFFFFFFFF
         heated = {h.output for h in self.board.heaters}
         for o in self.board.outputs:
             if o.kind == "pwm" and o.name not in heated:
                 off = self.full_scale(o.name) if inverted(o.pin) else 0
-                oid = self._oids.outputs[o.name]
+                oid = self.oids.outputs[o.name]
                 self.command(f"queue_pwm_out oid={oid} clock={clock} value={off}")
 
     def net_steps(self, stepper: str) -> int:
         """Steps forward less steps backward that the board has made since it was configured. Lets
         time pass; raises MachineError."""
-        oid = self._oids.steppers[stepper]
+        oid = self.oids.steppers[stepper]
         answer = self.ask(f"stepper_get_position oid={oid}", "stepper_position")
         entry = next(s for s in self.board.steppers if s.name == stepper)
         sign = -1 if entry.invert != inverted(entry.dir_pin) else 1
@@ -228,9 +287,10 @@ class Connection:
         """The value of an output that means fully on."""
         return full_scale(next(o for o in self.board.outputs if o.name == output), self.dictionary)
 
-    def _pass(self, until_clock: int, until_heaters: bool = False) -> _core.Stop:
+    def pass_time(self, until_clock: int, until_heaters: bool = False) -> _core.Stop:
+        """As `run`, but a board that is shut down or silent is no error."""
         while (stop := self.wire.run(until_clock, until_heaters)) == _core.Stop.FAULT:
-            self._take_faults()
+            self.take_faults()
         if stop == _core.Stop.CLOSED:
             failure = self.wire.failure if isinstance(self.wire, _core.LiveWire) else ""
             if failure:
@@ -238,7 +298,8 @@ class Connection:
             raise LinkLostError.of("machine.closed")
         return stop
 
-    def _take_faults(self) -> None:
+    def take_faults(self) -> None:
+        """Tells of the heaters that have failed since the last call."""
         for name, heater in self.heaters.items():
             fault = heater.fault
             if fault is None or self._told.get(name) == fault.clock:
@@ -251,7 +312,11 @@ class Connection:
             self.on_fault(name, event)
 
     def _ticks(self, seconds: float) -> int:
-        return int(seconds * self.board.clock_hz)
+        return int(seconds * self.wire.hz)
+
+    def _clock_after(self, seconds: float) -> int:
+        """What the board's own clock will read."""
+        return self.board_clock + int(seconds * self.board.clock_hz)
 
     def _identify(self) -> None:
         data = b""
@@ -279,15 +344,29 @@ class Connection:
                     self.wire.use_board_clock()
                 return
             self.run(self.now + self._ticks(_STEP_S))
-        raise BoardSilentError("get_uptime")
+        raise self.silence("get_uptime")
 
-    def _configure(self) -> None:
+    def _stood_alone(self) -> bool:
+        """Whether the board has outlived its host, and its motors stand."""
+        if not self.survives:
+            return False
+        states = self.dictionary.enumerations["survive"]
+        for _ in range(int(_BRAKING_S / _LOOK_S)):
+            state = self.ask("survive_query", "survive_state")["state"]
+            if state not in (states["moving"], states["braking"]):
+                return state in (states["resting"], states["held"])
+            self.pass_time(self.now + self._ticks(_LOOK_S))
+        return False
+
+    def _configure(self, adopt: bool) -> None:
         lines = commands(self.board, self.dictionary)
         self._crc = checksum(lines)
         state = self.ask("get_config", "config")
-        if state["is_shutdown"] or state["is_config"]:
+        same = state["is_config"] and not state["is_shutdown"] and state["crc"] == self._crc
+        self.adopted = adopt and bool(same) and self._stood_alone()
+        if not self.adopted and (state["is_shutdown"] or state["is_config"]):
             self.command("reset")
-            self._pass(self.now + self._ticks(_RESET_S))
+            self.pass_time(self.now + self._ticks(_RESET_S))
             self.link.restart()
             self._identify()
             state = self.ask("get_config", "config")
@@ -301,16 +380,16 @@ class Connection:
         renewed = sum(o.max_duration_ticks > 0 for o in self.board.outputs)
         slots = self.move_count - _SLOTS_RENEWED * renewed
         self.link.set_slots(slots)
-        for s in self.board.steppers:
+        for target, s in zip(self.board.stepper_targets, self.board.steppers, strict=True):
             turned = s.invert != inverted(s.dir_pin)
-            self.link.add_stepper(s.name, self._oids.steppers[s.name], turned)
+            self.link.add_stepper(target, s.name, self.oids.steppers[s.name], turned)
         heated = {h.output for h in self.board.heaters}
-        for o in self.board.outputs:
+        for target, o in zip(self.board.output_targets, self.board.outputs, strict=True):
             kind = _core.PinKind.PWM if o.kind == "pwm" else _core.PinKind.DIGITAL
             full = full_scale(o, self.dictionary) if inverted(o.pin) else 0
             # A heater's own loop renews it.
             longest = 0 if o.name in heated else o.max_duration_ticks
-            self.link.add_pin(o.name, self._oids.outputs[o.name], kind, full, longest)
+            self.link.add_pin(target, o.name, self.oids.outputs[o.name], kind, full, longest)
         for h in self.board.heaters:
             options = heater_options(self.board, h, self.dictionary)
             self.heaters[h.name] = self.link.add_heater(options)
@@ -325,12 +404,12 @@ class Connection:
             until = self.now
             while until <= end:
                 # A board that is shut down may still be asked.
-                self._pass(until)
+                self.pass_time(until)
                 found = self._find(answer)
                 if found is not None:
                     return found
                 until += self._ticks(_STEP_S)
-        raise BoardSilentError(name)
+        raise self.silence(name)
 
     def _find(self, answer: str) -> Values | None:
         fresh: list[tuple[str, Values]] = self.link.take_responses()
@@ -346,6 +425,14 @@ class Connection:
         self._responses += self.link.take_responses()
         del self._responses[:-_RESPONSES_KEPT]  # what nobody takes
 
-    def _shutdown(self) -> MachineError:
+    def silence(self, question: str) -> BoardSilentError:
+        """The board has left a question unanswered."""
+        return BoardSilentError(self._named(question))
+
+    def _named(self, text: str) -> str:
+        return f"{text} (board {self.name})" if self.name else text
+
+    def shutdown_error(self) -> MachineError:
+        """Why the board has shut down."""
         reason = self.dictionary.name_of("static_string_id", self.link.shutdown_reason)
-        return MachineError.of("machine.shutdown", value=reason)
+        return MachineError.of("machine.shutdown", value=self._named(reason))

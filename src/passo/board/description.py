@@ -5,25 +5,29 @@ Pins are names of the board's dictionary; `!` in front inverts a pin, `^` asks f
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Literal, TypeAlias
 
 from passo import _core
 from passo.board.trinamic.settings import DriverSettings
+from passo.config.places import MAIN, named_on
 
 Control: TypeAlias = _core.PidControl | _core.OnOffControl | _core.ModelControl
 
 
 @dataclass(frozen=True, slots=True)
 class Stepper:
-    """A motor driver. `invert` (or `!` before the direction pin) turns the motor around."""
+    """A motor driver. `invert` (or `!` before the direction pin) turns the motor around. Its steps
+    are at least `apart_ticks` apart, and `turning_ticks` where it turns."""
 
     name: str
     step_pin: str
     dir_pin: str
     invert: bool = False
     pulse_ticks: int = 32
+    apart_ticks: int = 64
+    turning_ticks: int = 64
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,7 +143,9 @@ class Driver:
 
 @dataclass(frozen=True, slots=True)
 class BoardDescription:
-    """A board and its wiring. The order of `steppers` and of `outputs` is that of message targets.
+    """A board and its wiring. The order of `steppers` and of `outputs` is that of message targets,
+    unless `stepper_targets` and `output_targets` number them: on one of several boards. There
+    `endstops_elsewhere` are the names of endstops of other boards that stop steppers of this one.
 
     `clock_hz` is the nominal frequency of the board's clock; `move_count` the number of commands
     that it can hold (a simulated board has as many, a real one reports its own).
@@ -154,6 +160,9 @@ class BoardDescription:
     drivers: tuple[Driver, ...] = ()
     move_count: int = 1024
     mcu: str = "atmega2560"
+    endstops_elsewhere: tuple[str, ...] = ()
+    stepper_targets: tuple[int, ...] = ()
+    output_targets: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         """Raises ValueError for what no board could be wired like."""
@@ -165,6 +174,10 @@ class BoardDescription:
             ("endstop", [e.name for e in self.endstops]),
         ):
             _unique(f"{part} name", names)
+        if not self.stepper_targets:
+            object.__setattr__(self, "stepper_targets", tuple(range(len(self.steppers))))
+        if not self.output_targets:
+            object.__setattr__(self, "output_targets", tuple(range(len(self.outputs))))
         _unique("pin", [bare(pin) for pin in self.pins])
         outputs = {o.name: o for o in self.outputs}
         sensors = {s.name for s in self.sensors}
@@ -199,6 +212,42 @@ class BoardDescription:
                 bare(pin): pin for wire in (*self.uarts, *self.spi_devices) for pin in wire.pins
             }.values(),
         )
+
+
+def together(boards: Mapping[str, BoardDescription]) -> BoardDescription:
+    """All boards of a machine as one, the main one first, with its clock: steppers and outputs in
+    the order of their numbers, pins with the names of their boards."""
+    main, *others = boards.values()
+    if not others:
+        return main
+    steppers: dict[int, Stepper] = {}
+    outputs: dict[int, Output] = {}
+    sensors: list[Sensor] = []
+    endstops: list[Endstop] = []
+    for name, board in boards.items():
+
+        def named(pin: str, name: str = name) -> str:
+            return pin if name == MAIN else named_on(name, pin)
+
+        for i, s in zip(board.stepper_targets, board.steppers, strict=True):
+            steppers[i] = replace(s, step_pin=named(s.step_pin), dir_pin=named(s.dir_pin))
+        for i, o in zip(board.output_targets, board.outputs, strict=True):
+            outputs[i] = replace(o, pin=named(o.pin))
+        sensors += [replace(s, pin=named(s.pin)) for s in board.sensors]
+        endstops += [replace(e, pin=named(e.pin)) for e in board.endstops]
+    order = [outputs[i].name for i in sorted(outputs)]
+    heaters = (h for board in boards.values() for h in board.heaters)
+    return replace(
+        main,
+        steppers=tuple(steppers[i] for i in sorted(steppers)),
+        outputs=tuple(outputs[i] for i in sorted(outputs)),
+        sensors=tuple(sensors),
+        heaters=tuple(sorted(heaters, key=lambda h: order.index(h.output))),
+        endstops=tuple(endstops),
+        endstops_elsewhere=(),
+        stepper_targets=(),
+        output_targets=(),
+    )
 
 
 def bare(pin: str) -> str:

@@ -4,91 +4,147 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from passo.board.configuration import Oids
+from passo.board.boards import Boards
 from passo.board.connection import Connection, Values
 from passo.board.description import inverted
 
 _SAMPLE_S = 15e-6  # between the samples that must agree
 _SAMPLES = 4
 _REPORT_S = 0.1  # a group tells its state so often
-_REASONS = 255  # told apart, so that a late report of one search does not end the next
+_REASONS = 127  # told apart, so that a late report of one search does not end the next
+_EXPIRED = 128  # added to the reason: a group of several boards has lost one of them
+_SHARED_REPORT_S = 0.01  # a group of several boards tells its state so often
+_SHARED_PATIENCE_S = 0.05  # and stops its motors when another part was silent for so long
 
 
 class Endstops:
-    """The endstops of one board. Times in ticks of its clock."""
+    """The endstops of a machine's boards. Times in ticks of the main board's clock.
 
-    def __init__(self, connection: Connection) -> None:
-        self._connection = connection
-        self._oids = Oids.of(connection.board)
-        self._pins = {e.name: e.pin for e in connection.board.endstops}
-        self._armed: set[str] = set()
-        self._rest = 0  # ticks between two looks
+    A switch stops the motors of its own board by itself. To motors of other boards the links pass
+    it on at once, without Python: they stop later by the way there, and by `_SHARED_PATIENCE_S` at
+    most if a link fails. Every board counts its steps, so that no step is lost by that.
+    """
+
+    def __init__(self, boards: Boards) -> None:
+        self._boards = boards
+        self._armed: dict[str, list[Connection]] = {}  # with all boards on which it stops motors
+        self._rest_s = 0.0
         self._reason = 0
-        self.hit: set[str] = set()  # of those armed
+        self.hit: dict[str, int] = {}  # of those armed, and when its board stopped its motors
+        self.expired: set[str] = set()  # of those armed: their boards lost each other
+
+    def _board(self, name: str) -> Connection:
+        return self._boards.connection_of("endstops", name)
+
+    def _is_low(self, name: str) -> bool:
+        """Whether the switch reads low when pressed."""
+        pin = next(e.pin for e in self._board(name).board.endstops if e.name == name)
+        return inverted(pin)
 
     def pressed(self, name: str) -> bool:
         """Asks the board. Lets time pass; raises MachineError."""
-        oid = self._oids.endstops[name]
-        state = self._connection.ask(f"endstop_query_state oid={oid}", "endstop_state")
-        return self._is_pressed(name, state)
+        return bool(self._state(name)["pin_value"]) != self._is_low(name)
 
-    def _is_pressed(self, name: str, state: Values) -> bool:
-        return bool(state["pin_value"]) != inverted(self._pins[name])
+    def _state(self, name: str) -> Values:
+        connection = self._board(name)
+        oid = connection.oids.endstops[name]
+        return connection.ask(f"endstop_query_state oid={oid}", "endstop_state")
 
     def arm(self, steppers: Mapping[str, Sequence[str]], clock: int, rest_s: float) -> None:
-        """From a board clock on each of these endstops stops its steppers when it is pressed; the
-        board looks every `rest_s` seconds. The motors' clocks must not be set anew after that: it
-        would let a stopped motor go on."""
-        connection = self._connection
-        hz = connection.board.clock_hz
-        clock &= 0xFFFFFFFF
-        self._rest = int(rest_s * hz)
-        self._armed, self.hit = set(steppers), set()
+        """From a clock on each of these endstops stops its steppers when it is pressed; the board
+        looks every `rest_s` seconds. The motors' clocks must not be set anew after that: it would
+        let a stopped motor go on."""
+        self._rest_s = rest_s
+        self._armed, self.hit, self.expired = {}, {}, set()
         self._reason = self._reason % _REASONS + 1
         for name, stopped in steppers.items():
-            group = self._oids.trsyncs[name]
-            connection.command(
-                f"trsync_start oid={group} report_clock={clock} report_ticks={int(_REPORT_S * hz)}"
-                " expire_reason=0"
-            )
+            own = self._board(name)
+            boards = [own]
             for stepper in stopped:
-                connection.command(
-                    f"stepper_stop_on_trigger oid={self._oids.steppers[stepper]} trsync_oid={group}"
+                board = self._boards.connection_of("steppers", stepper)
+                if board not in boards:
+                    boards.append(board)
+            self._armed[name] = boards
+            for board in boards:
+                self._group(board, name, stopped, clock, shared=len(boards) > 1)
+            if len(boards) > 1:
+                self._boards.timeline.arm(
+                    [(board.link.seat, board.oids.trsyncs[name]) for board in boards],
+                    self._reason,
+                    self._reason + _EXPIRED,
+                    float(clock),
+                    _SHARED_PATIENCE_S * self._boards.board.clock_hz,
                 )
-            connection.command(
-                f"endstop_home oid={self._oids.endstops[name]} clock={clock}"
-                f" sample_ticks={int(_SAMPLE_S * hz)} sample_count={_SAMPLES}"
-                f" rest_ticks={self._rest} pin_value={int(not inverted(self._pins[name]))}"
-                f" trsync_oid={group} trigger_reason={self._reason}"
-            )
+            self._home(own, name, clock)
+
+    def _group(
+        self, board: Connection, name: str, stopped: Sequence[str], clock: int, *, shared: bool
+    ) -> None:
+        """The group of the motors of one board that an endstop stops."""
+        hz, group = board.board.clock_hz, board.oids.trsyncs[name]
+        begin = board.link.own_clock(clock)
+        report_s = _SHARED_REPORT_S if shared else _REPORT_S
+        expired = self._reason + _EXPIRED if shared else 0
+        board.command(
+            f"trsync_start oid={group} report_clock={begin & 0xFFFFFFFF}"
+            f" report_ticks={int(report_s * hz)} expire_reason={expired}"
+        )
+        if shared:
+            end = (begin + int(_SHARED_PATIENCE_S * hz)) & 0xFFFFFFFF
+            board.command(f"trsync_set_timeout oid={group} clock={end}")
+        for stepper in stopped:
+            if stepper in board.oids.steppers:
+                oid = board.oids.steppers[stepper]
+                board.command(f"stepper_stop_on_trigger oid={oid} trsync_oid={group}")
+
+    def _home(self, board: Connection, name: str, clock: int) -> None:
+        hz, begin = board.board.clock_hz, board.link.own_clock(clock)
+        board.command(
+            f"endstop_home oid={board.oids.endstops[name]} clock={begin & 0xFFFFFFFF}"
+            f" sample_ticks={int(_SAMPLE_S * hz)} sample_count={_SAMPLES}"
+            f" rest_ticks={int(self._rest_s * hz)} pin_value={int(not self._is_low(name))}"
+            f" trsync_oid={board.oids.trsyncs[name]} trigger_reason={self._reason}"
+        )
 
     def all_hit(self) -> bool:
-        """Takes in what the board has told: whether every armed endstop was hit."""
-        groups = {self._oids.trsyncs[name]: name for name in self._armed}
-        for _, values in self._connection.take_responses("trsync_state"):
-            name = groups.get(int(values["oid"]))
-            if name is None or values["can_trigger"] or values["trigger_reason"] != self._reason:
-                continue
-            self.hit.add(name)
-        return self.hit == self._armed
+        """Takes in what the boards have told: whether every armed endstop was hit."""
+        for connection in self._boards.connections:
+            groups = {
+                connection.oids.trsyncs[name]: name
+                for name, boards in self._armed.items()
+                if connection in boards
+            }
+            for _, values in connection.take_responses("trsync_state"):
+                name = groups.get(int(values["oid"]))
+                if name is None or values["can_trigger"]:
+                    continue
+                if values["trigger_reason"] == self._reason:
+                    # Later reports repeat it, with clocks of their own.
+                    if connection is self._board(name) and name not in self.hit:
+                        self.hit[name] = connection.main_clock(int(values["clock"]))
+                elif values["trigger_reason"] == self._reason + _EXPIRED:
+                    self.expired.add(name)
+        return self.hit.keys() == self._armed.keys()
 
     def hit_clock(self, name: str) -> int:
-        """Board clock at which an endstop that was hit, and is still armed, first read as pressed.
-        Asks the board. Lets time pass; raises MachineError."""
-        oid = self._oids.endstops[name]
-        state = self._connection.ask(f"endstop_query_state oid={oid}", "endstop_state")
-        now = self._connection.now
+        """Clock at which an endstop that was hit, and is still armed, first read as pressed. Asks
+        the board. Lets time pass; raises MachineError."""
+        connection = self._board(name)
+        rest = int(self._rest_s * connection.board.clock_hz)
+        state = self._state(name)
         # The board tells when it would have looked again.
-        ago = (now - (int(state["next_clock"]) - self._rest)) & 0xFFFFFFFF
-        return now - ago
+        return connection.main_clock(int(state["next_clock"]) - rest)
 
     def disarm(self) -> None:
         """None of them stops anything any more."""
-        for name in self._armed:
-            oid, group = self._oids.endstops[name], self._oids.trsyncs[name]
-            self._connection.command(
+        self._boards.timeline.disarm()
+        for name, boards in self._armed.items():
+            own = self._board(name)
+            oid, group = own.oids.endstops[name], own.oids.trsyncs[name]
+            own.command(
                 f"endstop_home oid={oid} clock=0 sample_ticks=0 sample_count=0 rest_ticks=0"
                 f" pin_value=0 trsync_oid={group} trigger_reason=0"
             )
-            self._connection.command(f"trsync_trigger oid={group} reason=0")
-        self._armed = set()
+            for board in boards:
+                board.command(f"trsync_trigger oid={board.oids.trsyncs[name]} reason=0")
+        self._armed = {}

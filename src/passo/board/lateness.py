@@ -44,8 +44,9 @@ def summary(connection: Connection) -> str:
     slack = f"{least.slack / hz * 1e3:.0f} ms" if least.known else "unknown"
     late = {cause: n for cause, n in link.late_frames.items() if n}
     causes = ", ".join(f"{n} {_NAMES[cause]}" for cause, n in late.items())
+    whose = f" of {connection.name}" if connection.name else ""
     return (
-        f"Link: least slack {slack}; late frames: {sum(late.values())} of {link.frames}"
+        f"Link{whose}: least slack {slack}; late frames: {sum(late.values())} of {link.frames}"
         f"{f' ({causes})' if causes else ''}; longest stall {link.longest_stall / hz * 1e3:.0f} ms;"
         f" {link.wire_bytes} bytes, {link.retransmitted_bytes} of them again"
     )

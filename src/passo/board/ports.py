@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import socket
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Protocol, TypeAlias
 
 from passo import _core
@@ -13,6 +13,7 @@ from passo.serial_line import open_serial_line
 _PATIENCE_S = 5.0
 
 Wire: TypeAlias = "_core.Pump | _core.LiveWire"
+Simulated: TypeAlias = "_core.Bench | _core.Distant"
 
 
 class LinkLostError(MachineError):
@@ -20,9 +21,11 @@ class LinkLostError(MachineError):
 
 
 class Port(Protocol):
-    """What a link can be attached to. `live`: real time passes at the board, whoever waits."""
+    """What a link can be attached to. `live`: real time passes at the board, whoever waits. A byte
+    takes `byte_s` seconds on the way, where that is known."""
 
     live: bool
+    byte_s: float
 
     def attach(self, link: _core.Link) -> Wire:
         """The wire between this port and a link, which carries bytes from now on. Raises
@@ -31,14 +34,19 @@ class Port(Protocol):
 
 
 class InProcess:
-    """A board of this process, in virtual time from `start_clock` on, ticks of its clock."""
+    """A board of this process, in virtual time from `start_clock` on, ticks of its clock; or in the
+    time of another one, `beside` which it works."""
 
     live = False
+    byte_s = 0.0
 
-    def __init__(self, device: _core.Device, start_clock: int = 0) -> None:
+    def __init__(
+        self, device: Simulated, start_clock: int = 0, beside: InProcess | None = None
+    ) -> None:
         self.device = device
         self.unplugged = False
         self._clock = start_clock
+        self._beside = beside
         self._pump: _core.Pump | None = None
 
     def unplug(self) -> None:
@@ -53,12 +61,22 @@ class InProcess:
         self._clock = clock
 
     def attach(self, link: _core.Link) -> _core.Pump:
-        """A pump; its time goes on where that of the last one stands."""
+        """A pump; its time goes on where that of the last one stands. A board beside another one
+        joins that one's pump, which must be attached before."""
         if self.unplugged:
             raise _unreachable("the simulated board", OSError("it is unplugged"))
+        if self._beside is not None and self._beside._pump is not None:
+            self._beside._pump.attach(link, self.device)
+            return self._beside._pump
         clock = self._clock if self._pump is None else max(self._clock, self._pump.now)
         self._pump = _core.Pump(link, self.device, clock)
         return self._pump
+
+
+def in_process(devices: Sequence[Simulated]) -> list[InProcess]:
+    """Boards of this process that share their time, the main one first."""
+    main = InProcess(devices[0])
+    return [main, *(InProcess(device, beside=main) for device in devices[1:])]
 
 
 class LivePort:
@@ -67,8 +85,9 @@ class LivePort:
 
     live = True
 
-    def __init__(self, opened: Callable[[], int]) -> None:
+    def __init__(self, opened: Callable[[], int], byte_s: float = 0.0) -> None:
         self._opened = opened
+        self.byte_s = byte_s
         self._wire: _core.LiveWire | None = None
 
     def attach(self, link: _core.Link) -> _core.LiveWire:
@@ -79,8 +98,9 @@ class LivePort:
         return self._wire
 
 
-def serial_port(device: str, baud: int) -> LivePort:
-    """A board on a serial device. Opening it resets many of them."""
+def serial_port(device: str, baud: int, *, paced: bool = False) -> LivePort:
+    """A board on a serial device. Opening it resets many of them. `paced`: bytes really go at the
+    baud rate, ten bits each; behind a chip's own USB they do not."""
 
     def opened() -> int:
         try:
@@ -88,7 +108,7 @@ def serial_port(device: str, baud: int) -> LivePort:
         except OSError as error:
             raise _unreachable(device, error) from None
 
-    return LivePort(opened)
+    return LivePort(opened, 10 / baud if paced else 0.0)
 
 
 def tcp_port(host: str, port: int) -> LivePort:

@@ -37,13 +37,15 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         axes, steppers = len(machine.axes), len(machine.steppers)
         print(f"{arguments.file}: ok: {machine.name}, {machine.geometry.kind}, ", end="")
-        print(f"{axes} axes, {steppers} steppers, {machine.board.name}")
+        others = [f"{name}: {board.name}" for name, board in machine.boards.items()]
+        print(f"{axes} axes, {steppers} steppers, {', '.join([machine.board.name, *others])}")
         for pin in pins:
             if pin.rebound:
                 print(f"  {pin.key}: {_named(pin.name, pin.pin)}", end="")
                 print(f", the board's own is {_named(pin.original_name, pin.original)}")
-        for note in machine.board.notes:
-            print(f"  Note: {note}")
+        for board in machine.all_boards.values():
+            for note in board.notes:
+                print(f"  Note: {note}")
     return ExitStatus.DONE
 
 

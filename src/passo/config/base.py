@@ -19,7 +19,8 @@ class Model(BaseModel):
 # What a text must look like, in words: a pattern says nothing to most people.
 PATTERNS = {
     r"^[a-z][a-z0-9_-]*$": "a name of lower-case letters, digits, - and _",
-    r"^[!^~]*[A-Za-z][A-Za-z0-9_.-]*$": "a pin such as PB4, !PD7 or a name in board.pins",
+    r"^[!^~]*([a-z][a-z0-9_-]*:)?[A-Za-z][A-Za-z0-9_.-]*$": "a pin such as PB4, !PD7, tool:PA1 or"
+    " a name in board.pins",
     r"^[A-Z]$": "one capital letter",
     r"^[xyzabcuvw]$": "an axis: x, y, z, a, b, c, u, v or w",
     r"^e[0-9]*$": "an extruder: e, e1, e2, …",

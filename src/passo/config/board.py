@@ -84,8 +84,9 @@ class Board(Model):
     budget asks for more; `move_count` is the number of commands that the board can hold. Without a
     `budget` the planner takes the board and its link to be fast enough. A simulated board is a
     model of one ("virtual") or runs Passo's firmware ("passo"): to the tick the same, but slower.
-    `dictionary` is the file of a data dictionary as Klipper's build leaves it, for boards of the
-    kind `klipper`.
+    A simulated board beside the main one begins at the clock `start_s`, which runs `drift_ppm`
+    faster than the main board's. `dictionary` is the file of a data dictionary as Klipper's build
+    leaves it, for boards of the kind `klipper`.
     """
 
     base: str | None = None
@@ -97,6 +98,8 @@ class Board(Model):
     port: str | None = None
     baud: Annotated[int, Field(ge=1200, le=4_000_000)] = 250_000
     firmware: Literal["virtual", "passo"] = "virtual"
+    drift_ppm: Annotated[float, Field(ge=-500, le=500)] = 0.0
+    start_s: Annotated[float, Field(ge=0, le=1e6)] = 0.0
     clock_hz: Annotated[int, Field(ge=1_000_000, le=1_000_000_000)]
     move_count: Annotated[int, Field(ge=16, le=65_535)]
     compression_tolerance_us: Annotated[float, Field(gt=0, le=25)] = 2.0

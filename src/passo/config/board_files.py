@@ -8,29 +8,32 @@ import re
 import tomllib
 import zlib
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from functools import cache
-from pathlib import Path
+from pathlib import Path as FilePath
 from typing import Any, cast
 
 from passo.config.board import Board, joined_marks
 from passo.config.chips import chip, chip_names, expanded, numbering, numberings
 from passo.config.findings import Finding, did_you_mean, table, tables
+from passo.config.lines import Path
 
 Tables = dict[str, Any]
 
-_BOARDS = Path(__file__).parent / "boards"
+_BOARDS = FilePath(__file__).parent / "boards"
 _NAMED = ("outputs", "thermistors", "endstops", "pins")
 _SOCKET_PINS = {"step": "STEP", "direction": "DIR", "enable": "ENABLE", "select": "SELECT"}
 
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """A file that a board came from: keys of the board stand in it without `board.`."""
+    """A file that the board at `path` of the machine file came from: keys of the board stand in it
+    without that path."""
 
     file: str
     text: str
+    path: Path = ("board",)
 
 
 def shipped_boards() -> list[str]:
@@ -72,45 +75,53 @@ def _merged(beneath: Mapping[str, Any], above: Mapping[str, Any]) -> Tables:
     return result
 
 
-def put_board(data: Tables, folder: Path, sources: list[Source]) -> Iterator[Finding]:
-    """Puts the values of the shipped board under those of the machine file `data`, and pins of the
+def put_boards(data: Tables, folder: FilePath, sources: list[Source]) -> Iterator[Finding]:
+    """Puts the values of shipped boards under those of the machine file `data`, and pins of the
     microcontroller behind all names. Appends the shipped files to `sources`."""
-    own = table(data, "board")
-    if not own:
-        return
-    board: Tables = dict(own)
+    if own := table(data, "board"):
+        data["board"] = board = dict(own)
+        yield from _put_board(board, ("board",), folder, sources)
+    if isinstance(data.get("boards"), Mapping):
+        data["boards"] = boards = dict(table(data, "boards"))
+        for name, own in tables(data, "boards"):
+            boards[name] = board = dict(own)
+            yield from _put_board(board, ("boards", name), folder, sources)
+
+
+def _put_board(
+    board: Tables, place: Path, folder: FilePath, sources: list[Source]
+) -> Iterator[Finding]:
+    own = dict(board)
     base = own.get("base")
     if base is not None:
         if base not in shipped_boards():
             hint, limit = did_you_mean(base, shipped_boards()), "the name of a shipped board"
-            yield Finding("config.value", ("board", "base"), base, limit, hint)
+            yield Finding("config.value", (*place, "base"), base, limit, hint)
             # Any board lets the other checks go on without reporting its own keys as missing.
             base = next(iter(get_close_matches(str(base), shipped_boards(), 1)), "ramps")
         beneath, files = shipped_tables(base)
-        sources += files
-        board = _merged(beneath, own)
-    data["board"] = board
+        sources += [replace(file, path=place) for file in files]
+        board.update(_merged(beneath, own))
     baud = table(board, "console").get("baud")
     if baud is not None:
         board.setdefault("baud", baud)
     printed = board.get("numbering")
     if isinstance(printed, str) and printed not in numberings():
         hint, limit = did_you_mean(printed, numberings()), "a numbering of pins"
-        yield Finding("config.value", ("board", "numbering"), printed, limit, hint)
+        yield Finding("config.value", (*place, "numbering"), printed, limit, hint)
     if "dictionary" in board:
-        yield from _read_dictionary(board, folder)
+        yield from _read_dictionary(board, (*place, "dictionary"), folder)
     variants = table(board, "variants")
     variant = board.get("variant")
     if variant is not None and variant not in variants:
         hint, limit = did_you_mean(variant, variants), "one of the board's variants"
-        yield Finding("config.value", ("board", "variant"), variant, limit, hint)
+        yield Finding("config.value", (*place, "variant"), variant, limit, hint)
     resolve_names(board)
 
 
-def _read_dictionary(board: Tables, folder: Path) -> Iterator[Finding]:
+def _read_dictionary(board: Tables, path: Path, folder: FilePath) -> Iterator[Finding]:
     """Pins and clock of the data dictionary that the key `dictionary` names."""
     name = board["dictionary"]
-    path = ("board", "dictionary")
     if not isinstance(name, str):
         return
     try:

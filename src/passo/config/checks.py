@@ -23,10 +23,26 @@ _LIMIT_KEYS = ("speed_{}_s", "accel_{}_s2", "min_{}", "max_{}")
 
 
 def check_link(data: Raw) -> Iterator[Finding]:
-    """A board that is not simulated has an address of the right form."""
-    board = table(data, "board")
+    """A board that is not simulated has an address of the right form, and all boards are real or
+    none is. Only a further, simulated board has a clock that is not the machine's."""
+    main = table(data, "board")
+    for key in ("drift_ppm", "start_s"):
+        if number(main, key):
+            limit = "0: the machine's time is this board's clock"
+            yield Finding("config.conflict", ("board", key), main[key], limit)
+    yield from _check_port(main, ("board",))
+    for name, board in tables(data, "boards"):
+        yield from _check_port(board, ("boards", name))
+        link = board.get("link", "simulated")
+        simulated = main.get("link", "simulated") == "simulated"
+        if (link == "simulated") != simulated:
+            limit = "simulated, as board is" if simulated else "serial or tcp, as board is"
+            yield Finding("config.conflict", ("boards", name, "link"), link, limit)
+
+
+def _check_port(board: Raw, place: tuple[str, ...]) -> Iterator[Finding]:
     link, port = board.get("link", "simulated"), board.get("port")
-    path = ("board", "port")
+    path = (*place, "port")
     if link == "serial" and not port:
         yield Finding("config.missing-key", path, None, "a serial device such as /dev/ttyUSB0")
     host, _, number_ = port.rpartition(":") if isinstance(port, str) else ("", "", "")

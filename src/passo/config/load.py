@@ -10,7 +10,7 @@ from pathlib import Path as FilePath
 
 from pydantic import ValidationError
 
-from passo.config.board_files import Source, put_board
+from passo.config.board_files import Source, put_boards
 from passo.config.checks import check_all
 from passo.config.findings import Finding, did_you_mean, key_text, table
 from passo.config.home_checks import check_home
@@ -73,7 +73,7 @@ def load_text(text: str, file: str = "<text>") -> MachineConfig:
         raise ConfigError.of("config.syntax", file, at, value=message) from None
     folder = FilePath(file).parent
     sources: list[Source] = []
-    findings = [*put_board(data, folder, sources), *with_sensor_files(data, folder)]
+    findings = [*put_boards(data, folder, sources), *with_sensor_files(data, folder)]
     put_originals(data)
     machine = None
     try:
@@ -114,10 +114,10 @@ def _problems(
 
 def _place(path: Path, lines: dict[Path, int], file: str, sources: list[Source]) -> str:
     """File and line of a key: of the machine file, or of one of the boards beneath it."""
-    if path in lines or path[0] != "board":
+    if path in lines:
         return f"{file}:{line_of(lines, path)}"
     for source in sources:
-        beneath = key_lines(source.text)
-        if path[1:] in beneath:
-            return f"{source.file}:{beneath[path[1:]]}"
+        beneath, depth = key_lines(source.text), len(source.path)
+        if path[:depth] == source.path and path[depth:] in beneath:
+            return f"{source.file}:{beneath[path[depth:]]}"
     return f"{file}:{line_of(lines, path)}"

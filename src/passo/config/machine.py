@@ -8,12 +8,13 @@ from typing import Any, Literal
 from pydantic import Field
 
 from passo.config.base import AxisName, ExtruderName, Model, Name, Pair, Uuid
-from passo.config.board import Board
+from passo.config.board import Board, Socket
 from passo.config.drives import Drivable, axis_order
 from passo.config.electronics import Fans, Laser
 from passo.config.heat import Heaters
 from passo.config.homing import Homing
 from passo.config.motion import Axis, Extruder, Idle, Limits, Park, Stepper, Steppers, Tool
+from passo.config.places import MAIN, placed
 from passo.geometry.registry import AnyGeometry
 
 
@@ -51,6 +52,30 @@ class MachineConfig(Model):
     fans: Fans = {}
     laser: Laser | None = None
     board: Board
+    boards: dict[Name, Board] = {}
+
+    @property
+    def all_boards(self) -> dict[str, Board]:
+        """The main board, which has no name, then those of `boards`."""
+        return {MAIN: self.board, **self.boards}
+
+    def pin(self, written: str) -> str:
+        """The microcontroller's pin behind a name, on whichever board it is."""
+        board, name = placed(written)
+        return self.all_boards[board].pin(name)
+
+    def socket(self, stepper: str) -> Socket | None:
+        """The socket that a motor's driver sits in, if it has one."""
+        written = self.steppers[stepper].socket
+        if written is None:
+            return None
+        board, name = placed(written)
+        return self.all_boards[board].sockets[name]
+
+    def board_of_stepper(self, name: str) -> str:
+        """The board that a motor is on."""
+        stepper = self.steppers[name]
+        return placed(stepper.step_pin or stepper.socket or name)[0]
 
     @property
     def size_mm(self) -> tuple[float, float, float]:
@@ -85,7 +110,15 @@ class MachineConfig(Model):
             "limits": self._limits_spec(),
             "budget": self.board.budget_spec(),
             "laser": self._laser_spec(),
+            "boards": 1 + len(self.boards),
+            "output_boards": self._output_boards(),
         }
+
+    def _output_boards(self) -> list[int]:
+        """Numbers of the boards of the outputs on the timeline: heaters, fans, the laser."""
+        parts = [*self.heaters.values(), *self.fans.values(), *([self.laser] if self.laser else [])]
+        order = list(self.all_boards)
+        return [order.index(placed(part.pin)[0]) for part in parts]
 
     def _axis_spec(self, name: str) -> dict[str, Any]:
         axis = self.axes[name]
@@ -119,7 +152,8 @@ class MachineConfig(Model):
             driven = drivable.of(name, stepper.drives)
             if driven is None:
                 raise ValueError(f"stepper {name} drives nothing: load() would have said so")
-            spec = {"name": name, "drive": driven.drive, "index": driven.index}
+            board = list(self.all_boards).index(self.board_of_stepper(name))
+            spec = {"name": name, "drive": driven.drive, "index": driven.index, "board": board}
             specs.append((drivable.order(driven), spec | _stepper_numbers(stepper)))
         return [spec for _, spec in sorted(specs, key=lambda item: item[0])]
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from passo.config.findings import table, tables
+from passo.config.places import placed
 from passo.config.sensors import CONVERTERS, ThermocoupleConverter
 
 if TYPE_CHECKING:
@@ -83,20 +84,25 @@ def bindings(machine: MachineConfig) -> list[Binding]:
     found: list[Binding] = []
 
     def add(key: str, name: str | None, original: str | None) -> None:
-        if name is not None:
-            own = None if original is None else board.pin(original)
-            found.append(Binding(key, name, board.pin(name), original, own))
+        if name is None:
+            return
+        on = placed(name)[0]
+        # Elsewhere nobody has meant anything for this part.
+        if original is not None and placed(original)[0] != on:
+            original = None
+        own = None if original is None else machine.pin(original)
+        found.append(Binding(key, name, machine.pin(name), original, own))
 
     for name, stepper in machine.steppers.items():
-        socket = board.sockets[stepper.socket] if stepper.socket else None
         for key, given, word in (
             ("step_pin", stepper.step_pin, "STEP"),
             ("direction_pin", stepper.direction_pin, "DIR"),
             ("enable_pin", stepper.enable_pin, "ENABLE"),
         ):
-            original = f"{stepper.socket}_{word}" if socket else None
+            original = f"{stepper.socket}_{word}" if stepper.socket else None
             add(f"steppers.{name}.{key}", given or original, original)
         if stepper.tmc:
+            socket = machine.socket(name)
             select = f"{stepper.socket}_SELECT" if socket and socket.select else None
             by_spi = stepper.tmc.uart_pin is None
             add(

@@ -8,8 +8,9 @@ from typing import Any, Literal
 
 from passo.config.board_files import known_pins
 from passo.config.chips import Chip, Pulse, chip, chip_names
-from passo.config.findings import Finding, array, did_you_mean, table, tables
+from passo.config.findings import Finding, array, did_you_mean, key_text, table, tables
 from passo.config.lines import Path
+from passo.config.places import MAIN, named_on, placed, section
 from passo.config.sensors import CONVERTERS
 
 Raw = Mapping[str, Any]
@@ -43,29 +44,36 @@ class Claim:
 
 
 def check_pins(data: Raw) -> Iterator[Finding]:
-    """Sockets exist, and each pin and timer has one owner that it suits. Motors may share the pin
-    that enables them, drivers the wires over which they are set up."""
+    """Boards and sockets exist, parts are on one board each, and each pin and timer has one owner
+    that it suits. Motors may share the pin that enables them, drivers the wires over which they are
+    set up."""
+    claims = list(machine_claims(data))
+    boards = {MAIN: table(data, "board"), **dict(tables(data, "boards"))}
+    yield from _check_boards(claims, boards)
+    yield from _check_parts(data)
     yield from _check_sockets(data)
-    yield from _check_fitted(data)
-    yield from _Owners(data).check()
+    for name, board in boards.items():
+        yield from _check_fitted(board, section(name))
+        own = [claim for claim in claims if placed(claim.pin)[0] == name]
+        yield from _Owners(data, name, board, own).check()
 
 
 def machine_claims(data: Raw) -> Iterator[Claim]:
     """What the machine's parts claim, in the order of the file's usual sections."""
-    sockets = table(data, "board", "sockets")
     for name, stepper in tables(data, "steppers"):
         path = ("steppers", name)
-        socket = table(sockets, str(stepper.get("socket")))
+        board, word = placed(str(stepper.get("socket")))
+        socket = table(_board(data, board), "sockets", word)
         for key, need in _MOTOR_PINS.items():
             if f"{key}_pin" in stepper:
                 yield from _claim((*path, f"{key}_pin"), stepper[f"{key}_pin"], need)
             else:
-                yield from _claim((*path, "socket"), socket.get(key), need)
+                yield from _claim((*path, "socket"), _on(board, socket.get(key)), need)
         tmc = table(stepper, "tmc")
         if "cs_pin" in tmc:
             yield from _claim((*path, "tmc", "cs_pin"), tmc["cs_pin"])
         elif stepper.get("driver") in _SPI_DRIVERS:
-            yield from _claim((*path, "socket"), socket.get("select"))
+            yield from _claim((*path, "socket"), _on(board, socket.get("select")))
         yield from _wires((*path, "tmc"), tmc)
     for part in ("heaters", "fans"):
         for name, content in tables(data, part):
@@ -81,25 +89,69 @@ def machine_claims(data: Raw) -> Iterator[Claim]:
     yield from _claim(("laser", "pin"), table(data, "laser").get("pin"), "pwm")
 
 
+def _board(data: Raw, name: str) -> Raw:
+    return table(data, *section(name))
+
+
+def _on(board: str, pin: object) -> object:
+    return named_on(board, pin) if board != MAIN and isinstance(pin, str) else pin
+
+
+def _check_boards(claims: list[Claim], boards: Mapping[str, Raw]) -> Iterator[Finding]:
+    for claim in claims:
+        name = placed(claim.pin)[0]
+        if name not in boards:
+            limit = "the name of one of the boards before the colon"
+            hint = did_you_mean(name, [known for known in boards if known])
+            yield Finding("config.value", claim.path, claim.pin, limit, hint)
+
+
+def _check_parts(data: Raw) -> Iterator[Finding]:
+    """A motor has all its pins on one board, and a heater's sensor and fan are on its own."""
+    for name, stepper in tables(data, "steppers"):
+        keys = ("step_pin", "socket", "direction_pin", "enable_pin")
+        yield from _check_together(("steppers", name), stepper, keys)
+        tmc = table(stepper, "tmc")
+        first = stepper.get("step_pin", stepper.get("socket"))
+        keys = ("socket", "cs_pin", *_WIRES)
+        yield from _check_together(("steppers", name, "tmc"), {**tmc, "socket": first}, keys)
+    fans = dict(tables(data, "fans"))
+    for name, heater in tables(data, "heaters"):
+        path = ("heaters", name)
+        yield from _check_together(path, heater, ("pin", "sensor_pin"))
+        fan = fans.get(str(heater.get("fan")))
+        both = {"pin": heater.get("pin"), "fan": fan.get("pin")} if fan else {}
+        yield from _check_together(path, both, ("pin", "fan"))
+
+
+def _check_together(path: Path, part: Raw, keys: tuple[str, ...]) -> Iterator[Finding]:
+    """Those of the keys that are given are on the board of the first of them."""
+    pins = {key: pin for key in keys if isinstance(pin := part.get(key), str)}
+    for key, pin in pins.items():
+        first, board = next((k, placed(p)[0]) for k, p in pins.items())
+        if placed(pin)[0] != board:
+            limit = f"a pin of the board of {key_text((*path, first))}, {board or 'the main one'}"
+            yield Finding("config.conflict", (*path, key), pin, limit)
+
+
 def _wires(path: Path, content: Raw) -> Iterator[Claim]:
     for key, need in _WIRES.items():
         yield from _claim((*path, key), content.get(key), need)
 
 
-def board_claims(data: Raw) -> Iterator[Claim]:
-    """What the board itself claims: its console, what it reserves, and what is plugged in."""
-    board = table(data, "board")
+def board_claims(board: Raw, place: Path) -> Iterator[Claim]:
+    """What a board itself claims: its console, what it reserves, and what is plugged in."""
     for pin in array(table(board, "console"), "pins"):
-        yield from _claim(("board", "console"), pin)
+        yield from _claim((*place, "console"), pin)
     for what in table(board, "reserved"):
         for pin in array(table(board, "reserved"), what):
-            yield from _claim(("board", "reserved", what), pin)
-    yield from _claim(("board", "status_led"), board.get("status_led"))
+            yield from _claim((*place, "reserved", what), pin)
+    yield from _claim((*place, "status_led"), board.get("status_led"))
     for word in array(board, "fitted"):
         if word == "card":
-            path, pins = ("board", "card"), table(board, "card")
+            path, pins = (*place, "card"), table(board, "card")
         else:
-            path, pins = ("board", "displays", str(word)), table(board, "displays", str(word))
+            path, pins = (*place, "displays", str(word)), table(board, "displays", str(word))
         for key, pin in pins.items():
             yield from _claim((*path, key), pin)
 
@@ -110,12 +162,13 @@ def _claim(path: Path, pin: object, need: Need = "digital") -> Iterator[Claim]:
 
 
 def _check_sockets(data: Raw) -> Iterator[Finding]:
-    sockets = table(data, "board", "sockets")
     for name, stepper in tables(data, "steppers"):
         path = ("steppers", name)
         socket = stepper.get("socket")
-        if isinstance(socket, str) and socket not in sockets:
-            hint, limit = did_you_mean(socket, sockets), "a socket of the board"
+        board, word = placed(str(socket))
+        sockets = table(_board(data, board), "sockets")
+        if isinstance(socket, str) and word not in sockets:
+            hint, limit = did_you_mean(word, sockets), "a socket of the board"
             yield Finding("config.value", (*path, "socket"), socket, limit, hint)
         for key in ("step_pin", "direction_pin"):
             if "socket" not in stepper and key not in stepper:
@@ -123,21 +176,23 @@ def _check_sockets(data: Raw) -> Iterator[Finding]:
                 yield Finding("config.missing-key", (*path, key), None, limit)
 
 
-def _check_fitted(data: Raw) -> Iterator[Finding]:
-    board = table(data, "board")
+def _check_fitted(board: Raw, place: Path) -> Iterator[Finding]:
     known = [*(["card"] if "card" in board else []), *table(board, "displays")]
     for index, word in enumerate(array(board, "fitted")):
         if word not in known:
             hint, limit = did_you_mean(word, known), "what has a place on this board"
-            yield Finding("config.value", ("board", "fitted", index), word, limit, hint)
+            yield Finding("config.value", (*place, "fitted", index), word, limit, hint)
 
 
 class _Owners:
-    """Who owns which pin and which timer, filled in while the claims are checked in turn."""
+    """Who owns which pin and which timer of one board, filled in while the claims are checked in
+    turn."""
 
-    def __init__(self, data: Raw) -> None:
+    def __init__(self, data: Raw, name: str, board: Raw, claims: list[Claim]) -> None:
         self.data = data
-        self.board = table(data, "board")
+        self.name = name
+        self.board = board
+        self.claims = claims
         self.names: Mapping[str, object] = table(self.board, "pins")
         self.known = known_pins(self.board)
         mcu = self.board.get("mcu")
@@ -147,7 +202,7 @@ class _Owners:
 
     def check(self) -> Iterator[Finding]:
         owned: list[Claim] = []
-        for claim in (*board_claims(self.data), *machine_claims(self.data)):
+        for claim in (*board_claims(self.board, section(self.name)), *self.claims):
             pin = self._pin(claim.pin)
             if self.known and pin not in self.known:
                 yield self._unknown(claim)
@@ -164,12 +219,12 @@ class _Owners:
                 yield from self._check_need(claim, self.chip)
 
     def _pin(self, written: str) -> str:
-        bare = written.lstrip("!^~")
+        bare = placed(written)[1].lstrip("!^~")
         return str(self.names.get(bare, bare)).lstrip("!^~")
 
     def _unknown(self, claim: Claim) -> Finding:
         mcu = self.chip.name if self.chip else "the board's dictionary"
-        bare = claim.pin.lstrip("!^~")
+        bare = placed(claim.pin)[1].lstrip("!^~")
         hint = did_you_mean(bare, {*self.known, *self.names})
         limit = f"a pin of {mcu} or a name on the board"
         return Finding("config.value", claim.path, claim.pin, limit, hint)
@@ -179,14 +234,14 @@ class _Owners:
         sockets = table(self.board, "sockets")
         units = self.chip.compare_units if self.chip else ()
         for name, stepper in tables(self.data, "steppers"):
-            word = str(stepper.get("socket"))
+            board, word = placed(str(stepper.get("socket")))
             unit = table(sockets, word).get("compare")
-            if not isinstance(unit, str):
+            if board != self.name or not isinstance(unit, str):
                 continue
             path = ("steppers", name, "socket")
             if unit not in units:
                 hint, limit = did_you_mean(unit, units), "a compare unit of the chip"
-                place = ("board", "sockets", word, "compare")
+                place = (*section(self.name), "sockets", word, "compare")
                 yield Finding("config.value", place, unit, limit, hint)
                 continue
             owner = self.units.setdefault(unit, path)

@@ -44,9 +44,10 @@ class RecoveryCommands:
         if self._interrupted is None:
             return ""
         program, moment = self._interrupted
+        way = " from where the board has stopped" if self._printer.connection.adopted else ""
         return (
             f"echo:The print of {program.path} was interrupted at line {moment.line}."
-            " M1000 goes on with it, M1000 C forgets it"
+            f" M1000 goes on with it{way}, M1000 C forgets it"
         )
 
     def _job_changed(self, state: State) -> None:
@@ -131,6 +132,7 @@ class RecoveryCommands:
             job.speed_factor,
             job.flow,
             {axis: mm for axis, mm in printer.motion.babysteps_mm.items() if mm},
+            printer.positions.origins(),
         )
 
     def _go_on(self, command: Command, reply: Reply) -> Wait | None:

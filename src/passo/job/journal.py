@@ -51,6 +51,7 @@ class Moment:
     speed_factor: float = 1.0
     flow: float = 1.0
     babysteps_mm: dict[str, float] = field(default_factory=dict[str, float])
+    origins: dict[str, int] = field(default_factory=dict[str, int])  # see Positions.origins
 
 
 class Journal:

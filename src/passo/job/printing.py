@@ -61,8 +61,9 @@ class Print:
         self._heaters = list(machine.heaters)
         self._marks: deque[tuple[int, int, int]] = deque()
         self.connection, self.board = connect_simulated(machine)
-        Drivers(self.connection).require()
-        self.connection.on_fault = self._heater_failed
+        for connection in self.connection.connections:
+            Drivers(connection).require()
+        self.connection.set_on_fault(self._heater_failed)
         outputs = self.connection.board.outputs
         self.job = _core.Job(
             machine.core_spec(), True, self._policy.clamp, self._policy.ignore_tools
@@ -115,7 +116,7 @@ class Print:
     def run(self, path: str | os.PathLike[str]) -> PrintResult:
         """Prints the file to its end. Raises InputError or MachineError."""
         result = PrintResult(file=str(path), machine=self._machine.name)
-        self.base = self.connection.start_job(self.job.messages)
+        self.base = self.connection.start_job(self.job)
         settle = heated(self.job, self.wait_for)
         if self._trace_s > 0:
             for stepper in self.connection.board.steppers:
@@ -168,7 +169,7 @@ class Print:
         if self._machine.heaters[name].on_fault == "heater":
             return
         if self._machine.heaters[name].on_fault == "machine":
-            self.connection.command("emergency_stop")
+            self.connection.emergency_stop()
         for heater in self._heaters:
             self.connection.set_target(heater, 0.0)
         with suppress(MachineError):  # a board that was stopped says so
@@ -183,7 +184,8 @@ class Print:
         )
 
     def _fill(self, result: PrintResult, name: str) -> None:
-        machine, job, link = self._machine, self.job, self.connection.link
+        machine, job = self._machine, self.job
+        links = [connection.link for connection in self.connection.connections]
         spec = machine.core_spec()
         result.heat_time_s = self._heat_s
         axes, extruders = ([row["name"] for row in spec[key]] for key in ("axes", "extruders"))
@@ -192,9 +194,9 @@ class Print:
         steppers = [row["name"] for row in spec["steppers"]]
         result.steps = {s: self.board.steps(s) for s in steppers}
         result.final_steps = {s: self.board.net_steps(s) for s in steppers}
-        result.queue_step_commands = link.queue_steps
-        result.wire_bytes = link.wire_bytes
-        result.stream_hash = f"{link.stream_hash:016x}"
+        result.queue_step_commands = sum(link.queue_steps for link in links)
+        result.wire_bytes = sum(link.wire_bytes for link in links)
+        result.stream_hash = "-".join(f"{link.stream_hash:016x}" for link in links)
         result.warnings = self._commands.warnings(name, job.statistics()["clamped"])
         result.warnings += [str(fault) for fault in self.connection.faults]
         result.errors = [
@@ -202,7 +204,7 @@ class Print:
             for s, wanted in result.net_steps_expected.items()
             if result.final_steps[s] != wanted
         ]
-        wire = self.connection.wire
+        wire = self.connection.main.wire
         board = wire.device_cpu_s if isinstance(wire, _core.Pump) else 0.0
         result.cpu_s = job.cpu() | {
             "wire": max(self._wire_cpu_s - board, 0.0),

@@ -117,13 +117,18 @@ class Recovery:
         return offset
 
     async def _lift_and_home(self) -> None:
-        """Up first. A machine whose Z is moved alone keeps it, and homes the others; one whose arms
-        move together homes upwards."""
+        """Up first, and no more if the board knows where it stands. A machine whose Z is moved
+        alone keeps it, and homes the others; one whose arms move together homes upwards."""
         printer, machine = self._printer, self._printer.machine
+        raise_mm = machine.park.raise_mm if machine.park else 0.0
+        if printer.positions.restore(self._moment.origins):
+            z = printer.job.machine_position[Z]
+            if printer.drive.move({Z: z + raise_mm}, math.inf):
+                printer.drive.flush()
+            return
         if machine.geometry.lifts_together:
             await printer.homer.home("")
             return
-        raise_mm = machine.park.raise_mm if machine.park else 0.0
         z = self._moment.z_mm
         printer.job.set_axes([(Z, z)])
         await self._go({Z: min(z + raise_mm, max(machine.axes["z"].max_mm, z))}, math.inf)

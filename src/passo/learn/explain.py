@@ -150,7 +150,7 @@ class _Run:
 
 def _runs(job: Print, begin: float, end: float) -> list[_Run]:
     """The step commands with steps between two ticks of the job, in the order of their clocks."""
-    dictionary = job.connection.dictionary
+    dictionary = job.connection.main.dictionary
     number = next(i for i, text in dictionary.commands if text.startswith("queue_step "))
     runs: list[_Run] = []
     for oid, stepper in enumerate(job.connection.board.steppers):

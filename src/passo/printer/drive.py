@@ -12,14 +12,13 @@ from passo.printer.slots import SLOTS
 
 if TYPE_CHECKING:
     from passo import _core
-    from passo.board.connection import Connection
+    from passo.board.boards import Boards
 
 TICK_S = 0.01  # host time between two looks at the board in real time
 HORIZON_S = 0.16  # of print time ahead that cannot be taken back: the board has it
 COMMITS_AHEAD_S = 0.2  # the same where motion comes in commits, less the time to notice
 COMMIT_S = 0.075  # of print time in a commit
 _SHARE_OF_SLOTS = 4  # a commit takes no more than this part of them
-_KEPT_S = 2.0  # motion that the board has, but may never come to
 RUNNING_DRY_S = 0.9  # a plan that ends sooner is settled for a stop, as Python may stall for 0.5 s
 TAKE_BACK_S = 1.0  # that stop is taken back, if more moves came in, when it is so near
 LEAD_S = 0.2  # from a command on a standing machine to its first step
@@ -40,7 +39,7 @@ class Drive:
 
     def __init__(
         self,
-        connection: Connection,
+        connection: Boards,
         job: _core.Job,
         *,
         free: bool,
@@ -52,10 +51,11 @@ class Drive:
         self.on_pass: Callable[[], None] = lambda: None  # whenever time has passed
         self.hz = connection.board.clock_hz
         self.horizon_s = HORIZON_S
+        self.interrupted = False  # the board has stopped by itself, who knows where
         if connection.survives:
             self.horizon_s = COMMITS_AHEAD_S + TICK_S
-            connection.use_commits(COMMITS_AHEAD_S)
-        self.base = connection.start_job(job.messages)
+            connection.main.use_commits(COMMITS_AHEAD_S)
+        self.base = connection.start_job(job)
         self.use_commits(True)
         self._loop = asyncio.get_running_loop()
         self._start_s = self._loop.time()
@@ -71,7 +71,7 @@ class Drive:
     @property
     def now(self) -> int:
         """Print time in ticks of the job's clock."""
-        if self._free or self._connection.port.live:
+        if self._free or self._connection.live:
             return self._connection.now - self.base
         passed = self._loop.time() - self._start_s
         return self._start_clock + int(passed * self.hz) - self.base
@@ -85,7 +85,11 @@ class Drive:
     def standing(self) -> bool:
         """All moves so far are done."""
         job = self._job
-        return job.queued == 0 and job.clock <= self.now and not job.holds
+        planned = job.queued == 0 and job.clock <= self.now and not job.holds
+        if not planned or not self._connection.survives:
+            return planned
+        # What the board does not have yet comes too late, and it will say so.
+        return not self.interrupted and self._connection.main.link.delivered
 
     @property
     def idle_s(self) -> float:
@@ -180,13 +184,13 @@ class Drive:
             return
         if on:
             hz = self.hz
-            most = self._connection.move_count // _SHARE_OF_SLOTS
-            self._job.use_commits(int(COMMIT_S * hz), most, int(_KEPT_S * hz))
-            self._connection.command("survive_arm")
-            self._connection.link.begin_commits()
+            most = self._connection.main.move_count // _SHARE_OF_SLOTS
+            self._job.use_commits(int(COMMIT_S * hz), most)
+            self._connection.main.command("survive_arm")
+            self._connection.main.link.begin_commits()
         else:
             self._job.stop_commits()
-            self._connection.command("survive_off")
+            self._connection.main.command("survive_off")
 
     def recover_from(self, serial: int) -> bool:
         """The board has stopped by itself behind a commit: all that was to follow is held. False if
@@ -198,6 +202,8 @@ class Drive:
 
     def release(self) -> None:
         """Goes on with what is held."""
+        if self._job.holds:
+            self.on_motion()
         self.before_moves()
         self._job.release()
         self.after_moves()
@@ -272,7 +278,7 @@ class Drive:
 
     def _run(self, job_clock: int) -> None:
         until = self.base + job_clock
-        if until > self._connection.now or self._connection.port.live:
+        if until > self._connection.now or self._connection.live:
             self._connection.run(until)  # a live board may have news at any time
 
     def _settle(self, now: int) -> None:

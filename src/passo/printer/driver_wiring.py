@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from passo.board.description import Driver, SpiPins, UartPins, bare
 from passo.board.trinamic import DriverSettings, threshold_of
+from passo.config.places import placed
 from passo.config.sensors import ThermocoupleConverter
 from passo.config.trinamic import chip_of
 
@@ -16,14 +17,19 @@ if TYPE_CHECKING:
 
 
 def drivers(machine: MachineConfig) -> Iterator[Driver]:
-    """The drivers that Passo sets up, in the order of the machine file."""
-    pin = machine.board.pin
-    uarts: dict[str, UartPins] = {}  # as the first of the drivers on it describes it
+    """The drivers that Passo sets up, in the order of the machine file. A UART is known by board
+    and pin, and is as the first of the drivers on it describes it."""
+    uarts: dict[tuple[str, str], UartPins] = {}
     for name, stepper in machine.steppers.items():
         tmc = stepper.tmc
         chip = chip_of(stepper.driver)
         if tmc is None or chip is None:
             continue
+        board = machine.board_of_stepper(name)
+
+        def pin(written: str, board: str = board) -> str:
+            return machine.all_boards[board].pin(placed(written)[1])
+
         below = tmc.stealthchop_below_mm_s or tmc.stealthchop_below_deg_s
         settings = DriverSettings(
             chip,
@@ -36,10 +42,10 @@ def drivers(machine: MachineConfig) -> Iterator[Driver]:
         )
         if tmc.uart_pin:
             wire = UartPins(pin(tmc.uart_pin), pin(tmc.tx_pin or tmc.uart_pin))
-            wire = uarts.setdefault(bare(wire.rx_pin), wire)
+            wire = uarts.setdefault((board, bare(wire.rx_pin)), wire)
             yield Driver(name, wire, settings, tmc.address)
         else:
-            socket = machine.board.sockets[stepper.socket] if stepper.socket else None
+            socket = machine.socket(name)
             select = tmc.cs_pin or (socket.select if socket else None) or ""
             buses = (tmc.clock_pin or "", tmc.mosi_pin or "", tmc.miso_pin or "")
             clock, mosi, miso = (pin(bus) for bus in buses)
@@ -48,7 +54,7 @@ def drivers(machine: MachineConfig) -> Iterator[Driver]:
 
 def converter_wires(machine: MachineConfig, heater: Heater) -> SpiPins | None:
     """The bus of a heater's sensor, if it is a converter."""
-    sensor, pin = heater.sensor, machine.board.pin
+    sensor, pin = heater.sensor, machine.pin
     if not isinstance(sensor, ThermocoupleConverter):
         return None
     clock, mosi, miso = (pin(p) for p in (sensor.clock_pin, sensor.mosi_pin, sensor.miso_pin))

@@ -9,7 +9,7 @@ from passo.board.drivers import Drivers, DriverState
 from passo.board.trinamic import DriverSettings, Finding, findings
 
 if TYPE_CHECKING:
-    from passo.board.connection import Connection
+    from passo.board.boards import Boards
     from passo.printer.printer import Printer
 
 _LOOK_S = 1.0  # between two questions how a driver is
@@ -27,26 +27,31 @@ class DriverWatch:
         self._told: set[tuple[str, str]] = set()
         self._next_look = 0
 
-    def begin(self, connection: Connection) -> None:
-        """The board has begun anew: its drivers are set up. Lets time pass; raises MachineError."""
-        self._connection = connection
-        self._drivers = Drivers(connection)
+    def begin(self, boards: Boards) -> None:
+        """The boards have begun anew: their drivers are set up. Lets time pass; raises
+        MachineError."""
+        self._boards = boards
+        self._of_boards = [Drivers(connection) for connection in boards.connections]
         for motor, settings in self._set.items():
             self.states[motor].settings = settings
         self._told.clear()
         self._next_look = 0
-        self._drivers.configure()
+        for drivers in self._of_boards:
+            drivers.configure()
+
+    def _of(self, motor: str) -> Drivers:
+        return next(drivers for drivers in self._of_boards if motor in drivers.states)
 
     @property
     def states(self) -> dict[str, DriverState]:
         """The drivers by their motors."""
-        return self._drivers.states
+        return {m: state for drivers in self._of_boards for m, state in drivers.states.items()}
 
     def set(self, motor: str, settings: DriverSettings) -> None:
         """Other settings for a driver; it has them a moment later."""
         if settings != self.states[motor].settings:
             self._set[motor] = settings
-            self._drivers.begin_configure(motor, settings)
+            self._of(motor).begin_configure(motor, settings)
 
     def failures(self) -> Iterator[str]:
         """Sentences about drivers that cannot be spoken to."""
@@ -63,17 +68,18 @@ class DriverWatch:
         """Asks on, and looks at what was answered."""
         if not self.states or self._printer.halted:
             return
-        self._drivers.poll()
+        for drivers in self._of_boards:
+            drivers.poll()
         for motor, state in self.states.items():
             self._look_at(motor, state)
-        connection = self._connection
-        if connection.now >= self._next_look and self._drivers.idle:
-            self._next_look = connection.now + int(_LOOK_S * connection.board.clock_hz)
+        boards = self._boards
+        if boards.now >= self._next_look and all(drivers.idle for drivers in self._of_boards):
+            self._next_look = boards.now + int(_LOOK_S * boards.board.clock_hz)
             for motor, state in self.states.items():
                 if state.failure is None:
-                    self._drivers.begin_status(motor)
+                    self._of(motor).begin_status(motor)
                 else:
-                    self._drivers.begin_configure(motor)
+                    self._of(motor).begin_configure(motor)
 
     def _look_at(self, motor: str, state: DriverState) -> None:
         on = motor in self._printer.motors.on
@@ -95,7 +101,7 @@ class DriverWatch:
         if grave and on:
             self._printer.halt(str(grave[0]))
         elif any(problem.code == "driver.reset" for problem in grave):
-            self._drivers.begin_configure(motor)
+            self._of(motor).begin_configure(motor)
         for finding in found:
             code = finding.problem.code
             if code == "driver.hot":

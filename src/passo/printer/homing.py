@@ -12,6 +12,7 @@ from passo.config.drives import axis_order
 from passo.errors import CommandError
 from passo.geometry.base import Point
 from passo.printer.faults import problem_of
+from passo.printer.overshoot import Overshoot
 from passo.printer.slots import E, X, Y, Z, slot_of_axis
 from passo.printer.switches import (
     Switch,
@@ -67,6 +68,7 @@ class Homer:
         self._switches = switches(self._machine)
         self._order = [row["name"] for row in self._machine.core_spec()["steppers"]]
         self._endstops = Endstops(printer.connection)
+        self._joints = False
         self.active = False
 
     @property
@@ -204,20 +206,22 @@ class Homer:
         arms = any(is_actuator(self._machine, way.name) for way in ways)
         of_arms = axes_of_arms(self._machine) if arms else ()
 
-        def point_of_arms() -> dict[str, float]:
-            point = zip("xyz", self._at_home(job.machine_position[Z]), strict=True)
+        def point_of_arms(joints: Sequence[float]) -> dict[str, float]:
             job.use_joints(False)
+            if not arms:
+                return {}
+            a, b, c = joints
+            point = zip("xyz", self._machine.geometry.forward((a, b, c)), strict=True)
             return {name: at for name, at in point if name in of_arms}
 
         names = [w.name for w in ways if not is_actuator(self._machine, w.name)]
+        self._joints = arms
         try:
             job.use_joints(arms)
             travel = [self._travel(way) for way in ways]
             for way, far in zip(ways, travel, strict=True):
                 self._place(way, way.home - way.sign * far)
             await self._seek(ways, travel, fast=True)
-            for way in ways:
-                self._place(way, way.home)
             await self._go([-w.config.retract for w in ways], ways)
             for way in ways:
                 for switch in way.switches:
@@ -226,20 +230,20 @@ class Homer:
             slow = [_SLOW_OVERRUN * w.config.retract for w in ways]
             await self._seek(ways, slow, fast=False)
         except BaseException:
-            self._set(point_of_arms())
+            self._set(point_of_arms(self._arms_at_home(job.machine_position[Z])))
             printer.lock([*of_arms, *names])
             raise
-        found = {way.name: way.home for way in ways if way.name in names} | point_of_arms()
+        found = {way.name: self._at(way.slot) for way in ways if way.name in names}
+        found |= point_of_arms(job.machine_position[:3])
         self._set({n: at + printer.motion.home_offset_mm[n] for n, at in found.items()})
 
-    def _at_home(self, z: float) -> Point:
-        """The nozzle with all arms at home, and Z there where it moves by itself."""
+    def _arms_at_home(self, z: float) -> list[float]:
+        """The actuators with all arms at home, and Z there where it moves by itself."""
         machine = self._machine
-        a, b, c = (
+        return [
             machine.homing[n].position if n in machine.geometry.arms else z
             for n in machine.geometry.actuators
-        )
-        return machine.geometry.forward((a, b, c))
+        ]
 
     async def _seek(self, ways: Sequence[_Way], travel: Sequence[float], *, fast: bool) -> None:
         """All ways at once, each at its own speed, until each has met all its switches."""
@@ -248,7 +252,10 @@ class Homer:
         stops = {s.name: s.steppers for w in ways for s in w.switches}
         finest = max(speed * self._steps(w) for speed, w in zip(speeds, ways, strict=True))
         drive = printer.drive
+        if not printer.positions.settled:
+            printer.positions.settle()
         drive.before_moves()
+        overshoot = Overshoot(printer, self._endstops, joints=self._joints)
         start = drive.base + int(printer.job.clock - _ARMED_S * drive.hz)
         self._endstops.arm(stops, start, min(_REST_S, max(1.0 / finest, 5e-5)))
         times = [t / v for t, v in zip(travel, speeds, strict=True)]
@@ -265,12 +272,12 @@ class Homer:
         printer.drive.flush()
         try:
             await drive.until(
-                lambda: self._endstops.all_hit() or drive.standing or printer.interrupted
+                lambda: self._all_hit(overshoot) or drive.standing or printer.interrupted
             )
             if not drive.standing:
                 drive.stop()
                 await drive.until(lambda: drive.standing or bool(printer.halted))
-            self._endstops.all_hit()
+            self._all_hit(overshoot)
         finally:
             self._endstops.disarm()
             moved = {stepper for way in ways for stepper in way.steppers}
@@ -280,9 +287,21 @@ class Homer:
         printer.raise_if_interrupted()
         for way in ways:
             for switch in way.switches:
+                if switch.name in self._endstops.expired:
+                    raise self._problem("machine.switch-lost", switch, 0.0)
                 if switch.name not in self._endstops.hit:
                     far = travel[list(ways).index(way)]
                     raise self._problem("machine.switch-missed", switch, far)
+        overshoot.measure(s for way in ways for s in way.switches)
+        for way in ways:
+            self._place(way, way.home)
+        printer.job.set_axes(overshoot.places())
+
+    def _all_hit(self, overshoot: Overshoot) -> bool:
+        """All switches are hit, or the boards of one have lost each other."""
+        done = self._endstops.all_hit() or bool(self._endstops.expired)
+        overshoot.look()
+        return done
 
     async def _go(self, by: Sequence[float], ways: Sequence[_Way]) -> None:
         """A move of all these axes, by so much towards their switches."""

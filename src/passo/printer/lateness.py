@@ -9,6 +9,7 @@ from passo.board.lateness import is_late, problem_of, summary
 
 if TYPE_CHECKING:
     from passo import _core
+    from passo.board.connection import Connection
     from passo.printer.printer import Printer
 
 _AGAIN_S = 10.0  # between two lines on the consoles
@@ -22,9 +23,9 @@ class LatenessWatch:
         self._printer = printer
         self.program: Callable[[], str] = str
         self.worst = ""
-        self._least = 0  # slack of `worst`
+        self._least_s = 0.0  # slack of `worst`
         self._next_word = 0
-        self._pending: tuple[int, str] | None = None
+        self._pending: tuple[float, str] | None = None
 
     def begin(self) -> None:
         """A print begins."""
@@ -42,15 +43,16 @@ class LatenessWatch:
 
     def look(self) -> None:
         """Takes notice of what has happened since the last look."""
-        slack = self._printer.connection.link.take_slack()
-        self._printer.braking.look_at(slack)
-        if not is_late(self._printer.connection, slack):
-            return
-        sentence = self._sentence(slack)
-        if self._pending is None or slack.slack < self._pending[0]:
-            self._pending = slack.slack, sentence
-        if not self.worst or slack.slack < self._least:
-            self._least, self.worst = slack.slack, sentence
+        for connection in self._printer.connection.connections:
+            slack = connection.link.take_slack()
+            if not is_late(connection, slack):
+                continue
+            seconds = slack.slack / connection.board.clock_hz
+            sentence = self._sentence(connection, slack)
+            if self._pending is None or seconds < self._pending[0]:
+                self._pending = seconds, sentence
+            if not self.worst or seconds < self._least_s:
+                self._least_s, self.worst = seconds, sentence
 
     def board_failed(self) -> None:
         """What is known is told at once: it may be why."""
@@ -58,16 +60,17 @@ class LatenessWatch:
         self._next_word = 0  # the board's clock may begin anew
         self._tell()
 
-    def summary(self) -> str:
-        """One line for M122."""
-        return summary(self._printer.connection)
+    def summaries(self) -> list[str]:
+        """A line of M122 for each board."""
+        return [summary(connection) for connection in self._printer.connection.connections]
 
     def _tell(self) -> None:
         if self._pending is not None:
             self._printer.tell(f"echo:{self._pending[1]}")
             self._pending = None
 
-    def _sentence(self, slack: _core.Slack) -> str:
+    def _sentence(self, connection: Connection, slack: _core.Slack) -> str:
         printer, file = self._printer, self.program()
-        line = printer.job.line_near(slack.clock - printer.drive.base) if file else 0
-        return str(problem_of(printer.connection, slack, file, line or None))
+        clock = connection.main_clock(slack.clock) - printer.drive.base
+        line = printer.job.line_near(clock) if file else 0
+        return str(problem_of(connection, slack, file, line or None))

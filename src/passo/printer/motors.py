@@ -44,6 +44,11 @@ class Motors:
         """The board begins anew, with all motors off."""
         self.on.clear()
 
+    def renew(self) -> None:
+        """The board may not have heard the last words about motors."""
+        for name, output in self._outputs.items():
+            self._printer.connection.switch(output, self._live(name))
+
     def _set(self, steppers: Sequence[str], *, on: bool) -> None:
         for name in steppers:
             was_live = self._live(name)

@@ -17,7 +17,8 @@ class Positions:
 
     def __init__(self, printer: Printer) -> None:
         self._printer = printer
-        self._lost: dict[str, int] = {}
+        self.lost: dict[str, int] = {}
+        self.settled = True  # False: a board did not answer the last time
         self._frozen: list[float] | None = None
 
     def freeze(self) -> None:
@@ -37,16 +38,65 @@ class Positions:
     def settle(self) -> None:
         """The machine stands: whatever the board has not made of the plan, it never will. Lets time
         pass; raises MachineError."""
+        self.settled = False
         for row in self._printer.job.steppers():
             name = row["name"]
-            self._lost[name] = row["expected_net"] - self._printer.connection.net_steps(name)
+            self.lost[name] = row["expected_net"] - self._printer.connection.net_steps(name)
+        self.settled = True
+
+    def origins(self) -> dict[str, int]:
+        """Each motor's position, in steps, where the board's count of it is 0."""
+        return {
+            row["name"]: row["count"] - row["expected_net"] + self.lost.get(row["name"], 0)
+            for row in self._printer.job.steppers()
+        }
+
+    def restore(self, origins: dict[str, int]) -> bool:
+        """The machine is where a board that was adopted has counted to, from these origins. False,
+        and nothing is changed, if it does not know. Lets time pass; raises MachineError."""
+        job, connection = self._printer.job, self._printer.connection
+        rows = {row["name"]: row for row in job.steppers()}
+        if not connection.adopted or set(origins) != set(rows):
+            return False
+        counts = {name: connection.net_steps(name) + origins[name] for name in rows}
+        places = [at for at in self._places(self._real(counts)) if at is not None]
+        if len(places) < len(self._printer.machine.axes):
+            return False
+        job.set_axes(list(enumerate(places)))
+        self.settle()
+        return True
+
+    def _real(self, counts: dict[str, int]) -> dict[tuple[str, int], float]:
+        """What each actuator, axis and extruder stands at, mm or degrees."""
+        machine = self._printer.machine
+        real: dict[tuple[str, int], float] = {}
+        for row in self._printer.job.steppers():
+            name = row["name"]
+            driven = machine.drivable.of(name, machine.steppers[name].drives)
+            if driven is not None:
+                at = counts[name] / row["steps_per_unit"]
+                real.setdefault((driven.drive, driven.index), at)
+        return real
+
+    def _places(self, real: dict[tuple[str, int], float]) -> list[float | None]:
+        """The axes, in machine mm; None where that is not known."""
+        machine = self._printer.machine
+        places: list[float | None] = [None] * len(machine.core_spec()["axes"])
+        try:
+            a, b, c = (real[("actuator", i)] for i in range(3))
+            places[:3] = machine.geometry.forward((a, b, c))
+        except (Unreachable, KeyError):
+            pass
+        for i in range(3, len(places)):
+            places[i] = real.get(("axis", i))
+        return places
 
     def counts(self) -> dict[str, int]:
         """Each motor's position in steps, now. Lets time pass; raises MachineError."""
         found: dict[str, int] = {}
         for row in self._printer.job.steppers():
             name = row["name"]
-            net = self._printer.connection.net_steps(name) + self._lost.get(name, 0)
+            net = self._printer.connection.net_steps(name) + self.lost.get(name, 0)
             found[name] = net + row["count"] - row["expected_net"]
         return found
 
@@ -73,24 +123,11 @@ class Positions:
         printer, machine = self._printer, self._printer.machine
         job = printer.job
         counts = self.counts()
-        rows = {row["name"]: row for row in job.steppers()}
-        real: dict[tuple[str, int], float] = {}
-        for name in rows:
-            driven = machine.drivable.of(name, machine.steppers[name].drives)
-            if driven is not None:
-                at = counts[name] / rows[name]["steps_per_unit"]
-                real.setdefault((driven.drive, driven.index), at)
         letters = [row["letter"] for row in machine.core_spec()["axes"]]
         if self._frozen is not None:
             return dict(zip([*letters, "E"], self._frozen, strict=True)), counts
-        places: list[float | None] = [None] * len(letters)
-        try:
-            a, b, c = (real[("actuator", i)] for i in range(3))
-            places[:3] = machine.geometry.forward((a, b, c))
-        except (Unreachable, KeyError):
-            pass
-        for i in range(3, len(letters)):
-            places[i] = real.get(("axis", i))
+        real = self._real(counts)
+        places = self._places(real)
         *ends, e_end = job.program_position
         machine_ends = job.machine_position
         found: dict[str, float] = {}

@@ -10,7 +10,6 @@ from passo import _core
 from passo.board.ports import LinkLostError
 from passo.config.drives import axis_order
 from passo.errors import CommandError, MachineError
-from passo.printer.braking import BrakeWatch
 from passo.printer.commands import Commands
 from passo.printer.drive import MOST_QUEUED, TICK_S, Drive
 from passo.printer.driver_commands import DriverCommands
@@ -43,7 +42,7 @@ from passo.printer.wiring import connect, reconnected
 from passo.printer.words import Command
 
 if TYPE_CHECKING:
-    from passo.board.connection import Connection
+    from passo.board.boards import Boards
     from passo.board.faults import HeaterFault
     from passo.config.machine import MachineConfig
 
@@ -72,7 +71,6 @@ class Printer:
         self.motors = Motors(self)
         self.drivers = DriverWatch(self)
         self.lateness = LatenessWatch(self)
-        self.braking = BrakeWatch(self)
         self.driver_commands = DriverCommands(self)
         self._begin(connection)
         self.turn = Turn()
@@ -86,7 +84,6 @@ class Printer:
         self.watchers.append(self.endstops.time_passed)
         self.watchers.append(self.drivers.time_passed)
         self.watchers.append(self.lateness.time_passed)
-        self.watchers.append(self.braking.time_passed)
         self.store_settings: Callable[[], object] = lambda: None
         self.immediate: dict[str, Handler] = (
             self.heat.immediate
@@ -114,12 +111,12 @@ class Printer:
         self._impatient = False  # the wait that goes on shall not even wait for moves
         self._revived = asyncio.Event()
 
-    def _begin(self, connection: Connection) -> None:
-        """Starts from a board that has just been configured, with nothing planned."""
+    def _begin(self, connection: Boards) -> None:
+        """Starts from boards that have just been configured, with nothing planned."""
         machine = self.machine
         connection.run(connection.now + int(_FIRST_REPORTS_S * machine.board.clock_hz))
         self.connection = connection
-        connection.on_fault = self._heater_failed
+        connection.set_on_fault(self._heater_failed)
         self.drivers.begin(connection)
         self.job = _core.Job(machine.core_spec(), True, False, False)
         full = [connection.full_scale(o.name) for o in connection.board.outputs]
@@ -130,6 +127,9 @@ class Printer:
         self.drive.on_pass = self._time_passed
         self.homer = Homer(self)
         self.positions = Positions(self)
+        if connection.adopted:
+            self.motors.all_on()  # as the host before has left them
+            self.positions.settle()
         if machine.unhomed_moves == "refuse":
             self.lock(self.homer.axes)
 
@@ -211,7 +211,7 @@ class Printer:
         self.halted = reason.rstrip(".")
         for name in self.heaters:
             self.connection.set_target(name, 0.0)
-        self.connection.command("emergency_stop")
+        self.connection.emergency_stop()
         self._skip.set()
 
     def revive(self) -> None:
@@ -412,8 +412,8 @@ class Printer:
         """The board may only have been silent for a moment: it must not go on when it is back."""
         for name in self.heaters:
             self.connection.set_target(name, 0.0)
-        self.connection.link.stop_job()
-        self.connection.command("emergency_stop")
+        self.connection.stop_job()
+        self.connection.emergency_stop()
 
     async def _revive(self) -> None:
         """Begins anew; as often as somebody asks, until the board can be reached."""

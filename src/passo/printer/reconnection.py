@@ -1,15 +1,13 @@
-"""After a lost link, or commands that came late: the board has stopped by itself, and the print
-goes on from there."""
+"""After a lost link: the board has stopped by itself, and the print goes on from there."""
 
 from __future__ import annotations
 
 import asyncio
 from typing import TYPE_CHECKING
 
-from passo.board.connection import Values
+from passo.board.connection import BoardAloneError, Values
 from passo.board.ports import LinkLostError
 from passo.errors import MachineError
-from passo.printer.braking import BrakedError
 from passo.printer.drive import TICK_S
 
 if TYPE_CHECKING:
@@ -25,35 +23,40 @@ async def reconnect(printer: Printer, lost: LinkLostError) -> None:
     was held as soon as what was warm is so again. Raises `lost` when the printer is halted
     meanwhile, and MachineError when the board's place cannot be proved."""
     held = printer.job.holds
-    printer.connection.link.stop_job()
+    printer.drive.interrupted = True
+    printer.connection.stop_job()
     problem = str(lost).partition(".")[0]
-    gone = not isinstance(lost, BrakedError)
+    plug = "" if isinstance(lost, BoardAloneError) else " plug it in again, or give up with M112"
     printer.tell(
-        f"echo:The link is lost ({problem}). The board stops by itself and keeps warm for a minute:"
-        " plug it in again, or give up with M112"
-        if gone
-        else f"echo:{problem[0].upper()}{problem[1:]}; the print goes on from there"
+        f"echo:The machine waits: {problem}. The board stops by itself and keeps warm for a minute"
+        + (":" + plug if plug else "")
     )
+    reopen = not isinstance(lost, BoardAloneError)
     while not printer.halted:
         try:
-            await _take_over(printer, reopen=gone)
+            await _take_over(printer, reopen=reopen)
             break
+        except BoardAloneError:
+            reopen = False
         except LinkLostError:
-            gone = True
+            reopen = True
             await asyncio.sleep(_AGAIN_S)
     if printer.halted:
         raise lost
+    printer.drive.interrupted = False
     if not held:
         printer.drive.release()
 
 
 async def _take_over(printer: Printer, *, reopen: bool) -> None:
     """Raises LinkLostError while the board cannot be reached, and again when it is lost again."""
-    connection = printer.connection
+    connection = printer.connection.main
     if reopen:
         connection.reopen()
     _prove(printer, await _standing(printer))
     connection.command("survive_arm")
+    connection.renew()
+    printer.motors.renew()
     connection.link.go_on()
     printer.endstops.begin()
     printer.tell("echo:The board is back, and stands where it was told to stop")
@@ -65,7 +68,7 @@ async def _take_over(printer: Printer, *, reopen: bool) -> None:
 
 async def _standing(printer: Printer) -> Values:
     """The state of the board once its motors stand."""
-    connection = printer.connection
+    connection = printer.connection.main
     states = connection.dictionary.enumerations["survive"]
     for _ in range(int(_BRAKING_S / _LOOK_S)):
         state = connection.ask("survive_query", "survive_state")
@@ -78,9 +81,7 @@ async def _standing(printer: Printer) -> Values:
 
 def _prove(printer: Printer, state: Values) -> None:
     """Plans anew from where the board has stopped; every motor must be there."""
-    states = printer.connection.dictionary.enumerations["survive"]
-    if state["state"] not in (states["resting"], states["held"]):
-        raise MachineError.of("machine.place-unknown")
+    # One that was not armed yet has not moved yet; while axes home the plan has no commits.
     if not printer.drive.recover_from(int(state["serial"])):
         raise MachineError.of("machine.place-unknown")
     found = printer.positions.counts()

@@ -152,7 +152,8 @@ class TuneCommands:
         apply = "U" in command.text.upper()
         note = " (applied and stored)" if apply else ""
         tune: RelayTune | StepTune
-        hz = float(self._printer.connection.board.clock_hz)
+        board = self._printer.connection.connection_of("heaters", name).board
+        hz = float(board.clock_hz)
         try:
             if words.get("M", 0) or config.control.kind == "model":
                 tune = StepTune(

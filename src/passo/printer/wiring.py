@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import ceil
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from passo.board.boards import Boards
 from passo.board.connection import Connection
 from passo.board.description import (
     BoardDescription,
@@ -15,7 +17,8 @@ from passo.board.description import (
     Stepper,
     bare,
 )
-from passo.board.ports import InProcess, Port, serial_port, tcp_port
+from passo.board.ports import Port, in_process, serial_port, tcp_port
+from passo.config.places import MAIN, named_on, placed
 from passo.heat.control import control_of, limits_of, model_of
 from passo.heat.sensors import converter_of, open_is_high, sensor_table, share_at
 from passo.printer.driver_wiring import converter_wires, drivers
@@ -30,9 +33,10 @@ from passo.printer.switches import (
 )
 
 if TYPE_CHECKING:
+    from passo.config.board import Board
     from passo.config.heat import Heater as HeaterConfig
     from passo.config.machine import MachineConfig
-    from passo.simulator import Actuator, SimulatedBoard
+    from passo.simulator import Actuator, Cable, SimulatedBoard, SimulatedMachine
 
 _PWM_PERIOD_S = 0.1
 _MAX_DURATION_S = 3.0
@@ -40,55 +44,93 @@ _AWAY = 20.0  # mm or degrees
 _ASKEW = 0.5
 
 
-def board_description(machine: MachineConfig) -> BoardDescription:
-    """The board with all motors, heaters, fans and the laser. Message targets count the steppers in
-    the order of `core_spec()`, the outputs in the order of `output_names`."""
-    clock_hz = machine.board.clock_hz
-    spec = machine.core_spec()
-    steppers = tuple(
-        Stepper(
-            s["name"],
-            *_driver_pins(machine, s["name"]),
-            invert=s["invert"],
-            pulse_ticks=max(1, ceil(s["pulse_s"] * clock_hz)),
-        )
-        for s in spec["steppers"]
-    )
-    outputs: list[Output] = []
-    sensors: list[Sensor] = []
-    heaters: list[Heater] = []
-    for name, heater in machine.heaters.items():
-        cycle = round(_PWM_PERIOD_S * clock_hz)
-        longest = round(_MAX_DURATION_S * clock_hz)
-        outputs.append(Output(name, machine.board.pin(heater.pin), "digital", cycle, longest))
-        sensors.append(sensor_of(machine, name, heater))
-        heaters.append(_heater(name, heater))
-    for name, fan in machine.fans.items():
-        outputs.append(
-            Output(name, machine.board.pin(fan.pin), "digital", round(_PWM_PERIOD_S * clock_hz))
-        )
-    if machine.laser:
-        longest = round(_MAX_DURATION_S * clock_hz)
-        pin = machine.board.pin(machine.laser.pin)
-        outputs.append(Output("laser", pin, "pwm", round(0.001 * clock_hz), longest))
-    enables = enable_outputs(machine)
-    for name, output in enables.items():
-        if output == f"{name}-enable":
-            outputs.append(Output(output, str(enable_pin(machine, name)), "digital"))
-    if machine.board.status_led:
-        pin = machine.board.pin(machine.board.status_led)
-        outputs.append(Output("status-led", pin, cycle_ticks=clock_hz, blinks=True))
+def board_description(machine: MachineConfig, board: str = MAIN) -> BoardDescription:
+    """A board with its motors, heaters, fans and the laser. Message targets count the machine's
+    steppers in the order of `core_spec()`, its outputs in the order of `_outputs`."""
+    config = machine.all_boards[board]
+    clock_hz = config.clock_hz
+    steppers = [
+        (i, _stepper(machine, s, clock_hz))
+        for i, s in enumerate(machine.core_spec()["steppers"])
+        if machine.board_of_stepper(s["name"]) == board
+    ]
+    outputs = [
+        (i, _output(machine, name, pin, clock_hz))
+        for i, (name, pin) in enumerate(_outputs(machine))
+        if placed(pin)[0] == board
+    ]
+    heaters = {n: h for n, h in machine.heaters.items() if placed(h.pin)[0] == board}
     return BoardDescription(
         clock_hz=clock_hz,
-        steppers=steppers,
-        outputs=tuple(outputs),
-        sensors=tuple(sensors),
-        heaters=tuple(heaters),
-        endstops=tuple(Endstop(s.name, machine.board.pin(s.pin)) for s in switches(machine)),
-        drivers=tuple(drivers(machine)),
-        move_count=machine.board.move_count,
-        mcu=machine.board.mcu,
+        steppers=tuple(s for _, s in steppers),
+        outputs=tuple(o for _, o in outputs),
+        sensors=tuple(sensor_of(machine, n, h) for n, h in heaters.items()),
+        heaters=tuple(_heater(n, h) for n, h in heaters.items()),
+        endstops=tuple(
+            Endstop(s.name, machine.pin(s.pin))
+            for s in switches(machine)
+            if placed(s.pin)[0] == board
+        ),
+        drivers=tuple(d for d in drivers(machine) if machine.board_of_stepper(d.stepper) == board),
+        move_count=config.move_count,
+        mcu=config.mcu,
+        endstops_elsewhere=tuple(
+            s.name
+            for s in switches(machine)
+            if placed(s.pin)[0] != board and any(m.name in s.steppers for _, m in steppers)
+        ),
+        stepper_targets=tuple(i for i, _ in steppers),
+        output_targets=tuple(i for i, _ in outputs),
     )
+
+
+def board_descriptions(machine: MachineConfig) -> dict[str, BoardDescription]:
+    """All boards of the machine, the main one first."""
+    return {name: board_description(machine, name) for name in machine.all_boards}
+
+
+def _stepper(machine: MachineConfig, spec: dict[str, Any], clock_hz: int) -> Stepper:
+    def ticks(seconds: float) -> int:
+        return max(1, ceil(seconds * clock_hz))
+
+    pulse = ticks(spec["pulse_s"])
+    return Stepper(
+        spec["name"],
+        *_driver_pins(machine, spec["name"]),
+        invert=spec["invert"],
+        pulse_ticks=pulse,
+        apart_ticks=max(2 * pulse, ticks(1 / spec["max_rate_hz"])),
+        turning_ticks=pulse + ticks(spec["dir_setup_s"]) + ticks(spec["dir_hold_s"]),
+    )
+
+
+def _outputs(machine: MachineConfig) -> list[tuple[str, str]]:
+    """All outputs and their pins as written, by number: those on the timeline, heaters, fans, the
+    laser, then what switches motors on, and the main board's status LED."""
+    outputs = [(name, heater.pin) for name, heater in machine.heaters.items()]
+    outputs += [(name, fan.pin) for name, fan in machine.fans.items()]
+    if machine.laser:
+        outputs.append(("laser", machine.laser.pin))
+    for name, output in enable_outputs(machine).items():
+        if output == f"{name}-enable":
+            outputs.append((output, str(enable_pin(machine, name))))
+    if machine.board.status_led:
+        outputs.append(("status-led", machine.board.status_led))
+    return outputs
+
+
+def _output(machine: MachineConfig, name: str, written: str, clock_hz: int) -> Output:
+    pin = machine.pin(written)
+    cycle, longest = round(_PWM_PERIOD_S * clock_hz), round(_MAX_DURATION_S * clock_hz)
+    if name in machine.heaters:
+        return Output(name, pin, "digital", cycle, longest)
+    if name in machine.fans:
+        return Output(name, pin, "digital", cycle)
+    if name == "laser":
+        return Output(name, pin, "pwm", round(0.001 * clock_hz), longest)
+    if name == "status-led":
+        return Output(name, pin, cycle_ticks=clock_hz, blinks=True)
+    return Output(name, pin, "digital")
 
 
 def _heater(name: str, heater: HeaterConfig) -> Heater:
@@ -108,18 +150,18 @@ def sensor_of(machine: MachineConfig, name: str, heater: HeaterConfig) -> Sensor
     """The sensor of a heater as its board has it; also for `Connection.set_sensor`."""
     table = sensor_table(heater.sensor)
     low, high = sorted((share_at(table, heater.min_c), share_at(table, heater.max_c)))
-    pin = machine.board.pin(heater.sensor_pin)
+    pin = machine.pin(heater.sensor_pin)
     sensor, spi = heater.sensor, converter_wires(machine, heater)
     return Sensor(name, pin, table, low, high, open_is_high(sensor), converter_of(sensor), spi)
 
 
 def _driver_pins(machine: MachineConfig, name: str) -> tuple[str, str]:
     """Step and direction pin of a motor."""
-    stepper = machine.steppers[name]
-    socket = machine.board.sockets[stepper.socket] if stepper.socket else None
+    stepper, socket = machine.steppers[name], machine.socket(name)
     step = stepper.step_pin or (socket.step if socket else f"{name}_step")
     direction = stepper.direction_pin or (socket.direction if socket else f"{name}_dir")
-    return machine.board.pin(step), machine.board.pin(direction)
+    board = machine.all_boards[machine.board_of_stepper(name)]
+    return board.pin(placed(step)[1]), board.pin(placed(direction)[1])
 
 
 def enable_outputs(machine: MachineConfig) -> dict[str, str]:
@@ -135,11 +177,14 @@ def enable_outputs(machine: MachineConfig) -> dict[str, str]:
 
 
 def enable_pin(machine: MachineConfig, name: str) -> str | None:
-    """The pin that switches a motor on, if it has one."""
-    stepper = machine.steppers[name]
-    socket = machine.board.sockets[stepper.socket] if stepper.socket else None
+    """The microcontroller's pin that switches a motor on, if it has one, with its board's name."""
+    stepper, socket = machine.steppers[name], machine.socket(name)
     pin = stepper.enable_pin or (socket.enable if socket else None)
-    return None if pin is None else machine.board.pin(pin)
+    if pin is None:
+        return None
+    board = machine.board_of_stepper(name)
+    found = machine.all_boards[board].pin(placed(pin)[1])
+    return found if board == MAIN else named_on(board, found)
 
 
 def output_count(machine: MachineConfig) -> int:
@@ -147,31 +192,38 @@ def output_count(machine: MachineConfig) -> int:
     return len(machine.heaters) + len(machine.fans) + (machine.laser is not None)
 
 
-def simulated_board(machine: MachineConfig, board: BoardDescription) -> SimulatedBoard:
-    """The simulated board that a machine file names, with mechanics and heat around it."""
+def simulated_board(
+    machine: MachineConfig, board: BoardDescription, name: str = MAIN
+) -> SimulatedBoard:
+    """A simulated board that a machine file names, with its share of mechanics and heat."""
     from passo.simulator import Body, PlantDescription, SimulatedBoard
     from passo.simulator import Switch as PlantSwitch
 
+    own = {e.name for e in board.endstops}
     plant = PlantDescription(
-        actuators=_actuators(machine),
+        actuators=tuple(
+            a for a in _actuators(machine) if a.stepper in {s.name for s in board.steppers}
+        ),
         switches=tuple(
             PlantSwitch(s.name, weights, _felt_at(machine, s, weights), _at_maximum(machine, s))
             for s in switches(machine)
             for weights in (weights_of(machine, s),)
+            if s.name in own
         ),
         bodies=tuple(
             Body(
-                name,
-                heater.simulated.full_power_rise_c,
-                heater.simulated.time_constant_s,
-                heater.simulated.sensor_time_constant_s,
+                heater.name,
+                simulated.full_power_rise_c,
+                simulated.time_constant_s,
+                simulated.sensor_time_constant_s,
                 fan=heater.fan,
-                fan_loss=heater.simulated.fan_loss,
+                fan_loss=simulated.fan_loss,
             )
-            for name, heater in machine.heaters.items()
+            for heater in board.heaters
+            for simulated in (machine.heaters[heater.name].simulated,)
         ),
     )
-    return SimulatedBoard(board, plant, firmware=machine.board.firmware)
+    return SimulatedBoard(board, plant, firmware=machine.all_boards[name].firmware)
 
 
 def _actuators(machine: MachineConfig) -> tuple[Actuator, ...]:
@@ -220,33 +272,59 @@ def _at_maximum(machine: MachineConfig, switch: Switch) -> bool:
     return machine.homing[switch.home].direction == "max"
 
 
-def connect_simulated(machine: MachineConfig) -> tuple[Connection, SimulatedBoard]:
-    """A connection to a simulated board for the machine, identified and configured, and the board
-    itself, to look at. Raises MachineError."""
-    board = board_description(machine)
-    simulated = simulated_board(machine, board)
-    return _connected(board, InProcess(simulated.device)), simulated
+def connect_simulated(
+    machine: MachineConfig, cable: Cable | None = None
+) -> tuple[Boards, SimulatedMachine]:
+    """Connections to simulated boards for the machine, identified and configured, and the boards
+    themselves, to look at. Raises MachineError."""
+    boards = board_descriptions(machine)
+    simulated = simulated_machine(machine, boards, cable)
+    ports = in_process([simulated.devices[name] for name in boards])
+    return _connected(boards, ports), simulated
 
 
-def connect(machine: MachineConfig) -> tuple[Connection, SimulatedBoard | None]:
-    """A connection to the board that the machine file names, identified and configured, and the
-    board itself where it is simulated. Raises MachineError."""
-    board = machine.board
-    if board.link == "simulated":
+def simulated_machine(
+    machine: MachineConfig, boards: dict[str, BoardDescription], cable: Cable | None = None
+) -> SimulatedMachine:
+    """All simulated boards of a machine; the clocks of further ones are as its file says."""
+    from passo.simulator import SimulatedMachine
+
+    return SimulatedMachine(
+        {name: simulated_board(machine, board, name) for name, board in boards.items()},
+        {name: (config.start_s, config.drift_ppm) for name, config in machine.boards.items()},
+        cable,
+    )
+
+
+def connect(machine: MachineConfig) -> tuple[Boards, SimulatedMachine | None]:
+    """Connections to the boards that the machine file names, identified and configured, and the
+    boards themselves where they are simulated. A board that has outlived another host is adopted.
+    Raises MachineError."""
+    if machine.board.link == "simulated":
         return connect_simulated(machine)
+    ports = [_port(board) for board in machine.all_boards.values()]
+    return _connected(board_descriptions(machine), ports, adopt=True), None
+
+
+def _port(board: Board) -> Port:
     place = board.port or ""
     if board.link == "serial":
-        return _connected(board_description(machine), serial_port(place, board.baud)), None
+        paced = board.console is not None and board.console.connector == "serial"
+        return serial_port(place, board.baud, paced=paced)
     host, _, number = place.rpartition(":")
-    return _connected(board_description(machine), tcp_port(host.strip("[]"), int(number))), None
+    return tcp_port(host.strip("[]"), int(number))
 
 
-def reconnected(old: Connection) -> Connection:
-    """A new connection to the board of `old`, which is reset. Raises MachineError."""
-    return _connected(old.board, old.port)
+def reconnected(old: Boards) -> Boards:
+    """New connections to the boards of `old`, which are reset. Raises MachineError."""
+    ports = [connection.port for connection in old.connections]
+    return _connected({c.name: c.board for c in old.connections}, ports)
 
 
-def _connected(board: BoardDescription, port: Port) -> Connection:
-    connection = Connection(board, port)
-    connection.connect()
-    return connection
+def _connected(
+    boards: dict[str, BoardDescription], ports: Sequence[Port], *, adopt: bool = False
+) -> Boards:
+    named = zip(boards.items(), ports, strict=True)
+    connected = Boards([Connection(board, port, name) for (name, board), port in named])
+    connected.connect(adopt=adopt)
+    return connected

@@ -1,6 +1,15 @@
 """The simulated printer: a complete board in virtual time with mechanics and heat around it."""
 
 from passo.simulator.board import SimulatedBoard
+from passo.simulator.machine import Cable, SimulatedMachine
 from passo.simulator.plant import Actuator, Body, PlantDescription, Switch
 
-__all__ = ["Actuator", "Body", "PlantDescription", "SimulatedBoard", "Switch"]
+__all__ = [
+    "Actuator",
+    "Body",
+    "Cable",
+    "PlantDescription",
+    "SimulatedBoard",
+    "SimulatedMachine",
+    "Switch",
+]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from passo import _core
 from passo.board.description import BoardDescription, UartPins, bare, inverted
@@ -17,6 +17,8 @@ from passo.simulator.dictionary import (
     pin_numbers,
 )
 from passo.simulator.plant import PlantDescription
+
+_ELSEWHERE = 1 << 16  # no board has so many pins
 
 
 class SimulatedBoard:
@@ -36,6 +38,7 @@ class SimulatedBoard:
         plant = plant or PlantDescription()
         self.board = board
         self._pins = pin_numbers(board)
+        self._elsewhere: dict[str, int] = {}
         self._steppers = {s.name: s for s in board.steppers}
         self._outputs = {o.name: self._pins[bare(o.pin)] for o in board.outputs}
         self._sensors = {s.name: self._pins[bare(s.pin)] for s in board.sensors}
@@ -99,7 +102,7 @@ class SimulatedBoard:
             pin = endstops[s.endstop].pin
             self.device.add_switch(
                 self._pins[bare(pin)],
-                [(self._step_pin(stepper), weight) for stepper, weight in s.weights],
+                [(self._felt_pin(stepper), weight) for stepper, weight in s.weights],
                 s.position,
                 s.at_maximum,
                 not inverted(pin),
@@ -122,6 +125,19 @@ class SimulatedBoard:
                 self._outputs[b.fan] if b.fan else 0,
                 b.fan_loss if b.fan else 0.0,
             )
+
+    def _felt_pin(self, stepper: str) -> int:
+        """The step pin of a motor, or a number for one on another board."""
+        if stepper in self._steppers:
+            return self._step_pin(stepper)
+        return self._elsewhere.setdefault(stepper, _ELSEWHERE + len(self._elsewhere))
+
+    def feel(self, others: Iterable[SimulatedBoard]) -> None:
+        """Switches of this board feel motors of the others."""
+        for stepper, pin in self._elsewhere.items():
+            for other in others:
+                if stepper in other._steppers:
+                    self.device.feel(pin, other.device, other._step_pin(stepper))
 
     def net_steps(self, stepper: str) -> int:
         """Steps executed so far, forward minus backward. KeyError if not yet configured."""

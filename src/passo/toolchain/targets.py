@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from passo import config
 from passo.config.board import Board
 from passo.config.chips import Chip
+from passo.config.places import MAIN, placed
 from passo.errors import FirmwareError, Problem
 
 # Of a board whose microcontroller Passo does not know.
@@ -42,12 +43,16 @@ class Target:
 
 
 def target(name: str) -> Target:
-    """The shipped board of that name, or the board of the machine file of that path.
+    """The shipped board of that name, or the board of the machine file of that path; with
+    `:NAME` behind it, the further board of that name.
 
     Raises FirmwareError if there is no such board, ConfigError for a machine file with errors.
     """
+    path, colon, board = name.partition(".toml:")
+    if colon:
+        return _of_machine(f"{path}.toml", board)
     if name.endswith(".toml") or os.sep in name:
-        return _of_machine(name)
+        return _of_machine(name, MAIN)
     return board_target(name)
 
 
@@ -63,17 +68,21 @@ def board_target(name: str) -> Target:
     return Target(name, board, tuple(motors))
 
 
-def _of_machine(path: str) -> Target:
+def _of_machine(path: str, board_name: str) -> Target:
     machine = config.load(path)
-    board = machine.board
+    board = machine.all_boards.get(board_name)
+    if board is None:
+        raise FirmwareError([Problem("firmware.board", values={"value": board_name})])
     motors: list[Motor] = []
     for name, stepper in machine.steppers.items():
-        socket = board.sockets[stepper.socket] if stepper.socket else None
-        step = stepper.step_pin or (socket.step if socket else "")
-        direction = stepper.direction_pin or (socket.direction if socket else "")
+        if machine.board_of_stepper(name) != board_name:
+            continue
+        socket = machine.socket(name)
+        step = placed(stepper.step_pin or (socket.step if socket else ""))[1]
+        direction = placed(stepper.direction_pin or (socket.direction if socket else ""))[1]
         compare = socket.compare if socket else None
         motors.append(Motor(name, bare(board.pin(step)), bare(board.pin(direction)), compare))
-    return Target(machine.name, board, tuple(motors))
+    return Target(f"{machine.name}-{board_name}" if board_name else machine.name, board, (*motors,))
 
 
 def state(board: Board) -> str:

@@ -23,6 +23,7 @@ class BenchPump:
         self._link = link
         self._bench = bench
         self.now = bench.cycle
+        self.hz = link.hz
         self.heaters: dict[str, _core.Heater] = {}
         self.world: list[Callable[[], None]] = []
         self._next_world = bench.cycle
@@ -31,6 +32,9 @@ class BenchPump:
     @property
     def device_cpu_s(self) -> float:
         return 0.0
+
+    def board_clock(self, _: _core.Link) -> int:
+        return self.now
 
     def run(self, until: int, until_heaters: bool = False) -> _core.Stop:
         shut_down = self._link.shut_down  # asked further, it needs time to answer
@@ -70,6 +74,7 @@ class BenchPort:
     """A bench as a connection sees it."""
 
     live = False
+    byte_s = 0.0
     pump: BenchPump
 
     def __init__(self, bench: AvrBench) -> None:

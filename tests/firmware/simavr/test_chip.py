@@ -9,6 +9,7 @@ from tests.board.bench import TABLE
 
 from passo import _core
 from passo.board import BoardDescription, Endstop, Output, Sensor, Stepper
+from passo.board.boards import Boards
 from passo.board.endstops import Endstops
 from passo.errors import MachineError
 
@@ -110,7 +111,7 @@ def test_inputs_are_read_with_and_without_pull_up():
     connection = AvrConnection(description, chip)
     chip.set_pin("PD3", False)
     connection.connect()
-    endstops = Endstops(connection)
+    endstops = Endstops(Boards([connection]))
     assert endstops.pressed("a")
     assert endstops.pressed("b")
     chip.set_pin("PE4", False)

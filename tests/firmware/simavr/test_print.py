@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from passo import config
+from passo.board.boards import Boards
 from passo.board.description import bare, inverted
 from passo.job.printing import Print
 from passo.printer.wiring import board_description
@@ -109,7 +110,7 @@ def test_a_minute_of_a_print_is_exact(tmp_path, monkeypatch):
         connection = AvrConnection(description, bench)
         connection.connect()
         connection.pump.world += bodies
-        return connection, Traced(bench, connection)
+        return Boards([connection]), Traced(bench, connection)
 
     monkeypatch.setattr("passo.job.printing.connect_simulated", on_bench)
     printing = Print(machine)

@@ -7,6 +7,7 @@ from tests.board.bench import TABLE, Planner
 
 from passo import _core
 from passo.board import BoardDescription, Endstop, Heater, Output, Sensor, Stepper
+from passo.board.boards import Boards
 from passo.board.endstops import Endstops
 from passo.errors import MachineError
 
@@ -81,7 +82,7 @@ def test_a_switch_stops_its_motor_where_it_is():
     x = chip.add_carriage(*RAMPS_PINS[0], 3000, "PE5")
     y = chip.add_carriage(*RAMPS_PINS[1])
     connection.connect()
-    endstops = Endstops(connection)
+    endstops = Endstops(Boards([connection]))
     assert not endstops.pressed("x")
     planner = Planner()
     for target, forward in ((0, False), (1, True)):

@@ -1,0 +1,83 @@
+// A device whose clock and cable are not perfect.
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <deque>
+#include <utility>
+
+#include "device.hpp"
+
+namespace passo::wire {
+
+// The device's clock reads `start` when host time is 0, and is `drift` faster (a share: 1e-6 is
+// 1 ppm). Bytes travel `latency` ticks of host time each way, and up to `jitter` ticks longer,
+// never overtaking each other; the same on every computer.
+class Distant : public Device {
+ public:
+  Distant(Device& device, Ticks start, double drift, Ticks latency, Ticks jitter, uint32_t seed)
+      : device_(device), start_(start), rate_(1 + drift), latency_(latency), jitter_(jitter),
+        random_(seed) {}
+
+  // The device's clock at a host time, and the first host time at which it reads at least `clock`.
+  Ticks clock_at(Ticks host) const { return start_ + Ticks(std::floor(double(host) * rate_)); }
+  Ticks host_at(Ticks clock) const {
+    if (clock == kNever) return kNever;
+    Ticks host = Ticks(std::ceil(double(clock - start_) / rate_));
+    while (clock_at(host) < clock) ++host;
+    return host;
+  }
+
+  // Host time, as far as it has passed here.
+  Ticks now() const { return now_; }
+  // While it is cut, what is sent either way is lost.
+  void cut(bool on) { cut_ = on; }
+
+  void feed(const uint8_t* data, size_t n, Ticks now) override {
+    if (cut_) return;
+    down_.push_back({arrival(down_, now), Bytes(data, data + n)});
+  }
+  void poll(Ticks now, Bytes& out) override {
+    while (!down_.empty() && down_.front().first <= now) {
+      Bytes& bytes = down_.front().second;
+      device_.feed(bytes.data(), bytes.size(), clock_at(down_.front().first));
+      listen(down_.front().first);
+      down_.pop_front();
+    }
+    listen(now);
+    for (; !up_.empty() && up_.front().first <= now; up_.pop_front())
+      out.insert(out.end(), up_.front().second.begin(), up_.front().second.end());
+  }
+  Ticks next_deadline() const override {
+    Ticks next = host_at(device_.next_deadline());
+    if (!down_.empty()) next = std::min(next, down_.front().first);
+    if (!up_.empty()) next = std::min(next, up_.front().first);
+    return next;
+  }
+  bool stopped() const override { return device_.stopped(); }
+
+ private:
+  using Way = std::deque<std::pair<Ticks, Bytes>>;  // bytes by their time of arrival
+  Device& device_;
+  Ticks start_;
+  double rate_;
+  Ticks latency_, jitter_, now_ = 0;
+  uint32_t random_;
+  bool cut_ = false;
+  Way down_, up_;
+
+  Ticks arrival(const Way& way, Ticks now) {
+    random_ = random_ * 1664525u + 1013904223u;  // as in Numerical Recipes
+    Ticks late = Ticks(double(random_) / 4294967296.0 * double(jitter_));
+    Ticks earliest = way.empty() ? 0 : way.back().first;
+    return std::max(now + latency_ + late, earliest);
+  }
+  void listen(Ticks now) {
+    now_ = std::max(now_, now);
+    Bytes said;
+    device_.poll(clock_at(now), said);
+    if (!said.empty() && !cut_) up_.push_back({arrival(up_, now), std::move(said)});
+  }
+};
+
+}  // namespace passo::wire

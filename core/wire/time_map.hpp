@@ -1,0 +1,59 @@
+// From the machine's timeline to the clock of one of its further boards.
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <deque>
+
+namespace passo::wire {
+
+// A chain of straight pieces. Each begins where the one before it is at that time, and aims at
+// where the board's clock is expected one second later: an error of the estimate is gone by then,
+// and the board's time never jumps. Times are ticks of the main board's clock since the job began,
+// values ticks of the board's since then.
+class TimeMap {
+ public:
+  // One of the job's ticks is `ratio` of the board's, nominally.
+  void start(double hz, double ratio) {
+    hz_ = hz;
+    pieces_.assign(1, {0, 0, ratio});
+    used_ = 0;
+  }
+  double hz() const { return hz_; }
+  // Up to `t` the chain is in use.
+  void use(double t) { used_ = std::max(used_, t); }
+  double at(double t) const {
+    size_t i = pieces_.size() - 1;
+    while (i > 0 && t < pieces_[i].from) --i;
+    const Piece& p = pieces_[i];
+    return p.value + (t - p.from) * p.rate;
+  }
+  // The job's tick at which the board's clock reads `value`, by the latest piece.
+  double inverse(double value) const {
+    const Piece& p = pieces_.back();
+    return p.from + (value - p.value) / p.rate;
+  }
+  // No step changes by a tick from one board to the other: they are one clock, told differently.
+  bool whole() const {
+    return std::all_of(pieces_.begin(), pieces_.end(), [](const Piece& p) {
+      return p.rate == 1 && p.value - p.from == std::floor(p.value - p.from);
+    });
+  }
+  // From `now` on, and behind all that is in use, the board's clock is expected to be
+  // `expected(t)`.
+  template <class Expected>
+  void renew(double now, Expected&& expected) {
+    double from = std::ceil(std::max(now, used_)), value = at(from), until = from + hz_;
+    pieces_.push_back({from, value, (expected(until) - value) / hz_});
+    if (pieces_.size() > kKept) pieces_.pop_front();
+  }
+
+ private:
+  static constexpr size_t kKept = 4;
+  struct Piece {
+    double from, value, rate;
+  };
+  std::deque<Piece> pieces_;
+  double hz_ = 1, used_ = 0;
+};
+
+}  // namespace passo::wire

@@ -1,0 +1,156 @@
+"""All boards of one machine, as one: each part of it is on one of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from passo import _core
+from passo.board.connection import Connection
+from passo.board.description import Sensor, together
+from passo.board.faults import HeaterFault
+
+_SETTLING_S = 4.0  # until the clocks of several boards are known well enough
+_LOOK_S = 0.02  # a fault of one live board among several is told so late at most
+_NEWS_S = 0.05  # until all boards have been told that one is lost
+_LEAD_S = 0.25
+_TOLERANCE_S = 1e-6  # of a step on a further board, beside what the plan allows
+
+
+class Boards:
+    """The connections to the boards of one machine, the main one first.
+
+    Times are ticks of the main board's clock, and so are the clocks of messages. `board` describes
+    all boards together. Methods raise as those of `Connection` do. When one board fails, the links
+    of the others stop these at once.
+    """
+
+    def __init__(self, connections: Sequence[Connection]) -> None:
+        self.connections = list(connections)
+        self.main = self.connections[0]
+        self.board = together({c.name: c.board for c in self.connections})
+        self.timeline = _core.Timeline()
+        self.faults: list[HeaterFault] = []
+        for connection in self.connections:
+            connection.faults = self.faults
+
+    def connect(self, *, adopt: bool = False) -> None:
+        """Identifies and configures every board, and puts their clocks on one timeline. One that is
+        alone and has outlived another host may be adopted."""
+        for connection in self.connections:
+            connection.connect(adopt=adopt and len(self.connections) == 1)
+        if len(self.connections) > 1:
+            for connection in self.connections:
+                main = connection is self.main
+                connection.join(self.timeline, main=main, tolerance_s=_TOLERANCE_S)
+            self.run(self.now + int(_SETTLING_S * self.board.clock_hz))
+
+    @property
+    def now(self) -> int:
+        """The main board's clock."""
+        return self.main.now
+
+    @property
+    def live(self) -> bool:
+        """Real time passes at the boards, whoever waits."""
+        return self.main.port.live
+
+    @property
+    def survives(self) -> bool:
+        """The board, which is alone, can stop by itself when the link is lost. Of several boards
+        all stop at once then."""
+        return len(self.connections) == 1 and self.main.survives
+
+    @property
+    def heaters(self) -> dict[str, _core.Heater]:
+        """The loops of all heaters."""
+        loops = {n: h for c in self.connections for n, h in c.heaters.items()}
+        return {h.name: loops[h.name] for h in self.board.heaters if h.name in loops}
+
+    @property
+    def adopted(self) -> bool:
+        """The board goes on as another host has left it."""
+        return self.main.adopted
+
+    def set_on_fault(self, on_fault: Callable[[str, HeaterFault], None]) -> None:
+        """What is told of a heater that fails; it may raise."""
+        for connection in self.connections:
+            connection.on_fault = on_fault
+
+    def start_job(self, job: _core.Job) -> int:
+        """Sends the job's messages from now on. Returns the main board's clock at which the job's
+        clock is 0."""
+        hz = float(self.board.clock_hz)
+        base = self.now + int(_LEAD_S * hz)
+        for i, connection in enumerate(self.connections):
+            connection.start_job(job.messages_of(i), base, hz)
+        return base
+
+    def stop_job(self) -> None:
+        """Sends none of the job's messages any more."""
+        for connection in self.connections:
+            connection.link.stop_job()
+
+    def emergency_stop(self) -> None:
+        """Tells all boards to shut down; it leaves when time next passes."""
+        for connection in self.connections:
+            connection.command("emergency_stop")
+
+    def run(self, until_clock: int) -> None:
+        """Lets time pass until `until_clock`."""
+        if len(self.connections) == 1:
+            self.main.run(until_clock)
+            return
+        while True:
+            look = self.now + int(_LOOK_S * self.board.clock_hz)
+            self.main.pass_time(min(until_clock, look) if self.live else until_clock)
+            self._look()
+            if self.now >= until_clock:
+                return
+
+    def _look(self) -> None:
+        """At what all boards have told."""
+        for connection in self.connections:
+            connection.pass_time(connection.now)
+            connection.take_faults()
+        stopped = [c for c in self.connections if c.link.shut_down]
+        # The one that was first, not those that were stopped for its sake.
+        for connection in sorted(stopped, key=lambda c: c.link.stopped_with_others):
+            raise connection.shutdown_error()
+        for connection in self.connections:
+            if connection.link.lost:
+                # The others are being stopped.
+                self.main.pass_time(self.now + int(_NEWS_S * self.board.clock_hz))
+                raise connection.silence("get_clock")
+
+    def connection_of(self, part: str, name: str) -> Connection:
+        """The board that has a part, one of `steppers`, `outputs`, `sensors`, `heaters`,
+        `endstops`. KeyError if none has."""
+        for connection in self.connections:
+            if any(entry.name == name for entry in getattr(connection.board, part)):
+                return connection
+        raise KeyError(name)
+
+    def set_target(self, heater: str, celsius: float) -> None:
+        """As `Connection.set_target`."""
+        self.connection_of("heaters", heater).set_target(heater, celsius)
+
+    def set_sensor(self, heater: str, sensor: Sensor) -> None:
+        """As `Connection.set_sensor`."""
+        self.connection_of("heaters", heater).set_sensor(heater, sensor)
+
+    def switch(self, output: str, on: bool) -> None:
+        """As `Connection.switch`."""
+        self.connection_of("outputs", output).switch(output, on)
+
+    def full_scale(self, output: str) -> int:
+        """As `Connection.full_scale`."""
+        return self.connection_of("outputs", output).full_scale(output)
+
+    def net_steps(self, stepper: str) -> int:
+        """As `Connection.net_steps`."""
+        return self.connection_of("steppers", stepper).net_steps(stepper)
+
+    def close(self) -> None:
+        """Switches heaters and the laser off and lets go of all boards. Raises nothing."""
+        for connection in self.connections:
+            connection.close()

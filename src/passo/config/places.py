@@ -1,0 +1,25 @@
+"""On which board of a machine a pin or a socket is: `tool:PB3` is on the board `tool`."""
+
+from __future__ import annotations
+
+MAIN = ""  # the name of the main board, which stands in no pin
+
+
+def placed(written: str) -> tuple[str, str]:
+    """The board that a pin or a socket is on, and the same without the board's name; marks stay in
+    front."""
+    bare = written.lstrip("!^~")
+    marks = written[: len(written) - len(bare)]
+    board, colon, rest = bare.partition(":")
+    return (board, marks + rest) if colon else (MAIN, written)
+
+
+def section(board: str) -> tuple[str, ...]:
+    """Where the machine file describes a board."""
+    return ("board",) if board == MAIN else ("boards", board)
+
+
+def named_on(board: str, pin: str) -> str:
+    """A pin of a board other than the main one as a machine file writes it."""
+    bare = pin.lstrip("!^~")
+    return f"{pin[: len(pin) - len(bare)]}{board}:{bare}"

@@ -1,0 +1,164 @@
+"""The simulated boards of one machine, as one: each part is asked of the board that it is on."""
+
+from __future__ import annotations
+
+from array import array
+from bisect import bisect_left
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from passo import _core
+from passo.board.description import together
+from passo.simulator.board import SimulatedBoard
+
+
+@dataclass(frozen=True, slots=True)
+class Cable:
+    """How long bytes travel each way: `latency_s` to `latency_s` + `jitter_s`."""
+
+    latency_s: float = 0.0
+    jitter_s: float = 0.0
+
+
+class SimulatedMachine:
+    """All simulated boards of a machine, the main one first. Its methods are those of
+    `SimulatedBoard`; `devices` is what connections talk to, by the boards' names.
+
+    The main board's clock is host time, and all clocks here are that one. `clocks` says of further
+    boards at which clock each begins, in seconds, and how much faster it runs, in ppm.
+    """
+
+    def __init__(
+        self,
+        boards: Mapping[str, SimulatedBoard],
+        clocks: Mapping[str, tuple[float, float]] | None = None,
+        cable: Cable | None = None,
+    ) -> None:
+        self.boards = dict(boards)
+        self.board = together({name: board.board for name, board in boards.items()})
+        self._main = next(iter(self.boards.values()))
+        self.device = self._main.device
+        self.devices: dict[str, _core.Bench | _core.Distant] = {
+            n: b.device for n, b in boards.items()
+        }
+        self.drivers = {m: chip for b in boards.values() for m, chip in b.drivers.items()}
+        self._distant: dict[SimulatedBoard, _core.Distant] = {}
+        self._own: dict[tuple[str, str], SimulatedBoard] = {}
+        for number, (name, board) in enumerate(boards.items()):
+            board.feel(boards.values())
+            for part in ("steppers", "outputs", "sensors", "endstops"):
+                for entry in getattr(board.board, part):
+                    self._own[part, entry.name] = board
+            clock = (clocks or {}).get(name)
+            if clock or cable:
+                start_s, drift_ppm = clock or (0.0, 0.0)
+                hz, way = board.board.clock_hz, cable or Cable()
+                self._distant[board] = self.devices[name] = _core.Distant(
+                    board.device,
+                    round(start_s * hz),
+                    drift_ppm * 1e-6,
+                    round(way.latency_s * hz),
+                    round(way.jitter_s * hz),
+                    number + 1,
+                )
+
+    def cut_cable(self, board: str, on: bool = True) -> None:
+        """A fault: what is sent to a further board, or from it, is lost; False ends it. KeyError if
+        the board's clock and cable are perfect."""
+        self._distant[self.boards[board]].cut(on)
+
+    def _of(self, part: str, name: str) -> SimulatedBoard:
+        return self._own[part, name]
+
+    def _main_clock(self, board: SimulatedBoard, clock: int) -> int:
+        """The main board's clock when `board`'s reads `clock`."""
+        distant = self._distant.get(board)
+        host = clock if distant is None else distant.host_at(clock)
+        hz, main_hz = board.board.clock_hz, self._main.board.clock_hz
+        return host if hz == main_hz else round(host * main_hz / hz)
+
+    def _own_clock(self, board: SimulatedBoard, clock: int) -> int:
+        distant = self._distant.get(board)
+        hz, main_hz = board.board.clock_hz, self._main.board.clock_hz
+        host = clock if hz == main_hz else round(clock * hz / main_hz)
+        return host if distant is None else distant.clock_at(host)
+
+    def net_steps(self, stepper: str) -> int:
+        """Steps executed so far, forward minus backward. KeyError if not yet configured."""
+        return self._of("steppers", stepper).net_steps(stepper)
+
+    def steps(self, stepper: str) -> int:
+        """Number of steps executed so far, both ways."""
+        return self._of("steppers", stepper).steps(stepper)
+
+    def position(self, stepper: str) -> float:
+        """Where the stepper's actuator is now, mm or degrees."""
+        return self._of("steppers", stepper).position(stepper)
+
+    def place(self, stepper: str, position: float) -> None:
+        """Somebody moves the stepper's actuator there by hand."""
+        self._of("steppers", stepper).place(stepper, position)
+
+    def temperature(self, sensor: str) -> float:
+        """Temperature of the body that the sensor belongs to, °C."""
+        return self._of("sensors", sensor).temperature(sensor)
+
+    def force_sensor(self, sensor: str, ratio: float | None) -> None:
+        """A fault: the ADC sees this share of full scale whatever the heat; None ends it."""
+        self._of("sensors", sensor).force_sensor(sensor, ratio)
+
+    def force_switch(self, endstop: str, pressed: bool | None) -> None:
+        """A fault: the switch is pressed or not, whatever moves; None ends it."""
+        self._of("endstops", endstop).force_switch(endstop, pressed)
+
+    def force_heater(self, sensor: str, power: float | None) -> None:
+        """A fault: what this sensor's heater does, 0 to 1, whatever its pin; None ends it."""
+        self._of("sensors", sensor).force_heater(sensor, power)
+
+    def add_noise(self, sensor: str, share: float) -> None:
+        """A fault: the ADC errs by up to this share of full scale; 0 ends it."""
+        self._of("sensors", sensor).add_noise(sensor, share)
+
+    def drop_sensor(self, sensor: str, fallen: bool = True) -> None:
+        """A fault: the sensor hangs in the air of the room."""
+        self._of("sensors", sensor).drop_sensor(sensor, fallen)
+
+    def trace_steps(self, stepper: str, from_clock: int, to_clock: int) -> None:
+        """From now on keeps the commands that touch from_clock…to_clock, for `take_steps`."""
+        board = self._of("steppers", stepper)
+        begin, end = (self._own_clock(board, clock) for clock in (from_clock, to_clock))
+        board.trace_steps(stepper, begin, end)
+
+    def take_steps(self, stepper: str, from_clock: int, to_clock: int) -> tuple[bytes, bytes]:
+        """Clocks (int64) and directions (int8, +1 forward) of the traced steps executed since the
+        last call and within from_clock ≤ clock < to_clock."""
+        board = self._of("steppers", stepper)
+        if board is self._main:
+            return board.take_steps(stepper, from_clock, to_clock)
+        own, directions = board.take_steps(stepper, 0, 2**62)
+        clocks = array("q", (self._main_clock(board, clock) for clock in array("q", own)))
+        first, end = bisect_left(clocks, from_clock), bisect_left(clocks, to_clock)
+        return clocks[first:end].tobytes(), directions[first:end]
+
+    def take_commands(self, stepper: str) -> list[tuple[int, int, int, int, int]]:
+        """(start clock, interval, count, add, direction ±1) of the traced commands executed since
+        the last call; the first step comes `interval` after the start. Intervals are ticks of the
+        stepper's own board."""
+        board = self._of("steppers", stepper)
+        return [
+            (self._main_clock(board, start), interval, count, add, direction)
+            for start, interval, count, add, direction in board.take_commands(stepper)
+        ]
+
+    def trace_output(self, output: str) -> None:
+        """From now on keeps the changes of an output, for `take_changes`."""
+        self._of("outputs", output).trace_output(output)
+
+    def take_changes(self, output: str) -> list[tuple[int, int]]:
+        """(clock, value) of each change since the last call."""
+        board = self._of("outputs", output)
+        return [(self._main_clock(board, c), value) for c, value in board.take_changes(output)]
+
+    def output_value(self, output: str) -> int:
+        """The output's value now."""
+        return self._of("outputs", output).output_value(output)

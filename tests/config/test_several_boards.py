@@ -1,0 +1,91 @@
+"""Machine files with several boards."""
+
+import pytest
+
+from passo import config
+from passo.config.load import load_text, shipped_text
+from passo.config.originals import bindings
+from passo.errors import ConfigError
+from passo.toolchain.targets import target
+
+TOOL = '\n[boards.tool]\nbase = "ramps"\n'
+
+
+def machine_text(*changes: tuple[str, str], tool: str = TOOL) -> str:
+    text = shipped_text("i3")
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    return text + tool
+
+
+def problems(text: str) -> list[str]:
+    with pytest.raises(ConfigError) as error:
+        load_text(text)
+    return [str(problem) for problem in error.value.problems]
+
+
+def test_a_name_before_the_colon_is_the_board() -> None:
+    bed = (('"D8"', '"tool:D8"'), ('"T1"', '"tool:T1"'))
+    machine = load_text(machine_text(('socket = "E0"', 'socket = "tool:E0"'), *bed))
+    spec = machine.core_spec()
+    assert spec["boards"] == 2
+    assert [s["board"] for s in spec["steppers"]] == [0, 0, 0, 1]
+    assert spec["output_boards"] == [0, 1, 0]  # hotend, bed, fan
+
+
+def test_one_pin_of_each_board_has_an_owner_of_its_own() -> None:
+    hotend = (('"D10"', '"tool:D8"'), ('"T0"', '"tool:T1"'), ('"D9"', '"tool:D9"'))
+    machine = load_text(machine_text(*hotend))
+    assert machine.pin(machine.heaters["hotend"].pin) == machine.pin(machine.heaters["bed"].pin)
+    found = {b.key: b for b in bindings(machine)}
+    assert (found["heaters.hotend.pin"].pin, found["heaters.hotend.pin"].original) == ("PH5", None)
+    assert not found["heaters.hotend.pin"].rebound
+    twice = machine_text(*hotend, ('"D8"', '"tool:D8"'), ('"T1"', '"tool:T0"'))
+    assert "heaters.bed.pin" in problems(twice)[0]
+    assert "belongs to heaters.hotend.pin" in problems(twice)[0]
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ([('socket = "Z"', 'socket = "took:Z"')], "steppers.z.socket is 'took:Z'"),
+        (
+            [('"^Z_MIN"', '"^took:Z_MIN"')],
+            "the name of one of the boards before the colon",
+        ),
+        ([('"^Z_MIN"', '"^tool:Z_MUN"')], "homing.z.pin is '^tool:Z_MUN'"),
+        ([('"D10"', '"tool:D10"')], "a pin of the board of heaters.hotend.pin, tool"),
+        ([('"D9"', '"tool:D9"')], "a pin of the board of heaters.hotend.pin, the main one"),
+        (
+            [('socket = "Z"', 'socket = "Z"\nenable_pin = "tool:D38"')],
+            "a pin of the board of steppers.z.socket, the main one",
+        ),
+        (
+            [('base = "ramps"', 'base = "ramps"\ndrift_ppm = 5.0')],
+            "time is this board",
+        ),
+    ],
+)
+def test_what_is_wrong_is_said(changes: list[tuple[str, str]], says: str) -> None:
+    assert any(says in text for text in problems(machine_text(*changes))), problems(
+        machine_text(*changes)
+    )
+
+
+def test_a_further_board_is_described_as_the_main_one_is() -> None:
+    found = problems(machine_text(tool='\n[boards.tool]\nbase = "rumps"\nbaud = 1\n'))
+    assert any("boards.tool.base is 'rumps'" in text for text in found)
+    assert any("boards.tool.baud" in text for text in found)
+    found = problems(machine_text(tool='\n[boards.tool]\nbase = "ramps"\nlink = "serial"\n'))
+    assert any("boards.tool.port is missing" in text for text in found)
+    assert any("simulated, as board is" in text for text in found)
+
+
+def test_firmware_is_built_for_the_motors_of_a_board(tmp_path) -> None:
+    path = tmp_path / "two.toml"
+    path.write_text(machine_text(('socket = "E0"', 'socket = "tool:E0"')))
+    assert [m.name for m in target(str(path)).motors] == ["x", "y", "z"]
+    tool = target(f"{path}:tool")
+    assert (tool.name, [m.name for m in tool.motors]) == ("i3-tool", ["e"])
+    assert tool.motors[0].step_pin == config.load_board("ramps").sockets["E0"].step

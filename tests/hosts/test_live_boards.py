@@ -1,0 +1,103 @@
+"""Two boards, each on a cable of its own, in real time."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Iterator
+
+import pytest
+from tests.console.scenario import Scenario
+from tests.hosts.cable import Cable
+from tests.hosts.test_live_board import stall
+from tests.job.two_boards import two_boards
+
+from passo.config.machine import MachineConfig
+
+MACHINE = two_boards(**{'socket = "X"': 'socket = "tool:X"'})
+
+
+def on(paths: dict[str, str]) -> MachineConfig:
+    """The machine with its boards on these serial devices."""
+    boards = {
+        name: board.model_copy(update={"link": "serial", "port": paths[name]})
+        for name, board in MACHINE.all_boards.items()
+    }
+    return MACHINE.model_copy(update={"board": boards.pop(""), "boards": boards})
+
+
+@pytest.fixture
+def cables() -> Iterator[dict[str, Cable]]:
+    cables = {name: Cable(MACHINE, name) for name in MACHINE.all_boards}
+    yield cables
+    for cable in cables.values():
+        cable.close()
+
+
+@pytest.fixture
+def scenario(cables: dict[str, Cable]) -> Iterator[Scenario]:
+    """What may be looked at when it is closed: the boards are unplugged then."""
+    machine = on({name: cable.path for name, cable in cables.items()})
+    scenario = Scenario(machine, loop=asyncio.new_event_loop())
+    yield scenario
+    if not scenario.loop.is_closed():
+        scenario.__exit__()
+
+
+def unplugged(scenario: Scenario, cables: dict[str, Cable]) -> dict[str, int]:
+    """Net steps of all motors, when the printer is gone."""
+    scenario.__exit__()
+    for cable in cables.values():
+        cable.cut()
+        assert cable.board.device.fault == ""
+    boards = [cable.board for cable in cables.values()]
+    return {s.name: b.net_steps(s.name) for b in boards for s in b.board.steppers}
+
+
+def test_a_stall_of_the_interpreter_delays_no_step(scenario, cables):
+    host = scenario.host
+    host.ok("G92 X0 Y0 Z0")
+    host.ok("M302 P1")
+    for i in range(40):
+        host.send(f"G1 X{10 if i % 2 else 0} Y{i / 4} E{i / 20} F3000")
+    host.send("M400")
+    scenario.passes(0.8)
+    stall()
+    scenario.until(lambda: scenario.printer.drive.standing, 20.0)
+    assert scenario.printer.halted == ""
+    wanted = {"x": 800, "y": 780, "z": 0, "e": round(1.95 * 95.5)}
+    assert unplugged(scenario, cables) == wanted
+
+
+def test_a_switch_stops_a_motor_on_the_other_board(scenario, cables):
+    host, main, tool = scenario.host, cables[""], cables["tool"]
+    main.look(lambda: main.board.force_switch("x", False))
+    start = tool.look(lambda: tool.board.position("x"))
+    host.send("G28 X")
+    scenario.until(lambda: tool.look(lambda: tool.board.position("x")) < start - 10, 10.0)
+    main.look(lambda: main.board.force_switch("x", True))
+    hit = tool.look(lambda: tool.board.position("x"))
+    # It lets go as the motor moves back.
+    scenario.passes(0.05)
+    stopped = tool.look(lambda: tool.board.position("x"))
+    assert hit - 40 * 0.05 < stopped <= hit
+    main.look(lambda: main.board.force_switch("x", False))
+    scenario.until(lambda: tool.look(lambda: tool.board.position("x")) > stopped + 2.9, 10.0)
+    scenario.passes(0.5)
+    main.look(lambda: main.board.force_switch("x", True))
+    host.expect("^ok", 10.0)
+    assert scenario.printer.halted == ""
+    assert 0 not in scenario.printer.job.locked_axes
+
+
+def test_a_board_that_is_unplugged_stops_the_other(scenario, cables):
+    host, main = scenario.host, cables[""]
+    host.ok("G92 X0 Y0 Z0")
+    host.ok("M302 P1")
+    host.send("G1 Y100 E20 F1200")
+    scenario.passes(1.5)
+    cables["tool"].cut()
+    host.expect("connection to the board has ended", 5.0)
+    scenario.until(lambda: bool(main.look(lambda: main.board.device.fault)), 2.0)
+    at = main.look(lambda: main.board.position("y"))
+    scenario.passes(0.3)
+    assert main.look(lambda: main.board.position("y")) == at
