@@ -122,8 +122,8 @@ def test_a_program_that_stands_still_is_to_blame_for_late_commands(tmp_path: Pat
             program.send_signal(signal.SIGCONT)
             until("ended")
         program.terminate()
-    (told,) = [x for x in heard if "commands reached the board" in x]
-    assert "the computer did not let Passo run for 0." in told
+    told = [x for x in heard if "commands reached the board" in x]
+    assert any("the computer did not let Passo run for 0." in x for x in told), told
     cable.cut()
     assert cable.board.device.fault == ""
     assert {n: cable.board.net_steps(n) for n in "xy"} == {"x": 800, "y": 380}
