@@ -92,6 +92,14 @@ Table statistics(JobView& self) {
   if (board.share > 1) loads["board"] = std::make_tuple(board.line, board.share);
   if (link.share > 1) loads["link"] = std::make_tuple(link.line, link.share);
   d["loads"] = loads;
+  nb::dict densest;
+  auto put = [&](const char* name, const PlanStatistics::Peak& p) {
+    densest[name] = std::make_tuple(p.line, p.most);
+  };
+  put("steps_s", plan.steps_s);
+  put("commands_s", plan.commands_s);
+  put("ahead", plan.ahead);
+  d["densest"] = densest;
   d["widened_s"] = plan.widened_s;
   d["widest_ticks"] = plan.widest_ticks;
   for (size_t i = 0; i < plan.feature_s.size(); ++i) {
@@ -521,6 +529,9 @@ void bind_job(nb::module_& m) {
           "ticks"_a,
           "Line of the program's move that is under way, or was last, at a clock (0: none). Clocks "
           "must not go back.")
+      .def(
+          "line_near", [](JobView& self, double ticks) { return self.job.motion.line_near(ticks); },
+          "ticks"_a, "As line_at, for any clock from a second before the last one asked for.")
       .def(
           "position_at",
           [](JobView& self, double ticks) -> std::optional<std::vector<double>> {

@@ -206,6 +206,21 @@ void bind_link(nb::module_& m) {
         return q.size();
       });
   nb::enum_<PinKind>(m, "PinKind").value("DIGITAL", PinKind::digital).value("PWM", PinKind::pwm);
+  nb::enum_<Cause>(m, "Cause", "Why a frame was not at the board sooner.")
+      .value("PLAN", Cause::plan, "Its moves were planned late.")
+      .value("STALL", Cause::stall, "The program did not run.")
+      .value("BYTES", Cause::bytes, "The link carries no more bytes.")
+      .value("RETRANSMITS", Cause::retransmits, "Bytes got lost.")
+      .value("SLOTS", Cause::slots, "The board had no slot free.");
+  m.attr("LATE_S") = Lateness::kLateSeconds;
+  nb::class_<Slack>(m, "Slack",
+                    "Of a frame: ticks before the clock of its most urgent message at which the "
+                    "board had it, that clock, and what held it up for how long.")
+      .def_prop_ro("known", [](const Slack& s) { return s.slack != kNever; })
+      .def_ro("slack", &Slack::slack)
+      .def_ro("clock", &Slack::clock)
+      .def_ro("held", &Slack::held)
+      .def_ro("cause", &Slack::cause);
   nb::class_<Timeline>(m, "Timeline", "What the links to the boards of one machine share.")
       .def(nb::init<>())
       .def(
@@ -332,6 +347,14 @@ void bind_link(nb::module_& m) {
            "Both are the main board's.")
       .def("use_commits", &held<&Link::use_commits, Ticks>, "horizon"_a,
            "The job comes in commits, and leaves so many ticks ahead.")
+      .def(
+          "begin_commits",
+          [](Link& l) {
+            std::lock_guard lock(l.guard());
+            l.job().begin_commits();
+          },
+          "The machine stands, and the board is armed: what moves it comes in commits from here "
+          "on.")
       .def("reconnect", &held<&Link::reconnect>,
            "The board has gone on without this host: what was on its way is forgotten, and the job "
            "stands until go_on().")
@@ -362,6 +385,34 @@ void bind_link(nb::module_& m) {
       .def_prop_ro("frames", &held<&Link::frames>)
       .def_prop_ro("retransmitted_bytes", &held<&Link::retransmitted_bytes>)
       .def_prop_ro("bad_frames", &held<&Link::bad_frames>)
+      .def(
+          "take_slack",
+          [](Link& l) {
+            std::lock_guard lock(l.guard());
+            return l.lateness().take_recent();
+          },
+          "The least since this was last asked.")
+      .def_prop_ro("least_slack",
+                   [](Link& l) {
+                     std::lock_guard lock(l.guard());
+                     return l.lateness().least();
+                   })
+      .def_prop_ro(
+          "late_frames",
+          [](Link& l) {
+            std::lock_guard lock(l.guard());
+            std::map<Cause, uint64_t> frames;
+            for (size_t i = 0; i < kCauses; ++i) frames[Cause(i)] = l.lateness().late_frames()[i];
+            return frames;
+          },
+          "How many frames were at the board less than LATE_S before it needed them, by cause.")
+      .def_prop_ro(
+          "longest_stall",
+          [](Link& l) {
+            std::lock_guard lock(l.guard());
+            return l.lateness().longest_stall();
+          },
+          "The most that it was looked after too late, ticks.")
       .def_prop_ro("queue_steps",
                    [](Link& l) {
                      std::lock_guard lock(l.guard());
@@ -658,12 +709,12 @@ void bind_board(nb::module_& m) {
                        "thread of its own.")
       .def(nb::init<Link&, int>(), "link"_a, "fd"_a, nb::keep_alive<1, 2>())
       .def_prop_ro("now", &LiveWire::now)
+      .def_prop_ro("failure", &LiveWire::failure,
+                   "What ended the connection, if it was not the cable.")
       .def_prop_ro("hz", &LiveWire::hz, "Ticks of its time in a second.")
       .def(
           "board_clock", [](LiveWire& w, const Link&) { return w.now(); }, "link"_a,
           "What the board's clock reads, as far as it is known.")
-      .def_prop_ro("latest_s", &LiveWire::latest_s,
-                   "The most that the thread was late to send what was due.")
       .def("use_board_clock", &LiveWire::use_board_clock,
            "Once the link is synchronous: `now` is the board's clock from here on.")
       .def("join", &LiveWire::join, "timeline"_a,

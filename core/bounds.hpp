@@ -28,6 +28,7 @@ class Bounds {
     const Constraints& constraints = *rules.constraints;
     const double speed_factor = m.unscaled ? 1 : rules.speed_factor;
     m.curved_steps = m.tolerance = m.step_load = m.command_load = 0;
+    m.steps = m.commands = m.ahead0 = m.ahead1 = 0;
     if (m.kind == MoveKind::dwell) {
       m.d = m.vn2 = 0;
       m.a = m.b = 1;

@@ -66,6 +66,7 @@ class MoveBudget {
     }
     double steps = m.curved_steps;
     for (Motor& motor : motors_) steps += motor.count(m, machine_.joints);
+    m.steps = steps;
     double most = budget_.step_rate * m.d;  // at this, speed × steps
     if (m.vn2 * steps * steps > most * most) {
       m.step_load = std::sqrt(m.vn2) * steps / most;
@@ -128,6 +129,7 @@ class MoveBudget {
     };
     if (curved_motors_ > 0) add(m.curved_steps, curved_motors_);
     for (const Motor& motor : motors_) add(motor.steps, 1);
+    m.commands = commands;
     double room = budget_.burst - ahead_;
     double allowed = budget_.command_rate * soonest.seconds + room;
     if (!(commands > allowed)) {  // also where no actuator position exists, and so no number
@@ -136,6 +138,7 @@ class MoveBudget {
     }
     ahead_ = budget_.burst;
     m.command_load = commands / allowed;
+    m.commands = commands / std::min(m.command_load, saving_);
     if (m.command_load <= saving_) {
       double square = m.command_load * m.command_load;
       m.tolerance = std::min(own_tolerance_ * square * square, widest_);

@@ -334,8 +334,16 @@ class Motion {
   // for clocks that only grow.
   uint32_t line_at(double ticks) {
     keeps_lines_ = true;
-    while (lines_.size() > 1 && lines_[1].start <= ticks) lines_.pop_front();
-    return lines_.empty() || lines_[0].start > ticks ? 0 : lines_[0].number;
+    double oldest = ticks - kLinesKeptSeconds * machine_.clock_hz;
+    while (lines_.size() > 1 && lines_[1].start <= oldest) lines_.pop_front();
+    return lines_.empty() || lines_[0].start > ticks ? 0 : line_near(ticks);
+  }
+  // The same for any clock from a second before the last line_at() on.
+  uint32_t line_near(double ticks) const {
+    auto behind = std::upper_bound(lines_.begin(), lines_.end(), ticks,
+                                   [](double t, const Line& line) { return t < line.start; });
+    if (lines_.empty()) return 0;
+    return (behind == lines_.begin() ? behind : behind - 1)->number;
   }
   // Where the plan was at `ticks`, in the last second or so: X, Y, Z, the extruder of that move and
   // further axes. Nothing if that is longer ago.
@@ -428,6 +436,7 @@ class Motion {
   std::vector<Move> history_;
   size_t history_begin_ = 0;  // moves before it are forgotten
   std::vector<Move> held_;
+  static constexpr double kLinesKeptSeconds = 1;
   bool keeps_lines_ = false;
   struct Line {
     double start;

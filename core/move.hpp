@@ -24,6 +24,7 @@ struct Move {
   double curved_steps;                     // steps of the nonlinear actuators, at most
   double tolerance;  // ticks by which steps may miss their ideal times; 0: the board's own
   double step_load, command_load;  // share of the board's budget that was asked for; ≤ 1: kept
+  double steps, commands;          // of all motors together, as the budget reckons; 0 without one
   double ahead0, ahead1;  // commands ahead of the board's rate at its start and end, at most
   uint32_t rules;         // number in the planner's RuleBook
   uint32_t line;

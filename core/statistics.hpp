@@ -21,6 +21,17 @@ struct PlanStatistics {
     double share = 0;
   };
   Load most_steps, most_commands;
+  // The densest places, of what the budget reckons: steps/s of a move in cruise, commands/s over
+  // kWindow or more, commands ahead of the board's rate.
+  struct Peak {
+    uint32_t line = 0;
+    double most = 0;
+    void see(uint32_t at, double value) {
+      if (value > most) line = at, most = value;
+    }
+  };
+  static constexpr double kWindow = 0.15;  // s that a board has ahead
+  Peak steps_s, commands_s, ahead;
   double widened_s = 0, widest_ticks = 0;  // time with a wider tolerance, and the widest
 
   // sign -1 takes back what a replan revokes.
@@ -28,6 +39,7 @@ struct PlanStatistics {
     double per_tick = sign / hz, seconds = m.ticks() * per_tick;
     grow(layer_s, m.layer) += seconds;
     grow(feature_s, m.feature) += seconds;
+    if (sign > 0) pass(m, seconds);
     if (m.kind == MoveKind::dwell) {
       dwell_s += seconds;
       return;
@@ -57,6 +69,21 @@ struct PlanStatistics {
   }
 
  private:
+  double window_s_ = 0, window_commands_ = 0;
+  uint32_t window_line_ = 0;
+
+  void pass(const Move& m, double seconds) {
+    if (m.kind != MoveKind::dwell) {
+      steps_s.see(m.line, m.steps * m.vc / m.d);
+      ahead.see(m.line, m.ahead1);
+      if (window_s_ == 0) window_line_ = m.line;
+      window_commands_ += m.commands;
+    }
+    window_s_ += seconds;
+    if (window_s_ < kWindow) return;
+    commands_s.see(window_line_, window_commands_ / window_s_);
+    window_s_ = window_commands_ = 0;
+  }
   static double& grow(std::vector<double>& v, size_t i) {
     if (i >= v.size()) v.resize(i + 1, 0.0);
     return v[i];

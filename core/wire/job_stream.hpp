@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "device.hpp"
@@ -50,6 +51,8 @@ class JobStream {
     horizon_ = horizon;
     commits_ = true;
   }
+  // The board is armed: what it has been sent so far is in no commit.
+  void begin_commits() { staged_ = kNever; }
   // The clocks of its messages are another board's from now on; `tolerance` is that of a step's
   // time, in ticks of this board.
   Retimer& retime(double tolerance) {
@@ -109,12 +112,14 @@ class JobStream {
     base_ = base;
     hash_ = StreamHash();
     queue_steps_ = messages_ = 0;
+    staged_ = kNever;
     running_ = true;
   }
   void stop() { running_ = false; }
   // Goes on after stop(): the board has forgotten what it had not done.
   void go_on() {
     ends_.clear();
+    staged_ = kNever;
     for (Pin& pin : pins_)
       if (pin.longest > 0) pin.value = 0;  // the board has switched it off
     running_ = true;
@@ -139,8 +144,8 @@ class JobStream {
   enum class Fill : uint8_t { dry, full };
   // Appends commands that may leave at board clock `now` to a payload of `size` bytes (room for
   // kPayloadMax + kLongestCommand). full: the next one did not fit. `first` becomes the clock of
-  // the most urgent message in the frame.
-  Fill fill(uint8_t* payload, size_t& size, Ticks& first, Ticks now) {
+  // the most urgent message in the frame, `need` the clock at which the board needs it.
+  Fill fill(uint8_t* payload, size_t& size, Ticks& first, Ticks& need, Ticks now) {
     slot_wait_ = kNever;
     if (!running_ || !queue_) return Fill::dry;
     auto held = queue_->hold();
@@ -158,6 +163,7 @@ class JobStream {
       if (size_t(end - payload) > kPayloadMax) return Fill::full;
       size = size_t(end - payload);
       first = std::min(first, m.clock + base_);
+      need = std::min(need, needed_at(m));
       if (slot) ends_.push_back(std::max(m.clock, m.end_clock) + base_);
       if (m.kind == MessageKind::pin) {
         pins_[m.target].value = m.interval;
@@ -173,6 +179,8 @@ class JobStream {
   // A frame whose most urgent message is due at `first` must leave at this board clock at the
   // latest.
   Ticks must_leave(Ticks first) const { return first - horizon_ + quantum_; }
+  // The next message has to wait for a slot.
+  bool short_of_slots() const { return slot_wait_ != kNever; }
   // Board clock at which fill() is worth calling again.
   Ticks wake() const {
     if (!running_ || !queue_) return kNever;
@@ -215,6 +223,7 @@ class JobStream {
   std::vector<Ticks> ends_;  // board clocks at which slots in use are free again; unordered
   size_t slots_ = 0;
   Ticks slot_wait_ = kNever;
+  Ticks staged_ = kNever;  // clock of the first message of the commit that is not complete yet
   MessageQueue* queue_ = nullptr;
   bool running_ = false;
   Ticks base_ = 0;
@@ -277,6 +286,26 @@ class JobStream {
                        on_wire(m.interval, pins_[m.target].inverted_full));
     }
     return p;
+  }
+  // The board needs moves by their first step, with what goes before them. What is staged needs its
+  // commit by then too, and by the clock of the commit before, at which the board would brake.
+  Ticks needed_at(const Message& m) {
+    Ticks clock = m.clock + base_;
+    switch (m.kind) {
+      case MessageKind::pin:
+        return clock;
+      case MessageKind::queue_step: {
+        int64_t gaps = m.count - 1;  // between its steps
+        int64_t later = int64_t(m.interval) * gaps + int64_t(m.add) * (gaps * (gaps + 1) / 2);
+        clock = m.end_clock - later + base_;
+        staged_ = std::min(staged_, clock);
+        return clock;
+      }
+      case MessageKind::commit:
+        return std::exchange(staged_, m.dir ? kNever : clock);
+      default:
+        return kNever;
+    }
   }
   // Forgets the slots that are free by now; false if there is none.
   bool free_slots(Ticks now) {

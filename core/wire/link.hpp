@@ -8,6 +8,7 @@
 #include <deque>
 #include <memory>
 #include <mutex>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,6 +19,7 @@
 #include "frame.hpp"
 #include "heater.hpp"
 #include "job_stream.hpp"
+#include "lateness.hpp"
 #include "timeline.hpp"
 #include "window.hpp"
 
@@ -31,7 +33,7 @@ struct Response {
 class Link {
  public:
   explicit Link(double clock_hz)
-      : hz_(clock_hz), window_(clock_hz), sync_(clock_hz), job_(clock_hz) {
+      : hz_(clock_hz), window_(clock_hz), sync_(clock_hz), job_(clock_hz), lateness_(clock_hz) {
     reports_.add(0, "identify_response offset=%u data=%.*s");
     commands_.add(1, "identify offset=%u count=%c");
   }
@@ -166,8 +168,10 @@ class Link {
     scanner_.reset();
     now_queue_.clear();
     job_.stop();
+    lateness_.restart();
+    due_ = kNever;
     open_size_ = 0;
-    open_first_ = kNever;
+    open_first_ = open_need_ = kNever;
     holds_question_ = holds_command_ = asked_ = shut_down_ = false;
   }
 
@@ -205,8 +209,11 @@ class Link {
   uint64_t frames() const { return frames_; }
   uint64_t retransmitted_bytes() const { return window_.retransmitted_bytes(); }
   uint64_t bad_frames() const { return bad_frames_; }
+  Lateness& lateness() { return lateness_; }
 
   void feed(const uint8_t* data, size_t n, Ticks now) {
+    Ticks clock = wake(now);
+    uint64_t acked = window_.acked();
     scanner_.feed(
         data, n,
         [&](uint8_t sequence, const uint8_t* payload, size_t size) {
@@ -216,6 +223,14 @@ class Link {
             receive(payload, size, now);
         },
         [&] { ++bad_frames_; });
+    if (sync_.ready())
+      for (; acked < window_.acked(); ++acked)
+        lateness_.arrived(acked, !window_.sent_once(acked), clock);
+  }
+  // The cable takes no bytes now, so poll() has to wait.
+  void cable_full(Ticks now) {
+    lateness_.looked(Cause::bytes, wake(now));
+    due_ = kNever;
   }
 
   // Appends what is to be sent now; returns the host time of the next call that has any use, if no
@@ -226,21 +241,23 @@ class Link {
     if (following_ && now >= next_sync_) ask_clock(now);
     if (timeline_ && !shut_down_) follow_orders();
     if (timeline_ && timeline_->halted() && !shut_down_ && !halted_) stop_at_once();
-    Ticks clock = sync_.ready() ? sync_.clock_at(now) : 0;
+    Ticks clock = wake(now);
     if (sync_.ready() && !shut_down_)
       for (Bytes again = job_.renew(clock); !again.empty(); again = job_.renew(clock))
         now_queue_.push_back({std::move(again), false});
     while (window_.room(kPayloadMax) && fill_frame(clock)) {
       if (holds_question_) question_ = window_.next();
       holds_question_ = holds_command_ = false;
+      lateness_.left(window_.next(), job_.must_leave(open_first_), open_need_, clock);
       if (open_first_ != kNever) last_of_job_ = window_.next();
       window_.seal(open_size_, now, out);
       ++frames_;
       open_size_ = 0;
-      open_first_ = kNever;
+      open_first_ = open_need_ = kNever;
     }
     wire_bytes_ += out.size() - before;
-    return deadline(now);
+    lateness_.looked(obstacle(clock), clock);
+    return due_ = deadline(now);
   }
 
  private:
@@ -259,6 +276,8 @@ class Link {
   Window window_;
   ClockSync sync_;
   JobStream job_;
+  Lateness lateness_;
+  Ticks due_ = kNever;                  // host time by which poll() should be called
   std::shared_ptr<Timeline> timeline_;  // none: the board is alone
   size_t seat_ = 0;
   bool main_ = true, halted_ = false;
@@ -278,7 +297,7 @@ class Link {
 
   // The frame under construction lies in the window's next block.
   size_t open_size_ = 0;
-  Ticks open_first_ = kNever;
+  Ticks open_first_ = kNever, open_need_ = kNever;
   bool holds_question_ = false, holds_command_ = false;
 
   bool following_ = false, asked_ = false;
@@ -302,6 +321,21 @@ class Link {
     return format ? format->id : -1000;
   }
 
+  // The board's clock, as far as it is known; what was due before now is late.
+  Ticks wake(Ticks now) {
+    if (!sync_.ready()) return 0;
+    Ticks clock = sync_.clock_at(now);
+    lateness_.woke(now > due_ ? sync_.clock_at(due_) : clock, clock);
+    due_ = std::max(due_, now);
+    return clock;
+  }
+  // What keeps more of the job from leaving.
+  Cause obstacle(Ticks clock) const {
+    if (!window_.room(kPayloadMax) && job_.wake() <= clock)
+      return window_.resending() ? Cause::retransmits : Cause::bytes;
+    return job_.short_of_slots() ? Cause::slots : Cause::plan;
+  }
+
   // Puts into the open frame what may go; true if it is to leave now.
   bool fill_frame(Ticks clock) {
     uint8_t* payload = window_.payload();
@@ -315,7 +349,8 @@ class Link {
       now_queue_.pop_front();
     }
     if (sync_.ready() && !shut_down_)
-      if (job_.fill(payload, open_size_, open_first_, clock) == JobStream::Fill::full) return true;
+      if (job_.fill(payload, open_size_, open_first_, open_need_, clock) == JobStream::Fill::full)
+        return true;
     if (open_size_ == 0) return false;
     return holds_command_ || job_.must_leave(open_first_) <= clock;
   }
@@ -393,6 +428,13 @@ class Link {
       ++bad_frames_;
       return;
     }
+    try {
+      take(id, *format, values, size, now);
+    } catch (const std::exception& e) {  // another dictionary than this program expects
+      throw std::runtime_error("its report " + format->name + " cannot be used: " + e.what());
+    }
+  }
+  void take(int32_t id, const Format& format, std::vector<Value>& values, size_t size, Ticks now) {
     if (id == clock_id_ || id == uptime_id_) {
       take_clock(id == uptime_id_, values, now - on_the_line(kFrameMin + size));
     } else if ((id == analog_id_ || id == converter_id_) && take_temperature(values, now)) {
@@ -404,13 +446,13 @@ class Link {
         return;
       }
       if (id == shutdown_id_ || id == is_shutdown_id_) {
+        shutdown_reason_ = uint32_t(std::get<int64_t>(values.at(values.size() - 1)));
         shut_down_ = true;
-        shutdown_reason_ = uint32_t(std::get<int64_t>(values.back()));
         job_.stop();
         if (timeline_) timeline_->halt();
       }
       if (inbox_.size() == kInboxMax) inbox_.pop_front();
-      inbox_.push_back({format, std::move(values)});
+      inbox_.push_back({&format, std::move(values)});
     }
   }
   // trsync_state oid can_trigger trigger_reason clock

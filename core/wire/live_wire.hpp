@@ -6,6 +6,7 @@
 #include <condition_variable>
 #include <memory>
 #include <mutex>
+#include <string>
 #include <thread>
 #include <utility>
 
@@ -68,8 +69,11 @@ class LiveWire {
       news_.wait_for(lock, std::chrono::duration<double>(left));
     }
   }
-  // The longest time that the thread came too late to send what was due, seconds.
-  double latest_s() const { return latest_s_; }
+  // What ended the connection, if it was not the cable; empty if it was, or while it lasts.
+  std::string failure() {
+    std::lock_guard lock(link_.guard());
+    return failure_;
+  }
 
  private:
   static constexpr double kIdleSeconds = 0.01;  // planned messages come without a call
@@ -80,8 +84,8 @@ class LiveWire {
   std::condition_variable news_;
   bool closed_ = false, board_clock_ = false;
   Ticks last_ = 0;
+  std::string failure_;
   std::atomic<bool> stopping_{false};
-  std::atomic<double> latest_s_{0};
   std::thread thread_;
 
   Ticks clock() {
@@ -91,32 +95,34 @@ class LiveWire {
   }
 
   void carry() {
+    std::string failure;
     try {
       carry_on();
-    } catch (const std::exception&) {  // of a board that does not keep to its own dictionary
+    } catch (const std::exception& e) {  // of a board that does not keep to its own dictionary
+      failure = e.what();
     }
     std::lock_guard lock(link_.guard());
+    failure_ = std::move(failure);
     closed_ = true;
     if (timeline_ && !stopping_) timeline_->halt();
     news_.notify_all();
   }
   void carry_on() {
     const double hz = link_.hz();
-    Ticks due = kNever;
     while (!stopping_ && cable_.open()) {
-      Ticks now = monotonic_ticks(hz);
-      if (due != kNever) latest_s_ = std::max(latest_s_.load(), double(now - due) / hz);
-      due = kNever;
-      if (cable_.written()) {
+      Ticks now = monotonic_ticks(hz), due = kNever;
+      {
         std::lock_guard lock(link_.guard());
-        due = link_.poll(now, cable_.outgoing());
+        if (cable_.written())
+          due = link_.poll(now, cable_.outgoing());
+        else
+          link_.cable_full(now);
       }
       cable_.write_out();
       double sleep = kIdleSeconds;
       if (due != kNever) sleep = std::clamp(double(due - monotonic_ticks(hz)) / hz, 0.0, sleep);
       const Bytes& in = cable_.wait(sleep);
       Ticks after = monotonic_ticks(hz);
-      if (due > after) due = kNever;  // it was not waited for to its end
       std::lock_guard lock(link_.guard());
       if (!in.empty()) link_.feed(in.data(), in.size(), after);
       closed_ = !cable_.open();

@@ -35,6 +35,8 @@ class Window {
     return receive_window_ == 0 || bytes_ == 0 || bytes_ + kFrameMin + payload <= receive_window_;
   }
   bool idle() const { return next_ == acked_; }
+  // What the board has not acknowledged yet was sent more than once.
+  bool resending() const { return !idle() && blocks_[acked_ & kSequenceMask].again; }
   uint64_t next() const { return next_; }
   uint64_t acked() const { return acked_; }
   uint64_t retransmitted_bytes() const { return retransmitted_bytes_; }

@@ -408,6 +408,46 @@ class PinKind(enum.Enum):
 
     PWM = 1
 
+class Cause(enum.Enum):
+    """Why a frame was not at the board sooner."""
+
+    PLAN = 0
+    """Its moves were planned late."""
+
+    STALL = 1
+    """The program did not run."""
+
+    BYTES = 2
+    """The link carries no more bytes."""
+
+    RETRANSMITS = 3
+    """Bytes got lost."""
+
+    SLOTS = 4
+    """The board had no slot free."""
+
+LATE_S: float = 0.06
+
+class Slack:
+    """
+    Of a frame: ticks before the clock of its most urgent message at which the board had it, that clock, and what held it up for how long.
+    """
+
+    @property
+    def known(self) -> bool: ...
+
+    @property
+    def slack(self) -> int: ...
+
+    @property
+    def clock(self) -> int: ...
+
+    @property
+    def held(self) -> int: ...
+
+    @property
+    def cause(self) -> Cause: ...
+
 class Timeline:
     """What the links to the boards of one machine share."""
 
@@ -492,6 +532,11 @@ class Link:
     def use_commits(self, horizon: int) -> None:
         """The job comes in commits, and leaves so many ticks ahead."""
 
+    def begin_commits(self) -> None:
+        """
+        The machine stands, and the board is armed: what moves it comes in commits from here on.
+        """
+
     def reconnect(self) -> None:
         """
         The board has gone on without this host: what was on its way is forgotten, and the job stands until go_on().
@@ -537,6 +582,22 @@ class Link:
 
     @property
     def bad_frames(self) -> int: ...
+
+    def take_slack(self) -> Slack:
+        """The least since this was last asked."""
+
+    @property
+    def least_slack(self) -> Slack: ...
+
+    @property
+    def late_frames(self) -> dict[Cause, int]:
+        """
+        How many frames were at the board less than LATE_S before it needed them, by cause.
+        """
+
+    @property
+    def longest_stall(self) -> int:
+        """The most that it was looked after too late, ticks."""
 
     @property
     def queue_steps(self) -> int: ...
@@ -743,15 +804,15 @@ class LiveWire:
     def now(self) -> int: ...
 
     @property
+    def failure(self) -> str:
+        """What ended the connection, if it was not the cable."""
+
+    @property
     def hz(self) -> float:
         """Ticks of its time in a second."""
 
     def board_clock(self, link: Link) -> int:
         """What the board's clock reads, as far as it is known."""
-
-    @property
-    def latest_s(self) -> float:
-        """The most that the thread was late to send what was due."""
 
     def use_board_clock(self) -> None:
         """Once the link is synchronous: `now` is the board's clock from here on."""
@@ -1292,6 +1353,9 @@ class Job:
         """
         Line of the program's move that is under way, or was last, at a clock (0: none). Clocks must not go back.
         """
+
+    def line_near(self, ticks: float) -> int:
+        """As line_at, for any clock from a second before the last one asked for."""
 
     def position_at(self, ticks: float) -> list[float] | None:
         """

@@ -52,6 +52,11 @@ def _heat(says: str, action: str) -> Entry:
     return Entry("heat", says, f"{action}, then rearm it", ExitStatus.MACHINE_FAULT)
 
 
+def _late(says: str, action: str) -> Entry:
+    head = "commands reached the board {value} they were due, where {limit:.0f} ms should be left"
+    return Entry("link", f"{head}: {says}", action, ExitStatus.MACHINE_FAULT)
+
+
 def _driver(says: str, action: str) -> Entry:
     return Entry("driver", f"motor {{axis}}: {says}", action, ExitStatus.MACHINE_FAULT)
 
@@ -409,6 +414,32 @@ CATALOGUE: Mapping[str, Entry] = {
         "the connection to the board has ended",
         "Check its cable and supply, and start again",
         ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.link-failed": Entry(
+        "board",
+        "the connection to the board was ended: {value}",
+        "Check that its firmware is Passo's or Klipper's and fits the machine file",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "late.stall": _late(
+        "the computer did not let Passo run for {held:.2f} s",
+        "End other programs on it, or give Passo a higher priority",
+    ),
+    "late.plan": _late(
+        "the moves were planned {held:.2f} s late",
+        "End other programs on the computer, take a faster one, or slice with fewer short moves",
+    ),
+    "late.bytes": _late(
+        "the link took no more bytes for {held:.2f} s",
+        "Raise the baud rate, or state in the board's budget how many bytes/s the link carries",
+    ),
+    "late.retransmits": _late(
+        "bytes were lost and sent again for {held:.2f} s, {bytes} of them so far",
+        "Use a shorter cable away from the motors' wires, or 115200 baud",
+    ),
+    "late.slots": _late(
+        "the board's {slots} places for commands were taken for {held:.2f} s",
+        "Give the board a budget in the machine file, or print at lower speed",
     ),
     "machine.alone": Entry(
         "board",

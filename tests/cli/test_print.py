@@ -196,7 +196,14 @@ def test_a_slow_link_is_named_with_its_worst_line(capsys, tmp_path):
     machine.write_text(shipped + "budget = { link_bytes_s = 3000 }\n")
     words = [str(path), "--machine", str(machine)]
     free, slow = printed(capsys, str(path)), printed(capsys, *words)
-    assert free["budget"] == {"worst": {}, "widened_s": 0.0, "tolerance_us": 0.0}
+    assert free["budget"]["worst"] == {}
+    assert free["budget"]["widened_s"] == free["budget"]["tolerance_us"] == 0.0
+    asked = free["budget"]["densest"]
+    assert asked.keys() == {"steps", "commands", "slots"}
+    assert asked["slots"]["load"] > 0.3
+    given = slow["budget"]["densest"]["link"]
+    assert 0.9 < given["load"] < 1.3
+    assert 2 <= given["line"] <= len(lines)
     assert slow["limits"]["link"] > 1.0
     assert slow["move_time_s"] > 1.2 * free["move_time_s"]
     assert slow["budget"]["tolerance_us"] == 25.0

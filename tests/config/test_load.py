@@ -250,7 +250,39 @@ def test_a_board_brings_its_budget(i3_text: str) -> None:
     assert spec["by_link"] is False
     slow = config.load_text(i3_text + "budget = { link_bytes_s = 8300 }\nmove_count = 100\n")
     serial = 'link = "serial"\nport = "/dev/x"\nbaud = 83_000\n'
-    bound = pytest.approx(950)
+    tails = 1200.0
+    bound = pytest.approx((7885 - tails) / 8.3)
     assert config.load_text(i3_text + serial).core_spec()["budget"]["commands_s"] == bound
     bound = pytest.approx(1000)
     assert slow.core_spec()["budget"] == spec | {"commands_s": bound, "burst": 50, "by_link": True}
+
+
+@pytest.mark.parametrize(
+    ("board", "kept"),
+    [
+        ('link = "serial"\nport = "/dev/x"\n', 1200.0),
+        ('link = "tcp"\nport = "x:1"\nbudget = { link_bytes_s = 20_000 }\n', 1200.0),
+        ('link = "serial"\nport = "/dev/x"\nbaud = 9600\n', 456.0),
+        ('firmware = "passo"\nbudget = { link_bytes_s = 20_000 }\n', 1200.0),
+        ('firmware = "passo"\n', 1200.0),
+        ("budget = { link_bytes_s = 20_000 }\n", 0.0),
+    ],
+)
+def test_a_part_of_the_link_is_kept_for_brake_tails(i3_text: str, board: str, kept: float) -> None:
+    machine = config.load_text(i3_text + board)
+    assert machine.board.commit_bytes_s == kept
+    spec, simulated = machine.core_spec()["budget"], config.load("i3").core_spec()["budget"]
+    by_link = (machine.board.link_bytes_s - kept) / 8.3
+    assert spec["commands_s"] == min(simulated["commands_s"], by_link)
+    if machine.board.link_bytes_s == inf:
+        assert spec == simulated
+    else:  # a link must have carried a burst away before it makes commands late
+        burst_s = 0.035 if kept else 0.06
+        assert spec["burst"] == pytest.approx(min(0.1 * spec["commands_s"], burst_s * by_link))
+
+
+def test_a_board_with_klippers_firmware_keeps_nothing() -> None:
+    board = config.load_board("klipper")
+    live = board.model_copy(update={"link": "serial", "port": "/dev/x"})
+    assert not live.survives
+    assert live.commit_bytes_s == 0.0

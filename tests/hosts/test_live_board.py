@@ -4,19 +4,28 @@ from __future__ import annotations
 
 import asyncio
 import ctypes
+import re
+import signal
 import socket
+import subprocess
+import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from tests.console.scenario import Host, Scenario
 from tests.hosts.cable import Cable
+from tests.hosts.served import free_port
 
 from passo import config
+from passo._core import Cause, make_frame
+from passo.board.connection import Connection
+from passo.board.ports import LinkLostError, LivePort
 from passo.cli.main import main
 from passo.config.machine import MachineConfig
 from passo.errors import MachineError
-from passo.printer.wiring import connect
+from passo.printer.wiring import board_description, connect
 
 MACHINE = config.load("i3")
 RUNS_FIRMWARE = MACHINE.model_copy(
@@ -64,6 +73,74 @@ def test_a_stall_of_the_interpreter_delays_no_step(cable: Cable) -> None:
     assert cable.board.device.fault == ""
     steps = {s.name: cable.board.net_steps(s.name) for s in cable.board.board.steppers}
     assert steps == {"x": 800, "y": 780, "z": 0, "e": round(1.95 * 95.5)}
+
+
+def test_a_stall_of_the_interpreter_is_none_of_the_links(cable: Cable) -> None:
+    """A plan for two seconds is on the way: the thread sends it in time."""
+    with Scenario(on("serial", cable.path), loop=asyncio.new_event_loop()) as scenario:
+        host, link = scenario.host, scenario.printer.connection.main.link
+        host.ok("G92 X0")
+        host.send("G1 X40 F600", "G1 X60")
+        scenario.passes(1.0)
+        stall()
+        scenario.passes(0.3)
+        assert link.late_frames[Cause.PLAN] == 0
+        told = [x for x in Host(scenario).ok("M122") if x.startswith("Link: least slack ")]
+        assert re.search(r"slack \d+ ms; late frames: \d+ of \d+[ ;]", told[0])
+
+
+def test_a_program_that_stands_still_is_to_blame_for_late_commands(tmp_path: Path) -> None:
+    """The whole program is stopped for 0.2 s: the board brakes, and the moves go on."""
+    cable = Cable(RUNS_FIRMWARE)
+    file = tmp_path / "mine.toml"
+    text = Path(config.__file__).with_name("machines").joinpath("i3.toml").read_text()
+    link = f'base = "ramps"\nlink = "serial"\nport = "{cable.path}"'
+    file.write_text(text.replace('base = "ramps"', link))
+    place = f"127.0.0.1:{free_port()}"
+    words = [sys.executable, "-m", "passo", "serve", "--machine", str(file), "--tcp", place]
+    with subprocess.Popen(words, stderr=subprocess.PIPE, text=True) as program:
+        assert program.stderr is not None
+        assert program.stderr.readline().startswith("Serving")
+        host, _, port = place.partition(":")
+        with socket.create_connection((host, int(port)), timeout=30.0) as console:
+            lines = console.makefile("r", encoding="ascii", newline="\n")
+            moves = [f"G1 X{10 if i % 2 else 0} Y{i / 4} F3000" for i in range(20)]
+            text = "\n".join(["G92 X0 Y0 Z0", "M118 begun", *moves, "M400", "M118 ended", ""])
+            console.sendall(text.encode())
+            heard: list[str] = []
+
+            def until(part: str) -> None:
+                while not heard or part not in heard[-1]:
+                    heard.append(lines.readline())
+                    assert heard[-1], heard
+
+            until("begun")
+            while cable.look(lambda: cable.board.steps("x")) < 1600:
+                time.sleep(0.01)
+            program.send_signal(signal.SIGSTOP)
+            time.sleep(0.2)
+            program.send_signal(signal.SIGCONT)
+            until("ended")
+        program.terminate()
+    told = [x for x in heard if "commands reached the board" in x]
+    assert any("the computer did not let Passo run for 0." in x for x in told), told
+    cable.cut()
+    assert cable.board.device.fault == ""
+    assert {n: cable.board.net_steps(n) for n in "xy"} == {"x": 800, "y": 380}
+    cable.close()
+
+
+def test_a_board_that_breaks_its_own_dictionary_is_named() -> None:
+    ours, board = socket.socketpair()
+    with board:
+        description = board_description(MACHINE)
+        connection = Connection(description, LivePort(lambda: ours.detach()))
+        connection.link.set_dictionary([], [(5, "shutdown reason=%.*s")], 0)
+        board.sendall(make_frame(bytes((5, 3)) + b"hot", 1))
+        sentence = "connection to the board was ended: its report shutdown cannot be used"
+        with pytest.raises(LinkLostError, match=sentence):
+            connection.run(connection.now + 5 * MACHINE.board.clock_hz)
+        connection.close()
 
 
 def test_a_stall_at_the_end_of_a_few_long_moves_costs_nothing(cable: Cable) -> None:

@@ -1,5 +1,7 @@
 """Each print from the card is a row of the history."""
 
+import sqlite3
+
 import pytest
 from tests.console.scenario import Scenario
 
@@ -44,6 +46,23 @@ def test_prints_that_are_done_cancelled_or_failed_are_told(places, tmp_path):
         assert "Prints: 3" in s.host.ok("M78")[0]
         s.host.ok("M78 S78")
         assert "Prints: 0" in s.host.ok("M78")[0]
+
+
+def test_a_history_of_an_older_kind_is_taken_over(tmp_path):
+    base = sqlite3.connect(tmp_path / "history.sqlite")
+    base.execute(
+        "create table prints (id integer primary key, file text not null, size integer not null,"
+        " ended text not null, print_s real not null, filament_mm real not null)"
+    )
+    base.execute("insert into prints values (1, 'old.g', 7, 'done', 60.0, 5.0)")
+    base.commit()
+    base.close()
+    for size in (8, 9):
+        history = History(tmp_path)
+        history.add("new.g", size, "failed", 30.0, 2.0, "late")
+        assert history.last(1) == [("new.g", "failed", 30.0, "late")]
+        assert history.last(9)[-1] == ("old.g", "done", 60.0, "")
+        history.close()
 
 
 def test_without_a_directory_there_is_no_history():

@@ -292,6 +292,9 @@ class Connection:
         while (stop := self.wire.run(until_clock, until_heaters)) == _core.Stop.FAULT:
             self.take_faults()
         if stop == _core.Stop.CLOSED:
+            failure = self.wire.failure if isinstance(self.wire, _core.LiveWire) else ""
+            if failure:
+                raise LinkLostError.of("machine.link-failed", value=failure)
             raise LinkLostError.of("machine.closed")
         return stop
 

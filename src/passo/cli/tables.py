@@ -42,8 +42,9 @@ def _lengths(parts: Mapping[str, float]) -> str:
 
 
 def _budget(use: BudgetUse, file: str) -> list[tuple[str, str]]:
-    """Where and why a file is slowed, or its tolerance widened; nothing if it is not."""
-    pairs = [
+    """What the densest place takes; where and why a file is slowed, or its tolerance widened."""
+    pairs = [("at its densest", shares)] if (shares := use.shares(file)) else []
+    pairs += [
         (f"more than the {name} takes", f"{place.load:.2f} times at {file}:{place.line}")
         for name, place in use.worst.items()
     ]

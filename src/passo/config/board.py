@@ -8,7 +8,15 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from passo.config.base import Model, Pin
-from passo.config.budget import BURST_S, BYTES_PER_BAUD, COMMAND_BYTES, Budget
+from passo.config.budget import (
+    BURST_S,
+    BYTES_PER_BAUD,
+    COMMAND_BYTES,
+    COMMIT_BURST_S,
+    COMMIT_BYTES_S,
+    LINK_BURST_S,
+    Budget,
+)
 from passo.config.chips import Chip, chip, chip_names
 
 
@@ -121,15 +129,34 @@ class Board(Model):
             return None
         cpu_hz = budget.cpu_hz or self.clock_hz
         by_board = budget.command_share * cpu_hz / budget.cycles_per_command
-        serial = BYTES_PER_BAUD * self.baud if self.link == "serial" else inf
-        by_link = (budget.link_bytes_s or serial) / COMMAND_BYTES
+        by_link = (self.link_bytes_s - self.commit_bytes_s) / COMMAND_BYTES
+        burst_s = COMMIT_BURST_S if self.survives else LINK_BURST_S
         commands_s = min(by_board, by_link)
         return {
             "steps_s": budget.step_share * cpu_hz / budget.cycles_per_step,
             "commands_s": commands_s,
-            "burst": min(BURST_S * commands_s, self.move_count / 2),
+            "burst": min(BURST_S * commands_s, burst_s * by_link, self.move_count / 2),
             "by_link": by_link < by_board,
         }
+
+    @property
+    def survives(self) -> bool:
+        """Whether motion comes in commits, as the board can stop by itself: one that runs, or is
+        taken to run, Passo's firmware."""
+        if self.link == "simulated":
+            return self.firmware == "passo"
+        return "klipper" not in (self.base, self.mcu)
+
+    @property
+    def link_bytes_s(self) -> float:
+        """What the link carries, bytes/s; infinite without a bound."""
+        serial = BYTES_PER_BAUD * self.baud if self.link == "serial" else inf
+        return (self.budget.link_bytes_s if self.budget else None) or serial
+
+    @property
+    def commit_bytes_s(self) -> float:
+        """What is kept of that for commits, bytes/s: never more than half of it."""
+        return min(COMMIT_BYTES_S, self.link_bytes_s / 2) if self.survives else 0.0
 
     @property
     def chip(self) -> Chip | None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from passo.card import Reader as CardReader
 from passo.errors import CommandError, PassoError
-from passo.job.forecast import forecast
+from passo.job.forecast import Forecast, forecast
 from passo.job.history import History
 from passo.job.runner import Runner, State
 from passo.printer.waits import Handler, Person, Reply, Wait
@@ -70,7 +70,7 @@ class JobCommands:
     ) -> None:
         self._printer, self._runner, self._history = printer, runner, history
         self._open_again = open_again
-        self._forecast: asyncio.Task[float | None] | None = None
+        self._forecast: asyncio.Task[Forecast | None] | None = None
         self._planned_s = 0.0  # before this print
         self._watch = Stopwatch(printer)
         self._paused = False
@@ -101,6 +101,7 @@ class JobCommands:
                 self._watch.reset()
                 self._filament_mm = self._printer.filament_mm()
                 self._planned_s = self._printer.planned_s()
+                self._printer.lateness.begin()
                 self._reckon()
             self._watch.start()
         else:
@@ -120,15 +121,23 @@ class JobCommands:
             return
         loop = asyncio.get_running_loop()
         self._forecast = loop.create_task(forecast(self._printer.machine, reader))
+        self._forecast.add_done_callback(self._foretell)
+
+    def _foretell(self, task: asyncio.Task[Forecast | None]) -> None:
+        """What the file will ask of the board, when that is known."""
+        found = None if task.cancelled() else task.result()
+        for sentence in found.budget.told(self._runner.name) if found else ():
+            self._printer.tell(f"echo:{sentence}")
 
     def _times(self) -> tuple[float, float] | None:
         """Seconds of motion done and in all, of a print from its beginning; None if not known."""
         task = self._forecast
         if not self._runner.active or self._runner.first_line > 1 or task is None:
             return None
-        total = task.result() if task.done() and not task.cancelled() else None
-        if not total:
+        found = task.result() if task.done() and not task.cancelled() else None
+        if not found or not found.seconds:
             return None
+        total = found.seconds
         ahead = max(0.0, self._printer.drive.ahead_s)
         done = self._printer.planned_s() - self._planned_s - ahead
         return min(max(done, 0.0), total), total
@@ -140,7 +149,8 @@ class JobCommands:
         if self._history is None:
             return
         try:
-            self._history.add(runner.name, runner.size, runner.ended, watch.seconds, used)
+            note = self._printer.lateness.worst
+            self._history.add(runner.name, runner.size, runner.ended, watch.seconds, used, note)
         except sqlite3.Error as error:
             self._printer.tell(f"echo:This print is not in the history: {error}")
 
@@ -159,8 +169,10 @@ class JobCommands:
             f"echo:Print time: {spoken(totals.print_s)}, longest: {spoken(totals.longest_s)},"
             f" filament: {totals.filament_mm / 1000:.2f}m"
         )
-        for file, ended, seconds in self._history.last(5):
+        for file, ended, seconds, note in self._history.last(5):
             reply.say(f"echo:  {file}: {ended}, {spoken(seconds)}")
+            if note:
+                reply.say(f"echo:    {note}")
         return None
 
     def _time(self, _: Command, reply: Reply) -> Wait | None:

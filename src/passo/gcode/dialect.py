@@ -203,7 +203,11 @@ TABLE: tuple[Row, ...] = (
     Row("M120", _Q, _I, "", "Endstops are watched while the machine moves."),
     Row("M121", _Q, _I, "", "Endstops count only for homing."),
     Row(
-        "M122", _Q, _I, "S", "Tells the limits of the axes, which hold always, and of the drivers."
+        "M122",
+        _Q,
+        _I,
+        "S",
+        "Tells the limits of the axes, which always hold, and of drivers and link.",
     ),
     Row("M123", _Q, _I, "X Y Z", "Tells the logic of the switches, which the machine file sets."),
     Row("M124", _Q, _I, "X Y Z", "As M123: it tells the pull-ups, too."),

@@ -74,6 +74,6 @@ def estimate(
         layers_s=plan["layer_s"],
         features_s=plan["feature_s"],
         limits_s=plan["limit_s"],
-        budget=budget_use(plan, machine.board.clock_hz),
+        budget=budget_use(plan, machine.board),
         warnings=commands.warnings(str(path), plan["clamped"]),
     )

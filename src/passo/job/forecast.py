@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from passo import _core
 from passo.errors import PassoError
+from passo.job.budget_use import BudgetUse, budget_use
 from passo.job.estimate import NoHeat
 from passo.job.program import at_rest, read_program
 from passo.printer.commands import Commands
@@ -21,9 +23,17 @@ _PIECE = 1 << 14  # bytes planned at once: some milliseconds
 _REST_S = 0.02  # of host time between two pieces
 
 
-async def forecast(machine: MachineConfig, reader: Reader) -> float | None:
-    """Seconds of motion and dwell in a file, without heating; None if it cannot be planned to its
-    end. Takes its time: the event loop has others to serve. Closes the reader."""
+@dataclass(frozen=True, slots=True)
+class Forecast:
+    """Seconds of motion and dwell in a file, without heating, and what it asks of the board."""
+
+    seconds: float
+    budget: BudgetUse
+
+
+async def forecast(machine: MachineConfig, reader: Reader) -> Forecast | None:
+    """How a file will go; None if it cannot be planned to its end. Takes its time, as others need
+    the event loop too. Closes the reader."""
     job = _core.Job(machine.core_spec(), False, True, True)
     commands = Commands(machine, job, NoHeat(), [1] * output_count(machine))
     try:
@@ -34,7 +44,7 @@ async def forecast(machine: MachineConfig, reader: Reader) -> float | None:
     finally:
         reader.close()
     plan = job.statistics()
-    return plan["move_s"] + plan["dwell_s"]
+    return Forecast(plan["move_s"] + plan["dwell_s"], budget_use(plan, machine.board))
 
 
 def _pieces(reader: Reader) -> Iterator[bytes]:

@@ -13,9 +13,11 @@ create table if not exists prints (
     size integer not null,
     ended text not null,      -- done, cancelled, failed
     print_s real not null,
-    filament_mm real not null
+    filament_mm real not null,
+    note text not null default ''  -- what went not so well
 )
 """
+_NOTE = "alter table prints add column note text not null default ''"  # older bases lack it
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,14 +40,26 @@ class History:
         self._base.execute("pragma journal_mode = wal")
         with self._base:
             self._base.execute(_SCHEMA)
+            if not self._base.execute(
+                "select 1 from pragma_table_info('prints') where name = 'note'"
+            ).fetchone():
+                self._base.execute(_NOTE)
 
-    def add(self, file: str, size: int, ended: str, print_s: float, filament_mm: float) -> None:
+    def add(
+        self,
+        file: str,
+        size: int,
+        ended: str,
+        print_s: float,
+        filament_mm: float,
+        note: str = "",
+    ) -> None:
         """A print is over. Durable when it returns."""
         with self._base:
             self._base.execute(
-                "insert into prints (file, size, ended, print_s, filament_mm)"
-                " values (?, ?, ?, ?, ?)",
-                (file, size, ended, print_s, filament_mm),
+                "insert into prints (file, size, ended, print_s, filament_mm, note)"
+                " values (?, ?, ?, ?, ?, ?)",
+                (file, size, ended, print_s, filament_mm, note),
             )
 
     def totals(self) -> Totals:
@@ -56,10 +70,10 @@ class History:
         ).fetchone()
         return Totals(*row)
 
-    def last(self, most: int) -> list[tuple[str, str, float]]:
-        """The newest prints: file, how it ended, print time in seconds."""
+    def last(self, most: int) -> list[tuple[str, str, float, str]]:
+        """The newest prints: file, how it ended, print time in seconds, what went not so well."""
         return self._base.execute(
-            "select file, ended, print_s from prints order by id desc limit ?", (most,)
+            "select file, ended, print_s, note from prints order by id desc limit ?", (most,)
         ).fetchall()
 
     def forget(self) -> None:

@@ -5,10 +5,13 @@ from __future__ import annotations
 import resource
 from dataclasses import asdict, dataclass, field
 from math import sqrt
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from passo import _core
 from passo.job.budget_use import BudgetUse, budget_use
+
+if TYPE_CHECKING:
+    from passo.config.board import Board
 
 
 @dataclass(slots=True)
@@ -48,7 +51,7 @@ class PrintResult:
         return asdict(self)
 
     def take_plan(
-        self, job: _core.Job, axes: list[str], extruders: list[str], clock_hz: int
+        self, job: _core.Job, axes: list[str], extruders: list[str], board: Board
     ) -> None:
         """Copies what the plan knows."""
         plan = job.statistics()
@@ -58,7 +61,7 @@ class PrintResult:
         self.filament_mm = dict(zip(extruders, plan["filament_mm"], strict=True))
         self.final_position_mm = dict(zip([*axes, *extruders], plan["position_mm"], strict=True))
         self.limits = plan["limit_s"]
-        self.budget = budget_use(plan, clock_hz)
+        self.budget = budget_use(plan, board)
         self.print_time_s = self.move_time_s + self.heat_time_s + self.dwell_time_s
 
     def take_steps(self, job: _core.Job, clock_hz: int) -> None:

@@ -71,6 +71,7 @@ class Runner:
         self.name = self.path = ""
         self.ended = ""  # done, cancelled or failed: the last print
         printer.busy = lambda: self.active
+        printer.lateness.program = lambda: self.name if self.active else ""
         printer.stop_listeners.append(self._stopped)
         printer.fault_listeners.append(lambda _: self.pause())
 

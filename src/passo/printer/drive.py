@@ -187,6 +187,7 @@ class Drive:
             most = self._connection.main.move_count // _SHARE_OF_SLOTS
             self._job.use_commits(int(COMMIT_S * hz), most)
             self._connection.main.command("survive_arm")
+            self._connection.main.link.begin_commits()
         else:
             self._job.stop_commits()
             self._connection.main.command("survive_off")

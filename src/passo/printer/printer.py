@@ -18,6 +18,7 @@ from passo.printer.endstop_watch import EndstopWatch
 from passo.printer.faults import problem_of
 from passo.printer.heat_commands import HeatCommands
 from passo.printer.homing import Homer
+from passo.printer.lateness import LatenessWatch
 from passo.printer.motion_commands import MotionCommands
 from passo.printer.motors import Motors
 from passo.printer.person import PersonCommands
@@ -69,6 +70,7 @@ class Printer:
         connection, self.board = connect(machine)
         self.motors = Motors(self)
         self.drivers = DriverWatch(self)
+        self.lateness = LatenessWatch(self)
         self.driver_commands = DriverCommands(self)
         self._begin(connection)
         self.turn = Turn()
@@ -81,6 +83,7 @@ class Printer:
         self.endstops = EndstopWatch(self)
         self.watchers.append(self.endstops.time_passed)
         self.watchers.append(self.drivers.time_passed)
+        self.watchers.append(self.lateness.time_passed)
         self.store_settings: Callable[[], object] = lambda: None
         self.immediate: dict[str, Handler] = (
             self.heat.immediate
@@ -372,6 +375,7 @@ class Printer:
             try:
                 await self.drive.run()
             except MachineError as error:
+                self.lateness.board_failed()
                 failure = await self._reconnect(error)
                 if failure is None:
                     continue

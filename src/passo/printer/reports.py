@@ -126,6 +126,8 @@ class Reports:
         reply.say(f"Soft endstops: ON  Min: {low}  Max: {high}")
         for line in self._printer.driver_commands.status_lines():
             reply.say(line)
+        for line in self._printer.lateness.summaries():
+            reply.say(line)
         return None
 
     def _switch_logic(self, command: Command, reply: Reply) -> Wait | None:

@@ -1,0 +1,76 @@
+"""Tells when commands reach the board with little time to spare, and why."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from passo.board.lateness import is_late, problem_of, summary
+
+if TYPE_CHECKING:
+    from passo import _core
+    from passo.board.connection import Connection
+    from passo.printer.printer import Printer
+
+_AGAIN_S = 10.0  # between two lines on the consoles
+
+
+class LatenessWatch:
+    """The slack of one printer's link. `program` names the file that is printed; `worst` is what
+    there is to say of the print that is under way, or was the last one."""
+
+    def __init__(self, printer: Printer) -> None:
+        self._printer = printer
+        self.program: Callable[[], str] = str
+        self.worst = ""
+        self._least_s = 0.0  # slack of `worst`
+        self._next_word = 0
+        self._pending: tuple[float, str] | None = None
+
+    def begin(self) -> None:
+        """A print begins."""
+        self.worst = ""
+
+    def time_passed(self) -> None:
+        """Looks at what has arrived since; tells the least slack of the last ten seconds."""
+        printer = self._printer
+        printer.job.line_at(printer.drive.now)  # what lies behind it is forgotten
+        self.look()
+        now = printer.connection.now
+        if self._pending is not None and now >= self._next_word:
+            self._next_word = now + int(_AGAIN_S * printer.drive.hz)
+            self._tell()
+
+    def look(self) -> None:
+        """Takes notice of what has happened since the last look."""
+        for connection in self._printer.connection.connections:
+            slack = connection.link.take_slack()
+            if not is_late(connection, slack):
+                continue
+            seconds = slack.slack / connection.board.clock_hz
+            sentence = self._sentence(connection, slack)
+            if self._pending is None or seconds < self._pending[0]:
+                self._pending = seconds, sentence
+            if not self.worst or seconds < self._least_s:
+                self._least_s, self.worst = seconds, sentence
+
+    def board_failed(self) -> None:
+        """What is known is told at once: it may be why."""
+        self.look()
+        self._next_word = 0  # the board's clock may begin anew
+        self._tell()
+
+    def summaries(self) -> list[str]:
+        """A line of M122 for each board."""
+        return [summary(connection) for connection in self._printer.connection.connections]
+
+    def _tell(self) -> None:
+        if self._pending is not None:
+            self._printer.tell(f"echo:{self._pending[1]}")
+            self._pending = None
+
+    def _sentence(self, connection: Connection, slack: _core.Slack) -> str:
+        printer, file = self._printer, self.program()
+        clock = connection.main_clock(slack.clock) - printer.drive.base
+        line = printer.job.line_near(clock) if file else 0
+        return str(problem_of(connection, slack, file, line or None))
