@@ -188,7 +188,7 @@ void stepper_brake(struct stepper *stepper) {
 void stepper_forget(struct stepper *stepper, bool tail) {
   struct move *move;
   while ((move = take(&stepper->staged)) != NULL) {
-    if (move->count == 0 && !stepgen_active(stepper->axis))
+    if (tail && move->count == 0 && !stepgen_active(stepper->axis))
       give(stepper, move);
     else
       move_free(move);

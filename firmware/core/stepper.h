@@ -43,7 +43,8 @@ void stepper_give_staged(struct stepper *stepper);
 bool stepper_is_late(const struct stepper *stepper);
 // The tail goes to the generator, what is staged is dropped.
 void stepper_brake(struct stepper *stepper);
-// Drops what is staged, but for clocks that are set anew, and the next tail, or both tails.
+// Drops what is staged and the next tail. With `tail` that as well, and clocks that were staged are
+// set: the host takes over.
 void stepper_forget(struct stepper *stepper, bool tail);
 // Gives the moves that the generator has done with back to the pool. Foreground.
 void steppers_reclaim(void);

@@ -129,13 +129,14 @@ void command_survive_tail(const uint32_t *args) {
 DECL_COMMAND(command_survive_commit, "survive_commit serial=%u clock=%u rest=%c", 0);
 void command_survive_commit(const uint32_t *args) {
   struct stepper *stepper;
-  // Where the machine rests no decision has told that time is up.
+  bool late = false;
   for (int16_t oid = -1; (stepper = object_next(&oid, OBJECT_STEPPER)) != NULL;)
-    if (state == RESTING && stepper_is_late(stepper)) {
-      state = MOVING;
-      decide(&decision);
-    }
+    late |= stepper_is_late(stepper);
   hal_irq_t irq = hal_irq_save();
+  if (late && state == RESTING) {  // where it rests no decision has told that time is up
+    state = MOVING;
+    decide(&decision);
+  }
   bool valid = survive_stages() && !is_shut_down();
   if (valid) {
     timer_remove(&decision);
