@@ -28,6 +28,7 @@ class Commits {
     for (size_t i = 0; i < machine.steppers.size(); ++i) {
       solvers_.emplace_back(machine, machine.steppers[i]);
       compressors_.emplace_back(machine, machine.steppers[i], uint16_t(i));
+      compressors_.back().keep_steps_behind();
     }
   }
 

@@ -115,6 +115,8 @@ class Compressor {
 
   // No command may be due before this clock: messages up to it are handed out already.
   void not_before(int64_t clock) { floor_ = clock; }
+  // Nor may a step: what is owed comes behind that clock.
+  void keep_steps_behind() { steps_behind_ = true; }
 
   // The motor has stopped by itself: its clock and direction are told anew before its next step.
   void renew(bool on = true) {
@@ -179,7 +181,7 @@ class Compressor {
   int dir_ = 0;
   int64_t floor_ = 0;
   std::deque<std::pair<int64_t, int64_t>> resets_;  // clock set, last step before it
-  bool crowded_ = false, keeps_ideal_ = false, renew_ = false;
+  bool crowded_ = false, keeps_ideal_ = false, renew_ = false, steps_behind_ = false;
   std::vector<double> ideal_;
 
   // Where the motor turns, opposite steps that are too close for the driver cancel each other.
@@ -230,6 +232,7 @@ class Compressor {
     crowded_ = false;
     double apart = std::max(reversal_, least_);
     double least = (resets(steps_.ticks[1]) ? double(std::max(last_, floor_)) : steps_.ticks[0]);
+    if (steps_behind_) least = std::max(least, double(floor_) - apart + 1);
     for (size_t k = 1; k < steps_.ticks.size() && steps_.ticks[k] < least + apart; ++k)
       steps_.ticks[k] = least += apart;
   }

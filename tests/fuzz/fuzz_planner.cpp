@@ -65,7 +65,7 @@ struct Board {
 struct LoneBoard {
   // A step that a cut has left owed may come at the end of the commit before; the next commit is
   // there this long before that.
-  static constexpr int64_t kGuard = 80'000;
+  static constexpr int64_t kGuard = 80'000, kTolerance = 801;  // ticks
   Board moves;
   std::vector<Message> staged, tails, next_tails;
   uint32_t serial = 0;
@@ -98,7 +98,7 @@ struct LoneBoard {
         moves.clock[m.target] += int32_t(m.interval - uint32_t(moves.clock[m.target]));
         continue;
       }
-      if (moves.clock[m.target] + int64_t(m.interval) <= limit) std::abort();
+      if (moves.clock[m.target] + int64_t(m.interval) < limit - kTolerance) std::abort();
       moves.direction[m.target] = m.dir ? 1 : -1;
       m.kind = MessageKind::queue_step;
       moves.take(m);
