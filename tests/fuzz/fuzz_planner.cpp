@@ -63,7 +63,7 @@ struct Board {
 
 // A board that takes commits.
 struct LoneBoard {
-  // A step that a cut has left owed may come at the end of the commit before; the next commit is
+  // A step that a cut has left owed may come around the end of a commit; the next commit is
   // there this long before that.
   static constexpr int64_t kGuard = 80'000, kTolerance = 801;  // ticks
   Board moves;
@@ -89,7 +89,7 @@ struct LoneBoard {
       serial = m.interval;
       limit = m.clock;
       for (int64_t clock : moves.clock)
-        if (clock > limit) std::abort();
+        if (clock > limit + kGuard) std::abort();
     }
   }
   void stop_alone() {
@@ -159,7 +159,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         if (!motion.recover_from(lone.serial)) std::abort();
         for (size_t k = 0; k < 4; ++k)
           if (motion.expected_net(k) != lone.moves.net[k]) std::abort();
-        motion.wait_until(motion.planner().clock() + 1e5 * p[8]);
+        motion.wait_until(motion.planner().clock() + 1e6 + 1e5 * p[8]);  // it stands by then
         motion.release();
       }
     }
