@@ -16,7 +16,7 @@ from passo.board.configuration import (
     heater_options,
     queries,
 )
-from passo.board.description import BoardDescription, Sensor, inverted
+from passo.board.description import BoardDescription, Output, Sensor, inverted
 from passo.board.dictionary import Dictionary, DictionaryError
 from passo.board.faults import HeaterFault
 from passo.board.ports import LinkLostError, Port
@@ -30,7 +30,8 @@ _PATIENCE_S = 0.5
 _TRIES = 5
 _LEAD_S = 0.25
 _FAREWELL_S = 0.6
-_BRAKING_S, _LOOK_S = 10.0, 0.05  # no machine brakes for longer; between two looks
+BRAKING_S = 10.0  # no machine brakes for longer
+LOOK_S = 0.05  # between two looks whether it stands
 _RESET_S = 0.05  # a board that has been told to reset has begun to by then
 _RESPONSES_KEPT = 1024
 _SLOTS_RENEWED = 4  # of each output that is told its value again and again
@@ -107,8 +108,7 @@ class Connection:
             raise MachineError.of("machine.dictionary", value=str(error)) from None
         self._follow_clock()
         self._prepare()
-        for line in queries(self.board, self.dictionary, self._clock_after(_LEAD_S)):
-            self.command(line)
+        self.renew()
         if self.adopted:
             self.command("survive_arm")  # it takes orders again
             self._switch_off_loads()
@@ -134,14 +134,13 @@ class Connection:
     @property
     def survives(self) -> bool:
         """The board can stop by itself when it is left alone (docs/decisions/0013-survive.md)."""
-        return any(text.startswith("survive_commit ") for _, text in self.dictionary.commands)
+        return self.dictionary.number("SURVIVE") > 0
 
     def use_commits(self, horizon_s: float) -> None:
         """The job comes in commits, and leaves so long ahead. Only if the board `survives`."""
         self.link.use_commits(self._ticks(horizon_s))
-        heated = {h.output for h in self.board.heaters}
-        for o in self.board.outputs:
-            if o.max_duration_ticks > 0 and o.name not in heated:
+        for o in self._unheated():
+            if o.max_duration_ticks > 0:
                 off = self.full_scale(o.name) if inverted(o.pin) else 0
                 oid = self.oids.outputs[o.name]
                 self.command(f"survive_output oid={oid} value={off} seconds=0")
@@ -162,8 +161,8 @@ class Connection:
             raise BoardBeganAnewError.of("machine.began-anew")
 
     def renew(self) -> None:
-        """Tells again what the board may not have heard when the link was lost: how it is to sample
-        its sensors."""
+        """Tells how the board is to sample its sensors, which it may not have heard when the link
+        was lost."""
         for line in queries(self.board, self.dictionary, self._clock_after(_LEAD_S)):
             self.command(line)
 
@@ -256,20 +255,23 @@ class Connection:
                 self.run(self.now + self._ticks(_LEAD_S))
             self.wire.stop()
 
+    def _unheated(self) -> list[Output]:
+        """The outputs that no heater's loop renews."""
+        heated = {h.output for h in self.board.heaters}
+        return [o for o in self.board.outputs if o.name not in heated]
+
     def _switch_off_loads(self) -> None:
         """Fans and the laser; motors stay on, lest they lose their place."""
         self._switch_off_lasers()
-        heated = {h.output for h in self.board.heaters}
-        for o in self.board.outputs:
-            if o.kind == "digital" and o.cycle_ticks > 0 and o.name not in heated:
+        for o in self._unheated():
+            if o.kind == "digital" and o.cycle_ticks > 0:
                 value = int(inverted(o.pin))
                 self.command(f"update_digital_out oid={self.oids.outputs[o.name]} value={value}")
 
     def _switch_off_lasers(self) -> None:
         clock = self._clock_after(_LEAD_S / 2) & 0xFFFFFFFF
-        heated = {h.output for h in self.board.heaters}
-        for o in self.board.outputs:
-            if o.kind == "pwm" and o.name not in heated:
+        for o in self._unheated():
+            if o.kind == "pwm":
                 off = self.full_scale(o.name) if inverted(o.pin) else 0
                 oid = self.oids.outputs[o.name]
                 self.command(f"queue_pwm_out oid={oid} clock={clock} value={off}")
@@ -346,16 +348,20 @@ class Connection:
             self.run(self.now + self._ticks(_STEP_S))
         raise self.silence("get_uptime")
 
+    def stopped(self) -> Values | None:
+        """The `survive_state` of a board that was left alone, once its motors stand. Asks the
+        board."""
+        states = self.dictionary.enumerations["survive"]
+        state = self.ask("survive_query", "survive_state")
+        return None if state["state"] in (states["moving"], states["braking"]) else state
+
     def _stood_alone(self) -> bool:
         """Whether the board has outlived its host, and its motors stand."""
-        if not self.survives:
-            return False
-        states = self.dictionary.enumerations["survive"]
-        for _ in range(int(_BRAKING_S / _LOOK_S)):
-            state = self.ask("survive_query", "survive_state")["state"]
-            if state not in (states["moving"], states["braking"]):
-                return state in (states["resting"], states["held"])
-            self.pass_time(self.now + self._ticks(_LOOK_S))
+        off = self.dictionary.enumerations["survive"]["off"]
+        for _ in range(int(BRAKING_S / LOOK_S)):
+            if (state := self.stopped()) is not None:
+                return state["state"] != off
+            self.pass_time(self.now + self._ticks(LOOK_S))
         return False
 
     def _configure(self, adopt: bool) -> None:
@@ -363,7 +369,7 @@ class Connection:
         self._crc = checksum(lines)
         state = self.ask("get_config", "config")
         same = state["is_config"] and not state["is_shutdown"] and state["crc"] == self._crc
-        self.adopted = adopt and bool(same) and self._stood_alone()
+        self.adopted = adopt and bool(same) and self.survives and self._stood_alone()
         if not self.adopted and (state["is_shutdown"] or state["is_config"]):
             self.command("reset")
             self.pass_time(self.now + self._ticks(_RESET_S))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
-from passo.board.connection import BoardAloneError, Values
+from passo.board.connection import BRAKING_S, LOOK_S, BoardAloneError, Values
 from passo.board.ports import LinkLostError
 from passo.errors import MachineError
 from passo.printer.drive import TICK_S
@@ -14,8 +14,6 @@ if TYPE_CHECKING:
     from passo.printer.printer import Printer
 
 _AGAIN_S = 0.5  # between two tries to open the port
-_BRAKING_S = 10.0  # no machine brakes for longer
-_LOOK_S = 0.05
 
 
 async def reconnect(printer: Printer, lost: LinkLostError) -> None:
@@ -25,13 +23,13 @@ async def reconnect(printer: Printer, lost: LinkLostError) -> None:
     held = printer.job.holds
     printer.drive.interrupted = True
     printer.connection.stop_job()
+    reopen = not isinstance(lost, BoardAloneError)
+    plug = ": plug it in again, or give up with M112" if reopen else ""
     problem = str(lost).partition(".")[0]
-    plug = "" if isinstance(lost, BoardAloneError) else " plug it in again, or give up with M112"
     printer.tell(
         f"echo:The machine waits: {problem}. The board stops by itself and keeps warm for a minute"
-        + (":" + plug if plug else "")
+        + plug
     )
-    reopen = not isinstance(lost, BoardAloneError)
     while not printer.halted:
         try:
             await _take_over(printer, reopen=reopen)
@@ -68,13 +66,10 @@ async def _take_over(printer: Printer, *, reopen: bool) -> None:
 
 async def _standing(printer: Printer) -> Values:
     """The state of the board once its motors stand."""
-    connection = printer.connection.main
-    states = connection.dictionary.enumerations["survive"]
-    for _ in range(int(_BRAKING_S / _LOOK_S)):
-        state = connection.ask("survive_query", "survive_state")
-        if state["state"] not in (states["moving"], states["braking"]):
+    for _ in range(int(BRAKING_S / LOOK_S)):
+        if (state := printer.connection.main.stopped()) is not None:
             return state
-        await asyncio.sleep(_LOOK_S)
+        await asyncio.sleep(LOOK_S)
         printer.drive.look()
     raise MachineError.of("machine.place-unknown")
 
