@@ -52,6 +52,8 @@ def main() -> None:
         seen["sent_in_pause"] = core.queueindex - seen["paused_at"]
         core.resume()
     wait(lambda: not core.printing)
+    # The thread that printed starts the one that idles; disconnect() trips over it in between.
+    wait(lambda: core.send_thread is not None and core.send_thread.is_alive())
     seen["online"] = core.online
     core.disconnect()
     print(json.dumps(seen))

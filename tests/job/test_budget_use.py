@@ -57,16 +57,16 @@ def test_an_estimate_shows_them(dense, tmp_path, capsys):
     machine = tmp_path / "mine.toml"
     machine.write_text(TEXT + LINK)
     assert main(["estimate", str(dense), "--machine", str(machine)]) == 0
-    line = next(x for x in capsys.readouterr().out.splitlines() if x.startswith("at its densest"))
-    assert line.endswith(", 5% for brake tails")
-    assert f"% of the link ({dense}:" in line
+    out = capsys.readouterr().out
+    assert re.search(r"^  link +\d+% at line \d+$", out, re.MULTILINE)
+    assert re.search(r"^  link, for brake tails +5% in all moves$", out, re.MULTILINE)
 
 
 def test_a_print_is_told_them_when_it_begins(dense):
     with Scenario("i3", card=str(dense.parent)) as s:
         s.host.ok("M32 dense.g")
         told = s.host.expect("At its densest the file takes", 5)
-        shown = re.fullmatch(r".* (\d+)% of the slots \(dense.g:(\d+)\)", told)
+        shown = re.fullmatch(r".* move slots (\d+)% at line (\d+)", told)
         assert shown
         assert int(shown[1]) > 20
         assert FIRST <= int(shown[2]) < FIRST + 600

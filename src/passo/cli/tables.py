@@ -43,7 +43,8 @@ def _lengths(parts: Mapping[str, float]) -> str:
 
 def _budget(use: BudgetUse, file: str) -> list[tuple[str, str]]:
     """What the densest place takes; where and why a file is slowed, or its tolerance widened."""
-    pairs = [("at its densest", shares)] if (shares := use.shares(file)) else []
+    densest = [(f"  {name}", share) for name, share in use.shares()]
+    pairs = [("at its densest", ""), *densest] if densest else []
     pairs += [
         (f"more than the {name} takes", f"{place.load:.2f} times at {file}:{place.line}")
         for name, place in use.worst.items()

@@ -43,27 +43,29 @@ class BudgetUse:
     def told(self, file: str) -> Iterator[str]:
         """What a console should hear before a print: nothing without a budget."""
         if self.densest:
-            yield f"At its densest the file takes {self.shares(file)}"
+            told = "; ".join(f"{name} {share}" for name, share in self.shares())
+            yield f"At its densest the file takes of the board: {told}"
         for name, place in self.worst.items():
             yield (
                 f"{file}:{place.line} asks for {place.load:.2f} times what the {name} takes,"
                 " and gets less even steps or lower speed"
             )
 
-    def shares(self, file: str) -> str:
-        """`for steps 40% of the processor (a.g:12), …`; empty without a budget."""
+    def shares(self) -> list[tuple[str, str]]:
+        """What is taken, and the share with its line; nothing without a budget."""
         names = {
-            "steps": "for steps {} of the processor",
-            "commands": "for commands {} of it",
-            "slots": "{} of the slots",
-            "link": "{} of the link",
+            "steps": "processor, for steps",
+            "commands": "processor, for commands",
+            "slots": "move slots",
+            "link": "link",
         }
-        parts = [
-            f"{names[name].format(f'{place.load:.0%}')} ({file}:{place.line})"
+        found = [
+            (names[name], f"{place.load:.0%} at line {place.line}")
             for name, place in self.densest.items()
         ]
-        tails = f", {self.commits:.0%} for brake tails" if self.commits > 0 else ""
-        return ", ".join(parts) + tails
+        if self.commits > 0:
+            found.append(("link, for brake tails", f"{self.commits:.0%} in all moves"))
+        return found
 
 
 def budget_use(plan: Mapping[str, Any], board: Board) -> BudgetUse:
