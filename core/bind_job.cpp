@@ -121,14 +121,14 @@ nb::typed<nb::list, Table> steppers(JobView& self) {
   nb::typed<nb::list, Table> list;
   Motion& motion = self.job.motion;
   for (size_t i = 0; i < motion.machine().steppers.size(); ++i) {
-    const StepStatistics& s = motion.steps(i);
+    const StepStatistics& s = motion.stream().statistics(i);
     nb::dict d;
     d["name"] = motion.machine().steppers[i].name;
     d["steps_per_unit"] = motion.machine().steppers[i].steps_per_unit;
     d["steps"] = s.steps;
     d["net"] = s.net;
-    d["count"] = motion.count(i);
-    d["expected_net"] = motion.expected_net(i);
+    d["count"] = motion.stream().count(i);
+    d["expected_net"] = motion.stream().expected_net(i);
     d["commands"] = s.commands;
     d["dropped_pairs"] = s.dropped_pairs;
     d["error_max_ticks"] = s.error_max;
@@ -302,7 +302,7 @@ void bind_job(nb::module_& m) {
           "use_commits",
           [](JobView& self, int64_t period, size_t most) {
             self.job.motion.flush();
-            self.job.motion.use_commits(period, most);
+            self.job.motion.stream().use_commits(period, most);
           },
           "period"_a, "most"_a,
           "Messages come in commits of at most so many ticks and messages from now on; only while "
@@ -311,7 +311,7 @@ void bind_job(nb::module_& m) {
           "stop_commits",
           [](JobView& self) {
             self.job.motion.flush();
-            self.job.motion.stop_commits();
+            self.job.motion.stream().stop_commits();
           },
           "Messages come as they are; only while the machine stands.")
       .def(
@@ -409,7 +409,7 @@ void bind_job(nb::module_& m) {
             for (size_t i : steppers) {
               if (i >= self.job.motion.machine().steppers.size())
                 throw nb::index_error("no such stepper");
-              self.job.motion.renew(i);
+              self.job.motion.stream().renew(i);
             }
           },
           "steppers"_a,
@@ -525,12 +525,13 @@ void bind_job(nb::module_& m) {
           "adopt", [](JobView& self, JobView& other) { self.job.adopt(other.job); }, "other"_a,
           "Takes the state of a program that another job has read up to where this machine stands.")
       .def(
-          "line_at", [](JobView& self, double ticks) { return self.job.motion.line_at(ticks); },
+          "line_at", [](JobView& self, double ticks) { return self.job.motion.lines().at(ticks); },
           "ticks"_a,
           "Line of the program's move that is under way, or was last, at a clock (0: none). Clocks "
           "must not go back.")
       .def(
-          "line_near", [](JobView& self, double ticks) { return self.job.motion.line_near(ticks); },
+          "line_near",
+          [](JobView& self, double ticks) { return self.job.motion.lines().near(ticks); },
           "ticks"_a, "As line_at, for any clock from a second before the last one asked for.")
       .def(
           "position_at",
@@ -556,7 +557,7 @@ void bind_job(nb::module_& m) {
           "clock", [](JobView& self) { return self.job.motion.planner().clock(); },
           "End of the settled plan, ticks.")
       .def_prop_ro(
-          "handed_out", [](JobView& self) { return self.job.motion.handed_out(); },
+          "handed_out", [](JobView& self) { return self.job.motion.stream().handed_out(); },
           "Clock of the last message, ticks.")
       .def_prop_ro("line", [](JobView& self) { return self.job.interpreter.line(); })
       .def_prop_ro("layer", [](JobView& self) { return self.job.interpreter.layers(); })
@@ -594,13 +595,14 @@ void bind_job(nb::module_& m) {
           "axis"_a, "what"_a, "value"_a, "live"_a = false,
           "Changes an axis' `speed` or `accel`, never beyond the machine's own, as set_limit.")
       .def_prop_ro(
-          "messages", [](JobView& self) -> MessageQueue& { return self.job.motion.messages(); },
+          "messages",
+          [](JobView& self) -> MessageQueue& { return self.job.motion.stream().messages(0); },
           nb::rv_policy::reference_internal, "The main board's.")
       .def(
           "messages_of",
           [](JobView& self, size_t board) -> MessageQueue& {
             if (board >= self.job.motion.machine().boards) throw nb::index_error("no such board");
-            return self.job.motion.messages(board);
+            return self.job.motion.stream().messages(board);
           },
           "board"_a, nb::rv_policy::reference_internal)
       .def(
@@ -617,7 +619,7 @@ void bind_job(nb::module_& m) {
           "keep_ideal",
           [](JobView& self, bool on) {
             for (size_t i = 0; i < self.job.motion.machine().steppers.size(); ++i)
-              self.job.motion.compressor(i).keep_ideal(on);
+              self.job.motion.stream().compressor(i).keep_ideal(on);
           },
           "on"_a, "From now on keeps the ideal time of every step, see take_ideal.")
       .def(
@@ -625,7 +627,7 @@ void bind_job(nb::module_& m) {
           [](JobView& self, size_t stepper) {
             if (stepper >= self.job.motion.machine().steppers.size())
               throw nb::index_error("no such stepper");
-            std::vector<double>& ideal = self.job.motion.compressor(stepper).ideal();
+            std::vector<double>& ideal = self.job.motion.stream().compressor(stepper).ideal();
             nb::bytes bytes(reinterpret_cast<const char*>(ideal.data()),
                             ideal.size() * sizeof(double));
             ideal.clear();

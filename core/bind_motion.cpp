@@ -219,7 +219,7 @@ void bind_motion(nb::module_& m) {
           [](RecordedMotion& self, double before) {
             std::vector<std::tuple<std::string, int, int64_t, int64_t, uint32_t, int, int, int>>
                 out;
-            MessageQueue& queue = self.motion.messages();
+            MessageQueue& queue = self.motion.stream().messages(0);
             while (!queue.empty() && double(queue.front().clock) < before) {
               const Message& g = queue.front();
               const char* names[] = {"queue_step", "set_dir", "reset_clock", "pin"};
@@ -237,12 +237,14 @@ void bind_motion(nb::module_& m) {
           [](RecordedMotion& self) {
             std::vector<int64_t> out;
             for (size_t i = 0; i < self.motion.machine().steppers.size(); ++i)
-              out.push_back(self.motion.count(i));
+              out.push_back(self.motion.stream().count(i));
             return out;
           },
           "Step count of every motor after all that was solved.")
       .def("dropped_pairs",
-           [](RecordedMotion& self, size_t i) { return self.motion.steps(i).dropped_pairs; })
+           [](RecordedMotion& self, size_t i) {
+             return self.motion.stream().statistics(i).dropped_pairs;
+           })
       .def(
           "ideal_ticks",
           [](RecordedMotion& self, const Move& move, size_t stepper, int64_t count) {

@@ -96,7 +96,7 @@ class Commits {
     for (size_t i = 0; i < waiting_.size(); ++i) {
       const Message& m = waiting_[i];
       if (m.kind != MessageKind::queue_step) continue;
-      if (!waits[m.target]) last_[m.target] = m.end_clock - span(m, m.count);
+      if (!waits[m.target]) last_[m.target] = m.end_clock - m.span(m.count);
       waits[m.target] = true;
       net_[m.target] -= m.dir ? m.count : -int64_t(m.count);
     }
@@ -140,10 +140,6 @@ class Commits {
     return end;
   }
 
-  static int64_t span(const Message& m, int64_t count) {
-    return int64_t(m.interval) * count + int64_t(m.add) * (count * (count - 1) / 2);
-  }
-
   void commit(int64_t clock, bool rest, const std::vector<int64_t>& origin,
               const std::vector<Move>& moves, MessageQueue& out) {
     Point p{++serial_, clock, rest};
@@ -170,8 +166,8 @@ class Commits {
         ahead.push_back(m);
         continue;
       }
-      int64_t start = m.end_clock - span(m, m.count), done = m.count;
-      while (done > 0 && start + span(m, done) > clock) --done;
+      int64_t start = m.end_clock - m.span(m.count), done = m.count;
+      while (done > 0 && start + m.span(done) > clock) --done;
       std::vector<Message>& to = done > 0 ? within_ : behind_;
       to.insert(to.end(), ahead.begin(), ahead.end());
       if (done > 0)
@@ -184,7 +180,7 @@ class Commits {
       if (done > 0) {
         Message first = m;
         first.count = uint16_t(done);
-        first.end_clock = start + span(m, done);
+        first.end_clock = start + m.span(done);
         within_.push_back(first);
         last_[m.target] = first.end_clock;
         net_[m.target] += m.dir ? done : -done;

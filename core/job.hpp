@@ -36,7 +36,7 @@ class Job {
   Status advance(double horizon, size_t most, bool to_boundary = false) {
     for (;;) {
       if (to_boundary ? interpreter.at_boundary()
-                      : motion.planner().clock() >= horizon || motion.waiting() >= most)
+                      : motion.planner().clock() >= horizon || motion.stream().waiting() >= most)
         return Status::full;
       double start = now();
       Found found = Found::move;

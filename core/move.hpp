@@ -40,6 +40,14 @@ struct Move {
 
   double ticks() const { return t_acc + t_cru + t_dec; }
   double end() const { return start + ticks(); }
+  // Way and speed `tau` ticks after its start, of `hz` a second.
+  std::pair<double, double> along(double tau, double hz) const {
+    double t0 = std::min(tau, t_acc) / hz, t1 = std::clamp(tau - t_acc, 0.0, t_cru) / hz;
+    double t2 = std::clamp(tau - t_acc - t_cru, 0.0, t_dec) / hz;
+    double s = v0 * t0 + 0.5 * a * t0 * t0 + vc * t1 + vc * t2 - 0.5 * b * t2 * t2;
+    double v = t2 > 0 ? vc - b * t2 : tau > t_acc ? vc : v0 + a * t0;
+    return {std::clamp(s, 0.0, d), v};
+  }
 };
 
 }  // namespace passo

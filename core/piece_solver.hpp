@@ -187,4 +187,26 @@ class PieceSolver {
   }
 };
 
+// Throws std::invalid_argument if pieces do not join from `from` on, to kPieceJoint mm, or a motor
+// cannot follow one. `filament`: where the extruder of the first one is.
+inline constexpr double kPieceJoint = 1e-6;
+inline void check_pieces(const Machine& machine, const std::vector<Piece>& pieces,
+                         const double* from, double filament) {
+  for (const Piece& p : pieces) {
+    if (!(p.seconds > 0 && p.seconds < kInfinity))
+      throw std::invalid_argument("a piece needs a time above 0");
+    for (int j = 0; j < kAxes; ++j) {
+      bool first = &p == pieces.data() && p.extruder < machine.extruders.size();
+      double before = j == kE && first ? filament : from[j];
+      // Written so that numbers that are none fail too.
+      if (!(std::fabs(p.c[j][0] - before) <= kPieceJoint))
+        throw std::invalid_argument("a piece does not start where the one before it ends");
+      if (!(std::fabs(p.position(j, p.seconds) - p.end[j]) <= kPieceJoint))
+        throw std::invalid_argument("a piece does not end where it says");
+    }
+    from = p.end;
+    for (const StepperSpec& spec : machine.steppers) PieceSolver(machine, spec).check(p);
+  }
+}
+
 }  // namespace passo

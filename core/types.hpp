@@ -53,6 +53,9 @@ struct Message {
   uint16_t target;  // index of the stepper, or of the output pin
   MessageKind kind;
   uint8_t dir;  // set_dir, queue_step, tail: 1 forward; commit: 1 if the machine stands behind it
+
+  // Ticks that the first n steps take.
+  int64_t span(int64_t n) const { return int64_t(interval) * n + int64_t(add) * (n * (n - 1) / 2); }
 };
 static_assert(sizeof(Message) == 32);
 

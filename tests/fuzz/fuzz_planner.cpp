@@ -140,15 +140,15 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   LoneBoard lone;
   bool commits = data[0] & 32;
   int64_t before[4];
-  for (size_t i = 0; i < 4; ++i) before[i] = motion.count(i);
+  for (size_t i = 0; i < 4; ++i) before[i] = motion.stream().count(i);
   if (data[0] & 16) {
     std::vector<double> heights{0.1, -0.2, 0.3, 0.5, 0, -0.4, 0.2, 0.2, -0.1};
     motion.set_height_map(std::make_shared<HeightMap>(-30, -20, 25, 17, 3, 3, heights));
     std::copy_n(motion.planner().position(), kAxes, at);
     std::copy_n(at, kAxes, move.target);
   }
-  if (commits) motion.use_commits(1'200'000, 60);
-  MessageQueue& queue = motion.messages();
+  if (commits) motion.stream().use_commits(1'200'000, 60);
+  MessageQueue& queue = motion.stream().messages(0);
   for (size_t i = 1; i + 12 <= size; i += 12) {
     const uint8_t* p = data + i;
     if (commits && p[11] % 8 == 7) {
@@ -158,7 +158,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         lone.stop_alone();
         if (!motion.recover_from(lone.serial)) std::abort();
         for (size_t k = 0; k < 4; ++k)
-          if (motion.expected_net(k) != lone.moves.net[k]) std::abort();
+          if (motion.stream().expected_net(k) != lone.moves.net[k]) std::abort();
         motion.wait_until(motion.planner().clock() + 1e6 + 1e5 * p[8]);  // it stands by then
         motion.release();
       }
@@ -216,8 +216,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (commits && !lone.staged.empty()) std::abort();
   if (commits) board = lone.moves;
   for (size_t i = 0; i < 4; ++i) {
-    const StepStatistics& s = motion.steps(i);
-    if (board.net[i] != s.net || board.net[i] != motion.count(i) - before[i]) std::abort();
+    const StepStatistics& s = motion.stream().statistics(i);
+    if (board.net[i] != s.net || board.net[i] != motion.stream().count(i) - before[i]) std::abort();
     double widest = short_of_commands ? 400.5 : 32.5;  // tolerance and half a tick
     if (!(s.error_max <= widest + 1e-5)) std::abort();
   }

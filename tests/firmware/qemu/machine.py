@@ -99,10 +99,13 @@ class Host:
         self._reports = _core.Formats(list(self.dictionary.reports))
 
     def _identify(self) -> tuple[Dictionary, str]:
-        found = Identification()
+        found, heard = Identification(), 0
         while found.dictionary is None:
             found.feed(self._receive())  # first it says that it starts
-            data, _ = found.poll(0)
+            # What was asked of a board that was just resetting is lost. It reports now and then:
+            # a few reports without an answer are time enough to ask again.
+            heard += 1
+            data, _ = found.poll(heard / 16)
             self.machine.uart.sendall(data)
         self._scanner, self._sequence = found._scanner, found._sequence
         return found.dictionary, found.sha256

@@ -1,0 +1,48 @@
+// Which line of the program each part of the motion came from.
+#pragma once
+#include <algorithm>
+#include <cstdint>
+#include <deque>
+
+namespace passo {
+
+class ProgramLines {
+ public:
+  explicit ProgramLines(double clock_hz) : kept_ticks_(kKeptSeconds * clock_hz) {}
+
+  // A move of this line (0: of no program) starts at `ticks`. Kept only once at() was asked.
+  void add(double ticks, uint32_t number) {
+    if (kept_ && number > 0 && (starts_.empty() || starts_.back().number != number))
+      starts_.push_back({ticks, number});
+  }
+  // What started at `ticks` or later will not be executed.
+  void cut(double ticks) {
+    while (!starts_.empty() && starts_.back().ticks >= ticks) starts_.pop_back();
+  }
+  // The line whose move is under way, or was the last one, at `ticks` (0: none). Asked for clocks
+  // that only grow.
+  uint32_t at(double ticks) {
+    kept_ = true;
+    while (starts_.size() > 1 && starts_[1].ticks <= ticks - kept_ticks_) starts_.pop_front();
+    return starts_.empty() || starts_[0].ticks > ticks ? 0 : near(ticks);
+  }
+  // The same for any clock from a second before the last at() on.
+  uint32_t near(double ticks) const {
+    auto behind = std::upper_bound(starts_.begin(), starts_.end(), ticks,
+                                   [](double t, const Start& line) { return t < line.ticks; });
+    if (starts_.empty()) return 0;
+    return (behind == starts_.begin() ? behind : behind - 1)->number;
+  }
+
+ private:
+  static constexpr double kKeptSeconds = 1;
+  struct Start {
+    double ticks;
+    uint32_t number;
+  };
+  double kept_ticks_;
+  bool kept_ = false;
+  std::deque<Start> starts_;
+};
+
+}  // namespace passo
