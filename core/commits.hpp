@@ -88,13 +88,16 @@ class Commits {
     while (points_.size() > 1 && points_.back().clock > clock) points_.pop_back();
   }
   // After that: of each motor the clock of the last step that does not wait, if none does, and the
-  // net steps of all that it has and that wait.
-  void resume(std::vector<int64_t> last, std::vector<int64_t> net) {
+  // net steps of all that it has and that wait, and whether its clock must be told anew before what
+  // does not wait.
+  void resume(std::vector<int64_t> last, std::vector<int64_t> net, std::vector<bool> renew) {
+    renew_ = std::move(renew);
     last_ = std::move(last);
     net_ = std::move(net);
     std::vector<bool> waits(last_.size(), false);
     for (size_t i = 0; i < waiting_.size(); ++i) {
       const Message& m = waiting_[i];
+      if (m.kind == MessageKind::reset_clock) renew_[m.target] = true;
       if (m.kind != MessageKind::queue_step) continue;
       if (!waits[m.target]) last_[m.target] = m.end_clock - m.span(m.count);
       waits[m.target] = true;

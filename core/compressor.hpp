@@ -127,13 +127,13 @@ class Compressor {
 
   // The last step before the clock was set anew at `clock`.
   int64_t before_reset(int64_t clock) const {
-    for (const auto& [at, before] : resets_)
-      if (at == clock) return before;
+    for (const Reset& r : resets_)
+      if (r.at == clock) return r.before;
     throw std::logic_error("the clock was not set anew then");
   }
   // What was set anew before `clock` can no longer be taken back.
   void forget_resets(int64_t clock) {
-    while (!resets_.empty() && resets_.front().first < clock) resets_.pop_front();
+    while (!resets_.empty() && resets_.front().at < clock) resets_.pop_front();
   }
 
   // Net steps that were solved but not made into commands.
@@ -147,7 +147,8 @@ class Compressor {
   }
 
   // A cut: the motor's last step is executed at `last`, what is pending is forgotten and `revoked`
-  // is taken back from the statistics. Steps that follow are set apart from that step.
+  // is taken back from the statistics. Steps that follow are set apart from that step. A clock that
+  // was set anew behind it, and had to be, must be so again.
   void restart(int64_t last, const StepStatistics& revoked) {
     steps_.ticks.assign(1, double(last));
     steps_.runs.clear();
@@ -156,7 +157,8 @@ class Compressor {
     last_ = last;
     dir_ = 0;
     crowded_ = true;
-    while (!resets_.empty() && resets_.back().first > last) resets_.pop_back();
+    for (; !resets_.empty() && resets_.back().at >= last; resets_.pop_back())
+      renew_ |= resets_.back().renewed;
     statistics_.steps -= revoked.steps;
     statistics_.net -= revoked.net;
     statistics_.commands -= revoked.commands;
@@ -180,7 +182,11 @@ class Compressor {
   int64_t last_ = 0;  // executed clock of the last step compressed
   int dir_ = 0;
   int64_t floor_ = 0;
-  std::deque<std::pair<int64_t, int64_t>> resets_;  // clock set, last step before it
+  struct Reset {
+    int64_t at, before;  // clock set, last step before it
+    bool renewed;        // it was the one that renew() had asked for
+  };
+  std::deque<Reset> resets_;
   bool crowded_ = false, keeps_ideal_ = false, renew_ = false, steps_behind_ = false;
   std::vector<double> ideal_;
 
@@ -312,7 +318,7 @@ class Compressor {
   void reset_clock(double first) {
     int64_t before = last_;
     last_ = due(first);
-    resets_.emplace_back(last_, before);
+    resets_.push_back({last_, before, renew_});
     renew_ = false;
     messages_.push({last_, last_, 0, 0, 0, target_, MessageKind::reset_clock, 0});
   }

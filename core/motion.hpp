@@ -160,7 +160,7 @@ class Motion {
     std::deque<Record> late;
     for (const Message& m : stream_.resume_at_rest(serial, int64_t(planner_.clock())))
       if (m.target != laser_.target()) late.push_back({m.target, m.interval, m.clock});
-    (held_.empty() ? unattached_ : held_.front().records) += uint16_t(late.size());
+    (held_.empty() ? unattached_ : held_.front().records) += uint32_t(late.size());
     records_.insert(records_.begin(), late.begin(), late.end());
     return clock;
   }
@@ -252,7 +252,7 @@ class Motion {
       if (brake(rest[i], v2, braking)) break;
     held_.assign(rest.begin() + long(i), rest.end());
     // Records behind the last move held are not due at the stop.
-    uint16_t behind = held_.empty() ? uint16_t(0) : std::exchange(unattached_, uint16_t(0));
+    uint32_t behind = held_.empty() ? 0u : std::exchange(unattached_, 0u);
     resume_plan(braking, speed2, ticks_of_cut_);
     flush();
     unattached_ = behind;
@@ -343,13 +343,13 @@ class Motion {
   struct Aside {
     std::vector<Move> moves;
     std::deque<Record> records;
-    uint16_t unattached = 0;
+    uint32_t unattached = 0;
     double stop[kAxes], end[kAxes];
     std::vector<double> extruders;
     std::vector<int64_t> counts;  // steps of each motor at the stop
   };
   std::optional<Aside> aside_;
-  uint16_t unattached_ = 0;  // last records_ that wait for a move to follow
+  uint32_t unattached_ = 0;  // last records_ that wait for a move to follow
   LaserLight laser_;
   uint32_t light_before_ = 0, dark_ = 0;  // of records forgotten; what a stop has switched off
   double ticks_of_cut_ = 0;
@@ -448,7 +448,7 @@ class Motion {
   }
 
   // The next n records are due at `ticks`.
-  void place(double ticks, uint16_t n) {
+  void place(double ticks, uint32_t n) {
     for (; n > 0; --n) {
       Record r = records_.front();
       records_.pop_front();
@@ -514,12 +514,12 @@ class Motion {
     size_t alone = taken_back - std::min(taken_back, brought);
     at_the_end = std::min(at_the_end, alone);
     size_t late = under_way ? alone - at_the_end : 0;
-    if (!planner_.attach(uint16_t(alone - late))) unattached_ += uint16_t(alone - late);
+    if (!planner_.attach(uint32_t(alone - late))) unattached_ += uint32_t(alone - late);
     if (under_way)
       plan_.add(history_.divide(rest[0], ticks_of_cut_, speed2), machine_.clock_hz, 1);
     else if (!rest.empty())
       speed2 = rest[0].v0 * rest[0].v0;
-    if (late > 0) rest[0].records = uint16_t(late);
+    if (late > 0) rest[0].records = uint32_t(late);
     planner_.rewind_budget(rest);
     return speed2;
   }

@@ -28,8 +28,8 @@ struct Move {
   double ahead0, ahead1;  // commands ahead of the board's rate at its start and end, at most
   uint32_t rules;         // number in the planner's RuleBook
   uint32_t line;
+  uint32_t records;  // timed records that are due at its start
   uint16_t layer, feature, extruder;
-  uint16_t records;  // timed records that are due at its start
   LimitId speed_limit, accel_limit;
   MoveKind kind;
   uint8_t moved;

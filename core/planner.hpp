@@ -66,7 +66,7 @@ class Planner {
 
   // Takes a move from where the last one ended, with `records` timed records due at its start.
   // False if it covers no distance and is dropped.
-  bool push(const MoveRequest& r, uint16_t records) {
+  bool push(const MoveRequest& r, uint32_t records) {
     Move m = move_of(r);
     m.records = records;
     if (!bounds_.apply(m, rules_.now())) return false;
@@ -83,14 +83,14 @@ class Planner {
   // and all that is queued are planned anew, each by its own rules. Where these ask for less speed
   // than the machine has, it brakes as the old plan could. Returns how many records were due at the
   // start of moves that are none any more, with no other behind them.
-  uint16_t resume(std::vector<Move> rest, double speed2, double clock) {
+  uint32_t resume(std::vector<Move> rest, double speed2, double clock) {
     rest.insert(rest.end(), queue_.begin() + long(head_), queue_.end());
     stand(clock);
     speed2_ = speed2;
-    uint16_t carried = 0;
+    uint32_t carried = 0;
     for (Move& m : rest) {
       double braking = m.b;
-      m.records = uint16_t(m.records + carried);
+      m.records = m.records + carried;
       carried = m.records;
       if (!bounds_.apply(m, rules_.of(m.rules))) continue;
       carried = 0;
@@ -111,9 +111,9 @@ class Planner {
   }
 
   // More records are due at the start of what is queued; false if nothing is.
-  bool attach(uint16_t records) {
+  bool attach(uint32_t records) {
     if (queued() == 0) return false;
-    queue_[head_].records = uint16_t(queue_[head_].records + records);
+    queue_[head_].records = queue_[head_].records + records;
     return true;
   }
 

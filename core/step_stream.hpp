@@ -166,7 +166,7 @@ class StepStream {
       compressors_[i].restart(revoked.last[i], lost);
       compressors_[i].not_before(floor);
     }
-    if (commits_) commits_->resume(std::move(revoked.last), nets());
+    if (commits_) commits_->resume(std::move(revoked.last), nets(), renews());
   }
   // Nothing before `past` will be revoked or asked for any more.
   void forget(int64_t past) {
@@ -235,17 +235,18 @@ class StepStream {
     for (size_t i = 0; i < solvers_.size(); ++i) net.push_back(expected_net(i));
     return net;
   }
+  std::vector<bool> renews() const {
+    std::vector<bool> renews;
+    for (const Compressor& c : compressors_) renews.push_back(c.renews());
+    return renews;
+  }
   // The board's last commit is `serial`, and the machine stands.
   void begin_commits(uint32_t serial, int64_t clock) {
     auto held = hold();
     messages_[0].keep(kKeptCommits);
     std::vector<int64_t> last;
-    std::vector<bool> renews;
-    for (const Compressor& c : compressors_) {
-      last.push_back(c.last());
-      renews.push_back(c.renews());
-    }
-    commits_->begin(serial, clock, std::move(last), nets(), std::move(renews));
+    for (const Compressor& c : compressors_) last.push_back(c.last());
+    commits_->begin(serial, clock, std::move(last), nets(), renews());
   }
   // Hands out what is certain; `stands` where the machine stands, or kNoMessage.
   void commit(int64_t known, int64_t stands) {

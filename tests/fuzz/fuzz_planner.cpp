@@ -63,9 +63,7 @@ struct Board {
 
 // A board that takes commits.
 struct LoneBoard {
-  // A step that a cut has left owed may come around the end of a commit; the next commit is
-  // there this long before that.
-  static constexpr int64_t kGuard = 80'000, kTolerance = 801;  // ticks
+  static constexpr int64_t kTolerance = 801;  // ticks
   Board moves;
   std::vector<Message> staged, tails, next_tails;
   uint32_t serial = 0;
@@ -79,7 +77,7 @@ struct LoneBoard {
     } else {
       for (const Message& x : staged) {
         if (x.kind == MessageKind::queue_step &&
-            moves.clock[x.target] + int64_t(x.interval) <= limit - kGuard)
+            moves.clock[x.target] + int64_t(x.interval) <= limit)
           std::abort();  // it belongs to the commit before
         moves.take(x);
       }
@@ -89,7 +87,7 @@ struct LoneBoard {
       serial = m.interval;
       limit = m.clock;
       for (int64_t clock : moves.clock)
-        if (clock > limit + kGuard) std::abort();
+        if (clock > limit) std::abort();
     }
   }
   void stop_alone() {
