@@ -222,7 +222,8 @@ void bind_motion(nb::module_& m) {
             MessageQueue& queue = self.motion.stream().messages(0);
             while (!queue.empty() && double(queue.front().clock) < before) {
               const Message& g = queue.front();
-              const char* names[] = {"queue_step", "set_dir", "reset_clock", "pin"};
+              const char* names[] = {"queue_step", "set_dir", "reset_clock",
+                                     "pin",        "tail",    "commit"};
               out.emplace_back(names[int(g.kind)], g.target, g.clock, g.end_clock, g.interval,
                                g.count, g.add, g.dir);
               queue.pop();

@@ -650,6 +650,8 @@ void bind_board(nb::module_& m) {
            "drift"_a = 0.0, "latency"_a = 0, "jitter"_a = 0, "seed"_a = 1, nb::keep_alive<1, 2>())
       .def_prop_ro("now", &Distant::now, "Host time.")
       .def("cut", &Distant::cut, "on"_a, "What is sent either way is lost.")
+      .def("spoil", &Distant::spoil, "share"_a,
+           "So many of all bytes arrive as others, either way.")
       .def("clock_at", &Distant::clock_at, "host_ticks"_a)
       .def("host_at", &Distant::host_at, "clock"_a);
   m.def(

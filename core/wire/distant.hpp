@@ -32,10 +32,12 @@ class Distant : public Device {
   Ticks now() const { return now_; }
   // While it is cut, what is sent either way is lost.
   void cut(bool on) { cut_ = on; }
+  // So large a share of all bytes arrives as another byte, either way.
+  void spoil(double share) { spoilt_ = share; }
 
   void feed(const uint8_t* data, size_t n, Ticks now) override {
     if (cut_) return;
-    down_.push_back({arrival(down_, now), Bytes(data, data + n)});
+    down_.push_back({arrival(down_, now), carried(Bytes(data, data + n))});
   }
   void poll(Ticks now, Bytes& out) override {
     while (!down_.empty() && down_.front().first <= now) {
@@ -63,12 +65,22 @@ class Distant : public Device {
   double rate_;
   Ticks latency_, jitter_, now_ = 0;
   uint32_t random_;
+  double spoilt_ = 0;
   bool cut_ = false;
   Way down_, up_;
 
-  Ticks arrival(const Way& way, Ticks now) {
+  double random() {
     random_ = random_ * 1664525u + 1013904223u;  // as in Numerical Recipes
-    Ticks late = Ticks(double(random_) / 4294967296.0 * double(jitter_));
+    return double(random_) / 4294967296.0;
+  }
+  Bytes carried(Bytes bytes) {
+    if (spoilt_ > 0)
+      for (uint8_t& byte : bytes)
+        if (random() < spoilt_) byte = uint8_t(256 * random());
+    return bytes;
+  }
+  Ticks arrival(const Way& way, Ticks now) {
+    Ticks late = Ticks(random() * double(jitter_));
     Ticks earliest = way.empty() ? 0 : way.back().first;
     return std::max(now + latency_ + late, earliest);
   }
@@ -76,7 +88,7 @@ class Distant : public Device {
     now_ = std::max(now_, now);
     Bytes said;
     device_.poll(clock_at(now), said);
-    if (!said.empty() && !cut_) up_.push_back({arrival(up_, now), std::move(said)});
+    if (!said.empty() && !cut_) up_.push_back({arrival(up_, now), carried(std::move(said))});
   }
 };
 

@@ -143,9 +143,10 @@ class Link {
   const std::vector<std::unique_ptr<Heater>>& heaters() const { return heaters_; }
   // No heater is on its way to its target.
   bool heaters_reached() const {
-    for (const auto& heater : heaters_)
-      if (heater->target() > 0 && !heater->reached() && !heater->faulty()) return false;
-    return true;
+    return std::all_of(heaters_.begin(), heaters_.end(), [](const auto& heater) {
+      std::lock_guard lock(heater->guard());
+      return heater->target() <= 0 || heater->reached() || heater->faulty();
+    });
   }
   // The board takes commits (docs/decisions/0013-survive.md): messages leave `horizon` ticks ahead,
   // and the board learns how warm it keeps what, if this host falls silent.

@@ -2,6 +2,7 @@
 #pragma once
 #include <algorithm>
 #include <atomic>
+#include <exception>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -46,6 +47,13 @@ class LiveBoard {
     return now_ += std::min(seen_ - before, Ticks(kStallSeconds * hz_));
   }
   void serve() {
+    try {
+      serve_on();
+    } catch (const std::exception&) {  // of a simulated part: this board is silent from now on
+      cable_.cut();
+    }
+  }
+  void serve_on() {
     while (!stopping_ && cable_.open()) {
       double sleep = kLookSeconds;
       {

@@ -24,7 +24,10 @@ class LiveWire {
     link_.set_live();
     thread_ = std::thread([this] { carry(); });
   }
-  ~LiveWire() { stop(); }
+  ~LiveWire() {
+    stop();
+    if (timeline_) timeline_->set_wake(link_.seat(), nullptr);
+  }
 
   double hz() const { return link_.hz(); }
   // This computer's time in ticks, and from use_board_clock() on the board's clock, which never
@@ -51,7 +54,6 @@ class LiveWire {
     stopping_ = true;
     cable_.wake();
     thread_.join();
-    if (timeline_) timeline_->set_wake(link_.seat(), nullptr);
     cable_.cut();
   }
   // As Pump::run, but real time passes; also ends when the cable is cut.

@@ -4,9 +4,14 @@
 
 #include "command.h"
 #include "shutdown.h"
+#include "survive.h"
 
 DECL_SHUTDOWN(ADC_RANGE, "ADC out of range");
+DECL_SHUTDOWN(ADC_SILENT, "ADC gives no value");
 DECL_SHUTDOWN(ADC_PIN, "Not a valid ADC pin");
+
+// So long a converter, with all that wait for it, may take.
+#define SILENT (HAL_CLOCK_HZ / 10)
 
 // Takes a complete sum.
 static void take(struct analog_in *in) {
@@ -29,6 +34,10 @@ static bool run(struct timer *timer) {
   struct analog_in *in = (struct analog_in *)((char *)timer - offsetof(struct analog_in, timer));
   uint16_t value;
   if (!hal_analog_read(&in->analog, &value)) {
+    if (hal_clock() - in->due > SILENT) {
+      shut_down(SHUTDOWN_ADC_SILENT);  // nobody would watch the heat
+      return false;
+    }
     timer->wake = hal_clock() + HAL_ANALOG_WAIT;
     return true;
   }
@@ -96,7 +105,7 @@ void analog_in_query(const uint32_t *args, uint8_t report_size, const uint32_t *
   in->query.maximum = (uint16_t)range[1];
   in->query.range_checks = (uint8_t)range[2];
   in->query.report_size = report_size > sizeof in->values ? sizeof in->values : report_size;
-  in->timer.wake = in->begin = in->due = args[1];
+  in->timer.wake = in->begin = in->due = survive_in_time(args[1]);
   in->sum = 0;
   in->samples = in->outside = in->size = in->ready = 0;
   in->watching = range[2] != 0;

@@ -23,7 +23,7 @@ DECL_REPORT("i2c_response oid=%c i2c_bus_status=%c response=%*s");
 
 enum { SUCCESS, NACK, BUS_TIMEOUT, START_NACK, START_READ_NACK };
 
-#define STRETCH_PULSES 1000  // a device may hold the clock low so long
+#define STRETCH_PULSES 1000  // so long, in all of a transfer, devices may hold the clock low
 
 struct line {
   struct hal_output output;
@@ -37,7 +37,7 @@ struct i2c {
   uint16_t pulse_ticks;  // half a bit, at least
   uint8_t address;       // in the upper seven bits
   bool has_bus;
-  bool stuck;  // the clock stays low
+  uint16_t patience;  // pulses; none left: the clock stays low
 };
 
 static const struct object_kind kind = {OBJECT_I2C, NULL};
@@ -55,9 +55,8 @@ static void set(struct line *line, bool high) {
 static void rise(struct i2c *i2c) {
   let_go(&i2c->clock);
   HAL_WAIT(i2c->pulse_ticks);
-  uint16_t pulses = i2c->stuck ? 0 : STRETCH_PULSES;
-  for (; pulses > 0 && !hal_input_read(&i2c->clock.input); --pulses) HAL_WAIT(i2c->pulse_ticks);
-  i2c->stuck = pulses == 0;
+  for (; i2c->patience > 0 && !hal_input_read(&i2c->clock.input); --i2c->patience)
+    HAL_WAIT(i2c->pulse_ticks);
 }
 
 // One bit, either way: the line is read while the clock is high, which of a bit that is sent gives
@@ -151,9 +150,9 @@ void command_i2c_transfer(const uint32_t *args) {
     return;
   }
   memset(in, 0, sizeof in);
-  i2c->stuck = false;
+  i2c->patience = STRETCH_PULSES;
   uint8_t status = exchange(i2c, command_bytes(), (uint8_t)args[1], in, (uint8_t)args[2]);
-  if (i2c->stuck) status = BUS_TIMEOUT;
+  if (i2c->patience == 0) status = BUS_TIMEOUT;
   stop(i2c);
   report_bytes(REPORT_I2C_RESPONSE, (uint32_t[]){args[0], status}, 2, in, (uint8_t)args[2]);
 }

@@ -182,7 +182,9 @@ void command_config_digital_out(const uint32_t *args) {
                           .value = args[2] != 0,
                           .default_value = args[3] != 0,
                           .max_duration = args[4]};
-  if (args[1] > 0xffff || !hal_output_setup(&wanted.digital, wanted.pin, args[2] != 0))
+  if (is_configured(args[1]))
+    shut_down(SHUTDOWN_PIN_CONFIGURED);
+  else if (args[1] > 0xffff || !hal_output_setup(&wanted.digital, wanted.pin, args[2] != 0))
     shut_down(SHUTDOWN_OUTPUT_PIN);
   else if (!configure(args[0], &digital_kind, &wanted))
     hal_output_write(&wanted.digital, wanted.default_value != 0);
@@ -198,7 +200,10 @@ void command_config_pwm_out(const uint32_t *args) {
                           .value = args[3] < HAL_PWM_MAX ? args[3] : HAL_PWM_MAX,
                           .default_value = args[4] < HAL_PWM_MAX ? args[4] : HAL_PWM_MAX,
                           .max_duration = args[5]};
-  if (args[1] > 0xffff || !hal_pwm_setup(&wanted.pwm, wanted.pin, args[2], (uint16_t)wanted.value))
+  if (is_configured(args[1]))
+    shut_down(SHUTDOWN_PIN_CONFIGURED);
+  else if (args[1] > 0xffff ||
+           !hal_pwm_setup(&wanted.pwm, wanted.pin, args[2], (uint16_t)wanted.value))
     shut_down(SHUTDOWN_PWM_PIN);
   else if (!configure(args[0], &pwm_kind, &wanted))
     hal_pwm_write(&wanted.pwm, (uint16_t)wanted.default_value);
@@ -209,15 +214,23 @@ static bool is_barred(const struct output *output) {
   return survive_refuses() && output->kept && output->kept_seconds == 0;
 }
 
+// A board that survives its host survives a bad link too: what comes late counts at once, but for a
+// light, which goes off, and the board brakes.
 static void queue(struct output *output, uint32_t clock, uint32_t value) {
+  bool late = before(clock, hal_clock()), heats = output->kept && output->kept_seconds > 0;
+  if (late && output->kept && !heats) {
+    value = output->default_value;
+    survive_missed();
+  }
+  clock = survive_in_time(clock);
   struct change *change = (struct change *)(void *)move_take();
   if (change == NULL) return;
   change->next = NULL;
   change->clock = clock;
   change->value = value < output->full ? value : output->full;
   hal_irq_t irq = hal_irq_save();
-  // What comes late then is late because of what the board has decided.
-  if (is_shut_down() || is_barred(output) || (survive_refuses() && before(clock, hal_clock()))) {
+  // The host tells again what it would have changed behind the decision.
+  if (is_shut_down() || is_barred(output) || (late && survive_refuses() && !heats)) {
     move_free((struct move *)(void *)change);
   } else if (before(clock, hal_clock())) {
     move_free((struct move *)(void *)change);

@@ -59,6 +59,13 @@ void timer_remove(struct timer *timer) {
   hal_irq_restore(irq);
 }
 
+bool timers_run(void) {
+  hal_irq_t irq = hal_irq_save();
+  bool run = first == NULL || !before(first->wake + LATEST, hal_clock());
+  hal_irq_restore(irq);
+  return run;
+}
+
 void sched_interrupt(void) {
   while (first != NULL) {
     struct timer *timer = first;

@@ -28,6 +28,9 @@ void timer_add(struct timer *timer);
 // Stops a timer, going or not. Any context.
 void timer_remove(struct timer *timer);
 
+// Whether timers run: the watchdog is fed for that too. Foreground.
+bool timers_run(void);
+
 // Has the core look for work in the foreground. Any context.
 void task_wake(void);
 // True once after task_wake(). Foreground.

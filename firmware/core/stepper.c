@@ -58,8 +58,8 @@ static struct move *move_of(const uint32_t *args, uint8_t direction) {
   if (move == NULL) return NULL;
   // The last interval must not be negative, nor any that a clock of 32 bits cannot tell from one.
   uint32_t change = (uint32_t)(add < 0 ? -(int32_t)add : add) * (uint16_t)(count - 1);
-  if (count > 0 &&
-      ((int32_t)interval < 0 || (add < 0 ? change > interval : (int32_t)(interval + change) < 0))) {
+  if (count > 0 && ((int32_t)interval < 0 || (count > 1 && interval == 0) ||
+                    (add < 0 ? change > interval : (int32_t)(interval + change) < 0))) {
     move_free(move);
     shut_down(SHUTDOWN_STEP_TOO_LATE);
     return NULL;

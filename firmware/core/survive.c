@@ -39,16 +39,24 @@ static volatile bool undone;  // decided, and the tails not queued yet
 static volatile bool untold;  // the host does not know of the decision
 // The foreground's.
 static uint32_t serial, limit;  // of the last commit
+static bool missed;
 
 void survive_start(void) {
   state = OFF;
-  undone = untold = false;
+  undone = untold = missed = false;
   serial = limit = 0;
 }
 
 bool survive_stages(void) { return state == RESTING || state == MOVING; }
 bool survive_refuses(void) { return state >= BRAKING; }
 bool survive_is_on(void) { return state != OFF; }
+
+uint32_t survive_in_time(uint32_t clock) {
+  uint32_t now = hal_clock();
+  return survive_is_on() && before(clock, now) ? now + HAL_SHORTEST_PERIOD : clock;
+}
+
+void survive_missed(void) { missed = survive_stages(); }
 
 static bool decide(struct timer *timer) {
   (void)timer;
@@ -64,7 +72,7 @@ static void change(uint8_t to) {
   hal_irq_t irq = hal_irq_save();
   timer_remove(&decision);
   state = to;
-  undone = untold = false;
+  undone = untold = missed = false;
   hal_irq_restore(irq);
 }
 
@@ -129,11 +137,12 @@ void command_survive_tail(const uint32_t *args) {
 DECL_COMMAND(command_survive_commit, "survive_commit serial=%u clock=%u rest=%c", 0);
 void command_survive_commit(const uint32_t *args) {
   struct stepper *stepper;
-  bool late = false;
+  bool late = missed;
   for (int16_t oid = -1; (stepper = object_next(&oid, OBJECT_STEPPER)) != NULL;)
     late |= stepper_is_late(stepper);
   hal_irq_t irq = hal_irq_save();
-  if (late && state == RESTING) {  // where it rests no decision has told that time is up
+  // Where it rests no decision has told that time is up.
+  if (survive_stages() && (missed || (late && state == RESTING))) {
     state = MOVING;
     decide(&decision);
   }

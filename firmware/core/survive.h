@@ -11,6 +11,11 @@ bool survive_refuses(void);
 // Whether an output that the host does not renew is held rather than a reason to shut down. Any
 // context.
 bool survive_is_on(void);
+// A clock of the host's; one that is past, while the board survives a bad link, becomes one that is
+// not. Any context.
+uint32_t survive_in_time(uint32_t clock);
+// What the next commit's moves need came too late: it will be refused. Foreground.
+void survive_missed(void);
 // Brakes when that was decided; forgets all after a shutdown. Foreground.
 void survive_task(void);
 void survive_start(void);

@@ -4,6 +4,7 @@
 
 #include "command.h"
 #include "shutdown.h"
+#include "survive.h"
 
 DECL_SHUTDOWN(THERMOCOUPLE_TYPE, "Invalid thermocouple chip type");
 DECL_SHUTDOWN(THERMOCOUPLE_RANGE, "Thermocouple ADC out of range");
@@ -104,12 +105,13 @@ void thermocouple_query(const uint32_t *args) {
   if (it == NULL) return;
   timer_remove(&it->timer);
   it->due = false;
+  it->rest_ticks = 0;
   if (args[2] == 0) return;
   if (args[2] < HAL_SHORTEST_PERIOD) {
     shut_down(SHUTDOWN_PERIOD_TOO_SHORT);
     return;
   }
-  it->timer.wake = args[1];
+  it->timer.wake = survive_in_time(args[1]);
   it->rest_ticks = args[2];
   it->minimum = args[3];
   it->maximum = args[4];

@@ -128,17 +128,25 @@ void tmcuart_task(void) {
 DECL_COMMAND(command_config_tmcuart,
              "config_tmcuart oid=%c rx_pin=%u pull_up=%c tx_pin=%u bit_time=%u", 0);
 void command_config_tmcuart(const uint32_t *args) {
-  struct tmcuart *uart = object_add(args[0], &kind, sizeof *uart);
-  if (uart == NULL) return;
-  uart->one_wire = args[1] == args[3];
-  uart->pin = (uint16_t)args[3];
-  uart->pull_up = args[2] != 0;
-  uart->level = true;
-  uart->nominal_ticks = args[4];
+  struct tmcuart wanted = {.one_wire = args[1] == args[3],
+                           .pin = (uint16_t)args[3],
+                           .pull_up = args[2] != 0,
+                           .level = true,
+                           .nominal_ticks = args[4]};
+  // A shutdown lets all lines rest: none may be known before its pins are its own.
   if (args[1] > 0xffff || args[3] > 0xffff || args[4] < HAL_SHORTEST_PERIOD ||
-      !hal_input_setup(&uart->from_driver, (uint16_t)args[1], uart->pull_up) ||
-      !hal_output_setup(&uart->to_driver, (uint16_t)args[3], true))
+      !hal_input_setup(&wanted.from_driver, (uint16_t)args[1], wanted.pull_up) ||
+      !hal_output_setup(&wanted.to_driver, (uint16_t)args[3], true)) {
     shut_down(SHUTDOWN_TMCUART_PINS);
+    return;
+  }
+  hal_irq_t irq = hal_irq_save();
+  struct tmcuart *uart = object_add(args[0], &kind, sizeof *uart);
+  if (uart != NULL) {
+    *uart = wanted;
+    uart->object.kind = &kind;
+  }
+  hal_irq_restore(irq);
 }
 
 // Without an answer the report holds no bits; while the line is busy the command has no effect.

@@ -7,6 +7,7 @@
 #include "cortex.h"
 #include "hal.h"
 #include "layer.h"
+#include "scheduler.h"
 #include "stepgen.h"
 
 extern uint32_t data_begin[], data_end[], data_load[], bss_begin[], bss_end[], stack_top[];
@@ -37,7 +38,7 @@ _Noreturn void reset_handler(void) {
     core_task();
     if (chip_clock() - fed < HAL_CLOCK_HZ / 100) continue;
     fed = chip_clock();
-    watchdog_feed();
+    if (timers_run()) watchdog_feed();
   }
 }
 

@@ -7,6 +7,7 @@
 #include "core.h"
 #include "hal.h"
 #include "pins.h"
+#include "scheduler.h"
 #include "stepgen.h"
 
 // A boot loader may leave the watchdog running, and after a reset by the watchdog it runs with its
@@ -45,11 +46,12 @@ int main(void) {
   analog_start();
   stepgen_start();
   core_start(0);
-  // A board whose foreground hangs, or has no time left, starts anew with its pins as inputs.
+  // A board whose foreground or timers hang, or have no time left, starts anew with its pins as
+  // inputs.
   wdt_enable(WDTO_1S);
   sei();
   for (;;) {
     core_task();
-    wdt_reset();
+    if (timers_run()) wdt_reset();
   }
 }

@@ -157,7 +157,10 @@ class Connection:
         if isinstance(self.wire, _core.LiveWire):
             self.wire.use_board_clock()
         state = self._ask("get_config", [], "config", tries=1)
-        if state["is_shutdown"] or not state["is_config"] or state["crc"] != self._crc:
+        if state["is_shutdown"]:
+            self._ask("survive_off", [], "is_shutdown", tries=1)  # the refusal tells why
+            raise BoardBeganAnewError(self.shutdown_error().problems)
+        if not state["is_config"] or state["crc"] != self._crc:
             raise BoardBeganAnewError.of("machine.began-anew")
 
     def renew(self) -> None:

@@ -67,6 +67,10 @@ class SimulatedMachine:
         the board's clock and cable are perfect."""
         self._distant[self.boards[board]].cut(on)
 
+    def spoil_cable(self, board: str, share: float) -> None:
+        """A fault: so many of all bytes arrive as others; 0 ends it. As `cut_cable`."""
+        self._distant[self.boards[board]].spoil(share)
+
     def _of(self, part: str, name: str) -> SimulatedBoard:
         return self._own[part, name]
 

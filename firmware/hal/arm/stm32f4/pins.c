@@ -3,8 +3,11 @@
 #include "hal.h"
 #include "layer.h"
 
+// Timers turn pins around too.
 static void replace(volatile uint32_t *place, uint32_t shift, uint32_t mask, uint32_t value) {
+  hal_irq_t irq = hal_irq_save();
   *place = (*place & ~(mask << shift)) | value << shift;
+  hal_irq_restore(irq);
 }
 
 void pin_set(uint16_t pin, enum pin_mode mode, bool pull_up) {

@@ -1,0 +1,57 @@
+"""Five seconds of noise on the board's cable, again and again: the print ends where it would have."""
+
+import random
+from functools import partial
+
+import pytest
+from tests.console.scenario import Scenario
+from tests.job.test_disturbed import spiral, steps
+from tests.job.test_lost_link import FIRMWARE
+
+from passo.printer.wiring import connect_simulated
+from passo.simulator import Cable
+
+CABLE = Cable(300e-6, 200e-6)
+
+
+def noisy(s, share, seconds):
+    """So many bytes arrive as others, for so long."""
+    (board,) = s.board.boards
+    s.board.spoil_cable(board, share)
+    s.passes(seconds)
+    s.board.spoil_cable(board, 0.0)
+
+
+@pytest.fixture
+def printer(monkeypatch, tmp_path):
+    (tmp_path / "a.g").write_text("M104 S60\nM106 S128\n" + spiral())
+    monkeypatch.setattr("passo.printer.printer.connect", partial(connect_simulated, cable=CABLE))
+    with Scenario(FIRMWARE, card=str(tmp_path)) as s:
+        yield s
+
+
+@pytest.fixture(scope="module")
+def wanted(tmp_path_factory):
+    card = tmp_path_factory.mktemp("card")
+    (card / "a.g").write_text(spiral())
+    with Scenario(FIRMWARE, card=str(card)) as s:
+        s.host.ok("M32 a.g")
+        s.host.expect("Done printing", 900)
+        return steps(s)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_it_ends_where_it_would_have_ended(printer, wanted, seed):
+    s, generator = printer, random.Random(seed)
+    s.host.ok("M32 a.g")
+    s.passes(14)  # it is at home by then
+    bursts = 0
+    while "Done printing file" not in s.host.heard:
+        s.passes(generator.expovariate(0.5))
+        noisy(s, generator.choice((0.002, 0.02, 0.05, 0.2, 0.5)), 5.0)
+        s.passes(3.0)
+        assert not s.printer.halted, s.printer.halted
+        bursts += 1
+    assert bursts > 3
+    assert s.board.device.fault == ""
+    assert steps(s) == wanted
