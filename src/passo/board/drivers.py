@@ -166,7 +166,7 @@ class Drivers:
             line.talks.popleft()
         else:
             self._connection.command(talk.question.text)
-            talk.deadline = now + int(_PATIENCE_S * self._connection.board.clock_hz)
+            talk.deadline = now + int(_PATIENCE_S * self._connection.wire.hz)
 
 
 def _link(driver: Driver, oids: Oids) -> tuple[DriverLink, int]:

@@ -50,7 +50,7 @@ async def _take_over(printer: Printer, *, reopen: bool) -> None:
     """Raises LinkLostError while the board cannot be reached, and again when it is lost again."""
     connection = printer.connection.main
     if reopen:
-        connection.reopen()
+        await connection.reopen()
     _prove(printer, await _standing(printer))
     connection.command("survive_arm")
     connection.renew()
