@@ -16,7 +16,7 @@ from passo.errors import MachineError
 from passo.simulator import SimulatedBoard
 from passo.simulator.dictionary import compressed_dictionary
 
-from .bench import HZ, PLANT, START, Bench, Planner, description, executed
+from .bench import HZ, PLANT, START, Bench, LateLink, Planner, description, executed
 
 
 def test_connect_identifies_configures_and_follows_the_clock():
@@ -121,27 +121,6 @@ def test_an_unanswered_question_is_named():
     with pytest.raises(BoardSilentError, match="debug_nop"):
         bench.connection.ask("debug_nop", "pong")
     assert bench.connection.ask("debug_ping data=0a7e0b", "pong") == {"data": b"\x0a\x7e\x0b"}
-
-
-class LateLink:
-    """A link behind which reports of one kind arrive so much later."""
-
-    def __init__(self, bench: Bench, report: str, seconds: float) -> None:
-        self._bench, self._link = bench, bench.link
-        self._report, self._ticks = report, round(seconds * HZ)
-        self._held: list[tuple[int, tuple[str, dict]]] = []
-
-    def __getattr__(self, name: str):
-        return getattr(self._link, name)
-
-    def take_responses(self):
-        now = self._bench.connection.now
-        for message in self._link.take_responses():
-            late = self._ticks if message[0] == self._report else 0
-            self._held.append((now + late, message))
-        due = [message for clock, message in self._held if clock <= now]
-        self._held = [entry for entry in self._held if entry[0] > now]
-        return due
 
 
 def test_a_late_answer_is_nobody_elses():

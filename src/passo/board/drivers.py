@@ -118,6 +118,11 @@ class Drivers:
 
         self._begin(motor, state.link.configure(state.settings), done)
 
+    def interrupt(self) -> None:
+        """Ends what is being asked or set, of which much may have been lost on the way."""
+        for line in self._lines.values():
+            line.talks.clear()
+
     def begin_status(self, motor: str) -> None:
         """Asks a driver how it is as time passes."""
         state = self.states[motor]

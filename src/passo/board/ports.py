@@ -115,8 +115,8 @@ class LivePort:
         MachineError."""
         if self._descriptor is None:
             self.open()
-        descriptor, self._descriptor = self._descriptor, None
-        self._wire = _core.LiveWire(link, descriptor)
+        assert self._descriptor is not None
+        self._wire, self._descriptor = _core.LiveWire(link, self._descriptor), None
         return self._wire
 
 

@@ -55,6 +55,9 @@ async def _take_over(printer: Printer, *, reopen: bool) -> None:
     connection.command("survive_arm")
     connection.renew()
     printer.motors.renew()
+    await printer.drivers.reconnected()
+    if printer.halted:
+        return
     connection.link.go_on()
     printer.endstops.begin()
     printer.tell("echo:The board is back, and stands where it was told to stop")
