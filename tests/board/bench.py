@@ -76,6 +76,27 @@ class Bench:
         self.connection.run(self.connection.now + round(seconds * HZ))
 
 
+class LateLink:
+    """A link behind which reports of one kind arrive so much later."""
+
+    def __init__(self, bench: Bench, report: str, seconds: float) -> None:
+        self._bench, self._link = bench, bench.link
+        self._report, self._ticks = report, round(seconds * HZ)
+        self._held: list[tuple[int, tuple[str, dict]]] = []
+
+    def __getattr__(self, name: str):
+        return getattr(self._link, name)
+
+    def take_responses(self):
+        now = self._bench.connection.now
+        for message in self._link.take_responses():
+            late = self._ticks if message[0] == self._report else 0
+            self._held.append((now + late, message))
+        due = [message for clock, message in self._held if clock <= now]
+        self._held = [entry for entry in self._held if entry[0] > now]
+        return due
+
+
 @dataclass
 class Planner:
     """Fills a queue with steps, and keeps what the board is to execute."""

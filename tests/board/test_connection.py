@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import asyncio
+import socket
+import threading
+
 import pytest
 
 from passo import _core
 from passo.board import Connection, Dictionary, decode
 from passo.board.connection import BoardSilentError
-from passo.board.ports import InProcess
+from passo.board.ports import InProcess, LinkLostError, LivePort
 from passo.errors import MachineError
 from passo.simulator import SimulatedBoard
 from passo.simulator.dictionary import compressed_dictionary
 
-from .bench import HZ, PLANT, START, Bench, Planner, description, executed
+from .bench import HZ, PLANT, START, Bench, LateLink, Planner, description, executed
 
 
 def test_connect_identifies_configures_and_follows_the_clock():
@@ -117,6 +121,59 @@ def test_an_unanswered_question_is_named():
     with pytest.raises(BoardSilentError, match="debug_nop"):
         bench.connection.ask("debug_nop", "pong")
     assert bench.connection.ask("debug_ping data=0a7e0b", "pong") == {"data": b"\x0a\x7e\x0b"}
+
+
+def test_a_late_answer_is_nobody_elses():
+    bench = Bench()
+    plan = Planner()
+    plan.steps(0, True, 40_000, 7)
+    plan.steps(1, True, 40_000, 12)
+    bench.connection.start_job(plan.queue)
+    bench.run(2.0)
+    bench.connection.link = LateLink(bench, "stepper_position", 0.7)
+    # Each question is repeated before its answer comes, and the repetition's answer comes too.
+    assert bench.connection.net_steps("x") == 7
+    assert bench.connection.net_steps("y") == 12
+    assert bench.connection.net_steps("x") == 7
+
+
+def test_a_late_answer_is_not_taken_for_news():
+    bench = Bench()
+    plan = Planner()
+    plan.steps(0, True, 40_000, 7)
+    bench.connection.start_job(plan.queue)
+    bench.run(2.0)
+    bench.connection.link = LateLink(bench, "stepper_position", 0.7)
+    assert bench.connection.net_steps("x") == 7
+    bench.link.stop_job()
+    more = Planner()
+    more.steps(0, True, 4_000, 5)
+    bench.connection.start_job(more.queue, bench.connection.now + HZ // 10)
+    bench.run(0.3)
+    assert bench.connection.net_steps("x") == 12  # the answer to the repetition said 7
+
+
+def test_the_loop_goes_on_while_a_lost_port_is_opened():
+    heard = threading.Event()
+    near, far = socket.socketpair()
+    descriptors = [near.detach()]
+
+    def opened() -> int:
+        if descriptors:
+            return descriptors.pop()
+        assert heard.wait(10)  # the network's patience
+        raise LinkLostError.of("machine.unreachable", axis="far:1", value="timed out")
+
+    async def reopen(connection: Connection) -> None:
+        task = asyncio.ensure_future(connection.reopen())
+        await asyncio.sleep(0)
+        heard.set()  # M112 gets its turn
+        with pytest.raises(LinkLostError, match="timed out"):
+            await task
+
+    with far:
+        connection = Connection(description(), LivePort(opened))
+        asyncio.run(reopen(connection))
 
 
 def test_reports_that_nobody_asked_for_are_kept_in_order():

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from tests.board.bench import Bench, Kind, description
+from tests.board.bench import HZ, Bench, Kind, LateLink, description
 
 from passo.board.description import Driver, SpiPins, UartPins
 from passo.board.drivers import Drivers
@@ -19,6 +19,10 @@ WIRES: dict[ChipName, UartPins | SpiPins] = {
     "TMC2209": UartPins("^PG0", "PG1"),
     "TMC2130": SpiPins("PG2", "PG3", "PG4", "PG5"),
     "TMC5160": SpiPins("PG2", "PG3", "PG4", "PG5"),
+}
+REPORTS = {
+    chip: "tmcuart_response" if isinstance(wire, UartPins) else "spi_transfer_response"
+    for chip, wire in WIRES.items()
 }
 
 
@@ -131,6 +135,20 @@ def test_status_is_asked_while_time_passes(chip: ChipName):
     assert drivers.idle
     state = drivers.states["x"]
     assert (state.fresh, state.reading) == (True, (0, 0x8000_0001))
+
+
+@pytest.mark.parametrize("chip", WIRES)
+def test_patience_is_of_the_time_that_passes_on_a_slow_board_beside_a_fast_one_too(chip: ChipName):
+    made, drivers = bench(chip)
+    drivers.configure()
+    # Time is told by the main board's clock, here eleven times as fast.
+    made.connection.board = replace(made.board, clock_hz=HZ // 11)
+    made.connection.link = LateLink(made, REPORTS[chip], 0.4)
+    drivers.begin_status("x")
+    passes(made, drivers, 6.0)
+    assert drivers.idle
+    assert failure(drivers) == ""
+    assert drivers.states["x"].fresh
 
 
 @pytest.mark.parametrize("chip", WIRES)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 from tests.console.scenario import Scenario
+from tests.job.test_lost_link import break_link
 from tests.printer.driver_machine import DRIVERS, machine, machine_text
 
 from passo import config
@@ -93,6 +94,45 @@ def test_a_damaged_answer_is_asked_for_again(s):
         chip.damaged_answers = 3
     s.host.ok("M17")
     s.host.silent(5, "halted|driver")
+
+
+@pytest.mark.parametrize("ms", [0, 5, 10, 20, 35, 60, 90])
+def test_what_was_written_as_the_link_broke_arrives_when_it_is_back(ms):
+    with Scenario(machine(firmware="passo")) as s:
+        s.host.ok("G28", 60)
+        s.host.ok("G1 X20 F6000")
+        s.host.ok("M400", 10)
+        s.host.send("M906 X500 Z300 E900")
+        s.passes(ms / 1000)
+        break_link(s, 1.0)
+        s.host.expect("The board is back", 10)
+        assert [field(s, m, r.IHOLD_IRUN, "irun") for m in "xzye"] == [15, 9, 25, 31]
+        assert not s.printer.halted
+
+
+def test_a_driver_that_was_reset_while_the_link_was_lost_halts_before_the_print_goes_on():
+    with Scenario(machine(firmware="passo")) as s:
+        s.host.ok("G28", 60)
+        s.host.send("G1 X150 F3000")
+        s.passes(1)
+        s.board.drivers["y"].power_on()
+        break_link(s, 1.0)
+        s.host.expect("^Error:Printer halted: motor y: its driver, a TMC2209, was reset", 10)
+        assert s.positions()["x"] < 100
+        assert not any("The board is back" in line for line in s.host.heard)
+
+
+def test_settings_that_got_lost_are_there_before_the_print_goes_on():
+    with Scenario(machine(firmware="passo")) as s:
+        s.host.ok("G28", 60)
+        s.host.send("G1 X150 F3000")
+        s.passes(1)
+        s.board.drivers["x"].set(r.IHOLD_IRUN, 0)
+        break_link(s, 1.0)
+        s.host.expect("The board is back", 10)
+        assert field(s, "x", r.IHOLD_IRUN, "irun") == 25
+        s.host.ok("M400", 20)
+        assert s.positions()["x"] == 150
 
 
 def test_heat_is_told_of_before_it_stops_the_motor(s):

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import asyncio
+import re
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from typing import TypeAlias
@@ -82,6 +84,7 @@ class Connection:
         self.adopted = False
         self.oids = Oids.of(board)
         self._responses: list[tuple[str, Values]] = []
+        self._late: dict[tuple[str, int | None], int] = {}  # until when old answers may come
 
     @property
     def now(self) -> int:
@@ -145,20 +148,24 @@ class Connection:
                 oid = self.oids.outputs[o.name]
                 self.command(f"survive_output oid={oid} value={off} seconds=0")
 
-    def reopen(self) -> None:
-        """Opens the port again after the link was lost. The board has gone on alone, and the job
-        stands until `link.go_on`.
+    async def reopen(self) -> None:
+        """Opens the port again after the link was lost, while the loop goes on. The board has gone
+        on alone, and the job stands until `link.go_on`.
 
         Raises LinkLostError or MachineError if it cannot be reached, BoardBeganAnewError if it does
         not know any more what it did.
         """
+        self._late.clear()
+        if self.port.live:
+            await asyncio.to_thread(self.port.open)
         self.link.reconnect()
         self.wire = self.port.attach(self.link)
         if isinstance(self.wire, _core.LiveWire):
             self.wire.use_board_clock()
-        state = self._ask("get_config", [], "config", tries=1)
+        state = self._ask("get_config", [], "config", {}, tries=1)
         if state["is_shutdown"]:
-            self._ask("survive_off", [], "is_shutdown", tries=1)  # the refusal tells why
+            # The refusal tells why.
+            self._ask("survive_off", [], "is_shutdown", {}, tries=1)
             raise BoardBeganAnewError(self.shutdown_error().problems)
         if not state["is_config"] or state["crc"] != self._crc:
             raise BoardBeganAnewError.of("machine.began-anew")
@@ -179,10 +186,22 @@ class Connection:
     def ask(self, text: str, answer: str) -> Values:
         """Sends a command and returns the values of the report `answer`.
 
-        Reports are not repeated by the board, so the question is.
+        Reports are not repeated by the board, so the question is. An object's report is that of the
+        very object in the question.
         """
         name, values = self.dictionary.values(text)
-        return self._ask(name, values, answer)
+        oid = re.search(r" oid=(\d+)", text)
+        same = {"oid": int(oid[1])} if oid else {}
+        about = (answer, same.get("oid"))
+        if (late := self._late.pop(about, 0)) > self.now:
+            self.pass_time(late)
+        begin = self.now
+        found = self._ask(name, values, answer, same)
+        passed = self.now - begin
+        if passed > self._ticks(_PATIENCE_S):
+            # It was repeated: the answer to the repetition is as late as this one.
+            self._late[about] = self.now + passed
+        return found
 
     def take_responses(self, *names: str) -> list[tuple[str, Values]]:
         """Reports since the last call that nobody asked for, oldest first: those of these names, or
@@ -326,11 +345,10 @@ class Connection:
     def _identify(self) -> None:
         data = b""
         while True:
-            answer = self._ask("identify", [len(data), _CHUNK], "identify_response")
+            same = {"offset": len(data)}
+            answer = self._ask("identify", [len(data), _CHUNK], "identify_response", same)
             part = answer["data"]
-            if answer["offset"] != len(data) or not isinstance(part, bytes):
-                continue
-            if not part:
+            if not isinstance(part, bytes) or not part:
                 break
             data += part
         self.dictionary = Dictionary.parse(data)
@@ -404,8 +422,14 @@ class Connection:
             self.heaters[h.name] = self.link.add_heater(options)
 
     def _ask(
-        self, name: str, values: Sequence[int | bytes], answer: str, tries: int = _TRIES
+        self,
+        name: str,
+        values: Sequence[int | bytes],
+        answer: str,
+        same: Mapping[str, int],
+        tries: int = _TRIES,
     ) -> Values:
+        """The report `answer` in which the values of `same` are these."""
         for _ in range(tries):
             self._collect()
             self.link.send(name, list(values))
@@ -414,17 +438,18 @@ class Connection:
             while until <= end:
                 # A board that is shut down may still be asked.
                 self.pass_time(until)
-                found = self._find(answer)
+                found = self._find(answer, same)
                 if found is not None:
                     return found
                 until += self._ticks(_STEP_S)
         raise self.silence(name)
 
-    def _find(self, answer: str) -> Values | None:
+    def _find(self, answer: str, same: Mapping[str, int]) -> Values | None:
         fresh: list[tuple[str, Values]] = self.link.take_responses()
         found = None
         for name, values in fresh:
-            if name == answer and found is None:
+            wanted = name == answer and all(values.get(k, v) == v for k, v in same.items())
+            if wanted and found is None:
                 found = values
             else:
                 self._responses.append((name, values))

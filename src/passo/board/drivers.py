@@ -118,6 +118,11 @@ class Drivers:
 
         self._begin(motor, state.link.configure(state.settings), done)
 
+    def interrupt(self) -> None:
+        """Ends what is being asked or set, of which much may have been lost on the way."""
+        for line in self._lines.values():
+            line.talks.clear()
+
     def begin_status(self, motor: str) -> None:
         """Asks a driver how it is as time passes."""
         state = self.states[motor]
@@ -166,7 +171,7 @@ class Drivers:
             line.talks.popleft()
         else:
             self._connection.command(talk.question.text)
-            talk.deadline = now + int(_PATIENCE_S * self._connection.board.clock_hz)
+            talk.deadline = now + int(_PATIENCE_S * self._connection.wire.hz)
 
 
 def _link(driver: Driver, oids: Oids) -> tuple[DriverLink, int]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import socket
 from collections.abc import Callable, Sequence
 from typing import Protocol, TypeAlias
@@ -26,6 +27,11 @@ class Port(Protocol):
 
     live: bool
     byte_s: float
+
+    def open(self) -> None:
+        """Opens the port anew for the next `attach`, which else does it; on a `live` port that may
+        take seconds, and may be done in any thread. Raises MachineError."""
+        ...
 
     def attach(self, link: _core.Link) -> Wire:
         """The wire between this port and a link, which carries bytes from now on. Raises
@@ -60,6 +66,9 @@ class InProcess:
         self.unplugged = False
         self._clock = clock
 
+    def open(self) -> None:
+        """There is nothing to open."""
+
     def attach(self, link: _core.Link) -> _core.Pump:
         """A pump; its time goes on where that of the last one stands. A board beside another one
         joins that one's pump, which must be attached before."""
@@ -89,12 +98,25 @@ class LivePort:
         self._opened = opened
         self.byte_s = byte_s
         self._wire: _core.LiveWire | None = None
+        self._descriptor: int | None = None  # opened, but not attached yet
 
-    def attach(self, link: _core.Link) -> _core.LiveWire:
+    def open(self) -> None:
         """Opens the port anew; what was attached before is let go. Raises MachineError."""
         if self._wire is not None:
             self._wire.stop()
-        self._wire = _core.LiveWire(link, self._opened())
+            self._wire = None
+        if self._descriptor is not None:
+            os.close(self._descriptor)
+            self._descriptor = None
+        self._descriptor = self._opened()
+
+    def attach(self, link: _core.Link) -> _core.LiveWire:
+        """A wire with a thread of its own; the port is opened for it unless it just was. Raises
+        MachineError."""
+        if self._descriptor is None:
+            self.open()
+        assert self._descriptor is not None
+        self._wire, self._descriptor = _core.LiveWire(link, self._descriptor), None
         return self._wire
 
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from passo.board.drivers import Drivers, DriverState
 from passo.board.trinamic import DriverSettings, Finding, findings
+from passo.printer.drive import TICK_S
 
 if TYPE_CHECKING:
     from passo.board.boards import Boards
@@ -38,6 +40,29 @@ class DriverWatch:
         self._next_look = 0
         for drivers in self._of_boards:
             drivers.configure()
+
+    async def reconnected(self) -> None:
+        """The board is back after a lost link: drivers that have come through it well are set up
+        again, for they may have missed something. Raises MachineError."""
+        for drivers in self._of_boards:
+            drivers.interrupt()
+            for motor in drivers.states:
+                drivers.begin_status(motor)
+        await self._answered()
+        if not self._printer.halted:
+            for motor in self.states:
+                self._of(motor).begin_configure(motor)
+            await self._answered()
+
+    async def _answered(self) -> None:
+        """Waits for all answers, and looks at them."""
+        while not all(drivers.idle for drivers in self._of_boards):
+            await asyncio.sleep(TICK_S)
+            self._printer.drive.look()
+            for drivers in self._of_boards:
+                drivers.poll()
+        for motor, state in self.states.items():
+            self._look_at(motor, state)
 
     def _of(self, motor: str) -> Drivers:
         return next(drivers for drivers in self._of_boards if motor in drivers.states)

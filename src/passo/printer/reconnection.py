@@ -50,11 +50,14 @@ async def _take_over(printer: Printer, *, reopen: bool) -> None:
     """Raises LinkLostError while the board cannot be reached, and again when it is lost again."""
     connection = printer.connection.main
     if reopen:
-        connection.reopen()
+        await connection.reopen()
     _prove(printer, await _standing(printer))
     connection.command("survive_arm")
     connection.renew()
     printer.motors.renew()
+    await printer.drivers.reconnected()
+    if printer.halted:
+        return
     connection.link.go_on()
     printer.endstops.begin()
     printer.tell("echo:The board is back, and stands where it was told to stop")
