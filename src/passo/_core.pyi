@@ -734,6 +734,9 @@ class Distant(Device):
     def cut(self, on: bool) -> None:
         """What is sent either way is lost."""
 
+    def spoil(self, share: float) -> None:
+        """So many of all bytes arrive as others, either way."""
+
     def clock_at(self, host_ticks: int) -> int: ...
 
     def host_at(self, clock: int) -> int: ...
