@@ -60,17 +60,23 @@ class MessageQueue {
     commits_ = 0;
     taken_until_ = clock;
   }
-  // All messages behind this commit are to be taken again. False if it was taken too long ago, or
-  // not at all.
+  // All messages behind this commit are to be taken again, and none before it. False if it was
+  // taken too long ago, or never handed out.
   bool rewind_behind(uint32_t serial) {
-    for (size_t i = head_; i-- > kept_;) {
+    for (size_t i = tail_; i-- > kept_;) {
       if (at(i).kind != MessageKind::commit || at(i).interval != serial) continue;
+      while (head_ <= i) pop();
       for (size_t k = i + 1; k < head_; ++k) commits_ -= at(k).kind == MessageKind::commit;
       head_ = i + 1;
       taken_until_ = at(i).clock;
       return true;
     }
     return false;
+  }
+  // All that is kept, and all that waits, in its order.
+  template <typename Visit>
+  void visit(Visit&& visit) const {
+    for (size_t i = kept_; i != tail_; ++i) visit(at(i));
   }
   // Latest end of all messages taken so far: they can no longer be revoked.
   int64_t taken_until() const { return taken_until_; }

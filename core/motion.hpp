@@ -147,7 +147,8 @@ class Motion {
   void use_joints(bool on) { machine_.joints = on && planner_.constraints().actuators.size() >= 3; }
   void set_tool_offset(size_t tool, int j, double mm) { machine_.tools[tool].offset[j] = mm; }
 
-  // The board was left alone: it has come to a stop behind the commit `serial`, as that told it to.
+  // The boards were left alone: they have come to a stop behind the commit `serial`, as it told
+  // them to.
   // Plans anew from there; what was to follow is held, and `release` goes on with it at any later
   // clock; expected_net() tells where each motor must be by now. Outputs that were to change on the
   // way change when it goes on. Returns the clock of the commit; nothing, and nothing is changed,

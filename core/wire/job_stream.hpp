@@ -43,8 +43,7 @@ class JobStream {
                          StreamHash::of_name(name),
                          invert};
   }
-  // The board, which is alone, takes commits: a message leaves so many ticks before its clock
-  // instead.
+  // The board takes commits: a message leaves so many ticks before its clock instead.
   void use_commits(const Formats& commands, Ticks horizon) {
     commit_ = prefix(commands, "survive_commit");
     for (Stepper& s : steppers_) s.tail = prefix(commands, "survive_tail", s.oid);
@@ -120,6 +119,8 @@ class JobStream {
   void go_on() {
     ends_.clear();
     staged_ = kNever;
+    complete_ = false;
+    if (retimer_) retimer_->begin_anew();
     for (Pin& pin : pins_)
       if (pin.longest > 0) pin.value = 0;  // the board has switched it off
     running_ = true;
@@ -141,12 +142,19 @@ class JobStream {
     return all;
   }
 
-  enum class Fill : uint8_t { dry, full };
+  // full: the next command did not fit. complete: the board is to have all so far before the next
+  // one.
+  enum class Fill : uint8_t { dry, full, complete };
   // Appends commands that may leave at board clock `now` to a payload of `size` bytes (room for
-  // kPayloadMax + kLongestCommand). full: the next one did not fit. `first` becomes the clock of
-  // the most urgent message in the frame, `need` the clock at which the board needs it.
-  Fill fill(uint8_t* payload, size_t& size, Ticks& first, Ticks& need, Ticks now) {
+  // kPayloadMax + kLongestCommand). `first` becomes the clock of the most urgent message in the
+  // frame, `need` the clock at which the board needs it. `may_commit(serial)`: whether the word
+  // that makes a commit valid may go into this frame; if not, nothing behind it leaves until
+  // fill() is called again.
+  template <typename MayCommit>
+  Fill fill(uint8_t* payload, size_t& size, Ticks& first, Ticks& need, Ticks now,
+            MayCommit&& may_commit) {
     slot_wait_ = kNever;
+    complete_ = false;
     if (!running_ || !queue_) return Fill::dry;
     auto held = queue_->hold();
     const Ticks limit = now + horizon_ - base_;
@@ -156,6 +164,10 @@ class JobStream {
       if (queue.empty()) break;
       const Message& m = queue.front();
       if (m.clock > limit) break;
+      if (m.kind == MessageKind::commit && !may_commit(m.interval)) {
+        complete_ = true;
+        return Fill::complete;
+      }
       bool slot = m.kind == MessageKind::queue_step || m.kind == MessageKind::pin ||
                   m.kind == MessageKind::tail || (commits_ && m.kind == MessageKind::reset_clock);
       if (slot && ends_.size() >= slots_ && !free_slots(now)) break;
@@ -183,7 +195,7 @@ class JobStream {
   bool short_of_slots() const { return slot_wait_ != kNever; }
   // Board clock at which fill() is worth calling again.
   Ticks wake() const {
-    if (!running_ || !queue_) return kNever;
+    if (!running_ || !queue_ || complete_) return kNever;
     auto held = queue_->hold();
     bool ready = retimer_ && !retimer_->ready().empty();
     if (queue_->empty() && !ready) return kNever;
@@ -220,6 +232,7 @@ class JobStream {
   std::vector<Pin> pins_;
   Prefix commit_{};
   bool commits_ = false;
+  bool complete_ = false;  // what is at the board, or on its way, waits for a commit
   std::vector<Ticks> ends_;  // board clocks at which slots in use are free again; unordered
   size_t slots_ = 0;
   Ticks slot_wait_ = kNever;

@@ -155,6 +155,15 @@ class Link {
     keeps_ = true;
     for (size_t i = 0; i < heaters_.size(); ++i) tell_keeping(i, 0);
   }
+  // The machine stands, and motion comes in commits from here on, if `on`.
+  void begin_commits(bool on) {
+    job_.begin_commits();
+    if (!timeline_) return;
+    if (on)
+      timeline_->begin_commits();
+    else
+      timeline_->end_commits();
+  }
   // True once after faults of heaters: the board has been sent the order to switch them off.
   bool take_fault() { return std::exchange(fault_, false); }
 
@@ -202,6 +211,7 @@ class Link {
   // The board has taken over again what it keeps; the job goes on.
   void go_on() {
     alone_ = false;
+    map_anew_ = job_.retimer() != nullptr;
     for (size_t i = 0; keeps_ && i < heaters_.size(); ++i) tell_keeping(i, kept_[i]);
     job_.go_on();
   }
@@ -243,6 +253,7 @@ class Link {
     if (timeline_ && !shut_down_) follow_orders();
     if (timeline_ && timeline_->halted() && !shut_down_ && !halted_) stop_at_once();
     Ticks clock = wake(now);
+    if (sync_.ready() && std::exchange(map_anew_, false)) begin_map_anew(now);
     if (sync_.ready() && !shut_down_)
       for (Bytes again = job_.renew(clock); !again.empty(); again = job_.renew(clock))
         now_queue_.push_back({std::move(again), false});
@@ -284,6 +295,7 @@ class Link {
   bool main_ = true, halted_ = false;
   Ticks main_base_ = 0;  // of the job, in the main board's clock
   double renewed_ = 0;   // the job's clock when the map of its time was renewed
+  bool map_anew_ = false;
   MessageQueue* queue_ = nullptr;
   bool live_ = false;
   std::deque<std::pair<Bytes, bool>> now_queue_;  // commands; true: a question for the clock
@@ -349,13 +361,28 @@ class Link {
       holds_question_ |= question;
       now_queue_.pop_front();
     }
-    if (sync_.ready() && !shut_down_)
-      if (job_.fill(payload, open_size_, open_first_, open_need_, clock) == JobStream::Fill::full)
-        return true;
+    bool commits = false;
+    if (sync_.ready() && !shut_down_) {
+      auto may = [&](uint32_t serial) {
+        if (!timeline_) return true;
+        bool may = may_commit(serial);
+        commits |= may;
+        return may;
+      };
+      auto filled = job_.fill(payload, open_size_, open_first_, open_need_, clock, may);
+      if (filled == JobStream::Fill::full) return true;
+      if (filled == JobStream::Fill::complete) return open_size_ > 0;
+    }
     if (open_size_ == 0) return false;
-    return holds_command_ || job_.must_leave(open_first_) <= clock;
+    return holds_command_ || commits || job_.must_leave(open_first_) <= clock;
   }
 
+  // All that belongs to a commit must be acknowledged, on all boards, before the word for it leaves,
+  // which it does at once then.
+  bool may_commit(uint32_t serial) {
+    if (open_first_ != kNever || window_.acked() <= last_of_job_) return false;
+    return timeline_->may_commit(seat_, serial);
+  }
   void stop_at_once() {
     halted_ = true;
     job_.stop();
@@ -372,9 +399,15 @@ class Link {
   }
   void renew_map(double job_clock) {
     renewed_ = job_clock;
-    job_.retimer()->map().renew(job_clock, [&](double t) {
-      return double(own_clock(main_base_ + Ticks(t)) - job_.base());
-    });
+    job_.retimer()->map().renew(job_clock, [this](double t) { return expected(t); });
+  }
+  void begin_map_anew(Ticks now) {
+    renewed_ = double(main_clock(sync_.clock_at(now)) - main_base_);
+    job_.retimer()->map().begin_anew(renewed_, [this](double t) { return expected(t); });
+  }
+  // What this board's clock is expected to read, since the job began, at a clock of the job.
+  double expected(double t) const {
+    return double(own_clock(main_base_ + Ticks(t)) - job_.base());
   }
   // The clocks are known better now.
   void follow_timeline(Ticks now) {
@@ -392,7 +425,7 @@ class Link {
     next_sync_ = now + Ticks(seconds * hz_);
     if (asked_) {
       ++unanswered_;
-      if (timeline_ && lost()) timeline_->halt();
+      if (timeline_ && lost()) timeline_->lost();
       // An answer comes before the acknowledgement, or never. Two questions on their way would be
       // taken for each other.
       if (question_ == 0 || window_.acked() <= question_) return;

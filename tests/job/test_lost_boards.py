@@ -1,0 +1,67 @@
+"""The link to one of two boards breaks in mid-print, again and again: the print ends where it would
+have, on both."""
+
+import random
+from functools import partial
+
+import pytest
+from tests.console.scenario import Scenario
+from tests.job.test_disturbed import disturb, spiral, steps
+from tests.job.test_lost_link import FIRMWARE
+from tests.job.two_boards import two_boards
+
+from passo.config.places import MAIN
+from passo.printer.wiring import connect_simulated
+from passo.simulator import Cable
+
+WORLDS = {
+    "fast": (("drift_ppm = 100.0", "start_s = 250.0"), Cable(300e-6, 100e-6)),
+    "slow": (("drift_ppm = -100.0", "start_s = 1.0"), Cable(50e-6, 50e-6)),
+    "far": (("drift_ppm = 40.0", "start_s = 1e5"), Cable(4e-3, 2e-3)),
+}
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory):
+    card = tmp_path_factory.mktemp("card")
+    (card / "a.g").write_text(spiral())
+    with Scenario(FIRMWARE, card=str(card)) as s:
+        s.host.ok("M32 a.g")
+        s.host.expect("Done printing", 900)
+        return card, steps(s)
+
+
+def scenario(monkeypatch, card, world, **more):
+    keys, cable = WORLDS[world]
+    monkeypatch.setattr("passo.printer.printer.connect", partial(connect_simulated, cable=cable))
+    return Scenario(two_boards(*keys, firmware="passo", **more), card=str(card))
+
+
+def cut(s, board, seconds):
+    s.board.cut_cable(board)
+    s.passes(seconds)
+    s.board.cut_cable(board, False)
+
+
+def faults(s):
+    return [board.device.fault for board in s.board.boards.values() if board.device.fault]
+
+
+@pytest.mark.parametrize("world", WORLDS)
+@pytest.mark.parametrize("seed", range(6))
+def test_it_ends_where_it_would_have_ended(monkeypatch, undisturbed, world, seed):
+    card, wanted = undisturbed
+    generator = random.Random(seed)
+    with scenario(monkeypatch, card, world) as s:
+        s.host.ok("M32 a.g")
+        s.passes(16)  # it is at home by then
+        while "Done printing file" not in s.host.heard:
+            s.passes(generator.expovariate(0.5))
+            if "Done printing file" in s.host.heard:
+                break
+            cut(s, generator.choice((MAIN, "tool")), generator.choice((0.02, 0.3, 2.0, 40.0)))
+            s.passes(1.0)
+            assert not s.printer.halted
+        assert sum("The boards are back" in line for line in s.host.heard) > 2
+        assert faults(s) == []
+        assert steps(s) == wanted
