@@ -327,7 +327,8 @@ void bind_job(nb::module_& m) {
           },
           "serial"_a, "next"_a,
           "Net steps by which each motor is further where it has stopped behind the commit `next` "
-          "than where it would have behind `serial`, the one before; None if they are not known, or "
+          "than where it would have behind `serial`, the one before; None if they are not known, "
+          "or "
           "do not follow each other.")
       .def_prop_ro(
           "holds", [](JobView& self) { return self.job.motion.held() > 0; },

@@ -237,8 +237,8 @@ class StepStream {
     }
     return net;
   }
-  // After rewind() and a plan to a stop, which the boards have come to by themselves: takes back what
-  // that has handed out, and returns the outputs among it. The machine stands at `clock`.
+  // After rewind() and a plan to a stop, which the boards have come to by themselves: takes back
+  // what that has handed out, and returns the outputs among it. The machine stands at `clock`.
   std::vector<Message> resume_at_rest(uint32_t serial, int64_t clock) {
     std::vector<Message> outputs;
     for (MessageQueue& queue : messages_)

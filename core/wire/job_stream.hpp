@@ -232,7 +232,7 @@ class JobStream {
   std::vector<Pin> pins_;
   Prefix commit_{};
   bool commits_ = false;
-  bool complete_ = false;  // what is at the board, or on its way, waits for a commit
+  bool complete_ = false;    // what is at the board, or on its way, waits for a commit
   std::vector<Ticks> ends_;  // board clocks at which slots in use are free again; unordered
   size_t slots_ = 0;
   Ticks slot_wait_ = kNever;

@@ -377,8 +377,8 @@ class Link {
     return holds_command_ || commits || job_.must_leave(open_first_) <= clock;
   }
 
-  // All that belongs to a commit must be acknowledged, on all boards, before the word for it leaves,
-  // which it does at once then.
+  // All that belongs to a commit must be acknowledged, on all boards, before the word for it
+  // leaves, which it does at once then.
   bool may_commit(uint32_t serial) {
     if (open_first_ != kNever || window_.acked() <= last_of_job_) return false;
     return timeline_->may_commit(seat_, serial);
@@ -406,9 +406,7 @@ class Link {
     job_.retimer()->map().begin_anew(renewed_, [this](double t) { return expected(t); });
   }
   // What this board's clock is expected to read, since the job began, at a clock of the job.
-  double expected(double t) const {
-    return double(own_clock(main_base_ + Ticks(t)) - job_.base());
-  }
+  double expected(double t) const { return double(own_clock(main_base_ + Ticks(t)) - job_.base()); }
   // The clocks are known better now.
   void follow_timeline(Ticks now) {
     if (main_) return timeline_->set_clock(sync_.line(), hz_);

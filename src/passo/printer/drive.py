@@ -261,6 +261,11 @@ class Drive:
         """Lets time pass on the board, and no more. Raises MachineError."""
         self._run(self.now)
 
+    async def catch_up(self) -> None:
+        """Waits where questions have let the time of simulated boards run ahead of the loop's."""
+        while (ahead := self._connection.now - self.base - self.now) > 0:
+            await asyncio.sleep(ahead / self.hz)
+
     def wait(self) -> None:
         """The same, whichever links are lost. Raises MachineError when a board has shut down."""
         self._connection.wait(max(self.base + self.now, self._connection.now))

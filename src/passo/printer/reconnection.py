@@ -101,6 +101,7 @@ class _Reconnection:
                 raise BoardAloneError.of("machine.alone")
         if ahead:
             self._prove({})
+        await printer.drive.catch_up()
         for connection in self._connections:
             connection.link.go_on()
         await printer.drivers.reconnected()
