@@ -11,6 +11,7 @@ from passo import _core
 from passo.config.drives import axis_order
 from passo.errors import CommandError, PassoError
 from passo.job.park import Park
+from passo.printer.drive import TICK_S
 from passo.printer.faults import problem_of
 from passo.printer.printer import Stopped
 from passo.printer.waits import Reply
@@ -320,6 +321,8 @@ class Runner:
             found = job.advance(horizon, _MOST_MESSAGES, rest_of_line)
         finally:
             drive.after_moves()
+        if found == _core.JobStatus.FULL and not rest_of_line and not drive.full:
+            await asyncio.sleep(TICK_S)  # it is the link that does not keep up
         return await self._answer(found)
 
     async def _answer(self, found: _core.JobStatus) -> bool:
