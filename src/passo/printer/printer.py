@@ -299,12 +299,36 @@ class Printer:
                 wait.then()
             wait = self._go_on(reply)
 
-    async def finish(self, wait: Wait | None, reply: Reply) -> None:
-        """The rest of a line whose command waits. Raises Stopped or MachineError."""
-        while wait is not None:
-            await self.wait(wait, reply)
-            self.select(console=True)
-            wait = self._go_on(reply)
+    async def room(self) -> bool:
+        """Waits, with the turn, until a planned line can be taken in. True if M108 came meanwhile:
+        then it is taken even if the plan is full, and its own wait is over."""
+        self._impatient = False
+        await self.drive.until(
+            lambda: (
+                self.has_room() or bool(self.halted) or (self._impatient and self.job.at_boundary)
+            )
+        )
+        return self._impatient
+
+    async def finish(
+        self,
+        wait: Wait | None,
+        reply: Reply,
+        *,
+        first_ends: bool = False,
+        all_end: Callable[[], bool] = lambda: False,
+    ) -> None:
+        """The rest of a line whose command waits; its first wait, or all of them, may have to end
+        as soon as they begin. Raises Stopped or MachineError."""
+        try:
+            while wait is not None:
+                await self.wait(wait, reply, ends=first_ends or all_end())
+                first_ends = False
+                self.select(console=True)
+                wait = self._go_on(reply)
+        except CommandError:
+            self.job.abandon()
+            raise
 
     def _carried_out(self, handler: Handler | None, command: Command, reply: Reply) -> Wait | None:
         """By a handler of a living printer, or as in a print without consoles."""
@@ -324,10 +348,13 @@ class Printer:
             reply.say(f'echo:Unknown command: "{command.code}"')
         return wait
 
-    async def wait(self, wait: Wait, reply: Reply) -> None:
-        """Waits with the machine at rest. Raises Stopped when it was halted meanwhile."""
+    async def wait(self, wait: Wait, reply: Reply, *, ends: bool = False) -> None:
+        """Waits with the machine at rest, or not at all if it `ends` as M108 ends it. Raises
+        Stopped when it was halted meanwhile."""
         self._skip.clear()
         self._impatient = False
+        if ends:
+            self.end_wait()
         self.drive.flush()
         await self.drive.until(lambda: self.drive.standing or self._impatient or bool(self.halted))
         self.raise_if_halted()
