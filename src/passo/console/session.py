@@ -22,7 +22,7 @@ BACKLOG = 256  # lines in hand before the sender is held up
 WAIT_S = 1.0  # an idle console says `wait` this often
 _PLAIN = str.maketrans({"°": "", "µ": "u", "²": "2"})
 _NO_TEXT = ("M29", "M110", "M932", "M933")  # not even while a file is written
-_EVEN_AFTER_FAILURE = (*_NO_TEXT, "M108", "M112", "M410", "M999")
+_EVEN_AFTER_FAILURE = (*_NO_TEXT, "M108", "M112", "M410", "M876", "M999")
 _HEAD = re.compile(r"\s*([A-Za-z])\s*(\d{1,9})(?:\.(\d))?\s*(.*)\Z", re.DOTALL)
 
 
@@ -249,7 +249,7 @@ class Session:
         if upload is None or code in _NO_TEXT:
             return False
         if upload.writer is None:
-            return code not in ("M28", "M999") and self._dropped(upload, code)
+            return code not in (*_EVEN_AFTER_FAILURE, "M28") and self._dropped(upload, code)
         if upload.log:
             upload.write(line.text)
             return False
