@@ -71,7 +71,8 @@ def test_a_comment_is_no_error(s):
 
 
 def test_temperatures_are_in_celsius(s):
-    assert s.host.ok("M149 F") == ['echo:Unknown command: "M149"', "ok"]
+    assert s.host.ok("M149 F")[0].startswith("echo:M149 is F: expected C")
+    assert s.host.ok("M149 C") == ["ok"]
     s.host.ok("M104 S100 F")
     assert "/100.00" in s.host.ok("M105")[0]
 

@@ -71,6 +71,7 @@ class Session:
         self.on_upload: Callable[[bool], None] = lambda _: None  # an upload begins, or has ended
         self._working = False  # this console's line has the turn and is under way
         self.closed = False
+        self._noted: set[str] = set()
         self._then: Callable[[], None] | None = None  # to call after the last line
         printer.listeners.append(self.hear)
         self.every("wait", WAIT_S, self._say_wait)
@@ -134,6 +135,12 @@ class Session:
     def hear(self, text: str) -> None:
         """A line that concerns everybody; a console that does not read may miss it."""
         self._wire.write(_ascii(text), dispensable=True)
+
+    def note(self, about: str, text: str) -> None:
+        """A line of answer that this console hears once."""
+        if about not in self._noted:
+            self._noted.add(about)
+            self.say(f"echo:{text}")
 
     def with_ok(self, text: str) -> None:
         """Text behind this command's `ok`."""

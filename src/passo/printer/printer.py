@@ -10,6 +10,7 @@ from passo import _core
 from passo.board.ports import LinkLostError
 from passo.config.drives import axis_order
 from passo.errors import CommandError, MachineError
+from passo.gcode.dialect import Kind, row_of
 from passo.printer.commands import Commands
 from passo.printer.drive import MOST_QUEUED, TICK_S, Drive
 from passo.printer.driver_commands import DriverCommands
@@ -344,9 +345,17 @@ class Printer:
         handler = self.planned.get(command.code) or self.immediate.get(command.code)
         before = self.commands.unknown.get(command.code)
         wait = self._carried_out(handler, command, reply)
+        if handler is None:
+            self._note(command.code, reply)
         if self.commands.unknown.get(command.code) != before:
             reply.say(f'echo:Unknown command: "{command.code}"')
         return wait
+
+    def _note(self, code: str, reply: Reply) -> None:
+        """Says of a command that does nothing why it does not."""
+        row = row_of(code)
+        if row is not None and row.kind in (Kind.QUIET, Kind.NOT_BUILT):
+            reply.note(row.code, f"{row.code} does nothing here. {row.text}")
 
     async def wait(self, wait: Wait, reply: Reply, *, ends: bool = False) -> None:
         """Waits with the machine at rest, or not at all if it `ends` as M108 ends it. Raises
