@@ -55,6 +55,20 @@ def test_a_wrapper_that_cannot_begin_ends_as_a_good_one_does(s, tmp_path):
     assert s.host.ok("M29") == ["Done saving file.", "ok"]
 
 
+def test_a_path_from_the_root_is_one_wherever_names_count_from(s, tmp_path):
+    (tmp_path / "parts").mkdir()
+    s.host.ok("M23 Dparts")
+    for written, name in (("F/top.g", "/top.g"), ("/two.g", "/two.g"), ("here.g", "here.g")):
+        assert s.host.ok(f"M28 {written}")[0] == f"Writing to file: {name}"
+        assert s.host.ok("M29")[0] == "Done saving file."
+    found = sorted(str(p.relative_to(tmp_path)) for p in tmp_path.rglob("*.g"))
+    assert found == ["old.g", "parts/here.g", "top.g", "two.g"]
+    (tmp_path / "parts" / "f").mkdir()
+    s.host.ok("M28 F/in.g")
+    s.host.ok("M29")
+    assert (tmp_path / "parts" / "f" / "in.g").exists()
+
+
 def test_m932_and_m933_act_while_a_file_is_written(s, tmp_path):
     s.host.ok("M28 old.g")
     s.host.ok("M932")
