@@ -5,6 +5,7 @@ from tests.console.scenario import Host, Scenario
 
 from passo import config
 from passo.config.load import shipped_text
+from passo.errors import CardError
 
 
 @pytest.fixture
@@ -125,6 +126,20 @@ def test_a_fault_behind_a_full_plan_gives_the_turn(s, monkeypatch):
     s.host.expect("^after$", 1)
     assert not s.printer.turn.taken
     assert len(oks(s.host)) == 4  # G92, G1, G1, M118
+
+
+@pytest.mark.parametrize("line", ["M500 G1 X60 F6000", "G4 P1 M500 G1 X60", "M400 M500 G1 X60"])
+def test_a_command_that_fails_in_mid_line_ends_its_line_alone(s, monkeypatch, line):
+    def fails(*_):
+        raise CardError.of("card.absent", value="by the test")
+
+    monkeypatch.setitem(s.printer.planned, "M500", fails)
+    answer = s.host.ok(line)
+    assert "there is no card: by the test" in answer[0]
+    assert not s.printer.halted
+    assert s.host.ok("G1 X40 F6000") == ["ok"]
+    s.host.ok("M400")
+    assert s.positions()["x"] == 40.0
 
 
 def test_a_wait_that_fails_ends_its_line_and_not_its_console():

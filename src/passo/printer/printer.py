@@ -327,8 +327,8 @@ class Printer:
                 first_ends = False
                 self.select(console=True)
                 wait = self._go_on(reply)
-        except CommandError:
-            self.job.abandon()
+        except Exception:
+            self.job.abandon()  # the rest of the line would stand in everybody's way
             raise
 
     def _carried_out(self, handler: Handler | None, command: Command, reply: Reply) -> Wait | None:
@@ -507,6 +507,9 @@ class Printer:
                     return None
                 else:
                     return None
+        except Exception:
+            self.job.abandon()
+            raise
         finally:
             self.drive.after_moves()
 
