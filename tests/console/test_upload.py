@@ -124,6 +124,33 @@ def test_lines_for_a_file_that_could_not_be_opened_say_so_once(bare):
     assert bare.printer.connection.heaters["hotend"].target == 200
 
 
+def test_a_second_upload_does_not_end_the_first(s, tmp_path):
+    lines = numbered((0, "M110 N0"), (1, "G1 X7"), (2, "G1 X8"))
+    s.host.ok("M28 old.g")
+    s.host.ok(lines[0])
+    s.host.ok(lines[1])
+    assert "old.g: is in use" in s.host.ok("M28 new.g")[0]
+    s.host.ok(lines[2])
+    assert s.host.ok("M29")[0] == "Done saving file."
+    assert (tmp_path / "old.g").read_text() == "G1 X7\nG1 X8\n"
+    s.host.ok("M928 log.g")
+    assert "is in use" in s.host.ok("M28 new.g")[0]
+    s.host.ok("G90")
+    s.host.ok("M29")
+    assert (tmp_path / "log.g").read_text() == "M28 new.g\nG90\n"
+    assert not (tmp_path / "new.g").exists()
+
+
+def test_m112_without_a_number_acts_in_an_upload_with_numbers(s):
+    lines = numbered((0, "M110 N0"), (1, "G1 X7"))
+    s.host.ok("M28 old.g")
+    s.host.ok(lines[0])
+    s.host.ok(lines[1])
+    s.host.ok("M28 new.g")
+    s.host.ok("M112")
+    assert s.printer.halted == "emergency stop by M112"
+
+
 # -- ahead of every queue -------------------------------------------------------------------------
 
 

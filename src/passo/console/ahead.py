@@ -23,13 +23,14 @@ class Ahead:
         """
         code = command.code
         into_file = self._opens if self._in_hand else upload is not None and upload.takes_all
-        if code == "M29" or (code == "M28" and not into_file):
+        numbered = self._numbered or (not self._in_hand and upload is not None and upload.numbered)
+        if into_file and code != "M29" and (number is not None or not numbered):
+            self._numbered = number is not None
+            return False
+        if code in ("M28", "M29"):
             self._in_hand += 1
             self._opens = code == "M28"
             self._numbered = False
-        elif into_file and (number is not None or not self._numbered):
-            self._numbered = number is not None
-            return False
         self.act(command)
         return True
 

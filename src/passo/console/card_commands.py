@@ -221,6 +221,8 @@ class CardCommands:
         if not isinstance(reply, Session):
             raise CommandError.of("card.no-console")
         name = _unquoted(text)
+        if reply.upload is not None and reply.upload.writer is not None:
+            raise CardError.of("card.busy", reply.upload.name, value="it is being written")
         upload = Upload(None, name, log=log)
         if not log:
             reply.upload = upload  # whatever goes wrong: what follows is not to be carried out

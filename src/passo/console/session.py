@@ -192,9 +192,11 @@ class Session:
         printer, code = self._printer, command.code
         if seen and code in ("M28", "M29"):
             self._ahead.reached()
-        if not seen and (self._upload is None or not self._upload.takes_all):
-            self._ahead.act(command)  # it was to be text for a file, which could not be opened
-        if self._refused(code) or self._stored(line, code) or self._halted(code):
+        refused = self._refused(code)
+        stored = not refused and self._stored(line, code)
+        if not seen and not (stored and self._upload is not None and self._upload.takes_all):
+            self._ahead.act(command)  # it was to be text for a file, and has become none
+        if refused or stored or self._halted(code):
             return False
         if printer.act(command, self):
             return False
