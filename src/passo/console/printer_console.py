@@ -29,10 +29,17 @@ class Listeners:
 
     def __init__(self, printer: Printer) -> None:
         self._printer = printer
+        self._noted: set[str] = set()
 
     def say(self, text: str) -> None:
         """A line to all."""
         self._printer.tell(text)
+
+    def note(self, about: str, text: str) -> None:
+        """A line to all, once."""
+        if about not in self._noted:
+            self._noted.add(about)
+            self._printer.tell(f"echo:{text}")
 
     def with_ok(self, text: str) -> None:
         """The same: a file hears no `ok`."""

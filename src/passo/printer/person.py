@@ -15,7 +15,7 @@ _TEXT = re.compile(r"\s*[PS]-?\d+(\.\d+)?", re.IGNORECASE)
 
 
 class PersonCommands:
-    """M0, M1, M80, M81, M85, M117, M300, M876 of one printer."""
+    """M0, M1, M80, M81, M85, M117, M876 of one printer."""
 
     def __init__(self, printer: Printer) -> None:
         self._printer = printer
@@ -26,7 +26,6 @@ class PersonCommands:
             "M1": self._wait,
             "M80": self._mains_on,
             "M81": lambda c, r: Still(self._mains_off),
-            "M300": self._beep,
         }
         self.immediate: dict[str, Handler] = {
             "M85": self._kill_after,
@@ -55,9 +54,6 @@ class PersonCommands:
         self.message = command.text
         self._printer.tell(f"//action:notification {command.text}")
         return None
-
-    def _beep(self, _: Command, __: Reply) -> Wait | None:
-        return None  # the shipped boards have no beeper
 
     def _mains_on(self, command: Command, reply: Reply) -> Wait | None:
         if "S" in command.text.upper():

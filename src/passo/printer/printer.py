@@ -10,6 +10,7 @@ from passo import _core
 from passo.board.ports import LinkLostError
 from passo.config.drives import axis_order
 from passo.errors import CommandError, MachineError
+from passo.gcode.dialect import Kind, row_of
 from passo.printer.commands import Commands
 from passo.printer.drive import MOST_QUEUED, TICK_S, Drive
 from passo.printer.driver_commands import DriverCommands
@@ -299,12 +300,36 @@ class Printer:
                 wait.then()
             wait = self._go_on(reply)
 
-    async def finish(self, wait: Wait | None, reply: Reply) -> None:
-        """The rest of a line whose command waits. Raises Stopped or MachineError."""
-        while wait is not None:
-            await self.wait(wait, reply)
-            self.select(console=True)
-            wait = self._go_on(reply)
+    async def room(self) -> bool:
+        """Waits, with the turn, until a planned line can be taken in. True if M108 came meanwhile:
+        then it is taken even if the plan is full, and its own wait is over."""
+        self._impatient = False
+        await self.drive.until(
+            lambda: (
+                self.has_room() or bool(self.halted) or (self._impatient and self.job.at_boundary)
+            )
+        )
+        return self._impatient
+
+    async def finish(
+        self,
+        wait: Wait | None,
+        reply: Reply,
+        *,
+        first_ends: bool = False,
+        all_end: Callable[[], bool] = lambda: False,
+    ) -> None:
+        """The rest of a line whose command waits; its first wait, or all of them, may have to end
+        as soon as they begin. Raises Stopped or MachineError."""
+        try:
+            while wait is not None:
+                await self.wait(wait, reply, ends=first_ends or all_end())
+                first_ends = False
+                self.select(console=True)
+                wait = self._go_on(reply)
+        except Exception:
+            self.job.abandon()  # the rest of the line would stand in everybody's way
+            raise
 
     def _carried_out(self, handler: Handler | None, command: Command, reply: Reply) -> Wait | None:
         """By a handler of a living printer, or as in a print without consoles."""
@@ -320,14 +345,25 @@ class Printer:
         handler = self.planned.get(command.code) or self.immediate.get(command.code)
         before = self.commands.unknown.get(command.code)
         wait = self._carried_out(handler, command, reply)
+        if handler is None:
+            self._note(command.code, reply)
         if self.commands.unknown.get(command.code) != before:
             reply.say(f'echo:Unknown command: "{command.code}"')
         return wait
 
-    async def wait(self, wait: Wait, reply: Reply) -> None:
-        """Waits with the machine at rest. Raises Stopped when it was halted meanwhile."""
+    def _note(self, code: str, reply: Reply) -> None:
+        """Says of a command that does nothing why it does not."""
+        row = row_of(code)
+        if row is not None and row.kind in (Kind.QUIET, Kind.NOT_BUILT):
+            reply.note(row.code, f"{row.code} does nothing here. {row.text}")
+
+    async def wait(self, wait: Wait, reply: Reply, *, ends: bool = False) -> None:
+        """Waits with the machine at rest, or not at all if it `ends` as M108 ends it. Raises
+        Stopped when it was halted meanwhile."""
         self._skip.clear()
         self._impatient = False
+        if ends:
+            self.end_wait()
         self.drive.flush()
         await self.drive.until(lambda: self.drive.standing or self._impatient or bool(self.halted))
         self.raise_if_halted()
@@ -471,6 +507,9 @@ class Printer:
                     return None
                 else:
                     return None
+        except Exception:
+            self.job.abandon()
+            raise
         finally:
             self.drive.after_moves()
 

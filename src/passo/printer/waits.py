@@ -65,6 +65,9 @@ class Reply(Protocol):
     def say(self, text: str) -> None:
         """A line of answer."""
 
+    def note(self, about: str, text: str) -> None:
+        """A line of answer, once for whatever it is about."""
+
     def with_ok(self, text: str) -> None:
         """Text that stands behind `ok` in the same line."""
 
@@ -79,6 +82,9 @@ class Silence:
     """Nobody listens: answers are dropped."""
 
     def say(self, text: str) -> None:
+        """Drops the text."""
+
+    def note(self, about: str, text: str) -> None:
         """Drops the text."""
 
     def with_ok(self, text: str) -> None:
