@@ -1,4 +1,4 @@
-"""Five seconds of noise on the board's cable, again and again: the print ends where it would have."""
+"""Seconds of noise on the board's cable, again and again: the print ends where it would have."""
 
 import random
 from functools import partial
