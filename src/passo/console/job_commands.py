@@ -239,7 +239,7 @@ class JobCommands:
             self._printer.tell(f"echo:{text.replace('M108', 'M24')}")
             self._runner.pause()
             return None
-        self._printer.tell("//action:pause")
+        self._printer.tell("// action:pause")
         return Person(text)
 
     def _resume(self, _: Command, __: Reply) -> Wait | None:

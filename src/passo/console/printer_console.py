@@ -38,6 +38,9 @@ class Listeners:
         """The same: a file hears no `ok`."""
         self._printer.tell(text)
 
+    def warming(self, text: str) -> None:
+        """Nothing: consoles beside a print ask when they want to know."""
+
     def fail(self, text: str) -> None:
         """A command that was not carried out."""
         raise CommandError.of("job.failed", value=text)
@@ -60,6 +63,7 @@ def furnished(
     MachineError, and CardError if `card` cannot be used."""
     printer = Printer(machine, free=free)
     reports = Reports(printer, card=card is not None, settings=state is not None)
+    printer.waits.temperatures = reports.temperatures
     printer.immediate.update(reports.handlers)
     printer.immediate.update(ConsoleCommands(printer, reports).handlers)
     runner = Runner(printer, Listeners(printer))

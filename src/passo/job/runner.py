@@ -12,8 +12,7 @@ from passo.config.drives import axis_order
 from passo.errors import CommandError, PassoError
 from passo.job.park import Park
 from passo.printer.faults import problem_of
-from passo.printer.printer import Stopped
-from passo.printer.waits import Reply
+from passo.printer.waits import Reply, Stopped
 from passo.printer.words import Command
 
 if TYPE_CHECKING:
@@ -269,6 +268,7 @@ class Runner:
         printer = self._printer
         if not self.active:
             return  # cancelled
+        printer.laser_off()
         self.ended = "failed" if self._failed else "done"
         self.state = State.READY
         if self._failed:
