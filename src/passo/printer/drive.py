@@ -166,11 +166,13 @@ class Drive:
             self._revoke(cut)
 
     def hold(self) -> None:
-        """Brakes to a stop on the path; what is left is held."""
+        """Brakes to a stop on the path; what is left is held. A lit laser goes dark."""
+        self.before_moves()  # where the machine stands, darkness must not come in the past
         self._revoke(self._job.hold_from(self._earliest()))
 
     def stop(self) -> None:
-        """Brakes to a stop on the path; what is left is forgotten."""
+        """Brakes to a stop on the path; what is left is forgotten. A lit laser goes dark."""
+        self.before_moves()
         self._revoke(self._job.stop_from(self._earliest()))
 
     def forget_targets(self) -> None:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Generator, Iterable, Sequence
+from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING
 
 from passo import _core
@@ -52,7 +52,7 @@ class Printer:
         self.machine = machine
         self.heaters = list(machine.heaters)
         self._free = free
-        self.closers: list[Callable[[], None]] = []  # called when the printer ends
+        self.closers: list[Callable[[], None]] = []  # called when the printer ends, the last first
         self.watchers: list[Callable[[], None]] = [self._look_after_idleness]  # time has passed
         connection, self.board = connect(machine)
         self.motors = Motors(self)
@@ -91,13 +91,22 @@ class Printer:
         self.fault_listeners: list[Callable[[HeaterFault], None]] = []
         self.greeting: Callable[[], str] = str  # what a console that opens should hear
         self.listeners: list[Callable[[str], None]] = []
+        self.unheard: list[str] = []  # told before anybody listened, for the console that opens
         self.program: Reply | None = None  # whose moves were planned last
         self.halted = ""  # why nothing moves or heats any more; M999 clears it
         self.waits = Waiting(self)
         self.life = Life(self)
 
     def begin(self, connection: Boards) -> None:
-        """Starts from boards that have just been configured, with nothing planned."""
+        """Starts from boards that have just been configured, with nothing planned. Raises
+        MachineError, and lets go of them then."""
+        try:
+            self._begin(connection)
+        except BaseException:
+            connection.close()
+            raise
+
+    def _begin(self, connection: Boards) -> None:
         machine = self.machine
         connection.run(connection.now + int(_FIRST_REPORTS_S * machine.board.clock_hz))
         self.connection = connection
@@ -155,11 +164,12 @@ class Printer:
                 self.job.lock_axis(order.index(name), True)
 
     def close(self) -> None:
-        """Lets go of files and of the board, heaters off; nothing may be asked of the printer after
-        that."""
-        for closer in self.closers:
-            closer()
-        self.connection.close()
+        """Lets go of the board, heaters and laser off, then of all else,
+        whatever fails. Nothing may be asked of the printer after that."""
+        with ExitStack() as last_comes_first:
+            for closer in self.closers:
+                last_comes_first.callback(closer)
+            last_comes_first.callback(self.connection.close)
 
     # -- what others may ask ----------------------------------------------------------------------
 
@@ -251,7 +261,7 @@ class Printer:
             self.drive.after_moves()
 
     @contextmanager
-    def dark(self) -> Iterator[None]:
+    def dark(self) -> Generator[None]:
         """The laser is off when the moves so far are done, and as it was at the end, unless it was
         switched off for good meanwhile."""
         if not self.commands.lit:
