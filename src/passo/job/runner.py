@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from enum import Enum
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Protocol
 
 from passo import _core
@@ -56,6 +57,7 @@ class Runner:
     def __init__(self, printer: Printer, reply: Reply) -> None:
         self._printer, self._reply = printer, reply
         self._park = Park(printer)
+        self._park_words: Mapping[str, float] = {}
         self._reader: Reader | None = None
         self._task: asyncio.Task[None] | None = None
         self._resumed = asyncio.Event()
@@ -168,9 +170,11 @@ class Runner:
         task.add_done_callback(self._over)
         self._task = task  # the loop alone would not keep it
 
-    def pause(self) -> None:
-        """Brakes to a stop on the path at once; `start` goes on from there."""
+    def pause(self, words: Mapping[str, float] = MappingProxyType({})) -> None:
+        """Brakes to a stop on the path at once; `start` goes on from there. `words` tell how to
+        park, see `Park.leave`."""
         if self.state is State.PRINTING:
+            self._park_words = words
             self.state = State.PAUSED
             self._resumed.clear()
             # Axes that home do so to the end: their moves are not the program's.
@@ -283,7 +287,7 @@ class Runner:
         try:
             if self.state is State.PAUSED:
                 self._set_aside()
-                await self._park.leave()
+                await self._park.leave(self._park_words)
         finally:
             printer.turn.give()
         await self._resumed.wait()
@@ -292,7 +296,11 @@ class Runner:
         """Until the plan no longer reaches far enough ahead."""
         printer, drive = self._printer, self._printer.drive
         await drive.until(
-            lambda: not drive.full or self.state is not State.PRINTING or bool(printer.halted)
+            lambda: (
+                not (drive.full or printer.aside)
+                or self.state is not State.PRINTING
+                or bool(printer.halted)
+            )
         )
 
     async def _stretch(self, *, rest_of_line: bool = False) -> bool:
@@ -309,9 +317,7 @@ class Runner:
             if self.state is not State.PRINTING:
                 return False
             self._returns = False
-            drive.before_moves()
-            job.resume()
-            drive.after_moves()
+            printer.resume_job()
         printer.select(console=False)
         printer.program = self._reply
         drive.before_moves()

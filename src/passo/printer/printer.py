@@ -93,6 +93,7 @@ class Printer:
         self.listeners: list[Callable[[str], None]] = []
         self.unheard: list[str] = []  # told before anybody listened, for the console that opens
         self.program: Reply | None = None  # whose moves were planned last
+        self.aside = False  # what a host prints stands aside: no more of its lines now
         self.halted = ""  # why nothing moves or heats any more; M999 clears it
         self.waits = Waiting(self)
         self.life = Life(self)
@@ -107,6 +108,7 @@ class Printer:
             raise
 
     def _begin(self, connection: Boards) -> None:
+        self._shaded = False  # the laser is dark for now, and will be lit again
         machine = self.machine
         connection.run(connection.now + int(_FIRST_REPORTS_S * machine.board.clock_hz))
         self.connection = connection
@@ -264,20 +266,29 @@ class Printer:
     def dark(self) -> Generator[None]:
         """The laser is off when the moves so far are done, and as it was at the end, unless it was
         switched off for good meanwhile."""
-        if not self.commands.lit:
-            yield
-            return
-        self._shade(dark=True)
+        if self.commands.lit and not self._shaded:
+            self._shade(dark=True)
         try:
             yield
         finally:
-            if not self.halted:
-                self._shade(dark=False)
+            self._unshade()
+
+    def _unshade(self) -> None:
+        if self._shaded and not (self.halted or self.job.suspended):
+            self._shade(dark=False)
 
     def _shade(self, *, dark: bool) -> None:
+        self._shaded = dark
         self.drive.before_moves()
         self.commands.shade(dark=dark)
         self.drive.after_moves()
+
+    def resume_job(self) -> None:
+        """Goes on with what was suspended, the machine being back at its stop position."""
+        self.drive.before_moves()
+        self.job.resume()
+        self.drive.after_moves()
+        self._unshade()
 
     # -- commands ---------------------------------------------------------------------------------
 
@@ -291,7 +302,7 @@ class Printer:
 
     def has_room(self) -> bool:
         """A planned line can be taken in without a wait, by whoever has the turn."""
-        if not self.job.at_boundary:
+        if self.aside or not self.job.at_boundary:
             return False
         # Beside a print the plan is always full: a line comes behind what is planned.
         return self.job.queued <= MOST_QUEUED if self.busy() else not self.drive.full

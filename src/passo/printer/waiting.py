@@ -34,7 +34,8 @@ class Waiting:
         self.ended = False  # somebody wants the wait that goes on to end
         self.heating = False  # somebody waits for a temperature
         self.temperatures: Callable[[], str] = str  # a line of them
-        self._impatient = False  # the wait that goes on shall not even wait for moves
+        self.busy = False  # a wait goes on
+        self._impatient = False  # it shall not even wait for moves
 
     def end(self) -> None:
         """Whoever waits waits no more. What moves goes on, dwells too."""
@@ -42,6 +43,13 @@ class Waiting:
 
     async def wait(self, wait: Wait, reply: Reply) -> None:
         """Waits with the machine at rest. Raises Stopped when it was halted meanwhile."""
+        within_another, self.busy = self.busy, True
+        try:
+            await self._wait(wait, reply)
+        finally:
+            self.busy = within_another
+
+    async def _wait(self, wait: Wait, reply: Reply) -> None:
         self.ended = self._impatient = False
         if isinstance(wait, Still):
             await self._still()
