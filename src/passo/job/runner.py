@@ -355,9 +355,10 @@ class Runner:
         return False
 
     async def _finish(self) -> bool:
-        """Lets the last moves end; a pause in them still counts."""
+        """Lets the last moves end, and the laser go off with them; a pause in them still counts."""
         drive = self._printer.drive
-        self._printer.drive.flush()
+        self._printer.laser_off()
+        drive.flush()
         await drive.until(
             lambda: drive.standing or self.state is not State.PRINTING or bool(self._printer.halted)
         )
