@@ -130,6 +130,24 @@ def test_a_stop_in_the_pause_brings_nothing_back(s):
     assert way(parked, at(s)) == pytest.approx((-5, 0, 0, 0), abs=0.02)
 
 
+def test_a_host_that_hangs_up_leaves_the_nozzle_parked(s):
+    beside = Host(s)
+    s.host.send("M600")
+    s.passes(10)
+    parked = at(s)
+
+    async def hang_up() -> None:
+        s.host.session.close()
+
+    s.run(hang_up())
+    s.passes(10)
+    assert at(s) == parked
+    beside.ok("G91")
+    beside.ok("G1 X5 F6000")
+    beside.ok("M400")
+    assert way(parked, at(s)) == pytest.approx((5, 0, 0, 0), abs=0.02)
+
+
 def test_an_emergency_stop_ends_the_pause(s):
     s.host.send("M600")
     s.passes(10)

@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from passo.card import Reader as CardReader
+from passo.console.session import Session
 from passo.errors import CommandError, PassoError
 from passo.job.forecast import Forecast, forecast
 from passo.job.history import History
@@ -239,7 +240,11 @@ class JobCommands:
         """A file pauses and parks; a host that prints is asked to pause, and waits."""
         if self._runner.printing_from(reply):
             return Procedure(lambda: self._pause_file(text.replace("M108", "M24"), words))
-        return Procedure(lambda: self._host_pause.stand_by(text, words))
+
+        def gone() -> bool:
+            return isinstance(reply, Session) and reply.closed
+
+        return Procedure(lambda: self._host_pause.stand_by(text, words, gone))
 
     async def _pause_file(self, text: str, words: Mapping[str, float]) -> None:
         self._printer.tell(f"echo:{text}")

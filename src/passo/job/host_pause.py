@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
@@ -30,9 +30,12 @@ class HostPause:
         printer.stop_listeners.append(self._stop)
         printer.fault_listeners.append(self._heater_failed)
 
-    async def stand_by(self, text: str, words: Mapping[str, float]) -> None:
+    async def stand_by(
+        self, text: str, words: Mapping[str, float], gone: Callable[[], bool] = lambda: False
+    ) -> None:
         """Parks (`words`: see `Park.leave`), waits until a person goes on, and comes back. With the
-        turn, or with no line being taken in. Raises Stopped after a stop or a halt."""
+        turn, or with no line being taken in. Raises Stopped after a stop or a halt, and when the
+        host is `gone`: nobody would go on where the nozzle came back to."""
         printer = self._printer
         self._stopped = False
         printer.tell("// action:pause")
@@ -44,6 +47,8 @@ class HostPause:
         printer.tell("echo:busy: paused for user")
         await printer.drive.until(lambda: printer.interrupted)
         printer.raise_if_halted()
+        if gone():
+            self._stop("")
         self._raise_if_stopped()
         await self._park.come_back()
         self._raise_if_stopped()
