@@ -361,7 +361,8 @@ def test_sensors_that_are_asked_late_begin_at_once():
     host = Host()
     host.tell(
         f"query_analog_in oid=4 clock={host.board.clock(-100_000)} sample_ticks=1000"
-        " sample_count=2 rest_ticks=50000 bytes_per_report=2 min_value=0 max_value=65535 range_check_count=4"
+        " sample_count=2 rest_ticks=50000 bytes_per_report=2 min_value=0 max_value=65535"
+        " range_check_count=4"
     )
     told = host.board.wait(60_000)
     assert "analog_in_state" in [name for name, _ in told]

@@ -14,8 +14,8 @@ from passo.console.timers import Timers
 from passo.console.upload import Upload
 from passo.errors import MachineError, PassoError
 from passo.printer.drive import MOST_QUEUED
-from passo.printer.printer import Printer, Stopped
-from passo.printer.waits import Wait
+from passo.printer.printer import Printer
+from passo.printer.waits import Stopped, Wait
 from passo.printer.words import Command
 
 BACKLOG = 256  # lines in hand before the sender is held up
@@ -145,6 +145,11 @@ class Session:
     def with_ok(self, text: str) -> None:
         """Text behind this command's `ok`."""
         self._ok = text
+
+    def warming(self, text: str) -> None:
+        """Temperatures that a command waits for, unless they come anyway (M155)."""
+        if not self._timers.runs("temperatures"):
+            self.hear(text)
 
     def fail(self, text: str) -> None:
         """A command that was not carried out. Not `Error:`, which makes hosts disconnect; a strict

@@ -32,6 +32,10 @@ class Timers:
         if name in self._actions:
             self.set(name, *self._actions[name])
 
+    def runs(self, name: str) -> bool:
+        """There is an action of that name."""
+        return name in self._actions
+
     def stop(self) -> None:
         """No action any more."""
         for handle in self._handles.values():

@@ -286,8 +286,15 @@ TABLE: tuple[Row, ...] = (
     Row("M532", _Q, _I, "X(%) L", "As M73 P."),
     Row("M540", _Q, _I, "S", "S1: an endstop that is hit stops the machine; tells it without S."),
     Row("M569", _Q, _N, "S X Y Z E T", "Tells of the drivers; S1: stealthChop, S0: spreadCycle."),
-    Row("M600", _H, _X, "", "Waits for a person to change the filament."),
-    Row("M601", _H, _X, "", "Pauses."),
+    Row(
+        "M600",
+        _H,
+        _X,
+        "E Z X Y U L(mm)",
+        "Parks, waits for a person to change the filament, and comes back. E takes filament back, Z"
+        " lifts, X and Y are the place; U unloads there, L loads.",
+    ),
+    Row("M601", _H, _X, "", "Parks, waits for a person, and comes back."),
     Row("M602", _Q, _I, "", "Ends a pause."),
     Row("M603", _M, _N, "T L(mm) U(mm)", "Lengths of filament that M701 loads and M702 unloads."),
     Row("M701", _M, _N, "T L(mm) Z(mm)", "Loads filament, lifted by Z meanwhile."),

@@ -63,7 +63,7 @@ class Commands:
         self.ended = False
         self.record_at_once = job.record  # without a living printer there is no such haste
         self._handlers: dict[str, Callable[[Command], Wait | None]] = {
-            "G28": lambda c: Homing(c.text),
+            "G28": self._home,
             "G92": self._set_position,
             "G92.1": self._set_actuators,
             "M2": self._end,
@@ -139,6 +139,10 @@ class Commands:
             lines.append(f"{file}: {clamped} targets out of range were moved to the limit")
         return lines
 
+    def _home(self, command: Command) -> Wait:
+        self.laser_off()  # homing runs over what lies there
+        return Homing(command.text)
+
     def _set_position(self, command: Command) -> None:
         """Of axes that do not know where they are; the interpreter does the others."""
         axes = axis_order(self._machine.axes)
@@ -202,6 +206,18 @@ class Commands:
         """Laser or spindle off when the moves so far are done, until it is switched on again."""
         self._spindle_mode = ""
         self._laser()
+
+    @property
+    def lit(self) -> bool:
+        """The laser is on also where the head stands."""
+        return bool(self._machine.laser) and self._spindle_mode == "M3" and self._spindle > 0
+
+    def shade(self, *, dark: bool) -> None:
+        """The laser dark when the moves so far are done, or again as it is set."""
+        if dark:
+            self.set_output("laser", 0.0)
+        else:
+            self._laser()
 
     def _laser(self) -> None:
         if self._machine.laser:
