@@ -87,7 +87,8 @@ inline Machine machine_of(const nb::dict& spec) {
               get<double>(limits, "speed"),
               junction_law(get<std::string>(limits, "junction")),
               get<double>(limits, "junction_deviation"),
-              get<double>(limits, "minimum_cruise_ratio")};
+              get<double>(limits, "minimum_cruise_ratio"),
+              get<double>(limits, "least_speed_gain")};
   if (spec.contains("budget") && !spec["budget"].is_none()) {
     nb::dict budget = get<nb::dict>(spec, "budget");
     m.budget = {get<double>(budget, "steps_s"), get<double>(budget, "commands_s"),

@@ -57,6 +57,7 @@ struct Limits {
   JunctionLaw junction;
   double junction_deviation;
   double minimum_cruise_ratio;
+  double least_speed_gain;  // a move speeds up by this share of the faster of its ends, or not
 };
 
 // What the board and its link take, all motors together; infinite where nothing is said.

@@ -264,8 +264,11 @@ class Planner {
       m.d_acc = std::min((start2 - peak2) / (2 * braking), m.d);
       m.a = -braking;
     } else {
-      double room = reach * (1 - rules_.of(m.rules).limits.minimum_cruise_ratio);
-      peak2 = std::max(std::min(m.vn2, 0.5 * (start2 + end2 + room)), std::max(start2, end2));
+      const Limits& limits = rules_.of(m.rules).limits;
+      double room = reach * (1 - limits.minimum_cruise_ratio), faster2 = std::max(start2, end2);
+      double gain = 1 + limits.least_speed_gain;
+      peak2 = std::max(std::min(m.vn2, 0.5 * (start2 + end2 + room)), faster2);
+      if (peak2 < gain * gain * faster2) peak2 = faster2;
       m.d_acc = std::min((peak2 - start2) / (2 * m.a), m.d);
     }
     m.b = braking;

@@ -19,9 +19,9 @@ class Search {
   double low_[kPairs], high_[kPairs];            // the segments
   double least_[kPairs + 1], most_[kPairs + 1];  // slopes per segment, for each count
 
-  static Command single(const double* lo, const double* hi, double last) {
-    return {1, round_even((lo[0] + hi[0]) * 0.5 - last), 0};
-  }
+  // A command ends as late as it may: where speed changes, the step times bend upwards all along,
+  // and the next command reaches farther from a late start than from an early one.
+  static Command single(const double* hi, double last) { return {1, std::floor(hi[0] - last), 0}; }
 
   // Looks at segments m … m + 3; all before agree with slopes from `least` to `most`. Every block
   // has its own code up to the end, so that their number is a matter of one branch.
@@ -73,9 +73,8 @@ class Search {
   PASSO_SEARCH_INLINE Command finish(const double* lo, const double* hi, int count, double last,
                                      double* executed) const {
     Command command{0, 0, 0};
-    for (; count >= 2 && command.count == 0; --count)
-      command = shortened<blocks>(lo, hi, count, last);
-    if (command.count == 0) command = single(lo, hi, last);
+    for (; count >= 2 && command.count == 0; --count) command = shortened<blocks>(count);
+    if (command.count == 0) command = single(hi, last);
     execute(command, 4 * blocks, last, executed);
     return command;
   }
@@ -106,12 +105,13 @@ class Search {
   static double at_least(double x) { return round_even(x + (0.5 - kSlack)); }
   static double at_most(double x) { return round_even(x - (0.5 - kSlack)); }
 
-  // A command of exactly `count` steps, if integers allow; else its count is 0.
+  // A command of exactly `count` steps, if integers allow; else its count is 0. The largest add
+  // ends latest.
   template <int blocks>
-  PASSO_SEARCH_INLINE Command shortened(const double* lo, const double* hi, int count,
-                                        double last) const {
+  PASSO_SEARCH_INLINE Command shortened(int count) const {
     const double least = least_[count], most = most_[count], centre = middle(least, most);
-    for (double add : {centre, centre + 1, centre - 1}) {
+    const double top = std::max(std::min(at_most(2 * most), kMostAdd), centre);
+    for (double add : {top, top - 1, centre, centre + 1, centre - 1}) {
       if (!possible(add, least, most)) continue;
       Vector lows(-kFar), highs(kFar);
       for (int m = 0; m < 4 * blocks; m += 4) {
@@ -121,7 +121,7 @@ class Search {
         highs = min(highs, Vector::load(high_ + m) + beyond - x);
       }
       double low = at_least(lows.most()), high = at_most(highs.least());
-      if (low <= high) return centred(lo, hi, last, count, add, low, high);
+      if (low <= high) return {count, high, add};
     }
     return {0, 0, 0};
   }
@@ -141,7 +141,7 @@ class Search {
       high = h;
     }
     if (best.count == 0) return best;
-    return centred(lo, hi, last, best.count, best.add, at_least(low), at_most(high));
+    return {best.count, at_most(high), best.add};
   }
 
   // Number of steps that hold with this add, and the range of the interval.
@@ -169,13 +169,5 @@ class Search {
       high = h;
     }
     return m;
-  }
-
-  // Of the possible intervals, the one whose last step is nearest to its ideal.
-  static Command centred(const double* lo, const double* hi, double last, int count, double add,
-                         double low, double high) {
-    double ideal = (lo[count - 1] + hi[count - 1]) * 0.5 - last - 0.5 * count * (count - 1.0) * add;
-    double interval = round_even(ideal * kStabbing.reciprocal[count]);
-    return {count, std::min(std::max(interval, low), high), add};
   }
 };

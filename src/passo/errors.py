@@ -465,6 +465,12 @@ CATALOGUE: Mapping[str, Entry] = {
         "Home the machine; M1000 resumes a print from the card",
         ExitStatus.MACHINE_FAULT,
     ),
+    "machine.program": Entry(
+        "program",
+        "a fault of the program, {value}",
+        "Report it, with the last lines that the host has sent",
+        ExitStatus.MACHINE_FAULT,
+    ),
     "machine.shutdown": Entry(
         "board",
         "the board shut down: {value}",

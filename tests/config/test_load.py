@@ -63,6 +63,7 @@ def test_i3_for_the_core() -> None:
         "junction": "deviation",
         "junction_deviation": 0.02,
         "minimum_cruise_ratio": 0.0,
+        "least_speed_gain": 0.0,
     }
     assert spec["steppers"][3] == {
         "name": "e",

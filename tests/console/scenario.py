@@ -116,8 +116,10 @@ class Scenario:
 
     def __exit__(self, *_: object) -> None:
         self.run(self._end())
-        self.printer.close()
-        self.loop.close()
+        try:
+            self.printer.close()
+        finally:
+            self.loop.close()
         assert not self._failures, self._failures
 
     async def _end(self) -> None:

@@ -217,6 +217,13 @@ def test_every_capability_is_true(tmp_path):
             "AUTOREPORT_SD_STATUS": lambda: s.host.ok("M27 S1") and s.host.expect("SD print", 1.1),
             "BUSY_PROTOCOL": lambda: s.host.send("M109 S90") and s.host.expect("busy: heat", 2.1),
             "EMERGENCY_PARSER": lambda: s.host.send("M108") and s.host.expect("^ok", 0.1),
+            "PROMPT_SUPPORT": lambda: (
+                s.host.send("M0 Look")
+                and s.host.expect("^// action:prompt_begin Look", 0.5)
+                and s.host.send("M876 S0")
+                and s.host.expect("^ok", 0.5)
+            ),
+            "PROGRESS": lambda: s.host.ok("M532 X40") and "40%" in s.host.ok("M73")[0],
             "EXTENDED_M20": lambda: '"A name of some length.gcode"' in "".join(s.host.ok("M20 L")),
             "LFN_WRITE": lambda: (
                 s.host.ok("M28 Another long name.gcode")
@@ -235,6 +242,8 @@ def test_a_printer_without_a_card_does_not_promise_one(s):
         "AUTOREPORT_POS",
         "BUSY_PROTOCOL",
         "EMERGENCY_PARSER",
+        "PROMPT_SUPPORT",
+        "PROGRESS",
     }
 
 

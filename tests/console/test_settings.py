@@ -163,7 +163,7 @@ def test_heaters_go_off_after_half_an_hour(s):
 
 def test_filament_changes_wait_for_a_person(s):
     s.host.send("M600")
-    s.host.expect("^//action:pause", 1)
+    s.host.expect("^// action:pause", 1)
     s.host.silent(20, "^ok")
     s.host.send("M108")
     s.host.expect("^ok", 1)

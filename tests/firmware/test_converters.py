@@ -67,3 +67,24 @@ def test_an_unknown_type_shuts_the_board_down():
     payload = board.commands.encode("config_thermocouple", [1, 0, 4, 0])
     board.feed(payload)
     assert board.device.fault == "Invalid thermocouple chip type"
+
+
+def test_a_converter_that_is_no_longer_asked_watches_nothing():
+    board = RawBoard()
+    for line in (
+        "allocate_oids count=3",
+        f"config_spi oid=0 pin={PINS['select']} cs_active_high=0",
+        f"spi_set_sw_bus oid=0 miso_pin={PINS['miso']} mosi_pin={PINS['mosi']}"
+        f" sclk_pin={PINS['clock']} mode=1 pulse_ticks=16",
+        "config_thermocouple oid=1 spi_oid=0 thermocouple_type=MAX31855 consecutive_fault_limit=0",
+        "config_digital_out oid=2 pin=PF0 value=0 default_value=0 max_duration=2000",
+        "finalize_config crc=1",
+    ):
+        assert board.tell(line) == []
+    ask = f"query_thermocouple oid=1 clock={board.clock(10**6)} rest_ticks={{}} min_value=1"
+    board.tell(ask.format(10**6) + " max_value=9")
+    board.tell("survive_output oid=2 value=0 seconds=60")
+    assert board.device.fault == ""
+    board.tell(ask.format(0) + " max_value=9")
+    board.tell("survive_output oid=2 value=0 seconds=60")
+    assert board.device.fault.startswith("No sensor watches")

@@ -203,3 +203,21 @@ def test_what_no_pin_can_do_is_refused(line, fault):
     values = [int(word.split("=")[1]) for word in rest.split()]
     board.feed(board.commands.encode(name, values))
     assert board.device.fault == fault
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "config_digital_out oid=9 pin=PB4 value=1 default_value=1 max_duration=0",
+        "config_pwm_out oid=9 pin=PB4 cycle_ticks=1000 value=255 default_value=255 max_duration=0",
+    ],
+)
+def test_a_second_output_on_the_pin_of_a_heater_is_refused(line):
+    board = RawBoard()
+    board.tell("allocate_oids count=10")
+    board.tell("config_digital_out oid=7 pin=PB4 value=0 default_value=0 max_duration=2000")
+    heater = board.dictionary.enumerations["pin"]["PB4"]
+    board.device.trace_edges(heater)
+    board.tell(line)
+    assert board.device.fault == "Pin belongs to a configured output"
+    assert [level for _, level in board.device.take_edges(heater) if level] == []

@@ -318,3 +318,52 @@ def test_without_the_extension_a_duration_that_passes_is_a_shutdown():
     host.tell(f"queue_digital_out oid=7 clock={host.board.clock(1000)} on_ticks=1")
     host.board.wait(10_000)
     assert host.board.device.fault == "Missed scheduling of next digital out event"
+
+
+def test_a_heater_that_is_told_late_takes_its_value_at_once():
+    """A frame that had to be repeated on a bad link is no reason to stop."""
+    host = Host()
+    heater = host.board.dictionary.enumerations["pin"]["PB4"]
+    host.board.device.trace_edges(heater)
+    told = host.board.now
+    host.tell(f"queue_digital_out oid=7 clock={host.board.clock(-5000)} on_ticks=1")
+    host.board.wait(1000)
+    assert host.board.device.fault == ""
+    ((on, level),) = host.board.device.take_edges(heater)
+    assert level == 1 and told < on <= told + 100
+
+
+def test_a_light_that_is_told_late_goes_off_and_the_next_commit_is_refused():
+    host = Host()
+    host.tell("survive_output oid=2 value=0 seconds=0")
+    light = host.board.dictionary.enumerations["pin"]["PH6"]
+    host.tell(f"queue_digital_out oid=2 clock={host.board.clock(100)} on_ticks=1")
+    limit = host.board.now + 500_000
+    host.move(0, 10_000, 50)
+    host.tail(0, 15_000, 2)
+    host.commit(limit)
+    host.board.wait(100_000)
+    host.board.device.trace_edges(light)
+    host.tell(f"queue_digital_out oid=2 clock={host.board.clock(-5000)} on_ticks=1")
+    host.move(0, 10_000, 20)
+    told = host.commit(limit + 200_000)
+    assert [(n, STATES[v["state"]], v["serial"]) for n, v in told] == [
+        ("survive_state", "braking", 1)
+    ]
+    host.board.wait(800_000)
+    assert [level for _, level in host.board.device.take_edges(light)] == [0]
+    assert host.state() == ("held", 1)
+    assert host.done(0)[-2:] == [limit + 15_000, limit + 30_000]
+    assert host.board.device.fault == ""
+
+
+def test_sensors_that_are_asked_late_begin_at_once():
+    host = Host()
+    host.tell(
+        f"query_analog_in oid=4 clock={host.board.clock(-100_000)} sample_ticks=1000"
+        " sample_count=2 rest_ticks=50000 bytes_per_report=2 min_value=0 max_value=65535"
+        " range_check_count=4"
+    )
+    told = host.board.wait(60_000)
+    assert "analog_in_state" in [name for name, _ in told]
+    assert host.board.device.fault == ""

@@ -129,3 +129,17 @@ def test_misuse_shuts_the_board_down(line, fault):
     board.tell("config_tmcuart oid=0 rx_pin=PE5 pull_up=1 tx_pin=PE5 bit_time=400")
     board.tell(line)
     assert board.device.fault == fault
+
+
+@pytest.mark.parametrize(("beyond", "bit_time"), [(65536, BIT), (0, 1)])
+def test_a_line_that_is_refused_moves_no_pin(beyond, bit_time):
+    """Nor does the shutdown that follows, which lets all lines rest."""
+    board = RawBoard()
+    board.tell("allocate_oids count=2")
+    board.tell("config_digital_out oid=1 pin=PB4 value=0 default_value=0 max_duration=2000")
+    heater = pin(board, "PB4")
+    board.device.trace_edges(heater)
+    line = [heater + beyond, 1, heater + beyond, bit_time]
+    board.feed(board.commands.encode("config_tmcuart", [0, *line]))
+    assert board.device.fault == "Pins cannot make a driver's UART"
+    assert [level for _, level in board.device.take_edges(heater) if level] == []

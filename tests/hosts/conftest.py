@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 
 import pytest
-from tests.hosts.files import gear
+from tests.hosts.files import gear, pocket
 from tests.hosts.served import Served
 
 ROOT = Path(__file__).parents[2]
@@ -23,8 +23,8 @@ def hosts() -> Path:
 
 @pytest.fixture(scope="session")
 def program(tmp_path_factory):
-    """A file of 2 500 moves with arcs."""
-    return gear(tmp_path_factory.mktemp("files") / "gear.gcode", 2500)
+    """A file of 2 000 moves with arcs."""
+    return gear(tmp_path_factory.mktemp("files") / "gear.gcode", 2000)
 
 
 @pytest.fixture
@@ -32,6 +32,21 @@ def printer(tmp_path):
     served = Served(tmp_path)
     yield served
     served.close()
+
+
+@pytest.fixture
+def router(tmp_path):
+    """A router that knows where it is."""
+    served = Served(tmp_path, "cnc")
+    served.ask("G28")
+    yield served
+    served.close()
+
+
+@pytest.fixture(scope="session")
+def whole(tmp_path_factory):
+    """A file as it came, to its last line."""
+    return pocket(tmp_path_factory.mktemp("files") / "pocket.gcode")
 
 
 @pytest.fixture

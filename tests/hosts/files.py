@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 GEAR = Path(__file__).parents[1] / "data" / "gear_arcs.gcode.xz"
+POCKET = GEAR.with_name("cnc_pocket.gcode.xz")
 _START = "G28\nM140 S60\nM104 S215\nM190 S60\nM109 S215\nG90\nG1 X{0:.3f} Y{1:.3f} Z{2:.3f} F9000\n"
 _END = "G90\nM104 S0\nM140 S0\nM107\nM400\n"
 
@@ -53,3 +54,10 @@ def gear(path: Path, moves: int) -> Program:
     path.write_text("".join(lines) + _END)
     count = path.read_text().count("\n")
     return Program(path, count, {letter.lower(): value for letter, value in at.items()})
+
+
+def pocket(path: Path) -> Program:
+    """Writes a whole file: a program of a router, with tools, arcs, comments in parentheses."""
+    path.write_bytes(lzma.decompress(POCKET.read_bytes()))
+    count = path.read_text().count("\n")
+    return Program(path, count, {"x": 0.0, "y": 0.0, "z": 20.0})

@@ -1,7 +1,7 @@
 """Uploads a file to the card with Printrun's pronsole, lists it, and prints it from there; in the
 hosts' own environment.
 
-Usage: pronsole_card.py PTY FILE NAME
+Usage: pronsole_card.py PORT FILE NAME, where PORT is a pty or HOST:PORT
 """
 
 import os

@@ -20,14 +20,14 @@ def free_port() -> int:
 
 
 class Served:
-    """A printer `i3` whose print time passes as fast as it goes: on a pty, on TCP, with a card."""
+    """A printer whose print time passes as fast as it goes: on a pty, on TCP, with a card."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, machine: str = "i3") -> None:
         self.pty = str(folder / "printer")
         self.tcp = f"127.0.0.1:{free_port()}"
         self.card = folder / "card"
         self.card.mkdir()
-        words = [sys.executable, "-m", "passo", "serve", "--machine", "i3", "--clock", "fast"]
+        words = [sys.executable, "-m", "passo", "serve", "--machine", machine, "--clock", "fast"]
         words += ["--pty", self.pty, "--tcp", self.tcp, "--sd", str(self.card)]
         self._process = subprocess.Popen(words, stderr=subprocess.PIPE, text=True)
         assert self._process.stderr is not None

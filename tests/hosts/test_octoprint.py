@@ -24,11 +24,11 @@ def port(printer, way):
 
 
 @pytest.mark.parametrize("way", ["pty", "tcp"])
-def test_it_prints_to_the_end(printer, program, host, at_end, way):
-    host.connect(port(printer, way))
-    host.print(program.path)
+def test_it_prints_to_the_end(router, whole, host, way):
+    host.connect(port(router, way))
+    host.print(whole.path)
     host.finished()
-    at_end(printer)
+    assert {k: v for k, v in router.position().items() if k in whole.end} == whole.end
 
 
 @pytest.mark.parametrize("way", ["pty", "tcp"])
@@ -49,8 +49,9 @@ def test_a_line_that_came_in_damaged_is_printed_once(printer, program, host, at_
     at_end(printer)
 
 
-def test_it_uploads_to_the_card_and_prints_from_there(printer, program, host, at_end):
-    host.connect(printer.pty)
+@pytest.mark.parametrize("way", ["pty", "tcp"])
+def test_it_uploads_to_the_card_and_prints_from_there(printer, program, host, at_end, way):
+    host.connect(port(printer, way))
     host.wait(lambda: host.get("printer/sd")["ready"])
     host.upload(program.path, "sdcard")
     host.wait(lambda: host.state == "Operational" and host.get("files/sdcard")["files"])

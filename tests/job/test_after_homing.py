@@ -1,4 +1,4 @@
-"""A motor that homing has stopped gets its clock anew, whatever cuts the plan before its first step."""
+"""A motor that homing has stopped gets its clock anew, even if a cut came before its first step."""
 
 import pytest
 from tests.console.scenario import Scenario

@@ -53,6 +53,7 @@ def cartesian(**limits: Any) -> dict[str, Any]:
             "junction": "deviation",
             "junction_deviation": 0.02,
             "minimum_cruise_ratio": 0.0,
+            "least_speed_gain": 0.0,
         }
         | limits,
     }

@@ -137,3 +137,28 @@ def test_a_stall_of_half_a_second_is_covered_whenever_it_comes(s, seed):
         s.passes(chance.uniform(0, 0.9))
     assert len(least) > 50
     assert min(least) > 0.5 + HORIZON_S
+
+
+def test_free_time_passes_for_an_emergency_stop():
+    """Nothing waits and nothing moves: the board must hear of it all the same."""
+    with Scenario("i3", free=True) as s:
+        s.passes(2)
+        s.host.ok("M112")
+        s.host.expect("^Error:Printer halted: emergency stop by M112", 1)
+        s.host.ok("M999")
+        s.host.expect("ready again", 1)
+        assert s.printer.halted == ""
+        s.host.ok("G28")
+        assert s.printer.job.locked_axes == []
+
+
+def test_reviving_twice_counts_once():
+    with Scenario("i3") as s:
+        s.host.ok("M112")
+        s.host.expect("Printer halted", 5)
+        s.host.send("M999", "M999")
+        s.host.expect("ready again", 5)
+        s.host.ok("M112")
+        s.host.expect("Printer halted", 5)
+        s.passes(10)
+        assert s.printer.halted == "emergency stop by M112"

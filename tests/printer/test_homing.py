@@ -347,3 +347,28 @@ def test_homing_with_b_stays_where_nothing_was_known():
     with Scenario("i3") as s:
         assert s.host.ok("G28 B", 60)[-1] == "ok"
         assert s.positions() == {"x": 0.0, "y": 0.0, "z": 0.0, "e": 0.0}
+
+
+@pytest.mark.parametrize("zone_mm", [0.2, 0.5])
+def test_a_switch_that_bounces_is_found_at_its_edge(zone_mm):
+    """Over the last bit of the way, both times, it opens and closes every 10 ms."""
+    turns = 0
+    with Scenario("i3") as s:
+
+        def bounced() -> bool:
+            nonlocal turns
+            near = 0.0 < s.positions()["x"] < zone_mm
+            turns += near
+            s.board.force_switch("x", turns % 2 == 0 if near else None)
+            return any(x.startswith("ok") for x in s.host.heard)
+
+        s.host.send("G28 X")
+        assert s.until(bounced, 60)
+        assert turns >= 3
+        assert [x for x in s.host.heard if not x.startswith(("echo:busy", "ok"))] == []
+        assert 0 <= s.positions()["x"] <= zone_mm
+        assert s.printer.job.locked_axes == [1, 2]
+        s.board.force_switch("x", None)
+        assert s.host.ok("G1 X5 F6000") == ["ok"]
+        s.host.ok("M400")
+        assert 5.0 <= s.positions()["x"] <= 5.0 + zone_mm

@@ -167,6 +167,7 @@ def test_a_print_that_is_cancelled_leaves_no_power_for_jogging(tmp_path):
 def test_a_laser_needs_its_host(s):
     """It is told its power again and again; when nobody does so, the board switches it off."""
     s.host.ok("M3 S500")
+    s.host.ok("G4 S30")
     s.passes(20.0)
     assert s.printer.halted == ""
     lit = s.board.output_value("laser") / s.printer.connection.full_scale("laser")

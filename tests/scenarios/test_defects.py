@@ -1,9 +1,11 @@
 """Faults that other controllers are known for, and that this one must not have."""
 
+import json
 import re
 
 import pytest
 from tests.console.scenario import Host, Scenario
+from tests.printer.test_homing import dual_scara
 
 import passo
 from passo import config
@@ -71,7 +73,8 @@ def test_a_comment_is_no_error(s):
 
 
 def test_temperatures_are_in_celsius(s):
-    assert s.host.ok("M149 F") == ['echo:Unknown command: "M149"', "ok"]
+    assert s.host.ok("M149 F")[0].startswith("echo:M149 is F: expected C")
+    assert s.host.ok("M149 C") == ["ok"]
     s.host.ok("M104 S100 F")
     assert "/100.00" in s.host.ok("M105")[0]
 
@@ -193,3 +196,31 @@ def test_reports_do_not_wait_for_moves(s):
     other.ok("M105")
     assert s.loop.time() - start < 0.05
     assert s.positions()["x"] < 100
+
+
+def strictly(text):
+    """JSON as its standard has it: no NaN, no infinity."""
+    return json.loads(text, parse_constant=lambda name: pytest.fail(f"{name} in {text}"))
+
+
+def test_arms_that_do_not_meet_lead_nowhere():
+    """Forward kinematics without a solution: the position stays what it was, and a number."""
+    with Scenario(dual_scara()) as s:
+        s.host.ok("G28", 60)
+        before = s.host.ok("M114")
+        for arms in ("A179 B0", "A-30 B150", "B180"):
+            assert "the forearms do not meet" in s.host.ok(f"G92 {arms}")[0]
+            assert s.host.ok("M114") == before
+        assert all(abs(mm) < 200 for mm in strictly(s.host.ok("M408")[0])["coords"]["xyz"])
+
+
+@pytest.mark.parametrize("sensor", [0.0, 0.5, 1.0])
+def test_the_state_is_json_for_strict_readers(s, sensor):
+    """With a sensor that is open or shorted, and halted by it, too."""
+    s.host.ok("M104 S200")
+    s.board.force_sensor("hotend", sensor)
+    s.passes(3)
+    for form in range(4):
+        status = strictly(s.host.ok(f"M408 S{form}")[0])
+        assert isinstance(status["temps"]["heads"]["current"][0], float)
+        assert status["status"] == ("I" if sensor == 0.5 else "H")

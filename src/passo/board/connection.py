@@ -363,7 +363,7 @@ class Connection:
             if fault is None or self._told.get(name) == fault.clock:
                 continue
             self._told[name] = fault.clock
-            event = HeaterFault(name, fault.kind, fault.celsius, fault.limit, fault.clock)
+            event = HeaterFault.of(name, fault)
             self.faults.append(event)
             if self.on_fault is None:
                 raise MachineError([event.problem])

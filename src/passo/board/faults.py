@@ -24,6 +24,11 @@ class HeaterFault:
     limit: float
     clock: int
 
+    @classmethod
+    def of(cls, heater: str, fault: _core.HeatFault) -> HeaterFault:
+        """What the core has found at a heater of this name."""
+        return cls(heater, fault.kind, fault.celsius, fault.limit, fault.clock)
+
     @property
     def problem(self) -> Problem:
         """The fault as a problem of the catalogue, `heat.` and its kind being the code."""

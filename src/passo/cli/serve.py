@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import asyncio
 import contextlib
+import signal
 import sys
 from pathlib import Path
 
@@ -100,7 +101,7 @@ def _serial(text: str) -> tuple[str, int]:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Serves until interrupted."""
+    """Serves until interrupted, by Ctrl-C or SIGTERM; heaters and laser are off then."""
     from passo import config
     from passo.clock import new_loop
 
@@ -118,46 +119,45 @@ def run(arguments: argparse.Namespace) -> int:
 async def _serve(arguments: argparse.Namespace, machine: object) -> None:
     from passo.config.machine import MachineConfig
     from passo.console.lines import open_pty, open_serial
-    from passo.console.printer_console import furnished
+    from passo.console.printer_console import furnished, welcome
     from passo.console.session import Session
     from passo.console.wires import Console, open_stdin, open_tcp
 
     assert isinstance(machine, MachineConfig)
+    ours = asyncio.current_task()
+    assert ours is not None
+    asyncio.get_running_loop().add_signal_handler(signal.SIGTERM, ours.cancel)
     printer = furnished(
         machine, free=arguments.clock is None, card=arguments.sd, state=arguments.state
     )
 
     def opened(session: Session) -> None:
         session.advanced_ok = arguments.advanced_ok
-        session.say("start")
-        session.say(f"echo:Passo, {machine.name}")
-        if greeting := printer.greeting():
-            session.say(greeting)
+        welcome(printer, session)
 
-    consoles: list[Console] = []
+    places: list[str] = []
+
+    def add(console: Console) -> None:
+        places.append(console.place)
+        printer.closers.append(console.close)
+
     serving = asyncio.create_task(printer.run())
-    try:
+    # An interrupt, as Ctrl-C and SIGTERM are, is the usual end.
+    with contextlib.closing(printer), contextlib.suppress(asyncio.CancelledError):
         for path in arguments.pty:
-            consoles.append(await open_pty(printer, path, opened))
+            add(await open_pty(printer, path, opened))
         for device, baud in arguments.serial:
-            consoles.append(await open_serial(printer, device, baud, opened))
+            add(await open_serial(printer, device, baud, opened))
         silent = not (arguments.pty or arguments.serial or arguments.stdin)
         for host, port in arguments.tcp or ([_TCP] if silent else []):
             clients = arguments.tcp_clients
-            consoles.append(await open_tcp(printer, host, port, clients, opened))
+            add(await open_tcp(printer, host, port, clients, opened))
         if arguments.stdin:
-            alone = not consoles
+            alone = not places
             over = (lambda: _end(serving)) if alone else _go_on_serving
-            consoles.append(await open_stdin(printer, opened, over))
-        places = ", ".join(console.place for console in consoles)
-        print(f"Serving {machine.name} on {places}.", file=sys.stderr, flush=True)
-        with contextlib.suppress(asyncio.CancelledError):
-            await serving
-    finally:
-        serving.cancel()
-        for console in consoles:
-            console.close()
-        printer.close()
+            add(await open_stdin(printer, opened, over))
+        print(f"Serving {machine.name} on {', '.join(places)}.", file=sys.stderr, flush=True)
+        await serving
 
 
 def _end(serving: asyncio.Task[None]) -> None:

@@ -180,6 +180,7 @@ class MachineConfig(Model):
             "junction": limits.junction,
             "junction_deviation": limits.junction_deviation_mm,
             "minimum_cruise_ratio": limits.minimum_cruise_ratio,
+            "least_speed_gain": limits.least_speed_gain,
         }
 
 

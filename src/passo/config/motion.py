@@ -126,7 +126,8 @@ class Limits(Model):
     The accelerations are those of M204 (P, T, R); without a value the slower of X and Y counts for
     prints and travels, and the fastest extruder for retractions. Laws: `deviation` is grbl's circle
     that leaves the corner by at most `junction_deviation_mm`; `cornering_distance` is APrinter's,
-    in steps of each axis; `jerk` is the classic instant speed change of each axis.
+    in steps of each axis; `jerk` is the classic instant speed change of each axis. A move that
+    could speed up for less than `least_speed_gain`, a share of the faster of its ends, does not.
     """
 
     print_accel_mm_s2: Positive | None = None
@@ -136,6 +137,7 @@ class Limits(Model):
     junction: Literal["deviation", "cornering_distance", "jerk"] = "deviation"
     junction_deviation_mm: Positive = 0.02
     minimum_cruise_ratio: Fraction = 0.0
+    least_speed_gain: Fraction = 0.0
 
 
 Steppers = Annotated[dict[Name, Stepper], Field(min_length=1)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from passo.console.upload import Upload
 from passo.printer.printer import Printer
 from passo.printer.words import Command
 
@@ -11,20 +12,36 @@ class Ahead:
 
     def __init__(self, printer: Printer) -> None:
         self._printer = printer
-        self._for_file = False  # what comes in now goes into a file
-        self._numbered = False  # and has numbers
+        self._in_hand = 0  # M28 and M29 whose turn has not come
+        self._opens = False  # the last of them begins a file
+        self._numbered = False  # what comes for the file has numbers
 
-    def see(self, command: Command, number: int | None) -> None:
-        """Acts on M108, M112, M410 and M876, unless they are text for a file: in one whose lines
-        have numbers, a line without is none."""
+    def see(self, command: Command, number: int | None, upload: Upload | None) -> bool:
+        """Acts on M108, M112, M410 and M876, unless they are text for a file that is open, or that
+        a line in hand will open; `upload` is where lines go now. In a file whose lines have numbers
+        one without is no text. False for text; `reached` is to be called for each other M28, M29.
+        """
         code = command.code
-        if code == "M28":
-            self._for_file, self._numbered = True, False
-        elif code == "M29":
-            self._for_file = False
-        elif self._for_file and (number is not None or not self._numbered):
+        into_file = self._opens if self._in_hand else upload is not None and upload.takes_all
+        numbered = self._numbered or (not self._in_hand and upload is not None and upload.numbered)
+        if into_file and code != "M29" and (number is not None or not numbered):
             self._numbered = number is not None
-        elif code == "M112":
+            return False
+        if code in ("M28", "M29"):
+            self._in_hand += 1
+            self._opens = code == "M28"
+            self._numbered = False
+        self.act(command)
+        return True
+
+    def reached(self) -> None:
+        """The turn of one of the M28 and M29 in hand has come."""
+        self._in_hand -= 1
+
+    def act(self, command: Command) -> None:
+        """What such a command does, if it is one."""
+        code = command.code
+        if code == "M112":
             self._printer.halt("emergency stop by M112")
         elif code == "M108" or (code == "M876" and "S" in command.words()):
             self._printer.go_on()

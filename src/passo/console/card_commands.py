@@ -221,6 +221,8 @@ class CardCommands:
         if not isinstance(reply, Session):
             raise CommandError.of("card.no-console")
         name = _unquoted(text)
+        if reply.upload is not None and reply.upload.writer is not None:
+            raise CardError.of("card.busy", reply.upload.name, value="it is being written")
         upload = Upload(None, name, log=log)
         if not log:
             reply.upload = upload  # whatever goes wrong: what follows is not to be carried out
@@ -232,13 +234,22 @@ class CardCommands:
         reply.say(f"Writing to file: {upload.name}")
 
     def _new_name(self, name: str, *, strict: bool) -> str:
-        for known in (name, _unescaped(name[1:]) if name[:1] in "Ff" else name):
-            try:
-                self.card.find(self._place(known))
-            except CardError:
-                continue
-            return known
-        return _unescaped(name[1:]) if strict and name[:1] in "Ff" else name
+        """The name that M28 means. Of a file that is not there a first F is its own, except on
+        strict consoles, and before a path from the root."""
+        if name[:1] not in "Ff":
+            return name
+        behind = _unescaped(name[1:])
+        from_root = behind.startswith("/") and not self._there(name[0])
+        if self._there(name) or not (self._there(behind) or strict or from_root):
+            return name
+        return behind
+
+    def _there(self, name: str) -> bool:
+        try:
+            self.card.find(self._place(name))
+        except CardError:
+            return False
+        return True
 
     def _end_upload(self, _: str, reply: Reply) -> None:
         if not isinstance(reply, Session) or reply.upload is None:

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import asyncio
 import sqlite3
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from passo.card import Reader as CardReader
+from passo.console.session import Session
 from passo.errors import CommandError, PassoError
 from passo.job.forecast import Forecast, forecast
 from passo.job.history import History
+from passo.job.host_pause import HostPause
 from passo.job.runner import Runner, State
-from passo.printer.waits import Handler, Person, Reply, Wait
+from passo.printer.waits import Handler, Procedure, Reply, Wait
 from passo.printer.words import Command
 
 if TYPE_CHECKING:
@@ -70,6 +72,7 @@ class JobCommands:
     ) -> None:
         self._printer, self._runner, self._history = printer, runner, history
         self._open_again = open_again
+        self._host_pause = HostPause(printer)
         self._forecast: asyncio.Task[Forecast | None] | None = None
         self._planned_s = 0.0  # before this print
         self._watch = Stopwatch(printer)
@@ -227,20 +230,25 @@ class JobCommands:
         reply.say(f"echo:Progress: {', '.join(parts) or 'nothing is printed'}")
         return None
 
-    def _change_filament(self, _: Command, reply: Reply) -> Wait | None:
-        return self._stand_by("Change the filament, then go on with M108", reply)
+    def _change_filament(self, command: Command, reply: Reply) -> Wait | None:
+        return self._stand_by("Change the filament, then go on with M108", command.words(), reply)
 
     def _pause(self, _: Command, reply: Reply) -> Wait | None:
-        return self._stand_by("Paused; go on with M108", reply)
+        return self._stand_by("Paused; go on with M108", {}, reply)
 
-    def _stand_by(self, text: str, reply: Reply) -> Wait | None:
+    def _stand_by(self, text: str, words: Mapping[str, float], reply: Reply) -> Wait | None:
         """A file pauses and parks; a host that prints is asked to pause, and waits."""
         if self._runner.printing_from(reply):
-            self._printer.tell(f"echo:{text.replace('M108', 'M24')}")
-            self._runner.pause()
-            return None
-        self._printer.tell("//action:pause")
-        return Person(text)
+            return Procedure(lambda: self._pause_file(text.replace("M108", "M24"), words))
+
+        def gone() -> bool:
+            return isinstance(reply, Session) and reply.closed
+
+        return Procedure(lambda: self._host_pause.stand_by(text, words, gone))
+
+    async def _pause_file(self, text: str, words: Mapping[str, float]) -> None:
+        self._printer.tell(f"echo:{text}")
+        self._runner.pause(words)
 
     def _resume(self, _: Command, __: Reply) -> Wait | None:
         if self._runner.state is State.PAUSED:

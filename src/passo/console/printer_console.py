@@ -12,6 +12,7 @@ from passo.console.job_commands import JobCommands
 from passo.console.json_status import JsonStatus
 from passo.console.options import OptionCommands
 from passo.console.recovery_commands import RecoveryCommands
+from passo.console.session import Session
 from passo.console.settings_commands import SettingsCommands
 from passo.errors import CommandError
 from passo.job.history import History
@@ -29,14 +30,24 @@ class Listeners:
 
     def __init__(self, printer: Printer) -> None:
         self._printer = printer
+        self._noted: set[str] = set()
 
     def say(self, text: str) -> None:
         """A line to all."""
         self._printer.tell(text)
 
+    def note(self, about: str, text: str) -> None:
+        """A line to all, once."""
+        if about not in self._noted:
+            self._noted.add(about)
+            self._printer.tell(f"echo:{text}")
+
     def with_ok(self, text: str) -> None:
         """The same: a file hears no `ok`."""
         self._printer.tell(text)
+
+    def warming(self, text: str) -> None:
+        """Nothing: consoles beside a print ask when they want to know."""
 
     def fail(self, text: str) -> None:
         """A command that was not carried out."""
@@ -57,9 +68,22 @@ def furnished(
     machine: MachineConfig, *, free: bool = False, card: str | None = None, state: str | None = None
 ) -> Printer:
     """A printer that understands every command of a console. Within a running event loop. Raises
-    MachineError, and CardError if `card` cannot be used."""
+    MachineError, and CardError if `card` cannot be used; the board is let go then."""
     printer = Printer(machine, free=free)
+    listen = printer.unheard.append
+    printer.listeners.append(listen)
+    try:
+        _furnish(printer, card, state)
+    except BaseException:
+        printer.close()
+        raise
+    printer.listeners.remove(listen)
+    return printer
+
+
+def _furnish(printer: Printer, card: str | None, state: str | None) -> None:
     reports = Reports(printer, card=card is not None, settings=state is not None)
+    printer.waits.temperatures = reports.temperatures
     printer.immediate.update(reports.handlers)
     printer.immediate.update(ConsoleCommands(printer, reports).handlers)
     runner = Runner(printer, Listeners(printer))
@@ -74,7 +98,7 @@ def furnished(
         recovery = RecoveryCommands(printer, runner, files, Path(state))
         printer.planned.update(recovery.planned)
         printer.greeting = recovery.offer
-    store = None if state is None else Store(Path(state) / "settings.json", machine.uuid)
+    store = None if state is None else Store(Path(state) / "settings.json", printer.machine.uuid)
     options = OptionCommands(printer)
     printer.immediate.update(options.immediate)
     printer.planned.update(options.planned)
@@ -87,4 +111,14 @@ def furnished(
     if card is not None:
         files.mount()
         files.autostart()
-    return printer
+
+
+def welcome(printer: Printer, session: Session) -> None:
+    """What a console hears when it opens; the first also why something is amiss since the start."""
+    session.say("start")
+    session.say(f"echo:Passo, {printer.machine.name}")
+    unheard, printer.unheard = printer.unheard, []
+    for text in unheard:
+        session.say(text)
+    if greeting := printer.greeting():
+        session.say(greeting)

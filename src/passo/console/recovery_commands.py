@@ -11,8 +11,7 @@ from passo.errors import CommandError, PassoError
 from passo.job.journal import Journal, Moment, Program
 from passo.job.recovery import Recovery
 from passo.job.runner import Runner, State
-from passo.printer.printer import Stopped
-from passo.printer.waits import Handler, Procedure, Reply, Wait
+from passo.printer.waits import Handler, Procedure, Reply, Stopped, Wait
 from passo.printer.words import Command
 
 if TYPE_CHECKING:

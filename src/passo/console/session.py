@@ -12,16 +12,17 @@ from passo.console.ahead import Ahead
 from passo.console.protocol import Line, LineProtocol, Refusal
 from passo.console.timers import Timers
 from passo.console.upload import Upload
-from passo.errors import PassoError
+from passo.errors import MachineError, PassoError
 from passo.printer.drive import MOST_QUEUED
-from passo.printer.printer import Printer, Stopped
-from passo.printer.waits import Wait
+from passo.printer.printer import Printer
+from passo.printer.waits import Stopped, Wait
 from passo.printer.words import Command
 
 BACKLOG = 256  # lines in hand before the sender is held up
 WAIT_S = 1.0  # an idle console says `wait` this often
 _PLAIN = str.maketrans({"°": "", "µ": "u", "²": "2"})
-_EVEN_AFTER_FAILURE = ("M932", "M933", "M108", "M112", "M410")
+_NO_TEXT = ("M29", "M110", "M932", "M933")  # not even while a file is written
+_EVEN_AFTER_FAILURE = (*_NO_TEXT, "M108", "M112", "M410", "M876", "M999")
 _HEAD = re.compile(r"\s*([A-Za-z])\s*(\d{1,9})(?:\.(\d))?\s*(.*)\Z", re.DOTALL)
 
 
@@ -55,7 +56,7 @@ class Session:
     def __init__(self, printer: Printer, wire: Wire) -> None:
         self._printer, self._wire = printer, wire
         self._protocol = LineProtocol()
-        self._lines: deque[tuple[Line, Command] | Refusal] = deque()
+        self._lines: deque[tuple[Line, Command, bool] | Refusal] = deque()  # True: `Ahead` saw it
         self._loop = asyncio.get_running_loop()
         self._task: asyncio.Task[None] | None = None
         self._ok = ""
@@ -70,6 +71,7 @@ class Session:
         self.on_upload: Callable[[bool], None] = lambda _: None  # an upload begins, or has ended
         self._working = False  # this console's line has the turn and is under way
         self.closed = False
+        self._noted: set[str] = set()
         self._then: Callable[[], None] | None = None  # to call after the last line
         printer.listeners.append(self.hear)
         self.every("wait", WAIT_S, self._say_wait)
@@ -92,8 +94,8 @@ class Session:
         for line in heard:
             if isinstance(line, Line):
                 command = command_of(line.text)
-                self._ahead.see(command, line.number)
-                self._lines.append((line, command))
+                seen = self._ahead.see(command, line.number, self._upload)
+                self._lines.append((line, command, seen))
             else:
                 self._lines.append(line)
         if heard and self._task is None:
@@ -134,9 +136,20 @@ class Session:
         """A line that concerns everybody; a console that does not read may miss it."""
         self._wire.write(_ascii(text), dispensable=True)
 
+    def note(self, about: str, text: str) -> None:
+        """A line of answer that this console hears once."""
+        if about not in self._noted:
+            self._noted.add(about)
+            self.say(f"echo:{text}")
+
     def with_ok(self, text: str) -> None:
         """Text behind this command's `ok`."""
         self._ok = text
+
+    def warming(self, text: str) -> None:
+        """Temperatures that a command waits for, unless they come anyway (M155)."""
+        if not self._timers.runs("temperatures"):
+            self.hear(text)
 
     def fail(self, text: str) -> None:
         """A command that was not carried out. Not `Error:`, which makes hosts disconnect; a strict
@@ -154,45 +167,56 @@ class Session:
 
     def _work(self) -> None:
         """Carries out lines until one has to wait."""
-        printer = self._printer
         while self._lines:
             heard = self._lines.popleft()
+            self._ok = ""
             if isinstance(heard, Refusal):
                 if heard.resend is None:
                     self.say(f"echo:{heard.reason}")
                 else:
                     self.say(f"Error:{heard.reason}")
                     self.say(f"Resend: {heard.resend}")
-                self._ok = ""
                 self._acknowledge(None)
                 continue
-            line, command = heard
-            code = command.code
-            self._ok = ""
-            if self._refused(code):
-                self._acknowledge(line.number)
-                continue
-            if self.upload is not None and self._stored(line, code):
-                self._acknowledge(line.number)
-                continue
-            if printer.act(command, self):
-                self._acknowledge(line.number)
-            elif printer.has_room() and printer.turn.take():
-                wait = printer.take_line(line.text, self)
-                if wait is not None:
-                    self._begin(line, code, wait)
+            line, command, seen = heard
+            try:
+                if self._take(line, command, seen=seen):
                     return
-                printer.turn.give()
-                self._acknowledge(line.number)
-            else:
-                self._begin(line, code, None, queued=True)
-                return
+            except Exception as error:
+                self._not_done(error)
+            self._acknowledge(line.number)
         if self._held:
             self._held = False
             self._wire.hold(False)
         if self._then is not None and not self.closed:
             self.close()
             self._then()
+
+    def _take(self, line: Line, command: Command, *, seen: bool) -> bool:
+        """Carries out a line; True if it has to wait, which a task does."""
+        printer, code = self._printer, command.code
+        if seen and code in ("M28", "M29"):
+            self._ahead.reached()
+        refused = self._refused(code)
+        stored = not refused and self._stored(line, code)
+        if not seen and not (stored and self._upload is not None and self._upload.takes_all):
+            self._ahead.act(command)  # it was to be text for a file, and has become none
+        if refused or stored or self._halted(code):
+            return False
+        if printer.act(command, self):
+            return False
+        if not (printer.has_room() and printer.turn.take()):
+            self._begin(line, code, None, queued=True)
+            return True
+        wait = None
+        try:
+            wait = printer.take_line(line.text, self)
+        finally:
+            if wait is None:
+                printer.turn.give()
+        if wait is not None:
+            self._begin(line, code, wait)
+        return wait is not None
 
     def _begin(self, line: Line, code: str, wait: Wait | None, *, queued: bool = False) -> None:
         self._working = not queued
@@ -202,20 +226,18 @@ class Session:
         """A line that waits: for its turn, for room, or for what its command waits for."""
         printer = self._printer
         self.every("busy", self.busy_s, self._say_busy)
-        has_turn = not queued
+        has_turn, hurried = not queued, False
         try:
             if queued:
                 await printer.turn.wait()
                 has_turn = True
-                await printer.drive.until(lambda: printer.has_room() or bool(printer.halted))
-                if not self._refused(code):
+                hurried = await printer.room()
+                if not self._refused(code) and not self._halted(code):
                     wait = printer.take_line(line.text, self)
             self._working = True
-            if self.closed:
-                self._loop.call_soon(printer.go_on)  # behind the beginning of the wait
-            await printer.finish(wait, self)
-        except (Stopped, PassoError) as error:
-            self.fail(str(error))
+            await printer.finish(wait, self, first_ends=hurried, all_end=lambda: self.closed)
+        except Exception as error:
+            self._not_done(error)
         finally:
             self.every("busy", 0, None)
             if has_turn:
@@ -225,12 +247,23 @@ class Session:
             self._acknowledge(line.number)
             self._work()
 
+    def _not_done(self, error: Exception) -> None:
+        """A line that failed. After a fault of the program nobody knows what holds: all goes off,
+        and the host still gets its `ok`."""
+        if not isinstance(error, (Stopped, PassoError)):
+            fault = f"{type(error).__name__}: {error}"
+            error = MachineError.of("machine.program", value=fault)
+            self._printer.halt(str(error))
+        self.fail(str(error))
+
     def _stored(self, line: Line, code: str) -> bool:
         """Whether a line was for the file that is written, and not to be carried out. Once lines
         come with numbers, one without is a host's question in between."""
         upload = self.upload
-        if upload is None or code in ("M29", "M110"):
+        if upload is None or code in _NO_TEXT:
             return False
+        if upload.writer is None:
+            return code not in (*_EVEN_AFTER_FAILURE, "M28") and self._dropped(upload, code)
         if upload.log:
             upload.write(line.text)
             return False
@@ -243,10 +276,23 @@ class Session:
         upload.write(line.text)
         return True
 
+    def _dropped(self, upload: Upload, code: str) -> bool:
+        """Says once that lines go nowhere."""
+        if not upload.told:
+            upload.told = True
+            where = f"the file {upload.name}" if upload.name else "a file without a name"
+            self.say(f"echo:{code} is not carried out: it is for {where}. End it with M29")
+        return True
+
     def _refused(self, code: str) -> bool:
-        if self.strict and self.failed and code not in _EVEN_AFTER_FAILURE:
-            self.say("Error:PreviousCommandFailed")
-            return True
+        if not (self.strict and self.failed) or code in _EVEN_AFTER_FAILURE:
+            return False
+        if self._upload is not None:
+            self._upload.abort()  # a line of it is missing now
+        self.say("Error:PreviousCommandFailed")
+        return True
+
+    def _halted(self, code: str) -> bool:
         if self._printer.halted and code not in self._printer.immediate:
             self.fail(f"Printer stopped: {self._printer.halted}. Make it safe, then send M999")
             return True

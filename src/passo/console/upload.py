@@ -14,7 +14,13 @@ class Upload:
     def __init__(self, writer: Writer | None, name: str, *, log: bool = False) -> None:
         self.writer, self.name, self.log = writer, name, log
         self.numbered = False  # its lines come with numbers
+        self.told = False  # the console has heard that its lines go nowhere
         self._failure: CardError | None = None
+
+    @property
+    def takes_all(self) -> bool:
+        """There is a file, and its lines are for nothing else."""
+        return self.writer is not None and not self.log
 
     def write(self, text: str) -> None:
         """Takes one line. A failure shows in `finish`."""
@@ -39,3 +45,4 @@ class Upload:
         """The card holds what it held before."""
         if self.writer is not None:
             self.writer.abort()
+            self.writer = None

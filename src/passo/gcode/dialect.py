@@ -13,7 +13,8 @@ class Kind(Enum):
     MOTION = "motion"  # the interpreter in the core
     PRINTER = "printer"  # a handler of the printer
     PERSON = "person"  # waits for a person; a headless print goes on
-    QUIET = "quiet"  # means nothing here, and does no harm
+    QUIET = "quiet"  # means nothing without a console, and does no harm
+    NOT_BUILT = "not built"  # means nothing here: a console hears why, a headless print is warned
 
 
 class When(Enum):
@@ -37,6 +38,7 @@ class Row(NamedTuple):
 
 
 _M, _P, _H, _Q = Kind.MOTION, Kind.PRINTER, Kind.PERSON, Kind.QUIET
+_B = Kind.NOT_BUILT
 _I, _N, _X, _A = When.IMMEDIATE, When.PLANNED, When.EXCLUSIVE, When.AHEAD
 
 TABLE: tuple[Row, ...] = (
@@ -166,7 +168,13 @@ TABLE: tuple[Row, ...] = (
     Row("M83", _M, _N, "", "The extruder's positions are relative."),
     Row("M84", _P, _X, "X Y Z E S(s)", "As M18."),
     Row("M85", _Q, _I, "S(s)", "Everything off after standing idle so long; 0: never."),
-    Row("M92", _Q, _X, "X Y Z E T", "Steps for a millimetre."),
+    Row(
+        "M92",
+        _Q,
+        _X,
+        "X Y Z E T, H(microsteps) L(mm)",
+        "Steps for a millimetre; H and L tell which layer heights are whole steps of Z's motor.",
+    ),
     Row(
         "M104",
         _P,
@@ -175,7 +183,14 @@ TABLE: tuple[Row, ...] = (
         "Sets the hotend's temperature; without S it goes off, with F at once.",
     ),
     Row("M105", _Q, _I, "", "Tells the temperatures."),
-    Row("M106", _P, _N, "S(0-255) P F", "Sets a fan's speed. F: at once."),
+    Row(
+        "M106",
+        _P,
+        _N,
+        "S(0-255) P F",
+        "Sets a fan's speed. F: at once. Without S it is full, but settings of the machine file"
+        " alone (U I H L X T) change nothing.",
+    ),
     Row("M107", _P, _N, "P F", "Turns a fan off. F: at once."),
     Row("M108", _Q, _A, "", "Ends the wait that goes on."),
     Row(
@@ -216,6 +231,7 @@ TABLE: tuple[Row, ...] = (
     Row("M145", _Q, _I, "S H B F", "Material presets."),
     Row("M154", _Q, _I, "S(s)", "Tells the position every S seconds."),
     Row("M155", _Q, _I, "S(s)", "Tells the temperatures every S seconds."),
+    Row("M149", _Q, _I, "C", "Temperatures are in °C; other units are refused."),
     Row("M190", _P, _X, "S(°C) R(°C) P", "Sets the bed's temperature and waits for it."),
     Row("M191", _P, _X, "S(°C) R(°C) P", "Sets the chamber's temperature and waits for it."),
     Row(
@@ -227,8 +243,14 @@ TABLE: tuple[Row, ...] = (
     ),
     Row("M201", _P, _N, "X Y Z E (mm/s²)", "Sets the axes' accelerations, at most the machine's."),
     Row("M203", _P, _N, "X Y Z E (mm/s)", "Sets the axes' speeds, at most the machine's."),
-    Row("M204", _P, _N, "S P R T (mm/s²)", "Sets accelerations: all, print, retract, travel."),
-    Row("M205", _P, _N, "J(mm)", "Sets the junction deviation."),
+    Row(
+        "M204",
+        _P,
+        _N,
+        "S P R T V (mm/s²)",
+        "Sets accelerations: all but retract, print, retract, travel; V is T.",
+    ),
+    Row("M205", _P, _N, "J(mm)", "Sets the junction deviation; jerk and least speeds are unused."),
     Row("M206", _Q, _N, "X Y Z (mm)", "Added to the axes' home positions."),
     Row("M207", _M, _N, "S(mm) F Z(mm) R(mm) W(mm)", "Sets how G10 retracts; W: with S1."),
     Row("M208", _M, _N, "S(mm) F W(mm)", "Sets how G11 takes it back; W: after G10 S1."),
@@ -243,7 +265,6 @@ TABLE: tuple[Row, ...] = (
     Row("M220", _P, _I, "S(%)", "Scales the speed; from a console of what is planned too."),
     Row("M221", _M, _N, "S(%)", "Scales the extrusion."),
     Row("M290", _P, _I, "X Y Z (mm)", "Shifts all that is not done yet, in mid-move."),
-    Row("M300", _Q, _N, "S P", "Beep, where there is a beeper."),
     Row("M302", _Q, _I, "S(°C) P", "Allows cold extrusion, or tells whether it is."),
     Row("M301", _Q, _I, "H P I D", "A heater's PID gains, in 1/255 of full power; H-1 is the bed."),
     Row("M303", _Q, _X, "H S(°C) C R U M", "Tunes a heater: a relay's swings, M1 its model."),
@@ -265,8 +286,15 @@ TABLE: tuple[Row, ...] = (
     Row("M532", _Q, _I, "X(%) L", "As M73 P."),
     Row("M540", _Q, _I, "S", "S1: an endstop that is hit stops the machine; tells it without S."),
     Row("M569", _Q, _N, "S X Y Z E T", "Tells of the drivers; S1: stealthChop, S0: spreadCycle."),
-    Row("M600", _H, _X, "", "Waits for a person to change the filament."),
-    Row("M601", _H, _X, "", "Pauses."),
+    Row(
+        "M600",
+        _H,
+        _X,
+        "E Z X Y U L(mm)",
+        "Parks, waits for a person to change the filament, and comes back. E takes filament back, Z"
+        " lifts, X and Y are the place; U unloads there, L loads.",
+    ),
+    Row("M601", _H, _X, "", "Parks, waits for a person, and comes back."),
     Row("M602", _Q, _I, "", "Ends a pause."),
     Row("M603", _M, _N, "T L(mm) U(mm)", "Lengths of filament that M701 loads and M702 unloads."),
     Row("M701", _M, _N, "T L(mm) Z(mm)", "Loads filament, lifted by Z meanwhile."),
@@ -298,24 +326,57 @@ TABLE: tuple[Row, ...] = (
     *(
         Row(code, _Q, _N, "", text)
         for code, text in (
-            ("G43", "Tool length offset."),
-            ("G54", "First work coordinate system."),
-            ("G94", "Feed by minute."),
-            ("M6", "Tool change: the T word has selected the tool."),
-            ("M7", "Mist coolant."),
-            ("M8", "Coolant."),
-            ("M9", "Coolant off."),
-            ("M413", "Resuming after a power cut: always on where there is a place for it."),
-            ("M486", "Object labels."),
-            ("M862", "Checks of a Prusa printer."),
-            ("M900", "Linear advance."),
-            ("M907", "Motor current."),
-            ("EXCLUDE_OBJECT_DEFINE", "Object labels."),
-            ("EXCLUDE_OBJECT_START", "Object labels."),
-            ("EXCLUDE_OBJECT_END", "Object labels."),
-            ("SET_PRINT_STATS_INFO", "Progress for a display."),
+            ("G43", "Lengths of tools are not kept."),
+            ("G54", "There is one coordinate system; G92 moves its zero."),
+            ("G94", "F is always in mm per minute."),
+            ("M6", "The T word has selected the tool."),
+            ("M7", "There is no coolant."),
+            ("M8", "There is no coolant."),
+            ("M9", "There is no coolant."),
+            ("M300", "There is no beeper."),
+            ("M413", "A print can always be resumed where there is a place for its journal."),
+            ("M486", "Labels of objects have no use yet."),
+            ("M862", "It asks whether this is a Prusa printer."),
+            ("M900", "Linear advance is not built."),
+            ("M907", "M906 and the machine file set motor currents."),
+            ("EXCLUDE_OBJECT_DEFINE", "Labels of objects have no use yet."),
+            ("EXCLUDE_OBJECT_START", "Labels of objects have no use yet."),
+            ("EXCLUDE_OBJECT_END", "Labels of objects have no use yet."),
+            ("SET_PRINT_STATS_INFO", "There is no display yet."),
         )
+    ),
+    *(
+        Row(code, _B, _N, "", text)
+        for codes, text in (
+            ("G12", "There is no place to wipe the nozzle."),
+            ("G27 M125", "The head parks when a print pauses, by M25 or M601."),
+            ("G29 G31 G32 M420 M421 M561", "Bed levelling is not built."),
+            ("G30 M48 M401 M402 M851", "There is no probe yet."),
+            ("M99", "Backlash is not made up for."),
+            ("M111", "There are no levels of messages."),
+            ("M142 M192", "There is no cooler."),
+            ("M150 M355", "There is no light."),
+            ("M163 M164 M165 M166", "There is no mixing extruder."),
+            ("M222", "Purges have the flow of M221."),
+            ("M240", "There is no camera."),
+            ("M250", "There is no display yet."),
+            ("M280 M281", "There is no servo."),
+            ("M351", "Microsteps belong to the machine file."),
+            ("M404 M405 M406 M407 M512 M604", "There is no sensor of filament yet."),
+            ("M428", "M206 sets home offsets."),
+            ("M595", "Values of amplifiers belong to the machine file."),
+            ("M605", "There is one carriage for all tools."),
+            ("M666", "Each motor's switch has its place in the machine file."),
+            ("M800", "M1000 goes on with a print that was interrupted."),
+            ("M908", "M906 and the machine file set motor currents."),
+        )
+        for code in codes.split()
     ),
 )
 
 BY_CODE = {row.code: row for row in TABLE}
+
+
+def row_of(code: str) -> Row | None:
+    """The row of a command; M862.3 has that of M862."""
+    return BY_CODE.get(code) or BY_CODE.get(code.partition(".")[0])

@@ -40,11 +40,18 @@ _WHEN = """## When a command acts
 
 A print without consoles (`passo print`, `passo estimate`) knows nothing of hosts and cards: what
 has a dot in the last column has no effect there, and what has a *p* waits for a person, which
-takes no time.
+takes no time. What has a dash does nothing anywhere; like all that nobody carries out, it is
+accepted: a console hears why, once, and a print without consoles is warned.
 
 | command | parameters | when | what it does | |
 |---|---|---|---|---|"""
-_MARK = {Kind.MOTION: "", Kind.PRINTER: "", Kind.PERSON: "*p*", Kind.QUIET: "·"}
+_MARK = {
+    Kind.MOTION: "",
+    Kind.PRINTER: "",
+    Kind.PERSON: "*p*",
+    Kind.QUIET: "·",
+    Kind.NOT_BUILT: "–",
+}
 
 
 def reference() -> str:

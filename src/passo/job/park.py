@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
+from passo.printer.faults import problem_of
 from passo.printer.slots import E, X, Y, Z
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
+
+
+LOAD_MM_S, UNLOAD_MM_S = 6.0, 20.0  # as M701 and M702
 
 
 class Park:
@@ -19,9 +25,13 @@ class Park:
         self._printer = printer
         self._away = False
         self._retracted_mm = 0.0
+        self._load_mm = 0.0
 
-    async def leave(self) -> None:
-        """To the parking place; without one, or if an axis does not know where it is, nowhere."""
+    async def leave(self, words: Mapping[str, float] = MappingProxyType({})) -> None:
+        """To the parking place; without one, or if an axis does not know where it is, nowhere.
+        Words of M600 take the place of the machine's: E takes filament back and Z lifts by so many
+        mm, X and Y are the place; U unloads so many mm there, and L loads so many before it comes
+        back."""
         printer = self._printer
         park = printer.machine.park
         self._away = False
@@ -32,15 +42,27 @@ class Park:
         if not printer.job.suspended:
             return  # cancelled meanwhile
         drive, at = printer.drive, printer.job.stop_position
-        self._retracted_mm = park.retract_mm if printer.can_extrude() else 0.0
+        extrudes = printer.can_extrude()
+        self._retracted_mm = abs(words.get("E", park.retract_mm)) if extrudes else 0.0
+        self._load_mm = abs(words.get("L", 0.0))
+        lift_mm = abs(words.get("Z", park.raise_mm))
         top = printer.machine.axes["z"].max_mm
         self._away = True
-        drive.move({E: printer.job.machine_position[E] - self._retracted_mm}, park.retract_mm_s)
-        drive.move({Z: min(at[Z] + park.raise_mm, max(top, at[Z]))}, math.inf)
-        if park.position_mm is not None:
-            x, y = park.position_mm
-            drive.move({X: x, Y: y}, park.speed_mm_s)
+        self._push(-self._retracted_mm, park.retract_mm_s)
+        drive.move({Z: min(at[Z] + lift_mm, max(top, at[Z]))}, math.inf)
+        place = dict(zip((X, Y), park.position_mm or (), strict=False))
+        place |= {slot: words[letter] for slot, letter in ((X, "X"), (Y, "Y")) if letter in words}
+        if place and not drive.move(place, park.speed_mm_s):
+            printer.tell(f"echo:The nozzle stays over the print: {problem_of(printer.job, '')}")
+        if extrudes:
+            self._push(-abs(words.get("U", 0.0)), UNLOAD_MM_S)
         await self._still()
+
+    def _push(self, mm: float, speed_mm_s: float) -> None:
+        """So much filament out of the nozzle."""
+        if mm:
+            at = self._printer.job.machine_position[E]
+            self._printer.drive.move({E: at + mm}, speed_mm_s)
 
     async def come_back(self) -> None:
         """To where the print was left, over it first and then down. A babystep meanwhile
@@ -50,6 +72,8 @@ class Park:
         await self._still()
         printer.raise_if_halted()
         drive, job = printer.drive, printer.job
+        if self._away and job.suspended and printer.can_extrude():
+            self._push(self._load_mm, LOAD_MM_S)
         at: list[float] | None = None
         while job.suspended and at != job.stop_position:
             at = job.stop_position
@@ -60,7 +84,7 @@ class Park:
             if Z in known:
                 drive.move({Z: at[Z]}, math.inf)
             if self._away and park is not None and printer.can_extrude():
-                drive.move({E: job.machine_position[E] + self._retracted_mm}, park.retract_mm_s)
+                self._push(self._retracted_mm, park.retract_mm_s)
             self._away = False
             await self._still()
 

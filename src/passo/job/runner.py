@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from enum import Enum
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Protocol
 
 from passo import _core
 from passo.config.drives import axis_order
 from passo.errors import CommandError, PassoError
 from passo.job.park import Park
+from passo.printer.drive import TICK_S
 from passo.printer.faults import problem_of
-from passo.printer.printer import Stopped
-from passo.printer.waits import Reply
+from passo.printer.waits import Reply, Stopped
 from passo.printer.words import Command
 
 if TYPE_CHECKING:
@@ -57,6 +58,7 @@ class Runner:
     def __init__(self, printer: Printer, reply: Reply) -> None:
         self._printer, self._reply = printer, reply
         self._park = Park(printer)
+        self._park_words: Mapping[str, float] = {}
         self._reader: Reader | None = None
         self._task: asyncio.Task[None] | None = None
         self._resumed = asyncio.Event()
@@ -169,9 +171,11 @@ class Runner:
         task.add_done_callback(self._over)
         self._task = task  # the loop alone would not keep it
 
-    def pause(self) -> None:
-        """Brakes to a stop on the path at once; `start` goes on from there."""
+    def pause(self, words: Mapping[str, float] = MappingProxyType({})) -> None:
+        """Brakes to a stop on the path at once; `start` goes on from there. `words` tell how to
+        park, see `Park.leave`."""
         if self.state is State.PRINTING:
+            self._park_words = words
             self.state = State.PAUSED
             self._resumed.clear()
             # Axes that home do so to the end: their moves are not the program's.
@@ -269,6 +273,7 @@ class Runner:
         printer = self._printer
         if not self.active:
             return  # cancelled
+        printer.laser_off()
         self.ended = "failed" if self._failed else "done"
         self.state = State.READY
         if self._failed:
@@ -283,7 +288,7 @@ class Runner:
         try:
             if self.state is State.PAUSED:
                 self._set_aside()
-                await self._park.leave()
+                await self._park.leave(self._park_words)
         finally:
             printer.turn.give()
         await self._resumed.wait()
@@ -292,7 +297,11 @@ class Runner:
         """Until the plan no longer reaches far enough ahead."""
         printer, drive = self._printer, self._printer.drive
         await drive.until(
-            lambda: not drive.full or self.state is not State.PRINTING or bool(printer.halted)
+            lambda: (
+                not (drive.full or printer.aside)
+                or self.state is not State.PRINTING
+                or bool(printer.halted)
+            )
         )
 
     async def _stretch(self, *, rest_of_line: bool = False) -> bool:
@@ -309,9 +318,7 @@ class Runner:
             if self.state is not State.PRINTING:
                 return False
             self._returns = False
-            drive.before_moves()
-            job.resume()
-            drive.after_moves()
+            printer.resume_job()
         printer.select(console=False)
         printer.program = self._reply
         drive.before_moves()
@@ -320,6 +327,8 @@ class Runner:
             found = job.advance(horizon, _MOST_MESSAGES, rest_of_line)
         finally:
             drive.after_moves()
+        if found == _core.JobStatus.FULL and not rest_of_line and not drive.full:
+            await asyncio.sleep(TICK_S)  # it is the link that does not keep up
         return await self._answer(found)
 
     async def _answer(self, found: _core.JobStatus) -> bool:
@@ -349,9 +358,10 @@ class Runner:
         return False
 
     async def _finish(self) -> bool:
-        """Lets the last moves end; a pause in them still counts."""
+        """Lets the last moves end, and the laser go off with them; a pause in them still counts."""
         drive = self._printer.drive
-        self._printer.drive.flush()
+        self._printer.laser_off()
+        drive.flush()
         await drive.until(
             lambda: drive.standing or self.state is not State.PRINTING or bool(self._printer.halted)
         )

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from passo.config.drives import axis_order
 from passo.errors import CommandError
-from passo.gcode.dialect import BY_CODE, Kind
+from passo.gcode.dialect import Kind, row_of
 from passo.geometry.base import Unreachable
 from passo.printer.faults import problem_of
 from passo.printer.slots import E
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
 
 
+_OF_FANS = re.compile(r"[UIHLXT]", re.IGNORECASE)  # settings of M106
 _LETTERED = re.compile(r"([TPBC])\s*(\d*)", re.IGNORECASE)
 _AT_ONCE = re.compile(r"\bF", re.IGNORECASE)
 _BABYSTEP_MM = 2.0  # at most, with one command
@@ -37,8 +38,8 @@ class Heat(Protocol):
 class Commands:
     """Carries out what the job's interpreter hands out. One object a job; not thread-safe.
 
-    `unknown` and `waits` count the codes that mean nothing here and those that wait for a person:
-    code → (first line, times).
+    `unknown`, `not_built` and `waits` count the codes that nobody knows, those that do nothing and
+    those that wait for a person: code → (first line, times).
     """
 
     def __init__(
@@ -46,6 +47,7 @@ class Commands:
     ) -> None:
         self._machine, self._job, self._heat = machine, job, heat
         self.unknown: dict[str, tuple[int, int]] = {}
+        self.not_built: dict[str, tuple[int, int]] = {}
         self.waits: dict[str, tuple[int, int]] = {}
         self.missing_tools: dict[str, tuple[int, int]] = {}
         self.refused: dict[str, tuple[int, int]] = {}
@@ -61,7 +63,7 @@ class Commands:
         self.ended = False
         self.record_at_once = job.record  # without a living printer there is no such haste
         self._handlers: dict[str, Callable[[Command], Wait | None]] = {
-            "G28": lambda c: Homing(c.text),
+            "G28": self._home,
             "G92": self._set_position,
             "G92.1": self._set_actuators,
             "M2": self._end,
@@ -81,7 +83,7 @@ class Commands:
             "M190": lambda c: self._reach_temperature(c, "bed"),
             "M191": lambda c: self._reach_temperature(c, "chamber"),
             "M116": self._reach_all,
-            "M106": lambda c: self._set_fan(c, c.words().get("S", 255) / 255),
+            "M106": self._fan_speed,
             "M107": lambda c: self._set_fan(c, 0.0),
             "M201": lambda c: self._axis_limits(c, "accel"),
             "M203": lambda c: self._axis_limits(c, "speed"),
@@ -105,9 +107,11 @@ class Commands:
         handler = self._handlers.get(code)
         if handler is not None:
             return handler(command)
-        row = BY_CODE.get(code) or BY_CODE.get(code.partition(".")[0])
+        row = row_of(code)
         if row is None:
             _count(self.unknown, code, command.line)
+        elif row.kind is Kind.NOT_BUILT:
+            _count(self.not_built, code, command.line)
         elif row.kind is Kind.PERSON:
             _count(self.waits, code, command.line)
             return Person(row.text)
@@ -121,6 +125,7 @@ class Commands:
         """One sentence for each code that meant nothing, waited for nobody, or was ignored."""
         sentences = (
             (self.unknown, "{} is unknown and was skipped"),
+            (self.not_built, "{} does nothing here and was skipped"),
             (self.waits, "{} waits for a person; nobody is here, so it took no time"),
             (self.missing_tools, "tool {} does not exist and was ignored"),
             (self.refused, "{}"),
@@ -133,6 +138,10 @@ class Commands:
         if clamped:
             lines.append(f"{file}: {clamped} targets out of range were moved to the limit")
         return lines
+
+    def _home(self, command: Command) -> Wait:
+        self.laser_off()  # homing runs over what lies there
+        return Homing(command.text)
 
     def _set_position(self, command: Command) -> None:
         """Of axes that do not know where they are; the interpreter does the others."""
@@ -197,6 +206,18 @@ class Commands:
         """Laser or spindle off when the moves so far are done, until it is switched on again."""
         self._spindle_mode = ""
         self._laser()
+
+    @property
+    def lit(self) -> bool:
+        """The laser is on also where the head stands."""
+        return bool(self._machine.laser) and self._spindle_mode == "M3" and self._spindle > 0
+
+    def shade(self, *, dark: bool) -> None:
+        """The laser dark when the moves so far are done, or again as it is set."""
+        if dark:
+            self.set_output("laser", 0.0)
+        else:
+            self._laser()
 
     def _laser(self) -> None:
         if self._machine.laser:
@@ -293,6 +314,14 @@ class Commands:
         number = int(command.words().get("P", 0))
         return next((n for n, fan in self._machine.fans.items() if fan.number == number), None)
 
+    def _fan_speed(self, command: Command) -> None:
+        if not self.sets_fans_up(command):
+            self._set_fan(command, command.words().get("S", 255) / 255)
+
+    def sets_fans_up(self, command: Command) -> bool:
+        """M106 with settings of a fan, and no speed."""
+        return "S" not in command.words() and _OF_FANS.search(command.text) is not None
+
     def _set_fan(self, command: Command, share: float) -> None:
         fan = self._fan(command)
         if fan is not None:
@@ -309,6 +338,7 @@ class Commands:
         for letter, names in (
             ("S", ("print_accel", "travel_accel")),
             ("P", ("print_accel",)),
+            ("V", ("travel_accel",)),
             ("T", ("travel_accel",)),
             ("R", ("retract_accel",)),
         ):

@@ -67,6 +67,7 @@ class Drive:
         self._stop_clock = -1.0  # end of a plan that was settled only because it ran dry
         self._heard_s = 0.0
         self._dirty = False
+        self._awaited = False  # the board is to answer
 
     @property
     def now(self) -> int:
@@ -165,11 +166,13 @@ class Drive:
             self._revoke(cut)
 
     def hold(self) -> None:
-        """Brakes to a stop on the path; what is left is held."""
+        """Brakes to a stop on the path; what is left is held. A lit laser goes dark."""
+        self.before_moves()  # where the machine stands, darkness must not come in the past
         self._revoke(self._job.hold_from(self._earliest()))
 
     def stop(self) -> None:
-        """Brakes to a stop on the path; what is left is forgotten."""
+        """Brakes to a stop on the path; what is left is forgotten. A lit laser goes dark."""
+        self.before_moves()
         self._revoke(self._job.stop_from(self._earliest()))
 
     def forget_targets(self) -> None:
@@ -250,12 +253,17 @@ class Drive:
     async def _free_stride(self) -> None:
         quiet_s = self._loop.time() - self._heard_s
         moving = not self.standing or self._dirty
-        if self._waiting or (moving and quiet_s >= GATHER_S / 2):
+        if self._waiting or self._awaited or (moving and quiet_s >= GATHER_S / 2):
             self._pass(self.now + int(_STRIDE_S * self.hz))
             await asyncio.sleep(0)
             return
         self._woken.clear()
         await _either(self._woken, GATHER_S / 2 if moving else None)
+
+    def await_answer(self) -> None:
+        """Time passes also where nothing waits for it, until the board has told that it stopped."""
+        self._awaited = True
+        self._woken.set()
 
     def look(self) -> None:
         """Lets time pass on the board, and no more. Raises MachineError."""

@@ -33,26 +33,34 @@ class HeatCommands:
         self.cold_c = _COLD_C
         self.cold_allowed = False
         self.planned: dict[str, Handler] = {
-            "M106": lambda c, r: self._fan(c),
-            "M107": lambda c, r: self._fan(c),
+            "M106": self._fan,
+            "M107": self._fan,
         }
         self.immediate: dict[str, Handler] = {
             "M145": self._preset,
+            "M149": self._unit,
             "M302": self._cold_extrusion,
             "M922": self._rearm,
         }
 
     # -- fans -------------------------------------------------------------------------------------
 
-    def _fan(self, command: Command) -> Wait | None:
+    def _fan(self, command: Command, reply: Reply) -> Wait | None:
         """Raises CommandError if P names no fan; a machine without fans lets the rest pass."""
         number = command.words().get("P")
         if number is not None and all(f.number != number for f in self._machine.fans.values()):
             limit = ", ".join(str(f.number) for f in self._machine.fans.values()) or "no fan"
             raise CommandError.bad_value("P", number, limit)
+        if command.code == "M106" and self._printer.commands.sets_fans_up(command):
+            reply.note("M106", "M106 sets speeds, by S; the machine file has the settings")
         return self._printer.commands.run(command)
 
-    # -- presets, cold extrusion ------------------------------------------------------------------
+    # -- units, presets, cold extrusion ------------------------------------------------------------
+
+    def _unit(self, command: Command, _: Reply) -> Wait | None:
+        if command.text.strip().upper() not in ("", "C"):
+            raise CommandError.of("command.value", axis="M149", value=command.text, limit="C")
+        return None
 
     def _preset(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()

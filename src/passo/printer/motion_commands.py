@@ -78,14 +78,34 @@ class MotionCommands:
         if not words:
             reply.say(self.scale_line())
             return None
+        if "L" in words or "H" in words:
+            reply.say(self._layers(words))
         changes: list[tuple[int, float]] = []
         for letter, value in words.items():
-            if letter == "T":
+            if letter in "THL":
                 continue
             if not 1e-3 < value < 1e6:
                 raise CommandError.bad_value(letter, value, "steps per mm above 0")
             changes += [(i, value) for i in self._places(letter)]
         return Still(lambda: self._rescale(changes))
+
+    def _layers(self, words: dict[str, float]) -> str:
+        """Heights of layers that Z's motor reaches in whole steps, on which it stands best."""
+        places = self._places("Z")
+        if not places:
+            raise CommandError.of("command.value", axis="M92", value="H, L", limit="a motor of Z")
+        row = self._printer.job.steppers()[places[0]]
+        microsteps = words.get("H", self._machine.steppers[row["name"]].microsteps)
+        if not 1 <= microsteps <= 256:
+            raise CommandError.bad_value("H", microsteps, "1 to 256 microsteps")
+        step_mm = microsteps / row["steps_per_unit"]
+        wanted_mm = max(words.get("L", 0.0), 0.0)
+        below = int(wanted_mm / step_mm + 1e-9)
+        heights = f"{below * step_mm:.3f},{(below + 1) * step_mm:.3f}"
+        return (
+            f"echo:{{ micro steps:{microsteps:g}, minimum layer height:{step_mm:.3f},"
+            f" layer:[{heights}] }}"
+        )
 
     def _rescale(self, changes: list[tuple[int, float]]) -> None:
         for i, value in changes:
@@ -146,6 +166,8 @@ class MotionCommands:
         if not words:
             reply.say(self.junction_line())
             return None
+        if words.keys() & set("BSVXYZE"):
+            reply.note("M205", "Only J counts in M205: corners have no jerk, speeds no lower limit")
         deviation = words.get("J")
         if deviation is not None:
             if not 0.001 <= deviation <= 0.3:

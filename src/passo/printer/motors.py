@@ -98,4 +98,5 @@ class Motors:
             self.idle_s = max(words["S"], 0.0)
             return None
         steppers = self.named(command.text)
+        self._printer.laser_off()
         return Still(lambda: self._set(steppers, on=False))

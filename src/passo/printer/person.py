@@ -6,16 +6,17 @@ import re
 from typing import TYPE_CHECKING
 
 from passo.printer.waits import Handler, Person, Reply, Still, Wait
-from passo.printer.words import Command
+from passo.printer.words import Command, words_of
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
 
-_TEXT = re.compile(r"\s*[PS]-?\d+(\.\d+)?", re.IGNORECASE)
+# Words only where the text begins with them: "M0 S30 Remove clip3", not "M0 Remove clip3".
+_WORDS = re.compile(r"\s*(?:[PS]\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:\s+|$))+", re.IGNORECASE)
 
 
 class PersonCommands:
-    """M0, M1, M80, M81, M85, M117, M300, M876 of one printer."""
+    """M0, M1, M80, M81, M85, M117, M876 of one printer."""
 
     def __init__(self, printer: Printer) -> None:
         self._printer = printer
@@ -25,8 +26,7 @@ class PersonCommands:
             "M0": self._wait,
             "M1": self._wait,
             "M80": self._mains_on,
-            "M81": lambda c, r: Still(self._mains_off),
-            "M300": self._beep,
+            "M81": self._switch_off,
         }
         self.immediate: dict[str, Handler] = {
             "M85": self._kill_after,
@@ -35,34 +35,40 @@ class PersonCommands:
         }
 
     def _wait(self, command: Command, _: Reply) -> Wait | None:
-        words = command.words()
+        found = _WORDS.match(command.text)
+        head = found[0] if found else ""
+        words = dict(words_of(head))
         seconds = words.get("S", words.get("P", 0.0) / 1000)
-        text = _TEXT.sub("", command.text).strip() or "Waiting; go on with M108"
-        self._printer.tell(f"//action:prompt_begin {text}")
-        self._printer.tell("//action:prompt_button Continue")
-        self._printer.tell("//action:prompt_show")
+        text = command.text[len(head) :].strip() or "Waiting; go on with M108"
+        self.ask(text)
         return Person(text, max(seconds, 0.0))
+
+    def ask(self, text: str) -> None:
+        """Hosts show the text and a button that goes on."""
+        for words in (f"prompt_begin {text}", "prompt_button Continue", "prompt_show"):
+            self._printer.tell(f"// action:{words}")
 
     def _answer(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
         if "S" in words:
-            self._printer.tell("//action:prompt_end")  # it acted when the line came in
+            self._printer.tell("// action:prompt_end")  # it acted when the line came in
         elif "P" not in words:
             reply.say("M876 P1")
         return None
 
     def _show(self, command: Command, _: Reply) -> Wait | None:
         self.message = command.text
-        self._printer.tell(f"//action:notification {command.text}")
+        self._printer.tell(f"// action:notification {command.text}")
         return None
-
-    def _beep(self, _: Command, __: Reply) -> Wait | None:
-        return None  # the shipped boards have no beeper
 
     def _mains_on(self, command: Command, reply: Reply) -> Wait | None:
         if "S" in command.text.upper():
             reply.say("PS:1")
         return None
+
+    def _switch_off(self, _: Command, __: Reply) -> Wait | None:
+        self._printer.laser_off()  # before the motors
+        return Still(self._mains_off)
 
     def _mains_off(self) -> None:
         printer = self._printer

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-import asyncio
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Generator, Iterable, Sequence
+from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING
 
 from passo import _core
 from passo.board.ports import LinkLostError
 from passo.config.drives import axis_order
-from passo.errors import CommandError, MachineError
+from passo.errors import CommandError
+from passo.gcode.dialect import Kind, row_of
 from passo.printer.commands import Commands
-from passo.printer.drive import MOST_QUEUED, TICK_S, Drive
+from passo.printer.drive import MOST_QUEUED, Drive
 from passo.printer.driver_commands import DriverCommands
 from passo.printer.drivers import DriverWatch
 from passo.printer.endstop_watch import EndstopWatch
@@ -19,26 +20,16 @@ from passo.printer.faults import problem_of
 from passo.printer.heat_commands import HeatCommands
 from passo.printer.homing import Homer
 from passo.printer.lateness import LatenessWatch
+from passo.printer.life import Life
 from passo.printer.motion_commands import MotionCommands
 from passo.printer.motors import Motors
 from passo.printer.person import PersonCommands
 from passo.printer.positions import Positions
-from passo.printer.reconnection import reconnect
 from passo.printer.tune_commands import TuneCommands
 from passo.printer.turn import Turn
-from passo.printer.waits import (
-    Handler,
-    Homing,
-    Person,
-    Procedure,
-    Reply,
-    Silence,
-    Still,
-    Temperatures,
-    Tuning,
-    Wait,
-)
-from passo.printer.wiring import connect, reconnected
+from passo.printer.waiting import Waiting
+from passo.printer.waits import Handler, Reply, Still, Stopped, Wait
+from passo.printer.wiring import connect
 from passo.printer.words import Command
 
 if TYPE_CHECKING:
@@ -47,11 +38,8 @@ if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
 
 
+LASER_OFF_S = 3.0  # of standing with the laser on, no print being under way
 _FIRST_REPORTS_S = 0.6  # all sensors have spoken by then
-
-
-class Stopped(Exception):
-    """What was waited for will not come: somebody has stopped or cancelled it."""
 
 
 class Printer:
@@ -65,14 +53,14 @@ class Printer:
         self.machine = machine
         self.heaters = list(machine.heaters)
         self._free = free
-        self.closers: list[Callable[[], None]] = []  # called when the printer ends
+        self.closers: list[Callable[[], None]] = []  # called when the printer ends, the last first
         self.watchers: list[Callable[[], None]] = [self._look_after_idleness]  # time has passed
         connection, self.board = connect(machine)
         self.motors = Motors(self)
         self.drivers = DriverWatch(self)
         self.lateness = LatenessWatch(self)
         self.driver_commands = DriverCommands(self)
-        self._begin(connection)
+        self.begin(connection)
         self.turn = Turn()
         self.busy: Callable[[], bool] = lambda: False  # a print is under way, or paused
         self.settings: Callable[[], Iterable[str]] = tuple  # commands that bring them back
@@ -104,15 +92,24 @@ class Printer:
         self.fault_listeners: list[Callable[[HeaterFault], None]] = []
         self.greeting: Callable[[], str] = str  # what a console that opens should hear
         self.listeners: list[Callable[[str], None]] = []
+        self.unheard: list[str] = []  # told before anybody listened, for the console that opens
         self.program: Reply | None = None  # whose moves were planned last
+        self.aside = False  # what a host prints stands aside: no more of its lines now
         self.halted = ""  # why nothing moves or heats any more; M999 clears it
-        self.heating = False  # somebody waits for a temperature
-        self._skip = asyncio.Event()
-        self._impatient = False  # the wait that goes on shall not even wait for moves
-        self._revived = asyncio.Event()
+        self.waits = Waiting(self)
+        self.life = Life(self)
+
+    def begin(self, connection: Boards) -> None:
+        """Starts from boards that have just been configured, with nothing planned. Raises
+        MachineError, and lets go of them then."""
+        try:
+            self._begin(connection)
+        except BaseException:
+            connection.close()
+            raise
 
     def _begin(self, connection: Boards) -> None:
-        """Starts from boards that have just been configured, with nothing planned."""
+        self._shaded = False  # the laser is dark for now, and will be lit again
         machine = self.machine
         connection.run(connection.now + int(_FIRST_REPORTS_S * machine.board.clock_hz))
         self.connection = connection
@@ -146,7 +143,12 @@ class Printer:
         idle_s, config = self.drive.idle_s, self.machine.idle
         if self.busy() or self.turn.taken:
             return
-        if 0 < self.motors.idle_s < idle_s and self.motors.on:
+        motors_off = 0 < self.motors.idle_s < idle_s and bool(self.motors.on)
+        if self.commands.lit and (idle_s > LASER_OFF_S or motors_off):
+            self.laser_off()
+            self.tell("echo:Laser off after standing idle; M3 switches it on again")
+            return
+        if motors_off:
             self.motors.all_off()
             self.tell("echo:Motors off after standing idle; home before the next move")
         if 0 < self.person.kill_s < idle_s:
@@ -165,11 +167,12 @@ class Printer:
                 self.job.lock_axis(order.index(name), True)
 
     def close(self) -> None:
-        """Lets go of files and of the board, heaters off; nothing may be asked of the printer after
-        that."""
-        for closer in self.closers:
-            closer()
-        self.connection.close()
+        """Lets go of the board, heaters and laser off, then of all else,
+        whatever fails. Nothing may be asked of the printer after that."""
+        with ExitStack() as last_comes_first:
+            for closer in self.closers:
+                last_comes_first.callback(closer)
+            last_comes_first.callback(self.connection.close)
 
     # -- what others may ask ----------------------------------------------------------------------
 
@@ -201,8 +204,12 @@ class Printer:
 
     def end_wait(self) -> None:
         """Whoever waits waits no more. What moves goes on, dwells too."""
-        self._impatient = True
-        self._skip.set()
+        self.waits.end()
+
+    @property
+    def heating(self) -> bool:
+        """Somebody waits for a temperature."""
+        return self.waits.heating
 
     def halt(self, reason: str) -> None:
         """M112: heaters, motors and everything else off at once, until M999."""
@@ -212,12 +219,12 @@ class Printer:
         for name in self.heaters:
             self.connection.set_target(name, 0.0)
         self.connection.emergency_stop()
-        self._skip.set()
+        self.drive.await_answer()
 
     def revive(self) -> None:
         """M999: a halted printer begins anew, cold, and without knowing where it is."""
         if self.halted:
-            self._revived.set()
+            self.life.revive()
 
     def can_extrude(self) -> bool:
         """The machine has filament, and the active tool's hotend is warm enough to move it."""
@@ -246,8 +253,43 @@ class Printer:
     def stop(self) -> None:
         """Brakes to a stop on the path and forgets all moves that were planned."""
         self.drive.stop()
-        self.commands.laser_off()
-        self._skip.set()
+        self.laser_off()
+        self.waits.ended = True
+
+    def laser_off(self) -> None:
+        """The laser goes off when the moves so far are done, until it is switched on again."""
+        if self.machine.laser and not self.halted:
+            self.drive.before_moves()
+            self.commands.laser_off()
+            self.drive.after_moves()
+
+    @contextmanager
+    def dark(self) -> Generator[None]:
+        """The laser is off when the moves so far are done, and as it was at the end, unless it was
+        switched off for good meanwhile."""
+        if self.commands.lit and not self._shaded:
+            self._shade(dark=True)
+        try:
+            yield
+        finally:
+            self._unshade()
+
+    def _unshade(self) -> None:
+        if self._shaded and not (self.halted or self.job.suspended):
+            self._shade(dark=False)
+
+    def _shade(self, *, dark: bool) -> None:
+        self._shaded = dark
+        self.drive.before_moves()
+        self.commands.shade(dark=dark)
+        self.drive.after_moves()
+
+    def resume_job(self) -> None:
+        """Goes on with what was suspended, the machine being back at its stop position."""
+        self.drive.before_moves()
+        self.job.resume()
+        self.drive.after_moves()
+        self._unshade()
 
     # -- commands ---------------------------------------------------------------------------------
 
@@ -261,7 +303,7 @@ class Printer:
 
     def has_room(self) -> bool:
         """A planned line can be taken in without a wait, by whoever has the turn."""
-        if not self.job.at_boundary:
+        if self.aside or not self.job.at_boundary:
             return False
         # Beside a print the plan is always full: a line comes behind what is planned.
         return self.job.queued <= MOST_QUEUED if self.busy() else not self.drive.full
@@ -299,12 +341,30 @@ class Printer:
                 wait.then()
             wait = self._go_on(reply)
 
-    async def finish(self, wait: Wait | None, reply: Reply) -> None:
-        """The rest of a line whose command waits. Raises Stopped or MachineError."""
-        while wait is not None:
-            await self.wait(wait, reply)
-            self.select(console=True)
-            wait = self._go_on(reply)
+    async def room(self) -> bool:
+        """Waits, with the turn, until a planned line can be taken in. True if M108 came meanwhile:
+        then it is taken even if the plan is full, and its own wait is over."""
+        return await self.waits.room(self.has_room)
+
+    async def finish(
+        self,
+        wait: Wait | None,
+        reply: Reply,
+        *,
+        first_ends: bool = False,
+        all_end: Callable[[], bool] = lambda: False,
+    ) -> None:
+        """The rest of a line whose command waits; its first wait, or all of them, may have to end
+        as soon as they begin. Raises Stopped or MachineError."""
+        try:
+            while wait is not None:
+                await self.wait(wait, reply, ends=first_ends or all_end())
+                first_ends = False
+                self.select(console=True)
+                wait = self._go_on(reply)
+        except Exception:
+            self.job.abandon()  # the rest of the line would stand in everybody's way
+            raise
 
     def _carried_out(self, handler: Handler | None, command: Command, reply: Reply) -> Wait | None:
         """By a handler of a living printer, or as in a print without consoles."""
@@ -320,48 +380,32 @@ class Printer:
         handler = self.planned.get(command.code) or self.immediate.get(command.code)
         before = self.commands.unknown.get(command.code)
         wait = self._carried_out(handler, command, reply)
+        if handler is None:
+            self._note(command.code, reply)
         if self.commands.unknown.get(command.code) != before:
             reply.say(f'echo:Unknown command: "{command.code}"')
         return wait
 
-    async def wait(self, wait: Wait, reply: Reply) -> None:
-        """Waits with the machine at rest. Raises Stopped when it was halted meanwhile."""
-        self._skip.clear()
-        self._impatient = False
-        self.drive.flush()
-        await self.drive.until(lambda: self.drive.standing or self._impatient or bool(self.halted))
-        self.raise_if_halted()
-        if isinstance(wait, Homing) or (isinstance(wait, Still) and wait.then is not None):
-            self._raise_if_skipped()
-        if isinstance(wait, Still) and wait.then is not None:
-            wait.then()
-        elif isinstance(wait, Temperatures):
-            await self._reach(wait, reply)
-        elif isinstance(wait, Procedure):
-            await wait.run()
-        elif isinstance(wait, Tuning):
-            await self._tune(wait)
-        elif isinstance(wait, Person):
-            await self._person(wait, reply)
-        elif isinstance(wait, Homing):
-            self.job.abandon()
-            await self.homer.home(wait.letters)
-        self.raise_if_halted()
+    def _note(self, code: str, reply: Reply) -> None:
+        """Says of a command that does nothing why it does not."""
+        row = row_of(code)
+        if row is not None and row.kind in (Kind.QUIET, Kind.NOT_BUILT):
+            reply.note(row.code, f"{row.code} does nothing here. {row.text}")
 
-    def _raise_if_skipped(self) -> None:
-        if self._skip.is_set():
-            self.job.abandon()
-            raise Stopped("it was stopped")
+    async def wait(self, wait: Wait, reply: Reply, *, ends: bool = False) -> None:
+        """Waits with the machine at rest, or not at all if it `ends` as M108 ends it. Raises
+        Stopped when it was halted meanwhile."""
+        await self.waits.wait(wait, reply, ends=ends)
 
     @property
     def interrupted(self) -> bool:
         """Somebody wants the wait that goes on to end: M108, M410 or a halt."""
-        return self._skip.is_set() or bool(self.halted)
+        return self.waits.ended or bool(self.halted)
 
     def raise_if_interrupted(self) -> None:
         """Raises Stopped after M108, M410 or a halt."""
         self.raise_if_halted()
-        if self._skip.is_set():
+        if self.waits.ended:
             raise Stopped("it was stopped")
 
     def raise_if_halted(self) -> None:
@@ -371,72 +415,7 @@ class Printer:
 
     async def run(self) -> None:
         """Keeps the printer alive until cancelled. A failed board halts it, until it is revived."""
-        while True:
-            try:
-                await self.drive.run()
-            except MachineError as error:
-                self.lateness.board_failed()
-                failure = await self._reconnect(error)
-                if failure is None:
-                    continue
-                self.halted = self.halted or str(failure).rstrip(".")
-                self._make_safe()
-                self.tell(f"Error:Printer halted: {self.halted}. Make it safe, then send M999")
-                self.drive.end_waits()
-                await self._revived.wait()
-                self._revived.clear()
-                await self._all_have_stopped()
-                try:
-                    await self._revive()
-                finally:
-                    self.turn.give()
-
-    async def _reconnect(self, error: MachineError) -> MachineError | None:
-        """After a lost link goes on where the board has stopped by itself; else what halts it."""
-        if self.halted or not isinstance(error, LinkLostError) or not self.connection.survives:
-            return error
-        try:
-            await reconnect(self, error)
-        except MachineError as failure:
-            return failure
-        return None
-
-    async def _all_have_stopped(self) -> None:
-        """Takes the turn: who had it has heard of the halt by then, and waits for nothing of the
-        old plan any more."""
-        while not self.turn.take():
-            self.drive.end_waits()
-            await asyncio.sleep(TICK_S)
-
-    def _make_safe(self) -> None:
-        """The board may only have been silent for a moment: it must not go on when it is back."""
-        for name in self.heaters:
-            self.connection.set_target(name, 0.0)
-        self.connection.stop_job()
-        self.connection.emergency_stop()
-
-    async def _revive(self) -> None:
-        """Begins anew; as often as somebody asks, until the board can be reached."""
-        while True:
-            try:
-                return self._begin_anew()
-            except MachineError as error:
-                self.tell(f"Error:{error} Then send M999 again")
-                await self._revived.wait()
-                self._revived.clear()
-
-    def _begin_anew(self) -> None:
-        for listener in self.stop_listeners:
-            listener(self.halted)
-        self.motors.forget()
-        self.motion.homed("xyz")
-        lines = list(self.settings())
-        self._begin(reconnected(self.connection))
-        self.endstops.begin()
-        self.halted = ""
-        for line in lines:
-            self.take_setting(line, Silence())
-        self.tell("echo:The printer is ready again. Home it before you move it")
+        await self.life.run()
 
     def _heater_failed(self, _: str, fault: HeaterFault) -> None:
         """A protection has switched a heater off; how much more stops is the heater's policy."""
@@ -471,45 +450,8 @@ class Printer:
                     return None
                 else:
                     return None
+        except Exception:
+            self.job.abandon()
+            raise
         finally:
             self.drive.after_moves()
-
-    async def _reach(self, wait: Temperatures, reply: Reply) -> None:
-        self.heating = True
-        heaters = [self.connection.heaters[name] for name in wait.heaters]
-
-        def there() -> bool:
-            return (
-                self.interrupted
-                or any(h.fault for h in heaters)
-                or all(
-                    h.target <= 0
-                    or h.reached
-                    or (h.target <= h.celsius <= h.limits.max_c and not wait.cooling)
-                    for h in heaters
-                )
-            )
-
-        try:
-            await self.drive.until(there)
-        finally:
-            self.heating = False
-        faults = [f for f in self.connection.faults if f.heater in wait.heaters]
-        if any(h.fault for h in heaters) and not self.halted:
-            raise CommandError([faults[-1].problem])
-
-    async def _tune(self, wait: Tuning) -> None:
-        self.heating = True
-        try:
-            await self.drive.until(lambda: wait.step() or self.interrupted)
-        finally:
-            self.heating = False
-            if not self.halted:
-                wait.finish()
-
-    async def _person(self, wait: Person, reply: Reply) -> None:
-        reply.say("echo:busy: paused for user")
-        end = self.drive.now + wait.seconds * self.drive.hz
-        await self.drive.until(
-            lambda: self.interrupted or (wait.seconds > 0 and self.drive.now >= end)
-        )

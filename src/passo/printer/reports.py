@@ -26,8 +26,8 @@ CAPABILITIES = {
     "CHAMBER_TEMP": False,
     "EXTENDED_M20": False,
     "LFN_WRITE": False,
-    "PROMPT_SUPPORT": False,
-    "PROGRESS": False,
+    "PROMPT_SUPPORT": True,
+    "PROGRESS": True,
 }
 
 

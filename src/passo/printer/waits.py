@@ -9,6 +9,10 @@ from typing import Protocol, TypeAlias
 from passo.printer.words import Command
 
 
+class Stopped(Exception):
+    """What was waited for will not come: somebody has stopped or cancelled it."""
+
+
 @dataclass(frozen=True, slots=True)
 class Still:
     """Until the machine has done all moves so far; `then` is what may be done only now."""
@@ -65,8 +69,14 @@ class Reply(Protocol):
     def say(self, text: str) -> None:
         """A line of answer."""
 
+    def note(self, about: str, text: str) -> None:
+        """A line of answer, once for whatever it is about."""
+
     def with_ok(self, text: str) -> None:
         """Text that stands behind `ok` in the same line."""
+
+    def warming(self, text: str) -> None:
+        """The temperatures, once a second while a command waits for them."""
 
     def fail(self, text: str) -> None:
         """The command was not carried out, and why."""
@@ -81,8 +91,14 @@ class Silence:
     def say(self, text: str) -> None:
         """Drops the text."""
 
+    def note(self, about: str, text: str) -> None:
+        """Drops the text."""
+
     def with_ok(self, text: str) -> None:
         """Drops the text."""
 
     def fail(self, text: str) -> None:
+        """Drops the text."""
+
+    def warming(self, text: str) -> None:
         """Drops the text."""

@@ -1,0 +1,91 @@
+"""A print that a host sends stands aside: the nozzle leaves it, and comes back to the point."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
+from passo.errors import PassoError
+from passo.job.park import Park
+from passo.printer.waits import Procedure, Silence, Stopped
+
+if TYPE_CHECKING:
+    from passo.board.faults import HeaterFault
+    from passo.printer.printer import Printer
+
+RECENT_S = 10.0  # a machine that has stood for longer prints nothing
+
+
+class HostPause:
+    """The pauses of prints that hosts send to one printer; those from the card pause by
+    themselves."""
+
+    def __init__(self, printer: Printer) -> None:
+        self._printer = printer
+        self._park = Park(printer)
+        self._stopped = False
+        self._task: asyncio.Task[None] | None = None
+        printer.stop_listeners.append(self._stop)
+        printer.fault_listeners.append(self._heater_failed)
+
+    async def stand_by(
+        self, text: str, words: Mapping[str, float], gone: Callable[[], bool] = lambda: False
+    ) -> None:
+        """Parks (`words`: see `Park.leave`), waits until a person goes on, and comes back. With the
+        turn, or with no line being taken in. Raises Stopped after a stop or a halt, and when the
+        host is `gone`: nobody would go on where the nozzle came back to."""
+        printer = self._printer
+        self._stopped = False
+        printer.tell("// action:pause")
+        printer.person.ask(text)
+        if not printer.job.suspended:
+            printer.drive.hold()
+            printer.job.suspend()
+        await self._park.leave(words)
+        printer.tell("echo:busy: paused for user")
+        await printer.drive.until(lambda: printer.interrupted)
+        printer.raise_if_halted()
+        if gone():
+            self._stop("")
+        self._raise_if_stopped()
+        await self._park.come_back()
+        self._raise_if_stopped()
+        printer.resume_job()
+        printer.tell("// action:resume")
+
+    def _raise_if_stopped(self) -> None:
+        if self._stopped:
+            raise Stopped("it was stopped")
+
+    def _stop(self, _: str) -> None:
+        """M410, or a switch that was hit: there is nothing to come back to."""
+        self._stopped = True
+        if self._printer.job.suspended and not self._printer.busy():
+            self._printer.job.forget_suspended()
+
+    def _heater_failed(self, fault: HeaterFault) -> None:
+        """The heater's policy is to pause what is printed. Lines that are under way, such as one
+        that homes, end first; no other one is taken in."""
+        printer = self._printer
+        if printer.busy() or printer.halted or printer.aside:
+            return
+        if not printer.waits.busy and printer.drive.idle_s > RECENT_S:
+            printer.tell("// action:pause")
+            return
+        printer.aside = True
+        self._task = asyncio.get_running_loop().create_task(self._pause_after(fault))
+
+    async def _pause_after(self, fault: HeaterFault) -> None:
+        printer = self._printer
+        text = f"Heater {fault.heater} failed; mend it, rearm it (M922), then go on with M108"
+        try:
+            await printer.drive.until(lambda: not printer.waits.busy or bool(printer.halted))
+            if not printer.halted:
+                printer.drive.hold()
+                printer.job.suspend()
+                with suppress(Stopped, PassoError):
+                    await printer.wait(Procedure(lambda: self.stand_by(text, {})), Silence())
+        finally:
+            printer.aside = False

@@ -1,0 +1,111 @@
+"""How a printer lives on: a board that fails halts it, and M999 begins anew."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+from passo.board.ports import LinkLostError
+from passo.errors import MachineError
+from passo.printer.drive import TICK_S
+from passo.printer.reconnection import reconnect
+from passo.printer.waits import Silence
+from passo.printer.wiring import reconnected
+
+if TYPE_CHECKING:
+    from passo.printer.printer import Printer
+
+
+class Life:
+    """One printer's drive at work, again and again."""
+
+    def __init__(self, printer: Printer) -> None:
+        self._printer = printer
+        self._revived = asyncio.Event()
+
+    def revive(self) -> None:
+        """Somebody has made the halted machine safe."""
+        self._revived.set()
+
+    async def run(self) -> None:
+        """Lets time pass until cancelled."""
+        printer = self._printer
+        while True:
+            try:
+                await printer.drive.run()
+            except MachineError as error:
+                printer.lateness.board_failed()
+                failure = await self._reconnect(error)
+                if failure is None:
+                    continue
+                printer.halted = printer.halted or str(failure).rstrip(".")
+                self._make_safe()
+                printer.tell(
+                    f"Error:Printer halted: {printer.halted}. Make it safe, then send M999"
+                )
+                printer.drive.end_waits()
+                await self._asked_to_revive()
+                await self._all_have_stopped()
+                try:
+                    await self._revive()
+                finally:
+                    printer.turn.give()
+
+    async def _reconnect(self, error: MachineError) -> MachineError | None:
+        """After a lost link goes on where the board has stopped by itself; else what halts it."""
+        printer = self._printer
+        if printer.halted or not isinstance(error, LinkLostError):
+            return error
+        if not printer.connection.survives:
+            return error
+        try:
+            await reconnect(printer, error)
+        except MachineError as failure:
+            return failure
+        return None
+
+    def _make_safe(self) -> None:
+        """The board may only have been silent for a moment: it must not go on when it is back."""
+        printer = self._printer
+        for name in printer.heaters:
+            printer.connection.set_target(name, 0.0)
+        printer.connection.stop_job()
+        printer.connection.emergency_stop()
+
+    async def _asked_to_revive(self) -> None:
+        await self._revived.wait()
+        self._revived.clear()
+
+    async def _all_have_stopped(self) -> None:
+        """Takes the turn: who had it has heard of the halt by then, and waits for nothing of the
+        old plan any more."""
+        printer = self._printer
+        while not printer.turn.take():
+            printer.drive.end_waits()
+            await asyncio.sleep(TICK_S)
+
+    async def _revive(self) -> None:
+        """Begins anew; as often as somebody asks, until the board can be reached."""
+        while True:
+            try:
+                self._begin_anew()
+            except MachineError as error:
+                self._printer.tell(f"Error:{error} Then send M999 again")
+                await self._asked_to_revive()
+            else:
+                self._revived.clear()  # asked twice: it is done
+                return
+
+    def _begin_anew(self) -> None:
+        printer = self._printer
+        for listener in printer.stop_listeners:
+            listener(printer.halted)
+        printer.motors.forget()
+        printer.motion.homed("xyz")
+        lines = list(printer.settings())
+        printer.begin(reconnected(printer.connection))
+        printer.endstops.begin()
+        printer.halted = ""
+        for line in lines:
+            printer.take_setting(line, Silence())
+        printer.tell("echo:The printer is ready again. Home it before you move it")

@@ -1,0 +1,148 @@
+"""What a command waits for, the machine at rest, and what ends the wait."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from passo.board.faults import HeaterFault
+from passo.errors import CommandError
+from passo.printer.waits import (
+    Homing,
+    Person,
+    Procedure,
+    Reply,
+    Still,
+    Stopped,
+    Temperatures,
+    Tuning,
+    Wait,
+)
+
+if TYPE_CHECKING:
+    from passo.printer.printer import Printer
+
+WARMING_S = 1.0  # of host time between two lines of temperatures for who waits for them
+
+
+class Waiting:
+    """The wait that goes on at one printer: one at a time, by who has the turn."""
+
+    def __init__(self, printer: Printer) -> None:
+        self._printer = printer
+        self.ended = False  # somebody wants the wait that goes on to end
+        self.heating = False  # somebody waits for a temperature
+        self.temperatures: Callable[[], str] = str  # a line of them
+        self.busy = False  # a wait goes on
+        self._impatient = False  # it shall not even wait for moves
+
+    def end(self) -> None:
+        """Whoever waits waits no more. What moves goes on, dwells too."""
+        self._impatient = self.ended = True
+
+    async def room(self, there: Callable[[], bool]) -> bool:
+        """Waits until there is room for a line, or `end` wants it taken without. True if so."""
+        printer = self._printer
+        self._impatient = False
+        await printer.drive.until(
+            lambda: there() or bool(printer.halted) or (self._impatient and printer.job.at_boundary)
+        )
+        return self._impatient
+
+    async def wait(self, wait: Wait, reply: Reply, *, ends: bool = False) -> None:
+        """Waits with the machine at rest, or not at all if it `ends` at once. Raises Stopped when
+        it was halted meanwhile."""
+        within_another, self.busy = self.busy, True
+        try:
+            await self._wait(wait, reply, ends)
+        finally:
+            self.busy = within_another
+
+    async def _wait(self, wait: Wait, reply: Reply, ends: bool) -> None:
+        self.ended = self._impatient = ends
+        if isinstance(wait, Still):
+            await self._still()
+            if wait.then is not None:
+                self._raise_if_ended()
+                wait.then()
+        else:
+            with self._printer.dark():
+                await self._still()
+                if isinstance(wait, Homing):
+                    self._raise_if_ended()
+                await self._at_rest(wait, reply)
+        self._printer.raise_if_halted()
+
+    async def _still(self) -> None:
+        printer = self._printer
+        printer.drive.flush()
+        await printer.drive.until(
+            lambda: printer.drive.standing or self._impatient or bool(printer.halted)
+        )
+        printer.raise_if_halted()
+
+    async def _at_rest(self, wait: Wait, reply: Reply) -> None:
+        printer = self._printer
+        if isinstance(wait, Temperatures):
+            await self._reach(wait, reply)
+        elif isinstance(wait, Procedure):
+            await wait.run()
+        elif isinstance(wait, Tuning):
+            await self._tune(wait)
+        elif isinstance(wait, Person):
+            await self._person(wait, reply)
+        elif isinstance(wait, Homing):
+            printer.job.abandon()
+            await printer.homer.home(wait.letters)
+
+    def _raise_if_ended(self) -> None:
+        if self.ended:
+            self._printer.job.abandon()
+            raise Stopped("it was stopped")
+
+    async def _reach(self, wait: Temperatures, reply: Reply) -> None:
+        printer, now = self._printer, asyncio.get_running_loop().time
+        heaters = {name: printer.connection.heaters[name] for name in wait.heaters}
+        told_s = now()
+
+        def there() -> bool:
+            nonlocal told_s
+            if now() >= told_s + WARMING_S:
+                told_s += WARMING_S
+                reply.warming(f" {self.temperatures()} W:?")
+            return (
+                printer.interrupted
+                or any(h.fault for h in heaters.values())
+                or all(
+                    h.target <= 0
+                    or h.reached
+                    or (h.target <= h.celsius <= h.limits.max_c and not wait.cooling)
+                    for h in heaters.values()
+                )
+            )
+
+        self.heating = True
+        try:
+            await printer.drive.until(there)
+        finally:
+            self.heating = False
+        # The link's thread may have seen a fault of which nobody has been told yet.
+        for name, heater in heaters.items():
+            if heater.fault is not None and not printer.halted:
+                raise CommandError([HeaterFault.of(name, heater.fault).problem])
+
+    async def _tune(self, wait: Tuning) -> None:
+        self.heating = True
+        try:
+            await self._printer.drive.until(lambda: wait.step() or self._printer.interrupted)
+        finally:
+            self.heating = False
+            if not self._printer.halted:
+                wait.finish()
+
+    async def _person(self, wait: Person, reply: Reply) -> None:
+        printer, drive = self._printer, self._printer.drive
+        reply.say("echo:busy: paused for user")
+        end = drive.now + wait.seconds * drive.hz
+        await drive.until(lambda: printer.interrupted or (wait.seconds > 0 and drive.now >= end))

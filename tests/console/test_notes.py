@@ -1,0 +1,114 @@
+"""Commands and words that do nothing here say so, once a console; settings are not taken for speeds
+or for something else."""
+
+import re
+
+import pytest
+from tests.console.scenario import Host, Scenario
+
+from passo import config
+from passo.cli.main import main
+from passo.config.load import shipped_text
+
+
+@pytest.fixture
+def s():
+    with Scenario("i3") as scenario:
+        yield scenario
+
+
+NOTES = {
+    "M900 K0.2": "M900 does nothing here. Linear advance is not built.",
+    "M300 S440 P200": "M300 does nothing here. There is no beeper.",
+    "M413 S0": "M413 does nothing here. A print can always be resumed",
+    "M907 X500": "M907 does nothing here. M906 and the machine file set motor currents.",
+    "M862.3 P MK3S": "M862 does nothing here. It asks whether this is a Prusa printer.",
+    "G27": "G27 does nothing here. The head parks when a print pauses",
+    "M420 S1": "M420 does nothing here. Bed levelling is not built.",
+    "M800": "M800 does nothing here. M1000 goes on with a print",
+    "EXCLUDE_OBJECT_START NAME=a": "EXCLUDE_OBJECT_START does nothing here. Labels",
+    "M205 X8 Y8 S0": "Only J counts in M205",
+    "M106 X100": "M106 sets speeds, by S",
+}
+
+
+@pytest.mark.parametrize("line", NOTES)
+def test_what_does_nothing_says_why_once_a_console(s, line):
+    note, ok = s.host.ok(line)
+    assert (note.startswith(f"echo:{NOTES[line]}"), ok) == (True, "ok")
+    assert s.host.ok(line) == ["ok"]
+    assert Host(s).ok(line) == [note, "ok"]
+
+
+def test_a_note_is_no_failure(s):
+    s.host.ok("M932")
+    s.host.ok("M900 K0.2")
+    assert s.host.ok("M105")[0].startswith("ok T:")
+
+
+def test_a_file_tells_its_notes_once(tmp_path):
+    (tmp_path / "a.g").write_text("M900 K0\nM900 K0.1\nM300\n" * 3)
+    with Scenario("i3", card=str(tmp_path)) as s:
+        s.host.ok("M32 a.g")
+        s.host.expect("^Done printing file$", 5)
+        told = [x for x in s.host.heard if "does nothing here" in x]
+        assert [x.split()[0] for x in told] == ["echo:M900", "echo:M300"]
+
+
+def test_a_print_without_consoles_is_warned_of_what_is_not_built(tmp_path, capsys):
+    (tmp_path / "a.gcode").write_text("G28\nG29\nG29\nM900 K1\nG1 X10 F6000\n")
+    assert main(["print", str(tmp_path / "a.gcode"), "--clock", "virtual"]) == 0
+    said = capsys.readouterr()
+    assert "a.gcode:2: G29 does nothing here and was skipped (2 times)" in said.out + said.err
+
+
+@pytest.mark.parametrize("words", ["X100", "L20", "H0", "I1", "U9", "P0 X100 L20", "T50"])
+@pytest.mark.parametrize("before", [0, 90])
+def test_settings_of_a_fan_leave_its_speed(s, words, before):
+    s.host.ok(f"M106 S{before}")
+    s.passes(1)
+    at = s.board.output_value("part")
+    s.host.ok(f"M106 {words}")
+    s.passes(1)
+    assert s.board.output_value("part") == at
+    s.host.ok("M106")
+    s.passes(1)
+    assert s.board.output_value("part") > at
+
+
+def test_m106_with_a_setting_and_a_speed_sets_the_speed(s):
+    s.host.ok("M106 S128 X255")
+    s.passes(1)
+    assert s.printer.commands.fans["part"] == pytest.approx(128 / 255)
+
+
+def test_m204_v_is_the_travel_acceleration(s):
+    s.host.ok("M204 V1234")
+    assert s.host.ok("M204")[0] == "M204 P3000 R5000 T1234"
+    s.host.ok("M204 V1500 T1700")
+    assert s.host.ok("M204")[0].endswith(" T1700")
+    with Scenario(config.load_text(shipped_text("i3"))) as fresh:
+        fresh.host.ok("M204 P900 V1100")
+        assert fresh.host.ok("M204")[0] == "M204 P900 R5000 T1100"
+
+
+def test_m205_uses_j_beside_what_it_does_not(s):
+    s.host.ok("M205 X8 J0.05")
+    assert s.host.ok("M205")[0] == "M205 J0.05"
+
+
+@pytest.mark.parametrize(
+    ("words", "layer"),
+    [("L0.2", "0.200,0.240"), ("H16 L0.22", "0.200,0.240"), ("H8 L0.15", "0.140,0.160")],
+)
+def test_m92_tells_the_heights_of_whole_steps(s, words, layer):
+    """400 microsteps a mm: sixteen of them are 0.04 mm."""
+    before = s.host.ok("M92")[0]
+    (told, ok) = s.host.ok(f"M92 {words}")
+    least = "0.020" if "H8" in words else "0.040"
+    assert re.fullmatch(
+        rf"echo:\{{ micro steps:\d+, minimum layer height:{least}, layer:\[{layer}\] \}}", told
+    )
+    assert ok == "ok"
+    assert s.host.ok("M92")[0] == before
+    assert "H is 0" in s.host.ok("M92 H0 L1")[0]

@@ -1,0 +1,215 @@
+"""Uploads from their first line to their last, the good ones and those that cannot begin."""
+
+import pytest
+from tests.console.scenario import Host, Scenario
+from tests.console.test_card import numbered
+
+REFUSED = ["Error:PreviousCommandFailed", "ok"]
+
+
+@pytest.fixture
+def s(tmp_path):
+    (tmp_path / "old.g").write_text("G1 X1\n")
+    with Scenario("i3", card=str(tmp_path)) as scenario:
+        yield scenario
+
+
+@pytest.fixture
+def bare():
+    """A printer without a card, whose axes know where they are."""
+    with Scenario("i3") as scenario:
+        scenario.host.ok("G92 X20 Y20 Z20")
+        yield scenario
+
+
+def test_a_good_wrapper_writes_what_stands_between(s, tmp_path):
+    s.host.ok("M932")
+    assert s.host.ok("M28 Fold.g") == ["Writing to file: old.g", "ok"]
+    for line in ("G1 X2", "M105", "M999", "G28"):
+        assert s.host.ok(line) == ["ok"]
+    assert s.host.ok("M29") == ["Done saving file.", "ok"]
+    assert s.host.ok("M933") == ["ok"]
+    assert (tmp_path / "old.g").read_text() == "G1 X2\nM105\nM999\nG28\n"
+    assert (s.host.session.upload, s.host.session.strict) == (None, False)
+    s.passes(2)
+    assert s.positions()["x"] == 20.0
+
+
+def test_a_wrapper_that_cannot_begin_ends_as_a_good_one_does(s, tmp_path):
+    session = s.host.session
+    s.host.ok("M932")
+    assert s.host.ok("M28 Fno/such.g")[0].startswith("Error:/no: is not on the card")
+    for line in ("G28", "M105", "M104 S200"):
+        assert s.host.ok(line) == REFUSED
+    assert session.upload is not None
+    assert s.host.ok("M29") == ["ok"]
+    assert session.upload is None
+    assert s.host.ok("M105") == REFUSED  # until M932 or M933
+    assert s.host.ok("M933") == ["ok"]
+    assert not session.strict
+    assert "/0.00" in s.host.ok("M105")[0]
+    assert [p.name for p in tmp_path.iterdir()] == ["old.g"]
+    assert s.positions()["x"] == 20.0
+    s.host.ok("M932")
+    assert s.host.ok("M28 Fold.g") == ["Writing to file: old.g", "ok"]
+    assert s.host.ok("M29") == ["Done saving file.", "ok"]
+
+
+def test_a_path_from_the_root_is_one_wherever_names_count_from(s, tmp_path):
+    (tmp_path / "parts").mkdir()
+    s.host.ok("M23 Dparts")
+    for written, name in (("F/top.g", "/top.g"), ("/two.g", "/two.g"), ("here.g", "here.g")):
+        assert s.host.ok(f"M28 {written}")[0] == f"Writing to file: {name}"
+        assert s.host.ok("M29")[0] == "Done saving file."
+    found = sorted(str(p.relative_to(tmp_path)) for p in tmp_path.rglob("*.g"))
+    assert found == ["old.g", "parts/here.g", "top.g", "two.g"]
+    (tmp_path / "parts" / "f").mkdir()
+    s.host.ok("M28 F/in.g")
+    s.host.ok("M29")
+    assert (tmp_path / "parts" / "f" / "in.g").exists()
+
+
+def test_m932_and_m933_act_while_a_file_is_written(s, tmp_path):
+    s.host.ok("M28 old.g")
+    s.host.ok("M932")
+    assert s.host.session.strict
+    s.host.ok("G1 X3")
+    s.host.ok("M933")
+    assert not s.host.session.strict
+    assert s.host.ok("M29")[0] == "Done saving file."
+    assert (tmp_path / "old.g").read_text() == "G1 X3\n"
+
+
+def test_m932_and_m933_stand_in_no_log_and_act(s, tmp_path):
+    s.host.ok("M928 log.g")
+    s.host.ok("M932")
+    assert s.host.session.strict
+    s.host.ok("G90")
+    s.host.ok("M29")
+    assert (tmp_path / "log.g").read_text() == "G90\n"
+
+
+def test_a_file_of_a_strict_console_that_lacks_a_line_is_none(s, tmp_path):
+    lines = numbered((0, "M110 N0"), (1, "G1 X7"), (2, "G1 X8"))
+    s.host.ok("M932")
+    s.host.ok("M28 old.g")
+    s.host.ok(lines[0])
+    s.host.ok(lines[1])
+    assert "not carried out while a file is written" in s.host.ok("G1 X5")[0]
+    assert s.host.ok(lines[2]) == REFUSED
+    assert s.host.ok("M29") == ["ok"]
+    assert (tmp_path / "old.g").read_text() == "G1 X1\n"
+
+
+def test_a_halted_printer_still_writes_the_whole_file(s, tmp_path):
+    other = Host(s)
+    s.host.ok("M28 old.g")
+    s.host.ok("G1 X7")
+    other.ok("M112")
+    s.host.expect("Printer halted", 1)
+    assert s.host.ok("G1 X8") == ["ok"]
+    s.host.ok("M29")
+    assert (tmp_path / "old.g").read_text() == "G1 X7\nG1 X8\n"
+
+
+def test_lines_for_a_file_that_could_not_be_opened_say_so_once(bare):
+    assert "there is no card" in bare.host.ok("M28 a.g")[0]
+    note = "echo:G28 is not carried out: it is for the file a.g. End it with M29"
+    assert bare.host.ok("G28") == [note, "ok"]
+    assert bare.host.ok("M104 S200") == ["ok"]
+    assert bare.printer.connection.heaters["hotend"].target == 0
+    bare.host.ok("M29")
+    bare.host.ok("M104 S200")
+    bare.passes(1)
+    assert bare.printer.connection.heaters["hotend"].target == 200
+
+
+def test_a_second_upload_does_not_end_the_first(s, tmp_path):
+    lines = numbered((0, "M110 N0"), (1, "G1 X7"), (2, "G1 X8"))
+    s.host.ok("M28 old.g")
+    s.host.ok(lines[0])
+    s.host.ok(lines[1])
+    assert "old.g: is in use" in s.host.ok("M28 new.g")[0]
+    s.host.ok(lines[2])
+    assert s.host.ok("M29")[0] == "Done saving file."
+    assert (tmp_path / "old.g").read_text() == "G1 X7\nG1 X8\n"
+    s.host.ok("M928 log.g")
+    assert "is in use" in s.host.ok("M28 new.g")[0]
+    s.host.ok("G90")
+    s.host.ok("M29")
+    assert (tmp_path / "log.g").read_text() == "M28 new.g\nG90\n"
+    assert not (tmp_path / "new.g").exists()
+
+
+def test_m112_without_a_number_acts_in_an_upload_with_numbers(s):
+    lines = numbered((0, "M110 N0"), (1, "G1 X7"))
+    s.host.ok("M28 old.g")
+    s.host.ok(lines[0])
+    s.host.ok(lines[1])
+    s.host.ok("M28 new.g")
+    s.host.ok("M112")
+    assert s.printer.halted == "emergency stop by M112"
+
+
+# -- ahead of every queue -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("lines", [["M28 a.g", "M112"], ["M28 a.g\nM112"], ["M28", "G28", "M112"]])
+def test_m112_acts_in_an_upload_that_has_no_file(bare, lines):
+    for line in lines:
+        bare.host.send(line)
+    bare.passes(0.5)
+    assert bare.printer.halted == "emergency stop by M112"
+    bare.host.ok("M999")
+    bare.host.expect("ready again", 3)
+    assert not bare.printer.halted
+    bare.host.ok("M29")
+    assert bare.host.ok("G28", 60)[-1] == "ok"
+
+
+def test_m112_acts_where_a_strict_console_has_refused_the_upload(s):
+    s.host.ok("M932")
+    s.host.ok("M23 nothing.g")
+    assert s.host.ok("M28 old.g") == REFUSED
+    assert s.host.ok("M933") == ["ok"]
+    s.host.ok("M112")
+    assert s.printer.halted == "emergency stop by M112"
+
+
+def test_m410_and_m108_act_in_an_upload_that_has_no_file(bare):
+    other = Host(bare)
+    other.send("G1 X200 F600", "M400")
+    bare.host.ok("M28 a.g")
+    bare.passes(2)
+    bare.host.ok("M410")
+    other.expect("^ok", 1)
+    bare.until(lambda: bare.printer.drive.standing, 2)
+    at = bare.positions()["x"]
+    assert 30 < at < 45
+    other.ok("M400")
+    other.send("M109 S250")
+    bare.passes(1)
+    bare.host.ok("M108")
+    other.expect("^ok", 0.1)
+    assert bare.positions()["x"] == at
+
+
+def test_m112_behind_an_upload_in_hand_is_text_only_if_the_upload_begins(s, tmp_path):
+    """Both M28 wait behind M400."""
+    s.host.ok("G92 X20 Y20 Z20")
+    s.host.send("G1 X30 F600", "M400", "M28 old.g", "M112", "M29")
+    s.passes(3)
+    assert not s.printer.halted
+    assert (tmp_path / "old.g").read_text() == "M112\n"
+    s.host.send("G1 X40 F600", "M400", "M28 no/such.g", "M112", "M29")
+    s.passes(0.5)
+    assert not s.printer.halted  # nobody knows yet
+    s.passes(3)
+    assert s.printer.halted == "emergency stop by M112"
+
+
+def test_m112_behind_the_end_of_an_upload_in_hand_acts_at_once(s):
+    s.host.ok("G92 X20 Y20 Z20")
+    s.host.send("G1 X100 F600", "M400", "M28 old.g", "G28", "M29", "M112")
+    s.passes(0.1)
+    assert s.printer.halted == "emergency stop by M112"

@@ -1,0 +1,174 @@
+"""Waits of lines that end early, hosts that leave while they wait, and lines that break."""
+
+import pytest
+from tests.console.scenario import Host, Scenario
+
+from passo import config
+from passo.config.load import shipped_text
+from passo.errors import CardError
+
+
+@pytest.fixture
+def s():
+    with Scenario("i3") as scenario:
+        scenario.host.ok("G92 X20 Y20 Z20")
+        yield scenario
+
+
+def oks(host, start=0):
+    return [x for x in host.heard[start:] if x.startswith("ok")]
+
+
+# -- M108 while the plan is full ------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("own", [True, False])
+@pytest.mark.parametrize(
+    ("feed", "waits"), [(600, "M400"), (100, "M109 S200"), (100, "M0"), (100, "M190 S60")]
+)
+def test_m108_ends_a_wait_that_has_no_room_yet(s, own, feed, waits):
+    other = s.host if own else Host(s)
+    s.host.ok(f"G1 X100 F{feed}")
+    start = len(s.host.heard)
+    s.host.send(waits)
+    s.passes(1)
+    assert not s.printer.has_room()
+    other.send("M108")
+    s.passes(0.03)
+    assert len(oks(s.host, start)) == 1 + own
+    if waits.startswith("M109"):
+        s.passes(60)
+        assert s.printer.connection.heaters["hotend"].target == 200
+    s.host.ok("M400", 60)
+    assert s.positions()["x"] == 100.0  # the moves went on
+
+
+def test_m108_ends_the_first_wait_of_such_a_line_alone(s):
+    s.host.ok("G1 X100 F600")
+    start = len(s.host.heard)
+    s.host.send("M0 M0")
+    s.passes(0.5)
+    s.host.send("M108")
+    s.passes(20)
+    assert len(oks(s.host, start)) == 0
+    s.host.send("M108")
+    s.passes(0.1)
+    assert len(oks(s.host, start)) == 3
+
+
+def test_an_axis_is_not_homed_if_somebody_wants_no_wait(s):
+    s.host.ok("G1 X100 F600")
+    s.host.send("G28")
+    s.passes(0.5)
+    s.host.send("M108")
+    s.host.expect("^echo:it was stopped$", 0.1)
+    s.host.ok("M400", 20)
+    assert s.positions()["x"] == 100.0
+
+
+# -- hosts that leave -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("line", ["M0 M0 M0", "M109 S200 M0 M190 S90", "M0 G28 M0", "G4 S1 M0 M0"])
+def test_a_host_that_leaves_ends_all_waits_of_its_line(s, line):
+    other = Host(s)
+    other.send(line)
+    s.passes(2)
+    assert s.printer.turn.taken
+    other.session.close()
+    s.passes(0.2)
+    assert not s.printer.turn.taken
+    assert s.host.ok("G92 X20") == ["ok"]
+
+
+# -- lines that break -----------------------------------------------------------------------------
+
+
+def broken(*_, **__):
+    raise ZeroDivisionError("by the test")
+
+
+FAULT = "a fault of the program, ZeroDivisionError: by the test"
+
+
+@pytest.mark.parametrize(
+    ("line", "place"),
+    [
+        ("M105", "act"),
+        ("G1 X30", "take_line"),
+        ("M109 S200", "take_line"),
+        ("M109 S200", "wait"),
+        ("G28", "finish"),
+    ],
+)
+def test_a_fault_of_the_program_halts_and_costs_no_ok(s, monkeypatch, line, place):
+    s.host.ok("M140 S60")
+    s.passes(1)
+    with monkeypatch.context() as patch:
+        patch.setattr(s.printer, place, broken)
+        answer = s.host.ok(line)
+    assert answer[-1] == "ok"
+    assert any(FAULT in x for x in answer)
+    assert FAULT in s.printer.halted
+    s.host.expect("^Error:Printer halted: a fault of the program", 1)
+    assert not s.printer.turn.taken
+    assert s.printer.connection.heaters["bed"].target == 0
+    s.host.ok("M999")
+    s.host.expect("ready again", 3)
+    assert s.host.ok("G28", 60)[-1] == "ok"
+
+
+def test_a_fault_behind_a_full_plan_gives_the_turn(s, monkeypatch):
+    s.host.ok("G1 X100 F600")
+    s.host.send("G1 X120", "M118 after")
+    monkeypatch.setattr(s.printer, "take_line", broken)
+    s.host.expect(FAULT, 10)
+    s.host.expect("^after$", 1)
+    assert not s.printer.turn.taken
+    assert len(oks(s.host)) == 4  # G92, G1, G1, M118
+
+
+@pytest.mark.parametrize("line", ["M500 G1 X60 F6000", "G4 P1 M500 G1 X60", "M400 M500 G1 X60"])
+def test_a_command_that_fails_in_mid_line_ends_its_line_alone(s, monkeypatch, line):
+    def fails(*_):
+        raise CardError.of("card.absent", value="by the test")
+
+    monkeypatch.setitem(s.printer.planned, "M500", fails)
+    answer = s.host.ok(line)
+    assert "there is no card: by the test" in answer[0]
+    assert not s.printer.halted
+    assert s.host.ok("G1 X40 F6000") == ["ok"]
+    s.host.ok("M400")
+    assert s.positions()["x"] == 40.0
+
+
+def test_a_wait_that_fails_ends_its_line_and_not_its_console():
+    """The heater stops by itself; the rest of the machine goes on."""
+    text = shipped_text("i3").replace(
+        "[heaters.hotend]\n", '[heaters.hotend]\non_fault = "heater"\n'
+    )
+    with Scenario(config.load_text(text)) as s:
+        s.host.ok("G92 X20 Y20 Z20")
+        s.host.send("M109 S200 G1 X60 F6000")
+        s.passes(2)
+        s.board.force_sensor("hotend", 1.0)
+        s.host.expect("^ok", 10)
+        assert not s.printer.halted
+        assert s.host.ok("G1 X40 F6000") == ["ok"]
+        assert s.host.ok("M400") == ["ok"]
+        assert s.positions()["x"] == 40.0
+
+
+# -- reports --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("command", "shown"), [("M155 S0.0001", " T:"), ("M154 S0.001", "X:"), ("M921 S.01", "//trace")]
+)
+def test_reports_come_ten_times_a_second_at_most(s, command, shown):
+    s.host.ok(command)
+    start = len(s.host.heard)
+    s.passes(2.05)
+    lines = [x for x in s.host.heard[start:] if x.startswith(shown)]
+    each = len(s.printer.heaters) if command.startswith("M921") else 1
+    assert len(lines) == 20 * each

@@ -1,0 +1,255 @@
+"""Pauses of prints that a host sends: M600, M601, and faults of heaters."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from tests.console.scenario import Host, Scenario
+
+from passo import config
+from passo.config.machine import MachineConfig
+
+PLACE = (5.0, 180.0)  # where it parks
+
+
+def parking(text: str = "") -> MachineConfig:
+    """An i3 with a place to park; a bed's fault does what the text says."""
+    bed = "max_c = 120.0\n"
+    shipped = config.shipped_text("i3").replace(bed, bed + text, 1)
+    return config.load_text(f"{shipped}\n[park]\nposition_mm = {list(PLACE)}\n")
+
+
+@pytest.fixture
+def s():
+    with Scenario(parking()) as scenario:
+        for line in ("M302 P1", "G92 X0 Y0 Z0 E0", "G1 X50 Y40 Z5 E3 F6000", "M400"):
+            scenario.host.ok(line, 20)
+        yield scenario
+
+
+def at(s: Scenario) -> tuple[float, float, float, float]:
+    """How far motors have gone since the start of the test: X, Y, Z, E in mm."""
+    places = s.positions()
+    return tuple(round(places[n], 2) for n in ("x", "y", "z", "e"))  # type: ignore[return-value]
+
+
+def actions(host: Host) -> list[str]:
+    return [x.removeprefix("// action:") for x in host.heard if x.startswith("// action:")]
+
+
+def way(before: tuple[float, ...], now: tuple[float, ...]) -> tuple[float, ...]:
+    return tuple(round(b - a, 2) for a, b in zip(before, now, strict=True))
+
+
+@pytest.mark.parametrize("command", ["M600", "M601"])
+@pytest.mark.parametrize("answer", ["M108", "M876 S0", "M602"])
+def test_the_nozzle_leaves_the_print_and_comes_back(s, command, answer):
+    park = s.machine.park
+    before = at(s)
+    s.host.send(command)
+    s.passes(10)
+    x, y = PLACE
+    assert way(before, at(s)) == pytest.approx(
+        (x - 50, y - 40, park.raise_mm, -park.retract_mm), abs=0.02
+    )
+    s.host.silent(60, "^ok")
+    assert actions(s.host)[0] == "pause"
+    Host(s).send(answer)
+    s.host.expect("^ok", 10)
+    s.passes(1)
+    assert way(before, at(s)) == pytest.approx((0, 0, 0, 0), abs=0.02)
+    assert actions(s.host)[-1] == "resume"
+    s.host.ok("G1 X60 E4 F6000")
+    s.host.ok("M400")
+    assert way(before, at(s)) == pytest.approx((10, 0, 0, 1), abs=0.02)
+
+
+def test_words_of_m600_say_how_it_parks(s):
+    """E takes back and Z lifts by so much, X and Y are the place, U unloads and L loads."""
+    before = at(s)
+    s.host.send("M600 E4 Z7 X60 Y30 U80 L50")
+    s.passes(20)
+    assert way(before, at(s)) == pytest.approx((10, -10, 7, -84), abs=0.02)
+    s.host.send("M108")
+    s.host.expect("^ok", 30)
+    s.passes(1)
+    assert way(before, at(s)) == pytest.approx((0, 0, 0, -30), abs=0.02)
+    s.host.ok("G1 E4 F600")  # filament that was moved meanwhile does not count
+    s.host.ok("M400")
+    assert way(before, at(s))[3] == pytest.approx(-29, abs=0.02)
+
+
+def test_words_of_m600_count_in_a_file_too(tmp_path):
+    (tmp_path / "a.g").write_text("G92 X0 Y0 Z0\nG1 X10 Z5 F6000\nM600 Z7 X60 Y30\nG1 X20\n")
+    with Scenario("i3", card=str(tmp_path)) as s:
+        s.host.ok("M23 a.g")
+        before = at(s)
+        s.host.ok("M24")
+        s.passes(20)
+        assert way(before, at(s)) == pytest.approx((60, 30, 12, 0), abs=0.02)
+        s.host.ok("M24")
+        s.host.expect("Done printing", 20)
+        assert way(before, at(s)) == pytest.approx((20, 0, 5, 0), abs=0.02)
+        assert "pause" not in actions(s.host)
+
+
+def test_a_laser_is_dark_while_its_file_pauses(tmp_path):
+    (tmp_path / "a.g").write_text("G92 X0 Y0 Z0\nM3 S500\nG1 X20 F3000\nM601\nG1 X60\n")
+    with Scenario("laser", card=str(tmp_path)) as s:
+        full = s.printer.connection.full_scale("laser")
+        s.host.ok("M23 a.g")
+        s.host.ok("M24")
+        s.host.expect("Paused; go on with M24", 10)
+        s.passes(1)
+        for _ in range(20):
+            s.passes(0.5)
+            assert s.board.output_value("laser") == 0
+        assert s.positions()["x"] == pytest.approx(20, abs=0.02)  # behind the moves before it
+        s.host.send("M24")
+        lit = pytest.approx(0.5, abs=0.005)
+        assert s.until(lambda: s.board.output_value("laser") / full == lit, 2)
+        s.host.expect("Done printing", 10)
+        assert s.positions()["x"] == pytest.approx(60, abs=0.02)
+        assert s.board.output_value("laser") == 0
+
+
+def test_a_stop_in_the_pause_brings_nothing_back(s):
+    s.host.send("M600")
+    s.passes(10)
+    parked = at(s)
+    Host(s).ok("M410")
+    s.host.expect("^echo:it was stopped", 5)
+    s.host.expect("^ok", 5)
+    s.passes(5)
+    assert at(s) == parked
+    assert "resume" not in actions(s.host)
+    s.host.ok("G91")
+    s.host.ok("G1 X-5 F6000")
+    s.host.ok("M400")
+    assert way(parked, at(s)) == pytest.approx((-5, 0, 0, 0), abs=0.02)
+
+
+def test_a_host_that_hangs_up_leaves_the_nozzle_parked(s):
+    beside = Host(s)
+    s.host.send("M600")
+    s.passes(10)
+    parked = at(s)
+
+    async def hang_up() -> None:
+        s.host.session.close()
+
+    s.run(hang_up())
+    s.passes(10)
+    assert at(s) == parked
+    beside.ok("G91")
+    beside.ok("G1 X5 F6000")
+    beside.ok("M400")
+    assert way(parked, at(s)) == pytest.approx((5, 0, 0, 0), abs=0.02)
+
+
+def test_an_emergency_stop_ends_the_pause(s):
+    s.host.send("M600")
+    s.passes(10)
+    Host(s).ok("M112")
+    s.host.expect("Printer halted", 5)
+    s.host.expect("^ok", 5)
+    s.host.ok("M999")
+    s.host.expect("ready again", 10)
+    s.host.ok("G92 X0 Y0 Z0")
+    s.host.ok("G1 X5 F6000")
+    assert s.printer.job.suspended is False
+
+
+def test_a_machine_that_does_not_know_where_it_is_stays(tmp_path):
+    with Scenario("i3") as s:
+        before = at(s)
+        s.host.send("M600")
+        s.passes(10)
+        assert at(s) == before
+        s.host.send("M108")
+        s.host.expect("^ok", 5)
+
+
+# -- a heater fails -------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def mild():
+    """Its bed's faults pause what is printed."""
+    with Scenario(parking('on_fault = "job"\n')) as scenario:
+        for line in ("M302 P1", "M140 S60", "G92 X0 Y0 Z0 E0", "G1 X10 Y40 Z5 F6000", "M400"):
+            scenario.host.ok(line, 20)
+        yield scenario
+
+
+def fail(s: Scenario) -> None:
+    s.board.force_sensor("bed", 0.0)
+    s.host.expect("heater bed was switched off", 5)
+
+
+def test_a_heater_s_fault_pauses_what_a_host_sends(mild):
+    s = mild
+    before = at(s)
+    lines = [f"G1 X{10 + 100 * ((i + 1) % 2)} E{i + 1} F3000" for i in range(30)]
+    s.host.send(*lines)
+    s.passes(1)
+    fail(s)
+    s.passes(10)
+    park = s.machine.park
+    assert s.printer.drive.standing
+    assert way(before, at(s))[2] == pytest.approx(park.raise_mm, abs=0.02)
+    assert actions(s.host)[0] == "pause"
+    parked, oks = at(s), s.host.heard.count("ok")
+    s.passes(120)
+    assert (at(s), s.host.heard.count("ok")) == (parked, oks)
+    assert s.host.heard.count("ok") < 5 + 30
+    Host(s).ok("M922")
+    Host(s).ok("M108")
+    s.host.expect("// action:resume", 10)
+    s.host.send("M400", "M118 done")
+    s.host.expect("^done", 120)
+    assert way(before, at(s)) == pytest.approx((0, 0, 0, 30), abs=0.02)
+    assert s.host.heard.count("ok") == 5 + 30 + 2
+
+
+def test_axes_home_to_the_end_before_it_pauses(mild):
+    s = mild
+    s.host.send("G28", "G1 X30 Y30 Z30 F6000")
+    s.passes(1)
+    fail(s)
+    s.host.expect("busy: paused for user", 60)
+    assert s.printer.job.locked_axes == []
+    s.passes(5)
+    assert (s.positions()["x"], s.positions()["y"]) == pytest.approx(PLACE, abs=0.1)
+    s.host.send("M108")
+    s.host.send("M400", "M118 done")
+    s.host.expect("^done", 60)
+    assert [s.positions()[n] for n in "xy"] == pytest.approx([30, 30], abs=0.1)
+
+
+def test_a_machine_that_stands_idle_only_tells(mild):
+    s = mild
+    s.passes(60)
+    before = at(s)
+    fail(s)
+    s.passes(10)
+    assert actions(s.host) == ["pause"]
+    assert at(s) == before
+    s.host.ok("G1 X20 F6000")
+
+
+def test_a_halt_ends_it(mild):
+    s = mild
+    s.host.send("G1 X100 F600")
+    s.passes(1)
+    fail(s)
+    s.passes(1)
+    s.host.ok("M112")
+    s.host.expect("Printer halted", 5)
+    s.host.ok("M999")
+    s.host.expect("ready again", 10)
+    s.host.ok("G92 X0 Y0 Z0")
+    s.host.ok("G1 X5 F6000")
+    s.host.ok("M400")
+    assert re.match("X:5.000 ", s.host.ok("M114")[0])
