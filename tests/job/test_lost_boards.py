@@ -10,7 +10,9 @@ from tests.job.test_disturbed import disturb, spiral, steps
 from tests.job.test_lost_link import FIRMWARE
 from tests.job.two_boards import two_boards
 
+from passo.board.connection import Connection
 from passo.config.places import MAIN
+from passo.printer.drive import LEAD_S
 from passo.printer.wiring import connect_simulated
 from passo.simulator import Cable
 
@@ -65,3 +67,41 @@ def test_it_ends_where_it_would_have_ended(monkeypatch, undisturbed, world, seed
         assert sum("The boards are back" in line for line in s.host.heard) > 2
         assert faults(s) == []
         assert steps(s) == wanted
+
+
+@pytest.fixture
+def gone_back(monkeypatch):
+    """The boards that had to go back, as they had heard of one commit more than the other."""
+    boards = []
+    move_evenly = Connection.move_evenly
+
+    def spied(self, steps, seconds, serial):
+        boards.append(self.name)
+        move_evenly(self, steps, seconds, serial)
+
+    monkeypatch.setattr(Connection, "move_evenly", spied)
+    return boards
+
+
+@pytest.mark.parametrize("board", [MAIN, "tool"])
+def test_a_break_within_the_round_trip_of_a_commit(monkeypatch, tmp_path, gone_back, board):
+    """The other board gets the word that makes a commit valid, and this one does not."""
+    with scenario(monkeypatch, tmp_path, "far") as s:
+        s.host.ok("M302 P1")
+        s.host.ok("G92 X0 Y0 Z0 E0")
+        s.host.send("G1 X150 Y120 Z12 E90 F600", "G1 X0 E0", "M400", "M118 done")
+        s.passes(1.0)
+        boards, hz = s.printer.connection, s.printer.drive.hz
+        for i in range(30):
+            before = len(gone_back)
+            s.passes(0.5 + 0.01 * (i % 8))
+            boards.run(boards.now + int(0.001 * (i % 10) * hz))
+            cut(s, board, 0.4)
+            s.host.expect("The boards are back", 12)
+            s.passes(LEAD_S)
+            assert len(gone_back) - before <= 1
+        other = "tool" if board == MAIN else MAIN
+        assert set(gone_back) == {other} and len(gone_back) < 25
+        s.host.expect("done", 60)
+        assert faults(s) == []
+        assert steps(s) == {"x": 0, "y": 120 * 80, "z": 12 * 400, "e": 0}
