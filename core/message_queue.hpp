@@ -60,12 +60,11 @@ class MessageQueue {
     commits_ = 0;
     taken_until_ = clock;
   }
-  // All messages behind this commit are to be taken again, and none before it. False if it was
-  // taken too long ago, or never handed out.
+  // All messages behind this commit are to be taken again. False if it was taken too long ago, or
+  // not at all.
   bool rewind_behind(uint32_t serial) {
-    for (size_t i = tail_; i-- > kept_;) {
+    for (size_t i = head_; i-- > kept_;) {
       if (at(i).kind != MessageKind::commit || at(i).interval != serial) continue;
-      while (head_ <= i) pop();
       for (size_t k = i + 1; k < head_; ++k) commits_ -= at(k).kind == MessageKind::commit;
       head_ = i + 1;
       taken_until_ = at(i).clock;

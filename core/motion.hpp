@@ -241,10 +241,12 @@ class Motion {
     return ticks_of_cut_;
   }
 
-  // As replan_from, but brakes to a stop on the path. What is left of it waits for `release`.
+  // As replan_from, but brakes to a stop on the path. What is left of it waits for `release`, with
+  // what is held already.
   double hold_from(double ticks) {
     std::vector<Move> rest;
     double speed2 = cut(ticks, rest);
+    rest.insert(rest.end(), held_.begin(), held_.end());
     planner_.take_queue(rest);
     planner_.stand(ticks_of_cut_);
     std::vector<Move> braking;

@@ -24,7 +24,7 @@ class JobStream {
   // A message leaves at most this long before its clock, and at least kHorizon - kQuantum unless it
   // was planned later: in between it waits for others to fill a frame.
   static constexpr double kHorizonSeconds = 0.150, kQuantumSeconds = 0.025;
-  static constexpr size_t kLongestCommand = 2 + 2 + 5 + 3 + kVlqRoom;
+  static constexpr size_t kLongestCommand = 2 + 5 + 5 + 1 + 2 + kVlqRoom;
 
   explicit JobStream(double clock_hz)
       : horizon_(Ticks(kHorizonSeconds * clock_hz)), quantum_(Ticks(kQuantumSeconds * clock_hz)),
@@ -46,6 +46,7 @@ class JobStream {
   // The board takes commits: a message leaves so many ticks before its clock instead.
   void use_commits(const Formats& commands, Ticks horizon) {
     commit_ = prefix(commands, "survive_commit");
+    query_ = prefix(commands, "survive_query");
     for (Stepper& s : steppers_) s.tail = prefix(commands, "survive_tail", s.oid);
     horizon_ = horizon;
     commits_ = true;
@@ -145,14 +146,15 @@ class JobStream {
   // full: the next command did not fit. complete: the board is to have all so far before the next
   // one.
   enum class Fill : uint8_t { dry, full, complete };
+  // Whether the word that makes a commit valid may go into a frame. `and_ask`: with the question
+  // for what the board has done, `ask`: that question alone.
+  enum class Word : uint8_t { no, yes, and_ask, ask };
   // Appends commands that may leave at board clock `now` to a payload of `size` bytes (room for
   // kPayloadMax + kLongestCommand). `first` becomes the clock of the most urgent message in the
-  // frame, `need` the clock at which the board needs it. `may_commit(serial)`: whether the word
-  // that makes a commit valid may go into this frame; if not, nothing behind it leaves until
-  // fill() is called again.
-  template <typename MayCommit>
-  Fill fill(uint8_t* payload, size_t& size, Ticks& first, Ticks& need, Ticks now,
-            MayCommit&& may_commit) {
+  // frame, `need` the clock at which the board needs it. `commit(serial)` tells of a Word; if it
+  // may not go, nothing behind it leaves until fill() is called again.
+  template <typename Commit>
+  Fill fill(uint8_t* payload, size_t& size, Ticks& first, Ticks& need, Ticks now, Commit&& commit) {
     slot_wait_ = kNever;
     complete_ = false;
     if (!running_ || !queue_) return Fill::dry;
@@ -164,14 +166,20 @@ class JobStream {
       if (queue.empty()) break;
       const Message& m = queue.front();
       if (m.clock > limit) break;
-      if (m.kind == MessageKind::commit && !may_commit(m.interval)) {
+      Word word = m.kind == MessageKind::commit ? commit(m.interval) : Word::yes;
+      if (word == Word::no || word == Word::ask) {
         complete_ = true;
+        if (word == Word::ask && size + query_.size <= kPayloadMax) {
+          size = size_t(put(payload + size, query_) - payload);
+          first = std::min(first, m.clock + base_);
+        }
         return Fill::complete;
       }
       bool slot = m.kind == MessageKind::queue_step || m.kind == MessageKind::pin ||
                   m.kind == MessageKind::tail || (commits_ && m.kind == MessageKind::reset_clock);
       if (slot && ends_.size() >= slots_ && !free_slots(now)) break;
       uint8_t* end = encode(m, payload + size);
+      if (word == Word::and_ask) end = put(end, query_);
       if (size_t(end - payload) > kPayloadMax) return Fill::full;
       size = size_t(end - payload);
       first = std::min(first, m.clock + base_);
@@ -230,7 +238,7 @@ class JobStream {
   Ticks horizon_, quantum_, margin_;
   std::vector<Stepper> steppers_;
   std::vector<Pin> pins_;
-  Prefix commit_{};
+  Prefix commit_{}, query_{};
   bool commits_ = false;
   bool complete_ = false;    // what is at the board, or on its way, waits for a commit
   std::vector<Ticks> ends_;  // board clocks at which slots in use are free again; unordered

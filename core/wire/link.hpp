@@ -158,6 +158,7 @@ class Link {
   // The machine stands, and motion comes in commits from here on, if `on`.
   void begin_commits(bool on) {
     job_.begin_commits();
+    agree();
     if (!timeline_) return;
     if (on)
       timeline_->begin_commits();
@@ -211,6 +212,7 @@ class Link {
   // The board has taken over again what it keeps; the job goes on.
   void go_on() {
     alone_ = false;
+    agree();
     map_anew_ = job_.retimer() != nullptr;
     for (size_t i = 0; keeps_ && i < heaters_.size(); ++i) tell_keeping(i, kept_[i]);
     job_.go_on();
@@ -325,6 +327,8 @@ class Link {
   static constexpr int64_t kBraking = 3;  // state of survive_state from which on the board is alone
   bool alone_ = false, long_ago_ = false;  // the board was not heard for a while
   uint64_t last_of_job_ = 0;               // number of the last frame with messages of the job
+  uint32_t committed_ = 0;                 // serial of the last commit sent; of several boards'
+  bool taken_ = true;                      // the board has said that it has that
   bool shut_down_ = false;
   uint32_t shutdown_reason_ = 0;
   uint64_t wire_bytes_ = 0, frames_ = 0, bad_frames_ = 0;
@@ -363,13 +367,13 @@ class Link {
     }
     bool commits = false;
     if (sync_.ready() && !shut_down_) {
-      auto may = [&](uint32_t serial) {
-        if (!timeline_) return true;
-        bool may = may_commit(serial);
-        commits |= may;
-        return may;
+      auto word = [&](uint32_t serial) {
+        if (!timeline_) return JobStream::Word::yes;
+        JobStream::Word word = word_for(serial);
+        commits |= word == JobStream::Word::and_ask;
+        return word;
       };
-      auto filled = job_.fill(payload, open_size_, open_first_, open_need_, clock, may);
+      auto filled = job_.fill(payload, open_size_, open_first_, open_need_, clock, word);
       if (filled == JobStream::Fill::full) return true;
       if (filled == JobStream::Fill::complete) return open_size_ > 0;
     }
@@ -377,11 +381,23 @@ class Link {
     return holds_command_ || commits || job_.must_leave(open_first_) <= clock;
   }
 
-  // All that belongs to a commit must be acknowledged, on all boards, before the word for it
-  // leaves, which it does at once then.
-  bool may_commit(uint32_t serial) {
-    if (open_first_ != kNever || window_.acked() <= last_of_job_) return false;
-    return timeline_->may_commit(seat_, serial);
+  // All that belongs to a commit must be acknowledged, on all boards, and the commit before it
+  // taken, before the word for it leaves, which it does at once then. What a board answers comes
+  // before the acknowledgement, or never.
+  JobStream::Word word_for(uint32_t serial) {
+    if (serial == committed_) return JobStream::Word::and_ask;  // it did not fit
+    if (alone_ || open_first_ != kNever || window_.acked() <= last_of_job_)
+      return JobStream::Word::no;
+    if (!taken_) return JobStream::Word::ask;
+    if (!timeline_->may_commit(seat_, serial)) return JobStream::Word::no;
+    committed_ = serial;
+    taken_ = false;
+    return JobStream::Word::and_ask;
+  }
+  // The board and the host mean the same commit.
+  void agree() {
+    committed_ = 0;
+    taken_ = true;
   }
   void stop_at_once() {
     halted_ = true;
@@ -475,6 +491,7 @@ class Link {
       if (id == trsync_id_ && timeline_) take_trsync(values);
       if (id == survive_id_ && job_.running()) {
         alone_ |= std::get<int64_t>(values.at(0)) >= kBraking;
+        taken_ |= uint32_t(std::get<int64_t>(values.at(1))) == committed_;
         return;
       }
       if (id == shutdown_id_ || id == is_shutdown_id_) {

@@ -2,6 +2,7 @@
 have, on both."""
 
 import random
+from array import array
 from functools import partial
 
 import pytest
@@ -105,3 +106,68 @@ def test_a_break_within_the_round_trip_of_a_commit(monkeypatch, tmp_path, gone_b
         s.host.expect("done", 60)
         assert faults(s) == []
         assert steps(s) == {"x": 0, "y": 120 * 80, "z": 12 * 400, "e": 0}
+
+
+@pytest.mark.parametrize("board", [MAIN, "tool"])
+@pytest.mark.parametrize("seconds", [2.0, 40.0, 300.0])
+def test_boards_keep_time_with_each_other_after_it(monkeypatch, tmp_path, board, seconds):
+    """X and Z go evenly, so that each step of Z has its place among those of X."""
+    with scenario(monkeypatch, tmp_path, "fast") as s:
+        s.host.ok("G92 X0 Y0 Z0")
+        s.host.send("G1 X100 Z20 F600", "M400", "M118 done")
+        s.passes(2.0)
+        cut(s, board, seconds)
+        s.host.expect("The boards are back", 12)
+        for name in "xz":
+            s.board.trace_steps(name, 0, 2**62)
+        s.host.expect("done", 20)
+        clocks = {name: array("q", s.board.take_steps(name, 0, 2**62)[0]) for name in "xz"}
+        x, z = list(clocks["x"]), list(clocks["z"])
+        assert len(x) > 4000 and len(z) == len(x)
+        skews = [abs(a - b) / 16 for a, b in zip(x[500:-500], z[500:-500], strict=True)]
+        assert max(skews) <= 25
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_pauses_and_limits_beside_it(monkeypatch, undisturbed, seed):
+    card, wanted = undisturbed
+    generator = random.Random(seed)
+    with scenario(monkeypatch, card, "fast") as s:
+
+        def perhaps():
+            if generator.random() < 0.5 and s.printer.drive.now_s > 16:
+                cut(s, generator.choice((MAIN, "tool")), generator.choice((0.02, 0.3, 2.0)))
+                s.passes(5.0)
+
+        disturb(s, generator, perhaps)
+        assert faults(s) == []
+        assert steps(s) == wanted
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_noise_on_either_cable(monkeypatch, undisturbed, seed):
+    card, wanted = undisturbed
+    generator = random.Random(seed)
+    with scenario(monkeypatch, card, "fast") as s:
+        s.host.ok("M32 a.g")
+        s.passes(16)
+        while "Done printing file" not in s.host.heard:
+            s.passes(generator.expovariate(0.5))
+            board = generator.choice((MAIN, "tool"))
+            s.board.spoil_cable(board, generator.choice((0.002, 0.02, 0.05, 0.2, 0.5)))
+            s.passes(5.0)
+            s.board.spoil_cable(board, 0.0)
+            s.passes(3.0)
+            assert not s.printer.halted
+        assert faults(s) == []
+        assert steps(s) == wanted
+
+
+def test_a_cable_far_away_stops_nothing(monkeypatch, undisturbed):
+    """Each commit waits for what is to be acknowledged by both boards."""
+    card, wanted = undisturbed
+    with scenario(monkeypatch, card, "far") as s:
+        s.host.ok("M32 a.g")
+        s.host.expect("Done printing", 900)
+        assert not [line for line in s.host.heard if "The machine waits" in line]
+        assert steps(s) == wanted

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from passo.printer.printer import Printer
 
 _AGAIN_S = 0.5  # between two tries to open the port
-_CLOCKS_S = 1.0  # until the clock of one of several boards is known again
+_CLOCKS_S = 4.0  # until the clock of one of several boards is known again
 # What a board did in one commit, it takes back in so long: some 40 times as slowly.
 _BACK_S = 3.0
 
