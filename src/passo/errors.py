@@ -241,6 +241,11 @@ CATALOGUE: Mapping[str, Entry] = {
     "heat.no-pid": _input(
         "heat", "heater {axis} is not controlled by PID", "Change its control in the machine file"
     ),
+    "heat.no-model": _input(
+        "heat",
+        "heater {axis} is not controlled by its model",
+        "Change its control in the machine file",
+    ),
     "heat.no-thermistor": _input(
         "heat", "the sensor of {axis} is no thermistor", "Change it in the machine file"
     ),

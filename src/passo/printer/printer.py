@@ -11,6 +11,7 @@ from passo.board.ports import LinkLostError
 from passo.config.drives import axis_order
 from passo.errors import CommandError, MachineError
 from passo.printer.commands import Commands
+from passo.printer.control_commands import ControlCommands
 from passo.printer.drive import MOST_QUEUED, TICK_S, Drive
 from passo.printer.driver_commands import DriverCommands
 from passo.printer.drivers import DriverWatch
@@ -79,17 +80,18 @@ class Printer:
         self.heat = HeatCommands(self)
         self.motion = MotionCommands(self)
         self.person = PersonCommands(self)
-        self.tunes = TuneCommands(self)
+        self.controls = ControlCommands(self)
+        self.tunes = TuneCommands(self, self.controls)
         self.endstops = EndstopWatch(self)
         self.watchers.append(self.endstops.time_passed)
         self.watchers.append(self.drivers.time_passed)
         self.watchers.append(self.lateness.time_passed)
-        self.store_settings: Callable[[], object] = lambda: None
+        self.store_settings: Callable[[], object] | None = None  # durably; None: nowhere
         self.immediate: dict[str, Handler] = (
             self.heat.immediate
             | self.motion.immediate
             | self.person.immediate
-            | self.tunes.immediate
+            | self.controls.immediate
             | self.endstops.immediate
         )
         self.planned: dict[str, Handler] = (
@@ -501,11 +503,11 @@ class Printer:
     async def _tune(self, wait: Tuning) -> None:
         self.heating = True
         try:
-            await self.drive.until(lambda: wait.step() or self.interrupted)
+            # Who has switched the heater off must not find it heating for one step more.
+            await self.drive.until(lambda: self.interrupted or wait.step())
         finally:
             self.heating = False
-            if not self.halted:
-                wait.finish()
+            wait.finish()
 
     async def _person(self, wait: Person, reply: Reply) -> None:
         reply.say("echo:busy: paused for user")
