@@ -102,9 +102,8 @@ class Runner:
     @property
     def offset(self) -> int:
         """Bytes of it that were read and planned."""
-        job = self._printer.job
-        job.select(False)
-        return self._begin + job.offset
+        with self._printer.file_selected() as job:
+            return self._begin + job.offset
 
     @property
     def progress(self) -> float | None:
@@ -126,6 +125,7 @@ class Runner:
         """The file to print next, and its path on the card. Raises CommandError while one is
         printed."""
         self._refuse_if_active()
+        self._again = False
         if self._reader:
             self._reader.close()
         self.name, self.path, self._reader = name, path, reader
@@ -135,6 +135,7 @@ class Runner:
     def release(self) -> None:
         """No file is selected any more. Raises CommandError while one is printed."""
         self._refuse_if_active()
+        self._again = False
         if self._reader:
             self._reader.close()
         self.name, self.path, self._reader = "", "", None
@@ -163,14 +164,16 @@ class Runner:
         self._again = self._task is not None and not self._task.done()
         if self._again:
             return  # when the one that was just cancelled has let go of the machine
-        self.state = State.PRINTING
-        self._resumed.clear()
+        # The task is there before anybody hears of it, and runs when all have.
         task = asyncio.get_running_loop().create_task(self._print())
         task.add_done_callback(self._over)
         self._task = task  # the loop alone would not keep it
+        self._resumed.clear()
+        self.state = State.PRINTING
 
     def pause(self) -> None:
         """Brakes to a stop on the path at once; `start` goes on from there."""
+        self._again = False
         if self.state is State.PRINTING:
             self.state = State.PAUSED
             self._resumed.clear()
@@ -212,9 +215,8 @@ class Runner:
             raise CommandError.of("job.printing", value=self.name)
 
     def _rewind(self, offset: int, line: int = 1) -> None:
-        job = self._printer.job
-        job.select(False)
-        job.restart(line)
+        with self._printer.file_selected() as job:
+            job.restart(line)
         self._begin, self.first_line = offset, line
         if self._reader:
             self._reader.seek(offset)

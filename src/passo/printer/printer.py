@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Generator, Iterable, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from passo import _core
@@ -121,6 +122,7 @@ class Printer:
         connection.set_on_fault(self._heater_failed)
         self.drivers.begin(connection)
         self.job = _core.Job(machine.core_spec(), True, False, False)
+        self._from_console = False  # what is read is a console's line
         full = [connection.full_scale(o.name) for o in connection.board.outputs]
         self.commands = Commands(machine, self.job, self, full)
         self.drive = Drive(connection, self.job, free=self._free, set_target=self._apply_target)
@@ -275,8 +277,19 @@ class Printer:
 
     def select(self, *, console: bool) -> None:
         """What is read next comes from a console, or else from the file."""
+        self._from_console = console
         self.job.select(console)
         self.heat.guard_extrusion()
+
+    @contextmanager
+    def file_selected(self) -> Generator[_core.Job]:
+        """The job with the file's text selected: to ask or restart it, not to read on, while a line
+        of a console may be under way."""
+        self.job.select(False)
+        try:
+            yield self.job
+        finally:
+            self.job.select(self._from_console)
 
     def take_line(self, text: str, reply: Reply) -> Wait | None:
         """Takes in one line of a console: all of it, or up to a command that waits; then `finish`
