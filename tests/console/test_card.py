@@ -3,7 +3,9 @@
 import re
 
 import pytest
-from tests.console.scenario import Scenario
+from tests.console.scenario import Host, Scenario
+
+from passo.errors import CardError
 
 SQUARE = "M302 P1\nG28\nG1 Z0.2 F600\n" + "".join(
     f"G1 X{10 + 50 * (i % 2)} Y{10 + 50 * (i // 2 % 2)} E{i / 10} F6000\n" for i in range(60)
@@ -315,3 +317,78 @@ def test_progress_is_by_time_not_by_bytes(s, folder):
     whole = s.loop.time() - start
     assert shown == pytest.approx(100 * 55 / whole, abs=5)
     assert s.host.ok("M73")[0] == "echo:Progress: nothing is printed"
+
+
+def test_a_question_for_the_file_leaves_the_file_to_the_print(s, folder):
+    (folder / "say.g").write_text("G28\n" + "G1 X30 F6000\nM114\nG1 X60\n" * 200)
+    other = Host(s)
+    s.host.ok("M32 say.g")
+    s.passes(5)
+    for question in ("M27", "M73", "M408 S3"):
+        s.host.heard.clear()
+        other.heard.clear()
+        s.host.send(f"G4 P1 {question} M118 MARK")
+        s.passes(5)
+        assert s.host.heard.count("MARK") == other.heard.count("MARK") == 1
+        # What the file's commands answer is told to all.
+        said = [line for line in other.heard if line.startswith("X:")]
+        assert len(said) > 3
+        assert [line for line in s.host.heard if line.startswith("X:")] == said
+
+
+class Pulled:
+    """A file on a card that fails."""
+
+    size = 100
+
+    def read(self, size, /):
+        raise CardError.of("card.removed", "/square.gcode", value="by the test")
+
+    def seek(self, offset, /):
+        return offset
+
+    def close(self):
+        pass
+
+
+@pytest.mark.parametrize("state", [True, False])
+def test_a_card_that_fails_at_the_start_ends_the_print_at_once(folder, tmp_path, state):
+    places = {"state": str(tmp_path / "state")} if state else {}
+    with Scenario("i3", card=str(folder), **places) as s:
+        s.host.ok("M23 square.gcode")
+        runner = s.printer.stop_listeners[0].__self__
+        runner._reader.close()
+        runner._reader = Pulled()
+        s.host.ok("M24")
+        s.host.expect("Print of square.gcode stopped: .*removed while in use", 5)
+        assert s.host.ok("M27")[0] == "Not SD printing"
+        assert s.host.ok("M23 square.gcode")[1] == "File selected"
+        s.host.ok("M24")
+        printed(s)
+        assert s.positions()["x"] == 60.0
+
+
+def test_what_is_selected_after_a_cancel_does_not_start_by_itself(s, folder):
+    (folder / "hot.g").write_text("M109 S200\n")
+    (folder / "b.g").write_text("M118 B\nG4 S5\n")
+    for last in ("M23 b.g", "M22", "M25"):
+        s.host.ok("M32 hot.g")
+        s.passes(3)
+        s.host.send("M524", "M24", last)
+        s.passes(3)
+        assert s.host.ok("M27")[0] == "Not SD printing"
+        s.host.ok("M21")
+    s.host.ok("M32 hot.g")
+    s.passes(3)
+    s.host.send("M524", "M24")
+    s.passes(3)
+    assert "SD printing byte" in s.host.ok("M27")[0]
+    assert s.printer.connection.heaters["hotend"].target == 200
+
+
+def test_the_selected_file_is_told_wherever_it_is(s):
+    assert s.host.ok("M36")[0].startswith("echo:no file is selected")
+    s.host.ok("M23 parts/A long name.gcode")
+    told = s.host.ok("M36")[0]
+    assert re.fullmatch(r"File: A long name.gcode Short: \S+ Size: 23 Modified: 20\S+ \S+", told)
+    assert s.host.ok("M36 square.gcode")[0].startswith("File: square.gcode Short: SQ")

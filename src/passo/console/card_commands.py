@@ -86,12 +86,18 @@ class CardCommands:
 
     def autostart(self) -> None:
         """Starts `auto0.g` if the card holds it."""
+        if self.starts_itself:
+            self.open(AUTOSTART)
+            self._runner.start()
+
+    @property
+    def starts_itself(self) -> bool:
+        """The card holds `auto0.g`."""
         try:
             self.card.find(AUTOSTART)
         except CardError:
-            return
-        self.open(AUTOSTART)
-        self._runner.start()
+            return False
+        return True
 
     def _mount(self, _: str, reply: Reply) -> None:
         if self._card is None or not self._runner.active:
@@ -273,7 +279,10 @@ class CardCommands:
         reply.say(str(PurePosixPath(*parts)))
 
     def _info(self, text: str, reply: Reply) -> None:
-        entry = self.card.find(self._existing(text) if text.strip() else self._runner.name)
+        path = self._existing(text) if text.strip() else self._runner.path
+        if not path:
+            raise CommandError.of("job.no-file")
+        entry = self.card.find(path)
         reply.say(
             f"File: {entry.name} Short: {entry.short_name} Size: {entry.size}"
             f" Modified: {entry.modified:%Y-%m-%d %H:%M:%S}"

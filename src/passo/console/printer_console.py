@@ -6,7 +6,7 @@ import sqlite3
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from passo.console.card_commands import CardCommands
+from passo.console.card_commands import AUTOSTART, CardCommands
 from passo.console.commands import ConsoleCommands
 from passo.console.job_commands import JobCommands
 from passo.console.json_status import JsonStatus
@@ -70,6 +70,7 @@ def furnished(
     jobs = JobCommands(printer, runner, history, lambda path: files.card.open(path))
     printer.immediate.update(jobs.immediate)
     printer.planned.update(jobs.planned)
+    recovery = None
     if state is not None:
         recovery = RecoveryCommands(printer, runner, files, Path(state))
         printer.planned.update(recovery.planned)
@@ -86,5 +87,8 @@ def furnished(
     settings.load_at_start()
     if card is not None:
         files.mount()
-        files.autostart()
+        if recovery is None or not recovery.offer():
+            files.autostart()
+        elif files.starts_itself:
+            recovery.instead = f". {AUTOSTART} was not started"
     return printer

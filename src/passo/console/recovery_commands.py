@@ -34,6 +34,7 @@ class RecoveryCommands:
         self._recorded = Moment(0, 0.0)
         self._seen_z_mm = 0.0
         self._interrupted = self._journal.read()
+        self.instead = ""  # what was not done because of it, to be told with the offer
         self.planned: dict[str, Handler] = {"M1000": self._go_on}
         runner.watchers.append(self._job_changed)
         printer.watchers.append(self._time_passed)
@@ -47,7 +48,7 @@ class RecoveryCommands:
         way = " from where the board has stopped" if self._printer.connection.adopted else ""
         return (
             f"echo:The print of {program.path} was interrupted at line {moment.line}."
-            f" M1000 goes on with it{way}, M1000 C forgets it"
+            f" M1000 goes on with it{way}, M1000 C forgets it{self.instead}"
         )
 
     def _job_changed(self, state: State) -> None:
