@@ -392,3 +392,72 @@ def test_the_selected_file_is_told_wherever_it_is(s):
     told = s.host.ok("M36")[0]
     assert re.fullmatch(r"File: A long name.gcode Short: \S+ Size: 23 Modified: 20\S+ \S+", told)
     assert s.host.ok("M36 square.gcode")[0].startswith("File: square.gcode Short: SQ")
+
+
+def test_an_upload_has_the_name_that_was_given(s, folder):
+    (folder / "ish.gcode").write_text("G4\n")
+    for name, path in (
+        ("Fish.gcode", "Fish.gcode"),
+        ("fish2.gcode", "fish2.gcode"),
+        ("F/top.g", "top.g"),
+        ("/abs.g", "abs.g"),
+        ("F/parts/in.g", "parts/in.g"),
+        ("Fparts/in2.g", "parts/in2.g"),
+    ):
+        s.host.ok(f"M28 {name}")
+        s.host.ok("G1 X1")
+        assert s.host.ok("M29")[0] == "Done saving file.", name
+        assert (folder / path).read_text() == "G1 X1\n"
+    assert (folder / "ish.gcode").read_text() == "G4\n"
+
+
+@pytest.mark.parametrize("strict", [True, False])
+def test_an_upload_to_an_absolute_path_does_not_depend_on_the_directory(s, folder, strict):
+    s.host.ok("M932" if strict else "M933")
+    s.host.ok("M23 Dparts")
+    names = ("F/top.g", "Fhere.g") if strict else ("/top.g", "here.g")
+    for name, path in zip(names, ("top.g", "parts/here.g"), strict=True):
+        s.host.ok(f"M28 {name}")
+        s.host.ok("G1 X3")
+        assert s.host.ok("M29")[0] == "Done saving file."
+        assert (folder / path).read_text() == "G1 X3\n"
+
+
+def test_no_other_file_than_the_named_one_is_deleted(s, folder):
+    (folder / "ish.gcode").write_text("G4\n")
+    assert "is not on the card" in s.host.ok("M30 Fish.gcode")[0]
+    assert (folder / "ish.gcode").exists()
+    s.host.ok("M30 ish.gcode")
+    assert not (folder / "ish.gcode").exists()
+
+
+def test_a_failed_print_says_once_what_to_do(s, folder):
+    (folder / "a.g").write_text("M140 S50\nM106 S255\nM23 nothere.g\nG4 P9\n")
+    s.host.ok("M32 a.g")
+    assert s.host.expect("stopped", 5) == (
+        "echo:Print of a.g stopped: file.open failed, File: nothere.g. /nothere.g: is not on the"
+        " card. List the card and name what is there. Mend it and go on after it (M24), or cancel"
+        " (M524)."
+    )
+    s.passes(1)
+    bed = s.printer.connection.heaters["bed"]
+    assert (bed.target, s.board.output_value("part")) == (50, 1600000)
+    s.host.ok("M524")
+    s.passes(1)
+    assert (bed.target, s.board.output_value("part")) == (0, 0)
+    s.host.ok("M24")
+    s.host.expect("stopped", 5)  # from its beginning
+    s.passes(1)
+    assert bed.target == 50
+    s.host.ok("M24")
+    printed(s)
+    s.host.ok("M524")
+    assert bed.target == 50  # nothing was left to cancel
+
+
+def test_a_print_that_asks_for_statistics_goes_on_without_them(s, folder):
+    (folder / "a.g").write_text("M78\nG28\nG1 X5\n")
+    s.host.ok("M32 a.g")
+    s.host.expect("echo:there is no place to store settings", 5)
+    printed(s)
+    assert s.positions()["x"] == 5.0

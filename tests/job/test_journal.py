@@ -3,6 +3,7 @@
 import errno
 import os
 import random
+from dataclasses import replace
 
 import pytest
 from tests.console.scenario import Scenario
@@ -256,3 +257,30 @@ def test_a_print_without_room_for_its_journal_does_not_leave_another_s(places, m
         s.passes(10)
         assert "SD printing byte" in s.host.ok("M27")[0]
     assert journal_of(state) is None
+
+
+def test_a_print_whose_heater_has_another_name_now_is_not_gone_on_with(places):
+    arguments, state = places
+    with Scenario("i3", **arguments) as s:
+        s.host.ok("M140 S50")
+        s.host.ok("M32 wall.gcode")
+        s.until(lambda: s.positions()["e"] > 1, 200)
+    program, moment = journal_of(state)
+    journal = Journal(state)
+    renamed = replace(moment, targets_c={"plate": 50.0, "old": 0.0}, fans={"cooler": 0.5})
+    journal.begin(program, renamed)
+    journal.leave()
+    with Scenario("i3", **arguments) as s:
+        assert s.host.ok("M1000")[:1] == [
+            "echo:/wall.gcode: needs fan cooler, heater plate, which the machine file does not have"
+            " any more. Give back the name and start again, or forget the print (M1000 C)."
+        ]
+        assert s.host.ok("M27")[0] == "Not SD printing"
+        assert s.printer.connection.heaters["bed"].target == 0
+        assert journal_of(state) == (program, renamed)
+    journal.begin(program, replace(moment, targets_c={"bed": 45.0, "old": 0.0}, fans={}))
+    journal.leave()
+    with Scenario("i3", **arguments) as s:
+        s.host.ok("M302 P1")
+        assert "from line" in s.host.ok("M1000", 600)[-2]
+        assert s.printer.connection.heaters["bed"].target == 45

@@ -93,11 +93,7 @@ class CardCommands:
     @property
     def starts_itself(self) -> bool:
         """The card holds `auto0.g`."""
-        try:
-            self.card.find(AUTOSTART)
-        except CardError:
-            return False
-        return True
+        return self._there(AUTOSTART)
 
     def _mount(self, _: str, reply: Reply) -> None:
         if self._card is None or not self._runner.active:
@@ -114,14 +110,15 @@ class CardCommands:
         return str(self._directory / name)
 
     def _existing(self, text: str, letter: str = "F") -> str:
-        """The path that a command names: the exact name first, then what follows the letter."""
+        """The path that a command names: the exact name first, then what follows the letter if
+        there is one."""
         name = _unquoted(text)
         if not name:
             raise CommandError.of("card.no-name")
         try:
             self.card.find(self._place(name))
         except CardError:
-            if name[:1].upper() != letter or len(name) == 1:
+            if not letter or name[:1].upper() != letter or len(name) == 1:
                 raise
             name = _unescaped(name[1:])
             self.card.find(self._place(name))
@@ -238,13 +235,19 @@ class CardCommands:
         reply.say(f"Writing to file: {upload.name}")
 
     def _new_name(self, name: str, *, strict: bool) -> str:
-        for known in (name, _unescaped(name[1:]) if name[:1] in "Ff" else name):
-            try:
-                self.card.find(self._place(known))
-            except CardError:
-                continue
-            return known
-        return _unescaped(name[1:]) if strict and name[:1] in "Ff" else name
+        """The name as it stands, unless a strict console means what follows the letter, or there is
+        no directory for it."""
+        if name[:1].upper() != "F" or len(name) == 1 or self._there(self._place(name)):
+            return name
+        parent = str(PurePosixPath(self._place(name)).parent)
+        return _unescaped(name[1:]) if strict or not self._there(parent) else name
+
+    def _there(self, path: str) -> bool:
+        try:
+            self.card.find(path)
+        except CardError:
+            return False
+        return True
 
     def _end_upload(self, _: str, reply: Reply) -> None:
         if not isinstance(reply, Session) or reply.upload is None:
@@ -260,7 +263,7 @@ class CardCommands:
         if self._runner.printing_from(reply):
             self._printer.commands.ended = True  # in a program M30 is its end
             return
-        path = self._existing(text)
+        path = self._existing(text, letter="")  # no other file than the named one is to go
         try:
             self.card.remove(path)
         except CardError as error:

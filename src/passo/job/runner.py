@@ -66,6 +66,7 @@ class Runner:
         self._locked = set[int]()  # axes that did not know where they are when it began
         self._again = False  # to be started as soon as the last print has ended
         self._failed = ""
+        self._left = False  # a print that failed could be gone on with
         self._state = State.NONE
         self.watchers: list[Callable[[State], None]] = []
         self.name = self.path = ""
@@ -128,6 +129,7 @@ class Runner:
         self._again = False
         if self._reader:
             self._reader.close()
+        self._left = False
         self.name, self.path, self._reader = name, path, reader
         self.state = State.READY
         self._rewind(0)
@@ -138,6 +140,7 @@ class Runner:
         self._again = False
         if self._reader:
             self._reader.close()
+        self._left = False
         self.name, self.path, self._reader = "", "", None
         self.state = State.NONE
 
@@ -169,6 +172,7 @@ class Runner:
         task.add_done_callback(self._over)
         self._task = task  # the loop alone would not keep it
         self._resumed.clear()
+        self._left = False
         self.state = State.PRINTING
 
     def pause(self) -> None:
@@ -191,11 +195,14 @@ class Runner:
 
     def cancel(self) -> None:
         """Ends the print: brakes to a stop, heaters and fans off. The file stays selected, from its
-        beginning."""
+        beginning. One that has failed and could be gone on with is given up."""
         self._again = False
-        if not self.active:
-            return
         printer = self._printer
+        if not self.active:
+            if self._left and not printer.halted:
+                self._cool()
+                self._rewind(0)
+            return
         self.ended = "cancelled"
         self.state = State.READY
         printer.stop()
@@ -203,12 +210,18 @@ class Runner:
         if printer.job.suspended:
             printer.job.forget_suspended()
         self._resumed.set()
+        self._cool()
+        self._rewind(0)
+
+    def _cool(self) -> None:
+        """Heaters and fans off."""
+        self._left = False
+        printer = self._printer
         for heater in printer.heaters:
             printer.set_target(heater, 0.0, at_once=True)
         printer.drive.before_moves()
         printer.commands.fans_off()
         printer.drive.after_moves()
-        self._rewind(0)
 
     def _refuse_if_active(self) -> None:
         if self.active:
@@ -272,6 +285,7 @@ class Runner:
         if not self.active:
             return  # cancelled
         self.ended = "failed" if self._failed else "done"
+        self._left = bool(self._failed)
         self.state = State.READY
         if self._failed:
             printer.tell(f"echo:Print of {self.name} stopped: {self._failed}")
