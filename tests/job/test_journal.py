@@ -3,6 +3,7 @@
 import errno
 import os
 import random
+import stat
 from dataclasses import replace
 
 import pytest
@@ -284,3 +285,26 @@ def test_a_print_whose_heater_has_another_name_now_is_not_gone_on_with(places):
         s.host.ok("M302 P1")
         assert "from line" in s.host.ok("M1000", 600)[-2]
         assert s.printer.connection.heaters["bed"].target == 45
+
+
+def test_the_end_of_a_journal_is_durable(tmp_path, monkeypatch):
+    """As its beginning: a name that has gone must not come back with a power cut."""
+    synced = []
+    real = os.fsync
+
+    def noted(descriptor):
+        kind = "directory" if stat.S_ISDIR(os.fstat(descriptor).st_mode) else "file"
+        synced.append((kind, sorted(path.name for path in tmp_path.iterdir())))
+        real(descriptor)
+
+    monkeypatch.setattr(os, "fsync", noted)
+    journal = Journal(tmp_path)
+    journal.begin(Program("m", "/a", 5, 7), Moment(0, 0.0))
+    assert [kind for kind, _ in synced] == ["file", "directory"]
+    assert synced[1] == ("directory", ["journal"])
+    journal.record(Moment(4, 1.5))
+    assert synced[2:] == [("file", ["journal"])]
+    journal.end()
+    assert synced[3:] == [("directory", [])]
+    journal.end()
+    assert len(synced) == 4
