@@ -336,6 +336,25 @@ def test_a_question_for_the_file_leaves_the_file_to_the_print(s, folder):
         assert [line for line in s.host.heard if line.startswith("X:")] == said
 
 
+def test_a_pause_in_mid_line_leaves_the_rest_of_the_line_out_of_the_print(folder):
+    lines = "G28\n" + "".join(f"G1 X{10 + 50 * (i % 2)} F3000\n" for i in range(20))
+    (folder / "line.g").write_text(lines)
+    undisturbed = None
+    for pause in ("", "M25", "G4 P1 M25 G1 X150"):
+        with Scenario("i3", card=str(folder)) as s:
+            s.host.ok("M32 line.g")
+            s.passes(8)
+            if pause:
+                s.host.send(pause)
+                s.passes(8)
+                s.host.ok("M24")
+            printed(s)
+            undisturbed = undisturbed or steps(s)
+            assert steps(s) == undisturbed
+            assert s.positions()["x"] == 60.0
+            assert s.host.ok("M114")[0].startswith("X:60.000 Y:")
+
+
 class Pulled:
     """A file on a card that fails."""
 

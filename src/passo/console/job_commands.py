@@ -90,7 +90,7 @@ class JobCommands:
         }
         runner.watchers.append(self._job_changed)
         printer.stop_listeners.append(self._stopped)
-        printer.closers.append(lambda: self._host_ends("cancelled"))
+        printer.closers.append(self._close)
 
     def _job_changed(self, state: State) -> None:
         if state is State.PRINTING:
@@ -107,6 +107,10 @@ class JobCommands:
             if state is not State.PAUSED:
                 job, self._from_card = self._from_card, None
                 self._statistics.ended(job, self._runner.ended, self._watch.seconds)
+
+    def _close(self) -> None:
+        self._host_ends("cancelled")
+        self._statistics.close()
 
     def _host_begins(self) -> None:
         self._watch.reset()

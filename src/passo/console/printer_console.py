@@ -59,7 +59,6 @@ def furnished(
     statistics = Statistics(printer, None if state is None else Path(state))
     printer.immediate.update(statistics.immediate)
     jobs = JobCommands(printer, runner, statistics, lambda path: files.card.open(path))
-    printer.closers.append(statistics.close)
     printer.immediate.update(jobs.immediate)
     printer.planned.update(jobs.planned)
     recovery = None

@@ -190,6 +190,8 @@ class Runner:
         if not self._returns:
             self._returns = True
             self._locked = set(self._printer.job.locked_axes)
+            if self._printer.in_console_line:
+                self._printer.job.abandon()  # what is left of it is no part of the print
             self._printer.drive.hold()
             self._printer.job.suspend()
 

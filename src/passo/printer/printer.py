@@ -281,6 +281,11 @@ class Printer:
         self.job.select(console)
         self.heat.guard_extrusion()
 
+    @property
+    def in_console_line(self) -> bool:
+        """A line of a console is under way, none of the file."""
+        return self._from_console and not self.job.at_boundary
+
     @contextmanager
     def file_selected(self) -> Generator[_core.Job]:
         """The job with the file's text selected: to ask or restart it, not to read on, while a line

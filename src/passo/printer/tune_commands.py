@@ -49,6 +49,7 @@ class TuneCommands:
         except TuneError as error:
             reply.fail(str(error))
             return None
+        self._controls.take_back(name)  # from a tune that a halt has cut off
         asked = words.get("U", 1.0 if "U" in command.text.upper() else 0.0) != 0
         apply = asked and fits
         stored = " and stored" if self._printer.store_settings else ""
