@@ -35,11 +35,6 @@ class Stopwatch:
         running = 0.0 if self._since_s is None else self._printer.drive.now_s - self._since_s
         return self._sum_s + running
 
-    @property
-    def running(self) -> bool:
-        """Whether it counts."""
-        return self._since_s is not None
-
     def start(self) -> None:
         """Counts from now on, beside what it has counted before."""
         if self._since_s is None:

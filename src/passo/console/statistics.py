@@ -51,6 +51,7 @@ class Statistics:
             self._history = History(directory)
         except (sqlite3.Error, OSError) as error:
             self._missing = _unusable(directory, error)
+            printer.tell(f"echo:No history of prints: {error}")
             return
         printer.watchers.append(self._time_passed)
 
