@@ -117,13 +117,12 @@ class Statistics:
             f" failed or cancelled: {totals.prints - totals.done}",
             f"echo:Print time: {spoken(totals.print_s)}, longest: {spoken(totals.longest_s)},"
             f" filament: {totals.filament_mm / 1000:.2f}m",
-            f"echo:Power on: {spoken(totals.on_s)}",
         ]
         for file, ended, seconds, note in last:
             lines.append(f"echo:  {file}: {ended}, {spoken(seconds)}")
             if note:
                 lines.append(f"echo:    {note}")
-        return lines
+        return [*lines, f"echo:Power on: {spoken(totals.on_s)}"]
 
 
 def _unusable(directory: Path | None, error: Exception) -> CommandError:
