@@ -302,7 +302,7 @@ void bind_job(nb::module_& m) {
           "use_commits",
           [](JobView& self, int64_t period, size_t most) {
             self.job.motion.flush();
-            self.job.motion.stream().use_commits(period, most);
+            self.job.motion.use_commits(period, most);
           },
           "period"_a, "most"_a,
           "Messages come in commits of at most so many ticks and messages from now on; only while "

@@ -147,6 +147,10 @@ class Motion {
   void use_joints(bool on) { machine_.joints = on && planner_.constraints().actuators.size() >= 3; }
   void set_tool_offset(size_t tool, int j, double mm) { machine_.tools[tool].offset[j] = mm; }
 
+  // See StepStream::use_commits. Only after flush.
+  void use_commits(int64_t period, size_t most) {
+    stream_.use_commits(period, most, int64_t(std::ceil(planner_.clock())));
+  }
   // The board was left alone: it has come to a stop behind the commit `serial`, as that told it to.
   // Plans anew from there; what was to follow is held, and `release` goes on with it at any later
   // clock; expected_net() tells where each motor must be by now. Outputs that were to change on the

@@ -1,7 +1,10 @@
 """Settings on consoles: reported so that they can be sent back, stored whole or refused."""
 
+import errno
 import json
+import os
 import re
+from pathlib import Path
 
 import pytest
 from tests.console.scenario import Scenario
@@ -74,6 +77,8 @@ def test_stored_settings_come_back_at_the_next_start(tmp_path):
         (lambda text: text.replace("M203 X300", "M203 X301"), "checksum"),
         (lambda text: text.replace('"version": 1', '"version": 9'), "version 9"),
         (lambda text: json.dumps(json.loads(text) | {"settings": [1]}), "no commands"),
+        (lambda text: json.dumps(json.loads(text) | {"settings": ["\ud800"]}), "checksum"),
+        (lambda text: "[" * 100_000, "torn"),
     ],
 )
 def test_a_file_that_is_not_whole_is_refused_with_its_reason(tmp_path, damage, reason):
@@ -93,6 +98,24 @@ def test_without_a_place_nothing_is_acknowledged_as_stored(tmp_path):
     (tmp_path / "file").write_text("")
     with Scenario("i3", state=str(tmp_path / "file")) as s:
         assert "the settings were not stored" in s.host.ok("M500")[0]
+
+
+@pytest.mark.parametrize("failing", ["fsync", "replace"])
+def test_what_could_not_be_stored_leaves_the_old_alone(s, tmp_path, monkeypatch, failing):
+    s.host.ok("M500")
+    old = (tmp_path / "settings.json").read_bytes()
+    before = sorted(path.name for path in tmp_path.iterdir())
+    s.host.ok("M203 X50")
+
+    def full(*_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(os if failing == "fsync" else Path, failing, full)
+        assert "the settings were not stored: No space left" in s.host.ok("M500")[0]
+    assert (tmp_path / "settings.json").read_bytes() == old
+    assert sorted(path.name for path in tmp_path.iterdir()) == before
+    assert "Settings Stored" in s.host.ok("M500")[0]
 
 
 def test_a_halt_keeps_the_settings(s):

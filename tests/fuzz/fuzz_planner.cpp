@@ -145,7 +145,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     std::copy_n(motion.planner().position(), kAxes, at);
     std::copy_n(at, kAxes, move.target);
   }
-  if (commits) motion.stream().use_commits(1'200'000, 60);
+  if (commits) motion.use_commits(1'200'000, 60);
   MessageQueue& queue = motion.stream().messages(0);
   for (size_t i = 1; i + 12 <= size; i += 12) {
     const uint8_t* p = data + i;

@@ -145,7 +145,7 @@ class OptionCommands:
         config = printer.machine.heaters[name]
         same = [n for n, h in printer.machine.heaters.items() if h.kind == config.kind]
         prefix = f"{_KINDS[config.kind]}{same.index(name)}"
-        number = printer.tunes.number_of(name)
+        number = printer.controls.number_of(name)
         yield Option(f"{prefix}MinSafeTemp", lambda: config.min_c)
         yield Option(f"{prefix}MaxSafeTemp", lambda: config.max_c)
         for letter, key in (("P", "kp"), ("I", "ki"), ("D", "kd")):
@@ -163,7 +163,7 @@ class OptionCommands:
             if isinstance(config.sensor, Thermistor):
                 yield Option(
                     f"{prefix}{option}",
-                    lambda key=key: float(getattr(printer.tunes.sensors[name], key)),
+                    lambda key=key: float(getattr(printer.controls.sensors[name], key)),
                     f"M305 H{number} {letter}{{}}",
                 )
 

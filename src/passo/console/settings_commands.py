@@ -40,9 +40,12 @@ class SettingsCommands:
         yield "Home offset", [motion.home_offset_line()]
         if len(job.tool_offsets) > 1:
             yield "Tool offsets", list(motion.tool_offset_lines())
-        tunes = self._printer.tunes
-        yield "Heater sensors", list(tunes.sensor_lines())
-        yield "Heater PID", list(tunes.gain_lines())
+        controls = self._printer.controls
+        yield "Heater sensors", list(controls.sensor_lines())
+        yield "Heater PID", list(controls.gain_lines())
+        models = list(controls.model_lines())
+        if models:
+            yield "Heater models", models
         yield "Material presets", list(heat.preset_lines())
         if self._printer.machine.extruders:
             yield "Filament", list(motion.filament_lines())

@@ -271,6 +271,7 @@ TABLE: tuple[Row, ...] = (
     Row("M304", _Q, _I, "P I D", "As M301 for the bed."),
     Row("M305", _Q, _I, "H A B C R L O", "A heater's thermistor: R25, beta, C, pull-up, offsets."),
     Row("M306", _Q, _I, "H", "Tells a heater's limits."),
+    Row("M307", _Q, _I, "H A C D F R", "A heater's model: °C, s, s of its sensor, fan, room."),
     Row("M350", _Q, _N, "", "Tells the microsteps of the drivers that can be set up."),
     Row("M400", _P, _X, "", "Waits until the machine is still."),
     Row("M408", _Q, _I, "S(0-3)", "The printer's state as JSON; S2 with machine, S3 with print."),

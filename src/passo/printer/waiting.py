@@ -135,11 +135,11 @@ class Waiting:
     async def _tune(self, wait: Tuning) -> None:
         self.heating = True
         try:
-            await self._printer.drive.until(lambda: wait.step() or self._printer.interrupted)
+            # Who has switched the heater off must not find it heating for one step more.
+            await self._printer.drive.until(lambda: self._printer.interrupted or wait.step())
         finally:
             self.heating = False
-            if not self._printer.halted:
-                wait.finish()
+            wait.finish()
 
     async def _person(self, wait: Person, reply: Reply) -> None:
         printer, drive = self._printer, self._printer.drive
