@@ -300,9 +300,25 @@ class Commands:
             self.set_output(fan, share * self._machine.fans[fan].max_power, at_once=at_once)
 
     def _axis_limits(self, command: Command, what: str) -> None:
-        for letter, value in command.words().items():
-            if value > 0:
-                self._job.set_axis_limit(letter.lower(), what, value)
+        self.axis_limits(command.words(), what)
+
+    def axis_limits(self, words: dict[str, float], what: str, *, live: bool = False) -> None:
+        """M201 and M203, for the moves that follow, or `live` for all that is planned anew. Raises
+        CommandError."""
+        for letter, value in words.items():
+            name = self.extruder(words) if letter == "E" else letter.lower()
+            if name is not None and letter != "T" and value > 0:
+                self._job.set_axis_limit(name, what, value, live)
+
+    def extruder(self, words: dict[str, float]) -> str | None:
+        """The extruder that E means: that of the tool T, without it that of the active one, or the
+        first if that has none. Raises CommandError for a tool that does not exist."""
+        tools = self._machine.all_tools
+        tool = words.get("T", self._job.tool)
+        if "T" in words and tool not in range(len(tools)):
+            raise CommandError.bad_value("T", tool, f"a tool below {len(tools)}")
+        own = tools[int(tool)].extruder if tools else None
+        return own if own or "T" in words else next(iter(self._machine.extruders), None)
 
     def accelerations(self, words: dict[str, float], *, live: bool = False) -> None:
         """M204, for the moves that follow, or `live` for all that is planned anew."""
