@@ -1,5 +1,7 @@
 """APrinter's options by name: noted, then applied."""
 
+import json
+
 import pytest
 from tests.console.scenario import Scenario
 
@@ -37,6 +39,19 @@ def test_a_new_value_is_pending_until_m930(s):
     s.host.ok("M926 IXStepsPerUnit")
     s.host.ok("M930")
     assert s.host.ok("M925 IXStepsPerUnit")[0] == "80"  # as at the start
+
+
+def test_m408_tells_what_is_pending(s):
+    def pending(form=0):
+        return json.loads(s.host.ok(f"M408 S{form}")[0])["pending"]
+
+    assert pending() == {}
+    s.host.ok("M926 Ixstepsperunit V100")
+    s.host.ok("M926 IExtruderHeater0PidP V0.125")
+    wanted = {"XStepsPerUnit": 100.0, "ExtruderHeater0PidP": 0.125}
+    assert [pending(form) for form in range(4)] == [wanted] * 4
+    s.host.ok("M930")
+    assert pending() == {}
 
 
 def test_what_cannot_be_set_says_so(s):

@@ -47,6 +47,10 @@ class OptionCommands:
         for name, value in self.pending.items():
             yield f"; pending until M930: M926 I{self._options[name].name} V{value:.10g}"
 
+    def pending_values(self) -> dict[str, float]:
+        """What was noted and is not yet applied, by name."""
+        return {self._options[name].name: value for name, value in self.pending.items()}
+
     # -- commands ---------------------------------------------------------------------------------
 
     def _named(self, command: Command) -> tuple[Option, str | None]:

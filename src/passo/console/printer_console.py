@@ -63,7 +63,10 @@ def furnished(
     printer.immediate.update(reports.handlers)
     printer.immediate.update(ConsoleCommands(printer, reports).handlers)
     runner = Runner(printer, Listeners(printer))
-    printer.immediate.update(JsonStatus(printer, runner).handlers)
+    options = OptionCommands(printer)
+    printer.immediate.update(options.immediate)
+    printer.planned.update(options.planned)
+    printer.immediate.update(JsonStatus(printer, runner, options).handlers)
     files = CardCommands(printer, runner, card)
     printer.immediate.update(files.handlers)
     history = None if state is None else _history(printer, Path(state))
@@ -75,9 +78,6 @@ def furnished(
         printer.planned.update(recovery.planned)
         printer.greeting = recovery.offer
     store = None if state is None else Store(Path(state) / "settings.json", machine.uuid)
-    options = OptionCommands(printer)
-    printer.immediate.update(options.immediate)
-    printer.planned.update(options.planned)
     settings = SettingsCommands(printer, store, options)
     printer.planned.update(settings.planned)
     printer.settings = settings.lines

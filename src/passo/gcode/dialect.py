@@ -225,10 +225,8 @@ TABLE: tuple[Row, ...] = (
         "D(mm) T S",
         "E is a volume of filament with this diameter, in mm³; with D0 or S0 a length again.",
     ),
-    Row(
-        "M201", _P, _N, "X Y Z E T (mm/s²)", "The axes' accelerations, at most the machine's."
-    ),
-    Row("M203", _P, _N, "X Y Z E (mm/s) T", "Sets the axes' speeds, at most the machine's."),
+    Row("M201", _P, _N, "X Y Z E T (mm/s²)", "Axes' accelerations, at most the machine's."),
+    Row("M203", _P, _N, "X Y Z E T (mm/s)", "Axes' speeds, at most the machine's."),
     Row("M204", _P, _N, "S P R T (mm/s²)", "Sets accelerations: all, print, retract, travel."),
     Row("M205", _P, _N, "J(mm)", "Sets the junction deviation."),
     Row("M206", _Q, _N, "X Y Z (mm)", "Added to the axes' home positions."),
