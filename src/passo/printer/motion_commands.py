@@ -61,7 +61,7 @@ class MotionCommands:
     def _driven(self, stepper: str) -> Driven | None:
         return self._machine.drivable.of(stepper, self._machine.steppers[stepper].drives)
 
-    def _extruders(self) -> Iterator[tuple[str, str]]:
+    def extruders(self) -> Iterator[tuple[str, str]]:
         """What names an extruder in a command, and its name: nothing but E where it is the only
         one."""
         tools = [tool.extruder for tool in self._machine.all_tools]
@@ -74,7 +74,7 @@ class MotionCommands:
     def _with_extruders(self, code: str, words: list[str], e: Callable[[str], float]) -> list[str]:
         """A command with the words of the axes, and others for the extruders, each of which has its
         own value of `e`; the only one is in the line of the axes."""
-        own = [(where, f"E{e(name):.10g}") for where, name in self._extruders()]
+        own = [(where, f"E{e(name):.10g}") for where, name in self.extruders()]
         if len(own) == 1 and not own[0][0]:
             return [" ".join([code, *words, own[0][1]])]
         return [" ".join([code, *words]), *(f"{code} {where}{word}" for where, word in own)]
