@@ -12,7 +12,7 @@ from typing import Any
 from passo.config.driver_checks import check_drivers, check_thresholds
 from passo.config.drives import Drivable, Driven, axis_order
 from passo.config.findings import Finding, array, did_you_mean, number, table, tables
-from passo.config.heat_checks import check_heaters
+from passo.config.heat_checks import check_heaters, check_pulses
 from passo.config.pin_checks import check_pins
 
 Raw = Mapping[str, Any]
@@ -180,6 +180,7 @@ def check_all(
     parts: list[Callable[[Raw], Iterator[Finding]]] = [
         check_references,
         check_heaters,
+        check_pulses,
         check_drivers,
         check_pins,
     ]

@@ -10,11 +10,13 @@ from passo.config.base import Fraction, Letter, Model, Name, Pin, Positive
 
 
 class Fan(Model):
-    """A fan; `number` is the P of M106 and M107."""
+    """A fan; `number` is the P of M106 and M107. The board pulses it in software, `pwm_hz` times a
+    second."""
 
     pin: Pin
     number: Annotated[int, Field(ge=0, le=255)] = 0
     max_power: Fraction = 1.0
+    pwm_hz: Annotated[float, Field(ge=1, le=1000)] = 10.0
 
 
 class Laser(Model):
