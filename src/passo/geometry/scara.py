@@ -42,6 +42,7 @@ class Scara(GeometryModel):
         return degrees(shoulder), degrees(forearm), point[2]
 
     def forward(self, actuators: Point) -> Point:
+        """The end of the forearm, mm, for the motors' angles in degrees and Z in mm."""
         shoulder, elbow = radians(actuators[0]), radians(actuators[1])
         forearm = elbow if self.external_motor else shoulder + elbow
         x = self.arm1 * cos(shoulder) + self.arm2 * cos(forearm) + self.x_offset
