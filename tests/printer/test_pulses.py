@@ -72,3 +72,60 @@ def test_what_the_board_cannot_do_is_said(heater, fan, told):
         config.load_text(text(heater, fan))
     assert told in str(raised.value)
     assert "pwm_hz" in str(raised.value)
+
+
+FOLLOWER = """[fans.hotend-fan]
+pin = "D11"
+follows = "hotend"
+above_c = 60.0
+max_power = 0.8
+"""
+
+
+def test_a_fan_that_turns_gets_what_it_needs_to_turn():
+    with Scenario(config.load_text(text(fan="min_power = 0.25\nmax_power = 0.75"))) as s:
+        for command, share in (("S1", 0.25), ("S85", 0.25), ("S170", 0.5), ("S255", 0.75)):
+            s.host.ok(f"M106 {command}")
+            s.passes(1)
+            assert s.board.output_value("part") == pytest.approx(share * HZ / 10, abs=1)
+        s.host.ok("M106 S0")
+        s.passes(1)
+        assert s.board.output_value("part") == 0
+
+
+def test_a_fan_follows_its_heater():
+    alone = text('on_fault = "heater"').replace("[fans.part]", f"{FOLLOWER}[fans.part]")
+    with Scenario(config.load_text(alone)) as s:
+        full = round(0.8 * HZ / 10)
+
+        def goes(on: bool, within: float) -> float:
+            assert s.until(lambda: s.board.output_value("hotend-fan") == on * full, within)
+            return s.printer.connection.heaters["hotend"].celsius
+
+        s.host.ok("M106 S255")  # not this one
+        s.host.ok("M104 S100")
+        assert goes(True, 60) == pytest.approx(61, abs=2)
+        s.host.ok("M107")
+        s.passes(1)
+        assert s.board.output_value("part") == 0
+        s.host.ok("M104 S0")
+        assert s.board.output_value("hotend-fan") == full
+        assert goes(False, 300) == pytest.approx(58, abs=2)
+        s.board.force_sensor("hotend", 1.0)  # open: nobody knows
+        goes(True, 10)
+
+
+@pytest.mark.parametrize(
+    ("fans", "told"),
+    [
+        (FOLLOWER.replace('"hotend"', '"hotent"'), "the name of one of the heaters"),
+        (FOLLOWER.replace('follows = "hotend"', ""), "a number of its own"),
+        (FOLLOWER + "min_power = 0.9\n", "at most max_power"),
+        (FOLLOWER + "above_c = -1.0\n", "above_c"),
+    ],
+)
+def test_what_is_wrong_with_a_fan_is_said(fans, told):
+    if fans.count("above_c") > 1:
+        fans = fans.replace("above_c = 60.0\n", "")
+    with pytest.raises(ConfigError, match=told):
+        config.load_text(text().replace("[fans.part]", f"{fans}[fans.part]"))

@@ -35,6 +35,28 @@ def check_heaters(data: Raw) -> Iterator[Finding]:
         yield from _check_points((*path, "sensor"), table(heater, "sensor"))
 
 
+def check_fans(data: Raw) -> Iterator[Finding]:
+    """Those that take commands have numbers of their own, the others follow heaters that exist."""
+    owners: dict[float, str] = {}
+    heaters = table(data, "heaters")
+    for name, fan in tables(data, "fans"):
+        path = ("fans", name)
+        least, most = number(fan, "min_power"), number(fan, "max_power")
+        if least is not None and least > (1.0 if most is None else most):
+            yield Finding("config.value", (*path, "min_power"), least, "at most max_power")
+        heater = fan.get("follows")
+        if isinstance(heater, str):
+            if heater not in heaters:
+                hint, limit = did_you_mean(heater, heaters), "the name of one of the heaters"
+                yield Finding("config.value", (*path, "follows"), heater, limit, hint)
+            continue
+        own = number(fan, "number") or 0
+        owner = owners.setdefault(own, name)
+        if owner != name:
+            limit = f"a number of its own: it belongs to fans.{owner}"
+            yield Finding("config.conflict", (*path, "number"), own, limit)
+
+
 def check_pulses(data: Raw) -> Iterator[Finding]:
     """Heaters and fans are pulsed no faster than their boards can well do in software."""
     for part in ("heaters", "fans"):

@@ -170,7 +170,7 @@ class Commands:
 
     def fans_off(self) -> None:
         """All fans, as soon as the moves so far are done."""
-        for fan in self._machine.fans:
+        for fan in self.commanded_fans:
             self.set_output(fan, 0.0)
 
     def set_output(self, output: str, share: float, *, at_once: bool = False) -> None:
@@ -289,15 +289,23 @@ class Commands:
             self._heat_tool(before, standby)
             self._heat_tool(tool, work)  # last, where both share a hotend
 
+    @property
+    def commanded_fans(self) -> list[str]:
+        """The fans that do not follow a heater."""
+        return [name for name, fan in self._machine.fans.items() if fan.follows is None]
+
     def _fan(self, command: Command) -> str | None:
         number = int(command.words().get("P", 0))
-        return next((n for n, fan in self._machine.fans.items() if fan.number == number), None)
+        fans = self._machine.fans
+        return next((name for name in self.commanded_fans if fans[name].number == number), None)
 
     def _set_fan(self, command: Command, share: float) -> None:
         fan = self._fan(command)
         if fan is not None:
             at_once = _AT_ONCE.search(command.text) is not None
-            self.set_output(fan, share * self._machine.fans[fan].max_power, at_once=at_once)
+            config = self._machine.fans[fan]
+            power = max(share * config.max_power, config.min_power if share > 0 else 0.0)
+            self.set_output(fan, power, at_once=at_once)
 
     def _axis_limits(self, command: Command, what: str) -> None:
         self.axis_limits(command.words(), what)

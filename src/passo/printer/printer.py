@@ -15,6 +15,7 @@ from passo.printer.drive import MOST_QUEUED, TICK_S, Drive
 from passo.printer.driver_commands import DriverCommands
 from passo.printer.drivers import DriverWatch
 from passo.printer.endstop_watch import EndstopWatch
+from passo.printer.fans import FollowingFans
 from passo.printer.faults import problem_of
 from passo.printer.heat_commands import HeatCommands
 from passo.printer.homing import Homer
@@ -82,6 +83,7 @@ class Printer:
         self.tunes = TuneCommands(self)
         self.endstops = EndstopWatch(self)
         self.watchers.append(self.endstops.time_passed)
+        self.watchers.append(FollowingFans(self).time_passed)
         self.watchers.append(self.drivers.time_passed)
         self.watchers.append(self.lateness.time_passed)
         self.store_settings: Callable[[], object] = lambda: None
