@@ -26,7 +26,8 @@ demo: .venv/.built build/$(DEMO).gcode
 test: .venv/.built .venv/.dev .venv/hosts/.installed
 	tools/debian.sh g++-aarch64-linux-gnu g++-arm-linux-gnueabihf qemu-user-static dosfstools mtools \
 	  gcc-avr avr-libc libsimavr-dev libelf-dev gcc-arm-none-eabi qemu-system-arm
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n auto --dist loadfile --ignore tests/hosts
+	$(BIN)/python -m pytest tests/hosts  # real time: nothing else may take the processor
 
 check: .venv/.built .venv/.dev
 	$(BIN)/ruff check .

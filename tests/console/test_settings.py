@@ -231,3 +231,40 @@ def test_babysteps_shift_the_moves_that_follow(s):
     s.host.ok("M400")
     assert s.positions()["z"] == 6.2
     assert "at most 2 mm" in s.host.ok("M290 Z3")[0]
+
+
+def of_both_extruders(s):
+    job = s.printer.job
+    scales = {row["name"]: row["steps_per_unit"] for row in job.steppers()}
+    return [
+        (scales[e], job.axis_limit(e, "speed"), job.axis_limit(e, "accel")) for e in ("e", "e1")
+    ]
+
+
+def test_every_extruder_keeps_its_own(tmp_path):
+    with Scenario("dual-extruder", state=str(tmp_path)) as s:
+        for line in ("T1", "M92 E200", "M203 E11", "M201 E700"):
+            assert s.host.ok(line) == ["ok"], line
+        changed = [(95.5, 100, 5000), (200, 11, 700)]
+        assert of_both_extruders(s) == changed
+        lines = report(s)
+        assert "M92 X80 Y80 Z400" in lines
+        assert {"M92 T0 E95.5", "M92 T1 E200", "M203 T1 E11", "M201 T1 E700"} <= set(lines)
+        assert s.host.ok("M92")[:-1] == [line for line in lines if line.startswith("M92")]
+        s.host.ok("M500")
+        s.host.ok("M502")
+        assert of_both_extruders(s) == [(95.5, 100, 5000)] * 2
+        for line in lines:  # whichever tool is active
+            assert s.host.ok(line) == ["ok"], line
+        assert report(s) == lines
+        s.host.send("M112")
+        s.host.expect("halted", 5)
+        s.host.ok("M999")
+        s.host.expect("ready again", 5)
+        assert of_both_extruders(s) == changed
+        assert "T is 7" in s.host.ok("M92 T7 E100")[0]
+        assert "T is 0.5" in s.host.ok("M203 T0.5 E50")[0]
+        s.host.ok("M203 T0 E50")
+        assert of_both_extruders(s) == [(95.5, 50, 5000), (200, 11, 700)]
+    with Scenario("dual-extruder", state=str(tmp_path)) as s:
+        assert of_both_extruders(s) == changed

@@ -12,7 +12,7 @@ from typing import Any
 from passo.config.driver_checks import check_drivers, check_thresholds
 from passo.config.drives import Drivable, Driven, axis_order
 from passo.config.findings import Finding, array, did_you_mean, number, table, tables
-from passo.config.heat_checks import check_heaters
+from passo.config.heat_checks import check_fans, check_heaters, check_pulses
 from passo.config.pin_checks import check_pins
 
 Raw = Mapping[str, Any]
@@ -128,7 +128,7 @@ def _check_scale(path: tuple[str, ...], stepper: Raw, turns: bool) -> Iterator[F
 
 
 def check_references(data: Raw) -> Iterator[Finding]:
-    """Tools name extruders and heaters that exist; fans are distinct."""
+    """Tools name extruders and heaters that exist."""
     for index, tool in enumerate(array(data, "tools")):
         for key in ("extruder", "heater"):
             word, known = table(tool).get(key), table(data, f"{key}s")
@@ -136,13 +136,6 @@ def check_references(data: Raw) -> Iterator[Finding]:
                 path, hint = ("tools", index, key), did_you_mean(word, known)
                 limit = f"the name of one of the {key}s"
                 yield Finding("config.value", path, word, limit, hint)
-    owners: dict[float, str] = {}
-    for name, fan in tables(data, "fans"):
-        own = number(fan, "number") or 0
-        owner = owners.setdefault(own, name)
-        if owner != name:
-            limit = f"a number of its own: it belongs to fans.{owner}"
-            yield Finding("config.conflict", ("fans", name, "number"), own, limit)
 
 
 def check_homing(data: Raw, actuators: tuple[str, ...], arms: tuple[str, ...]) -> Iterator[Finding]:
@@ -180,6 +173,8 @@ def check_all(
     parts: list[Callable[[Raw], Iterator[Finding]]] = [
         check_references,
         check_heaters,
+        check_fans,
+        check_pulses,
         check_drivers,
         check_pins,
     ]

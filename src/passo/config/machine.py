@@ -88,6 +88,11 @@ class MachineConfig(Model):
         """What the motors of this machine may drive."""
         return Drivable(self.geometry.actuators, axis_order(self.axes), self.extruders)
 
+    @property
+    def all_tools(self) -> list[Tool]:
+        """What T0, T1, … select: without a table of tools, each extruder."""
+        return self.tools or [Tool(extruder=name) for name in self.extruders]
+
     def core_spec(self) -> dict[str, Any]:
         """The machine for `passo._core`: all defaults filled in, times in s, other units kept."""
         return {
@@ -136,13 +141,12 @@ class MachineConfig(Model):
 
     def _tools_spec(self) -> list[dict[str, Any]]:
         order = list(self.extruders)
-        tools = self.tools or [Tool(extruder=name) for name in order]
         return [
             {
                 "extruder": -1 if tool.extruder is None else order.index(tool.extruder),
                 "offset": list(tool.offset_mm),
             }
-            for tool in tools
+            for tool in self.all_tools
         ]
 
     def _steppers_spec(self) -> list[dict[str, Any]]:

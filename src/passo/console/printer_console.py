@@ -77,7 +77,10 @@ def _furnish(printer: Printer, card: str | None, state: str | None) -> None:
     printer.immediate.update(reports.handlers)
     printer.immediate.update(ConsoleCommands(printer, reports).handlers)
     runner = Runner(printer, Listeners(printer))
-    printer.immediate.update(JsonStatus(printer, runner).handlers)
+    options = OptionCommands(printer)
+    printer.immediate.update(options.immediate)
+    printer.planned.update(options.planned)
+    printer.immediate.update(JsonStatus(printer, runner, options).handlers)
     files = CardCommands(printer, runner, card)
     printer.immediate.update(files.handlers)
     statistics = Statistics(printer, None if state is None else Path(state))
@@ -91,9 +94,6 @@ def _furnish(printer: Printer, card: str | None, state: str | None) -> None:
         printer.planned.update(recovery.planned)
         printer.greeting = recovery.offer
     store = None if state is None else Store(Path(state) / "settings.json", printer.machine.uuid)
-    options = OptionCommands(printer)
-    printer.immediate.update(options.immediate)
-    printer.planned.update(options.planned)
     settings = SettingsCommands(printer, store, options)
     printer.planned.update(settings.planned)
     printer.settings = settings.lines

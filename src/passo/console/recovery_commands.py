@@ -132,7 +132,11 @@ class RecoveryCommands:
             round(printer.drive.now_s, 3),
             round(z_mm, 6),
             {n: h.target for n, h in printer.connection.heaters.items()},
-            dict(printer.commands.fans),
+            {
+                fan: share
+                for fan, share in printer.commands.fans.items()
+                if fan in printer.commands.commanded_fans
+            },
             job.speed_factor,
             job.flow,
             {axis: mm for axis, mm in printer.motion.babysteps_mm.items() if mm},

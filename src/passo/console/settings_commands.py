@@ -32,9 +32,9 @@ class SettingsCommands:
     def groups(self) -> Iterator[tuple[str, list[str]]]:
         """Headings, each with the commands that bring its settings back."""
         motion, heat, job = self._printer.motion, self._printer.heat, self._printer.job
-        yield "Steps per unit", [motion.scale_line()]
-        yield "Maximum feedrates (units/s)", [motion.axis_limit_line("speed")]
-        yield "Maximum acceleration (units/s2)", [motion.axis_limit_line("accel")]
+        yield "Steps per unit", motion.scale_lines()
+        yield "Maximum feedrates (units/s)", motion.axis_limit_lines("speed")
+        yield "Maximum acceleration (units/s2)", motion.axis_limit_lines("accel")
         yield "Acceleration (units/s2)", [motion.acceleration_line()]
         yield "Junction deviation", [motion.junction_line()]
         yield "Home offset", [motion.home_offset_line()]

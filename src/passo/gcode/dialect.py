@@ -241,8 +241,8 @@ TABLE: tuple[Row, ...] = (
         "D(mm) T S",
         "E is a volume of filament with this diameter, in mm³; with D0 or S0 a length again.",
     ),
-    Row("M201", _P, _N, "X Y Z E (mm/s²)", "Sets the axes' accelerations, at most the machine's."),
-    Row("M203", _P, _N, "X Y Z E (mm/s)", "Sets the axes' speeds, at most the machine's."),
+    Row("M201", _P, _N, "X Y Z E T (mm/s²)", "Axes' accelerations, at most the machine's."),
+    Row("M203", _P, _N, "X Y Z E T (mm/s)", "Axes' speeds, at most the machine's."),
     Row(
         "M204",
         _P,

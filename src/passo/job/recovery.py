@@ -152,7 +152,7 @@ class Recovery:
             printer.set_target(name, target, at_once=True)
         await printer.wait(Temperatures(hot), Silence())
         printer.raise_if_interrupted()
-        for fan in printer.machine.fans:
+        for fan in printer.commands.commanded_fans:
             printer.set_fan(fan, self._moment.fans.get(fan, 0.0))
 
     async def _approach(self, at: list[float]) -> None:

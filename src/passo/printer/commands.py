@@ -179,7 +179,7 @@ class Commands:
 
     def fans_off(self) -> None:
         """All fans, as soon as the moves so far are done."""
-        for fan in self._machine.fans:
+        for fan in self.commanded_fans:
             self.set_output(fan, 0.0)
 
     def set_output(self, output: str, share: float, *, at_once: bool = False) -> None:
@@ -310,9 +310,15 @@ class Commands:
             self._heat_tool(before, standby)
             self._heat_tool(tool, work)  # last, where both share a hotend
 
+    @property
+    def commanded_fans(self) -> list[str]:
+        """The fans that do not follow a heater."""
+        return [name for name, fan in self._machine.fans.items() if fan.follows is None]
+
     def _fan(self, command: Command) -> str | None:
         number = int(command.words().get("P", 0))
-        return next((n for n, fan in self._machine.fans.items() if fan.number == number), None)
+        fans = self._machine.fans
+        return next((name for name in self.commanded_fans if fans[name].number == number), None)
 
     def _fan_speed(self, command: Command) -> None:
         if not self.sets_fans_up(command):
@@ -326,12 +332,30 @@ class Commands:
         fan = self._fan(command)
         if fan is not None:
             at_once = _AT_ONCE.search(command.text) is not None
-            self.set_output(fan, share * self._machine.fans[fan].max_power, at_once=at_once)
+            config = self._machine.fans[fan]
+            power = max(share * config.max_power, config.min_power if share > 0 else 0.0)
+            self.set_output(fan, power, at_once=at_once)
 
     def _axis_limits(self, command: Command, what: str) -> None:
-        for letter, value in command.words().items():
-            if value > 0:
-                self._job.set_axis_limit(letter.lower(), what, value)
+        self.axis_limits(command.words(), what)
+
+    def axis_limits(self, words: dict[str, float], what: str, *, live: bool = False) -> None:
+        """M201 and M203, for the moves that follow, or `live` for all that is planned anew. Raises
+        CommandError."""
+        for letter, value in words.items():
+            name = self.extruder(words) if letter == "E" else letter.lower()
+            if name is not None and letter != "T" and value > 0:
+                self._job.set_axis_limit(name, what, value, live)
+
+    def extruder(self, words: dict[str, float]) -> str | None:
+        """The extruder that E means: that of the tool T, without it that of the active one, or the
+        first if that has none. Raises CommandError for a tool that does not exist."""
+        tools = self._machine.all_tools
+        tool = words.get("T", self._job.tool)
+        if "T" in words and tool not in range(len(tools)):
+            raise CommandError.bad_value("T", tool, f"a tool below {len(tools)}")
+        own = tools[int(tool)].extruder if tools else None
+        return own if own or "T" in words else next(iter(self._machine.extruders), None)
 
     def accelerations(self, words: dict[str, float], *, live: bool = False) -> None:
         """M204, for the moves that follow, or `live` for all that is planned anew."""

@@ -48,8 +48,10 @@ class HeatCommands:
     def _fan(self, command: Command, reply: Reply) -> Wait | None:
         """Raises CommandError if P names no fan; a machine without fans lets the rest pass."""
         number = command.words().get("P")
-        if number is not None and all(f.number != number for f in self._machine.fans.values()):
-            limit = ", ".join(str(f.number) for f in self._machine.fans.values()) or "no fan"
+        names = self._printer.commands.commanded_fans
+        numbers = [self._machine.fans[name].number for name in names]
+        if number is not None and number not in numbers:
+            limit = ", ".join(map(str, numbers)) or "no fan"
             raise CommandError.bad_value("P", number, limit)
         if command.code == "M106" and self._printer.commands.sets_fans_up(command):
             reply.note("M106", "M106 sets speeds, by S; the machine file has the settings")

@@ -17,6 +17,7 @@ from passo.printer.drive import MOST_QUEUED, Drive
 from passo.printer.driver_commands import DriverCommands
 from passo.printer.drivers import DriverWatch
 from passo.printer.endstop_watch import EndstopWatch
+from passo.printer.fans import FollowingFans
 from passo.printer.faults import problem_of
 from passo.printer.heat_commands import HeatCommands
 from passo.printer.homing import Homer
@@ -72,6 +73,7 @@ class Printer:
         self.tunes = TuneCommands(self, self.controls)
         self.endstops = EndstopWatch(self)
         self.watchers.append(self.endstops.time_passed)
+        self.watchers.append(FollowingFans(self).time_passed)
         self.watchers.append(self.drivers.time_passed)
         self.watchers.append(self.lateness.time_passed)
         self.store_settings: Callable[[], object] | None = None  # durably; None: nowhere

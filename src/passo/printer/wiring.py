@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
     from passo.simulator import Actuator, Cable, SimulatedBoard, SimulatedMachine
 
-_PWM_PERIOD_S = 0.1
 _MAX_DURATION_S = 3.0
 _AWAY = 20.0  # mm or degrees
 _ASKEW = 0.5
@@ -121,11 +120,12 @@ def _outputs(machine: MachineConfig) -> list[tuple[str, str]]:
 
 def _output(machine: MachineConfig, name: str, written: str, clock_hz: int) -> Output:
     pin = machine.pin(written)
-    cycle, longest = round(_PWM_PERIOD_S * clock_hz), round(_MAX_DURATION_S * clock_hz)
+    longest = round(_MAX_DURATION_S * clock_hz)
     if name in machine.heaters:
+        cycle = round(clock_hz / machine.heaters[name].pwm_hz)
         return Output(name, pin, "digital", cycle, longest)
     if name in machine.fans:
-        return Output(name, pin, "digital", cycle)
+        return Output(name, pin, "digital", round(clock_hz / machine.fans[name].pwm_hz))
     if name == "laser":
         return Output(name, pin, "pwm", round(0.001 * clock_hz), longest)
     if name == "status-led":

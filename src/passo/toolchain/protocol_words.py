@@ -147,6 +147,7 @@ SHUTDOWNS = {
     "DURATION_TOO_LONG": "",
     "NOT_AT_DEFAULT": "",
     "ADC_RANGE": "a sensor is cut, short, or too hot",
+    "ADC_SILENT": "the converter gives no value: nobody would watch the heat",
     "THERMOCOUPLE_TYPE": "",
     "THERMOCOUPLE_RANGE": "a thermocouple is too hot or too cold",
     "THERMOCOUPLE_FAULT": "a thermocouple is cut or short, or its converter silent",
