@@ -131,4 +131,4 @@ def _tell(text: str) -> None:
 def _wait(text: str) -> None:
     print(f"{text} Then press Enter.", flush=True)
     if not sys.stdin.readline():  # its end is no Enter
-        raise FirmwareError([Problem("firmware.nobody", values={"value": text})])
+        raise FirmwareError([Problem("firmware.nobody", values={"value": text.rstrip(".")})])

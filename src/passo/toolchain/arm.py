@@ -44,8 +44,8 @@ _COMPILE = (
 
 @dataclass(frozen=True, slots=True)
 class ArmBoard:
-    """What an image is built for; `console` are the pins of `uart`: receive, send. `older_hosts`: it
-    understands their words."""
+    """What an image is built for; `console` are the pins of `uart`: receive, send. `older_hosts`:
+    it understands their words."""
 
     chip: Chip
     clock_hz: int

@@ -43,8 +43,9 @@ def build(target: Target, output: Path, *, older_hosts: bool = False) -> tuple[P
     file beside it says.
 
     The same sources, compiler and target make the same image. With `older_hosts` it understands the
-    words in which Kalico and older Klipper ask for sensors, in place of the newer ones. Raises FirmwareError if the
-    board has firmware of its own, if the compiler is missing, or if the build fails.
+    words in which Kalico and older Klipper ask for sensors, in place of the newer ones. Raises
+    FirmwareError if the board has firmware of its own, if the compiler is missing, or if the build
+    fails.
     """
     chip = target.chip
     make = _make_avr if chip.core == "avr" else _make_arm
@@ -112,9 +113,7 @@ def _make_arm(target: Target, folder: Path, *, older_hosts: bool) -> _Made:
     console, firmware = _console(target), firmware_folder()
     pins = tuple(target.board.pin(pin) for pin in console.pins)
     uart = console.uart or ""
-    board = arm.ArmBoard(
-        target.chip, target.board.clock_hz, uart, console.baud, pins, older_hosts
-    )
+    board = arm.ArmBoard(target.chip, target.board.clock_hz, uart, console.baud, pins, older_hosts)
     version = _version(arm.board_header(board), firmware, older_hosts=older_hosts)
     made = arm.build(board, firmware, folder, compiler, version)
     image = _for_flashing(target, made.file)

@@ -85,9 +85,7 @@ def plan(name: str, board: Board, port: str | None, image: Path) -> list[Step]:
     return [*steps, *(Hands(text) for text in flash.after)]
 
 
-def _words(
-    flash: Flash, start: int, port: str, image: Path, *, native: bool
-) -> tuple[str, ...]:
+def _words(flash: Flash, start: int, port: str, image: Path, *, native: bool) -> tuple[str, ...]:
     """The program's command line; `native` says that the chip itself speaks USB at the port."""
     match flash.method:
         case "avrdude":
