@@ -6,7 +6,8 @@ import ctypes
 import socket
 import subprocess
 import sys
-from collections.abc import Iterable
+import time
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from tests.console.scenario import Host, Scenario
@@ -57,6 +58,14 @@ def ends(scenario: Scenario, within: float = 10.0) -> None:
     scenario.host.send("M400", "M118 done")
     scenario.host.expect("done", within)
     assert scenario.printer.halted == ""
+
+
+def wait_for(cable: Cable, at: Callable[[], bool], within: float = 60.0) -> None:
+    """Until a function of the board is true; fails after so many seconds."""
+    end = time.monotonic() + within
+    while not cable.look(at):
+        assert time.monotonic() < end
+        time.sleep(0.01)
 
 
 def net_steps(cables: Iterable[Cable]) -> dict[str, int]:

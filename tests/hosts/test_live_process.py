@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from tests.console.scenario import Scenario
 from tests.hosts.cable import Cable
-from tests.hosts.live import RUNS_FIRMWARE, Program, machine_file, net_steps, on
+from tests.hosts.live import RUNS_FIRMWARE, Program, machine_file, net_steps, on, wait_for
 
 from passo.cli.main import main
 
@@ -22,8 +22,7 @@ def test_a_program_that_stands_still_is_to_blame_for_late_commands(tmp_path: Pat
         moves = [f"G1 X{10 if i % 2 else 0} Y{i / 4} F3000" for i in range(20)]
         program.send("G92 X0 Y0 Z0", "M118 begun", *moves, "M400", "M118 ended")
         program.until("begun")
-        while cable.look(lambda: cable.board.steps("x")) < 1600:
-            time.sleep(0.01)
+        wait_for(cable, lambda: cable.board.steps("x") >= 1600)
         program.process.send_signal(signal.SIGSTOP)
         time.sleep(0.2)
         program.process.send_signal(signal.SIGCONT)
@@ -45,8 +44,7 @@ def test_another_host_goes_on_with_the_print_of_one_that_was_killed(tmp_path: Pa
     more = ("--sd", places["card"], "--state", places["state"])
     with Program(machine_file(tmp_path, cable.path), *more) as program:
         program.send("M32 a.g")
-        while cable.look(lambda: cable.board.position("y")) <= 42:
-            time.sleep(0.01)
+        wait_for(cable, lambda: cable.board.position("y") > 42)
         program.process.send_signal(signal.SIGKILL)
         assert program.process.wait() == -signal.SIGKILL
     moving = cable.look(lambda: cable.board.position("x"))
