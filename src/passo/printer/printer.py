@@ -437,6 +437,8 @@ class Printer:
         for line in lines:
             self.take_setting(line, Silence())
         self.tell("echo:The printer is ready again. Home it before you move it")
+        if greeting := self.greeting():
+            self.tell(greeting)
 
     def _heater_failed(self, _: str, fault: HeaterFault) -> None:
         """A protection has switched a heater off; how much more stops is the heater's policy."""
