@@ -308,3 +308,46 @@ def test_the_end_of_a_journal_is_durable(tmp_path, monkeypatch):
     assert synced[3:] == [("directory", [])]
     journal.end()
     assert len(synced) == 4
+
+
+def test_a_board_without_survive_shuts_down_and_the_journal_goes_on(places):
+    """The cable is cut in mid-print. The board stops when its outputs are not renewed; the host
+    halts, and offers to go on from the journal."""
+    arguments, state = places
+    with Scenario("i3", **arguments) as s:
+        s.host.ok("M32 wall.gcode")
+        s.host.expect("Done printing", 300)
+        whole = s.positions()
+    with Scenario("i3", **arguments) as s:
+        assert not s.printer.connection.main.survives
+        s.host.ok("M104 S60")
+        s.host.ok("M32 wall.gcode")
+        s.until(lambda: s.positions()["e"] > 6.5, 200)
+        port, drive = s.printer.connection.main.port, s.printer.drive
+        port.unplug()
+        s.host.expect("connection to the board has ended", 5)
+        assert "connection to the board has ended" in s.printer.halted
+        cut = drive.base + drive.now
+        s.board.device.poll(cut + 4 * s.board.board.clock_hz)
+        assert s.board.device.fault == "Missed scheduling of next digital out event"
+        assert s.board.output_value("hotend") == 0
+        port.plug(cut + 4 * s.board.board.clock_hz)
+        assert journal_of(state) is not None
+        s.host.send("M999")
+        s.host.expect("ready again", 10)
+        line = journal_of(state)[1].line
+        s.host.expect(
+            f"wall.gcode was interrupted at line {line}. M1000 goes on with it, M1000 C", 1
+        )
+        s.host.ok("M302 P1")
+        before = s.positions()["e"]
+        assert f"from line {line}" in s.host.ok("M1000", 600)[-2]
+        s.host.expect("Done printing", 300)
+        assert s.printer.halted == s.board.device.fault == ""
+        end = s.positions()
+    for axis in "xyz":
+        assert end[axis] == pytest.approx(whole[axis], abs=0.03)
+    done = [x for x in WALL.split("\n")[: line - 1] if " E" in x][-1]
+    rest = 16.0 - float(done.split("E")[1].split()[0])
+    assert end["e"] - before == pytest.approx(5.0 + rest, abs=0.03)  # with the priming
+    assert journal_of(state) is None

@@ -7,7 +7,7 @@ from random import Random
 
 import pytest
 from tests.console.scenario import Scenario
-from tests.job.test_disturbed import steps
+from tests.job.disturbed import steps
 
 from passo import config
 from passo._core import Link, Stop

@@ -10,6 +10,8 @@ from passo.config.base import Fraction, Model, Name, NotNegative, Pair, Pin, Poi
 from passo.config.drivers import DRIVERS, DriverName, DriverTimes
 from passo.config.trinamic import Tmc
 
+MICROSTEPS = 16
+
 
 class Axis(Model):
     """A direction of the nozzle, X, Y or Z, or a further linear axis with motors of its own.
@@ -61,7 +63,7 @@ class Stepper(Model):
     steps_per_degree: Positive | None = None
     rotation_distance_mm: Positive | None = None
     full_steps_per_rotation: Annotated[int, Field(gt=0)] = 200
-    microsteps: Literal[1, 2, 4, 8, 16, 32, 64, 128, 256] = 16
+    microsteps: Literal[1, 2, 4, 8, 16, 32, 64, 128, 256] = MICROSTEPS
     gear_ratio: Positive = 1.0
     invert: bool = False
     driver: DriverName = "A4988"

@@ -21,7 +21,7 @@ from passo.board.ports import Port, in_process, serial_port, tcp_port
 from passo.config.places import MAIN, named_on, placed
 from passo.heat.control import control_of, limits_of, model_of
 from passo.heat.sensors import converter_of, open_is_high, sensor_table, share_at
-from passo.printer.driver_wiring import converter_wires, drivers
+from passo.printer.driver_wiring import converter_wires, drivers, microstep_outputs
 from passo.printer.switches import (
     Switch,
     axes_of_arms,
@@ -105,7 +105,8 @@ def _stepper(machine: MachineConfig, spec: dict[str, Any], clock_hz: int) -> Ste
 
 def _outputs(machine: MachineConfig) -> list[tuple[str, str]]:
     """All outputs and their pins as written, by number: those on the timeline, heaters, fans, the
-    laser, then what switches motors on, and the main board's status LED."""
+    laser, then what switches motors on, what chooses their microsteps, and the main board's status
+    LED."""
     outputs = [(name, heater.pin) for name, heater in machine.heaters.items()]
     outputs += [(name, fan.pin) for name, fan in machine.fans.items()]
     if machine.laser:
@@ -113,6 +114,7 @@ def _outputs(machine: MachineConfig) -> list[tuple[str, str]]:
     for name, output in enable_outputs(machine).items():
         if output == f"{name}-enable":
             outputs.append((output, str(enable_pin(machine, name))))
+    outputs += microstep_outputs(machine)
     if machine.board.status_led:
         outputs.append(("status-led", machine.board.status_led))
     return outputs
