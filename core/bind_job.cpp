@@ -36,6 +36,12 @@ double* place_of(Limits& l, const std::string& name) {
   throw nb::key_error(name.c_str());
 }
 
+void check_flow(const JobView& self, size_t extruder, double flow) {
+  if (extruder >= self.job.motion.machine().extruders.size())
+    throw nb::index_error("no such extruder");
+  if (!(flow > 0 && flow < kInfinity)) throw nb::value_error("a flow must be above 0");
+}
+
 using Table = nb::typed<nb::dict, nb::str, nb::any>;
 
 // M is a word of a move only where it is one of these letters.
@@ -545,13 +551,46 @@ void bind_job(nb::module_& m) {
           "None "
           "if it is longer ago.")
       .def_prop_rw(
-          "cold", [](JobView& self) { return self.job.interpreter.cold; },
-          [](JobView& self, bool cold) { self.job.interpreter.cold = cold; },
-          "While it is set, moves of filament are errors.")
-      .def_prop_rw(
-          "flow", [](JobView& self) { return self.job.interpreter.flow; },
-          [](JobView& self, double flow) { self.job.interpreter.flow = flow; },
-          "M221, as a factor.")
+          "cold", [](JobView& self) { return bool(self.job.interpreter.cold >> kE & 1); },
+          [](JobView& self, bool cold) {
+            uint8_t& slots = self.job.interpreter.cold;
+            slots = uint8_t(cold ? slots | 1u << kE : slots & ~(1u << kE));
+          },
+          "While it is set, moves of the tool's filament are errors.")
+      .def(
+          "set_cold_axis",
+          [](JobView& self, int axis, bool cold) {
+            if (axis < 3 || size_t(axis) >= self.job.motion.machine().axes.size())
+              throw nb::index_error("no such further axis");
+            uint8_t &slots = self.job.interpreter.cold, bit = uint8_t(1u << slot_of_axis(axis));
+            slots = uint8_t(cold ? slots | bit : slots & ~bit);
+          },
+          "axis"_a, "cold"_a, "The same for an axis, by number, that pushes filament.")
+      .def_prop_ro(
+          "flows",
+          [](JobView& self) {
+            std::vector<double> flows;
+            for (size_t i = 0; i < self.job.motion.machine().extruders.size(); ++i)
+              flows.push_back(self.job.interpreter.flow(i));
+            return flows;
+          },
+          "M221 of each extruder, as a factor.")
+      .def(
+          "set_flow",
+          [](JobView& self, size_t extruder, double flow) {
+            check_flow(self, extruder, flow);
+            self.job.interpreter.set_flow(extruder, flow);
+          },
+          "extruder"_a, "flow"_a, "M221, a factor above 0, for what is read from now on.")
+      .def(
+          "scale_flow_from",
+          [](JobView& self, double ticks, size_t extruder, double flow) {
+            check_flow(self, extruder, flow);
+            return self.job.scale_flow_from(ticks, extruder, flow);
+          },
+          "ticks"_a, "extruder"_a, "flow"_a,
+          "M221, a factor above 0, for all that is planned anew from this clock on, and what is "
+          "read from now on; returns the clock of the cut.")
       .def_prop_ro("held", [](JobView& self) { return self.job.motion.held(); })
       .def_prop_ro(
           "clock", [](JobView& self) { return self.job.motion.planner().clock(); },

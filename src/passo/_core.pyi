@@ -1005,9 +1005,9 @@ class Motion:
 
     def __init__(self, spec: dict, with_steps: bool = True) -> None: ...
 
-    def push(self, target: Sequence[float], feed_mm_s: float, kind: str = 'travel', extruder: int = 0, duration_s: float = 0.0, radius_mm: float = float('inf'), inner: bool = False, line: int = 0) -> None:
+    def push(self, target: Sequence[float], feed_mm_s: float, kind: str = 'travel', extruder: int = 0, duration_s: float = 0.0, radius_mm: float = float('inf'), inner: bool = False, line: int = 0, flow: float = 1.0) -> None:
         """
-        Adds a move to the absolute target: one number an axis, then E. Raises ValueError.
+        Adds a move to the absolute target: one number an axis, then E, which was scaled with `flow` (0: by none, and never). Raises ValueError.
         """
 
     def set_height_map(self, first: tuple[float, float], spacing: tuple[float, float], heights: Sequence[Sequence[float]]) -> None:
@@ -1041,6 +1041,11 @@ class Motion:
     def shift_from(self, ticks: float, axis: int, mm: float) -> float:
         """
         From this clock on all lies so much further; returns the clock of the cut.
+        """
+
+    def change_flow_from(self, ticks: float, flow: float, extruder: int = 0) -> float:
+        """
+        From behind this clock on filament moves with this flow; returns the clock of the cut.
         """
 
     def skip_dwell_from(self, ticks: float) -> float | None:
@@ -1364,17 +1369,25 @@ class Job:
 
     @property
     def cold(self) -> bool:
-        """While it is set, moves of filament are errors."""
+        """While it is set, moves of the tool's filament are errors."""
 
     @cold.setter
     def cold(self, arg: bool, /) -> None: ...
 
-    @property
-    def flow(self) -> float:
-        """M221, as a factor."""
+    def set_cold_axis(self, axis: int, cold: bool) -> None:
+        """The same for an axis, by number, that pushes filament."""
 
-    @flow.setter
-    def flow(self, arg: float, /) -> None: ...
+    @property
+    def flows(self) -> list[float]:
+        """M221 of each extruder, as a factor."""
+
+    def set_flow(self, extruder: int, flow: float) -> None:
+        """M221, a factor above 0, for what is read from now on."""
+
+    def scale_flow_from(self, ticks: float, extruder: int, flow: float) -> float:
+        """
+        M221, a factor above 0, for all that is planned anew from this clock on, and what is read from now on; returns the clock of the cut.
+        """
 
     @property
     def held(self) -> int: ...

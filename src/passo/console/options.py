@@ -121,9 +121,11 @@ class OptionCommands:
         yield from self._moved(name, letter)
         if name in printer.machine.steppers:
             yield Option(f"{letter}StepsPerUnit", lambda: self._scale(name), f"M92 {letter}{{}}")
+        yield Option(f"{letter}CorneringDistance", lambda: axis.cornering_distance_steps)
+        if axis.extruder:
+            return
         yield Option(f"{letter}MinPos", lambda: axis.min_mm)
         yield Option(f"{letter}MaxPos", lambda: axis.max_mm)
-        yield Option(f"{letter}CorneringDistance", lambda: axis.cornering_distance_steps)
         yield Option(
             f"{letter}HomeOffset",
             lambda: printer.motion.home_offset_mm[name],

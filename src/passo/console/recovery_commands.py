@@ -130,7 +130,7 @@ class RecoveryCommands:
             {n: h.target for n, h in printer.connection.heaters.items()},
             dict(printer.commands.fans),
             job.speed_factor,
-            job.flow,
+            job.flows,
             {axis: mm for axis, mm in printer.motion.babysteps_mm.items() if mm},
             printer.positions.origins(),
         )

@@ -27,7 +27,8 @@ class MotionCommands:
         self._printer = printer
         self._machine = printer.machine
         self._axes = axis_order(self._machine.axes)
-        self.home_offset_mm = dict.fromkeys(self._axes, 0.0)
+        homed = [a for a in self._axes if not self._machine.axes[a].extruder]
+        self.home_offset_mm = dict.fromkeys(homed, 0.0)
         self.babysteps_mm = dict.fromkeys("xyz", 0.0)  # live ones, since the axis was homed
         self.immediate: dict[str, Handler] = {
             "M220": lambda c, r: self._speed(c, r, live=True),
@@ -246,10 +247,18 @@ class MotionCommands:
             if tool > 0:
                 yield f"M218 T{tool} X{x:.10g} Y{y:.10g} Z{z:.10g}"
 
-    def _flow(self, _: Command, reply: Reply) -> Wait | None:
-        """Without S; with it the interpreter does it."""
-        job = self._printer.job
-        reply.say(f"echo:E{job.tool} Flow: {job.flow * 100:g}%")
+    def _flow(self, command: Command, reply: Reply) -> Wait | None:
+        """From the console whose moves are planned it takes its place among them."""
+        found = self._printer.commands.flow(command)
+        if found is None:
+            return None
+        tool, extruder, factor = found
+        if factor is None:
+            reply.say(f"echo:E{tool} Flow: {self._printer.job.flows[extruder] * 100:g}%")
+        elif self._printer.beside(reply):
+            self._printer.drive.scale_flow(extruder, factor)
+        else:
+            self._printer.job.set_flow(extruder, factor)
         return None
 
     def _babystep(self, command: Command, _: Reply) -> Wait | None:
