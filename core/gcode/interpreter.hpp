@@ -160,6 +160,14 @@ class Interpreter {
     for (Item& item : pending_)
       if (item.found == Found::move && item.move.extruder == extruder) item.move.target[kE] -= mm;
   }
+  // mm of filament for a mm, or mm³, of the program's E.
+  double e_scale() const {
+    if (extruder_.empty()) return 1;
+    double flow = filament_[active_].flow;
+    if (!volumetric_) return flow;
+    double r = 0.5 * diameter_[active_];
+    return flow / (kPi * r * r);
+  }
   // M221 of an extruder.
   double flow(size_t extruder) const { return filament_[extruder].flow; }
   void set_flow(size_t extruder, double flow) { filament_[extruder].flow = flow; }
@@ -376,14 +384,6 @@ class Interpreter {
     pending_.push_back(std::move(item));
   }
 
-  // mm of filament for a mm, or mm³, of the program's E.
-  double e_scale() const {
-    if (extruder_.empty()) return 1;
-    double flow = filament_[active_].flow;
-    if (!volumetric_) return flow;
-    double r = 0.5 * diameter_[active_];
-    return flow / (kPi * r * r);
-  }
   bool is_filament(int j) const { return filament_slots_ >> j & 1; }
   // Letters whose words count from where they are.
   uint32_t relative() const {

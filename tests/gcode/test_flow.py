@@ -1,4 +1,4 @@
-"""The flow of filament (M221): each extruder's own, retractions, and what a line has still to say."""
+"""The flow of filament (M221): each extruder's own, retractions, what a line has yet to say."""
 
 from __future__ import annotations
 

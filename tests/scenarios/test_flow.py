@@ -1,5 +1,6 @@
 """M221: at once from beside a print, in its place in a program, for each tool of its own."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -61,6 +62,14 @@ def test_the_other_axes_do_not_notice(s):
     s.host.ok("M221 S200")
     s.passes(2)
     assert s.positions()["x"] - x == pytest.approx(5 * (s.loop.time() - start), abs=0.05)
+
+
+def test_m114_tells_the_programs_e_on_the_way(s):
+    begun(s)
+    s.host.ok("M221 S50")
+    s.passes(2)
+    words = dict(re.findall(r"([XE]):([-\d.]+)", s.host.ok("M114 R")[0].partition("Count")[0]))
+    assert float(words["E"]) == pytest.approx(LEG_MM * (float(words["X"]) - 20) / 100, abs=0.03)
 
 
 def test_in_a_pause(s):

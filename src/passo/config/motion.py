@@ -36,9 +36,10 @@ class Axis(Model):
     @model_validator(mode="before")
     @classmethod
     def _extruder_without_limits(cls, values: Any) -> Any:
-        if isinstance(values, dict) and cast("dict[str, Any]", values).get("extruder") is True:
-            return {"max_mm": 0.0} | values
-        return cast("Any", values)
+        if not isinstance(values, dict):
+            return values
+        table = cast("dict[str, Any]", values)
+        return {"max_mm": 0.0} | table if table.get("extruder") is True else table
 
 
 class Extruder(Model):
