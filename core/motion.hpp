@@ -522,7 +522,6 @@ class Motion {
   // the revoked moves to `rest`. Returns the speed² at the cut.
   double cut(double ticks, std::vector<Move>& rest) {
     auto held = stream_.hold();  // what the link has taken stays as it is until all is cut
-    merge(true);
     in_pieces_ = false;
     int64_t at = std::max(int64_t(std::ceil(std::max(ticks, pieces_end_))), stream_.taken_until());
     ticks_of_cut_ = std::min(double(at), planner_.clock());

@@ -205,7 +205,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     if (p[0] & 128) {
       double cut = motion.planner().clock() * (p[11] / 255.0);
       if (p[9] & 64) motion.hold_from(cut);
-      if (p[9] & 16) {
+      if (p[9] & 16 && (motion.held() > 0 || !(p[9] & 64))) {
         FlowChange change(flow = 0.01 + p[10] / 64.0);
         motion.change_flow_from(cut, 0, change);
         owed = change.owed(owed);
