@@ -24,10 +24,10 @@ from passo.toolchain.targets import Motor, board_target, state, target
 
 # board: most bytes of flash, and of static data in RAM
 LIMITS = {
-    "ramps": (34_000, 7_200),
-    "mks-gen": (34_000, 7_200),
-    "mks-gen-l": (34_000, 7_200),
-    "melzi": (34_000, 14_000),
+    "ramps": (35_000, 7_200),
+    "mks-gen": (35_000, 7_200),
+    "mks-gen-l": (35_000, 7_200),
+    "melzi": (35_000, 14_000),
     "radds": (24_000, 56_000),
     "ramps-fd": (24_000, 56_000),
     "duet-0.6": (24_000, 56_000),

@@ -137,6 +137,7 @@ class MachineConfig(Model):
             "accel": axis.accel_mm_s2,
             "jerk": axis.jerk_mm_s,
             "cornering_steps": axis.cornering_distance_steps,
+            "filament": axis.extruder,
         }
 
     def _tools_spec(self) -> list[dict[str, Any]]:
@@ -175,7 +176,8 @@ class MachineConfig(Model):
     def _limits_spec(self) -> dict[str, Any]:
         limits = self.limits
         plane = min(self.axes["x"].accel_mm_s2, self.axes["y"].accel_mm_s2)
-        fastest = max((extruder.accel_mm_s2 for extruder in self.extruders.values()), default=plane)
+        pushing = [*self.extruders.values(), *(a for a in self.axes.values() if a.extruder)]
+        fastest = max((part.accel_mm_s2 for part in pushing), default=plane)
         return {
             "print_accel": limits.print_accel_mm_s2 or plane,
             "travel_accel": limits.travel_accel_mm_s2 or plane,

@@ -62,7 +62,7 @@ class JsonStatus:
                     for name in printer.machine.fans
                 ],
                 "speedFactor": round(100 * job.speed_factor, 1),
-                "extrFactors": [round(100 * job.flow, 1)],
+                "extrFactors": [round(100 * flow, 1) for flow in job.flows],
             },
             "temps": temps,
             "time": round(printer.drive.now_s, 1),

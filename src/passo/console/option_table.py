@@ -98,9 +98,11 @@ def _limits(printer: Printer, name: str, prefix: str, words: str) -> Iterator[Op
 def _axis(printer: Printer, name: str) -> Iterator[Option]:
     axis, letter = printer.machine.axes[name], name.upper()
     yield from _limits(printer, name, letter, f" {letter}")
+    yield Option(f"{letter}CorneringDistance", lambda: axis.cornering_distance_steps)
+    if axis.extruder:
+        return
     yield Option(f"{letter}MinPos", lambda: axis.min_mm)
     yield Option(f"{letter}MaxPos", lambda: axis.max_mm)
-    yield Option(f"{letter}CorneringDistance", lambda: axis.cornering_distance_steps)
     offsets = printer.motion.home_offset_mm
     yield Option(f"{letter}HomeOffset", lambda: offsets[name], f"M206 {letter}{{}}")
 

@@ -138,7 +138,7 @@ class RecoveryCommands:
                 if fan in printer.commands.commanded_fans
             },
             job.speed_factor,
-            job.flow,
+            job.flows,
             {axis: mm for axis, mm in printer.motion.babysteps_mm.items() if mm},
             printer.positions.origins(),
         )

@@ -263,7 +263,7 @@ TABLE: tuple[Row, ...] = (
     ),
     Row("M218", _Q, _N, "T X Y Z (mm)", "A tool's offset."),
     Row("M220", _P, _I, "S(%)", "Scales the speed; from a console of what is planned too."),
-    Row("M221", _M, _N, "S(%)", "Scales the extrusion."),
+    Row("M221", _P, _I, "T S(%)", "Scales a tool's extrusion; from beside of what is planned too."),
     Row("M290", _P, _I, "X Y Z (mm)", "Shifts all that is not done yet, in mid-move."),
     Row("M302", _Q, _I, "S(°C) P", "Allows cold extrusion, or tells whether it is."),
     Row("M301", _Q, _I, "H P I D", "A heater's PID gains, in 1/255 of full power; H-1 is the bed."),

@@ -52,7 +52,7 @@ class Moment:
     targets_c: dict[str, float] = field(default_factory=dict[str, float])
     fans: dict[str, float] = field(default_factory=dict[str, float])
     speed_factor: float = 1.0
-    flow: float = 1.0
+    flows: list[float] = field(default_factory=list[float])  # of each extruder
     babysteps_mm: dict[str, float] = field(default_factory=dict[str, float])
     origins: dict[str, int] = field(default_factory=dict[str, int])  # see Positions.origins
 

@@ -118,7 +118,8 @@ class Recovery:
         await self._approach(at)
         printer.job.adopt(state)
         printer.job.set_speed_factor(self._moment.speed_factor)
-        printer.job.flow = self._moment.flow
+        for extruder, flow in enumerate(self._moment.flows):
+            printer.job.set_flow(extruder, flow)
         printer.motion.babysteps_mm |= self._moment.babysteps_mm
         return offset
 

@@ -25,6 +25,7 @@ _OF_FANS = re.compile(r"[UIHLXT]", re.IGNORECASE)  # settings of M106
 _LETTERED = re.compile(r"([TPBC])\s*(\d*)", re.IGNORECASE)
 _AT_ONCE = re.compile(r"\bF", re.IGNORECASE)
 _BABYSTEP_MM = 2.0  # at most, with one command
+_FLOW = (1.0, 1000.0)  # percent of M221
 _KINDS = {"T": "hotend", "P": "hotend", "B": "bed", "C": "chamber"}
 
 
@@ -90,6 +91,7 @@ class Commands:
             "M204": lambda c: self.accelerations(c.words()),
             "M205": self._junction,
             "M220": self._speed,
+            "M221": self._flow,
             "M290": self._babystep,
             "G10": self._tool_temperatures,
             "SET_VELOCITY_LIMIT": self._velocity_limit,
@@ -379,6 +381,29 @@ class Commands:
         percent = command.words().get("S", 0)
         if percent > 0:
             self._job.set_speed_factor(min(max(percent, 10.0), 1000.0) / 100)
+
+    def flow(self, command: Command) -> tuple[int, int, float | None] | None:
+        """M221: the tool that it means, its extruder, and the factor that S gives. None where the
+        tool in use has no extruder. Raises CommandError."""
+        words = command.words()
+        tools = self._machine.core_spec()["tools"]
+        tool = int(words.get("T", self._job.tool))
+        there = 0 <= tool < len(tools) and tools[tool]["extruder"] >= 0
+        if not there and "T" not in words:
+            return None
+        if not there:
+            raise CommandError.bad_value("T", tool, "a tool with an extruder")
+        if "S" not in words:
+            return tool, tools[tool]["extruder"], None
+        low, high = _FLOW
+        if words["S"] <= 0:
+            raise CommandError.bad_value("S", words["S"], f"{low:g} to {high:g} percent")
+        return tool, tools[tool]["extruder"], min(max(words["S"], low), high) / 100
+
+    def _flow(self, command: Command) -> None:
+        found = self.flow(command)
+        if found is not None and found[2] is not None:
+            self._job.set_flow(found[1], found[2])
 
     def babysteps(self, command: Command) -> list[tuple[int, float]]:
         """M290: numbers of axes with how far they go, mm; S is Z's. Raises CommandError."""

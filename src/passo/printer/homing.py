@@ -144,7 +144,8 @@ class Homer:
         printer.raise_if_interrupted()
 
     async def _home(self, letters: str) -> None:
-        names = [a for a in self._axes if a.upper() in letters] or self._axes
+        homed = [a for a in self._axes if not self._machine.axes[a].extruder]
+        names = [a for a in homed if a.upper() in letters] or homed
         if "O" in letters and self._machine.unhomed_moves == "refuse":
             unknown = [self._axes[i] for i in self._printer.job.locked_axes]
             names = [name for name in names if name in unknown]

@@ -20,19 +20,22 @@ _PERCENT = (10.0, 1000.0)  # of M220
 class MotionCommands:
     """Settings of motion of one printer. Limits and the feed rate override take their place among
     the moves of the program, or of the line, that they stand in. What a console sends beside a
-    print is live, and so are its M220 and M290, in lines of their own, always: they act at once on
-    what the board does not have yet."""
+    print is live, M221 too: it acts at once on what the board does not have yet. M220 and M290 in
+    lines of their own are live from every console."""
 
     def __init__(self, printer: Printer) -> None:
         self._printer = printer
         self._machine = printer.machine
         self._axes = axis_order(self._machine.axes)
-        self.home_offset_mm = dict.fromkeys(self._axes, 0.0)
+        homed = [a for a in self._axes if not self._machine.axes[a].extruder]
+        self.home_offset_mm = dict.fromkeys(homed, 0.0)
         self.babysteps_mm = dict.fromkeys("xyz", 0.0)  # live ones, since the axis was homed
         self.immediate: dict[str, Handler] = {
             "M220": lambda c, r: self._speed(c, r, live=True),
+            "M221": lambda c, r: self._flow(c, r, live=True),
             "M290": self._babystep,
         }
+        self.beside_only = frozenset({"M221"})  # of the immediate ones
         self.planned: dict[str, Handler] = {
             "M92": self._scales,
             "M200": lambda c, r: self._say(r, *self.filament_lines()),
@@ -45,7 +48,7 @@ class MotionCommands:
             "M206": self._home_offsets,
             "M218": self._tool_offset,
             "M220": lambda c, r: self._speed(c, r, live=False),
-            "M221": self._flow,
+            "M221": lambda c, r: self._flow(c, r, live=False),
             "M290": lambda c, r: self._printer.commands.run(c),
             "M603": lambda c, r: self._say(r, *self.change_lines()),
         }
@@ -274,10 +277,17 @@ class MotionCommands:
             if tool > 0:
                 yield f"M218 T{tool} X{x:.10g} Y{y:.10g} Z{z:.10g}"
 
-    def _flow(self, _: Command, reply: Reply) -> Wait | None:
-        """Without S; with it the interpreter does it."""
-        job = self._printer.job
-        reply.say(f"echo:E{job.tool} Flow: {job.flow * 100:g}%")
+    def _flow(self, command: Command, reply: Reply, *, live: bool) -> Wait | None:
+        found = self._printer.commands.flow(command)
+        if found is None:
+            return None
+        tool, extruder, factor = found
+        if factor is None:
+            reply.say(f"echo:E{tool} Flow: {self._printer.job.flows[extruder] * 100:g}%")
+        elif live:
+            self._printer.drive.scale_flow(extruder, factor)
+        else:
+            self._printer.job.set_flow(extruder, factor)
         return None
 
     def _babystep(self, command: Command, _: Reply) -> Wait | None:

@@ -299,9 +299,10 @@ class Printer:
     # -- commands ---------------------------------------------------------------------------------
 
     def act(self, command: Command, reply: Reply) -> bool:
-        """Carries out a command of the immediate kind; False if it is of another."""
+        """Carries out a command that acts at once when it comes from there; else False."""
         handler = self.immediate.get(command.code)
-        if handler is None:
+        in_order = command.code in self.motion.beside_only and not self.beside(reply)
+        if handler is None or in_order:
             return False
         self._carried_out(handler, command, reply)
         return True

@@ -45,9 +45,13 @@ class Waiting:
         """Waits until there is room for a line, or `end` wants it taken without. True if so."""
         printer = self._printer
         self._impatient = False
-        await printer.drive.until(
-            lambda: there() or bool(printer.halted) or (self._impatient and printer.job.at_boundary)
-        )
+
+        def let_in() -> bool:
+            if printer.aside:
+                self._impatient = False  # that was for the pause
+            return there() or bool(printer.halted) or (self._impatient and printer.job.at_boundary)
+
+        await printer.drive.until(let_in)
         return self._impatient
 
     async def wait(self, wait: Wait, reply: Reply, *, ends: bool = False) -> None:
