@@ -2,6 +2,7 @@
 # make test   every test             make check  linters, types, layers, formatting
 # make bench  speed and size         make fuzz   fuzzers, FUZZ_SECONDS each
 # make corpus DIR=...                print a folder of real files
+# make sizes  docs/boards.md: how large the firmware is
 # Each sets up what it needs: .venv, the build, and what must come from Debian.
 
 PYTHON ?= python3
@@ -17,7 +18,7 @@ FUZZERS := $(patsubst tests/fuzz/%.cpp,build/fuzz/%,$(wildcard tests/fuzz/fuzz_*
 PYTHON_HEADERS = $(shell $(PYTHON) -c "import os, sysconfig; \
   print(os.path.exists(sysconfig.get_path('include') + '/Python.h'))")
 
-.PHONY: demo test check bench fuzz corpus stub format clean
+.PHONY: demo test check bench fuzz corpus sizes stub format clean
 .DELETE_ON_ERROR:
 
 demo: .venv/.built build/$(DEMO).gcode
@@ -26,7 +27,8 @@ demo: .venv/.built build/$(DEMO).gcode
 test: .venv/.built .venv/.dev .venv/hosts/.installed
 	tools/debian.sh g++-aarch64-linux-gnu g++-arm-linux-gnueabihf qemu-user-static dosfstools mtools \
 	  gcc-avr avr-libc libsimavr-dev libelf-dev gcc-arm-none-eabi qemu-system-arm
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n auto --dist loadfile --ignore tests/hosts
+	$(BIN)/python -m pytest tests/hosts  # real time: nothing else may take the processor
 
 check: .venv/.built .venv/.dev
 	$(BIN)/ruff check .
@@ -54,6 +56,10 @@ bench: .venv/.built .venv/.dev
 corpus: .venv/.built
 	@test -d "$(DIR)" || { echo "Say where the files are: make corpus DIR=..." >&2; exit 2; }
 	$(BIN)/python bench/corpus.py "$(DIR)"
+
+sizes: .venv/.built
+	tools/debian.sh gcc-avr avr-libc gcc-arm-none-eabi
+	$(BIN)/python tools/what_fits.py
 
 fuzz: $(FUZZERS)
 	@for fuzzer in $^; do \

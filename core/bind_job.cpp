@@ -1,4 +1,6 @@
 // passo._core.Job: whole programs through one machine.
+#include "bind_job.hpp"
+
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
@@ -9,32 +11,12 @@
 #include <tuple>
 
 #include "bind_machine.hpp"
-#include "cpu_clock.hpp"
-#include "job.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
 using namespace passo;
 
 namespace {
-
-struct JobView {
-  Job job;
-  std::vector<Move> moves;
-  JobView(const Machine& machine, std::vector<double> home, const LaserWords& laser,
-          bool with_steps)
-      : job(machine, std::move(home), laser, with_steps, thread_cpu_s) {}
-};
-
-double* place_of(Limits& l, const std::string& name) {
-  double* places[] = {&l.print_accel,        &l.travel_accel,         &l.retract_accel,   &l.speed,
-                      &l.junction_deviation, &l.minimum_cruise_ratio, &l.least_speed_gain};
-  const char* names[] = {"print_accel",        "travel_accel",         "retract_accel",   "speed",
-                         "junction_deviation", "minimum_cruise_ratio", "least_speed_gain"};
-  for (size_t i = 0; i < std::size(names); ++i)
-    if (name == names[i]) return places[i];
-  throw nb::key_error(name.c_str());
-}
 
 using Table = nb::typed<nb::dict, nb::str, nb::any>;
 
@@ -162,18 +144,18 @@ void bind_job(nb::module_& m) {
       .value("UNSAVED", Fault::unsaved)
       .value("UNREACHABLE", Fault::unreachable)
       .value("ACTUATOR", Fault::actuator);
-  nb::class_<JobView>(m, "Job", "A G-code program through one machine. Not thread-safe.")
-      .def(
-          "__init__",
-          [](JobView* self, const nb::dict& spec, bool with_steps, bool clamp, bool ignore_tools) {
-            std::vector<double> home;
-            for (nb::handle axis : spec["axes"]) home.push_back(get<double>(axis, "home"));
-            new (self)
-                JobView(machine_of(spec), std::move(home), laser_words(spec["laser"]), with_steps);
-            self->job.interpreter.clamp = clamp;
-            self->job.interpreter.ignore_tools = ignore_tools;
-          },
-          "spec"_a, "with_steps"_a = true, "clamp"_a = false, "ignore_tools"_a = false)
+  nb::class_<JobView> job(m, "Job", "A G-code program through one machine. Not thread-safe.");
+  job.def(
+         "__init__",
+         [](JobView* self, const nb::dict& spec, bool with_steps, bool clamp, bool ignore_tools) {
+           std::vector<double> home;
+           for (nb::handle axis : spec["axes"]) home.push_back(get<double>(axis, "home"));
+           new (self)
+               JobView(machine_of(spec), std::move(home), laser_words(spec["laser"]), with_steps);
+           self->job.interpreter.clamp = clamp;
+           self->job.interpreter.ignore_tools = ignore_tools;
+         },
+         "spec"_a, "with_steps"_a = true, "clamp"_a = false, "ignore_tools"_a = false)
       .def(
           "feed",
           [](JobView& self, const nb::bytes& data) {
@@ -302,7 +284,7 @@ void bind_job(nb::module_& m) {
           "use_commits",
           [](JobView& self, int64_t period, size_t most) {
             self.job.motion.flush();
-            self.job.motion.stream().use_commits(period, most);
+            self.job.motion.use_commits(period, most);
           },
           "period"_a, "most"_a,
           "Messages come in commits of at most so many ticks and messages from now on; only while "
@@ -440,25 +422,6 @@ void bind_job(nb::module_& m) {
                      return axes;
                    })
       .def(
-          "set_steps_per_unit",
-          [](JobView& self, size_t stepper, double value) {
-            if (stepper >= self.job.motion.machine().steppers.size() || !(value > 0))
-              throw nb::value_error("no such stepper, or no such scale");
-            self.job.motion.flush();
-            self.job.motion.set_steps_per_unit(stepper, value,
-                                               self.job.motion.planner().position());
-          },
-          "stepper"_a, "value"_a, "Another scale of a motor, while the machine stands.")
-      .def(
-          "set_tool_offset",
-          [](JobView& self, size_t tool, int axis, double mm) {
-            if (tool >= self.job.motion.machine().tools.size() || axis < 0 || axis > 2)
-              throw nb::value_error("no such tool or axis");
-            if (tool == self.job.interpreter.tool()) self.job.interpreter.shift_tool(axis, mm);
-            self.job.motion.set_tool_offset(tool, axis, mm);
-          },
-          "tool"_a, "axis"_a, "mm"_a)
-      .def(
           "shift_from",
           [](JobView& self, double ticks, int axis, double mm) {
             if (axis < 0 || axis > 2) throw nb::value_error("X, Y or Z");
@@ -475,62 +438,6 @@ void bind_job(nb::module_& m) {
           },
           "axis"_a, "mm"_a,
           "The same behind all moves so far; False if that is out of range, see error.")
-      .def_prop_ro("tool_offsets",
-                   [](JobView& self) {
-                     std::vector<std::vector<double>> offsets;
-                     for (const Tool& t : self.job.motion.machine().tools)
-                       offsets.push_back({t.offset[0], t.offset[1], t.offset[2]});
-                     return offsets;
-                   })
-      .def_prop_ro(
-          "retraction",
-          [](JobView& self) {
-            Interpreter::Retraction r = self.job.interpreter.retraction();
-            return std::make_tuple(r.mm, r.feed_mm_s, r.hop_mm, r.recover_mm, r.recover_feed_mm_s,
-                                   r.swap_mm, r.swap_recover_mm);
-          },
-          "(mm, mm/s, hop mm, extra mm, mm/s back or 0, mm and extra mm of G10 S1) of M207 and "
-          "M208.")
-      .def_prop_ro(
-          "filament_diameters",
-          [](JobView& self) -> std::optional<std::vector<double>> {
-            const Interpreter& i = self.job.interpreter;
-            if (!i.volumetric()) return std::nullopt;
-            return i.diameters();
-          },
-          "mm, of each extruder, where E is a volume (M200); else None.")
-      .def_prop_ro(
-          "filament_changes",
-          [](JobView& self) {
-            std::vector<std::pair<double, double>> lengths;
-            for (const auto& c : self.job.interpreter.changes())
-              lengths.emplace_back(c.load_mm, c.unload_mm);
-            return lengths;
-          },
-          "mm that M701 pushes in and M702 pulls out, of each extruder.")
-      .def_prop_ro("auto_retract",
-                   [](JobView& self) { return self.job.interpreter.auto_retract(); })
-      .def(
-          "limit",
-          [](JobView& self, const std::string& name) {
-            Limits limits = self.job.motion.planner().rules().now().limits;
-            return *place_of(limits, name);
-          },
-          "name"_a, "A limit as set_limit takes it.")
-      .def(
-          "axis_limit",
-          [](JobView& self, const std::string& axis, const std::string& what) {
-            const Constraints& c = self.job.motion.planner().constraints();
-            const Machine& m = self.job.motion.machine();
-            for (size_t i = 0; i < m.axes.size(); ++i)
-              if (m.axes[i].name == axis)
-                return what == "speed" ? c.rows[i].speed : c.rows[i].accel;
-            for (size_t i = 0; i < m.extruders.size(); ++i)
-              if (m.extruders[i].name == axis)
-                return what == "speed" ? c.extruders[i].speed : c.extruders[i].accel;
-            throw nb::key_error(axis.c_str());
-          },
-          "axis"_a, "what"_a, "The `speed` or `accel` of an axis or extruder now.")
       .def(
           "adopt", [](JobView& self, JobView& other) { self.job.adopt(other.job); }, "other"_a,
           "Takes the state of a program that another job has read up to where this machine stands.")
@@ -554,14 +461,6 @@ void bind_job(nb::module_& m) {
           "Where the plan was at a clock not much more than a second ago, as machine_position; "
           "None "
           "if it is longer ago.")
-      .def_prop_rw(
-          "cold", [](JobView& self) { return self.job.interpreter.cold; },
-          [](JobView& self, bool cold) { self.job.interpreter.cold = cold; },
-          "While it is set, moves of filament are errors.")
-      .def_prop_rw(
-          "flow", [](JobView& self) { return self.job.interpreter.flow; },
-          [](JobView& self, double flow) { self.job.interpreter.flow = flow; },
-          "M221, as a factor.")
       .def_prop_ro("held", [](JobView& self) { return self.job.motion.held(); })
       .def_prop_ro(
           "clock", [](JobView& self) { return self.job.motion.planner().clock(); },
@@ -572,38 +471,6 @@ void bind_job(nb::module_& m) {
       .def_prop_ro("line", [](JobView& self) { return self.job.interpreter.line(); })
       .def_prop_ro("layer", [](JobView& self) { return self.job.interpreter.layers(); })
       .def_prop_ro("tool", [](JobView& self) { return self.job.interpreter.tool(); })
-      .def_prop_ro(
-          "speed_factor",
-          [](JobView& self) { return self.job.motion.planner().rules().now().speed_factor; },
-          "M220, as a factor.")
-      .def(
-          "set_speed_factor",
-          [](JobView& self, double factor, bool live) {
-            self.job.motion.planner().rules().change(live,
-                                                     [&](Rules& r) { r.speed_factor = factor; });
-          },
-          "factor"_a, "live"_a = false,
-          "M220 for the moves that follow; `live`: for all that is planned anew from now on.")
-      .def(
-          "set_limit",
-          [](JobView& self, const std::string& name, double value, bool live) {
-            self.job.motion.planner().rules().change(
-                live, [&](Rules& r) { *place_of(r.limits, name) = value; });
-          },
-          "name"_a, "value"_a, "live"_a = false,
-          "Changes a limit of the moves that follow; `live`: of all that is planned anew.")
-      .def(
-          "set_axis_limit",
-          [](JobView& self, const std::string& axis, const std::string& what, double value,
-             bool live) {
-            self.job.motion.planner().rules().change(live, [&](Rules& r) {
-              auto changed = std::make_shared<Constraints>(*r.constraints);
-              changed->set(self.job.motion.machine(), axis, what == "speed", value);
-              r.constraints = std::move(changed);
-            });
-          },
-          "axis"_a, "what"_a, "value"_a, "live"_a = false,
-          "Changes an axis' `speed` or `accel`, never beyond the machine's own, as set_limit.")
       .def_prop_ro(
           "messages",
           [](JobView& self) -> MessageQueue& { return self.job.motion.stream().messages(0); },
@@ -650,4 +517,5 @@ void bind_job(nb::module_& m) {
       .def("statistics", &statistics)
       .def("steppers", &steppers)
       .def("cpu", &cpu);
+  bind_job_settings(job);
 }

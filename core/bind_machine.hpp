@@ -50,7 +50,8 @@ inline Machine machine_of(const nb::dict& spec) {
     m.axes.push_back({get<std::string>(a, "name"), get<std::string>(a, "letter").at(0),
                       get<double>(a, "min"), get<double>(a, "max"), get<double>(a, "speed"),
                       get<double>(a, "accel"), get<double>(a, "jerk"),
-                      get<double>(a, "cornering_steps")});
+                      get<double>(a, "cornering_steps"),
+                      nb::cast<nb::dict>(a).contains("filament") && get<bool>(a, "filament")});
   for (nb::handle e : spec["extruders"])
     m.extruders.push_back({get<std::string>(e, "name"), get<double>(e, "speed"),
                            get<double>(e, "accel"), get<double>(e, "jerk")});

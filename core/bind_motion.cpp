@@ -92,7 +92,7 @@ void set_height_map(RecordedMotion& self, const std::tuple<double, double>& firs
 
 void push(RecordedMotion& self, const std::vector<double>& target, double feed,
           const std::string& kind, int extruder, double duration, double radius, bool inner,
-          uint32_t line) {
+          uint32_t line, double flow) {
   const Machine& machine = self.motion.machine();
   if (target.size() != machine.axes.size() + 1)
     throw nb::value_error("target needs one number an axis, then E");
@@ -108,6 +108,7 @@ void push(RecordedMotion& self, const std::vector<double>& target, double feed,
   r.duration_s = duration;
   r.radius_mm = radius;
   r.line = line;
+  r.flow = flow;
   r.extruder = uint16_t(extruder);
   r.kind = kind == "print"     ? MoveKind::print
            : kind == "extrude" ? MoveKind::extrude
@@ -131,7 +132,9 @@ void bind_motion(nb::module_& m) {
           "spec"_a, "with_steps"_a = true)
       .def("push", &push, "target"_a, "feed_mm_s"_a, "kind"_a = "travel", "extruder"_a = 0,
            "duration_s"_a = 0.0, "radius_mm"_a = kInfinity, "inner"_a = false, "line"_a = 0,
-           "Adds a move to the absolute target: one number an axis, then E. Raises ValueError.")
+           "flow"_a = 1.0,
+           "Adds a move to the absolute target: one number an axis, then E, which was scaled with "
+           "`flow` (0: by none, and never). Raises ValueError.")
       .def(
           "set_height_map", &set_height_map, "first"_a, "spacing"_a, "heights"_a,
           "What the bed adds to Z: heights in mm on an even grid, rows along X, the first one at "
@@ -180,6 +183,17 @@ void bind_motion(nb::module_& m) {
           },
           "ticks"_a, "axis"_a, "mm"_a,
           "From this clock on all lies so much further; returns the clock of the cut.")
+      .def(
+          "change_flow_from",
+          [](RecordedMotion& self, double ticks, double flow, size_t extruder) {
+            if (extruder >= self.motion.machine().extruders.size())
+              throw nb::index_error("no such extruder");
+            if (!(flow > 0 && flow < kInfinity)) throw nb::value_error("a flow must be above 0");
+            FlowChange change(flow);
+            return self.motion.change_flow_from(ticks, extruder, change);
+          },
+          "ticks"_a, "flow"_a, "extruder"_a = 0,
+          "From behind this clock on filament moves with this flow; returns the clock of the cut.")
       .def(
           "skip_dwell_from",
           [](RecordedMotion& self, double ticks) { return self.motion.skip_dwell_from(ticks); },

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "constraints.hpp"
+#include "flow.hpp"
 #include "junction.hpp"
 #include "machine.hpp"
 #include "move.hpp"
@@ -142,6 +143,7 @@ class Bounds {
   static void cut(const Move& m, double from, double to, Move& part) {
     part.d = m.d * (to - from);
     part.duration = m.duration * (to - from);
+    if (from > 0 && m.flow > 0) part.owed = owed_after(m.owed, (m.p1[kE] - m.p0[kE]) * from);
     for (int j = 0; j < kAxes; ++j) {
       if (from > 0) part.p0[j] = m.p0[j] + (m.p1[j] - m.p0[j]) * from;
       if (to < 1) part.p1[j] = m.p0[j] + (m.p1[j] - m.p0[j]) * to;

@@ -237,7 +237,8 @@ class Compressor {
   void set_apart() {
     crowded_ = false;
     double apart = std::max(reversal_, least_);
-    double least = (resets(steps_.ticks[1]) ? double(std::max(last_, floor_)) : steps_.ticks[0]);
+    bool anew = resets(steps_.ticks[1]);
+    double least = std::max(double(last_), anew ? double(floor_) : steps_.ticks[0]);
     if (steps_behind_) least = std::max(least, double(floor_) - apart + 1);
     for (size_t k = 1; k < steps_.ticks.size() && steps_.ticks[k] < least + apart; ++k)
       steps_.ticks[k] = least += apart;

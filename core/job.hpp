@@ -79,6 +79,7 @@ class Job {
   double stop_from(double ticks) {
     double cut = motion.stop_from(ticks);
     interpreter.dark();
+    interpreter.forget_retraction();
     abandon();
     return cut;
   }
@@ -147,6 +148,21 @@ class Job {
     return true;
   }
 
+  // From `ticks` on this extruder has another flow (M221, a factor): what is planned, held, or was
+  // suspended moves its filament so, and so does the program from now on, which does not notice.
+  // Returns the clock of the cut.
+  double scale_flow_from(double ticks, size_t extruder, double flow) {
+    if (aside_) {
+      FlowChange change(flow);
+      motion.change_flow_aside(extruder, change);
+      aside_->change_flow(extruder, change);
+    }
+    FlowChange change(flow);
+    double cut = motion.change_flow_from(ticks, extruder, change);
+    interpreter.change_flow(extruder, change);
+    return cut;
+  }
+
   // Takes the state of a program that another job of the same machine has read up to the place
   // where this machine stands.
   void adopt(Job& other) {
@@ -203,8 +219,16 @@ class Job {
   // Move i of the batch is left out: what it would have printed is not printed by the next one.
   void leave_filament(size_t i) {
     const MoveRequest& m = batch_[i];
+    const Machine& machine = motion.machine();
+    for (size_t a = 3; a < machine.axes.size(); ++a) {
+      int j = slot_of_axis(int(a));
+      double mm = m.target[j] - motion.planner().position()[j];
+      if (!machine.axes[a].filament || !(mm > 0)) continue;
+      for (size_t k = i + 1; k < batch_.size(); ++k) batch_[k].target[j] -= mm;
+      interpreter.shift(j, -mm);
+    }
     double mm = m.target[kE] - motion.planner().extruder_position(m.extruder);
-    if (motion.machine().extruders.empty() || !(mm > 0)) return;  // a retraction is made up for
+    if (machine.extruders.empty() || !(mm > 0)) return;  // a retraction is made up for
     for (size_t k = i + 1; k < batch_.size(); ++k)
       if (batch_[k].extruder == m.extruder) batch_[k].target[kE] -= mm;
     interpreter.leave_filament(m.extruder, mm);

@@ -32,7 +32,7 @@ class JunctionRule {
   double cap2(const Move& before, const Move& m, const Limits& limits) const {
     double cap = std::min(before.vn2, m.vn2);
     if (before.kind == MoveKind::dwell || m.kind == MoveKind::dwell) return 0;
-    if (m.inner) return cap;
+    if (m.inner) return before.flow == m.flow ? cap : std::min(cap, extruder_cap(before, m));
     if (limits.junction == JunctionLaw::cornering_distance) return cornering(before, m, cap);
     if (before.cartesian != m.cartesian) return 0;
     if (!m.cartesian) return alongside(before, m) ? cap : 0;

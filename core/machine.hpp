@@ -26,6 +26,7 @@ struct Axis {  // X, Y, Z and further linear axes
   double speed, accel;     // mm/s, mm/s²
   double jerk;             // mm/s, change of speed allowed at a junction (law `jerk`)
   double cornering_steps;  // law `cornering_distance`
+  bool filament = false;   // an extruder without tools: it is never homed, and has no limits
 };
 
 struct Extruder {  // one motor that pushes filament

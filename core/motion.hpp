@@ -147,6 +147,10 @@ class Motion {
   void use_joints(bool on) { machine_.joints = on && planner_.constraints().actuators.size() >= 3; }
   void set_tool_offset(size_t tool, int j, double mm) { machine_.tools[tool].offset[j] = mm; }
 
+  // See StepStream::use_commits. Only after flush.
+  void use_commits(int64_t period, size_t most) {
+    stream_.use_commits(period, most, int64_t(std::ceil(planner_.clock())));
+  }
   // The boards were left alone: they have come to a stop behind the commit `serial`, as it told
   // them to.
   // Plans anew from there; what was to follow is held, and `release` goes on with it at any later
@@ -208,6 +212,37 @@ class Motion {
     m.moved = uint8_t(1u << j);
     push(m);
   }
+  // As replan_from, with another flow of an extruder: from where the way to brake would end, so
+  // that the machine can always still stop, what is left moves as much filament as `change` says.
+  // What is held changes too.
+  double change_flow_from(double ticks, size_t extruder, FlowChange& change) {
+    if (!held_.empty()) {
+      change_flow(held_.begin(), held_.end(), extruder, change);
+      planner_.place_filament(extruder, change);
+      return planner_.clock();
+    }
+    std::vector<Move> rest, moves;
+    double speed2 = cut(ticks, rest);
+    planner_.take_queue(rest);
+    size_t i = 0;
+    for (double v2 = speed2; i < rest.size() && v2 > 0; ++i)
+      if (brake(rest[i], v2, moves)) break;
+    change_flow(rest.begin() + long(i), rest.end(), extruder, change);
+    planner_.place_filament(extruder, change);
+    moves.insert(moves.end(), rest.begin() + long(i), rest.end());
+    resume_plan(moves, speed2, ticks_of_cut_);
+    process(false);
+    return ticks_of_cut_;
+  }
+  // The same for what is suspended.
+  void change_flow_aside(size_t extruder, FlowChange& change) {
+    std::vector<Move>& moves = aside_->moves;
+    change_flow(moves.begin(), moves.end(), extruder, change);
+    double& end = aside_->extruders[extruder];
+    if (aside_->end[kE] == end) aside_->end[kE] = change.place(end);
+    end = change.place(end);
+  }
+
   // Whether `allowed` holds for the ends of all moves that shift_from would shift, each `mm`
   // further.
   bool allows_shift(double ticks, int j, double mm,
@@ -359,6 +394,12 @@ class Motion {
   bool in_pieces_ = false;  // what comes next may go on from pieces without a stop
   double pieces_end_ = 0;   // ticks
 
+  static void change_flow(std::vector<Move>::iterator first, std::vector<Move>::iterator last,
+                          size_t extruder, FlowChange& change) {
+    for (; first != last; ++first)
+      if (first->extruder == extruder)
+        change.apply(first->p0[kE], first->p1[kE], first->flow, first->owed);
+  }
   // Takes changes of the laser's light.
   auto light() {
     return
@@ -488,7 +529,6 @@ class Motion {
   // the revoked moves to `rest`. Returns the speed² at the cut.
   double cut(double ticks, std::vector<Move>& rest) {
     auto held = stream_.hold();  // what the link has taken stays as it is until all is cut
-    merge(true);
     in_pieces_ = false;
     int64_t at = std::max(int64_t(std::ceil(std::max(ticks, pieces_end_))), stream_.taken_until());
     ticks_of_cut_ = std::min(double(at), planner_.clock());

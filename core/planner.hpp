@@ -9,6 +9,7 @@
 
 #include "bounds.hpp"
 #include "budget.hpp"
+#include "flow.hpp"
 #include "junction.hpp"
 #include "machine.hpp"
 #include "move.hpp"
@@ -136,6 +137,13 @@ class Planner {
     return left;
   }
 
+  // What comes later moves this extruder from where a change of its flow has put the filament.
+  void place_filament(size_t extruder, const FlowChange& change) {
+    double before = extruder_[extruder];
+    extruder_[extruder] = change.place(before);
+    if (position_[kE] == before) position_[kE] = extruder_[extruder];
+  }
+
   // Forgets the queue: the machine stands from `clock` on.
   void stand(double clock) {
     queue_.clear();
@@ -169,6 +177,8 @@ class Planner {
     m.duration = r.duration_s;
     m.fastest = r.fastest_mm_s;
     m.radius = r.radius_mm;
+    m.flow = r.flow;
+    m.owed = r.owed_mm;
     m.rules = rules_.use();
     m.unscaled = r.unscaled;
     m.line = r.line;

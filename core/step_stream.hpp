@@ -183,11 +183,11 @@ class StepStream {
   }
 
   // From now on messages come in commits (commits.hpp): each of at most `period` ticks and `most`
-  // messages. Only while the machine stands and nothing is waiting. The last kKeptCommits that were
-  // taken are kept for rewind().
-  void use_commits(int64_t period, size_t most) {
+  // messages. Only while the machine stands, from `clock` on, and nothing is waiting. The last
+  // kKeptCommits that were taken are kept for rewind().
+  void use_commits(int64_t period, size_t most, int64_t clock) {
     commits_.emplace(machine_, period, most);
-    begin_commits(0, 0);
+    begin_commits(0, clock);
   }
   void stop_commits() { commits_.reset(); }
   bool commits() const { return commits_.has_value(); }

@@ -27,6 +27,8 @@ struct MoveRequest {
   double energy_ws;      // of a laser, for this move alone
   double beam;           // a laser's share of full power at 1 mm/s; of a dwell: its share; 0: none
   double fastest_mm_s;   // whatever M220 says; 0: no such limit
+  double flow;           // that E was scaled with (M221); 0: not a program's filament
+  double owed_mm;        // by which the program has drawn filament back at the start
   double radius_mm;      // arc radius; infinity on straight moves
   uint32_t line;         // 1-based line of the source
   uint16_t layer;        // slicer's layer, 0 before the first

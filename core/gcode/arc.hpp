@@ -53,6 +53,13 @@ class Arc {
     if (j == u_) cu_ += mm;
     if (j == v_) cv_ += mm;
   }
+  // How far it still goes along slot j.
+  double left(int j) const { return (end_[j] - start_[j]) * (1 - double(done_) / chords_); }
+  // From `at` on it goes so far instead.
+  void set_left(int j, double at, double mm) {
+    end_[j] = at + mm;
+    start_[j] = end_[j] - mm / (1 - double(done_) / chords_);
+  }
   double radius() const { return std::max(radius0_, radius1_); }
   bool first() const { return done_ == 1; }
 

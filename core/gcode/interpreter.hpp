@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "flow.hpp"
 #include "gcode/arc.hpp"
 #include "gcode/lexer.hpp"
 #include "gcode/words.hpp"
@@ -66,12 +67,12 @@ class Interpreter {
  public:
   bool clamp = false;         // targets out of range go to the limit
   bool ignore_tools = false;  // a missing tool is left alone
-  bool cold = false;          // filament must not move: its hotend is too cold
-  double flow = 1;            // M221
+  uint8_t cold = 0;           // a bit for each slot whose filament is too cold to move
 
   Interpreter(const Machine& machine, std::vector<double> home, const LaserWords& laser)
       : machine_(&machine), home_(std::move(home)), laser_(laser),
-        extruder_(machine.extruders.size(), 0.0), diameter_(machine.extruders.size(), kUsualMm),
+        extruder_(machine.extruders.size(), 0.0), filament_(machine.extruders.size()),
+        diameter_(machine.extruders.size(), kUsualMm),
         change_(machine.extruders.size(), Change{100, 100}) {
     std::fill(std::begin(letter_slot_), std::end(letter_slot_), int8_t(-1));
     for (size_t i = 0; i < machine.axes.size(); ++i)
@@ -79,6 +80,11 @@ class Interpreter {
     if (!machine.extruders.empty()) letter_slot_['E' - 'A'] = kE;
     for (int j = 0; j < kAxes; ++j) low_[j] = -kInfinity, high_[j] = kInfinity;
     for (size_t i = 0; i < machine.axes.size(); ++i) {
+      if (machine.axes[i].filament) {
+        filament_letters_ |= 1u << (machine.axes[i].letter - 'A');
+        filament_slots_ |= uint8_t(1u << slot_of_axis(int(i)));
+        continue;
+      }
       low_[slot_of_axis(int(i))] = machine.axes[i].min;
       high_[slot_of_axis(int(i))] = machine.axes[i].max;
     }
@@ -153,6 +159,46 @@ class Interpreter {
     }
     for (Item& item : pending_)
       if (item.found == Found::move && item.move.extruder == extruder) item.move.target[kE] -= mm;
+  }
+  // mm of filament for a mm, or mm³, of the program's E.
+  double e_scale() const {
+    if (extruder_.empty()) return 1;
+    double flow = filament_[active_].flow;
+    if (!volumetric_) return flow;
+    double r = 0.5 * diameter_[active_];
+    return flow / (kPi * r * r);
+  }
+  // M221 of an extruder.
+  double flow(size_t extruder) const { return filament_[extruder].flow; }
+  void set_flow(size_t extruder, double flow) { filament_[extruder].flow = flow; }
+  // The plan behind which the program goes on has been changed so, and what is left of a line
+  // changes too.
+  void change_flow(size_t extruder, FlowChange& change) {
+    Filament& filament = filament_[extruder];
+    double from = extruder_[extruder], owed = filament.owed;
+    filament.flow = change.flow();
+    filament.owed = change.owed(owed);
+    if (owed > 0) filament.scale *= filament.owed / owed;
+    extruder_[extruder] = change.place(from);
+    if (extruder != active_) return;
+    position_[kE] = extruder_[extruder];
+    auto pass = [&](double to, double& flow) {
+      double was_owed = owed, end = to;
+      owed = flow > 0 ? owed_after(owed, to - from) : owed;
+      change.apply(from, end, flow, was_owed);
+      from = to;
+      return end;
+    };
+    for (Item& item : pending_)
+      if (item.found == Found::move && item.move.kind != MoveKind::dwell)
+        item.move.target[kE] = pass(item.move.target[kE], item.move.flow);
+    if (!arc_.active()) return;
+    double start = change.place(from), end = pass(from + arc_.left(kE), move_.flow);
+    arc_.set_left(kE, start, end - start);
+  }
+  // Nothing that was drawn back is to come back.
+  void forget_retraction() {
+    for (Filament& filament : filament_) filament.owed = 0;
   }
   // Whether axis slot j may be at this machine position; else what the error says.
   bool in_range(int j, double at, GcodeError& error) const {
@@ -237,6 +283,7 @@ class Interpreter {
   void home(const std::string& letters) {
     for (size_t i = 0; i < machine_->axes.size(); ++i) {
       int j = slot_of_axis(int(i));
+      if (is_filament(j)) continue;
       if (!letters.empty() && letters.find(machine_->axes[i].letter) == std::string::npos) continue;
       position_[j] = home_[i];
       origin_[j] = j < 3 ? tool_offset(j) : 0;
@@ -266,6 +313,8 @@ class Interpreter {
   GcodeError error_;
   std::deque<Item> pending_;
   int8_t letter_slot_[26];
+  uint32_t filament_letters_ = 1u << ('E' - 'A');  // a bit for each
+  uint8_t filament_slots_ = 1u << kE;
   double low_[kAxes], high_[kAxes];
 
   double position_[kAxes] =
@@ -273,6 +322,7 @@ class Interpreter {
   double origin_[kAxes] = {};     // machine position of the program's zero
   double logical_e_ = 0;          // the program's E
   std::vector<double> extruder_;  // machine position of each extruder
+  std::vector<Filament> filament_;
   static constexpr double kUsualMm = 1.75;
   std::vector<double> diameter_;                          // of each extruder's filament, mm
   bool volumetric_ = false;                               // E is mm³
@@ -334,15 +384,10 @@ class Interpreter {
     pending_.push_back(std::move(item));
   }
 
-  // mm of filament for a mm, or mm³, of the program's E.
-  double e_scale() const {
-    if (!volumetric_ || diameter_.empty()) return flow;
-    double r = 0.5 * diameter_[active_];
-    return flow / (kPi * r * r);
-  }
+  bool is_filament(int j) const { return filament_slots_ >> j & 1; }
   // Letters whose words count from where they are.
   uint32_t relative() const {
-    return (absolute_ ? 0 : ~0u) | (absolute_ && absolute_e_ ? 0 : 1u << ('E' - 'A'));
+    return (absolute_ ? 0 : ~0u) | (absolute_ && absolute_e_ ? 0 : filament_letters_);
   }
 
   // The common line: upper case axis letters, E and F, each with a number. Found::end: done, no
@@ -404,7 +449,7 @@ class Interpreter {
       if (j == kE) {
         double delta = absolute ? v - logical_e_ : v;
         logical_e_ = absolute ? v : logical_e_ + v;
-        move_.target[kE] = position_[kE] + delta * e_scale();
+        move_.target[kE] = position_[kE] + filament_[active_].length(delta, e_scale());
         continue;
       }
       double t = (absolute ? v + origin_[j] : position_[j] + v);
@@ -426,12 +471,15 @@ class Interpreter {
       fail(Fault::not_homed, axis_name(__builtin_ctz(unsigned(moved & locked_))), 0, 0);
       return false;
     }
-    if (cold && move_.target[kE] != position_[kE]) {
+    for (uint32_t left = cold & moved; left; left &= left - 1) {
+      int j = __builtin_ctz(left);
+      if (move_.target[j] == position_[j]) continue;
       logical_e_ = e_before;
-      fail(Fault::cold, "E", 0, 0);
+      fail(Fault::cold, j == kE ? "E" : axis_name(j), 0, 0);
       return false;
     }
     move_.moved = moved;
+    move_.flow = extruder_.empty() ? 0 : filament_[active_].flow;
     return true;
   }
 
@@ -449,11 +497,16 @@ class Interpreter {
       move_.kind = MoveKind::dwell;
       return true;
     }
-    bool travels = false;
-    for (int j = 0; j < kAxes; ++j) travels |= j != kE && m.target[j] != position_[j];
-    double e = m.target[kE] - position_[kE];
-    if (!travels && e == 0) return false;
-    m.kind = !travels ? MoveKind::extrude : e > 0 ? MoveKind::print : MoveKind::travel;
+    bool travels = false, forward = false, back = false;
+    for (int j = 0; j < kAxes; ++j) {
+      double mm = m.target[j] - position_[j];
+      if (is_filament(j))
+        forward |= mm > 0, back |= mm < 0;
+      else
+        travels |= mm != 0;
+    }
+    if (!travels && !forward && !back) return false;
+    m.kind = !travels ? MoveKind::extrude : forward ? MoveKind::print : MoveKind::travel;
     if (m.kind == MoveKind::print && m.target[kZ] > highest_ + 1e-6) {
       highest_ = m.target[kZ];
       ++risen_layers_;
@@ -463,6 +516,10 @@ class Interpreter {
     m.feature = feature_;
     m.extruder = uint16_t(active_);
     if (laser_.any()) shine(m);
+    if (!extruder_.empty()) {
+      m.owed_mm = filament_[active_].owed;
+      if (m.flow > 0) filament_[active_].moved(m.target[kE] - position_[kE], e_scale());
+    }
     std::copy(m.target, m.target + kAxes, position_);
     if (!extruder_.empty()) extruder_[active_] = position_[kE];
     if (&m != &move_) move_ = m;

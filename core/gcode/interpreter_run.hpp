@@ -149,9 +149,8 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
   auto has = [&](char letter) {
     return std::any_of(w, end, [&](const Word& x) { return x.letter == letter; });
   };
-  bool numbers = minor == 0 &&
-                 (command.letter == 'G' ? code == 4 || code == 92
-                                        : code == 200 || code == 207 || code == 208 || code == 221);
+  bool numbers = minor == 0 && (command.letter == 'G' ? code == 4 || code == 92
+                                                      : code == 200 || code == 207 || code == 208);
   for (const Word* x = w; numbers && x < end; ++x) {
     if (!sound(*x)) return;
     if (x->letter == 'F' && !(x->value > 0)) return fail(Fault::feedrate, "F", x->value, 0);
@@ -206,7 +205,7 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
         std::string letters;
         for (const Word* x = w; x < end; ++x)
           if (x->letter >= 'A' && x->letter <= 'Z' && letter_slot_[x->letter - 'A'] >= 0 &&
-              x->letter != 'E')
+              !(filament_letters_ >> (x->letter - 'A') & 1))
             letters += x->letter;
         // O: only what does not know where it is, which the caller must find out.
         bool back = has('B') && letter_slot_['B' - 'A'] < 0;
@@ -300,10 +299,6 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
         recover_mm_ = value_of('S', recover_mm_);
         swap_recover_mm_ = value_of('W', swap_recover_mm_);
         recover_feed_ = has('F') ? value_of('F', 0) / 60 : recover_feed_;
-        return;
-      case 221:
-        if (!has('S')) break;  // a question
-        flow = std::clamp(value_of('S', 100) / 100, 0.01, 10.0);
         return;
       default:
         break;
@@ -457,6 +452,7 @@ inline bool Interpreter::next_chord() {
 inline void Interpreter::select_tool(const Word& word) {
   if (!sound(word)) return;
   int tool = int(word.value);
+  if (tool == 0 && machine_->tools.empty()) return;  // extruders are axes
   if (tool >= 0) {
     if (size_t(tool) >= machine_->tools.size() || machine_->tools[size_t(tool)].extruder < 0) {
       if (size_t(tool) >= machine_->tools.size()) {

@@ -79,7 +79,7 @@ inline bool Interpreter::run_filament(int code, const Word* w, const Word* end) 
          load > kLongestChange || load < 0 ? load : unload, kLongestChange);
   } else if (code == 603) {
     change = {load, unload};
-  } else if (cold) {
+  } else if (cold >> kE & 1) {
     fail(Fault::cold, "E", 0, 0);
   } else if (lift > 0 && locked(kZ)) {
     fail(Fault::not_homed, axis_name(kZ), 0, 0);
@@ -106,7 +106,7 @@ inline void Interpreter::queue_return(const double* to) {
 // `swap`: by the length for a change of tools, and so is what G11 gives back then.
 inline void Interpreter::run_retract(bool in, bool swap) {
   if (in == retracted_ || machine_->extruders.empty()) return;
-  if (cold) return fail(Fault::cold, "E", 0, 0);
+  if (cold >> kE & 1) return fail(Fault::cold, "E", 0, 0);
   retracted_ = in;
   if (in) {
     swapped_ = swap;

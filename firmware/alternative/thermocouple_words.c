@@ -1,5 +1,5 @@
 // Converters as older hosts ask for them: the faults that are too many come with each question. A
-// build for those takes this file in place of core/thermocouple_words.c.
+// build for those takes this file in place of its namesake in core/.
 #include "command.h"
 #include "thermocouple.h"
 

@@ -37,6 +37,7 @@ class ScaledLoop(asyncio.SelectorEventLoop):
             raise ValueError("the scale of time must be above 0")
 
     def time(self) -> float:
+        """Seconds of this loop since it was made."""
         return (time.monotonic() - self._start) * self._factor
 
 
@@ -67,6 +68,7 @@ class VirtualLoop(asyncio.SelectorEventLoop):
         self._virtual_s += seconds
 
     def time(self) -> float:
+        """Virtual seconds since the loop was made."""
         return self._virtual_s
 
 

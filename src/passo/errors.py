@@ -183,6 +183,16 @@ CATALOGUE: Mapping[str, Entry] = {
         "Check the directory, its permissions and the room on the disk",
     ),
     "job.failed": _input("job", "{value}", "Mend it and go on after it (M24), or cancel (M524)"),
+    "history.unusable": _input(
+        "job",
+        "the history of prints cannot be used: {value}",
+        "Let nobody else have it open; if it is damaged, move it away and start again",
+    ),
+    "job.no-part": _input(
+        "job",
+        "needs {value}, which the machine file does not have any more",
+        "Give back the name and start again, or forget the print (M1000 C)",
+    ),
     "job.other-file": _input(
         "job",
         "is not the file that was printed, or cannot be gone on with here",
@@ -240,6 +250,11 @@ CATALOGUE: Mapping[str, Entry] = {
     ),
     "heat.no-pid": _input(
         "heat", "heater {axis} is not controlled by PID", "Change its control in the machine file"
+    ),
+    "heat.no-model": _input(
+        "heat",
+        "heater {axis} is not controlled by its model",
+        "Change its control in the machine file",
     ),
     "heat.no-thermistor": _input(
         "heat", "the sensor of {axis} is no thermistor", "Change it in the machine file"

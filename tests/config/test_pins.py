@@ -69,18 +69,23 @@ def test_two_displays_share_their_plug(i3_text: str) -> None:
         assert "belongs to board.displays.reprap-discount-smart." in problem
 
 
+def test_microstep_pins_belong_to_the_motor_in_their_socket() -> None:
+    (problem,) = problems_of(FOUR_PI.replace('pin = "HE1"', 'pin = "PC30"'))
+    owner = place(FOUR_PI, 'socket = "X"')
+    assert "fans.part.pin is 'PC30': expected a pin of its own: PC30 belongs to" in problem
+    assert f"steppers.x.socket ({owner})" in problem
+    free = FOUR_PI.replace('pin = "HE1"', 'pin = "PC24"')  # MS2 of U, which is empty
+    pins = {b.key: (b.name, b.pin) for b in bindings(config.load_text(free))}
+    assert (pins["steppers.z.ms1"], pins["steppers.z.ms2"]) == (("Z_MS1", "PB6"), ("Z_MS2", "PB5"))
+    (problem,) = problems_of(free.replace('socket = "Y"', 'socket = "Y"\nmicrosteps = 8'))
+    assert (
+        "steppers.y.microsteps is 8: expected what the pins of its socket can choose: 1, 2, 4, 16"
+        in problem
+    )
+
+
 def test_the_doubled_switch_of_a_4pi() -> None:
-    text = config.shipped_text("i3").replace('base = "ramps"', 'base = "4pi"')
-    for old, new in (
-        ('socket = "E0"', 'socket = "E"'),
-        ('pin = "D10"', 'pin = "HE0"'),
-        ('pin = "D8"', 'pin = "BED"'),
-        ('pin = "D9"', 'pin = "HE1"'),
-    ):
-        text = text.replace(old, new)
-    text = text.replace('sensor_pin = "T1"', 'sensor_pin = "T2"')
-    config.load_text(text)
-    text += 'endstops = { Y_MAX = "PC17" }\n'
+    text = FOUR_PI + 'endstops = { Y_MAX = "PC17" }\n'
     (problem,) = problems_of(text.replace('"^Y_MIN"', '"^Y_MAX"'))
     assert "homing.z.pin is '^Z_MIN': expected a pin of its own: PC17 belongs to homing.y.pin" in (
         problem
@@ -210,6 +215,24 @@ def test_a_board_of_klippers_has_the_pins_of_its_dictionary(tmp_path: Path, pack
     assert "heaters.hotend.pin is 'PC5': expected a pin of the board's dictionary" in problem
 
 
+def test_a_board_of_klippers_keeps_what_its_dictionary_reserves(tmp_path: Path) -> None:
+    reserves = {"RESERVE_PINS_USB": "PA11,PA12", "RESERVE_PINS_crystal": "PH0,PH1"}
+    told = {**DICTIONARY, "config": {**DICTIONARY["config"], **reserves}}
+    (tmp_path / "board.dict").write_text(json.dumps(told))
+    file = str(tmp_path / "my.toml")
+    reserved = config.load_text(KLIPPER, file).board.reserved
+    assert reserved == {"USB": ["PA11", "PA12"], "crystal": []}
+    text = KLIPPER.replace('pin = "PA7"', 'pin = "PA12"')
+    (problem,) = problems_of(text, file)
+    assert (
+        "fans.part.pin is 'PA12': expected a pin of its own: PA12 belongs to board.reserved.USB"
+        in problem
+    )
+    own = KLIPPER + 'reserved = { relay = ["PB15"], USB = [] }\n'
+    loaded = config.load_text(own.replace('pin = "PA7"', 'pin = "PA12"'), file)
+    assert loaded.board.reserved == {"USB": [], "crystal": [], "relay": ["PB15"]}
+
+
 def test_without_a_dictionary_the_clock_must_be_told(tmp_path: Path) -> None:
     bare = KLIPPER.replace('dictionary = "board.dict"\n', "")
     (problem,) = problems_of(bare)
@@ -229,6 +252,17 @@ def _with(text: str, changes: dict[str, str]) -> str:
     return text
 
 
+FOUR_PI = _with(
+    config.shipped_text("i3"),
+    {
+        'base = "ramps"': 'base = "4pi"',
+        'socket = "E0"': 'socket = "E"',
+        'pin = "D10"': 'pin = "HE0"',
+        'pin = "D8"': 'pin = "BED"',
+        'sensor_pin = "T1"': 'sensor_pin = "T2"',
+        'pin = "D9"': 'pin = "HE1"',
+    },
+)
 MELZI = _with(
     config.shipped_text("i3"),
     {

@@ -3,7 +3,9 @@
 import re
 
 import pytest
-from tests.console.scenario import Scenario
+from tests.console.scenario import Host, Scenario
+
+from passo.errors import CardError
 
 SQUARE = "M302 P1\nG28\nG1 Z0.2 F600\n" + "".join(
     f"G1 X{10 + 50 * (i % 2)} Y{10 + 50 * (i // 2 % 2)} E{i / 10} F6000\n" for i in range(60)
@@ -315,3 +317,166 @@ def test_progress_is_by_time_not_by_bytes(s, folder):
     whole = s.loop.time() - start
     assert shown == pytest.approx(100 * 55 / whole, abs=5)
     assert s.host.ok("M73")[0] == "echo:Progress: nothing is printed"
+
+
+def test_a_question_for_the_file_leaves_the_file_to_the_print(s, folder):
+    (folder / "say.g").write_text("G28\n" + "G1 X30 F6000\nM114\nG1 X60\n" * 200)
+    other = Host(s)
+    s.host.ok("M32 say.g")
+    s.passes(5)
+    for question in ("M27", "M73", "M408 S3"):
+        s.host.heard.clear()
+        other.heard.clear()
+        s.host.send(f"G4 P1 {question} M118 MARK")
+        s.passes(5)
+        assert s.host.heard.count("MARK") == other.heard.count("MARK") == 1
+        # What the file's commands answer is told to all.
+        said = [line for line in other.heard if line.startswith("X:")]
+        assert len(said) > 3
+        assert [line for line in s.host.heard if line.startswith("X:")] == said
+
+
+def test_a_pause_in_mid_line_leaves_the_rest_of_the_line_out_of_the_print(folder):
+    lines = "G28\n" + "".join(f"G1 X{10 + 50 * (i % 2)} F3000\n" for i in range(20))
+    (folder / "line.g").write_text(lines)
+    undisturbed = None
+    for pause in ("", "M25", "G4 P1 M25 M118 MARK"):
+        with Scenario("i3", card=str(folder)) as s:
+            s.host.ok("M32 line.g")
+            s.passes(8)
+            if pause:
+                s.host.send(pause)
+                s.passes(8)
+                s.host.ok("M24")
+            printed(s)
+            undisturbed = undisturbed or steps(s)
+            assert steps(s) == undisturbed
+            assert s.positions()["x"] == 60.0
+            assert "MARK" not in s.host.heard
+
+
+class Pulled:
+    """A file on a card that fails."""
+
+    size = 100
+
+    def read(self, size, /):
+        raise CardError.of("card.removed", "/square.gcode", value="by the test")
+
+    def seek(self, offset, /):
+        return offset
+
+    def close(self):
+        pass
+
+
+@pytest.mark.parametrize("state", [True, False])
+def test_a_card_that_fails_at_the_start_ends_the_print_at_once(folder, tmp_path, state):
+    places = {"state": str(tmp_path / "state")} if state else {}
+    with Scenario("i3", card=str(folder), **places) as s:
+        s.host.ok("M23 square.gcode")
+        runner = s.printer.stop_listeners[0].__self__
+        runner._reader.close()
+        runner._reader = Pulled()
+        s.host.ok("M24")
+        s.host.expect("Print of square.gcode stopped: .*removed while in use", 5)
+        assert s.host.ok("M27")[0] == "Not SD printing"
+        assert s.host.ok("M23 square.gcode")[1] == "File selected"
+        s.host.ok("M24")
+        printed(s)
+        assert s.positions()["x"] == 60.0
+
+
+def test_what_is_selected_after_a_cancel_does_not_start_by_itself(s, folder):
+    (folder / "hot.g").write_text("M109 S200\n")
+    (folder / "b.g").write_text("M118 B\nG4 S5\n")
+    for last in ("M23 b.g", "M22", "M25"):
+        s.host.ok("M32 hot.g")
+        s.passes(3)
+        s.host.send("M524", "M24", last)
+        s.passes(3)
+        assert s.host.ok("M27")[0] == "Not SD printing"
+        s.host.ok("M21")
+    s.host.ok("M32 hot.g")
+    s.passes(3)
+    s.host.send("M524", "M24")
+    s.passes(3)
+    assert "SD printing byte" in s.host.ok("M27")[0]
+    assert s.printer.connection.heaters["hotend"].target == 200
+
+
+def test_the_selected_file_is_told_wherever_it_is(s):
+    assert s.host.ok("M36")[0].startswith("echo:no file is selected")
+    s.host.ok("M23 parts/A long name.gcode")
+    told = s.host.ok("M36")[0]
+    assert re.fullmatch(r"File: A long name.gcode Short: \S+ Size: 23 Modified: 20\S+ \S+", told)
+    assert s.host.ok("M36 square.gcode")[0].startswith("File: square.gcode Short: SQ")
+
+
+def test_an_upload_has_the_name_that_was_given(s, folder):
+    (folder / "ish.gcode").write_text("G4\n")
+    for name, path in (
+        ("Fish.gcode", "Fish.gcode"),
+        ("fish2.gcode", "fish2.gcode"),
+        ("F/top.g", "top.g"),
+        ("/abs.g", "abs.g"),
+        ("F/parts/in.g", "parts/in.g"),
+        ("Fparts/in2.g", "parts/in2.g"),
+    ):
+        s.host.ok(f"M28 {name}")
+        s.host.ok("G1 X1")
+        assert s.host.ok("M29")[0] == "Done saving file.", name
+        assert (folder / path).read_text() == "G1 X1\n"
+    assert (folder / "ish.gcode").read_text() == "G4\n"
+
+
+@pytest.mark.parametrize("strict", [True, False])
+def test_an_upload_to_an_absolute_path_does_not_depend_on_the_directory(s, folder, strict):
+    s.host.ok("M932" if strict else "M933")
+    s.host.ok("M23 Dparts")
+    names = ("F/top.g", "Fhere.g") if strict else ("/top.g", "here.g")
+    for name, path in zip(names, ("top.g", "parts/here.g"), strict=True):
+        s.host.ok(f"M28 {name}")
+        s.host.ok("G1 X3")
+        assert s.host.ok("M29")[0] == "Done saving file."
+        assert (folder / path).read_text() == "G1 X3\n"
+
+
+def test_no_other_file_than_the_named_one_is_deleted(s, folder):
+    (folder / "ish.gcode").write_text("G4\n")
+    assert "is not on the card" in s.host.ok("M30 Fish.gcode")[0]
+    assert (folder / "ish.gcode").exists()
+    s.host.ok("M30 ish.gcode")
+    assert not (folder / "ish.gcode").exists()
+
+
+def test_a_failed_print_says_once_what_to_do(s, folder):
+    (folder / "a.g").write_text("M140 S50\nM106 S255\nM23 nothere.g\nG4 P9\n")
+    s.host.ok("M32 a.g")
+    assert s.host.expect("stopped", 5) == (
+        "echo:Print of a.g stopped: file.open failed, File: nothere.g. /nothere.g: is not on the"
+        " card. List the card and name what is there. Mend it and go on after it (M24), or cancel"
+        " (M524)."
+    )
+    s.passes(1)
+    bed = s.printer.connection.heaters["bed"]
+    assert (bed.target, s.board.output_value("part")) == (50, 1600000)
+    s.host.ok("M524")
+    s.passes(1)
+    assert (bed.target, s.board.output_value("part")) == (0, 0)
+    s.host.ok("M24")
+    s.host.expect("stopped", 5)  # from its beginning
+    s.passes(1)
+    assert bed.target == 50
+    s.host.ok("M24")
+    printed(s)
+    s.host.ok("M524")
+    assert bed.target == 50  # nothing was left to cancel
+
+
+def test_a_print_that_asks_for_statistics_goes_on_without_them(s, folder):
+    (folder / "a.g").write_text("M78\nG28\nG1 X5\n")
+    s.host.ok("M32 a.g")
+    s.host.expect("echo:there is no place to store settings", 5)
+    printed(s)
+    assert s.positions()["x"] == 5.0

@@ -1,7 +1,16 @@
 """APrinter's options by name: noted, then applied."""
 
+import json
+import re
+from pathlib import Path
+
 import pytest
 from tests.console.scenario import Scenario
+from tests.printer.driver_machine import machine as drivers_machine
+from tests.printer.driver_machine import machine_text
+
+from passo import config
+from passo.console.option_table import options
 
 
 @pytest.fixture
@@ -25,6 +34,110 @@ def test_options_are_told(s):
     assert "UnknownOption" in s.host.ok("M925 IFooBar")[0]
 
 
+TOLD = {
+    "dual-extruder": {
+        "XInvertDir": 0,
+        "XHomeEndInvert": 0,
+        "XHomeFastMaxDist": 396,
+        "XHomeSlowMaxDist": 6,
+        "XHomeRetractSpeed": 40,
+        "XHomeByDefault": 1,
+        "E1MaxAccel": 5000,
+        "E1StepsPerUnit": 95.5,
+        "ExtruderHeater1MinExtrusionTemp": 170,
+        "ExtruderHeater1PidIStateMin": 0,
+        "ExtruderHeater1PidIStateMax": 1,
+        "ExtruderHeater1PidDHistory": 0.8,
+        "ExtruderHeater1ControlInterval": 0.25,
+        "ExtruderHeater1ObserverTolerance": 2,
+        "BedHeater0TempMinTemp": -20,
+        "BedHeater0TempMaxTemp": 400,
+    },
+    "multi-material": {"ZS1InvertDir": 0},
+    "delta": {
+        "DeltaDiagonalRod": 160,
+        "DeltaDiagonalRodCorr3": 0,
+        "DeltaSmoothRodOffset": 81,
+        "DeltaEffectorOffset": 0,
+        "DeltaCarriageOffset": 0,
+        "DeltaLimitRadius": 75.1,
+        "AStepsPerUnit": 87.489,
+        "AMaxPos": 318,
+        "AMaxSpeed": 250,
+        "AHomeDir": 1,
+        "XMaxPos": 75.1,
+    },
+    "rotary-delta": {
+        "DeltaEndEffectorLength": 30,
+        "DeltaBaseLength": 40,
+        "DeltaRodLength": 130,
+        "DeltaArmLength": 80,
+        "DeltaZOffset": 150,
+        "AMinPos": -30,
+    },
+    "scara": {
+        "SCARAArm1Length": 150,
+        "SCARAArm2Length": 150,
+        "SCARAExternalArm2Motor": 1,
+        "SCARAXOffset": 100,
+        "SCARAYOffset": -56,
+    },
+    "laser": {"LLaserPower": 100, "LMaxPower": 100},
+}
+
+
+@pytest.mark.parametrize("machine", TOLD)
+def test_what_the_machine_file_says_is_told_by_aprinters_names(machine):
+    with Scenario(machine) as s:
+        for name, value in TOLD[machine].items():
+            assert s.host.ok(f"M925 I{name}") == [f"{value:g}", "ok"], name
+
+
+def test_a_platinum_sensor_and_currents_of_drivers_are_told():
+    text = machine_text()
+    begin = text.index("[heaters.hotend]")
+    text = text[:begin] + text[begin:].replace(
+        'sensor_pin = "T0"', 'sensor_pin = "T0"\nsensor = { kind = "pt1000" }', 1
+    )
+    with Scenario(config.load_text(text)) as s:
+        for name, value in {
+            "ExtruderHeater0TempResistorR": "4700",
+            "ExtruderHeater0TempPtR0": "1000",
+            "ExtruderHeater0TempPtA": "0.0039083",
+            "ExtruderHeater0TempPtB": "-5.775e-07",
+            "ZCurrent": "600",
+            "ECurrent": "1200",
+        }.items():
+            assert s.host.ok(f"M925 I{name}")[0] == value, name
+
+
+@pytest.mark.parametrize("machine", ["dual-extruder", "delta", "scara", "drivers"])
+def test_whatever_can_be_set_is_set_and_outlives_a_halt(machine):
+    with Scenario(drivers_machine() if machine == "drivers" else machine) as s:
+        settable = [o for o in options(s.printer) if o.command]
+        wanted = {o.name: 0.9 * o.value() or 0.5 for o in settable}
+        assert len(wanted) >= 20
+        for name, value in wanted.items():
+            assert s.host.ok(f"M926 I{name} V{value}") == ["ok"], name
+        assert s.host.ok("M930", 30) == ["ok"]
+        s.host.send("M112")
+        s.host.expect("halted", 5)
+        s.host.ok("M999")
+        s.host.expect("ready again", 5)
+        told = {name: float(s.host.ok(f"M925 I{name}")[0]) for name in wanted}
+        assert told == pytest.approx(wanted)
+
+
+def test_all_of_aprinters_names_are_on_their_page():
+    page = (Path(__file__).parents[2] / "docs/reference/options.md").read_text()
+    for machine in (*TOLD, "cnc"):
+        with Scenario(machine) as s:
+            for option in options(s.printer):
+                name = re.sub(r"^(Extruder|Bed|Chamber)Heater\d", "", option.name)
+                name = re.sub(r"^(?!SCARA)[XYZABCEL]\d?(S\d)?(?=[A-Z])", "", name)
+                assert f"`{name}`" in page or f"{name}`" in page, option.name
+
+
 def test_a_new_value_is_pending_until_m930(s):
     assert s.host.ok("M926 IXStepsPerUnit V100") == ["ok"]
     assert s.host.ok("M925 IXStepsPerUnit")[0] == "80"
@@ -37,6 +150,19 @@ def test_a_new_value_is_pending_until_m930(s):
     s.host.ok("M926 IXStepsPerUnit")
     s.host.ok("M930")
     assert s.host.ok("M925 IXStepsPerUnit")[0] == "80"  # as at the start
+
+
+def test_m408_tells_what_is_pending(s):
+    def pending(form=0):
+        return json.loads(s.host.ok(f"M408 S{form}")[0])["pending"]
+
+    assert pending() == {}
+    s.host.ok("M926 Ixstepsperunit V100")
+    s.host.ok("M926 IExtruderHeater0PidP V0.125")
+    wanted = {"XStepsPerUnit": 100.0, "ExtruderHeater0PidP": 0.125}
+    assert [pending(form) for form in range(4)] == [wanted] * 4
+    s.host.ok("M930")
+    assert pending() == {}
 
 
 def test_what_cannot_be_set_says_so(s):

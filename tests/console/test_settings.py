@@ -1,7 +1,10 @@
 """Settings on consoles: reported so that they can be sent back, stored whole or refused."""
 
+import errno
 import json
+import os
 import re
+from pathlib import Path
 
 import pytest
 from tests.console.scenario import Scenario
@@ -74,6 +77,8 @@ def test_stored_settings_come_back_at_the_next_start(tmp_path):
         (lambda text: text.replace("M203 X300", "M203 X301"), "checksum"),
         (lambda text: text.replace('"version": 1', '"version": 9'), "version 9"),
         (lambda text: json.dumps(json.loads(text) | {"settings": [1]}), "no commands"),
+        (lambda text: json.dumps(json.loads(text) | {"settings": ["\ud800"]}), "checksum"),
+        (lambda text: "[" * 100_000, "torn"),
     ],
 )
 def test_a_file_that_is_not_whole_is_refused_with_its_reason(tmp_path, damage, reason):
@@ -93,6 +98,24 @@ def test_without_a_place_nothing_is_acknowledged_as_stored(tmp_path):
     (tmp_path / "file").write_text("")
     with Scenario("i3", state=str(tmp_path / "file")) as s:
         assert "the settings were not stored" in s.host.ok("M500")[0]
+
+
+@pytest.mark.parametrize("failing", ["fsync", "replace"])
+def test_what_could_not_be_stored_leaves_the_old_alone(s, tmp_path, monkeypatch, failing):
+    s.host.ok("M500")
+    old = (tmp_path / "settings.json").read_bytes()
+    before = sorted(path.name for path in tmp_path.iterdir())
+    s.host.ok("M203 X50")
+
+    def full(*_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(os if failing == "fsync" else Path, failing, full)
+        assert "the settings were not stored: No space left" in s.host.ok("M500")[0]
+    assert (tmp_path / "settings.json").read_bytes() == old
+    assert sorted(path.name for path in tmp_path.iterdir()) == before
+    assert "Settings Stored" in s.host.ok("M500")[0]
 
 
 def test_a_halt_keeps_the_settings(s):
@@ -208,3 +231,40 @@ def test_babysteps_shift_the_moves_that_follow(s):
     s.host.ok("M400")
     assert s.positions()["z"] == 6.2
     assert "at most 2 mm" in s.host.ok("M290 Z3")[0]
+
+
+def of_both_extruders(s):
+    job = s.printer.job
+    scales = {row["name"]: row["steps_per_unit"] for row in job.steppers()}
+    return [
+        (scales[e], job.axis_limit(e, "speed"), job.axis_limit(e, "accel")) for e in ("e", "e1")
+    ]
+
+
+def test_every_extruder_keeps_its_own(tmp_path):
+    with Scenario("dual-extruder", state=str(tmp_path)) as s:
+        for line in ("T1", "M92 E200", "M203 E11", "M201 E700"):
+            assert s.host.ok(line) == ["ok"], line
+        changed = [(95.5, 100, 5000), (200, 11, 700)]
+        assert of_both_extruders(s) == changed
+        lines = report(s)
+        assert "M92 X80 Y80 Z400" in lines
+        assert {"M92 T0 E95.5", "M92 T1 E200", "M203 T1 E11", "M201 T1 E700"} <= set(lines)
+        assert s.host.ok("M92")[:-1] == [line for line in lines if line.startswith("M92")]
+        s.host.ok("M500")
+        s.host.ok("M502")
+        assert of_both_extruders(s) == [(95.5, 100, 5000)] * 2
+        for line in lines:  # whichever tool is active
+            assert s.host.ok(line) == ["ok"], line
+        assert report(s) == lines
+        s.host.send("M112")
+        s.host.expect("halted", 5)
+        s.host.ok("M999")
+        s.host.expect("ready again", 5)
+        assert of_both_extruders(s) == changed
+        assert "T is 7" in s.host.ok("M92 T7 E100")[0]
+        assert "T is 0.5" in s.host.ok("M203 T0.5 E50")[0]
+        s.host.ok("M203 T0 E50")
+        assert of_both_extruders(s) == [(95.5, 50, 5000), (200, 11, 700)]
+    with Scenario("dual-extruder", state=str(tmp_path)) as s:
+        assert of_both_extruders(s) == changed

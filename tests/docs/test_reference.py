@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import lzma
 import re
 from pathlib import Path
@@ -84,3 +85,13 @@ def test_the_code_of_the_readme_runs(tmp_path, monkeypatch, capsys):
     limits, result = capsys.readouterr().out.splitlines()
     assert "'feedrate'" in limits
     assert "'x': 400, 'y': 14592, 'z': 60000" in result
+
+
+def test_what_the_firmware_lacks_of_klippers_words_is_named():
+    told = json.loads((ROOT / "tests/hosts/klipper.json").read_text(encoding="utf-8"))
+    ours = {message_name(c.format) for c in gather(firmware_folder().glob("core/*.c")).commands}
+    lacking = {message_name(text) for text in told["commands"]} - ours
+    named = set(re.findall(r"\w+", " ".join(protocol_words.LACKING)))
+    assert lacking == named & {message_name(text) for text in told["commands"]} - {"config_stepper"}
+    assert {"spi_set_bus", "i2c_set_bus", "debug_read", "config_neopixel"} <= lacking
+    assert not named & (ours - {"config_stepper"})

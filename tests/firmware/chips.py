@@ -55,6 +55,8 @@ class Sam3x8e(Cortex):
             self.start_anew()
         elif address == self.WATCHDOG and value == 0xA5000001:
             self.fed += 1
+        elif address == self.PWM + 4:  # channels that are on show in the status
+            self.registers[self.PWM + 12] = self.registers.get(self.PWM + 12, 0) | value
         elif address == self.ADC + 0x10:
             self._channels |= value
         elif address == self.ADC + 0x14:

@@ -1,29 +1,19 @@
-"""The firmware in the words of older hosts: as sources, as a library and as the host process."""
+"""The firmware in the words of older hosts: as a library and as the host process."""
 
 from __future__ import annotations
 
-import shutil
 import subprocess
 from collections.abc import Iterable
 from pathlib import Path
 
 from passo.toolchain.declarations import gather
+from passo.toolchain.sources import core_sources
 from passo.toolchain.tables import dictionary, write_tables
 
 FIRMWARE = Path(__file__).parents[2] / "firmware"
 CLOCK_HZ = 16_000_000
 MOVES = 1024
 PORTS = "ABCDEFGHIJKL"
-
-
-def sources_for_older_hosts(folder: Path) -> Path:
-    """All sources, with analog inputs and converters in other words; made in `folder`."""
-    made = folder / "sources"
-    shutil.copytree(FIRMWARE, made)
-    (made / "core/analog_report.c").unlink()
-    for alternative in made.glob("alternative/*.c"):
-        alternative.replace(made / "core" / alternative.name)
-    return made
 
 
 def library_for_older_hosts(folder: Path) -> Path:
@@ -44,16 +34,15 @@ def process_for_older_hosts(folder: Path) -> Path:
 def _compile(
     folder: Path, layer: Iterable[str], flags: list[str], additions: dict, made: Path
 ) -> Path:
-    firmware = sources_for_older_hosts(folder)
-    host = firmware / "hal/host"
+    host = FIRMWARE / "hal/host"
     sources = [
-        *sorted(firmware.glob("core/*.c")),
-        firmware / "hal/common/stepgen.c",
+        *core_sources(FIRMWARE, older_hosts=True),
+        FIRMWARE / "hal/common/stepgen.c",
         *(host / name for name in layer),
     ]
     found = gather(sources)
     sources += write_tables(found, dictionary(found, version="test", **additions), folder)
-    folders = [firmware / "core", firmware / "hal", firmware / "hal/common", host, folder]
+    folders = [FIRMWARE / "core", FIRMWARE / "hal", FIRMWARE / "hal/common", host, folder]
     subprocess.run(
         ["cc", "-std=c11", "-O2", "-fno-strict-aliasing", "-Wall", "-Wextra", "-Werror", *flags,
          *(f"-I{f}" for f in folders), *map(str, sources), "-o", str(made)],

@@ -480,6 +480,21 @@ def test_a_pulsed_output_that_is_refused_is_put_to_its_default(oid: int, longest
     assert host.chip.pulse("PWM7", "L")[0] == 3 / 255
 
 
+def test_either_output_of_a_pulsed_channel_has_it_alone() -> None:
+    host = RADDS.host()
+    states = []
+    host.send("allocate_oids count=3")
+    for oid, pin in enumerate(("PC20", "PA19", "PC21")):
+        host.send(
+            f"config_pwm_out oid={oid} pin={pin} cycle_ticks=4200 value=51 default_value=0"
+            " max_duration=0"
+        )
+        states.append(host.send("get_config")["config"]["is_shutdown"])
+        if pin == "PA19":
+            assert host.chip.pulse("PWM1", "H")[0] == host.chip.pulse("PWM4", "H")[0] == 0.2
+    assert states == [0, 0, 1]  # PC20 and PC21 are the two outputs of channel 4
+
+
 def test_without_a_compiler(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(arm, "compiler", lambda: None)
     with pytest.raises(Exception, match="arm-none-eabi-gcc") as caught:

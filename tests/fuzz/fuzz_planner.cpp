@@ -2,7 +2,8 @@
 // board accepts, and the steps must add up to the rounded targets. Lengths go down to nanometres
 // and feed rates from crawling to absurd; the board's budget may be short, and some moves come as
 // polynomials of time that swing beyond both ends, and the bed may not be flat. Motion may come in
-// commits, and the board be left alone with what it was told last.
+// commits, and the board be left alone with what it was told last. The flow of filament may change
+// at any clock.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -132,7 +133,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   Motion motion(machine_of(JunctionLaw(data[0] % 3), data[0] & 4, short_of_commands), true,
                 nullptr);
   MoveRequest move{};
-  double at[kAxes] = {};
+  double at[kAxes] = {}, flow = 1, owed = 0;
   motion.set_position(at, 0);
   Board board;
   LoneBoard lone;
@@ -145,7 +146,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     std::copy_n(motion.planner().position(), kAxes, at);
     std::copy_n(at, kAxes, move.target);
   }
-  if (commits) motion.stream().use_commits(1'200'000, 60);
+  if (commits) motion.use_commits(1'200'000, 60);
   MessageQueue& queue = motion.stream().messages(0);
   for (size_t i = 1; i + 12 <= size; i += 12) {
     const uint8_t* p = data + i;
@@ -186,6 +187,9 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
       std::copy(move.target, move.target + kAxes, at);
       continue;
     }
+    move.flow = flow;
+    move.owed_mm = owed;
+    owed = owed_after(owed, move.target[kE] - at[kE]);
     std::copy(move.target, move.target + kAxes, at);
     // Motion of hours in commits takes the fuzzer hours.
     double slowest = commits ? 5 : 0.05;
@@ -198,8 +202,14 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     if (p[0] & 64) motion.flush();
     if (p[0] & 128) {
       double cut = motion.planner().clock() * (p[11] / 255.0);
+      if (p[9] & 64) motion.hold_from(cut);
+      if (p[9] & 16 && (motion.held() > 0 || !(p[9] & 64))) {
+        FlowChange change(flow = 0.01 + p[10] / 64.0);
+        motion.change_flow_from(cut, 0, change);
+        owed = change.owed(owed);
+        at[kE] = move.target[kE] = motion.planner().extruder_position(0);
+      }
       if (p[9] & 64) {
-        motion.hold_from(cut);
         motion.release();
       } else {
         motion.planner().rules().change(
@@ -209,6 +219,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     }
   }
   motion.flush();
+  double filament = motion.planner().extruder_position(0) * 80;
+  if (std::fabs(double(motion.stream().count(3)) - filament) > 0.5 + 1e-6) std::abort();
   for (; !queue.empty(); queue.pop())
     commits ? lone.take(queue.front()) : board.take(queue.front());
   if (commits && !lone.staged.empty()) std::abort();

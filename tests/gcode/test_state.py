@@ -114,11 +114,6 @@ def test_g10_with_a_tool_number_sets_temperatures():
     assert out.moves == []
 
 
-def test_flow():
-    out = run("M221 S50\nG1 X1 E2\nG1 X2 E4\nM221 S100\nG1 X3 E5\n")
-    assert [end[3] for end in out.ends] == [1, 2, 3]
-
-
 @pytest.mark.parametrize(
     ("line", "axis", "value", "limit"),
     [

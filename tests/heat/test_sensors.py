@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 from tests.heat.oven import Oven
+from tests.heat.tables import celsius_at
 
 from passo.config.sensors import (
     Platinum,
@@ -13,7 +14,7 @@ from passo.config.sensors import (
     ThermocoupleAmplifier,
 )
 from passo.heat import platinum
-from passo.heat.sensors import celsius_at, open_is_high, sensor_table, share_at
+from passo.heat.sensors import open_is_high, sensor_table, share_at
 from passo.printer.wiring import sensor_of
 
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import pytest
+from tests.heat.tables import celsius_at
 
 from passo import _core
-from passo.heat.sensors import Table, celsius_at, sensor_table
+from passo.heat.sensors import Table, sensor_table
 
 MAX31855, MAX6675 = _core.Converter.MAX31855, _core.Converter.MAX6675
 FAULT = _core.ConverterFault

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import socket
 import tempfile
+import threading
 import tty
 from collections.abc import Callable
 from pathlib import Path
@@ -26,6 +27,9 @@ class Cable:
             machine, board_description(machine, name), name
         )
         self._hz = float(self.board.board.clock_hz)
+        self._begin()
+
+    def _begin(self) -> None:
         self._folder = tempfile.TemporaryDirectory()
         self._link = Path(self._folder.name) / "board"
         self.path = str(self._link)
@@ -70,3 +74,21 @@ class Cable:
         self._live.stop()
         os.close(self._slave)
         self._folder.cleanup()
+
+
+class TcpCable(Cable):
+    """The same at the network address `path`, for one host."""
+
+    def _begin(self) -> None:
+        self._server = socket.create_server(("127.0.0.1", 0))
+        self.path = f"127.0.0.1:{self._server.getsockname()[1]}"
+        threading.Thread(target=self._accept, daemon=True).start()
+
+    def _accept(self) -> None:
+        caller, _ = self._server.accept()
+        self._live = _core.LiveBoard(self.board.device, caller.detach(), self._hz)
+
+    def close(self) -> None:
+        """Hangs up."""
+        self._live.stop()
+        self._server.close()

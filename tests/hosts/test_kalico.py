@@ -7,16 +7,16 @@ from __future__ import annotations
 import asyncio
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from tests.firmware.library import (
     library_for_older_hosts,
     process_for_older_hosts,
-    sources_for_older_hosts,
 )
 from tests.firmware.simavr.bench import AvrBench
-from tests.firmware.simavr.boards import RAMPS
+from tests.firmware.simavr.boards import FIRMWARE, RAMPS
 from tests.firmware.simavr.host import Hotend
 from tests.hosts.boards import AvrOnPty, Moved, ProcessBoard, PtyBoard
 from tests.hosts.kalico import Kalico
@@ -139,8 +139,7 @@ class TestAvr:
 
     @pytest.fixture
     def board(self, tmp_path: Path, clock: SharedClock) -> Iterator[AvrOnPty]:
-        sources = sources_for_older_hosts(tmp_path)
-        image = avr.build(RAMPS, sources, tmp_path / "image", "test")
+        image = avr.build(replace(RAMPS, older_hosts=True), FIRMWARE, tmp_path / "image", "test")
         board = AvrOnPty(AvrBench(image.elf), clock)
         yield board
         board.close()

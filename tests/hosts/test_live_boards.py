@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import pytest
 from tests.console.scenario import Scenario
 from tests.hosts.cable import Cable
-from tests.hosts.test_live_board import stall
+from tests.hosts.live import ZIGZAG_STEPS, net_steps, stall, zigzag
 from tests.job.two_boards import two_boards
 
 from passo.config.machine import MachineConfig
@@ -46,26 +46,16 @@ def scenario(cables: dict[str, Cable]) -> Iterator[Scenario]:
 def unplugged(scenario: Scenario, cables: dict[str, Cable]) -> dict[str, int]:
     """Net steps of all motors, when the printer is gone."""
     scenario.__exit__()
-    for cable in cables.values():
-        cable.cut()
-        assert cable.board.device.fault == ""
-    boards = [cable.board for cable in cables.values()]
-    return {s.name: b.net_steps(s.name) for b in boards for s in b.board.steppers}
+    return net_steps(cables.values())
 
 
 def test_a_stall_of_the_interpreter_delays_no_step(scenario, cables):
-    host = scenario.host
-    host.ok("G92 X0 Y0 Z0")
-    host.ok("M302 P1")
-    for i in range(40):
-        host.send(f"G1 X{10 if i % 2 else 0} Y{i / 4} E{i / 20} F3000")
-    host.send("M400")
+    zigzag(scenario.host)
     scenario.passes(0.8)
     stall()
     scenario.until(lambda: scenario.printer.drive.standing, 20.0)
     assert scenario.printer.halted == ""
-    wanted = {"x": 800, "y": 780, "z": 0, "e": round(1.95 * 95.5)}
-    assert unplugged(scenario, cables) == wanted
+    assert unplugged(scenario, cables) == ZIGZAG_STEPS
 
 
 def test_a_switch_stops_a_motor_on_the_other_board(scenario, cables):

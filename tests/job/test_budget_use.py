@@ -10,6 +10,7 @@ from tests.console.scenario import Scenario
 
 from passo import config
 from passo.cli.main import main
+from passo.job.budget_use import BudgetUse, Place
 from passo.job.estimate import estimate
 
 TEXT = files("passo.config").joinpath("machines", "i3.toml").read_text()
@@ -60,6 +61,14 @@ def test_an_estimate_shows_them(dense, tmp_path, capsys):
     out = capsys.readouterr().out
     assert re.search(r"^  link +\d+% at line \d+$", out, re.MULTILINE)
     assert re.search(r"^  link, for brake tails +5% in all moves$", out, re.MULTILINE)
+
+
+def test_more_than_all_is_a_burst():
+    told = BudgetUse(densest={"link": Place(7, 1.1), "slots": Place(8, 1.0)})
+    assert told.shares() == [
+        ("link", "110% at line 7, in a burst that is sent ahead"),
+        ("move slots", "100% at line 8"),
+    ]
 
 
 def test_a_print_is_told_them_when_it_begins(dense):

@@ -5,7 +5,7 @@ from functools import partial
 
 import pytest
 from tests.console.scenario import Scenario
-from tests.job.test_disturbed import disturb, spiral, steps
+from tests.job.disturbed import disturb, shift_by_babysteps, steps, undisturbed
 from tests.job.two_boards import two_boards
 
 from passo.printer.wiring import connect_simulated
@@ -19,13 +19,8 @@ WORLDS = {
 
 
 @pytest.fixture(scope="module")
-def undisturbed(tmp_path_factory):
-    card = tmp_path_factory.mktemp("card")
-    (card / "a.g").write_text(spiral())
-    with Scenario("i3", card=str(card)) as s:
-        s.host.ok("M32 a.g")
-        s.host.expect("Done printing", 900)
-        return card, steps(s)
+def whole(tmp_path_factory):
+    return undisturbed(tmp_path_factory.mktemp("card"))
 
 
 def scenario(monkeypatch, card, world, **more):
@@ -36,8 +31,8 @@ def scenario(monkeypatch, card, world, **more):
 
 @pytest.mark.parametrize("world", WORLDS)
 @pytest.mark.parametrize("seed", range(4))
-def test_it_ends_where_one_board_would_have_ended(monkeypatch, undisturbed, world, seed):
-    card, wanted = undisturbed
+def test_it_ends_where_one_board_would_have_ended(monkeypatch, whole, world, seed):
+    card, wanted = whole
     with scenario(monkeypatch, card, world) as s:
         disturb(s, random.Random(seed), lambda: None)
         assert steps(s) == wanted
@@ -45,19 +40,7 @@ def test_it_ends_where_one_board_would_have_ended(monkeypatch, undisturbed, worl
 
 @pytest.mark.parametrize("world", WORLDS)
 @pytest.mark.parametrize("seed", range(3))
-def test_babysteps_shift_it_by_their_sum(monkeypatch, undisturbed, world, seed):
-    card, wanted = undisturbed
-    generator = random.Random(seed)
-    sums = {"x": 0.0, "z": 0.0}
+def test_babysteps_shift_it_by_their_sum(monkeypatch, whole, world, seed):
+    card, wanted = whole
     with scenario(monkeypatch, card, world) as s:
-
-        def babystep():
-            axis, mm = generator.choice("xzz"), generator.randrange(-20, 20) / 20
-            if s.host.ok(f"M290 {axis}{mm}") == ["ok"]:
-                sums[axis] += mm
-
-        disturb(s, generator, babystep)
-        s.host.ok("M400", 60)
-        per_mm = {row["name"]: row["steps_per_unit"] for row in s.printer.job.steppers()}
-        for name, net in steps(s).items():
-            assert net == wanted[name] + round(sums.get(name, 0.0) * per_mm[name]), name
+        shift_by_babysteps(s, random.Random(seed), wanted)

@@ -37,6 +37,7 @@ def test_prints_that_are_done_cancelled_or_failed_are_told(places, tmp_path):
         assert answer[2].startswith("echo:  bad.g: failed")
         assert answer[3].startswith("echo:  a.g: cancelled")
         assert answer[4].startswith("echo:  a.g: done")
+        assert answer[5].startswith("echo:Power on: 0h 0m 3")
     history = History(tmp_path / "state")
     totals = history.totals()
     assert totals.filament_mm == pytest.approx(13, abs=3)
@@ -68,3 +69,99 @@ def test_a_history_of_an_older_kind_is_taken_over(tmp_path):
 def test_without_a_directory_there_is_no_history():
     with Scenario("i3") as s:
         assert "no place to store" in s.host.ok("M78")[0]
+
+
+def rows(path):
+    history = History(path)
+    try:
+        return history.last(9), history.totals()
+    finally:
+        history.close()
+
+
+def test_prints_that_a_host_sends_are_told(tmp_path):
+    with Scenario("i3", state=str(tmp_path)) as s:
+        s.host.ok("M302 P1")
+        s.host.ok("G92 E0")
+        s.host.ok("M75")
+        s.passes(100)
+        s.host.ok("M76")
+        s.passes(1000)
+        s.host.ok("M75")
+        s.host.ok("G1 E20 F600")
+        s.passes(20)
+        s.host.ok("M77")
+        s.host.ok("M77")  # nothing is under way any more
+        s.host.ok("M530 S1 L20")
+        s.host.ok("M531 cube.gcode")
+        s.passes(60)
+        s.host.ok("M530 S0")
+        s.host.ok("M530 S0")
+        s.host.ok("M75")
+        s.passes(30)
+        s.host.send("M112")
+        s.host.expect("halted", 5)
+        s.passes(1)
+        s.host.ok("M999")
+        s.host.expect("ready again", 5)
+        s.host.ok("M75")
+        s.passes(10)
+    last, totals = rows(tmp_path)
+    assert [(file, ended) for file, ended, _, _ in last] == [
+        ("(a host's)", "cancelled"),
+        ("(a host's)", "failed"),
+        ("cube.gcode", "done"),
+        ("(a host's)", "done"),
+    ]
+    assert [row[2] for row in last] == pytest.approx([10, 32, 60, 120], abs=2)
+    assert totals.filament_mm == pytest.approx(20)
+
+
+def test_a_file_s_own_timer_words_do_not_keep_it_out_of_the_history(tmp_path):
+    card = tmp_path / "card"
+    card.mkdir()
+    (card / "a.g").write_text("M75\nG4 S30\nM77\nG4 S5\n")
+    with Scenario("i3", card=str(card), state=str(tmp_path / "state")) as s:
+        s.host.ok("M75")  # a host that starts the card's print
+        s.host.ok("M32 a.g")
+        s.host.expect("Print time 0h 0m 0s", 60)  # it is read long before
+        s.host.expect("Done printing", 60)
+    last, totals = rows(tmp_path / "state")
+    assert [(file, ended) for file, ended, _, _ in last] == [("a.g", "done")]
+    assert totals.print_s == pytest.approx(35, abs=1)
+
+
+def test_how_long_the_printer_was_on_is_summed_up(tmp_path):
+    with Scenario("i3", state=str(tmp_path)) as s:
+        s.passes(1000)
+        assert rows(tmp_path)[1].on_s == pytest.approx(600, abs=1)  # as a power cut would leave it
+        assert s.host.ok("M78")[2] == "echo:Power on: 0h 16m 39s"
+        s.passes(100)
+    assert rows(tmp_path)[1].on_s == pytest.approx(1100, abs=1)
+    with Scenario("i3", state=str(tmp_path)) as s:
+        s.passes(2600)
+        assert s.host.ok("M78")[2] == "echo:Power on: 1h 1m 39s"
+        s.host.ok("M78 S78")
+        s.passes(50)
+        assert s.host.ok("M78")[2] == "echo:Power on: 0h 0m 50s"
+
+
+def test_a_history_that_somebody_else_holds_is_told_and_not_waited_for(tmp_path, places):
+    with Scenario("i3", **places) as s:
+        s.host.ok("M78")
+        other = sqlite3.connect(tmp_path / "state" / "history.sqlite")
+        other.execute("begin exclusive")
+        for line in ("M78", "M78 S78"):
+            assert s.host.ok(line)[0].startswith("echo:the history of prints cannot be used: data")
+        s.host.ok("M32 bad.g")
+        s.host.expect("This print is not in the history: database is locked", 30)
+        other.rollback()
+        other.close()
+        assert s.host.ok("M78")[0].startswith("echo:Prints: 0")
+
+
+def test_a_history_that_is_damaged_is_told(tmp_path):
+    (tmp_path / "history.sqlite").write_bytes(b"no base" * 999)
+    with Scenario("i3", state=str(tmp_path)) as s:
+        told = s.host.ok("M78")[0].removeprefix(f"echo:{tmp_path}: ")
+        assert told.startswith("the history of prints cannot be used: file is not a database")

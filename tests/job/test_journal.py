@@ -1,6 +1,10 @@
 """After everything has stopped a print goes on: never later than it was, hardly earlier."""
 
+import errno
+import os
 import random
+import stat
+from dataclasses import replace
 
 import pytest
 from tests.console.scenario import Scenario
@@ -172,3 +176,178 @@ def test_a_halted_print_can_be_gone_on_with_in_the_same_session(places):
         assert "from line" in s.host.ok("M1000", 600)[-2]
         s.host.expect("Done printing", 300)
         assert s.positions()["z"] == pytest.approx(1.6, abs=0.01)
+
+
+def test_an_interrupted_print_comes_before_the_card_s_own(places, tmp_path):
+    arguments, state = places
+    (tmp_path / "card" / "auto0.g").write_text("M118 AUTO\nG4 S100\n")
+    with Scenario("i3", **arguments) as s:
+        assert "SD printing byte" in s.host.ok("M27")[0]  # nothing was interrupted
+        s.host.ok("M524")
+        s.passes(1)
+        s.host.ok("M32 wall.gcode")
+        s.passes(15)
+    left = journal_of(state)
+    with Scenario("i3", **arguments) as s:
+        assert s.host.ok("M27")[0] == "Not SD printing"
+        offer = s.printer.greeting()
+        assert offer.startswith(
+            f"echo:The print of /wall.gcode was interrupted at line {left[1].line}"
+        )
+        assert offer.endswith("M1000 C forgets it. auto0.g was not started")
+        assert journal_of(state) == left
+        s.host.ok("M302 P1")
+        assert "from line" in s.host.ok("M1000", 600)[-2]
+    with Scenario("i3", **arguments) as s:
+        s.host.ok("M1000 C")
+    with Scenario("i3", **arguments) as s:
+        assert "SD printing byte" in s.host.ok("M27")[0]
+
+
+@pytest.mark.parametrize("failing", range(3))
+def test_a_journal_that_cannot_begin_leaves_no_older_print(tmp_path, monkeypatch, failing):
+    """The file's, then the directory's durability; what ends the old one needs a third."""
+    journal = Journal(tmp_path)
+    journal.begin(Program("m", "/a", 5, 7), Moment(4, 1.5))
+    calls = 0
+    real = os.fsync
+
+    def full(descriptor):
+        nonlocal calls
+        calls += 1
+        if calls == failing + 1:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        real(descriptor)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "fsync", full)
+        if failing < 2:
+            with pytest.raises(OSError, match="No space"):
+                journal.begin(Program("m", "/b", 6, 8), Moment(0, 0.0))
+            assert not journal.open
+            assert list(tmp_path.iterdir()) == []
+            assert journal.read() is None
+        else:
+            journal.begin(Program("m", "/b", 6, 8), Moment(0, 0.0))
+            with pytest.raises(OSError, match="No space"):
+                journal.record(Moment(9, 2.5))
+            journal.end()
+            assert list(tmp_path.iterdir()) == []
+    journal.begin(Program("m", "/c", 6, 8), Moment(0, 0.0))
+    journal.record(Moment(9, 2.5))
+    assert journal.read() == (Program("m", "/c", 6, 8), Moment(9, 2.5))
+    journal.end()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_print_without_room_for_its_journal_does_not_leave_another_s(places, monkeypatch):
+    arguments, state = places
+    with Scenario("i3", **arguments) as s:
+        s.host.ok("M32 wall.gcode")
+        s.passes(15)
+    assert journal_of(state) is not None
+
+    def full(_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    with Scenario("i3", **arguments) as s:
+        with monkeypatch.context() as patch:
+            patch.setattr(os, "fsync", full)
+            answer = s.host.ok("M32 wall.gcode")
+        assert "echo:No journal of this print: No space left on device" in answer
+        s.passes(10)
+        assert "SD printing byte" in s.host.ok("M27")[0]
+    assert journal_of(state) is None
+
+
+def test_a_print_whose_heater_has_another_name_now_is_not_gone_on_with(places):
+    arguments, state = places
+    with Scenario("i3", **arguments) as s:
+        s.host.ok("M140 S50")
+        s.host.ok("M32 wall.gcode")
+        s.until(lambda: s.positions()["e"] > 1, 200)
+    program, moment = journal_of(state)
+    journal = Journal(state)
+    renamed = replace(moment, targets_c={"plate": 50.0, "old": 0.0}, fans={"cooler": 0.5})
+    journal.begin(program, renamed)
+    journal.leave()
+    with Scenario("i3", **arguments) as s:
+        assert s.host.ok("M1000")[:1] == [
+            "echo:/wall.gcode: needs fan cooler, heater plate, which the machine file does not have"
+            " any more. Give back the name and start again, or forget the print (M1000 C)."
+        ]
+        assert s.host.ok("M27")[0] == "Not SD printing"
+        assert s.printer.connection.heaters["bed"].target == 0
+        assert journal_of(state) == (program, renamed)
+    journal.begin(program, replace(moment, targets_c={"bed": 45.0, "old": 0.0}, fans={}))
+    journal.leave()
+    with Scenario("i3", **arguments) as s:
+        s.host.ok("M302 P1")
+        assert "from line" in s.host.ok("M1000", 600)[-2]
+        assert s.printer.connection.heaters["bed"].target == 45
+
+
+def test_the_end_of_a_journal_is_durable(tmp_path, monkeypatch):
+    """As its beginning: a name that has gone must not come back with a power cut."""
+    synced = []
+    real = os.fsync
+
+    def noted(descriptor):
+        kind = "directory" if stat.S_ISDIR(os.fstat(descriptor).st_mode) else "file"
+        synced.append((kind, sorted(path.name for path in tmp_path.iterdir())))
+        real(descriptor)
+
+    monkeypatch.setattr(os, "fsync", noted)
+    journal = Journal(tmp_path)
+    journal.begin(Program("m", "/a", 5, 7), Moment(0, 0.0))
+    assert [kind for kind, _ in synced] == ["file", "directory"]
+    assert synced[1] == ("directory", ["journal"])
+    journal.record(Moment(4, 1.5))
+    assert synced[2:] == [("file", ["journal"])]
+    journal.end()
+    assert synced[3:] == [("directory", [])]
+    journal.end()
+    assert len(synced) == 4
+
+
+def test_a_board_without_survive_shuts_down_and_the_journal_goes_on(places):
+    """The cable is cut in mid-print. The board stops when its outputs are not renewed; the host
+    halts, and offers to go on from the journal."""
+    arguments, state = places
+    with Scenario("i3", **arguments) as s:
+        s.host.ok("M32 wall.gcode")
+        s.host.expect("Done printing", 300)
+        whole = s.positions()
+    with Scenario("i3", **arguments) as s:
+        assert not s.printer.connection.main.survives
+        s.host.ok("M104 S60")
+        s.host.ok("M32 wall.gcode")
+        s.until(lambda: s.positions()["e"] > 6.5, 200)
+        port, drive = s.printer.connection.main.port, s.printer.drive
+        port.unplug()
+        s.host.expect("connection to the board has ended", 5)
+        assert "connection to the board has ended" in s.printer.halted
+        cut = drive.base + drive.now
+        s.board.device.poll(cut + 4 * s.board.board.clock_hz)
+        assert s.board.device.fault == "Missed scheduling of next digital out event"
+        assert s.board.output_value("hotend") == 0
+        port.plug(cut + 4 * s.board.board.clock_hz)
+        assert journal_of(state) is not None
+        s.host.send("M999")
+        s.host.expect("ready again", 10)
+        line = journal_of(state)[1].line
+        s.host.expect(
+            f"wall.gcode was interrupted at line {line}. M1000 goes on with it, M1000 C", 1
+        )
+        s.host.ok("M302 P1")
+        before = s.positions()["e"]
+        assert f"from line {line}" in s.host.ok("M1000", 600)[-2]
+        s.host.expect("Done printing", 300)
+        assert s.printer.halted == s.board.device.fault == ""
+        end = s.positions()
+    for axis in "xyz":
+        assert end[axis] == pytest.approx(whole[axis], abs=0.03)
+    done = [x for x in WALL.split("\n")[: line - 1] if " E" in x][-1]
+    rest = 16.0 - float(done.split("E")[1].split()[0])
+    assert end["e"] - before == pytest.approx(5.0 + rest, abs=0.03)  # with the priming
+    assert journal_of(state) is None

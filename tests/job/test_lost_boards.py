@@ -7,7 +7,7 @@ from functools import partial
 
 import pytest
 from tests.console.scenario import Scenario
-from tests.job.test_disturbed import disturb, spiral, steps
+from tests.job.disturbed import disturb, spiral, steps
 from tests.job.test_lost_link import FIRMWARE
 from tests.job.two_boards import two_boards
 

@@ -4,7 +4,7 @@ import random
 
 import pytest
 from tests.console.scenario import Scenario
-from tests.job.test_disturbed import disturb, spiral, steps
+from tests.job.disturbed import disturb, steps, undisturbed
 
 from passo import config
 
@@ -15,13 +15,8 @@ LASER = _LASER.model_copy(update={"board": _LASER.board.model_copy(update={"firm
 
 
 @pytest.fixture(scope="module")
-def undisturbed(tmp_path_factory):
-    card = tmp_path_factory.mktemp("card")
-    (card / "a.g").write_text(spiral())
-    with Scenario(FIRMWARE, card=str(card)) as s:
-        s.host.ok("M32 a.g")
-        s.host.expect("Done printing", 900)
-        return card, steps(s)
+def whole(tmp_path_factory):
+    return undisturbed(tmp_path_factory.mktemp("card"), FIRMWARE)
 
 
 def break_link(s, seconds):
@@ -34,8 +29,8 @@ def break_link(s, seconds):
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_it_ends_where_it_would_have_ended(undisturbed, seed):
-    card, wanted = undisturbed
+def test_it_ends_where_it_would_have_ended(whole, seed):
+    card, wanted = whole
     generator = random.Random(seed)
     with Scenario(FIRMWARE, card=str(card)) as s:
         s.host.ok("M32 a.g")
@@ -63,8 +58,8 @@ def stall(s, seconds):
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_a_host_that_was_late_goes_on_where_the_board_has_stopped(undisturbed, seed):
-    card, wanted = undisturbed
+def test_a_host_that_was_late_goes_on_where_the_board_has_stopped(whole, seed):
+    card, wanted = whole
     generator = random.Random(seed)
     with Scenario(FIRMWARE, card=str(card)) as s:
         s.host.ok("M32 a.g")
@@ -149,8 +144,8 @@ def test_a_laser_is_dark_until_the_machine_moves(code, lost):
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_pauses_and_limits_beside_it(undisturbed, seed):
-    card, wanted = undisturbed
+def test_pauses_and_limits_beside_it(whole, seed):
+    card, wanted = whole
     generator = random.Random(seed)
     with Scenario(FIRMWARE, card=str(card)) as s:
 

@@ -5,7 +5,7 @@ from functools import partial
 
 import pytest
 from tests.console.scenario import Scenario
-from tests.job.test_disturbed import spiral, steps
+from tests.job.disturbed import spiral, steps
 from tests.job.test_lost_link import FIRMWARE
 
 from passo.printer.wiring import connect_simulated

@@ -13,7 +13,7 @@ from tests.oracles import motion as oracle
 from passo._core import Motion
 
 from .machines import cartesian
-from .test_steps import STEPS_PER_MM, paths
+from .test_steps import STEPS_PER_MM, paths, step
 
 
 def push_all(motion, path):
@@ -90,6 +90,19 @@ def test_hold_and_release(path, sent, where):
     for axis, per_mm in STEPS_PER_MM.items():
         moved = sum(d for _, d in oracle.executed_ticks(messages + rest, axis)) - held_at[axis]
         assert moved == floor(end[axis] * per_mm + 0.5) - held_at[axis]
+
+
+@given(st.lists(st.tuples(step, st.floats(0, 1)), min_size=2, max_size=12))
+@settings(max_examples=80, deadline=None)
+def test_every_command_comes_before_its_steps_after_cuts_while_more_moves_come(path):
+    motion = Motion(cartesian(), True)
+    at = [0.0, 0.0, 0.0, 0.0]
+    for (dx, dy, dz, de, feed), where in path:
+        at = [a + d for a, d in zip(at, (dx, dy, dz, de / 20), strict=True)]
+        motion.push(at, float(feed), "print" if dx or dy or dz else "extrude")
+        motion.replan_from(motion.clock * where)
+    motion.flush()
+    assert_arrived(motion, motion.take_messages(), at)
 
 
 def test_the_new_limit_holds_after_braking():

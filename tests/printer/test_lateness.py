@@ -7,7 +7,7 @@ from random import Random
 
 import pytest
 from tests.console.scenario import Scenario
-from tests.job.test_disturbed import steps
+from tests.job.disturbed import steps
 
 from passo import config
 from passo._core import Link, Stop
@@ -79,12 +79,12 @@ def line_now(s: Scenario) -> int:
 def test_what_was_lost_and_sent_again_is_told(printing):
     s, wire = printing
     assert "(" not in s.host.ok("M122")[-2]
-    for _ in range(5):  # until it hits frames that are urgent
+    for _ in range(10):  # until it hits frames that are urgent
         line = line_now(s)
         wire.cut = True
         s.passes(0.06)
         wire.cut = False
-        s.passes(0.7)
+        s.passes(0.3)
         if s.printer.lateness.worst:
             break
     told = s.host.expect("commands reached the board", 2)

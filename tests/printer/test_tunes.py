@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from tests.console.scenario import Scenario
+from tests.console.scenario import Host, Scenario
 
 from passo import config
 from passo.config.load import shipped_text
@@ -60,18 +60,112 @@ def test_a_target_too_near_the_limit_is_refused():
         assert s.host.ok("M303 H0 S280")[0] == "echo:PID Autotune failed! Temperature too high"
 
 
-def test_a_model_is_found_by_its_step_response():
+def by_model():
     text = shipped_text("i3").replace(
         "[heaters.hotend]\n", '[heaters.hotend]\ncontrol = { kind = "model" }\n'
     )
-    with Scenario(config.load_text(text)) as s:
+    return config.load_text(text)
+
+
+def model_of(s):
+    m = s.printer.connection.heaters["hotend"].model
+    return m.rise_c, m.time_constant_s, m.sensor_lag_s, m.fan_loss, m.ambient_c
+
+
+def test_a_model_is_found_by_its_step_response_and_stays(tmp_path):
+    with Scenario(by_model(), state=str(tmp_path)) as s:
+        first = s.host.ok("M307 H0")[0]
         answer = s.host.ok("M303 H0 S200 U", 3600)
-        assert answer[0] == "MPC Autotune start"
-        model = s.printer.connection.heaters["hotend"].model
-        assert model.rise_c == pytest.approx(380, rel=0.05)
-        assert model.time_constant_s == pytest.approx(120, rel=0.05)
+        assert answer[:2] == ["MPC Autotune start", "Hotend:0 Temp:200 (applied and stored)"]
+        found = model_of(s)
+        assert found[:2] == (pytest.approx(380, rel=0.05), pytest.approx(120, rel=0.05))
         s.passes(0.5)
         assert s.board.output_value("part") == 0
+        line = s.host.ok("M307 H0")[0]
+        assert line != first
+        assert line in s.host.ok("M503")
+        s.host.ok("M502")
+        assert s.host.ok("M307 H0")[0] == first
+        s.host.ok("M501")
+        assert model_of(s) == pytest.approx(found, rel=1e-9)
+        s.host.ok("M502")
+        s.host.ok(line)
+        assert s.host.ok("M307 H0")[0] == line
+        s.host.send("M112")
+        s.host.expect("halted", 5)
+        s.host.ok("M999")
+        s.host.expect("ready again", 5)
+        assert model_of(s) == pytest.approx(found, rel=1e-9)
+    with Scenario(by_model(), state=str(tmp_path)) as s:
+        assert model_of(s) == pytest.approx(found, rel=1e-9)
+
+
+def test_a_model_s_figures_are_looked_at():
+    with Scenario(by_model()) as s:
+        line = s.host.ok("M307 H0")[0]
+        assert line == "M307 H0 A380 C120 D2 F0.3 R25"
+        wrong = s.host.ok("M307 H0 A400 C0")[0]
+        assert wrong.startswith("echo:C is 0: expected a number greater than 0")
+        assert s.host.ok("M307 H0")[0] == line
+        s.host.ok("M307 H0 A400 F0.2")
+        assert model_of(s) == (400, 120, 2, 0.2, 25)
+        assert "bed is not controlled by its model" in s.host.ok("M307 H-1 A3")[0]
+
+
+@pytest.mark.parametrize(
+    ("words", "note"), [("", ""), (" U0", ""), (" U1", " (applied)"), (" U", " (applied)")]
+)
+def test_a_tune_says_what_becomes_of_what_it_finds(words, note):
+    with Scenario("i3") as s:
+        s.host.send(f"M303 H0 S200 C3{words}")
+        s.host.expect("PID Autotune start", 1)
+        assert s.host.expect("^Hotend:0", 1) == f"Hotend:0 Temp:200 Cycles:3 Method:0{note}"
+
+
+def test_u0_neither_takes_nor_stores(tmp_path):
+    with Scenario("i3", state=str(tmp_path)) as s:
+        before = s.host.ok("M301 H0")
+        s.host.ok("M303 H0 S200 C3 U0", 1200)
+        assert s.host.ok("M301 H0") == before
+        assert not (tmp_path / "settings.json").exists()
+
+
+def test_a_cancelled_print_that_tunes_leaves_the_heater_off_and_to_its_gains(tmp_path):
+    (tmp_path / "tune.g").write_text("M303 E0 S200\nM118 after\n")
+    with Scenario("i3", card=str(tmp_path)) as s:
+        heater = s.printer.connection.heaters["hotend"]
+        before = heater.control
+        s.host.ok("M32 tune.g")
+        s.passes(20)
+        assert heater.target == 200
+        assert heater.control != before
+        s.host.ok("M524")
+        s.passes(0.5)
+        assert (heater.target, heater.control) == (0, before)
+        hottest = heater.celsius + 20  # what the sensor did not show yet
+        s.passes(30)
+        assert (heater.target, heater.power) == (0, 0)
+        assert heater.celsius < hottest
+        assert s.host.ok("M301 H0 P30 I2 D40") == ["ok"]
+        s.host.ok("M109 S60", 300)
+        s.passes(60)
+        assert heater.celsius == pytest.approx(60, abs=0.5)
+
+
+def test_gains_set_in_a_tune_hold_after_it_and_after_a_halt():
+    with Scenario("i3") as s:
+        s.host.ok("M301 H0 P30 I2 D40")
+        s.host.send("M303 H0 S200")
+        s.passes(20)
+        other = Host(s)
+        assert other.ok("M301 H0")[0] == "M301 H0 P30 I2 D40"
+        other.ok("M301 H0 P31")
+        other.send("M112")
+        other.expect("halted", 5)
+        other.ok("M999")
+        other.expect("ready again", 5)
+        assert other.ok("M301 H0")[0] == "M301 H0 P31 I2 D40"
+        assert s.printer.connection.heaters["hotend"].target == 0
 
 
 def test_gains_are_set_in_the_usual_unit():
@@ -82,7 +176,10 @@ def test_gains_are_set_in_the_usual_unit():
         assert s.host.ok("M301 H0")[0] == "M301 H0 P25.5 I2.55 D51"
         s.host.ok("M304 P10.2")
         assert s.printer.connection.heaters["bed"].control.kp == pytest.approx(0.04)
-        assert "numbers of at least 0" in s.host.ok("M301 P-1")[0]
+        refused = "echo:P is -1: expected a number of at least 0"
+        assert s.host.ok("M301 P-1 H-5")[0].startswith(refused)
+        assert s.host.ok("M301 I3 P-1 H0")[0].startswith(refused)
+        assert s.host.ok("M301 H0")[0] == "M301 H0 P25.5 I2.55 D51"
         assert "there is no hotend with number 4" in s.host.ok("M301 H4 P1")[0]
 
 
@@ -96,5 +193,7 @@ def test_a_thermistor_can_be_changed_while_it_runs():
         # The same resistance is a lower temperature with a greater beta.
         assert s.printer.connection.heaters["hotend"].celsius < 190
         assert "B4267" in s.host.ok("M305 H0")[0]
-        assert "expected values of a thermistor" in s.host.ok("M305 H0 B-3")[0]
+        wrong = s.host.ok("M305 H0 A90000 B-3")[0]
+        assert wrong.startswith("echo:B is -3: expected a number greater than 0")
+        assert "A100000 B4267" in s.host.ok("M305 H0")[0]
         assert s.host.ok("M306 H0")[0] == "M306 H0 L5 O285 C255 U1 T1"

@@ -243,7 +243,8 @@ def test_the_end_of_input_is_no_enter(
     notes = program(tools, "avrdude")
     monkeypatch.setattr("sys.stdin", io.StringIO(""))
     assert main(["firmware", "flash", "melzi", "--port", port.name, "--image", str(image)]) == 2
-    assert "nobody pressed Enter after: " in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert "nobody pressed Enter after: Put a jumper on" in said and ".." not in said
     assert not notes.exists()
 
 

@@ -70,12 +70,15 @@ class Reader(io.RawIOBase):
         self._at = 0
 
     def readable(self) -> bool:
+        """Always."""
         return True
 
     def seekable(self) -> bool:
+        """Always."""
         return True
 
     def tell(self) -> int:
+        """The position in bytes from the beginning."""
         return self._at
 
     def seek(self, offset: int, whence: int = io.SEEK_SET) -> int:
@@ -85,6 +88,8 @@ class Reader(io.RawIOBase):
         return self._at
 
     def readinto(self, buffer: WriteableBuffer) -> int:
+        """Fills the buffer from the position on and returns the number of bytes, less than its
+        length only where the file ends. Raises CardError, and ValueError after `close`."""
         if self.closed:
             raise ValueError("the file is closed")
         view = memoryview(buffer).cast("B")
@@ -95,6 +100,8 @@ class Reader(io.RawIOBase):
         return count
 
     def read(self, size: int = -1) -> bytes:
+        """`size` bytes from the position on, or as many as are left, which a negative one asks for.
+        Raises CardError, and ValueError after `close`."""
         left = self.size - self._at if size < 0 else size
         data = bytearray()
         # Piece by piece, so that a damaged card's claim of a size takes no memory.
@@ -107,6 +114,7 @@ class Reader(io.RawIOBase):
         return bytes(data)
 
     def close(self) -> None:
+        """Releases the file. Closing it again does nothing."""
         if not self.closed:
             self._released()
         super().close()

@@ -48,12 +48,14 @@ class FatCard(Card):
         self._directories = Directories(self._volume)
 
     def list(self, directory: str = "/") -> list[Entry]:
+        """As `Card.list`: by their names, whatever the case."""
         with self._lock:
             first, _ = self._directory(names.split(directory))
             entries = [record.entry for record in self._directories.load(first).records]
         return sorted(entries, key=lambda entry: (names.fold(entry.name), entry.name))
 
     def find(self, path: str) -> Entry:
+        """As `Card.find`; the root has no name."""
         parts = names.split(path)
         if not parts:
             return Entry("", "", True, 0, datetime(1980, 1, 1))
@@ -61,6 +63,7 @@ class FatCard(Card):
             return self._existing(*self._directory(parts[:-1]), parts[-1])[1].entry
 
     def open(self, path: str) -> Reader:
+        """As `Card.open`: several may read a file at once."""
         with self._file(path) as (first, where, name):
             record = self._existing(first, where, name)[1]
             full = f"{where}/{record.entry.name}"
@@ -80,6 +83,7 @@ class FatCard(Card):
         return Reader(record.entry.size, fetch, released)
 
     def create(self, path: str) -> Writer:
+        """As `Card.create`: a file that is replaced stays until the new one is whole."""
         with self._file(path) as (first, where, name):
             found = self._lookup(self._directories.load(first), name)
             if found:
@@ -109,6 +113,7 @@ class FatCard(Card):
             return writer
 
     def remove(self, path: str) -> None:
+        """As `Card.remove`: the entry goes first, then its clusters are free."""
         with self._file(path) as (first, where, name):
             slots, record = self._existing(first, where, name)
             full = f"{where}/{record.entry.name}"
@@ -122,6 +127,7 @@ class FatCard(Card):
                     self._volume.table.release(record.cluster)
 
     def make_directory(self, path: str) -> None:
+        """As `Card.make_directory`; it takes a cluster."""
         with self._file(path) as (first, where, name):
             slots = self._directories.load(first)
             found = self._lookup(slots, name)
@@ -143,10 +149,12 @@ class FatCard(Card):
 
     @property
     def free_bytes(self) -> int:
+        """Whole free clusters, in bytes."""
         with self._lock:
             return self._volume.table.free * self._volume.layout.cluster_bytes
 
     def close(self) -> None:
+        """As `Card.close`: what is being written is given up, and the device is let go."""
         with self._lock:
             for writer in list(self._writers):
                 writer.give_up(

@@ -85,10 +85,12 @@ class FolderCard(Card):
             raise CardError.of("card.absent", self._path, value=error.strerror) from error
 
     def list(self, directory: str = "/") -> list[Entry]:
+        """As `Card.list`."""
         with self._directory(names.split(directory)) as (folder, _):
             return self._entries(folder)
 
     def find(self, path: str) -> Entry:
+        """As `Card.find`; the root has no name."""
         parts = names.split(path)
         if not parts:
             return Entry("", "", True, 0, datetime(1980, 1, 1))
@@ -96,6 +98,7 @@ class FolderCard(Card):
             return self._existing(folder, where, parts[-1])
 
     def open(self, path: str) -> Reader:
+        """As `Card.open`: the file has the size that it had then."""
         with self._file(path) as (folder, where, name):
             entry = self._existing(folder, where, name)
             full = f"{where}/{entry.name}"
@@ -131,6 +134,7 @@ class FolderCard(Card):
         return Reader(size, fetch, released)
 
     def create(self, path: str) -> Writer:
+        """As `Card.create`: a file that is replaced stays until the new one is whole."""
         with self._file(path) as (folder, where, name):
             found = lookup(self._entries(folder), name, lambda entry: entry)
             if found and found.is_directory:
@@ -145,6 +149,7 @@ class FolderCard(Card):
                 raise
 
     def remove(self, path: str) -> None:
+        """As `Card.remove`."""
         with self._file(path) as (folder, where, name):
             entry = self._existing(folder, where, name)
             if entry.is_directory:
@@ -154,6 +159,7 @@ class FolderCard(Card):
             os.fsync(folder)
 
     def make_directory(self, path: str) -> None:
+        """As `Card.make_directory`."""
         with self._file(path) as (folder, where, name):
             found = lookup(self._entries(folder), name, lambda entry: entry)
             if found:
@@ -164,11 +170,13 @@ class FolderCard(Card):
 
     @property
     def free_bytes(self) -> int:
+        """What the file system leaves to those without privileges, in bytes."""
         with self._directory([]) as (folder, _):
             room = os.fstatvfs(folder)
             return room.f_bavail * room.f_frsize
 
     def close(self) -> None:
+        """As `Card.close`: the folder is let go."""
         with self._lock:
             if self._root is not None:
                 os.close(self._root)

@@ -25,6 +25,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     built.add_argument(
         "--output", type=Path, default=Path(), metavar="DIR", help="where to; default: here"
     )
+    built.add_argument(
+        "--for-older-hosts",
+        action="store_true",
+        help="understand Kalico and older Klipper in place of Passo's and newer Klipper's sensors",
+    )
     flashed = parts.add_parser("flash", help="bring an image onto a board, and ask who it is then")
     flashed.add_argument("target", metavar="BOARD|MACHINE.toml", help="see `passo firmware list`")
     flashed.add_argument(
@@ -90,7 +95,8 @@ def _build(arguments: argparse.Namespace) -> int:
     from passo.toolchain.build import build
     from passo.toolchain.targets import target
 
-    image, about = build(target(arguments.target), arguments.output)
+    aim, older = target(arguments.target), arguments.for_older_hosts
+    image, about = build(aim, arguments.output, older_hosts=older)
     print(
         f"{image}: {about.flash_bytes} of {about.flash_size} bytes of flash,"
         f" {about.ram_bytes} of {about.ram_size} of RAM, sha256 {about.sha256[:16]}"
@@ -125,4 +131,4 @@ def _tell(text: str) -> None:
 def _wait(text: str) -> None:
     print(f"{text} Then press Enter.", flush=True)
     if not sys.stdin.readline():  # its end is no Enter
-        raise FirmwareError([Problem("firmware.nobody", values={"value": text})])
+        raise FirmwareError([Problem("firmware.nobody", values={"value": text.rstrip(".")})])

@@ -74,7 +74,8 @@ class Board(Model):
     numbers, `outputs`, `thermistors`, `endstops`, `X_STEP` and the like) with the pin of the
     microcontroller behind each, and every other pin is the microcontroller's too. `variant` chooses
     one of the `variants` as the board's `functions`. `fitted` lists what is plugged in besides:
-    `card`, or one of the `displays`. `reserved` pins belong to the board itself.
+    `card`, or one of the `displays`. `reserved` pins belong to the board itself. `microstep_levels`
+    are the levels of a socket's microstep pins for so many microsteps.
     `status_led` blinks once a second while the board is configured and not shut down.
 
     `link` says where the board is: simulated, on the serial device `port` at `baud` (the console's,
@@ -109,6 +110,7 @@ class Board(Model):
     console: Console | None = None
     flash: Flash | None = None
     sockets: dict[str, Socket] = {}
+    microstep_levels: dict[str, list[Literal[0, 1]]] = {}
     outputs: dict[str, Pin] = {}
     thermistors: dict[str, Pin] = {}
     endstops: dict[str, Pin] = {}

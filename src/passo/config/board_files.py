@@ -16,13 +16,14 @@ from typing import Any, cast
 
 from passo.config.board import Board, joined_marks
 from passo.config.chips import chip, chip_names, expanded, numbering, numberings
-from passo.config.findings import Finding, did_you_mean, table, tables
+from passo.config.findings import Finding, array, did_you_mean, table, tables
 from passo.config.lines import Path
 
 Tables = dict[str, Any]
 
 _BOARDS = FilePath(__file__).parent / "boards"
 _NAMED = ("outputs", "thermistors", "endstops", "pins")
+_RESERVES = "RESERVE_PINS_"
 _SOCKET_PINS = {"step": "STEP", "direction": "DIR", "enable": "ENABLE", "select": "SELECT"}
 
 
@@ -135,6 +136,10 @@ def _read_dictionary(board: Tables, path: Path, folder: FilePath) -> Iterator[Fi
         yield Finding("config.value", path, name, "a data dictionary of Klipper's protocol")
     else:
         board["pins"] = {**{pin: pin for pin in pins}, **table(board, "pins")}
+        board["reserved"] = {
+            **_dictionary_reserves(found["config"], pins),
+            **table(board, "reserved"),
+        }
 
 
 def _dictionary_pins(names: Mapping[str, Any]) -> list[str]:
@@ -152,6 +157,15 @@ def _dictionary_pins(names: Mapping[str, Any]) -> list[str]:
     return pins
 
 
+def _dictionary_reserves(constants: Mapping[str, Any], pins: list[str]) -> dict[str, list[str]]:
+    """What a constant such as RESERVE_PINS_USB keeps for the board itself."""
+    return {
+        key.removeprefix(_RESERVES): [pin for pin in value.split(",") if pin in pins]
+        for key, value in constants.items()
+        if key.startswith(_RESERVES) and isinstance(value, str)
+    }
+
+
 def resolve_names(board: Tables) -> None:
     """Fills `pins` with all names of a board, makes every pin the microcontroller's, and puts the
     chosen variant into `functions`. What has the wrong type is left for the models to report."""
@@ -165,6 +179,9 @@ def resolve_names(board: Tables) -> None:
         for key, word in _SOCKET_PINS.items():
             if isinstance(socket.get(key), str):
                 names.setdefault(f"{name}_{word}", socket[key])
+        for i, pin in enumerate(array(socket, "microstep"), 1):
+            if isinstance(pin, str):
+                names.setdefault(f"{name}_MS{i}", pin)
     resolved = {name: _pin_behind(names, name) for name in names}
     if "variant" in board:
         chosen = table(board, "variants", str(board["variant"]))

@@ -84,10 +84,12 @@ def _motors(board: Board) -> Iterator[str]:
             *(_printed(board, pin) for pin in (s.step, s.direction, s.enable)),
             s.compare or "",
             _printed(board, s.select) if s.select else "",
+            ", ".join(_printed(board, pin) for pin in s.microstep),
         )
         for name, s in board.sockets.items()
     ]
-    yield from _table(("motor", "step", "direction", "enable", "compare unit", "select"), rows)
+    heads = ("motor", "step", "direction", "enable", "compare unit", "select", "MS1, MS2")
+    yield from _table(heads, rows)
 
 
 def _named(board: Board) -> Iterator[str]:

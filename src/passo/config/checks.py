@@ -12,7 +12,7 @@ from typing import Any
 from passo.config.driver_checks import check_drivers, check_thresholds
 from passo.config.drives import Drivable, Driven, axis_order
 from passo.config.findings import Finding, array, did_you_mean, number, table, tables
-from passo.config.heat_checks import check_heaters
+from passo.config.heat_checks import check_fans, check_heaters, check_pulses
 from passo.config.pin_checks import check_pins
 
 Raw = Mapping[str, Any]
@@ -66,11 +66,37 @@ def check_axes(data: Raw, actuators: tuple[str, ...]) -> Iterator[Finding]:
             limit = "a letter that is not an actuator of the geometry"
             yield Finding("config.conflict", ("axes", name), name, limit)
     for name, axis in tables(data, "axes"):
+        yield from _check_extruder_axis(data, name, axis)
         yield from _check_range(("axes", name), axis, "mm")
         home, low, high = number(axis, "home_mm"), number(axis, "min_mm"), number(axis, "max_mm")
         if home is not None and high is not None and not (low or 0) <= home <= high:
             limit = f"a position between {low or 0:g} and {high:g}"
             yield Finding("config.value", ("axes", name, "home_mm"), home, limit)
+
+
+def _check_extruder_axis(data: Raw, name: str, axis: Raw) -> Iterator[Finding]:
+    """A further axis that pushes filament has a hotend, and neither limits nor a switch."""
+    path, heater = ("axes", name), axis.get("heater")
+    if axis.get("extruder") is not True:
+        if heater is not None:
+            limit = "no heater: this axis is no extruder"
+            yield Finding("config.conflict", (*path, "heater"), heater, limit)
+        return
+    if name in ("x", "y", "z"):
+        limit = "a further axis, such as u"
+        yield Finding("config.conflict", (*path, "extruder"), "true", limit)
+    for key in ("min_mm", "max_mm", "home_mm"):
+        if key in axis:
+            limit = "no such key: filament has no limits"
+            yield Finding("config.conflict", (*path, key), axis[key], limit)
+    if name in table(data, "homing"):
+        limit = "no table: filament has no home"
+        yield Finding("config.conflict", ("homing", name), name, limit)
+    known = table(data, "heaters")
+    if isinstance(heater, str) and heater not in known:
+        hint = did_you_mean(heater, known)
+        limit = "the name of one of the heaters"
+        yield Finding("config.value", (*path, "heater"), heater, limit, hint)
 
 
 def _check_range(path: tuple[str, ...], content: Raw, unit: str) -> Iterator[Finding]:
@@ -128,7 +154,7 @@ def _check_scale(path: tuple[str, ...], stepper: Raw, turns: bool) -> Iterator[F
 
 
 def check_references(data: Raw) -> Iterator[Finding]:
-    """Tools name extruders and heaters that exist; fans are distinct."""
+    """Tools name extruders and heaters that exist."""
     for index, tool in enumerate(array(data, "tools")):
         for key in ("extruder", "heater"):
             word, known = table(tool).get(key), table(data, f"{key}s")
@@ -136,13 +162,6 @@ def check_references(data: Raw) -> Iterator[Finding]:
                 path, hint = ("tools", index, key), did_you_mean(word, known)
                 limit = f"the name of one of the {key}s"
                 yield Finding("config.value", path, word, limit, hint)
-    owners: dict[float, str] = {}
-    for name, fan in tables(data, "fans"):
-        own = number(fan, "number") or 0
-        owner = owners.setdefault(own, name)
-        if owner != name:
-            limit = f"a number of its own: it belongs to fans.{owner}"
-            yield Finding("config.conflict", ("fans", name, "number"), own, limit)
 
 
 def check_homing(data: Raw, actuators: tuple[str, ...], arms: tuple[str, ...]) -> Iterator[Finding]:
@@ -180,6 +199,8 @@ def check_all(
     parts: list[Callable[[Raw], Iterator[Finding]]] = [
         check_references,
         check_heaters,
+        check_fans,
+        check_pulses,
         check_drivers,
         check_pins,
     ]

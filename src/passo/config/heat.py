@@ -107,7 +107,9 @@ class Heater(Model):
 
     `fan` names the fan that cools it. `model` is what a tune has found; without it the figures of
     `simulated` stand for it. `on_fault` says what else stops when a protection has switched
-    it off: the whole `machine`, the `job`, or nothing but this `heater`.
+    it off: the whole `machine`, the `job`, or nothing but this `heater`. The board pulses it in
+    software, `pwm_hz` times a second. With each reading of the sensor, every 0.25 s, a cycle begins
+    anew: two whole ones fit between them at 8 Hz.
     """
 
     kind: Literal["hotend", "bed", "chamber"]
@@ -116,6 +118,7 @@ class Heater(Model):
     sensor: AnySensor = Field(default_factory=Thermistor)
     fan: Name | None = None
     max_power: Fraction = 1.0
+    pwm_hz: Annotated[float, Field(ge=4, le=1000)] = 8.0
     min_c: _Celsius = 5.0
     max_c: _Celsius
     control: AnyControl = Field(default_factory=PidControl)

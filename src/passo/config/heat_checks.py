@@ -1,4 +1,4 @@
-"""Checks of the heaters of a machine file, between their keys and with the rest of it."""
+"""Checks of the heaters and fans of a machine file, between their keys and with the rest of it."""
 
 from __future__ import annotations
 
@@ -7,8 +7,13 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from passo.config.findings import Finding, array, did_you_mean, number, table, tables
+from passo.config.places import placed, section
 
 Raw = Mapping[str, Any]
+
+# Of a cycle of pulses, lest its two interrupts stand in the way of the motors' steps: at 16 MHz
+# that is 250 Hz.
+_LEAST_CYCLE_TICKS = 64_000
 
 
 def check_heaters(data: Raw) -> Iterator[Finding]:
@@ -28,6 +33,41 @@ def check_heaters(data: Raw) -> Iterator[Finding]:
             limit = "a share of power below drive_max"
             yield Finding("config.value", (*path, "control", "drive_min"), least, limit)
         yield from _check_points((*path, "sensor"), table(heater, "sensor"))
+
+
+def check_fans(data: Raw) -> Iterator[Finding]:
+    """Those that take commands have numbers of their own, the others follow heaters that exist."""
+    owners: dict[float, str] = {}
+    heaters = table(data, "heaters")
+    for name, fan in tables(data, "fans"):
+        path = ("fans", name)
+        least, most = number(fan, "min_power"), number(fan, "max_power")
+        if least is not None and least > (1.0 if most is None else most):
+            yield Finding("config.value", (*path, "min_power"), least, "at most max_power")
+        heater = fan.get("follows")
+        if isinstance(heater, str):
+            if heater not in heaters:
+                hint, limit = did_you_mean(heater, heaters), "the name of one of the heaters"
+                yield Finding("config.value", (*path, "follows"), heater, limit, hint)
+            continue
+        own = number(fan, "number") or 0
+        owner = owners.setdefault(own, name)
+        if owner != name:
+            limit = f"a number of its own: it belongs to fans.{owner}"
+            yield Finding("config.conflict", (*path, "number"), own, limit)
+
+
+def check_pulses(data: Raw) -> Iterator[Finding]:
+    """Heaters and fans are pulsed no faster than their boards can well do in software."""
+    for part in ("heaters", "fans"):
+        for name, content in tables(data, part):
+            pin, wanted = content.get("pin"), number(content, "pwm_hz")
+            if not isinstance(pin, str) or wanted is None:
+                continue
+            clock_hz = number(table(data, *section(placed(pin)[0])), "clock_hz")
+            if clock_hz is not None and wanted * _LEAST_CYCLE_TICKS > clock_hz:
+                limit = f"at most {clock_hz / _LEAST_CYCLE_TICKS:g} Hz at this board's clock"
+                yield Finding("config.value", (part, name, "pwm_hz"), wanted, limit)
 
 
 def _check_points(path: tuple[str, ...], sensor: Raw) -> Iterator[Finding]:

@@ -6,21 +6,36 @@ from collections.abc import Iterator
 
 from passo.config.findings import Finding
 from passo.config.machine import MachineConfig
-from passo.geometry.base import Unreachable
+from passo.geometry.base import Point, Unreachable
 
 
 def check_home(machine: MachineConfig) -> Iterator[Finding]:
-    """With all arms at their switches the nozzle is somewhere."""
+    """With all arms at their switches the nozzle is somewhere; without such switches there is a way
+    to stand at the axes' home."""
     arms = [name for name in machine.geometry.arms if name in machine.homing]
-    if len(arms) < len(machine.geometry.arms) or not arms:
+    if not arms:
+        yield from _check_axes(machine)
         return
     a, b, c = (
         machine.homing[name].position if name in machine.homing else 0.0
         for name in machine.geometry.actuators
     )
     try:
-        machine.geometry.forward((a, b, c))
-    except Unreachable as error:
+        machine.geometry.inverse(machine.geometry.forward((a, b, c)))
+    except (Unreachable, ArithmeticError) as error:
         limit = f"a place where the nozzle can be: {error}"
         value = machine.homing[arms[0]].position
         yield Finding("config.value", ("homing", arms[0], "position"), value, limit)
+
+
+def _check_axes(machine: MachineConfig) -> Iterator[Finding]:
+    x, y, z = (
+        axis.min_mm if axis.home_mm is None else axis.home_mm
+        for axis in (machine.axes[name] for name in "xyz")
+    )
+    home: Point = (x, y, z)
+    try:
+        machine.geometry.inverse(home)
+    except (Unreachable, ArithmeticError) as error:
+        limit = f"a home that the arms reach: {error}"
+        yield Finding("config.value", ("axes", "x"), f"at home at {x:g}, {y:g}, {z:g}", limit)

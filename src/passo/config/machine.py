@@ -88,6 +88,11 @@ class MachineConfig(Model):
         """What the motors of this machine may drive."""
         return Drivable(self.geometry.actuators, axis_order(self.axes), self.extruders)
 
+    @property
+    def all_tools(self) -> list[Tool]:
+        """What T0, T1, … select: without a table of tools, each extruder."""
+        return self.tools or [Tool(extruder=name) for name in self.extruders]
+
     def core_spec(self) -> dict[str, Any]:
         """The machine for `passo._core`: all defaults filled in, times in s, other units kept."""
         return {
@@ -132,17 +137,17 @@ class MachineConfig(Model):
             "accel": axis.accel_mm_s2,
             "jerk": axis.jerk_mm_s,
             "cornering_steps": axis.cornering_distance_steps,
+            "filament": axis.extruder,
         }
 
     def _tools_spec(self) -> list[dict[str, Any]]:
         order = list(self.extruders)
-        tools = self.tools or [Tool(extruder=name) for name in order]
         return [
             {
                 "extruder": -1 if tool.extruder is None else order.index(tool.extruder),
                 "offset": list(tool.offset_mm),
             }
-            for tool in tools
+            for tool in self.all_tools
         ]
 
     def _steppers_spec(self) -> list[dict[str, Any]]:
@@ -171,7 +176,8 @@ class MachineConfig(Model):
     def _limits_spec(self) -> dict[str, Any]:
         limits = self.limits
         plane = min(self.axes["x"].accel_mm_s2, self.axes["y"].accel_mm_s2)
-        fastest = max((extruder.accel_mm_s2 for extruder in self.extruders.values()), default=plane)
+        pushing = [*self.extruders.values(), *(a for a in self.axes.values() if a.extruder)]
+        fastest = max((part.accel_mm_s2 for part in pushing), default=plane)
         return {
             "print_accel": limits.print_accel_mm_s2 or plane,
             "travel_accel": limits.travel_accel_mm_s2 or plane,

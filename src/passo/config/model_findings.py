@@ -94,6 +94,12 @@ def _missing(model: Any, key: str) -> str:
     return words.get(annotation, "a table") if isinstance(annotation, type) else "a table"
 
 
+def expected(error: ErrorDetails) -> str:
+    """What a value that is refused should have been."""
+    words = _EXPECTED.get(error["type"])
+    return words(error.get("ctx", {})) if words is not None else error["msg"]
+
+
 def _finding(error: ErrorDetails) -> Finding:
     kind, context, value = error["type"], error.get("ctx", {}), error["input"]
     model, key = _place(error["loc"][:-1])[1], str(error["loc"][-1])
@@ -113,9 +119,9 @@ def _finding(error: ErrorDetails) -> Finding:
     hint = (
         did_you_mean(value, _QUOTED.findall(context["expected"])) if kind == "literal_error" else ""
     )
-    expected = _EXPECTED.get(kind)
-    limit = expected(context) if expected is not None else error["msg"]
-    return Finding("config.value", path[:-1] if key == "[key]" else path, value, limit, hint)
+    return Finding(
+        "config.value", path[:-1] if key == "[key]" else path, value, expected(error), hint
+    )
 
 
 def model_findings(error: ValidationError) -> Iterator[Finding]:

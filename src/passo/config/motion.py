@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal, cast
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from passo.config.base import Fraction, Model, Name, NotNegative, Pair, Pin, Point, Positive
 from passo.config.drivers import DRIVERS, DriverName, DriverTimes
 from passo.config.trinamic import Tmc
+
+MICROSTEPS = 16
 
 
 class Axis(Model):
@@ -17,8 +19,14 @@ class Axis(Model):
     `min_mm` and `max_mm` are the soft limits; `home_mm` is the position after homing (`min_mm` if
     not given). `jerk_mm_s` and `cornering_distance_steps` belong to the junction laws of those
     names.
+
+    A further axis may be an `extruder`, as APrinter has them: then it has no limits and no home,
+    M82 and M83 say how its words count, and it does not move while `heater` is cold (the first
+    hotend if not given).
     """
 
+    extruder: bool = False
+    heater: str | None = None
     min_mm: float = 0.0
     max_mm: float
     home_mm: float | None = None
@@ -26,6 +34,14 @@ class Axis(Model):
     accel_mm_s2: Positive
     jerk_mm_s: NotNegative = 10.0
     cornering_distance_steps: Positive = 40.0
+
+    @model_validator(mode="before")
+    @classmethod
+    def _extruder_without_limits(cls, values: Any) -> Any:
+        if not isinstance(values, dict):
+            return values
+        table = cast("dict[str, Any]", values)
+        return {"max_mm": 0.0} | table if table.get("extruder") is True else table
 
 
 class Extruder(Model):
@@ -61,7 +77,7 @@ class Stepper(Model):
     steps_per_degree: Positive | None = None
     rotation_distance_mm: Positive | None = None
     full_steps_per_rotation: Annotated[int, Field(gt=0)] = 200
-    microsteps: Literal[1, 2, 4, 8, 16, 32, 64, 128, 256] = 16
+    microsteps: Literal[1, 2, 4, 8, 16, 32, 64, 128, 256] = MICROSTEPS
     gear_ratio: Positive = 1.0
     invert: bool = False
     driver: DriverName = "A4988"

@@ -94,6 +94,7 @@ def bindings(machine: MachineConfig) -> list[Binding]:
         found.append(Binding(key, name, machine.pin(name), original, own))
 
     for name, stepper in machine.steppers.items():
+        socket = machine.socket(name)
         for key, given, word in (
             ("step_pin", stepper.step_pin, "STEP"),
             ("direction_pin", stepper.direction_pin, "DIR"),
@@ -101,8 +102,10 @@ def bindings(machine: MachineConfig) -> list[Binding]:
         ):
             original = f"{stepper.socket}_{word}" if stepper.socket else None
             add(f"steppers.{name}.{key}", given or original, original)
+        for i in range(1, 1 + len(socket.microstep if socket else ())):
+            own = f"{stepper.socket}_MS{i}"
+            add(f"steppers.{name}.ms{i}", own, own)
         if stepper.tmc:
-            socket = machine.socket(name)
             select = f"{stepper.socket}_SELECT" if socket and socket.select else None
             by_spi = stepper.tmc.uart_pin is None
             add(

@@ -10,6 +10,7 @@ from passo.config.board_files import known_pins
 from passo.config.chips import Chip, Pulse, chip, chip_names
 from passo.config.findings import Finding, array, did_you_mean, key_text, table, tables
 from passo.config.lines import Path
+from passo.config.motion import MICROSTEPS
 from passo.config.places import MAIN, named_on, placed, section
 from passo.config.sensors import CONVERTERS
 
@@ -69,6 +70,8 @@ def machine_claims(data: Raw) -> Iterator[Claim]:
                 yield from _claim((*path, f"{key}_pin"), stepper[f"{key}_pin"], need)
             else:
                 yield from _claim((*path, "socket"), _on(board, socket.get(key)), need)
+        for pin in array(socket, "microstep"):
+            yield from _claim((*path, "socket"), _on(board, pin))
         tmc = table(stepper, "tmc")
         if "cs_pin" in tmc:
             yield from _claim((*path, "tmc", "cs_pin"), tmc["cs_pin"])
@@ -170,10 +173,23 @@ def _check_sockets(data: Raw) -> Iterator[Finding]:
         if isinstance(socket, str) and word not in sockets:
             hint, limit = did_you_mean(word, sockets), "a socket of the board"
             yield Finding("config.value", (*path, "socket"), socket, limit, hint)
+        yield from _check_microsteps(stepper, path, _board(data, board), word)
         for key in ("step_pin", "direction_pin"):
             if "socket" not in stepper and key not in stepper:
                 limit = "a pin, or the key socket"
                 yield Finding("config.missing-key", (*path, key), None, limit)
+
+
+def _check_microsteps(stepper: Raw, path: Path, board: Raw, socket: str) -> Iterator[Finding]:
+    """The pins of a socket can choose what the motor has."""
+    pins, levels = array(table(board, "sockets", socket), "microstep"), "microstep_levels"
+    known = [
+        key for key in table(board, levels) if len(array(table(board, levels), key)) == len(pins)
+    ]
+    microsteps = stepper.get("microsteps", MICROSTEPS)
+    if pins and levels in board and str(microsteps) not in known:
+        limit = f"what the pins of its socket can choose: {', '.join(known)}"
+        yield Finding("config.value", (*path, "microsteps"), microsteps, limit)
 
 
 def _check_fitted(board: Raw, place: Path) -> Iterator[Finding]:

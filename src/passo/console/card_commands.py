@@ -86,12 +86,14 @@ class CardCommands:
 
     def autostart(self) -> None:
         """Starts `auto0.g` if the card holds it."""
-        try:
-            self.card.find(AUTOSTART)
-        except CardError:
-            return
-        self.open(AUTOSTART)
-        self._runner.start()
+        if self.starts_itself:
+            self.open(AUTOSTART)
+            self._runner.start()
+
+    @property
+    def starts_itself(self) -> bool:
+        """The card holds `auto0.g`."""
+        return self._there(AUTOSTART)
 
     def _mount(self, _: str, reply: Reply) -> None:
         if self._card is None or not self._runner.active:
@@ -108,14 +110,15 @@ class CardCommands:
         return str(self._directory / name)
 
     def _existing(self, text: str, letter: str = "F") -> str:
-        """The path that a command names: the exact name first, then what follows the letter."""
+        """The path that a command names: the exact name first, then what follows the letter if
+        there is one."""
         name = _unquoted(text)
         if not name:
             raise CommandError.of("card.no-name")
         try:
             self.card.find(self._place(name))
         except CardError:
-            if name[:1].upper() != letter or len(name) == 1:
+            if not letter or name[:1].upper() != letter or len(name) == 1:
                 raise
             name = _unescaped(name[1:])
             self.card.find(self._place(name))
@@ -234,19 +237,16 @@ class CardCommands:
         reply.say(f"Writing to file: {upload.name}")
 
     def _new_name(self, name: str, *, strict: bool) -> str:
-        """The name that M28 means. Of a file that is not there a first F is its own, except on
-        strict consoles, and before a path from the root."""
-        if name[:1] not in "Ff":
+        """The name as it stands, unless a strict console means what follows the letter, or there is
+        no directory for it."""
+        if name[:1].upper() != "F" or len(name) == 1 or self._there(self._place(name)):
             return name
-        behind = _unescaped(name[1:])
-        from_root = behind.startswith("/") and not self._there(name[0])
-        if self._there(name) or not (self._there(behind) or strict or from_root):
-            return name
-        return behind
+        parent = str(PurePosixPath(self._place(name)).parent)
+        return _unescaped(name[1:]) if strict or not self._there(parent) else name
 
-    def _there(self, name: str) -> bool:
+    def _there(self, path: str) -> bool:
         try:
-            self.card.find(self._place(name))
+            self.card.find(path)
         except CardError:
             return False
         return True
@@ -265,7 +265,7 @@ class CardCommands:
         if self._runner.printing_from(reply):
             self._printer.commands.ended = True  # in a program M30 is its end
             return
-        path = self._existing(text)
+        path = self._existing(text, letter="")  # no other file than the named one is to go
         try:
             self.card.remove(path)
         except CardError as error:
@@ -284,7 +284,10 @@ class CardCommands:
         reply.say(str(PurePosixPath(*parts)))
 
     def _info(self, text: str, reply: Reply) -> None:
-        entry = self.card.find(self._existing(text) if text.strip() else self._runner.name)
+        path = self._existing(text) if text.strip() else self._runner.path
+        if not path:
+            raise CommandError.of("job.no-file")
+        entry = self.card.find(path)
         reply.say(
             f"File: {entry.name} Short: {entry.short_name} Size: {entry.size}"
             f" Modified: {entry.modified:%Y-%m-%d %H:%M:%S}"

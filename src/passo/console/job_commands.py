@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import asyncio
-import sqlite3
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from passo.card import Reader as CardReader
 from passo.console.session import Session
-from passo.errors import CommandError, PassoError
+from passo.console.statistics import Print, Statistics, spoken
+from passo.errors import PassoError
 from passo.job.forecast import Forecast, forecast
-from passo.job.history import History
 from passo.job.host_pause import HostPause
 from passo.job.runner import Runner, State
 from passo.printer.waits import Handler, Procedure, Reply, Wait
@@ -19,6 +18,9 @@ from passo.printer.words import Command
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
+
+
+_HOST = "(a host's)"  # name of a print that has no other
 
 
 class Stopwatch:
@@ -35,11 +37,6 @@ class Stopwatch:
         running = 0.0 if self._since_s is None else self._printer.drive.now_s - self._since_s
         return self._sum_s + running
 
-    @property
-    def running(self) -> bool:
-        """Whether it counts."""
-        return self._since_s is not None
-
     def start(self) -> None:
         """Counts from now on, beside what it has counted before."""
         if self._since_s is None:
@@ -54,30 +51,24 @@ class Stopwatch:
         self._sum_s, self._since_s = 0.0, None
 
 
-def spoken(seconds: float) -> str:
-    """`1h 2m 3s`."""
-    whole = int(seconds)
-    return f"{whole // 3600}h {whole // 60 % 60}m {whole % 60}s"
-
-
 class JobCommands:
-    """M31, M73, M75 to M78, M600 to M602 of one printer."""
+    """M31, M73, M75 to M77, M530 to M532, M600 to M602 of one printer."""
 
     def __init__(
         self,
         printer: Printer,
         runner: Runner,
-        history: History | None,
+        statistics: Statistics,
         open_again: Callable[[str], CardReader],
     ) -> None:
-        self._printer, self._runner, self._history = printer, runner, history
+        self._printer, self._runner, self._statistics = printer, runner, statistics
         self._open_again = open_again
         self._host_pause = HostPause(printer)
         self._forecast: asyncio.Task[Forecast | None] | None = None
         self._planned_s = 0.0  # before this print
         self._watch = Stopwatch(printer)
-        self._paused = False
-        self._filament_mm = 0.0  # pushed before this print
+        self._from_card: Print | None = None
+        self._from_host: Print | None = None  # that says by itself when it begins and ends
         self._percent: float | None = None  # M73
         self._minutes_left: float | None = None
         self.immediate: dict[str, Handler] = {
@@ -86,9 +77,8 @@ class JobCommands:
             "M75": lambda c, r: self._timer(start=True),
             "M76": lambda c, r: self._timer(pause=True),
             "M77": lambda c, r: self._timer(),
-            "M78": self._statistics,
             "M530": self._host_print,
-            "M531": lambda c, r: None,  # a name, which is no words
+            "M531": self._host_name,
             "M532": self._host_progress,
             "M602": self._resume,
         }
@@ -97,22 +87,44 @@ class JobCommands:
             "M601": self._pause,
         }
         runner.watchers.append(self._job_changed)
+        printer.stop_listeners.append(self._stopped)
+        printer.closers.append(self._close)
 
     def _job_changed(self, state: State) -> None:
         if state is State.PRINTING:
-            if not self._watch.running and not self._paused:
+            if self._from_card is None:
+                self._from_host = None  # a host that meant this one
                 self._watch.reset()
-                self._filament_mm = self._printer.filament_mm()
+                self._from_card = self._statistics.begun(self._runner.name, self._runner.size)
                 self._planned_s = self._printer.planned_s()
-                self._printer.lateness.begin()
                 self._reckon()
             self._watch.start()
-        else:
-            under_way = self._watch.running or self._paused
+            return
+        if self._from_card is not None:
             self._watch.pause()
-            if under_way and state is not State.PAUSED:
-                self._remember()
-        self._paused = state is State.PAUSED
+            if state is not State.PAUSED:
+                job, self._from_card = self._from_card, None
+                self._statistics.ended(job, self._runner.ended, self._watch.seconds)
+
+    def _close(self) -> None:
+        self._host_ends("cancelled")
+        self._statistics.close()
+
+    def _host_begins(self) -> None:
+        self._watch.reset()
+        self._from_host = self._statistics.begun(_HOST)
+
+    def _host_ends(self, how: str) -> None:
+        """The watch stands, and is read until the next print."""
+        job, self._from_host = self._from_host, None
+        if job is not None:
+            self._watch.pause()
+            self._statistics.ended(job, how, self._watch.seconds)
+
+    def _stopped(self, _: str) -> None:
+        """M410 may be a host's own; after a halt nothing goes on."""
+        if self._printer.halted:
+            self._host_ends("failed")
 
     def _reckon(self) -> None:
         if self._forecast is not None:
@@ -145,64 +157,41 @@ class JobCommands:
         done = self._printer.planned_s() - self._planned_s - ahead
         return min(max(done, 0.0), total), total
 
-    def _remember(self) -> None:
-        """A print has ended."""
-        runner, watch = self._runner, self._watch
-        used = self._printer.filament_mm() - self._filament_mm
-        if self._history is None:
-            return
-        try:
-            note = self._printer.lateness.worst
-            self._history.add(runner.name, runner.size, runner.ended, watch.seconds, used, note)
-        except sqlite3.Error as error:
-            self._printer.tell(f"echo:This print is not in the history: {error}")
-
-    def _statistics(self, command: Command, reply: Reply) -> Wait | None:
-        if self._history is None:
-            raise CommandError.of("settings.nowhere")
-        if command.words().get("S") == 78:
-            self._history.forget()
-            return None
-        totals = self._history.totals()
-        reply.say(
-            f"echo:Prints: {totals.prints}, finished: {totals.done},"
-            f" failed or cancelled: {totals.prints - totals.done}"
-        )
-        reply.say(
-            f"echo:Print time: {spoken(totals.print_s)}, longest: {spoken(totals.longest_s)},"
-            f" filament: {totals.filament_mm / 1000:.2f}m"
-        )
-        for file, ended, seconds, note in self._history.last(5):
-            reply.say(f"echo:  {file}: {ended}, {spoken(seconds)}")
-            if note:
-                reply.say(f"echo:    {note}")
-        return None
-
     def _time(self, _: Command, reply: Reply) -> Wait | None:
         reply.say(f"echo:Print time {spoken(self._watch.seconds)}")
         return None
 
     def _timer(self, *, start: bool = False, pause: bool = False) -> Wait | None:
-        if start:
-            if not self._watch.running:
+        """A print from the card is timed by itself, whatever its file says."""
+        if self._from_card is None:
+            if start and self._from_host is None:
+                self._host_begins()
+            if start:
                 self._watch.start()
-        elif pause:
-            self._watch.pause()
-        else:
-            self._watch.pause()
+            else:
+                self._watch.pause()
+        if not (start or pause):
             self._printer.tell(f"echo:Print time {spoken(self._watch.seconds)}")
-            self._watch.reset()
+            if self._from_card is None:
+                self._host_ends("done")
+                self._watch.reset()
         return None
 
     def _host_print(self, command: Command, reply: Reply) -> Wait | None:
         """A host says that its print begins or ends."""
         begins = command.words().get("S", 0) > 0
-        self._watch.pause()
         self._percent = self._minutes_left = None
-        if begins:
-            self._watch.reset()
+        if self._from_card is None and begins:
+            self._host_begins()
             self._watch.start()
+        elif self._from_card is None:
+            self._host_ends("done")
         reply.say("echo:Start Printing" if begins else "echo:Stop Printing")
+        return None
+
+    def _host_name(self, command: Command, _: Reply) -> Wait | None:
+        if self._from_host is not None:
+            self._from_host.name = command.text.strip() or _HOST
         return None
 
     def _host_progress(self, command: Command, _: Reply) -> Wait | None:

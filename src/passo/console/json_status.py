@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any
 
+from passo.console.options import OptionCommands
 from passo.job.runner import Runner, State
 from passo.printer.waits import Handler, Reply, Wait
 from passo.printer.words import Command
@@ -19,8 +20,8 @@ _WITH_MACHINE, _WITH_PRINT = 2, 3  # S
 class JsonStatus:
     """M408 of one printer."""
 
-    def __init__(self, printer: Printer, runner: Runner) -> None:
-        self._printer, self._runner = printer, runner
+    def __init__(self, printer: Printer, runner: Runner, options: OptionCommands) -> None:
+        self._printer, self._runner, self._options = printer, runner, options
         self.handlers: dict[str, Handler] = {"M408": self._say}
 
     def _say(self, command: Command, reply: Reply) -> Wait | None:
@@ -34,7 +35,8 @@ class JsonStatus:
         return None
 
     def status(self) -> dict[str, Any]:
-        """What all forms of the answer have. Positions in mm, temperatures in °C, time in s."""
+        """What all forms of the answer have. Positions in mm, temperatures in °C, time in s;
+        `pending` are options that M926 has noted and M930 would apply, in their own units."""
         printer, job = self._printer, self._printer.job
         *axes, e = printer.positions.program
         hotends = [n for n, h in printer.machine.heaters.items() if h.kind == "hotend"]
@@ -60,10 +62,11 @@ class JsonStatus:
                     for name in printer.machine.fans
                 ],
                 "speedFactor": round(100 * job.speed_factor, 1),
-                "extrFactors": [round(100 * job.flow, 1)],
+                "extrFactors": [round(100 * flow, 1) for flow in job.flows],
             },
             "temps": temps,
             "time": round(printer.drive.now_s, 1),
+            "pending": self._options.pending_values(),
         }
 
     def _letter(self) -> str:

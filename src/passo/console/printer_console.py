@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import sqlite3
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from passo.console.card_commands import CardCommands
+from passo.console.card_commands import AUTOSTART, CardCommands
 from passo.console.commands import ConsoleCommands
 from passo.console.job_commands import JobCommands
 from passo.console.json_status import JsonStatus
@@ -14,8 +13,8 @@ from passo.console.options import OptionCommands
 from passo.console.recovery_commands import RecoveryCommands
 from passo.console.session import Session
 from passo.console.settings_commands import SettingsCommands
-from passo.errors import CommandError
-from passo.job.history import History
+from passo.console.statistics import Statistics
+from passo.errors import InputError
 from passo.job.runner import Runner
 from passo.job.settings import Store
 from passo.printer.printer import Printer
@@ -51,17 +50,8 @@ class Listeners:
 
     def fail(self, text: str) -> None:
         """A command that was not carried out."""
-        raise CommandError.of("job.failed", value=text)
-
-
-def _history(printer: Printer, directory: Path) -> History | None:
-    try:
-        history = History(directory)
-    except (sqlite3.Error, OSError) as error:
-        printer.tell(f"echo:No history of prints: {error}")
-        return None
-    printer.closers.append(history.close)
-    return history
+        # Not as CommandError: whoever takes that in says it again, here.
+        raise InputError.of("job.failed", value=text.rstrip("."))
 
 
 def furnished(
@@ -87,21 +77,23 @@ def _furnish(printer: Printer, card: str | None, state: str | None) -> None:
     printer.immediate.update(reports.handlers)
     printer.immediate.update(ConsoleCommands(printer, reports).handlers)
     runner = Runner(printer, Listeners(printer))
-    printer.immediate.update(JsonStatus(printer, runner).handlers)
+    options = OptionCommands(printer)
+    printer.immediate.update(options.immediate)
+    printer.planned.update(options.planned)
+    printer.immediate.update(JsonStatus(printer, runner, options).handlers)
     files = CardCommands(printer, runner, card)
     printer.immediate.update(files.handlers)
-    history = None if state is None else _history(printer, Path(state))
-    jobs = JobCommands(printer, runner, history, lambda path: files.card.open(path))
+    statistics = Statistics(printer, None if state is None else Path(state))
+    printer.immediate.update(statistics.immediate)
+    jobs = JobCommands(printer, runner, statistics, lambda path: files.card.open(path))
     printer.immediate.update(jobs.immediate)
     printer.planned.update(jobs.planned)
+    recovery = None
     if state is not None:
         recovery = RecoveryCommands(printer, runner, files, Path(state))
         printer.planned.update(recovery.planned)
         printer.greeting = recovery.offer
     store = None if state is None else Store(Path(state) / "settings.json", printer.machine.uuid)
-    options = OptionCommands(printer)
-    printer.immediate.update(options.immediate)
-    printer.planned.update(options.planned)
     settings = SettingsCommands(printer, store, options)
     printer.planned.update(settings.planned)
     printer.settings = settings.lines
@@ -110,7 +102,10 @@ def _furnish(printer: Printer, card: str | None, state: str | None) -> None:
     settings.load_at_start()
     if card is not None:
         files.mount()
-        files.autostart()
+        if recovery is None or not recovery.offer():
+            files.autostart()
+        elif files.starts_itself:
+            recovery.instead = f". {AUTOSTART} was not started"
 
 
 def welcome(printer: Printer, session: Session) -> None:

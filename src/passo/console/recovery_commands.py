@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from passo.console.card_commands import CardCommands
-from passo.errors import CommandError, PassoError
+from passo.errors import CardError, CommandError, PassoError
 from passo.job.journal import Journal, Moment, Program
 from passo.job.recovery import Recovery
 from passo.job.runner import Runner, State
@@ -33,6 +33,7 @@ class RecoveryCommands:
         self._recorded = Moment(0, 0.0)
         self._seen_z_mm = 0.0
         self._interrupted = self._journal.read()
+        self.instead = ""  # what was not done because of it, to be told with the offer
         self.planned: dict[str, Handler] = {"M1000": self._go_on}
         runner.watchers.append(self._job_changed)
         printer.watchers.append(self._time_passed)
@@ -46,7 +47,7 @@ class RecoveryCommands:
         way = " from where the board has stopped" if self._printer.connection.adopted else ""
         return (
             f"echo:The print of {program.path} was interrupted at line {moment.line}."
-            f" M1000 goes on with it{way}, M1000 C forgets it"
+            f" M1000 goes on with it{way}, M1000 C forgets it{self.instead}"
         )
 
     def _job_changed(self, state: State) -> None:
@@ -66,14 +67,18 @@ class RecoveryCommands:
         if reader is None:
             return
         self._interrupted = None
-        program = Program.of(self._printer.machine.uuid, self._runner.path, reader)
-        reader.seek(self._runner.offset)
         self._seen_z_mm = self._z()
         self._recorded = self._moment(self._runner.first_line, self._seen_z_mm)
         try:
+            program = Program.of(self._printer.machine.uuid, self._runner.path, reader)
             self._journal.begin(program, self._recorded)
+        except CardError as error:
+            self._end()  # an older print is over all the same
+            self._printer.tell(f"echo:No journal of this print: {error}")
         except OSError as error:
             self._printer.tell(f"echo:No journal of this print: {error.strerror}")
+        finally:
+            reader.seek(self._runner.offset)
 
     def _time_passed(self) -> None:
         printer = self._printer
@@ -127,9 +132,13 @@ class RecoveryCommands:
             round(printer.drive.now_s, 3),
             round(z_mm, 6),
             {n: h.target for n, h in printer.connection.heaters.items()},
-            dict(printer.commands.fans),
+            {
+                fan: share
+                for fan, share in printer.commands.fans.items()
+                if fan in printer.commands.commanded_fans
+            },
             job.speed_factor,
-            job.flow,
+            job.flows,
             {axis: mm for axis, mm in printer.motion.babysteps_mm.items() if mm},
             printer.positions.origins(),
         )

@@ -32,17 +32,20 @@ class SettingsCommands:
     def groups(self) -> Iterator[tuple[str, list[str]]]:
         """Headings, each with the commands that bring its settings back."""
         motion, heat, job = self._printer.motion, self._printer.heat, self._printer.job
-        yield "Steps per unit", [motion.scale_line()]
-        yield "Maximum feedrates (units/s)", [motion.axis_limit_line("speed")]
-        yield "Maximum acceleration (units/s2)", [motion.axis_limit_line("accel")]
+        yield "Steps per unit", motion.scale_lines()
+        yield "Maximum feedrates (units/s)", motion.axis_limit_lines("speed")
+        yield "Maximum acceleration (units/s2)", motion.axis_limit_lines("accel")
         yield "Acceleration (units/s2)", [motion.acceleration_line()]
         yield "Junction deviation", [motion.junction_line()]
         yield "Home offset", [motion.home_offset_line()]
         if len(job.tool_offsets) > 1:
             yield "Tool offsets", list(motion.tool_offset_lines())
-        tunes = self._printer.tunes
-        yield "Heater sensors", list(tunes.sensor_lines())
-        yield "Heater PID", list(tunes.gain_lines())
+        controls = self._printer.controls
+        yield "Heater sensors", list(controls.sensor_lines())
+        yield "Heater PID", list(controls.gain_lines())
+        models = list(controls.model_lines())
+        if models:
+            yield "Heater models", models
         yield "Material presets", list(heat.preset_lines())
         if self._printer.machine.extruders:
             yield "Filament", list(motion.filament_lines())

@@ -57,6 +57,7 @@ class StreamWire(asyncio.Protocol):
         self.session: Session | None = None
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """One direction of the stream, or both, is open: a session begins."""
         if isinstance(transport, asyncio.ReadTransport):
             self.reader = transport
             transport.max_size = _AT_ONCE  # pyright: ignore[reportAttributeAccessIssue]
@@ -66,10 +67,12 @@ class StreamWire(asyncio.Protocol):
         self._opened(self.session)
 
     def data_received(self, data: bytes) -> None:
+        """Gives what a host has sent to its session."""
         if self.session is not None:
             self.session.receive(data)
 
     def connection_lost(self, exc: Exception | None) -> None:
+        """The host has gone: its session ends."""
         if self.session is not None and not self.session.closed:
             self.session.close()
             if self.closed is not None:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, Field
 
 Point = tuple[float, float, float]
+Offset = Annotated[float, Field(ge=-1e4, le=1e4)]
 
 
 class Unreachable(ValueError):

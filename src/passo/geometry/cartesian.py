@@ -14,7 +14,9 @@ class Cartesian(GeometryModel):
     kind: Literal["cartesian"]
 
     def inverse(self, point: Point) -> Point:
+        """The motors' positions, mm: those of the axes."""
         return point
 
     def forward(self, actuators: Point) -> Point:
+        """The nozzle's position, mm: that of the motors."""
         return actuators

@@ -14,10 +14,12 @@ class CoreXY(GeometryModel):
     kind: Literal["corexy"]
 
     def inverse(self, point: Point) -> Point:
+        """The motors' positions, mm, at a point in mm; every point has them."""
         x, y, z = point
         return x + y, x - y, z
 
     def forward(self, actuators: Point) -> Point:
+        """The nozzle's position, mm, from half the sum and half the difference of both belts."""
         a, b, z = actuators
         return (a + b) / 2, (a - b) / 2, z
 
@@ -29,10 +31,12 @@ class CoreXZ(GeometryModel):
     kind: Literal["corexz"]
 
     def inverse(self, point: Point) -> Point:
+        """The motors' positions, mm, at a point in mm; every point has them."""
         x, y, z = point
         return x + z, y, x - z
 
     def forward(self, actuators: Point) -> Point:
+        """The nozzle's position, mm, from half the sum and half the difference of both belts."""
         a, y, b = actuators
         return (a + b) / 2, y, (a - b) / 2
 
@@ -44,9 +48,11 @@ class CoreYZ(GeometryModel):
     kind: Literal["coreyz"]
 
     def inverse(self, point: Point) -> Point:
+        """The motors' positions, mm, at a point in mm; every point has them."""
         x, y, z = point
         return x, y + z, y - z
 
     def forward(self, actuators: Point) -> Point:
+        """The nozzle's position, mm, from half the sum and half the difference of both belts."""
         x, a, b = actuators
         return x, (a + b) / 2, (a - b) / 2

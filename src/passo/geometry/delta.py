@@ -10,7 +10,7 @@ from pydantic import Field
 from passo.geometry.base import GeometryModel, Point, Unreachable, trilaterate
 
 Positive = Annotated[float, Field(gt=0, le=1e4)]
-Three = Annotated[list[float], Field(min_length=3, max_length=3)]
+Angle = Annotated[float, Field(ge=-360, le=360)]
 
 
 class Delta(GeometryModel):
@@ -22,7 +22,7 @@ class Delta(GeometryModel):
     kind: Literal["delta"]
     radius: Positive
     rods: Annotated[list[Positive], Field(min_length=3, max_length=3)]
-    angles: Three = [210.0, 330.0, 90.0]
+    angles: Annotated[list[Angle], Field(min_length=3, max_length=3)] = [210.0, 330.0, 90.0]
     limit_radius: Positive
 
     @property

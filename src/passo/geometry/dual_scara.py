@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from passo.geometry.base import GeometryModel, Point, Unreachable
+from passo.geometry.base import GeometryModel, Offset, Point, Unreachable
 
 Positive = Annotated[float, Field(gt=0, le=1e4)]
 
@@ -19,14 +19,14 @@ class DualScara(GeometryModel):
     rotary = ("a", "b")
     arms = ("a", "b")
     kind: Literal["dual_scara"]
-    shoulder1_x: float = -50.0
-    shoulder2_x: float = 50.0
+    shoulder1_x: Offset = -50.0
+    shoulder2_x: Offset = 50.0
     proximal1: Positive = 60.0
     proximal2: Positive = 60.0
     distal1: Positive = 70.0
     distal2: Positive = 70.0
-    x_offset: float = 0.0
-    y_offset: float = 0.0
+    x_offset: Offset = 0.0
+    y_offset: Offset = 0.0
 
     def _elbow(self, arm: int, angle: float) -> tuple[float, float]:
         shoulder = (self.shoulder1_x, self.shoulder2_x)[arm]

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from passo.geometry.base import GeometryModel, Point, Unreachable, trilaterate
+from passo.geometry.base import GeometryModel, Offset, Point, Unreachable, trilaterate
 
 Positive = Annotated[float, Field(gt=0, le=1e4)]
 
@@ -24,7 +24,7 @@ class RotaryDelta(GeometryModel):
     base_length: Positive = 40.0
     rod_length: Positive = 130.0
     arm_length: Positive = 80.0
-    z_offset: float = 200.0
+    z_offset: Offset = 200.0
 
     def inverse(self, point: Point) -> Point:
         """Degrees below the horizon of the arms at 0, +120 and -120 degrees about Z."""

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from passo.geometry.base import GeometryModel, Point, Unreachable
+from passo.geometry.base import GeometryModel, Offset, Point, Unreachable
 
 Positive = Annotated[float, Field(gt=0, le=1e4)]
 
@@ -23,8 +23,8 @@ class Scara(GeometryModel):
     arm1: Positive = 150.0
     arm2: Positive = 150.0
     external_motor: bool = True
-    x_offset: float = 0.0
-    y_offset: float = 0.0
+    x_offset: Offset = 0.0
+    y_offset: Offset = 0.0
 
     def inverse(self, point: Point) -> Point:
         """Law of cosines: cos E = (d² - arm1² - arm2²) / (2 arm1 arm2), and the shoulder is less
@@ -42,6 +42,7 @@ class Scara(GeometryModel):
         return degrees(shoulder), degrees(forearm), point[2]
 
     def forward(self, actuators: Point) -> Point:
+        """The end of the forearm, mm, for the motors' angles in degrees and Z in mm."""
         shoulder, elbow = radians(actuators[0]), radians(actuators[1])
         forearm = elbow if self.external_motor else shoulder + elbow
         x = self.arm1 * cos(shoulder) + self.arm2 * cos(forearm) + self.x_offset

@@ -7,8 +7,6 @@ from math import sqrt
 A_PER_C = 3.9083e-3
 B_PER_C2 = -5.775e-7
 C_PER_C4 = -4.183e-12
-LEAST_C = -200.0
-MOST_C = 850.0
 
 
 def ohm(celsius: float, r0_ohm: float) -> float:

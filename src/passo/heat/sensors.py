@@ -87,8 +87,3 @@ def share_at(table: Table, celsius: float) -> float:
         if celsius <= c1:
             return r0 + (r1 - r0) * (celsius - c0) / (c1 - c0)
     return table[-1][1]
-
-
-def celsius_at(table: Table, share: float) -> float:
-    """The inverse of `share_at`."""
-    return share_at(tuple(sorted((row[1], row[0]) for row in table)), share)

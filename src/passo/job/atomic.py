@@ -11,12 +11,23 @@ from pathlib import Path
 @contextmanager
 def replaced(path: Path) -> Generator[Path, None, None]:
     """A temporary file beside `path` to write; it takes the place of `path` when all went well, and
-    is removed otherwise. Raises OSError."""
+    is removed otherwise. What was flushed to it survives a power cut then. Raises OSError."""
     temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
         yield temporary
         with temporary.open("rb") as written:
             os.fsync(written.fileno())
         temporary.replace(path)
+        fsync_directory(path.parent)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def fsync_directory(path: Path) -> None:
+    """Names that have come, changed or gone in a directory are durable when this returns. Raises
+    OSError."""
+    directory = os.open(path, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        os.fsync(directory)
+    finally:
+        os.close(directory)

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 _HORIZON_S = 0.15  # commands for so long ahead are on the board
 _COMMITTED_S = 0.2  # the same where motion comes in commits
 
+_BURST = ", in a burst that is sent ahead"
+
 
 @dataclass(frozen=True, slots=True)
 class Place:
@@ -52,7 +54,8 @@ class BudgetUse:
             )
 
     def shares(self) -> list[tuple[str, str]]:
-        """What is taken, and the share with its line; nothing without a budget."""
+        """What is taken, and the share with its line; nothing without a budget. More than there is,
+        in some 0.15 s, is a burst: the plan sends a part of it ahead."""
         names = {
             "steps": "processor, for steps",
             "commands": "processor, for commands",
@@ -60,7 +63,10 @@ class BudgetUse:
             "link": "link",
         }
         found = [
-            (names[name], f"{place.load:.0%} at line {place.line}")
+            (
+                names[name],
+                f"{place.load:.0%} at line {place.line}{_BURST if place.load > 1 else ''}",
+            )
             for name, place in self.densest.items()
         ]
         if self.commits > 0:

@@ -1,4 +1,4 @@
-"""What was printed: one row a print, in SQLite."""
+"""What was printed, one row a print, and how long the printer was on, one row a run; in SQLite."""
 
 from __future__ import annotations
 
@@ -17,7 +17,11 @@ create table if not exists prints (
     note text not null default ''  -- what went not so well
 )
 """
+_RUNS = "create table if not exists runs (id integer primary key, on_s real not null)"
 _NOTE = "alter table prints add column note text not null default ''"  # older bases lack it
+
+
+_PATIENCE_S = 0.1  # with another one who writes: the printer waits meanwhile
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +33,7 @@ class Totals:
     print_s: float
     longest_s: float
     filament_mm: float
+    on_s: float  # that the printer was on, printing or not
 
 
 class History:
@@ -36,10 +41,12 @@ class History:
 
     def __init__(self, directory: Path) -> None:
         directory.mkdir(parents=True, exist_ok=True)
-        self._base = sqlite3.connect(directory / "history.sqlite")
+        self._run: int | None = None  # row of this one
+        self._base = sqlite3.connect(directory / "history.sqlite", timeout=_PATIENCE_S)
         self._base.execute("pragma journal_mode = wal")
         with self._base:
             self._base.execute(_SCHEMA)
+            self._base.execute(_RUNS)
             if not self._base.execute(
                 "select 1 from pragma_table_info('prints') where name = 'note'"
             ).fetchone():
@@ -62,11 +69,21 @@ class History:
                 (file, size, ended, print_s, filament_mm, note),
             )
 
+    def was_on(self, seconds: float) -> None:
+        """So long this run has lasted by now. Durable when it returns."""
+        with self._base:
+            if self._run is None:
+                found = self._base.execute("insert into runs (on_s) values (?)", (seconds,))
+                self._run = found.lastrowid
+            else:
+                self._base.execute("update runs set on_s = ? where id = ?", (seconds, self._run))
+
     def totals(self) -> Totals:
         """What M78 tells."""
         row = self._base.execute(
             "select count(*), coalesce(sum(ended = 'done'), 0), coalesce(sum(print_s), 0),"
-            " coalesce(max(print_s), 0), coalesce(sum(filament_mm), 0) from prints"
+            " coalesce(max(print_s), 0), coalesce(sum(filament_mm), 0),"
+            " (select coalesce(sum(on_s), 0) from runs) from prints"
         ).fetchone()
         return Totals(*row)
 
@@ -80,6 +97,8 @@ class History:
         """All rows go."""
         with self._base:
             self._base.execute("delete from prints")
+            self._base.execute("delete from runs")
+        self._run = None
 
     def close(self) -> None:
         """Nothing may be asked any more."""

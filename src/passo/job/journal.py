@@ -5,9 +5,12 @@ from __future__ import annotations
 import json
 import os
 import zlib
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, Self, cast
+
+from passo.job.atomic import fsync_directory, replaced
 
 if TYPE_CHECKING:
     from passo.job.runner import Reader
@@ -49,7 +52,7 @@ class Moment:
     targets_c: dict[str, float] = field(default_factory=dict[str, float])
     fans: dict[str, float] = field(default_factory=dict[str, float])
     speed_factor: float = 1.0
-    flow: float = 1.0
+    flows: list[float] = field(default_factory=list[float])  # of each extruder
     babysteps_mm: dict[str, float] = field(default_factory=dict[str, float])
     origins: dict[str, int] = field(default_factory=dict[str, int])  # see Positions.origins
 
@@ -69,35 +72,40 @@ class Journal:
 
     def begin(self, program: Program, moment: Moment) -> None:
         """A print begins, or goes on: what was recorded before is replaced at once. Durable when it
-        returns."""
+        returns; if it raises, there is nothing to go on with, for the print before is over."""
         self.leave()
-        self.path.parent.mkdir(parents=True, exist_ok=True)
-        new = self.path.with_name("journal.new")
-        self._file = new.open("wb")
-        self._write(asdict(program))
-        self._write(asdict(moment))
-        new.replace(self.path)
-        directory = os.open(self.path.parent, os.O_RDONLY)
+        file: IO[bytes] | None = None
         try:
-            os.fsync(directory)
-        finally:
-            os.close(directory)
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            with replaced(self.path) as new:
+                file = new.open("wb")  # goes on under its final name
+                file.write(_line(asdict(program)) + _line(asdict(moment)))
+                file.flush()
+        except OSError:
+            if file is not None:
+                _close(file)
+            self.end()
+            raise
+        self._file = file
 
     def record(self, moment: Moment) -> None:
         """Durable when it returns."""
-        self._write(asdict(moment))
+        assert self._file is not None
+        self._file.write(_line(asdict(moment)))
+        self._file.flush()
+        os.fsync(self._file.fileno())
 
     def end(self) -> None:
-        """The print is over: there is nothing to go on with."""
-        if self._file is not None:
-            self._file.close()
-            self._file = None
-        self.path.unlink(missing_ok=True)
+        """The print is over: there is nothing to go on with. Durable when it returns."""
+        self.leave()
+        if self.path.exists():
+            self.path.unlink()
+            fsync_directory(self.path.parent)
 
     def leave(self) -> None:
         """Records no more, and keeps what was recorded."""
         if self._file is not None:
-            self._file.close()
+            _close(self._file)
             self._file = None
 
     def read(self) -> tuple[Program, Moment] | None:
@@ -116,12 +124,16 @@ class Journal:
             pass  # what stands before the damage holds
         return (program, moment) if program and moment else None
 
-    def _write(self, content: dict[str, Any]) -> None:
-        assert self._file is not None
-        text = json.dumps(content, separators=(",", ":")).encode()
-        self._file.write(b"%08x %s\n" % (zlib.crc32(text), text))
-        self._file.flush()
-        os.fsync(self._file.fileno())
+
+def _line(content: dict[str, Any]) -> bytes:
+    text = json.dumps(content, separators=(",", ":")).encode()
+    return b"%08x %s\n" % (zlib.crc32(text), text)
+
+
+def _close(file: IO[bytes]) -> None:
+    """What a full disk did not take is lost, and was told when it was written."""
+    with suppress(OSError):
+        file.close()
 
 
 def _checked(line: bytes) -> dict[str, Any] | None:

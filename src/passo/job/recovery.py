@@ -96,6 +96,12 @@ class Recovery:
         self._moment, self._reader = moment, reader
         if Program.of(program.machine, program.path, reader) != program:
             raise CommandError.of("job.other-file", program.path)
+        machine = printer.machine
+        wanted = {f"heater {n}" for n, c in moment.targets_c.items() if c > 0}
+        wanted |= {f"fan {n}" for n, share in moment.fans.items() if share > 0}
+        wanted -= {f"heater {n}" for n in machine.heaters} | {f"fan {n}" for n in machine.fans}
+        if wanted:
+            raise CommandError.of("job.no-part", program.path, value=", ".join(sorted(wanted)))
 
     async def run(self) -> int:
         """Brings the machine to where the print goes on; returns the offset to read from."""
@@ -112,7 +118,8 @@ class Recovery:
         await self._approach(at)
         printer.job.adopt(state)
         printer.job.set_speed_factor(self._moment.speed_factor)
-        printer.job.flow = self._moment.flow
+        for extruder, flow in enumerate(self._moment.flows):
+            printer.job.set_flow(extruder, flow)
         printer.motion.babysteps_mm |= self._moment.babysteps_mm
         return offset
 
@@ -140,13 +147,14 @@ class Recovery:
 
     async def _warm(self) -> None:
         printer = self._printer
-        for name, celsius in self._moment.targets_c.items():
-            printer.set_target(name, celsius, at_once=True)
         hot = tuple(n for n, celsius in self._moment.targets_c.items() if celsius > 0)
+        for name in printer.heaters:
+            target = self._moment.targets_c.get(name, 0.0)
+            printer.set_target(name, target, at_once=True)
         await printer.wait(Temperatures(hot), Silence())
         printer.raise_if_interrupted()
-        for fan, share in self._moment.fans.items():
-            printer.set_fan(fan, share)
+        for fan in printer.commands.commanded_fans:
+            printer.set_fan(fan, self._moment.fans.get(fan, 0.0))
 
     async def _approach(self, at: list[float]) -> None:
         """Over the place, a little filament to fill the nozzle, and down."""

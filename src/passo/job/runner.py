@@ -68,6 +68,7 @@ class Runner:
         self._locked = set[int]()  # axes that did not know where they are when it began
         self._again = False  # to be started as soon as the last print has ended
         self._failed = ""
+        self._left = False  # a print that failed could be gone on with
         self._state = State.NONE
         self.watchers: list[Callable[[State], None]] = []
         self.name = self.path = ""
@@ -104,9 +105,8 @@ class Runner:
     @property
     def offset(self) -> int:
         """Bytes of it that were read and planned."""
-        job = self._printer.job
-        job.select(False)
-        return self._begin + job.offset
+        with self._printer.file_selected() as job:
+            return self._begin + job.offset
 
     @property
     def progress(self) -> float | None:
@@ -128,8 +128,10 @@ class Runner:
         """The file to print next, and its path on the card. Raises CommandError while one is
         printed."""
         self._refuse_if_active()
+        self._again = False
         if self._reader:
             self._reader.close()
+        self._left = False
         self.name, self.path, self._reader = name, path, reader
         self.state = State.READY
         self._rewind(0)
@@ -137,8 +139,10 @@ class Runner:
     def release(self) -> None:
         """No file is selected any more. Raises CommandError while one is printed."""
         self._refuse_if_active()
+        self._again = False
         if self._reader:
             self._reader.close()
+        self._left = False
         self.name, self.path, self._reader = "", "", None
         self.state = State.NONE
 
@@ -165,15 +169,18 @@ class Runner:
         self._again = self._task is not None and not self._task.done()
         if self._again:
             return  # when the one that was just cancelled has let go of the machine
-        self.state = State.PRINTING
-        self._resumed.clear()
+        # The task is there before anybody hears of it, and runs when all have.
         task = asyncio.get_running_loop().create_task(self._print())
         task.add_done_callback(self._over)
         self._task = task  # the loop alone would not keep it
+        self._resumed.clear()
+        self._left = False
+        self.state = State.PRINTING
 
     def pause(self, words: Mapping[str, float] = MappingProxyType({})) -> None:
         """Brakes to a stop on the path at once; `start` goes on from there. `words` tell how to
         park, see `Park.leave`."""
+        self._again = False
         if self.state is State.PRINTING:
             self._park_words = words
             self.state = State.PAUSED
@@ -187,16 +194,21 @@ class Runner:
         if not self._returns:
             self._returns = True
             self._locked = set(self._printer.job.locked_axes)
+            if self._printer.in_console_line:
+                self._printer.job.abandon()  # what is left of it is no part of the print
             self._printer.drive.hold()
             self._printer.job.suspend()
 
     def cancel(self) -> None:
         """Ends the print: brakes to a stop, heaters and fans off. The file stays selected, from its
-        beginning."""
+        beginning. One that has failed and could be gone on with is given up."""
         self._again = False
-        if not self.active:
-            return
         printer = self._printer
+        if not self.active:
+            if self._left and not printer.halted:
+                self._cool()
+                self._rewind(0)
+            return
         self.ended = "cancelled"
         self.state = State.READY
         printer.stop()
@@ -204,21 +216,26 @@ class Runner:
         if printer.job.suspended:
             printer.job.forget_suspended()
         self._resumed.set()
+        self._cool()
+        self._rewind(0)
+
+    def _cool(self) -> None:
+        """Heaters and fans off."""
+        self._left = False
+        printer = self._printer
         for heater in printer.heaters:
             printer.set_target(heater, 0.0, at_once=True)
         printer.drive.before_moves()
         printer.commands.fans_off()
         printer.drive.after_moves()
-        self._rewind(0)
 
     def _refuse_if_active(self) -> None:
         if self.active:
             raise CommandError.of("job.printing", value=self.name)
 
     def _rewind(self, offset: int, line: int = 1) -> None:
-        job = self._printer.job
-        job.select(False)
-        job.restart(line)
+        with self._printer.file_selected() as job:
+            job.restart(line)
         self._begin, self.first_line = offset, line
         if self._reader:
             self._reader.seek(offset)
@@ -275,6 +292,7 @@ class Runner:
             return  # cancelled
         printer.laser_off()
         self.ended = "failed" if self._failed else "done"
+        self._left = bool(self._failed)
         self.state = State.READY
         if self._failed:
             printer.tell(f"echo:Print of {self.name} stopped: {self._failed}")

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
-import os
 import zlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
 
 from passo.errors import CommandError
+from passo.job.atomic import replaced
 
 VERSION = 1
 _LARGEST = 1 << 20
@@ -26,22 +26,12 @@ class Store:
     def save(self, lines: list[str]) -> int:
         """Stores commands; returns their checksum. When this returns they survive a power cut; if
         it raises CommandError, the file holds what it held before."""
-        text = "\n".join(lines)
-        crc = zlib.crc32(text.encode())
+        crc = _crc(lines)
         content = {"version": VERSION, "machine": self.uuid, "crc": crc, "settings": lines}
-        temporary = self.path.with_name(self.path.name + ".new")
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
-            with temporary.open("w") as file:
-                json.dump(content, file, indent=1)
-                file.flush()
-                os.fsync(file.fileno())
-            temporary.replace(self.path)
-            directory = os.open(self.path.parent, os.O_RDONLY)
-            try:
-                os.fsync(directory)
-            finally:
-                os.close(directory)
+            with replaced(self.path) as temporary:
+                temporary.write_text(json.dumps(content, indent=1))
         except OSError as error:
             raise _refused("settings.unwritable", self.path, str(error.strerror)) from None
         return crc
@@ -58,7 +48,7 @@ class Store:
             raise _refused("settings.unreadable", self.path, str(error.strerror)) from None
         try:
             content: Any = json.loads(raw) if len(raw) <= _LARGEST else None
-        except ValueError:
+        except (ValueError, RecursionError):
             content = None
         if not isinstance(content, dict):
             raise _refused("settings.unreadable", self.path, "it is torn, or no settings file")
@@ -72,11 +62,15 @@ class Store:
             isinstance(x, str) for x in cast("list[object]", lines)
         ):
             reason = "it holds no commands"
-        elif zlib.crc32("\n".join(cast("list[str]", lines)).encode()) != table.get("crc"):
+        elif _crc(cast("list[str]", lines)) != table.get("crc"):
             reason = "its checksum is wrong"
         else:
             return cast("list[str]", lines)
         raise _refused("settings.unreadable", self.path, reason)
+
+
+def _crc(lines: list[str]) -> int:
+    return zlib.crc32("\n".join(lines).encode(errors="surrogatepass"))
 
 
 def _refused(code: str, path: Path, reason: str) -> CommandError:

@@ -25,6 +25,7 @@ _OF_FANS = re.compile(r"[UIHLXT]", re.IGNORECASE)  # settings of M106
 _LETTERED = re.compile(r"([TPBC])\s*(\d*)", re.IGNORECASE)
 _AT_ONCE = re.compile(r"\bF", re.IGNORECASE)
 _BABYSTEP_MM = 2.0  # at most, with one command
+_FLOW = (1.0, 1000.0)  # percent of M221
 _KINDS = {"T": "hotend", "P": "hotend", "B": "bed", "C": "chamber"}
 
 
@@ -90,6 +91,7 @@ class Commands:
             "M204": lambda c: self.accelerations(c.words()),
             "M205": self._junction,
             "M220": self._speed,
+            "M221": self._flow,
             "M290": self._babystep,
             "G10": self._tool_temperatures,
             "SET_VELOCITY_LIMIT": self._velocity_limit,
@@ -179,7 +181,7 @@ class Commands:
 
     def fans_off(self) -> None:
         """All fans, as soon as the moves so far are done."""
-        for fan in self._machine.fans:
+        for fan in self.commanded_fans:
             self.set_output(fan, 0.0)
 
     def set_output(self, output: str, share: float, *, at_once: bool = False) -> None:
@@ -310,9 +312,15 @@ class Commands:
             self._heat_tool(before, standby)
             self._heat_tool(tool, work)  # last, where both share a hotend
 
+    @property
+    def commanded_fans(self) -> list[str]:
+        """The fans that do not follow a heater."""
+        return [name for name, fan in self._machine.fans.items() if fan.follows is None]
+
     def _fan(self, command: Command) -> str | None:
         number = int(command.words().get("P", 0))
-        return next((n for n, fan in self._machine.fans.items() if fan.number == number), None)
+        fans = self._machine.fans
+        return next((name for name in self.commanded_fans if fans[name].number == number), None)
 
     def _fan_speed(self, command: Command) -> None:
         if not self.sets_fans_up(command):
@@ -326,12 +334,30 @@ class Commands:
         fan = self._fan(command)
         if fan is not None:
             at_once = _AT_ONCE.search(command.text) is not None
-            self.set_output(fan, share * self._machine.fans[fan].max_power, at_once=at_once)
+            config = self._machine.fans[fan]
+            power = max(share * config.max_power, config.min_power if share > 0 else 0.0)
+            self.set_output(fan, power, at_once=at_once)
 
     def _axis_limits(self, command: Command, what: str) -> None:
-        for letter, value in command.words().items():
-            if value > 0:
-                self._job.set_axis_limit(letter.lower(), what, value)
+        self.axis_limits(command.words(), what)
+
+    def axis_limits(self, words: dict[str, float], what: str, *, live: bool = False) -> None:
+        """M201 and M203, for the moves that follow, or `live` for all that is planned anew. Raises
+        CommandError."""
+        for letter, value in words.items():
+            name = self.extruder(words) if letter == "E" else letter.lower()
+            if name is not None and letter != "T" and value > 0:
+                self._job.set_axis_limit(name, what, value, live)
+
+    def extruder(self, words: dict[str, float]) -> str | None:
+        """The extruder that E means: that of the tool T, without it that of the active one, or the
+        first if that has none. Raises CommandError for a tool that does not exist."""
+        tools = self._machine.all_tools
+        tool = words.get("T", self._job.tool)
+        if "T" in words and tool not in range(len(tools)):
+            raise CommandError.bad_value("T", tool, f"a tool below {len(tools)}")
+        own = tools[int(tool)].extruder if tools else None
+        return own if own or "T" in words else next(iter(self._machine.extruders), None)
 
     def accelerations(self, words: dict[str, float], *, live: bool = False) -> None:
         """M204, for the moves that follow, or `live` for all that is planned anew."""
@@ -355,6 +381,29 @@ class Commands:
         percent = command.words().get("S", 0)
         if percent > 0:
             self._job.set_speed_factor(min(max(percent, 10.0), 1000.0) / 100)
+
+    def flow(self, command: Command) -> tuple[int, int, float | None] | None:
+        """M221: the tool that it means, its extruder, and the factor that S gives. None where the
+        tool in use has no extruder. Raises CommandError."""
+        words = command.words()
+        tools = self._machine.core_spec()["tools"]
+        tool = int(words.get("T", self._job.tool))
+        there = 0 <= tool < len(tools) and tools[tool]["extruder"] >= 0
+        if not there and "T" not in words:
+            return None
+        if not there:
+            raise CommandError.bad_value("T", tool, "a tool with an extruder")
+        if "S" not in words:
+            return tool, tools[tool]["extruder"], None
+        low, high = _FLOW
+        if words["S"] <= 0:
+            raise CommandError.bad_value("S", words["S"], f"{low:g} to {high:g} percent")
+        return tool, tools[tool]["extruder"], min(max(words["S"], low), high) / 100
+
+    def _flow(self, command: Command) -> None:
+        found = self.flow(command)
+        if found is not None and found[2] is not None:
+            self._job.set_flow(found[1], found[2])
 
     def babysteps(self, command: Command) -> list[tuple[int, float]]:
         """M290: numbers of axes with how far they go, mm; S is Z's. Raises CommandError."""

@@ -154,6 +154,12 @@ class Drive:
         self._revoke(cut)
         return True
 
+    def scale_flow(self, extruder: int, factor: float) -> None:
+        """What the board does not have yet, and all that follows, moves so much of an extruder's
+        filament for what the program means."""
+        self.before_moves()
+        self._revoke(self._job.scale_flow_from(self._earliest(), extruder, factor))
+
     def record_at_once(self, target: int, value: int) -> None:
         """Sets an output, by number, as early as the board can be told in time."""
         self._job.record_at(self._earliest(), target, value)

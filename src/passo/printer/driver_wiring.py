@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 from passo.board.description import Driver, SpiPins, UartPins, bare
 from passo.board.trinamic import DriverSettings, threshold_of
-from passo.config.places import placed
+from passo.config.board import joined_marks
+from passo.config.places import MAIN, named_on, placed
 from passo.config.sensors import ThermocoupleConverter
 from passo.config.trinamic import chip_of
 
@@ -50,6 +51,20 @@ def drivers(machine: MachineConfig) -> Iterator[Driver]:
             buses = (tmc.clock_pin or "", tmc.mosi_pin or "", tmc.miso_pin or "")
             clock, mosi, miso = (pin(bus) for bus in buses)
             yield Driver(name, SpiPins(pin(select), clock, mosi, miso), settings)
+
+
+def microstep_outputs(machine: MachineConfig) -> Iterator[tuple[str, str]]:
+    """The pins that tell drivers in sockets how fine their steps are. Nobody switches them: one
+    that is to be high is inverted, so that it is off as it stands."""
+    for name, stepper in machine.steppers.items():
+        socket, on = machine.socket(name), machine.board_of_stepper(name)
+        board = machine.all_boards[on]
+        levels = board.microstep_levels.get(str(stepper.microsteps))
+        if socket is None or levels is None:
+            continue
+        for i, (pin, high) in enumerate(zip(socket.microstep, levels, strict=True), 1):
+            written = joined_marks("!", board.pin(pin)) if high else board.pin(pin)
+            yield f"{name}-ms{i}", written if on == MAIN else named_on(on, written)
 
 
 def converter_wires(machine: MachineConfig, heater: Heater) -> SpiPins | None:

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
+from passo.config.drives import axis_order
 from passo.errors import CommandError
 from passo.printer.waits import Handler, Reply, Wait
 from passo.printer.words import Command
 
 if TYPE_CHECKING:
+    from passo.config.motion import Axis
     from passo.printer.printer import Printer
 
 _COLD_C = 170.0  # filament does not move below it, unless M302 says otherwise
@@ -48,8 +50,10 @@ class HeatCommands:
     def _fan(self, command: Command, reply: Reply) -> Wait | None:
         """Raises CommandError if P names no fan; a machine without fans lets the rest pass."""
         number = command.words().get("P")
-        if number is not None and all(f.number != number for f in self._machine.fans.values()):
-            limit = ", ".join(str(f.number) for f in self._machine.fans.values()) or "no fan"
+        names = self._printer.commands.commanded_fans
+        numbers = [self._machine.fans[name].number for name in names]
+        if number is not None and number not in numbers:
+            limit = ", ".join(map(str, numbers)) or "no fan"
             raise CommandError.bad_value("P", number, limit)
         if command.code == "M106" and self._printer.commands.sets_fans_up(command):
             reply.note("M106", "M106 sets speeds, by S; the machine file has the settings")
@@ -102,8 +106,12 @@ class HeatCommands:
         return None
 
     def guard_extrusion(self) -> None:
-        """Tells the interpreter whether filament may move."""
-        self._printer.job.cold = not self.warm()
+        """Tells the interpreter which filament may move."""
+        job, axes = self._printer.job, self._machine.axes
+        job.cold = not self.warm()
+        for number, name in enumerate(axis_order(axes)):
+            if axes[name].extruder:
+                job.set_cold_axis(number, not self._warm_axis(axes[name]))
 
     def warm(self) -> bool:
         """The active tool's hotend lets filament move."""
@@ -112,6 +120,13 @@ class HeatCommands:
         if all(h.kind != "hotend" for h in self._machine.heaters.values()):
             return True
         name = self._printer.commands.heater("hotend")
+        return self._printer.connection.heaters[name].celsius >= self.cold_c
+
+    def _warm_axis(self, axis: Axis) -> bool:
+        hotends = [n for n, h in self._machine.heaters.items() if h.kind == "hotend"]
+        name = axis.heater or next(iter(hotends), None)
+        if self.cold_allowed or name is None:
+            return True
         return self._printer.connection.heaters[name].celsius >= self.cold_c
 
     # -- faults -----------------------------------------------------------------------------------

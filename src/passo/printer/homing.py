@@ -30,7 +30,7 @@ _REST_S = 0.001  # the board looks at a switch at least this often
 _ARMED_S = 0.005  # switches count from so long before the first step
 _FULL_TURN = 360.0  # of an arm whose range nobody has told
 _OVERRUN = 1.2  # a switch is sought this far beyond the axis' whole range
-_SLOW_OVERRUN = 2.0  # and this many times the retraction on the slow way
+SLOW_OVERRUN = 2.0  # and this many times the retraction on the slow way
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,7 +144,8 @@ class Homer:
         printer.raise_if_interrupted()
 
     async def _home(self, letters: str) -> None:
-        names = [a for a in self._axes if a.upper() in letters] or self._axes
+        homed = [a for a in self._axes if not self._machine.axes[a].extruder]
+        names = [a for a in homed if a.upper() in letters] or homed
         if "O" in letters and self._machine.unhomed_moves == "refuse":
             unknown = [self._axes[i] for i in self._printer.job.locked_axes]
             names = [name for name in names if name in unknown]
@@ -189,15 +190,17 @@ class Homer:
         own = tuple(s for s in self._switches if s.home == name)
         return _Way(name, among.index(name), sign, config, own)
 
-    def _travel(self, way: _Way) -> float:
-        if way.config.max_travel is not None:
-            return way.config.max_travel
-        if is_actuator(self._machine, way.name):
-            stepper = self._machine.steppers[steppers_of(self._machine, way.name)[0]]
+    def travel(self, name: str) -> float:
+        """How far an axis or arm goes at most to find its switch, mm or degrees."""
+        longest = self._machine.homing[name].max_travel
+        if longest is not None:
+            return longest
+        if is_actuator(self._machine, name):
+            stepper = self._machine.steppers[steppers_of(self._machine, name)[0]]
             ends = (stepper.min_mm, stepper.max_mm, stepper.min_deg, stepper.max_deg)
             given = [end for end in ends if end is not None]
             return given[1] - given[0] if len(given) == 2 else _FULL_TURN
-        axis = self._machine.axes[way.name]
+        axis = self._machine.axes[name]
         return _OVERRUN * (axis.max_mm - axis.min_mm)
 
     async def _together(self, ways: Sequence[_Way]) -> None:
@@ -218,7 +221,7 @@ class Homer:
         self._joints = arms
         try:
             job.use_joints(arms)
-            travel = [self._travel(way) for way in ways]
+            travel = [self.travel(way.name) for way in ways]
             for way, far in zip(ways, travel, strict=True):
                 self._place(way, way.home - way.sign * far)
             await self._seek(ways, travel, fast=True)
@@ -227,7 +230,7 @@ class Homer:
                 for switch in way.switches:
                     if self._endstops.pressed(switch.name):
                         raise self._problem("machine.switch-stuck", switch, way.config.retract)
-            slow = [_SLOW_OVERRUN * w.config.retract for w in ways]
+            slow = [SLOW_OVERRUN * w.config.retract for w in ways]
             await self._seek(ways, slow, fast=False)
         except BaseException:
             self._set(point_of_arms(self._arms_at_home(job.machine_position[Z])))

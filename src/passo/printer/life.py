@@ -109,3 +109,5 @@ class Life:
         for line in lines:
             printer.take_setting(line, Silence())
         printer.tell("echo:The printer is ready again. Home it before you move it")
+        if greeting := printer.greeting():
+            printer.tell(greeting)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING
 
-from passo.config.drives import axis_order
+from passo.config.drives import Driven, axis_order
 from passo.errors import CommandError
 from passo.printer.faults import problem_of
 from passo.printer.waits import Handler, Reply, Still, Wait
@@ -20,19 +20,22 @@ _PERCENT = (10.0, 1000.0)  # of M220
 class MotionCommands:
     """Settings of motion of one printer. Limits and the feed rate override take their place among
     the moves of the program, or of the line, that they stand in. What a console sends beside a
-    print is live, and so are its M220 and M290, in lines of their own, always: they act at once on
-    what the board does not have yet."""
+    print is live, M221 too: it acts at once on what the board does not have yet. M220 and M290 in
+    lines of their own are live from every console."""
 
     def __init__(self, printer: Printer) -> None:
         self._printer = printer
         self._machine = printer.machine
         self._axes = axis_order(self._machine.axes)
-        self.home_offset_mm = dict.fromkeys(self._axes, 0.0)
+        homed = [a for a in self._axes if not self._machine.axes[a].extruder]
+        self.home_offset_mm = dict.fromkeys(homed, 0.0)
         self.babysteps_mm = dict.fromkeys("xyz", 0.0)  # live ones, since the axis was homed
         self.immediate: dict[str, Handler] = {
             "M220": lambda c, r: self._speed(c, r, live=True),
+            "M221": lambda c, r: self._flow(c, r, live=True),
             "M290": self._babystep,
         }
+        self.beside_only = frozenset({"M221"})  # of the immediate ones
         self.planned: dict[str, Handler] = {
             "M92": self._scales,
             "M200": lambda c, r: self._say(r, *self.filament_lines()),
@@ -45,39 +48,44 @@ class MotionCommands:
             "M206": self._home_offsets,
             "M218": self._tool_offset,
             "M220": lambda c, r: self._speed(c, r, live=False),
-            "M221": self._flow,
+            "M221": lambda c, r: self._flow(c, r, live=False),
             "M290": lambda c, r: self._printer.commands.run(c),
             "M603": lambda c, r: self._say(r, *self.change_lines()),
         }
 
     # -- scales and limits ------------------------------------------------------------------------
 
-    def _places(self, letter: str) -> list[int]:
-        """Numbers, in the core's order, of the motors that a letter means."""
-        rows = self._machine.core_spec()["steppers"]
-        name = letter.lower()
-        if name == "e" and self._machine.extruders:
-            tools = self._machine.tools
-            extruder = next(iter(self._machine.extruders))
-            if tools and tools[self._printer.job.tool].extruder:
-                extruder = str(tools[self._printer.job.tool].extruder)
-            name = extruder
-        names = {*self._machine.geometry.actuators, *self._axes, *self._machine.extruders}
-        if name not in names:
-            return []
-        wanted = self._machine.drivable.by_name.get(name)
-        found: list[int] = []
-        for i, row in enumerate(rows):
-            stepper = self._machine.steppers[row["name"]]
-            if wanted and self._machine.drivable.of(row["name"], stepper.drives) == wanted:
-                found.append(i)
-        return found
+    def _places(self, name: str | None) -> list[int]:
+        """Numbers, in the core's order, of the motors that drive an actuator, axis or extruder."""
+        wanted = self._machine.drivable.by_name.get(name or "")
+        rows = self._printer.job.steppers()
+        return [i for i, r in enumerate(rows) if wanted and self._driven(r["name"]) == wanted]
+
+    def _driven(self, stepper: str) -> Driven | None:
+        return self._machine.drivable.of(stepper, self._machine.steppers[stepper].drives)
+
+    def extruders(self) -> Iterator[tuple[str, str]]:
+        """What names an extruder in a command, and its name: nothing but E where it is the only
+        one."""
+        tools = [tool.extruder for tool in self._machine.all_tools]
+        for name in self._machine.extruders:
+            if len(self._machine.extruders) == 1:
+                yield "", name
+            elif name in tools:
+                yield f"T{tools.index(name)} ", name
+
+    def _with_extruders(self, code: str, words: list[str], e: Callable[[str], float]) -> list[str]:
+        """A command with the words of the axes, and others for the extruders, each of which has its
+        own value of `e`; the only one is in the line of the axes."""
+        own = [(where, f"E{e(name):.10g}") for where, name in self.extruders()]
+        if len(own) == 1 and not own[0][0]:
+            return [" ".join([code, *words, own[0][1]])]
+        return [" ".join([code, *words]), *(f"{code} {where}{word}" for where, word in own)]
 
     def _scales(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
         if not words:
-            reply.say(self.scale_line())
-            return None
+            return self._say(reply, *self.scale_lines())
         if "L" in words or "H" in words:
             reply.say(self._layers(words))
         changes: list[tuple[int, float]] = []
@@ -86,12 +94,13 @@ class MotionCommands:
                 continue
             if not 1e-3 < value < 1e6:
                 raise CommandError.bad_value(letter, value, "steps per mm above 0")
-            changes += [(i, value) for i in self._places(letter)]
+            name = self._printer.commands.extruder(words) if letter == "E" else letter.lower()
+            changes += [(i, value) for i in self._places(name)]
         return Still(lambda: self._rescale(changes))
 
     def _layers(self, words: dict[str, float]) -> str:
         """Heights of layers that Z's motor reaches in whole steps, on which it stands best."""
-        places = self._places("Z")
+        places = self._places("z")
         if not places:
             raise CommandError.of("command.value", axis="M92", value="H, L", limit="a motor of Z")
         row = self._printer.job.steppers()[places[0]]
@@ -111,39 +120,39 @@ class MotionCommands:
         for i, value in changes:
             self._printer.job.set_steps_per_unit(i, value)
 
-    def scale_line(self) -> str:
-        """The scales as a command, each motor's by the letter of what it drives."""
-        words: list[str] = []
-        seen: set[object] = set()
-        for row in self._printer.job.steppers():
-            stepper = self._machine.steppers[row["name"]]
-            driven = self._machine.drivable.of(row["name"], stepper.drives)
-            name = row["name"].rstrip("0123456789") if driven else row["name"]
-            if driven in seen or (name == "e" and any(w.startswith("E") for w in words)):
-                continue
-            seen.add(driven)
-            words.append(f"{name.upper()}{row['steps_per_unit']:.10g}")
-        return f"M92 {' '.join(words)}"
+    def scale_of(self, name: str) -> float:
+        """Steps for a mm or degree of the first motor that drives an actuator, axis or extruder; 0
+        if none does."""
+        rows = self._printer.job.steppers()
+        return next((float(rows[i]["steps_per_unit"]) for i in self._places(name)), 0.0)
+
+    def scale_lines(self) -> list[str]:
+        """The scales as commands."""
+        driven = {self._driven(row["name"]): None for row in self._printer.job.steppers()}
+        names = {d: name for name, d in self._machine.drivable.by_name.items()}
+        words = [
+            f"{names[d].upper()}{self.scale_of(names[d]):.10g}"
+            for d in driven
+            if d is not None and d.drive != "extruder"
+        ]
+        return self._with_extruders("M92", words, self.scale_of)
 
     def _axis_limits(self, command: Command, reply: Reply, what: str) -> Wait | None:
         words = command.words()
         if not words:
-            reply.say(self.axis_limit_line(what))
-            return None
+            return self._say(reply, *self.axis_limit_lines(what))
         live = self._printer.beside(reply)
-        for letter, value in words.items():
-            if value > 0:
-                self._printer.job.set_axis_limit(letter.lower(), what, value, live)
+        self._printer.commands.axis_limits(words, what, live=live)
         if live:
             self._printer.drive.replan()
         return None
 
-    def axis_limit_line(self, what: str) -> str:
+    def axis_limit_lines(self, what: str) -> list[str]:
         """M201 or M203 with what holds now."""
         job = self._printer.job
         words = [f"{a.upper()}{job.axis_limit(a, what):.10g}" for a in self._axes]
-        words += [f"E{job.axis_limit(e, what):.10g}" for e in list(self._machine.extruders)[:1]]
-        return f"{'M203' if what == 'speed' else 'M201'} {' '.join(words)}"
+        code = "M203" if what == "speed" else "M201"
+        return self._with_extruders(code, words, lambda name: job.axis_limit(name, what))
 
     def _accelerations(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
@@ -268,10 +277,17 @@ class MotionCommands:
             if tool > 0:
                 yield f"M218 T{tool} X{x:.10g} Y{y:.10g} Z{z:.10g}"
 
-    def _flow(self, _: Command, reply: Reply) -> Wait | None:
-        """Without S; with it the interpreter does it."""
-        job = self._printer.job
-        reply.say(f"echo:E{job.tool} Flow: {job.flow * 100:g}%")
+    def _flow(self, command: Command, reply: Reply, *, live: bool) -> Wait | None:
+        found = self._printer.commands.flow(command)
+        if found is None:
+            return None
+        tool, extruder, factor = found
+        if factor is None:
+            reply.say(f"echo:E{tool} Flow: {self._printer.job.flows[extruder] * 100:g}%")
+        elif live:
+            self._printer.drive.scale_flow(extruder, factor)
+        else:
+            self._printer.job.set_flow(extruder, factor)
         return None
 
     def _babystep(self, command: Command, _: Reply) -> Wait | None:

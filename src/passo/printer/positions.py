@@ -116,7 +116,7 @@ class Positions:
         slots = [*(slot_of_axis(i) for i in range(len(letters))), E]
         ends = job.machine_position
         return {
-            letter: found[slot] + place - ends[slot]
+            letter: place - (ends[slot] - found[slot]) / (job.filament_scale if slot == E else 1)
             for letter, slot, place in zip(
                 [*letters, "E"], slots, job.program_position, strict=True
             )
@@ -143,5 +143,6 @@ class Positions:
         extruder = machine.tools[job.tool].extruder if machine.tools else None
         index = list(machine.extruders).index(extruder) if extruder else 0
         if ("extruder", index) in real:
-            found["E"] = real[("extruder", index)] + e_end - machine_ends[E]
+            left_mm = machine_ends[E] - real[("extruder", index)]
+            found["E"] = e_end - left_mm / job.filament_scale
         return found, counts

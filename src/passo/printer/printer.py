@@ -12,10 +12,12 @@ from passo.config.drives import axis_order
 from passo.errors import CommandError
 from passo.gcode.dialect import Kind, row_of
 from passo.printer.commands import Commands
+from passo.printer.control_commands import ControlCommands
 from passo.printer.drive import MOST_QUEUED, Drive
 from passo.printer.driver_commands import DriverCommands
 from passo.printer.drivers import DriverWatch
 from passo.printer.endstop_watch import EndstopWatch
+from passo.printer.fans import FollowingFans
 from passo.printer.faults import problem_of
 from passo.printer.heat_commands import HeatCommands
 from passo.printer.homing import Homer
@@ -67,17 +69,19 @@ class Printer:
         self.heat = HeatCommands(self)
         self.motion = MotionCommands(self)
         self.person = PersonCommands(self)
-        self.tunes = TuneCommands(self)
+        self.controls = ControlCommands(self)
+        self.tunes = TuneCommands(self, self.controls)
         self.endstops = EndstopWatch(self)
         self.watchers.append(self.endstops.time_passed)
+        self.watchers.append(FollowingFans(self).time_passed)
         self.watchers.append(self.drivers.time_passed)
         self.watchers.append(self.lateness.time_passed)
-        self.store_settings: Callable[[], object] = lambda: None
+        self.store_settings: Callable[[], object] | None = None  # durably; None: nowhere
         self.immediate: dict[str, Handler] = (
             self.heat.immediate
             | self.motion.immediate
             | self.person.immediate
-            | self.tunes.immediate
+            | self.controls.immediate
             | self.endstops.immediate
         )
         self.planned: dict[str, Handler] = (
@@ -116,6 +120,7 @@ class Printer:
         connection.set_on_fault(self._heater_failed)
         self.drivers.begin(connection)
         self.job = _core.Job(machine.core_spec(), True, False, False)
+        self._from_console = False  # what is read is a console's line
         full = [connection.full_scale(o.name) for o in connection.board.outputs]
         self.commands = Commands(machine, self.job, self, full)
         self.drive = Drive(connection, self.job, free=self._free, set_target=self._apply_target)
@@ -294,9 +299,10 @@ class Printer:
     # -- commands ---------------------------------------------------------------------------------
 
     def act(self, command: Command, reply: Reply) -> bool:
-        """Carries out a command of the immediate kind; False if it is of another."""
+        """Carries out a command that acts at once when it comes from there; else False."""
         handler = self.immediate.get(command.code)
-        if handler is None:
+        in_order = command.code in self.motion.beside_only and not self.beside(reply)
+        if handler is None or in_order:
             return False
         self._carried_out(handler, command, reply)
         return True
@@ -316,8 +322,24 @@ class Printer:
 
     def select(self, *, console: bool) -> None:
         """What is read next comes from a console, or else from the file."""
+        self._from_console = console
         self.job.select(console)
         self.heat.guard_extrusion()
+
+    @property
+    def in_console_line(self) -> bool:
+        """A line of a console is under way, none of the file."""
+        return self._from_console and not self.job.at_boundary
+
+    @contextmanager
+    def file_selected(self) -> Generator[_core.Job]:
+        """The job with the file's text selected: to ask or restart it, not to read on, while a line
+        of a console may be under way."""
+        self.job.select(False)
+        try:
+            yield self.job
+        finally:
+            self.job.select(self._from_console)
 
     def take_line(self, text: str, reply: Reply) -> Wait | None:
         """Takes in one line of a console: all of it, or up to a command that waits; then `finish`

@@ -120,7 +120,7 @@ class Reports:
         if command.words().get("S", 1) == 0:
             raise CommandError([Problem("command.fixed", values={"value": "axes"})])
         axes = self._printer.machine.axes
-        names = axis_order(axes)
+        names = [n for n in axis_order(axes) if not axes[n].extruder]
         low = " ".join(f"{n.upper()}:{axes[n].min_mm:.2f}" for n in names)
         high = " ".join(f"{n.upper()}:{axes[n].max_mm:.2f}" for n in names)
         reply.say(f"Soft endstops: ON  Min: {low}  Max: {high}")

@@ -45,9 +45,13 @@ class Waiting:
         """Waits until there is room for a line, or `end` wants it taken without. True if so."""
         printer = self._printer
         self._impatient = False
-        await printer.drive.until(
-            lambda: there() or bool(printer.halted) or (self._impatient and printer.job.at_boundary)
-        )
+
+        def let_in() -> bool:
+            if printer.aside:
+                self._impatient = False  # that was for the pause
+            return there() or bool(printer.halted) or (self._impatient and printer.job.at_boundary)
+
+        await printer.drive.until(let_in)
         return self._impatient
 
     async def wait(self, wait: Wait, reply: Reply, *, ends: bool = False) -> None:
@@ -135,11 +139,11 @@ class Waiting:
     async def _tune(self, wait: Tuning) -> None:
         self.heating = True
         try:
-            await self._printer.drive.until(lambda: wait.step() or self._printer.interrupted)
+            # Who has switched the heater off must not find it heating for one step more.
+            await self._printer.drive.until(lambda: self._printer.interrupted or wait.step())
         finally:
             self.heating = False
-            if not self._printer.halted:
-                wait.finish()
+            wait.finish()
 
     async def _person(self, wait: Person, reply: Reply) -> None:
         printer, drive = self._printer, self._printer.drive

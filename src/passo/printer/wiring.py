@@ -21,7 +21,7 @@ from passo.board.ports import Port, in_process, serial_port, tcp_port
 from passo.config.places import MAIN, named_on, placed
 from passo.heat.control import control_of, limits_of, model_of
 from passo.heat.sensors import converter_of, open_is_high, sensor_table, share_at
-from passo.printer.driver_wiring import converter_wires, drivers
+from passo.printer.driver_wiring import converter_wires, drivers, microstep_outputs
 from passo.printer.switches import (
     Switch,
     axes_of_arms,
@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
     from passo.simulator import Actuator, Cable, SimulatedBoard, SimulatedMachine
 
-_PWM_PERIOD_S = 0.1
 _MAX_DURATION_S = 3.0
 _AWAY = 20.0  # mm or degrees
 _ASKEW = 0.5
@@ -106,7 +105,8 @@ def _stepper(machine: MachineConfig, spec: dict[str, Any], clock_hz: int) -> Ste
 
 def _outputs(machine: MachineConfig) -> list[tuple[str, str]]:
     """All outputs and their pins as written, by number: those on the timeline, heaters, fans, the
-    laser, then what switches motors on, and the main board's status LED."""
+    laser, then what switches motors on, what chooses their microsteps, and the main board's status
+    LED."""
     outputs = [(name, heater.pin) for name, heater in machine.heaters.items()]
     outputs += [(name, fan.pin) for name, fan in machine.fans.items()]
     if machine.laser:
@@ -114,6 +114,7 @@ def _outputs(machine: MachineConfig) -> list[tuple[str, str]]:
     for name, output in enable_outputs(machine).items():
         if output == f"{name}-enable":
             outputs.append((output, str(enable_pin(machine, name))))
+    outputs += microstep_outputs(machine)
     if machine.board.status_led:
         outputs.append(("status-led", machine.board.status_led))
     return outputs
@@ -121,11 +122,12 @@ def _outputs(machine: MachineConfig) -> list[tuple[str, str]]:
 
 def _output(machine: MachineConfig, name: str, written: str, clock_hz: int) -> Output:
     pin = machine.pin(written)
-    cycle, longest = round(_PWM_PERIOD_S * clock_hz), round(_MAX_DURATION_S * clock_hz)
+    longest = round(_MAX_DURATION_S * clock_hz)
     if name in machine.heaters:
+        cycle = round(clock_hz / machine.heaters[name].pwm_hz)
         return Output(name, pin, "digital", cycle, longest)
     if name in machine.fans:
-        return Output(name, pin, "digital", cycle)
+        return Output(name, pin, "digital", round(clock_hz / machine.fans[name].pwm_hz))
     if name == "laser":
         return Output(name, pin, "pwm", round(0.001 * clock_hz), longest)
     if name == "status-led":

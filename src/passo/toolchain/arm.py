@@ -16,6 +16,7 @@ from passo.toolchain.avr import FirmwareError
 from passo.toolchain.declarations import Constant, gather
 from passo.toolchain.formats import with_boot_sum
 from passo.toolchain.image import Image
+from passo.toolchain.sources import core_sources
 from passo.toolchain.tables import dictionary, write_tables
 
 # The folders of each chip in firmware/hal/arm: the chip's own, and that of its family.
@@ -43,13 +44,15 @@ _COMPILE = (
 
 @dataclass(frozen=True, slots=True)
 class ArmBoard:
-    """What an image is built for; `console` are the pins of `uart`: receive, send."""
+    """What an image is built for; `console` are the pins of `uart`: receive, send. `older_hosts`:
+    it understands their words."""
 
     chip: Chip
     clock_hz: int
     uart: str
     baud: int
     console: tuple[str, ...]
+    older_hosts: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,12 +132,12 @@ def memory(chip: Chip) -> str:
     )
 
 
-def sources(firmware: Path, chip: Chip) -> list[Path]:
+def sources(board: ArmBoard, firmware: Path) -> list[Path]:
     """The sources of an image, below the folder `firmware`."""
     found = [
-        *firmware.glob("core/*.c"),
+        *core_sources(firmware, older_hosts=board.older_hosts),
         *firmware.glob("hal/common/*.c"),
-        *(source for folder in _layer(firmware, chip) for source in folder.glob("*.[cS]")),
+        *(source for folder in _layer(firmware, board.chip) for source in folder.glob("*.[cS]")),
         firmware / "hal" / "plain" / "string.c",
     ]
     return sorted(found)
@@ -190,7 +193,7 @@ def build(
     the compiler fails, or if the image does not fit."""
     output.mkdir(parents=True, exist_ok=True)
     chip = board.chip
-    code = sources(firmware, chip)
+    code = sources(board, firmware)
     found = gather(code)
     content = dictionary(
         found, version=version, constants=constants(board), enumerations=enumerations(chip)

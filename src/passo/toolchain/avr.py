@@ -10,6 +10,7 @@ from pathlib import Path
 
 from passo.toolchain.declarations import Constant, gather
 from passo.toolchain.image import Image
+from passo.toolchain.sources import core_sources
 from passo.toolchain.tables import dictionary, write_tables
 
 # Registers that belong to the interrupts of firmware/hal/avr: nothing else may use them.
@@ -64,12 +65,13 @@ class Motor:
 @dataclass(frozen=True, slots=True)
 class AvrBoard:
     """What an image is built for. Motors with other pins than those named here share the free
-    units: those that are left, at most three."""
+    units: those that are left, at most three. `older_hosts`: it understands their words."""
 
     mcu: str
     motors: tuple[Motor, ...] = ()
     clock_hz: int = 16_000_000
     baud: int = 250_000
+    older_hosts: bool = False
 
     @property
     def chip(self) -> Chip:
@@ -125,10 +127,10 @@ def _pin(name: str) -> str:
     return f"{match[1]}, {match[2]}"
 
 
-def sources(firmware: Path) -> list[Path]:
+def sources(board: AvrBoard, firmware: Path) -> list[Path]:
     """The sources of an image, below the folder `firmware`."""
     found = [
-        *firmware.glob("core/*.c"),
+        *core_sources(firmware, older_hosts=board.older_hosts),
         *firmware.glob("hal/avr/*.c"),
         *firmware.glob("hal/avr/*.S"),
     ]
@@ -173,7 +175,7 @@ def build(board: AvrBoard, firmware: Path, output: Path, version: str = "") -> I
     but the interrupts uses a reserved register.
     """
     output.mkdir(parents=True, exist_ok=True)
-    code = sources(firmware)
+    code = sources(board, firmware)
     found = gather(code)
     content = dictionary(
         found, version=version, constants=constants(board), enumerations=enumerations(board)

@@ -90,7 +90,7 @@ def build(board: AvrBoard, firmware: Path, output: Path, version: str = "") -> I
     """As `avr.build`, with the package's programs."""
     output.mkdir(parents=True, exist_ok=True)
     plain = firmware / "hal" / "plain"
-    declared = sources(firmware)
+    declared = sources(board, firmware)
     found = gather(declared)
     content = dictionary(
         found, version=version, constants=constants(board), enumerations=enumerations(board)

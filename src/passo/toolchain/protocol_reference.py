@@ -10,6 +10,7 @@ from passo.toolchain.protocol_words import (
     COMMANDS,
     CONSTANTS,
     ENUMERATIONS,
+    LACKING,
     REPORTS,
     SHUTDOWNS,
 )
@@ -19,8 +20,9 @@ _HEAD = """# What the firmware says and understands
 Made from the declarations in `firmware/core/` (`passo.toolchain.protocol_reference`). Frames,
 messages and meanings are those of Klipper's protocol, so that hosts made for it can drive a board.
 What is marked *Passo's* is not known to others, and nothing depends on it: while `survive` is off
-the board behaves as one without it. Older hosts ask analog inputs and converters in other words:
-with `firmware/alternative/` the firmware is built for them.
+the board behaves as one without it. Kalico and older Klipper hosts ask analog inputs and converters
+in other words (`query_analog_in` without `bytes_per_report`, `max_invalid_count` in each
+`query_thermocouple`): `passo firmware build BOARD --for-older-hosts` makes an image for them.
 
 A frame is its length (5 to 64, all of it), 0x10 and a number that counts to 15, commands or one
 report, a CRC of 16 bits, and 0x7E. The board tells the numbers of its messages in its dictionary;
@@ -34,7 +36,7 @@ _OWN = ("survive", "get_counters", "counters")
 def reference() -> str:
     """The page, in Markdown. KeyError if a declaration has no words."""
     found = gather(sorted(firmware_folder().glob("core/*.c")))
-    return "\n".join([_HEAD, *_commands(found), *_reports(found), *_rest(found)])
+    return "\n".join([_HEAD, *_commands(found), *_lacking(), *_reports(found), *_rest(found)])
 
 
 def _commands(found: Declarations) -> Iterator[str]:
@@ -53,6 +55,13 @@ def _commands(found: Declarations) -> Iterator[str]:
             for name, text in words.items()
         ]
         yield from _table(("command", "parameters", "", "what it does"), rows)
+
+
+def _lacking() -> Iterator[str]:
+    yield "### Of Klipper's words, these are not known\n"
+    yield "A host that needs one of them finds that out when it reads the dictionary.\n"
+    rows = [(f"`{words}`", text) for words, text in LACKING.items()]
+    yield from _table(("words", "for"), rows)
 
 
 def _reports(found: Declarations) -> Iterator[str]:

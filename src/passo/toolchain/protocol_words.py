@@ -97,6 +97,21 @@ COMMANDS = {
     },
 }
 
+# Of a firmware of Klipper's own for the same chips.
+LACKING = {
+    "invert_step=-1 of config_stepper, STEPPER_STEP_BOTH_EDGE": "Steps at both edges.",
+    "spi_set_bus, i2c_set_bus": "Buses of the chip's hardware: they are made on any pins.",
+    "i2c_read, i2c_write": "The older words for `i2c_transfer`.",
+    "config_neopixel, neopixel_update, neopixel_send": "Lights on one wire.",
+    "config_counter, query_counter": "Tachometers.",
+    "debug_read, debug_write": "Looks into the chip's memory, and changes of it.",
+    "config_hd44780, config_st7920 and their further words": "Displays.",
+    "config_adxl345, config_lis2dw, config_hx71x and all other sensors with bulk data": (
+        "Accelerometers, load cells, eddy current probes, angles."
+    ),
+    "trigger_analog, sos_filter_set_section and the like": "Filters and triggers on such data.",
+}
+
 REPORTS = {
     "identify_response": "A part of the dictionary.",
     "starting": "The board has started; it has no configuration.",
@@ -147,6 +162,7 @@ SHUTDOWNS = {
     "DURATION_TOO_LONG": "",
     "NOT_AT_DEFAULT": "",
     "ADC_RANGE": "a sensor is cut, short, or too hot",
+    "ADC_SILENT": "the converter gives no value: nobody would watch the heat",
     "THERMOCOUPLE_TYPE": "",
     "THERMOCOUPLE_RANGE": "a thermocouple is too hot or too cold",
     "THERMOCOUPLE_FAULT": "a thermocouple is cut or short, or its converter silent",

@@ -105,6 +105,7 @@ class Host:
             # What was asked of a board that was just resetting is lost. It reports now and then:
             # a few reports without an answer are time enough to ask again.
             heard += 1
+            self.machine.slow_the_clock()
             data, _ = found.poll(heard / 16)
             self.machine.uart.sendall(data)
         self._scanner, self._sequence = found._scanner, found._sequence

@@ -153,9 +153,9 @@ def test_a_heater_is_off_before_the_last_messages_and_the_chip_lives_on(monkeypa
     lines = [
         "allocate_oids count=3",
         "config_spi_without_cs oid=0",
-        # A message takes 240 000 ticks, more than three turns of the timer.
-        "spi_set_sw_bus oid=0 miso_pin=PA0 mosi_pin=PA2 sclk_pin=PA4 mode=0 pulse_ticks=3000",
-        "config_spi_shutdown oid=1 spi_oid=0 shutdown_msg=5555555555",
+        # A message takes 256 000 ticks, more than three turns of the timer.
+        "spi_set_sw_bus oid=0 miso_pin=PA0 mosi_pin=PA2 sclk_pin=PA4 mode=0 pulse_ticks=800",
+        f"config_spi_shutdown oid=1 spi_oid=0 shutdown_msg={'55' * 20}",
         "config_digital_out oid=2 pin=PH5 value=0 default_value=0 max_duration=0",
     ]
     monkeypatch.setattr("passo.board.connection.commands", lambda *_: lines)
@@ -169,10 +169,10 @@ def test_a_heater_is_off_before_the_last_messages_and_the_chip_lives_on(monkeypa
     assert connection.pump.run(connection.now + HZ // 10) is _core.Stop.SHUTDOWN
     off, *clocked = chip.edges()
     assert (off.pin, off.level) == ("PH5", 0)
-    assert [edge.level for edge in clocked] == [1, 0] * 40
+    assert [edge.level for edge in clocked] == [1, 0] * 160
     assert clocked[0].cycle - off.cycle < 4000
     waits = [b.cycle - a.cycle for a, b in pairwise(clocked)]
-    assert 3000 <= min(waits) <= max(waits) < 3200
+    assert 800 <= min(waits) <= max(waits) < 1000
     chip.close()
 
 

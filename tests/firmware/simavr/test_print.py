@@ -20,7 +20,6 @@ from .host import AvrConnection, Hotend
 
 DEMO = Path(__file__).parents[3] / "examples" / "demo.gcode.xz"
 SLOW = ("M104", "M109", "M140", "M190", "G4", "G28")
-WARM_UP = ("M104 S150", "M140 S50", "M106 S200", "G28")
 MOVES = 700
 RAM_BEGIN = 0x200
 STACK_SPARE = 300

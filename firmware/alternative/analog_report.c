@@ -1,5 +1,5 @@
 // Analog inputs as older hosts ask for them: one sum in a report. A build for those takes this file
-// in place of core/analog_report.c.
+// in place of its namesake in core/.
 #include "analog_in.h"
 #include "command.h"
 

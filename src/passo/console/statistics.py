@@ -1,0 +1,129 @@
+"""M78: what was printed, from the card and by hosts, and how long the printer was on."""
+
+from __future__ import annotations
+
+import sqlite3
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from passo.errors import CommandError
+from passo.job.history import History
+from passo.printer.waits import Handler, Reply, Wait
+from passo.printer.words import Command
+
+if TYPE_CHECKING:
+    from passo.printer.printer import Printer
+
+STORE_EVERY_S = 600.0  # the time that the printer was on
+_SHOWN = 5
+
+
+def spoken(seconds: float) -> str:
+    """`1h 2m 3s`."""
+    whole = int(seconds)
+    return f"{whole // 3600}h {whole // 60 % 60}m {whole % 60}s"
+
+
+@dataclass(slots=True)
+class Print:
+    """A print that is under way; `filament_mm` was pushed before it."""
+
+    name: str
+    size: int
+    filament_mm: float
+
+
+class Statistics:
+    """The history of one printer in `directory`; None: nothing is remembered."""
+
+    def __init__(self, printer: Printer, directory: Path | None) -> None:
+        self._printer = printer
+        self._history: History | None = None
+        self._missing = CommandError.of("settings.nowhere")
+        self._on_s = self._stored_s = 0.0
+        self._seen_s = printer.drive.now_s
+        self.immediate: dict[str, Handler] = {"M78": self._statistics}
+        if directory is None:
+            return
+        try:
+            self._history = History(directory)
+        except (sqlite3.Error, OSError) as error:
+            self._missing = _unusable(directory, error)
+            printer.tell(f"echo:No history of prints: {error}")
+            return
+        printer.watchers.append(self._time_passed)
+
+    def begun(self, name: str, size: int = 0) -> Print:
+        """A print begins."""
+        self._printer.lateness.begin()
+        return Print(name, size, self._printer.filament_mm())
+
+    def ended(self, job: Print, how: str, seconds: float) -> None:
+        """A print is over: done, cancelled or failed."""
+        if self._history is None:
+            return
+        printer = self._printer
+        used, note = printer.filament_mm() - job.filament_mm, printer.lateness.worst
+        try:
+            self._history.add(job.name, job.size, how, seconds, used, note)
+        except sqlite3.Error as error:
+            printer.tell(f"echo:This print is not in the history: {error}")
+
+    def _time_passed(self) -> None:
+        before, self._seen_s = self._seen_s, self._printer.drive.now_s
+        self._on_s += max(self._seen_s - before, 0.0)  # the board's clock may begin anew
+        if self._on_s < self._stored_s + STORE_EVERY_S:
+            return
+        try:
+            self._store()
+        except sqlite3.Error as error:
+            self._printer.tell(f"echo:How long the printer was on is not stored: {error}")
+
+    def _store(self) -> None:
+        assert self._history is not None
+        self._stored_s = self._on_s
+        self._history.was_on(self._on_s)
+
+    def close(self) -> None:
+        """Nothing is remembered any more."""
+        if self._history is not None:
+            with suppress(sqlite3.Error):  # nobody is left to be told; the last minutes are missing
+                self._store()
+            self._history.close()
+
+    def _statistics(self, command: Command, reply: Reply) -> Wait | None:
+        """Never a reason for a print that asks to end."""
+        if self._history is None:
+            reply.say(f"echo:{self._missing}")
+            return None
+        try:
+            for line in self._lines(self._history, command.words().get("S") == 78):
+                reply.say(line)
+        except sqlite3.Error as error:
+            reply.say(f"echo:{_unusable(None, error)}")
+        return None
+
+    def _lines(self, history: History, forget: bool) -> list[str]:
+        if forget:
+            history.forget()
+            self._on_s = self._stored_s = 0.0
+            return []
+        self._store()
+        totals, last = history.totals(), history.last(_SHOWN)
+        lines = [
+            f"echo:Prints: {totals.prints}, finished: {totals.done},"
+            f" failed or cancelled: {totals.prints - totals.done}",
+            f"echo:Print time: {spoken(totals.print_s)}, longest: {spoken(totals.longest_s)},"
+            f" filament: {totals.filament_mm / 1000:.2f}m",
+        ]
+        for file, ended, seconds, note in last:
+            lines.append(f"echo:  {file}: {ended}, {spoken(seconds)}")
+            if note:
+                lines.append(f"echo:    {note}")
+        return [*lines, f"echo:Power on: {spoken(totals.on_s)}"]
+
+
+def _unusable(directory: Path | None, error: Exception) -> CommandError:
+    return CommandError.of("history.unusable", str(directory or ""), value=error)

@@ -1,0 +1,225 @@
+"""Controllers and sensors of heaters: gains, models, thermistors, limits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, TypeAlias, TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+from passo import _core
+from passo.config.heat import HeatModel
+from passo.config.model_findings import expected
+from passo.config.sensors import Thermistor
+from passo.errors import CommandError
+from passo.heat.rules import M301_FULL_POWER, Gains
+from passo.printer.waits import Handler, Reply, Wait
+from passo.printer.wiring import sensor_of
+from passo.printer.words import Command
+
+if TYPE_CHECKING:
+    from passo.printer.printer import Printer
+
+Control: TypeAlias = _core.PidControl | _core.OnOffControl | _core.ModelControl | _core.RelayControl
+_Table = TypeVar("_Table", bound=BaseModel)
+
+_KINDS = {-1: "bed", -2: "chamber"}  # H of M301 to M307; 0 and up: hotends
+_SENSOR_KEYS = {
+    "A": "r25_ohm",
+    "B": "beta_k",
+    "C": "c_per_k",
+    "R": "pullup_ohm",
+    "L": "adc_offset_low",
+    "O": "adc_offset_high",
+}
+_MODEL_KEYS = {
+    "A": "rise_c",
+    "C": "time_constant_s",
+    "D": "sensor_lag_s",
+    "F": "fan_loss",
+    "R": "ambient_c",
+}
+
+
+class ControlCommands:
+    """M301 and M304 to M307 of one printer."""
+
+    def __init__(self, printer: Printer) -> None:
+        self._printer = printer
+        self._machine = printer.machine
+        self._aside: dict[str, Control] = {}  # of heaters that a tune has for itself
+        self.sensors = {name: h.sensor for name, h in self._machine.heaters.items()}
+        self.immediate: dict[str, Handler] = {
+            "M301": self._gains,
+            "M304": self._bed_gains,
+            "M305": self._sensor,
+            "M306": self._limits,
+            "M307": self._model,
+        }
+
+    # -- which heater, and what controls it -------------------------------------------------------
+
+    def named(self, words: dict[str, float], otherwise: int = 0) -> str:
+        """The heater that H (or E) of a command means. Raises CommandError if there is none."""
+        number = int(words.get("H", words.get("E", otherwise)))
+        kind = _KINDS.get(number, "hotend")
+        return self._printer.commands.heater(kind, max(number, 0))
+
+    def number_of(self, name: str) -> int:
+        """H of a heater: hotends from 0, the bed -1, a chamber -2."""
+        kind = self._machine.heaters[name].kind
+        for number, k in _KINDS.items():
+            if k == kind:
+                return number
+        return [n for n, h in self._machine.heaters.items() if h.kind == kind].index(name)
+
+    def control(self, name: str) -> Control:
+        """What controls a heater, as set; during a tune what controls it afterwards."""
+        return self._aside.get(name) or self._printer.connection.heaters[name].control
+
+    def set_control(self, name: str, control: Control) -> None:
+        """Takes over at once, or when the heater's tune is over."""
+        if name in self._aside:
+            self._aside[name] = control
+        else:
+            self._printer.connection.heaters[name].set_control(control)
+
+    def lent(self, name: str) -> bool:
+        """A tune has the heater."""
+        return name in self._aside
+
+    def lend(self, name: str) -> None:
+        """A tune takes the heater over: what controls it is kept."""
+        self._aside[name] = self._printer.connection.heaters[name].control
+
+    def take_back(self, name: str) -> None:
+        """The tune is over: what was kept controls the heater again."""
+        control = self._aside.pop(name, None)
+        if control is not None:
+            self._printer.connection.heaters[name].set_control(control)
+
+    # -- gains ------------------------------------------------------------------------------------
+
+    def _gains(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        return self._set_gains(self.named(words), words, reply)
+
+    def _bed_gains(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        return self._set_gains(self.named({}, -1), words, reply)
+
+    def _set_gains(self, name: str, words: dict[str, float], reply: Reply) -> Wait | None:
+        given = {k: v for k, v in words.items() if k in "PID"}
+        if not given:
+            for line in self.gain_lines(name):
+                reply.say(line)
+            return None
+        for letter, value in given.items():
+            if value < 0:
+                raise CommandError.bad_value(letter, value, "a number of at least 0")
+        old = self.control(name)
+        if not isinstance(old, _core.PidControl):
+            raise CommandError.of("heat.no-pid", axis=name)
+        shares = {k: v / M301_FULL_POWER for k, v in given.items()}
+        gains = Gains(shares.get("P", old.kp), shares.get("I", old.ki), shares.get("D", old.kd))
+        self.set_control(name, with_gains(old, gains))
+        return None
+
+    def gain_lines(self, *names: str) -> Iterator[str]:
+        """M301 for each of these heaters that has gains, all if none is named."""
+        for name in names or self._machine.heaters:
+            control = self.control(name)
+            if isinstance(control, _core.PidControl):
+                p, i, d = (g * M301_FULL_POWER for g in (control.kp, control.ki, control.kd))
+                yield f"M301 H{self.number_of(name)} P{p:.10g} I{i:.10g} D{d:.10g}"
+
+    # -- models -----------------------------------------------------------------------------------
+
+    def _model(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        name = self.named(words)
+        old = self.control(name)
+        if not isinstance(old, _core.ModelControl):
+            raise CommandError.of("heat.no-model", axis=name)
+        given = {k: v for k, v in words.items() if k in _MODEL_KEYS}
+        if not given:
+            for line in self.model_lines(name):
+                reply.say(line)
+            return None
+        held = {key: getattr(old.model, key) for key in _MODEL_KEYS.values()}
+        m = _with_words(HeatModel, held, _MODEL_KEYS, given)
+        model = _core.HeatModel(
+            m.rise_c, m.time_constant_s, m.sensor_lag_s, m.fan_loss, m.ambient_c
+        )
+        self.set_control(name, _core.ModelControl(model, old.horizon_s))
+        return None
+
+    def model_lines(self, *names: str) -> Iterator[str]:
+        """M307 for each of these heaters that is controlled by its model, all if none is named."""
+        for name in names or self._machine.heaters:
+            control = self.control(name)
+            if isinstance(control, _core.ModelControl):
+                words = (f"{k}{getattr(control.model, key):.10g}" for k, key in _MODEL_KEYS.items())
+                yield f"M307 H{self.number_of(name)} {' '.join(words)}"
+
+    # -- sensors and limits -----------------------------------------------------------------------
+
+    def _sensor(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        name = self.named(words)
+        sensor = self.sensors[name]
+        given = {k: v for k, v in words.items() if k in _SENSOR_KEYS}
+        if not isinstance(sensor, Thermistor):
+            raise CommandError.of("heat.no-thermistor", axis=name)
+        if not given:
+            for line in self.sensor_lines(name):
+                reply.say(line)
+            return None
+        new = _with_words(Thermistor, sensor.model_dump(), _SENSOR_KEYS, given)
+        self.sensors[name] = new
+        config = self._machine.heaters[name].model_copy(update={"sensor": new})
+        self._printer.connection.set_sensor(name, sensor_of(self._machine, name, config))
+        return None
+
+    def sensor_lines(self, *names: str) -> Iterator[str]:
+        """M305 for each of these heaters with a thermistor, all if none is named."""
+        for name in names or self._machine.heaters:
+            s = self.sensors[name]
+            if isinstance(s, Thermistor):
+                yield (
+                    f"M305 H{self.number_of(name)} A{s.r25_ohm:.10g} B{s.beta_k:.10g}"
+                    f" C{s.c_per_k:.10f} R{s.pullup_ohm:.10g} L{s.adc_offset_low:.10g}"
+                    f" O{s.adc_offset_high:.10g}"
+                )
+
+    def _limits(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        name = self.named(words)
+        if set(words) - {"H", "E"}:
+            raise CommandError.of("command.fixed", value=f"heaters.{name}")
+        h = self._machine.heaters[name]
+        reply.say(
+            f"M306 H{self.number_of(name)} L{h.min_c:g} O{h.max_c:g}"
+            f" C{h.max_power * M301_FULL_POWER:g} U{int(h.control.kind == 'pid')} T1"
+        )
+        return None
+
+
+def with_gains(old: _core.PidControl, gains: Gains) -> _core.PidControl:
+    """A controller that differs in its gains alone."""
+    return _core.PidControl(
+        gains.kp, gains.ki, gains.kd, old.filter_s, old.drive_min, old.drive_max, old.range_c
+    )
+
+
+def _with_words(
+    kind: type[_Table], held: dict[str, object], keys: Mapping[str, str], given: dict[str, float]
+) -> _Table:
+    """A table with a command's values in place of those it held, by letter. Raises CommandError
+    with the first that it must not have."""
+    try:
+        return kind.model_validate(held | {keys[k]: value for k, value in given.items()})
+    except ValidationError as error:
+        first = error.errors()[0]
+        letter = next(k for k, key in keys.items() if key in first["loc"])
+        raise CommandError.bad_value(letter, given[letter], expected(first)) from None

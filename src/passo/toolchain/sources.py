@@ -1,0 +1,13 @@
+"""The sources of the firmware's core, in the words of newer hosts or of older ones."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+
+def core_sources(firmware: Path, *, older_hosts: bool = False) -> list[Path]:
+    """The core below the folder `firmware`, sorted by name. For older hosts a file of
+    `alternative/` takes the place of its namesake."""
+    folders = ("core", "alternative") if older_hosts else ("core",)
+    by_name = {path.name: path for folder in folders for path in firmware.glob(f"{folder}/*.c")}
+    return [by_name[name] for name in sorted(by_name)]
