@@ -1008,9 +1008,9 @@ class Motion:
 
     def __init__(self, spec: dict, with_steps: bool = True) -> None: ...
 
-    def push(self, target: Sequence[float], feed_mm_s: float, kind: str = 'travel', extruder: int = 0, duration_s: float = 0.0, radius_mm: float = float('inf'), inner: bool = False, line: int = 0) -> None:
+    def push(self, target: Sequence[float], feed_mm_s: float, kind: str = 'travel', extruder: int = 0, duration_s: float = 0.0, radius_mm: float = float('inf'), inner: bool = False, line: int = 0, flow: float = 1.0) -> None:
         """
-        Adds a move to the absolute target: one number an axis, then E. Raises ValueError.
+        Adds a move to the absolute target: one number an axis, then E, which was scaled with `flow` (0: by none, and never). Raises ValueError.
         """
 
     def set_height_map(self, first: tuple[float, float], spacing: tuple[float, float], heights: Sequence[Sequence[float]]) -> None:
@@ -1044,6 +1044,11 @@ class Motion:
     def shift_from(self, ticks: float, axis: int, mm: float) -> float:
         """
         From this clock on all lies so much further; returns the clock of the cut.
+        """
+
+    def change_flow_from(self, ticks: float, flow: float, extruder: int = 0) -> float:
+        """
+        From behind this clock on filament moves with this flow; returns the clock of the cut.
         """
 
     def skip_dwell_from(self, ticks: float) -> float | None:
@@ -1311,11 +1316,6 @@ class Job:
     @property
     def locked_axes(self) -> list[int]: ...
 
-    def set_steps_per_unit(self, stepper: int, value: float) -> None:
-        """Another scale of a motor, while the machine stands."""
-
-    def set_tool_offset(self, tool: int, axis: int, mm: float) -> None: ...
-
     def shift_from(self, ticks: float, axis: int, mm: float) -> float | None:
         """
         From this clock on all lies so much further; returns the clock of the cut, None if that is out of range, see error.
@@ -1325,32 +1325,6 @@ class Job:
         """
         The same behind all moves so far; False if that is out of range, see error.
         """
-
-    @property
-    def tool_offsets(self) -> list[list[float]]: ...
-
-    @property
-    def retraction(self) -> tuple[float, float, float, float, float, float, float]:
-        """
-        (mm, mm/s, hop mm, extra mm, mm/s back or 0, mm and extra mm of G10 S1) of M207 and M208.
-        """
-
-    @property
-    def filament_diameters(self) -> list[float] | None:
-        """mm, of each extruder, where E is a volume (M200); else None."""
-
-    @property
-    def filament_changes(self) -> list[tuple[float, float]]:
-        """mm that M701 pushes in and M702 pulls out, of each extruder."""
-
-    @property
-    def auto_retract(self) -> bool: ...
-
-    def limit(self, name: str) -> float:
-        """A limit as set_limit takes it."""
-
-    def axis_limit(self, axis: str, what: str) -> float:
-        """The `speed` or `accel` of an axis or extruder now."""
 
     def adopt(self, other: Job) -> None:
         """
@@ -1371,20 +1345,6 @@ class Job:
         """
 
     @property
-    def cold(self) -> bool:
-        """While it is set, moves of filament are errors."""
-
-    @cold.setter
-    def cold(self, arg: bool, /) -> None: ...
-
-    @property
-    def flow(self) -> float:
-        """M221, as a factor."""
-
-    @flow.setter
-    def flow(self, arg: float, /) -> None: ...
-
-    @property
     def held(self) -> int: ...
 
     @property
@@ -1403,25 +1363,6 @@ class Job:
 
     @property
     def tool(self) -> int: ...
-
-    @property
-    def speed_factor(self) -> float:
-        """M220, as a factor."""
-
-    def set_speed_factor(self, factor: float, live: bool = False) -> None:
-        """
-        M220 for the moves that follow; `live`: for all that is planned anew from now on.
-        """
-
-    def set_limit(self, name: str, value: float, live: bool = False) -> None:
-        """
-        Changes a limit of the moves that follow; `live`: of all that is planned anew.
-        """
-
-    def set_axis_limit(self, axis: str, what: str, value: float, live: bool = False) -> None:
-        """
-        Changes an axis' `speed` or `accel`, never beyond the machine's own, as set_limit.
-        """
 
     @property
     def messages(self) -> MessageQueue:
@@ -1452,3 +1393,81 @@ class Job:
     def steppers(self) -> list[dict[str, Any]]: ...
 
     def cpu(self) -> dict[str, float]: ...
+
+    def set_steps_per_unit(self, stepper: int, value: float) -> None:
+        """Another scale of a motor, while the machine stands."""
+
+    def set_tool_offset(self, tool: int, axis: int, mm: float) -> None: ...
+
+    @property
+    def tool_offsets(self) -> list[list[float]]: ...
+
+    @property
+    def retraction(self) -> tuple[float, float, float, float, float, float, float]:
+        """
+        (mm, mm/s, hop mm, extra mm, mm/s back or 0, mm and extra mm of G10 S1) of M207 and M208.
+        """
+
+    @property
+    def filament_diameters(self) -> list[float] | None:
+        """mm, of each extruder, where E is a volume (M200); else None."""
+
+    @property
+    def filament_changes(self) -> list[tuple[float, float]]:
+        """mm that M701 pushes in and M702 pulls out, of each extruder."""
+
+    @property
+    def auto_retract(self) -> bool: ...
+
+    def limit(self, name: str) -> float:
+        """A limit as set_limit takes it."""
+
+    def axis_limit(self, axis: str, what: str) -> float:
+        """The `speed` or `accel` of an axis or extruder now."""
+
+    @property
+    def cold(self) -> bool:
+        """While it is set, moves of the tool's filament are errors."""
+
+    @cold.setter
+    def cold(self, arg: bool, /) -> None: ...
+
+    def set_cold_axis(self, axis: int, cold: bool) -> None:
+        """The same for an axis, by number, that pushes filament."""
+
+    @property
+    def filament_scale(self) -> float:
+        """
+        mm of filament of the tool in use for a mm, or mm3, of the program's E.
+        """
+
+    @property
+    def flows(self) -> list[float]:
+        """M221 of each extruder, as a factor."""
+
+    def set_flow(self, extruder: int, flow: float) -> None:
+        """M221, a factor above 0, for what is read from now on."""
+
+    def scale_flow_from(self, ticks: float, extruder: int, flow: float) -> float:
+        """
+        M221, a factor above 0, for all that is planned anew from this clock on, and what is read from now on; returns the clock of the cut.
+        """
+
+    @property
+    def speed_factor(self) -> float:
+        """M220, as a factor."""
+
+    def set_speed_factor(self, factor: float, live: bool = False) -> None:
+        """
+        M220 for the moves that follow; `live`: for all that is planned anew from now on.
+        """
+
+    def set_limit(self, name: str, value: float, live: bool = False) -> None:
+        """
+        Changes a limit of the moves that follow; `live`: of all that is planned anew.
+        """
+
+    def set_axis_limit(self, axis: str, what: str, value: float, live: bool = False) -> None:
+        """
+        Changes an axis' `speed` or `accel`, never beyond the machine's own, as set_limit.
+        """

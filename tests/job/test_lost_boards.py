@@ -171,3 +171,71 @@ def test_a_cable_far_away_stops_nothing(monkeypatch, undisturbed):
         s.host.expect("Done printing", 900)
         assert not [line for line in s.host.heard if "The machine waits" in line]
         assert steps(s) == wanted
+
+
+def test_what_is_warm_on_either_board_stays_so(monkeypatch, tmp_path):
+    hot = {'"D10"': '"tool:D10"', '"T0"': '"tool:T0"', '"D9"': '"tool:D9"'}
+    with scenario(monkeypatch, tmp_path, "fast", **hot) as s:
+        s.host.ok("M140 S60")
+        s.host.ok("M109 S200", 400)
+        s.host.ok("M190 S60", 400)
+        s.passes(30)
+        s.host.ok("G92 X0 Y0 Z0 E0")
+        s.host.send("G1 X100 E60 F600", "M400", "M118 done")
+        s.passes(2.0)
+        for board in (MAIN, "tool"):
+            cut(s, board, 40.0)
+            assert s.board.temperature("hotend") == pytest.approx(200, abs=12)
+            assert s.board.temperature("bed") == pytest.approx(60, abs=4)
+            s.host.expect("The boards are back", 15)
+            s.passes(1.0)
+        s.host.expect("done", 60)
+        assert faults(s) == []
+        assert steps(s) == {"x": 8000, "y": 0, "z": 0, "e": round(60 * 95.5)}
+
+
+@pytest.mark.parametrize("board", [MAIN, "tool"])
+def test_a_board_that_shuts_down_stops_the_other_at_once(monkeypatch, tmp_path, board):
+    with scenario(monkeypatch, tmp_path, "fast") as s:
+        s.host.ok("G92 X0 Y0 Z0")
+        s.host.send("G1 X100 Z20 F600")
+        s.passes(2.0)
+        next(c for c in s.printer.connection.connections if c.name == board).command(
+            "emergency_stop"
+        )
+        s.passes(0.05)
+        stood = steps(s)
+        s.passes(1.0)
+        assert steps(s) == stood
+        assert "Command request" in s.printer.halted
+
+
+def test_a_board_that_is_lost_while_axes_home_stops_the_other(monkeypatch, tmp_path):
+    with scenario(monkeypatch, tmp_path, "fast") as s:
+        s.host.send("G28 X")
+        s.passes(0.5)
+        s.board.cut_cable("tool")
+        s.passes(5.0)
+        assert "does not answer" in s.printer.halted
+        assert "Command request" in faults(s)
+
+
+def test_with_another_firmware_on_one_board_all_stop(monkeypatch):
+    keys, cable = WORLDS["fast"]
+    monkeypatch.setattr("passo.printer.printer.connect", partial(connect_simulated, cable=cable))
+    with Scenario(two_boards(*keys, firmware="virtual", **{"[board]": '[board]'})) as s:
+        assert not s.printer.connection.survives
+
+
+def test_a_pause_while_a_board_is_waited_for_keeps_what_is_held(monkeypatch, undisturbed):
+    card, wanted = undisturbed
+    with scenario(monkeypatch, card, "fast") as s:
+        s.host.ok("M32 a.g")
+        s.passes(20)
+        cut(s, "tool", 0.35)
+        for _ in range(40):
+            s.host.send("M25", "M24")
+            s.passes(0.25)
+        s.host.expect("Done printing", 900)
+        assert faults(s) == []
+        assert steps(s) == wanted
