@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Iterator
+from collections.abc import Generator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -75,6 +75,7 @@ class _Reconnection:
         """Raises LinkLostError while a board cannot be reached, and again when one is lost
         again."""
         printer = self._printer
+        printer.drive.wait()  # none has shut down
         for connection in list(self.silent):
             await connection.reopen()
             self.silent.discard(connection)
@@ -88,7 +89,7 @@ class _Reconnection:
         # One that was not armed yet has not moved yet; while axes home the plan has no commits.
         if not printer.drive.recover_from(serial):
             raise MachineError.of("machine.place-unknown")
-        self._prove({c: further for c in ahead})
+        self._prove(dict.fromkeys(ahead, further))
         for connection in self._connections:
             connection.command("survive_arm")
             connection.renew()
@@ -164,7 +165,7 @@ class _Reconnection:
         self._printer.drive.wait()
 
     @contextmanager
-    def _silence_of(self, connection: Connection) -> Iterator[None]:
+    def _silence_of(self, connection: Connection) -> Generator[None]:
         """One that does not answer must be reopened."""
         try:
             yield
