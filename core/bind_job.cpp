@@ -300,8 +300,18 @@ void bind_job(nb::module_& m) {
           "recover_from",
           [](JobView& self, uint32_t serial) { return self.job.motion.recover_from(serial); },
           "serial"_a,
-          "The board has stopped behind this commit by itself: what was to follow is held until "
-          "`release`. Returns its clock; None, and nothing is changed, if it is not known.")
+          "The boards have stopped behind this commit by themselves: what was to follow is held "
+          "until `release`. Returns its clock; None, and nothing is changed, if it is not known.")
+      .def(
+          "between_stops",
+          [](JobView& self, uint32_t serial, uint32_t next) {
+            return self.job.motion.stream().between_stops(serial, next);
+          },
+          "serial"_a, "next"_a,
+          "Net steps by which each motor is further where it has stopped behind the commit `next` "
+          "than where it would have behind `serial`, the one before; None if they are not known, "
+          "or "
+          "do not follow each other.")
       .def_prop_ro(
           "holds", [](JobView& self) { return self.job.motion.held() > 0; },
           "Moves wait for `release`.")

@@ -349,12 +349,13 @@ void bind_link(nb::module_& m) {
            "The job comes in commits, and leaves so many ticks ahead.")
       .def(
           "begin_commits",
-          [](Link& l) {
+          [](Link& l, bool on) {
             std::lock_guard lock(l.guard());
-            l.job().begin_commits();
+            l.begin_commits(on);
           },
-          "The machine stands, and the board is armed: what moves it comes in commits from here "
-          "on.")
+          "on"_a,
+          "The machine stands, and what moves it comes in commits from here on, for the board is "
+          "armed; or it does no more.")
       .def("reconnect", &held<&Link::reconnect>,
            "The board has gone on without this host: what was on its way is forgotten, and the job "
            "stands until go_on().")

@@ -1,4 +1,4 @@
-// Motion in commits, for a board that outlives its link (docs/decisions/0013-survive.md): messages
+// Motion in commits, for boards that outlive their links (docs/decisions/0013-survive.md): messages
 // are handed out up to a clock at which all motors are cut, with the moves that would stop the
 // machine on its path from there.
 #pragma once
@@ -34,7 +34,7 @@ class Commits {
 
   MessageQueue& waiting() { return waiting_; }
   const std::deque<Point>& points() const { return points_; }
-  // All motors stand, nothing waits, and the board's last commit was `serial`: the clocks of their
+  // All motors stand, nothing waits, and the boards' last commit was `serial`: the clocks of their
   // last steps, their net steps, and whether their clocks must be told anew.
   void begin(uint32_t serial, int64_t clock, std::vector<int64_t> last, std::vector<int64_t> net,
              std::vector<bool> renew) {
@@ -46,26 +46,31 @@ class Commits {
   }
   // Whether no message of any later commit had been taken when this one was the board's last.
   bool begins_with(const Point& p) const { return p.serial == begin_; }
+  // The point of a commit that is still known; end of points() if it is not.
+  std::deque<Point>::const_iterator find(uint32_t serial) const {
+    return std::find_if(points_.begin(), points_.end(),
+                        [&](const Point& p) { return p.serial == serial; });
+  }
 
-  // Hands over to `out` all that is certain, every message below `known` being in waiting().
+  // Gives to `out` all that is certain, every message below `known` being in waiting().
   // `brake(clock, moves)` gives the way on which the machine would stop; `origin` is what each
   // motor's count is at a net of 0. `end`: that is where the machine stands; kNoMessage if it does
   // not.
-  template <typename Brake>
+  template <typename Brake, typename Out>
   void advance(int64_t known, int64_t end, const std::vector<int64_t>& origin, Brake&& brake,
-               MessageQueue& out) {
+               Out&& out) {
     for (;;) {
       int64_t begin = points_.back().clock;
       if (points_.back().rest) {
         // What comes before any motion needs no commit.
         for (; waiting_.next_clock() < known && waiting_.front().kind == MessageKind::pin;
              waiting_.pop())
-          out.push(waiting_.front());
+          out(waiting_.front());
         begin = std::max(begin, next_clock());
       }
       if (end != kNoMessage && !moving()) {
         if (!points_.back().rest) commit(std::max(end, begin), true, origin, {}, out);
-        for (; !waiting_.empty(); waiting_.pop()) out.push(waiting_.front());
+        for (; !waiting_.empty(); waiting_.pop()) out(waiting_.front());
         return;
       }
       if (begin == kNoMessage) return;
@@ -143,13 +148,14 @@ class Commits {
     return end;
   }
 
+  template <typename Out>
   void commit(int64_t clock, bool rest, const std::vector<int64_t>& origin,
-              const std::vector<Move>& moves, MessageQueue& out) {
+              const std::vector<Move>& moves, Out&& out) {
     Point p{++serial_, clock, rest};
     divide(clock);
-    for (const Message& m : within_) out.push(m);
+    for (const Message& m : within_) out(m);
     if (!moves.empty()) tail(clock, origin, moves, out);
-    out.push({clock, clock, p.serial, 0, 0, 0, MessageKind::commit, uint8_t(rest)});
+    out({clock, clock, p.serial, 0, 0, 0, MessageKind::commit, uint8_t(rest)});
     points_.push_back(std::move(p));
   }
 
@@ -200,8 +206,9 @@ class Commits {
     put_back(std::move(behind_));
   }
 
+  template <typename Out>
   void tail(int64_t clock, const std::vector<int64_t>& origin, const std::vector<Move>& moves,
-            MessageQueue& out) {
+            Out&& out) {
     for (size_t i = 0; i < solvers_.size(); ++i) {
       Compressor& c = compressors_[i];
       c.restart(last_[i], {});
@@ -222,7 +229,7 @@ class Commits {
         }
         m.kind = MessageKind::tail;
         m.clock = m.end_clock = clock;
-        out.push(m);
+        out(m);
       }
     }
   }

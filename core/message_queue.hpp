@@ -72,6 +72,11 @@ class MessageQueue {
     }
     return false;
   }
+  // All that is kept, and all that waits, in its order.
+  template <typename Visit>
+  void visit(Visit&& visit) const {
+    for (size_t i = kept_; i != tail_; ++i) visit(at(i));
+  }
   // Latest end of all messages taken so far: they can no longer be revoked.
   int64_t taken_until() const { return taken_until_; }
   // From now on a link's thread takes messages while others add and revoke them.

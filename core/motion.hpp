@@ -151,7 +151,8 @@ class Motion {
   void use_commits(int64_t period, size_t most) {
     stream_.use_commits(period, most, int64_t(std::ceil(planner_.clock())));
   }
-  // The board was left alone: it has come to a stop behind the commit `serial`, as that told it to.
+  // The boards were left alone: they have come to a stop behind the commit `serial`, as it told
+  // them to.
   // Plans anew from there; what was to follow is held, and `release` goes on with it at any later
   // clock; expected_net() tells where each motor must be by now. Outputs that were to change on the
   // way change when it goes on. Returns the clock of the commit; nothing, and nothing is changed,
@@ -275,10 +276,12 @@ class Motion {
     return ticks_of_cut_;
   }
 
-  // As replan_from, but brakes to a stop on the path. What is left of it waits for `release`.
+  // As replan_from, but brakes to a stop on the path. What is left of it waits for `release`, with
+  // what is held already.
   double hold_from(double ticks) {
     std::vector<Move> rest;
     double speed2 = cut(ticks, rest);
+    rest.insert(rest.end(), held_.begin(), held_.end());
     planner_.take_queue(rest);
     planner_.stand(ticks_of_cut_);
     std::vector<Move> braking;

@@ -157,7 +157,16 @@ class StepStream {
     Revocation revoked(n);
     for (size_t i = 0; i < n; ++i) revoked.last[i] = compressors_[i].last();
     int64_t floor = at;
-    for (MessageQueue& queue : messages_) floor = std::max(floor, revoke(queue, at, revoked));
+    if (commits_)
+      for (MessageQueue& all = commits_->waiting(); !all.empty(); all.pop())
+        queue_of(all.front()).push(all.front());
+    std::vector<Message> open;
+    for (MessageQueue& queue : messages_) floor = std::max(floor, revoke(queue, at, revoked, open));
+    if (commits_) {
+      commits_->revoke(at);
+      if (messages_.size() > 1) std::stable_sort(open.begin(), open.end(), sooner);
+      commits_->put_back(std::move(open));
+    }
     outputs_.clear();
     handed_out_ = floor;
     for (size_t i = 0; i < n; ++i) {
@@ -188,23 +197,54 @@ class StepStream {
   // Returns its clock; nothing, and nothing is changed, if that is not known any more.
   std::optional<double> rewind(uint32_t serial) {
     if (!commits_) return std::nullopt;
-    const auto& points = commits_->points();
-    auto p = std::find_if(points.begin(), points.end(),
-                          [&](const Commits::Point& x) { return x.serial == serial; });
-    if (p == points.end()) return std::nullopt;
+    auto p = commits_->find(serial);
+    if (p == commits_->points().end()) return std::nullopt;
     double clock = double(p->clock);
-    if (commits_->begins_with(*p))
-      messages_[0].rewind(p->clock);
-    else if (!messages_[0].rewind_behind(serial))
-      return std::nullopt;
+    for (MessageQueue& queue : messages_)
+      if (commits_->begins_with(*p))
+        queue.rewind(p->clock);
+      else if (!queue.rewind_behind(serial))
+        return std::nullopt;
     return clock;
   }
-  // After rewind() and a plan to a stop, which the board has come to by itself: takes back what
-  // that has handed out, and returns the outputs among it. The machine stands at `clock`.
+  // Net steps by which each motor is further where it stands behind the commit `next`, whose brake
+  // tails are done, than behind the one before that, `serial`. Nothing if they do not follow each
+  // other, or are not known any more.
+  std::optional<std::vector<int64_t>> between_stops(uint32_t serial, uint32_t next) {
+    auto held = hold();
+    if (!commits_) return std::nullopt;
+    auto p = commits_->find(serial);
+    if (p == commits_->points().end() || ++p == commits_->points().end() || p->serial != next)
+      return std::nullopt;
+    std::vector<int64_t> net(solvers_.size(), 0);
+    for (const MessageQueue& queue : messages_) {
+      bool behind = commits_->begins_with(*std::prev(p)), over = false;
+      std::vector<std::pair<size_t, int64_t>> tails;
+      queue.visit([&](const Message& m) {
+        int64_t steps = m.dir ? m.count : -int64_t(m.count);
+        if (m.kind == MessageKind::commit) {
+          over |= m.interval == next;
+          for (auto [motor, tail] : tails)
+            net[motor] += m.interval == next ? tail : m.interval == serial ? -tail : 0;
+          tails.clear();
+          behind |= m.interval == serial;
+        } else if (m.kind == MessageKind::tail) {
+          tails.emplace_back(m.target, steps);
+        } else if (m.kind == MessageKind::queue_step && behind && !over) {
+          net[m.target] += steps;
+        }
+      });
+    }
+    return net;
+  }
+  // After rewind() and a plan to a stop, which the boards have come to by themselves: takes back
+  // what that has handed out, and returns the outputs among it. The machine stands at `clock`.
   std::vector<Message> resume_at_rest(uint32_t serial, int64_t clock) {
     std::vector<Message> outputs;
-    for (; !messages_[0].empty(); messages_[0].pop())
-      if (messages_[0].front().kind == MessageKind::pin) outputs.push_back(messages_[0].front());
+    for (MessageQueue& queue : messages_)
+      for (; !queue.empty(); queue.pop())
+        if (queue.front().kind == MessageKind::pin) outputs.push_back(queue.front());
+    std::stable_sort(outputs.begin(), outputs.end(), sooner);
     renew();
     begin_commits(serial, clock);
     return outputs;
@@ -219,7 +259,7 @@ class StepStream {
   std::deque<Compressor> compressors_;
   std::deque<MessageQueue> messages_;  // by board
   MessageQueue outputs_;
-  std::optional<Commits> commits_;     // only of a board that is alone
+  std::optional<Commits> commits_;
   std::vector<MessageQueue*> merged_;  // outputs_ and those of the compressors
   std::vector<int64_t> next_clocks_;   // of each of them
   int64_t handed_out_ = 0;
@@ -243,7 +283,7 @@ class StepStream {
   // The board's last commit is `serial`, and the machine stands.
   void begin_commits(uint32_t serial, int64_t clock) {
     auto held = hold();
-    messages_[0].keep(kKeptCommits);
+    for (MessageQueue& queue : messages_) queue.keep(kKeptCommits);
     std::vector<int64_t> last;
     for (const Compressor& c : compressors_) last.push_back(c.last());
     commits_->begin(serial, clock, std::move(last), nets(), renews());
@@ -252,25 +292,28 @@ class StepStream {
   void commit(int64_t known, int64_t stands) {
     if (!commits_) return;
     auto held = hold();
-    commits_->advance(known, stands, set_apart_, brake_, messages_[0]);
-    commits_->forget(messages_[0].taken_until(), kKeptCommits);
+    commits_->advance(known, stands, set_apart_, brake_, [this](const Message& m) {
+      if (m.kind != MessageKind::commit) return queue_of(m).push(m);
+      for (MessageQueue& queue : messages_) queue.push(m);
+    });
+    int64_t taken = kNoMessage;  // by all
+    for (const MessageQueue& queue : messages_) taken = std::min(taken, queue.taken_until());
+    commits_->forget(taken, kKeptCommits);
   }
-  // Returns the latest clock of what is kept, or `at`.
-  int64_t revoke(MessageQueue& queue, int64_t at, Revocation& revoked) {
-    if (commits_)
-      for (; !commits_->waiting().empty(); commits_->waiting().pop())
-        queue.push(commits_->waiting().front());
+  static bool sooner(const Message& a, const Message& b) { return a.clock < b.clock; }
+  // Returns the latest clock of what is kept, or `at`. What is kept, but in no commit, comes to
+  // `open`.
+  int64_t revoke(MessageQueue& queue, int64_t at, Revocation& revoked, std::vector<Message>& open) {
     std::vector<Message> kept = revoked.keep(queue, at, [&](const Message& reset) {
       return compressors_[reset.target].before_reset(reset.clock);
     });
     int64_t floor = kept.empty() ? at : std::max(at, kept.back().clock);
     if (commits_) {
-      auto open = std::find_if(kept.rbegin(), kept.rend(), [](const Message& m) {
-                    return m.kind == MessageKind::commit;
-                  }).base();
-      commits_->revoke(at);
-      commits_->put_back({open, kept.end()});
-      kept.erase(open, kept.end());
+      auto behind = std::find_if(kept.rbegin(), kept.rend(), [](const Message& m) {
+                      return m.kind == MessageKind::commit;
+                    }).base();
+      open.insert(open.end(), behind, kept.end());
+      kept.erase(behind, kept.end());
     }
     for (const Message& m : kept) queue.push(m);
     return floor;

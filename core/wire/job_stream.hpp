@@ -24,7 +24,7 @@ class JobStream {
   // A message leaves at most this long before its clock, and at least kHorizon - kQuantum unless it
   // was planned later: in between it waits for others to fill a frame.
   static constexpr double kHorizonSeconds = 0.150, kQuantumSeconds = 0.025;
-  static constexpr size_t kLongestCommand = 2 + 2 + 5 + 3 + kVlqRoom;
+  static constexpr size_t kLongestCommand = 2 + 5 + 5 + 1 + 2 + kVlqRoom;
 
   explicit JobStream(double clock_hz)
       : horizon_(Ticks(kHorizonSeconds * clock_hz)), quantum_(Ticks(kQuantumSeconds * clock_hz)),
@@ -43,10 +43,10 @@ class JobStream {
                          StreamHash::of_name(name),
                          invert};
   }
-  // The board, which is alone, takes commits: a message leaves so many ticks before its clock
-  // instead.
+  // The board takes commits: a message leaves so many ticks before its clock instead.
   void use_commits(const Formats& commands, Ticks horizon) {
     commit_ = prefix(commands, "survive_commit");
+    query_ = prefix(commands, "survive_query");
     for (Stepper& s : steppers_) s.tail = prefix(commands, "survive_tail", s.oid);
     horizon_ = horizon;
     commits_ = true;
@@ -120,6 +120,8 @@ class JobStream {
   void go_on() {
     ends_.clear();
     staged_ = kNever;
+    complete_ = false;
+    if (retimer_) retimer_->begin_anew();
     for (Pin& pin : pins_)
       if (pin.longest > 0) pin.value = 0;  // the board has switched it off
     running_ = true;
@@ -141,12 +143,20 @@ class JobStream {
     return all;
   }
 
-  enum class Fill : uint8_t { dry, full };
+  // full: the next command did not fit. complete: the board is to have all so far before the next
+  // one.
+  enum class Fill : uint8_t { dry, full, complete };
+  // Whether the word that makes a commit valid may go into a frame. `and_ask`: with the question
+  // for what the board has done, `ask`: that question alone.
+  enum class Word : uint8_t { no, yes, and_ask, ask };
   // Appends commands that may leave at board clock `now` to a payload of `size` bytes (room for
-  // kPayloadMax + kLongestCommand). full: the next one did not fit. `first` becomes the clock of
-  // the most urgent message in the frame, `need` the clock at which the board needs it.
-  Fill fill(uint8_t* payload, size_t& size, Ticks& first, Ticks& need, Ticks now) {
+  // kPayloadMax + kLongestCommand). `first` becomes the clock of the most urgent message in the
+  // frame, `need` the clock at which the board needs it. `commit(serial)` tells of a Word; if it
+  // may not go, nothing behind it leaves until fill() is called again.
+  template <typename Commit>
+  Fill fill(uint8_t* payload, size_t& size, Ticks& first, Ticks& need, Ticks now, Commit&& commit) {
     slot_wait_ = kNever;
+    complete_ = false;
     if (!running_ || !queue_) return Fill::dry;
     auto held = queue_->hold();
     const Ticks limit = now + horizon_ - base_;
@@ -156,10 +166,20 @@ class JobStream {
       if (queue.empty()) break;
       const Message& m = queue.front();
       if (m.clock > limit) break;
+      Word word = m.kind == MessageKind::commit ? commit(m.interval) : Word::yes;
+      if (word == Word::no || word == Word::ask) {
+        complete_ = true;
+        if (word == Word::ask && size + query_.size <= kPayloadMax) {
+          size = size_t(put(payload + size, query_) - payload);
+          first = std::min(first, m.clock + base_);
+        }
+        return Fill::complete;
+      }
       bool slot = m.kind == MessageKind::queue_step || m.kind == MessageKind::pin ||
                   m.kind == MessageKind::tail || (commits_ && m.kind == MessageKind::reset_clock);
       if (slot && ends_.size() >= slots_ && !free_slots(now)) break;
       uint8_t* end = encode(m, payload + size);
+      if (word == Word::and_ask) end = put(end, query_);
       if (size_t(end - payload) > kPayloadMax) return Fill::full;
       size = size_t(end - payload);
       first = std::min(first, m.clock + base_);
@@ -183,7 +203,7 @@ class JobStream {
   bool short_of_slots() const { return slot_wait_ != kNever; }
   // Board clock at which fill() is worth calling again.
   Ticks wake() const {
-    if (!running_ || !queue_) return kNever;
+    if (!running_ || !queue_ || complete_) return kNever;
     auto held = queue_->hold();
     bool ready = retimer_ && !retimer_->ready().empty();
     if (queue_->empty() && !ready) return kNever;
@@ -218,8 +238,9 @@ class JobStream {
   Ticks horizon_, quantum_, margin_;
   std::vector<Stepper> steppers_;
   std::vector<Pin> pins_;
-  Prefix commit_{};
+  Prefix commit_{}, query_{};
   bool commits_ = false;
+  bool complete_ = false;    // what is at the board, or on its way, waits for a commit
   std::vector<Ticks> ends_;  // board clocks at which slots in use are free again; unordered
   size_t slots_ = 0;
   Ticks slot_wait_ = kNever;

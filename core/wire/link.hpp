@@ -155,6 +155,16 @@ class Link {
     keeps_ = true;
     for (size_t i = 0; i < heaters_.size(); ++i) tell_keeping(i, 0);
   }
+  // The machine stands, and motion comes in commits from here on, if `on`.
+  void begin_commits(bool on) {
+    job_.begin_commits();
+    agree();
+    if (!timeline_) return;
+    if (on)
+      timeline_->begin_commits();
+    else
+      timeline_->end_commits();
+  }
   // True once after faults of heaters: the board has been sent the order to switch them off.
   bool take_fault() { return std::exchange(fault_, false); }
 
@@ -202,6 +212,8 @@ class Link {
   // The board has taken over again what it keeps; the job goes on.
   void go_on() {
     alone_ = false;
+    agree();
+    map_anew_ = job_.retimer() != nullptr;
     for (size_t i = 0; keeps_ && i < heaters_.size(); ++i) tell_keeping(i, kept_[i]);
     job_.go_on();
   }
@@ -243,6 +255,7 @@ class Link {
     if (timeline_ && !shut_down_) follow_orders();
     if (timeline_ && timeline_->halted() && !shut_down_ && !halted_) stop_at_once();
     Ticks clock = wake(now);
+    if (sync_.ready() && std::exchange(map_anew_, false)) begin_map_anew(now);
     if (sync_.ready() && !shut_down_)
       for (Bytes again = job_.renew(clock); !again.empty(); again = job_.renew(clock))
         now_queue_.push_back({std::move(again), false});
@@ -284,6 +297,7 @@ class Link {
   bool main_ = true, halted_ = false;
   Ticks main_base_ = 0;  // of the job, in the main board's clock
   double renewed_ = 0;   // the job's clock when the map of its time was renewed
+  bool map_anew_ = false;
   MessageQueue* queue_ = nullptr;
   bool live_ = false;
   std::deque<std::pair<Bytes, bool>> now_queue_;  // commands; true: a question for the clock
@@ -313,6 +327,8 @@ class Link {
   static constexpr int64_t kBraking = 3;  // state of survive_state from which on the board is alone
   bool alone_ = false, long_ago_ = false;  // the board was not heard for a while
   uint64_t last_of_job_ = 0;               // number of the last frame with messages of the job
+  uint32_t committed_ = 0;                 // serial of the last commit sent; of several boards'
+  bool taken_ = true;                      // the board has said that it has that
   bool shut_down_ = false;
   uint32_t shutdown_reason_ = 0;
   uint64_t wire_bytes_ = 0, frames_ = 0, bad_frames_ = 0;
@@ -349,13 +365,40 @@ class Link {
       holds_question_ |= question;
       now_queue_.pop_front();
     }
-    if (sync_.ready() && !shut_down_)
-      if (job_.fill(payload, open_size_, open_first_, open_need_, clock) == JobStream::Fill::full)
-        return true;
+    bool commits = false;
+    if (sync_.ready() && !shut_down_) {
+      auto word = [&](uint32_t serial) {
+        if (!timeline_) return JobStream::Word::yes;
+        JobStream::Word word = word_for(serial);
+        commits |= word == JobStream::Word::and_ask;
+        return word;
+      };
+      auto filled = job_.fill(payload, open_size_, open_first_, open_need_, clock, word);
+      if (filled == JobStream::Fill::full) return true;
+      if (filled == JobStream::Fill::complete) return open_size_ > 0;
+    }
     if (open_size_ == 0) return false;
-    return holds_command_ || job_.must_leave(open_first_) <= clock;
+    return holds_command_ || commits || job_.must_leave(open_first_) <= clock;
   }
 
+  // All that belongs to a commit must be acknowledged, on all boards, and the commit before it
+  // taken, before the word for it leaves, which it does at once then. What a board answers comes
+  // before the acknowledgement, or never.
+  JobStream::Word word_for(uint32_t serial) {
+    if (serial == committed_) return JobStream::Word::and_ask;  // it did not fit
+    if (alone_ || open_first_ != kNever || window_.acked() <= last_of_job_)
+      return JobStream::Word::no;
+    if (!taken_) return JobStream::Word::ask;
+    if (!timeline_->may_commit(seat_, serial)) return JobStream::Word::no;
+    committed_ = serial;
+    taken_ = false;
+    return JobStream::Word::and_ask;
+  }
+  // The board and the host mean the same commit.
+  void agree() {
+    committed_ = 0;
+    taken_ = true;
+  }
   void stop_at_once() {
     halted_ = true;
     job_.stop();
@@ -372,10 +415,14 @@ class Link {
   }
   void renew_map(double job_clock) {
     renewed_ = job_clock;
-    job_.retimer()->map().renew(job_clock, [&](double t) {
-      return double(own_clock(main_base_ + Ticks(t)) - job_.base());
-    });
+    job_.retimer()->map().renew(job_clock, [this](double t) { return expected(t); });
   }
+  void begin_map_anew(Ticks now) {
+    renewed_ = double(main_clock(sync_.clock_at(now)) - main_base_);
+    job_.retimer()->map().begin_anew(renewed_, [this](double t) { return expected(t); });
+  }
+  // What this board's clock is expected to read, since the job began, at a clock of the job.
+  double expected(double t) const { return double(own_clock(main_base_ + Ticks(t)) - job_.base()); }
   // The clocks are known better now.
   void follow_timeline(Ticks now) {
     if (main_) return timeline_->set_clock(sync_.line(), hz_);
@@ -392,7 +439,7 @@ class Link {
     next_sync_ = now + Ticks(seconds * hz_);
     if (asked_) {
       ++unanswered_;
-      if (timeline_ && lost()) timeline_->halt();
+      if (timeline_ && lost()) timeline_->lost();
       // An answer comes before the acknowledgement, or never. Two questions on their way would be
       // taken for each other.
       if (question_ == 0 || window_.acked() <= question_) return;
@@ -444,6 +491,7 @@ class Link {
       if (id == trsync_id_ && timeline_) take_trsync(values);
       if (id == survive_id_ && job_.running()) {
         alone_ |= std::get<int64_t>(values.at(0)) >= kBraking;
+        taken_ |= uint32_t(std::get<int64_t>(values.at(1))) == committed_;
         return;
       }
       if (id == shutdown_id_ || id == is_shutdown_id_) {

@@ -106,7 +106,7 @@ class LiveWire {
     std::lock_guard lock(link_.guard());
     failure_ = std::move(failure);
     closed_ = true;
-    if (timeline_ && !stopping_) timeline_->halt();
+    if (timeline_ && !stopping_) timeline_->lost();
     news_.notify_all();
   }
   void carry_on() {

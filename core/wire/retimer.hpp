@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <stdexcept>
 #include <vector>
 
@@ -34,7 +35,11 @@ class Retimer {
   // The job begins; a tick of its clock is `ratio` ticks here, nominally.
   void start(double job_hz, double ratio) {
     map_.start(job_hz, ratio);
-    for (Motor& motor : motors_) motor = {motor.apart, 0, false};
+    begin_anew();
+  }
+  // What was taken so far is void: all motors stand, and their clocks will be told anew.
+  void begin_anew() {
+    for (Motor& motor : motors_) motor = Motor(motor.apart);
     ready_.clear();
   }
   int64_t clock_of(int64_t clock) const {
@@ -45,20 +50,43 @@ class Retimer {
   MessageQueue& ready() { return ready_; }
 
   void retime(const Message& m) {
+    if (m.kind == MessageKind::tail) return tail(m);
     map_.use(double(m.end_clock));
-    if (m.kind == MessageKind::queue_step) return steps(m);
+    if (m.kind == MessageKind::queue_step) {
+      Motor& motor = motors_[m.target];
+      steps(m, motor.way);
+      motor.tail.reset();
+      return;
+    }
     Message mapped = m;
     mapped.clock = mapped.end_clock = clock_of(m.clock);
-    if (m.kind == MessageKind::set_dir) motors_[m.target].turning = true;
-    if (m.kind == MessageKind::reset_clock) motors_[m.target].last = mapped.clock;
+    if (m.kind == MessageKind::set_dir) motors_[m.target].way.turning = true;
+    if (m.kind == MessageKind::reset_clock) motors_[m.target].way.begin(m.clock, mapped.clock);
+    if (m.kind == MessageKind::commit)
+      for (Motor& motor : motors_) motor.tail.reset();
     ready_.push(mapped);
   }
 
  private:
+  // Of a motor, up to its last step.
+  struct Way {
+    int64_t told = 0;  // the clock of that step on the timeline
+    int64_t last = 0;  // and here
+    bool turning = false;
+    uint8_t dir = 0;
+
+    void begin(int64_t at, int64_t here) {
+      told = at;
+      last = here;
+    }
+  };
   struct Motor {
     Apart apart;
-    int64_t last = 0;  // of the last step
-    bool turning = false;
+    Way way{};
+    std::optional<Way> tail{};  // on the way to a stop, in the tail that is being told
+
+    Motor() = default;
+    explicit Motor(Apart a) : apart(a) {}
   };
 
   double tolerance_;
@@ -68,16 +96,37 @@ class Retimer {
   Stabbing stabbing_;
   std::vector<double> times_, lo_, hi_, executed_;
 
-  void steps(const Message& m) {
+  // A tail counts on from the last step before it, and is told at the clock of its commit. Without
+  // steps it sets the motor's clock.
+  void tail(const Message& m) {
     Motor& motor = motors_[m.target];
-    const int64_t count = m.count;
-    const int64_t start =
-        m.end_clock - int64_t(m.interval) * count - int64_t(m.add) * (count * (count - 1) / 2);
+    if (!motor.tail) motor.tail = motor.way;
+    Way& way = *motor.tail;
+    Message moved = m;
+    if (m.count == 0) {
+      int64_t clock = m.clock + int32_t(m.interval - uint32_t(m.clock));
+      way.begin(clock, clock_of(clock));
+      moved.interval = uint32_t(way.last);
+      moved.clock = moved.end_clock = clock_of(m.clock);
+      return ready_.push(moved);
+    }
+    way.turning |= way.dir != m.dir;
+    moved.end_clock = way.told + m.span(m.count);
+    steps(moved, way);
+  }
+
+  void steps(const Message& m, Way& motor) {
+    const Apart& apart_of = motors_[m.target].apart;
+    const bool moves = m.kind == MessageKind::queue_step;
+    const int64_t count = m.count, start = m.end_clock - m.span(count);
+    motor.told = m.end_clock;
+    motor.dir = m.dir;
     if (map_.whole() && motor.last == clock_of(start)) {
       Message same = m;
-      same.clock = clock_of(m.clock);
-      same.end_clock = motor.last = clock_of(m.end_clock);
+      motor.last = clock_of(m.end_clock);
       motor.turning = false;
+      same.clock = clock_of(m.clock);
+      same.end_clock = moves ? motor.last : same.clock;
       return ready_.push(same);
     }
     const size_t n = size_t(count);
@@ -85,18 +134,18 @@ class Retimer {
       for (auto* v : {&times_, &lo_, &hi_, &executed_}) v->resize(2 * (n + 8));
     // Steps that the rounding of the one before has come too close to are late by as much.
     double* t = times_.data() + 1;
-    double apart = motor.turning ? motor.apart.turning : motor.apart.least;
+    double apart = motor.turning ? apart_of.turning : apart_of.least;
     t[-1] = double(motor.last);
     int64_t at = start, interval = m.interval;
     for (size_t k = 0; k < n; ++k) {
       at += interval;
       interval += m.add;
       t[k] = std::max(map_.at(double(at)), t[k - 1] + apart);
-      apart = motor.apart.least;
+      apart = apart_of.least;
     }
     t[n] = t[n - 1] + 1e15;
-    windows(t, lo_.data(), hi_.data(), int(n), tolerance_, motor.apart.least);
-    if (motor.turning) lo_[0] = std::max(lo_[0], double(motor.last) + motor.apart.turning - 0.5);
+    windows(t, lo_.data(), hi_.data(), int(n), tolerance_, apart_of.least);
+    if (motor.turning) lo_[0] = std::max(lo_[0], double(motor.last) + apart_of.turning - 0.5);
     motor.turning = false;
     int64_t due = clock_of(m.clock);
     for (size_t i = 0; i < n;) {
@@ -105,10 +154,10 @@ class Retimer {
       int64_t ticks = int64_t(c.interval), add = int64_t(c.add), many = c.count;
       if (ticks < 1 || ticks + add * (many - 1) < 1 || ticks > 0x7fffffff)
         throw std::logic_error("a command without time between its steps");
-      int64_t clock = std::max(due, motor.last);
+      int64_t clock = moves ? std::max(due, motor.last) : due;
       motor.last += ticks * many + add * (many * (many - 1) / 2);
-      ready_.push({clock, motor.last, uint32_t(ticks), uint16_t(many), int16_t(add), m.target,
-                   MessageKind::queue_step, m.dir});
+      ready_.push({clock, moves ? motor.last : due, uint32_t(ticks), uint16_t(many), int16_t(add),
+                   m.target, m.kind, m.dir});
       i += size_t(many);
     }
   }

@@ -46,6 +46,13 @@ class TimeMap {
     pieces_.push_back({from, value, (expected(until) - value) / hz_});
     if (pieces_.size() > kKept) pieces_.pop_front();
   }
+  // From `now` on nothing is in use any more: it begins anew where the board's clock is expected.
+  template <class Expected>
+  void begin_anew(double now, Expected&& expected) {
+    double from = std::ceil(now), value = expected(from);
+    pieces_.assign(1, {from, value, (expected(from + hz_) - value) / hz_});
+    used_ = from;
+  }
 
  private:
   static constexpr size_t kKept = 4;

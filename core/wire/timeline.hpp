@@ -1,5 +1,6 @@
 // What the links to the boards of one machine share: the main board's clock, switches that stop
-// motors on several boards, and the news that a board has failed.
+// motors on several boards, how far the boards' commits are, and the news that a board has
+// failed.
 #pragma once
 #include <algorithm>
 #include <atomic>
@@ -89,7 +90,33 @@ class Timeline {
     return std::exchange(mail_[seat].orders, {});
   }
 
-  // A board has stopped or is lost: all others stop too.
+  // From now on motion comes in commits, of which none is there yet. Before any of it is sent.
+  void begin_commits() {
+    std::lock_guard lock(guard_);
+    for (Mail& mail : mail_) mail.has = 0;
+    survive_ = true;
+  }
+  // From now on no board brakes by itself.
+  void end_commits() { survive_ = false; }
+  // The board behind a link has all that belongs to a commit but the word that makes it valid. True
+  // once all boards are so far: then that word may be sent. So a board that has it knows that all
+  // others have, at least, the commit before.
+  bool may_commit(size_t seat, uint32_t serial) {
+    std::lock_guard lock(guard_);
+    bool news = mail_[seat].has < serial;
+    if (news) mail_[seat].has = serial;
+    for (const Mail& mail : mail_)
+      if (mail.has < serial) return false;
+    for (const Mail& mail : mail_)
+      if (news && mail.wake) mail.wake();
+    return true;
+  }
+
+  // The link to a board is lost. Where boards brake by themselves they will; else all stop at once.
+  void lost() {
+    if (!survive_) halt();
+  }
+  // A board has stopped: all others stop too.
   void halt() {
     halted_ = true;
     std::lock_guard lock(guard_);
@@ -108,6 +135,7 @@ class Timeline {
   struct Mail {
     std::vector<Order> orders;
     std::function<void()> wake;
+    uint32_t has = 0;  // the last commit that the board has all of, but the word
   };
 
   mutable std::mutex guard_;
@@ -115,7 +143,7 @@ class Timeline {
   double hz_ = 1;
   std::vector<Group> groups_;
   std::vector<Mail> mail_;
-  std::atomic<bool> halted_{false};
+  std::atomic<bool> halted_{false}, survive_{false};
 
   void post(const Member& to, const Order& order) {
     Mail& mail = mail_[to.seat];

@@ -158,10 +158,12 @@ void stepper_add_tail(struct stepper *stepper, const uint32_t *args) {
 bool stepper_is_late(const struct stepper *stepper) {
   uint32_t clock = stepper->last;
   if (stepper->halted || stepgen_active(stepper->axis)) return false;
-  for (const struct move *move = stepper->staged.first; move != NULL; move = move->next) {
-    if (move->count > 0) return before(clock + move->interval, hal_clock());
-    clock = move->interval;
-  }
+  const struct move *first[] = {stepper->staged.first, stepper->next_tail.first};
+  for (uint8_t i = 0; i < 2; ++i)
+    for (const struct move *move = first[i]; move != NULL; move = move->next) {
+      if (move->count > 0) return before(clock + move->interval, hal_clock());
+      clock = move->interval;
+    }
   return false;
 }
 

@@ -39,7 +39,7 @@ void stepper_add_tail(struct stepper *stepper, const uint32_t *args);
 void stepper_commit(struct stepper *stepper);
 // All staged moves go to the generator.
 void stepper_give_staged(struct stepper *stepper);
-// Whether its first staged step is past, and the motor stands.
+// Whether the motor stands, and the first step that is staged, or of the next tail, is past.
 bool stepper_is_late(const struct stepper *stepper);
 // The tail goes to the generator, what is staged is dropped.
 void stepper_brake(struct stepper *stepper);

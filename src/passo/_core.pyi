@@ -532,9 +532,9 @@ class Link:
     def use_commits(self, horizon: int) -> None:
         """The job comes in commits, and leaves so many ticks ahead."""
 
-    def begin_commits(self) -> None:
+    def begin_commits(self, on: bool) -> None:
         """
-        The machine stands, and the board is armed: what moves it comes in commits from here on.
+        The machine stands, and what moves it comes in commits from here on, for the board is armed; or it does no more.
         """
 
     def reconnect(self) -> None:
@@ -1240,7 +1240,12 @@ class Job:
 
     def recover_from(self, serial: int) -> float | None:
         """
-        The board has stopped behind this commit by itself: what was to follow is held until `release`. Returns its clock; None, and nothing is changed, if it is not known.
+        The boards have stopped behind this commit by themselves: what was to follow is held until `release`. Returns its clock; None, and nothing is changed, if it is not known.
+        """
+
+    def between_stops(self, serial: int, next: int) -> list[int] | None:
+        """
+        Net steps by which each motor is further where it has stopped behind the commit `next` than where it would have behind `serial`, the one before; None if they are not known, or do not follow each other.
         """
 
     @property

@@ -298,6 +298,19 @@ def test_nobody_turns_a_laser_on_while_the_board_holds():
     assert len(host.board.device.take_edges(pins["PH6"])) == 1
 
 
+def test_a_tail_that_comes_too_late_for_its_first_step_behind_a_rest_is_refused():
+    """The motor has no step in the commit: those of another board have."""
+    host = Host()
+    limit = host.board.now + 20_000
+    host.tail(0, 30_000, 5, direction=1)
+    host.board.wait(60_000)
+    host.commit(limit)
+    assert host.state() == ("held", 0)
+    host.board.wait(200_000)
+    assert host.position(0) == 0
+    assert host.board.device.fault == ""
+
+
 def test_a_commit_that_is_nearly_over_brakes_at_once():
     host = Host()
     host.move(0, 10_000, 10)

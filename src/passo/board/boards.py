@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 
 from passo import _core
-from passo.board.connection import Connection
+from passo.board.connection import BoardAloneError, Connection
 from passo.board.description import Sensor, together
 from passo.board.faults import HeaterFault
+from passo.board.ports import LinkLostError
 
 _SETTLING_S = 4.0  # until the clocks of several boards are known well enough
 _LOOK_S = 0.02  # a fault of one live board among several is told so late at most
@@ -21,7 +23,8 @@ class Boards:
 
     Times are ticks of the main board's clock, and so are the clocks of messages. `board` describes
     all boards together. Methods raise as those of `Connection` do. When one board fails, the links
-    of the others stop these at once.
+    of the others stop these at once; when one is only lost, and motion comes in commits, all brake
+    by themselves.
     """
 
     def __init__(self, connections: Sequence[Connection]) -> None:
@@ -56,9 +59,30 @@ class Boards:
 
     @property
     def survives(self) -> bool:
-        """The board, which is alone, can stop by itself when the link is lost. Of several boards
-        all stop at once then."""
-        return len(self.connections) == 1 and self.main.survives
+        """All boards can stop by themselves when a link is lost."""
+        return all(connection.survives for connection in self.connections)
+
+    @property
+    def move_count(self) -> int:
+        """The moves that each board can hold."""
+        return min(connection.move_count for connection in self.connections)
+
+    @property
+    def delivered(self) -> bool:
+        """Everything of the job so far is at the boards."""
+        return all(connection.link.delivered for connection in self.connections)
+
+    def use_commits(self, horizon_s: float) -> None:
+        """As `Connection.use_commits`, on all boards."""
+        for connection in self.connections:
+            connection.use_commits(horizon_s)
+
+    def arm(self, on: bool) -> None:
+        """Whether the boards brake by themselves when they are left alone. Only while the machine
+        stands, and if they all `survive`."""
+        for connection in self.connections:
+            connection.command("survive_arm" if on else "survive_off")
+            connection.link.begin_commits(on)
 
     @property
     def heaters(self) -> dict[str, _core.Heater]:
@@ -107,20 +131,35 @@ class Boards:
             if self.now >= until_clock:
                 return
 
+    def wait(self, until_clock: int) -> None:
+        """Lets time pass until `until_clock`, whichever links are lost. Raises MachineError when a
+        board has shut down."""
+        for connection in self.connections:
+            main = connection is self.main
+            with suppress(LinkLostError):
+                connection.pass_time(until_clock if main else connection.now)
+                connection.take_faults()
+        self._look_for_shutdown()
+
     def _look(self) -> None:
         """At what all boards have told."""
         for connection in self.connections:
             connection.pass_time(connection.now)
             connection.take_faults()
+        self._look_for_shutdown()
+        if any(connection.link.alone for connection in self.connections):
+            raise BoardAloneError.of("machine.alone")
+        for connection in self.connections:
+            if connection.link.lost:
+                if self.timeline.halted:  # the others are being stopped
+                    self.main.pass_time(self.now + int(_NEWS_S * self.board.clock_hz))
+                raise connection.silence("get_clock")
+
+    def _look_for_shutdown(self) -> None:
         stopped = [c for c in self.connections if c.link.shut_down]
         # The one that was first, not those that were stopped for its sake.
         for connection in sorted(stopped, key=lambda c: c.link.stopped_with_others):
             raise connection.shutdown_error()
-        for connection in self.connections:
-            if connection.link.lost:
-                # The others are being stopped.
-                self.main.pass_time(self.now + int(_NEWS_S * self.board.clock_hz))
-                raise connection.silence("get_clock")
 
     def connection_of(self, part: str, name: str) -> Connection:
         """The board that has a part, one of `steppers`, `outputs`, `sensors`, `heaters`,

@@ -36,6 +36,7 @@ BRAKING_S = 10.0  # no machine brakes for longer
 LOOK_S = 0.05  # between two looks whether it stands
 _RESET_S = 0.05  # a board that has been told to reset has begun to by then
 _RESPONSES_KEPT = 1024
+_MOST_STEPS = 0xFFFF  # of one command
 _SLOTS_RENEWED = 4  # of each output that is told its value again and again
 
 
@@ -83,6 +84,7 @@ class Connection:
         self._crc = 0
         self.adopted = False
         self.oids = Oids.of(board)
+        self._timeline: _core.Timeline | None = None
         self._responses: list[tuple[str, Values]] = []
         self._late: dict[tuple[str, int | None], int] = {}  # until when old answers may come
 
@@ -121,6 +123,7 @@ class Connection:
         """The board is one of several: the main one, or one whose steps may miss the plan's times
         by `tolerance_s` more."""
         hz = self.board.clock_hz
+        self._timeline = timeline
         self.link.join(timeline, main, tolerance_s * hz)
         if isinstance(self.wire, _core.LiveWire):
             self.wire.join(timeline)
@@ -162,6 +165,8 @@ class Connection:
         self.wire = self.port.attach(self.link)
         if isinstance(self.wire, _core.LiveWire):
             self.wire.use_board_clock()
+            if self._timeline is not None:
+                self.wire.join(self._timeline)
         state = self._ask("get_config", [], "config", {}, tries=1)
         if state["is_shutdown"]:
             # The refusal tells why.
@@ -169,6 +174,35 @@ class Connection:
             raise BoardBeganAnewError(self.shutdown_error().problems)
         if not state["is_config"] or state["crc"] != self._crc:
             raise BoardBeganAnewError.of("machine.began-anew")
+
+    @property
+    def lost(self) -> bool:
+        """The board cannot be heard any more: it is silent, or its port is closed."""
+        try:
+            self.pass_time(self.now)
+        except LinkLostError:
+            return True
+        return self.link.lost
+
+    def move_evenly(self, steps: Mapping[str, int], seconds: float, serial: int) -> None:
+        """Motors that stand make so many steps each, forward if more than 0, in so many seconds and
+        at an even pace, and stand behind the commit `serial` then: all of it, or nothing. The board
+        is armed, and no job is under way."""
+        clock = self._clock_after(2 * _LEAD_S) & 0xFFFFFFFF
+        for entry in self.board.steppers:
+            left = abs(net := steps.get(entry.name, 0))
+            if left == 0:
+                continue
+            oid = self.oids.steppers[entry.name]
+            turned = entry.invert != inverted(entry.dir_pin)
+            interval = int(seconds * self.board.clock_hz / left)
+            self.command(f"reset_step_clock oid={oid} clock={clock}")
+            self.command(f"set_next_step_dir oid={oid} dir={int((net > 0) != turned)}")
+            while left > 0:
+                count = min(left, _MOST_STEPS)
+                self.command(f"queue_step oid={oid} interval={interval} count={count} add=0")
+                left -= count
+        self.command(f"survive_commit serial={serial} clock={clock} rest=1")
 
     def renew(self) -> None:
         """Tells how the board is to sample its sensors, which it may not have heard when the link

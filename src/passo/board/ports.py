@@ -50,14 +50,15 @@ class InProcess:
         self, device: Simulated, start_clock: int = 0, beside: InProcess | None = None
     ) -> None:
         self.device = device
-        self.unplugged = False
+        self.unplugged = self._cut = False
         self._clock = start_clock
         self._beside = beside
         self._pump: _core.Pump | None = None
+        self._link: _core.Link | None = None
 
     def unplug(self) -> None:
         """Takes the cable away."""
-        self.unplugged = True
+        self.unplugged = self._cut = True
         if self._pump is not None:
             self._pump.cut()
 
@@ -70,15 +71,17 @@ class InProcess:
         """There is nothing to open."""
 
     def attach(self, link: _core.Link) -> _core.Pump:
-        """A pump; its time goes on where that of the last one stands. A board beside another one
-        joins that one's pump, which must be attached before."""
+        """A pump; its time goes on where that of the last one stands, which it is if the link is
+        the same and no cable was taken away. A board beside another one joins that one's pump,
+        which must be attached before."""
         if self.unplugged:
             raise _unreachable("the simulated board", OSError("it is unplugged"))
         if self._beside is not None and self._beside._pump is not None:
             self._beside._pump.attach(link, self.device)
             return self._beside._pump
-        clock = self._clock if self._pump is None else max(self._clock, self._pump.now)
-        self._pump = _core.Pump(link, self.device, clock)
+        if self._pump is None or link is not self._link or self._cut:
+            clock = self._clock if self._pump is None else max(self._clock, self._pump.now)
+            self._pump, self._link, self._cut = _core.Pump(link, self.device, clock), link, False
         return self._pump
 
 

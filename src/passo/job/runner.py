@@ -316,7 +316,7 @@ class Runner:
         printer, drive = self._printer, self._printer.drive
         await drive.until(
             lambda: (
-                not (drive.full or printer.aside)
+                not (drive.full or printer.aside or drive.interrupted)
                 or self.state is not State.PRINTING
                 or bool(printer.halted)
             )

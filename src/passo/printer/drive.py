@@ -51,10 +51,10 @@ class Drive:
         self.on_pass: Callable[[], None] = lambda: None  # whenever time has passed
         self.hz = connection.board.clock_hz
         self.horizon_s = HORIZON_S
-        self.interrupted = False  # the board has stopped by itself, who knows where
+        self.interrupted = False  # boards have stopped by themselves, who knows where
         if connection.survives:
             self.horizon_s = COMMITS_AHEAD_S + TICK_S
-            connection.main.use_commits(COMMITS_AHEAD_S)
+            connection.use_commits(COMMITS_AHEAD_S)
         self.base = connection.start_job(job)
         self.use_commits(True)
         self._loop = asyncio.get_running_loop()
@@ -90,7 +90,7 @@ class Drive:
         if not planned or not self._connection.survives:
             return planned
         # What the board does not have yet comes too late, and it will say so.
-        return not self.interrupted and self._connection.main.link.delivered
+        return not self.interrupted and self._connection.delivered
 
     @property
     def idle_s(self) -> float:
@@ -187,23 +187,21 @@ class Drive:
         self._job.take_marks()
 
     def use_commits(self, on: bool) -> None:
-        """Whether the board brakes by itself when it is left alone, if it can: not while switches
-        are to stop motors. Only while the machine stands."""
+        """Whether the boards brake by themselves when they are left alone, if they can: not while
+        switches are to stop motors. Only while the machine stands."""
         if not self._connection.survives:
             return
         if on:
             hz = self.hz
-            most = self._connection.main.move_count // _SHARE_OF_SLOTS
+            most = self._connection.move_count // _SHARE_OF_SLOTS
             self._job.use_commits(int(COMMIT_S * hz), most)
-            self._connection.main.command("survive_arm")
-            self._connection.main.link.begin_commits()
         else:
             self._job.stop_commits()
-            self._connection.main.command("survive_off")
+        self._connection.arm(on)
 
     def recover_from(self, serial: int) -> bool:
-        """The board has stopped by itself behind a commit: all that was to follow is held. False if
-        that commit is not known."""
+        """The boards have stopped by themselves behind a commit: all that was to follow is held.
+        False if that commit is not known."""
         cut = self._job.recover_from(serial)
         if cut is not None:
             self._revoke(cut)
@@ -276,6 +274,15 @@ class Drive:
     def look(self) -> None:
         """Lets time pass on the board, and no more. Raises MachineError."""
         self._run(self.now)
+
+    async def catch_up(self) -> None:
+        """Waits where questions have let the time of simulated boards run ahead of the loop's."""
+        while (ahead := self._connection.now - self.base - self.now) > 0:
+            await asyncio.sleep(ahead / self.hz)
+
+    def wait(self) -> None:
+        """The same, whichever links are lost. Raises MachineError when a board has shut down."""
+        self._connection.wait(max(self.base + self.now, self._connection.now))
 
     def _pass(self, now: int) -> None:
         if self._job.queued > 0:

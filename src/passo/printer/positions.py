@@ -8,6 +8,7 @@ from passo.geometry.base import Unreachable
 from passo.printer.slots import E, slot_of_axis
 
 if TYPE_CHECKING:
+    from passo.board.connection import Connection
     from passo.printer.printer import Printer
 
 
@@ -91,11 +92,15 @@ class Positions:
             places[i] = real.get(("axis", i))
         return places
 
-    def counts(self) -> dict[str, int]:
-        """Each motor's position in steps, now. Lets time pass; raises MachineError."""
+    def counts(self, board: Connection | None = None) -> dict[str, int]:
+        """The position in steps, now, of each motor, or of those of one board. Lets time pass;
+        raises MachineError."""
+        names = None if board is None else {s.name for s in board.board.steppers}
         found: dict[str, int] = {}
         for row in self._printer.job.steppers():
             name = row["name"]
+            if names is not None and name not in names:
+                continue
             net = self._printer.connection.net_steps(name) + self.lost.get(name, 0)
             found[name] = net + row["count"] - row["expected_net"]
         return found

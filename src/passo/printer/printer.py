@@ -309,7 +309,8 @@ class Printer:
 
     def has_room(self) -> bool:
         """A planned line can be taken in without a wait, by whoever has the turn."""
-        if self.aside or not self.job.at_boundary:
+        lost = self.drive.interrupted and not self.halted  # what is held comes first
+        if self.aside or lost or not self.job.at_boundary:
             return False
         # Beside a print the plan is always full: a line comes behind what is planned.
         return self.job.queued <= MOST_QUEUED if self.busy() else not self.drive.full

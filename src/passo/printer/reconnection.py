@@ -1,11 +1,13 @@
-"""After a lost link: the board has stopped by itself, and the print goes on from there."""
+"""After a lost link: the boards have stopped by themselves, and the print goes on from there."""
 
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from passo.board.connection import BRAKING_S, LOOK_S, BoardAloneError, Values
+from passo.board.connection import BRAKING_S, LOOK_S, BoardAloneError, Connection
 from passo.board.ports import LinkLostError
 from passo.errors import MachineError
 from passo.printer.drive import TICK_S
@@ -14,30 +16,33 @@ if TYPE_CHECKING:
     from passo.printer.printer import Printer
 
 _AGAIN_S = 0.5  # between two tries to open the port
+_CLOCKS_S = 4.0  # until the clock of one of several boards is known again
+# What a board did in one commit, it takes back in so long: some 40 times as slowly.
+_BACK_S = 3.0
 
 
 async def reconnect(printer: Printer, lost: LinkLostError) -> None:
-    """Waits for the board, proves that it stands where its brake tails end, and goes on with what
-    was held as soon as what was warm is so again. Raises `lost` when the printer is halted
-    meanwhile, and MachineError when the board's place cannot be proved."""
+    """Waits for the boards, proves that they stand where their brake tails end, and goes on with
+    what was held as soon as what was warm is so again. Raises `lost` when the printer is halted
+    meanwhile, and MachineError when a board's place cannot be proved."""
     held = printer.job.holds
     printer.drive.interrupted = True
     printer.connection.stop_job()
-    reopen = not isinstance(lost, BoardAloneError)
-    plug = ": plug it in again, or give up with M112" if reopen else ""
+    reconnection = _Reconnection(printer)
+    plug = ": plug it in again, or give up with M112" if reconnection.silent else ""
     problem = str(lost).partition(".")[0]
     printer.tell(
-        f"echo:The machine waits: {problem}. The board stops by itself and keeps warm for a minute"
-        + plug
+        f"echo:The machine waits: {problem}. {reconnection.who} stops by itself and keeps warm for "
+        f"a minute{plug}"
     )
     while not printer.halted:
         try:
-            await _take_over(printer, reopen=reopen)
+            await reconnection.take_over()
             break
         except BoardAloneError:
-            reopen = False
+            continue
         except LinkLostError:
-            reopen = True
+            reconnection.look_for_silent()
             await asyncio.sleep(_AGAIN_S)
     if printer.halted:
         raise lost
@@ -46,44 +51,123 @@ async def reconnect(printer: Printer, lost: LinkLostError) -> None:
         printer.drive.release()
 
 
-async def _take_over(printer: Printer, *, reopen: bool) -> None:
-    """Raises LinkLostError while the board cannot be reached, and again when it is lost again."""
-    connection = printer.connection.main
-    if reopen:
-        await connection.reopen()
-    _prove(printer, await _standing(printer))
-    connection.command("survive_arm")
-    connection.renew()
-    printer.motors.renew()
-    await printer.drivers.reconnected()
-    if printer.halted:
-        return
-    connection.link.go_on()
-    printer.endstops.begin()
-    printer.tell("echo:The board is back, and stands where it was told to stop")
-    heaters = [h for h in connection.heaters.values() if h.target > 0]
-    while not printer.halted and not all(h.reached or h.fault for h in heaters):
-        await asyncio.sleep(TICK_S)
-        printer.drive.look()
+class _Reconnection:
+    """One lost link, until all boards are there again; those of `silent` must be reopened."""
 
+    def __init__(self, printer: Printer) -> None:
+        self._printer = printer
+        self._connections = printer.connection.connections
+        self.silent: set[Connection] = set()
+        self.look_for_silent()
+        # Serials of two commits, and how much further each motor is behind the second one.
+        self._apart: tuple[int, int, list[int]] | None = None
 
-async def _standing(printer: Printer) -> Values:
-    """The state of the board once its motors stand."""
-    for _ in range(int(BRAKING_S / LOOK_S)):
-        if (state := printer.connection.main.stopped()) is not None:
-            return state
-        await asyncio.sleep(LOOK_S)
-        printer.drive.look()
-    raise MachineError.of("machine.place-unknown")
+    @property
+    def who(self) -> str:
+        """What has to be waited for."""
+        return "The board" if len(self._connections) == 1 else "Each board"
 
+    def look_for_silent(self) -> None:
+        """Finds the boards whose links are lost."""
+        self.silent |= {c for c in self._connections if c.lost}
 
-def _prove(printer: Printer, state: Values) -> None:
-    """Plans anew from where the board has stopped; every motor must be there."""
-    # One that was not armed yet has not moved yet; while axes home the plan has no commits.
-    if not printer.drive.recover_from(int(state["serial"])):
+    async def take_over(self) -> None:
+        """Raises LinkLostError while a board cannot be reached, and again when one is lost
+        again."""
+        printer = self._printer
+        for connection in list(self.silent):
+            await connection.reopen()
+            self.silent.discard(connection)
+            if len(self._connections) > 1:
+                await self._passes(_CLOCKS_S)
+        serials = {c: await self._stood_behind(c) for c in self._connections}
+        printer.drive.wait()  # none has shut down
+        serial = min(serials.values())
+        ahead = [c for c in self._connections if serials[c] != serial]
+        further = self._further(serial, {serials[c] for c in ahead})
+        # One that was not armed yet has not moved yet; while axes home the plan has no commits.
+        if not printer.drive.recover_from(serial):
+            raise MachineError.of("machine.place-unknown")
+        self._prove({c: further for c in ahead})
+        for connection in self._connections:
+            connection.command("survive_arm")
+            connection.renew()
+        printer.motors.renew()
+        for connection in ahead:
+            connection.move_evenly({name: -n for name, n in further.items()}, _BACK_S, serial)
+        for connection in ahead:
+            await self._passes(TICK_S)
+            if await self._stood_behind(connection) != serial:
+                raise BoardAloneError.of("machine.alone")
+        if ahead:
+            self._prove({})
+        await printer.drive.catch_up()
+        for connection in self._connections:
+            connection.link.go_on()
+        await printer.drivers.reconnected()
+        if printer.halted:
+            return
+        printer.endstops.begin()
+        both = len(self._connections) > 1
+        printer.tell(
+            "echo:The boards are back, and stand where they were told to stop"
+            if both
+            else "echo:The board is back, and stands where it was told to stop"
+        )
+        heaters = [h for h in printer.connection.heaters.values() if h.target > 0]
+        while not printer.halted and not all(h.reached or h.fault for h in heaters):
+            await asyncio.sleep(TICK_S)
+            printer.drive.look()
+
+    async def _stood_behind(self, connection: Connection) -> int:
+        """The last commit of a board whose motors stand."""
+        off = connection.dictionary.enumerations["survive"]["off"]
+        with self._silence_of(connection):
+            for _ in range(int(BRAKING_S / LOOK_S)):
+                if (state := connection.stopped()) is not None:
+                    return 0 if state["state"] == off else int(state["serial"])
+                await self._passes(LOOK_S)
         raise MachineError.of("machine.place-unknown")
-    found = printer.positions.counts()
-    for row in printer.job.steppers():
-        at, wanted = found[row["name"]], row["count"]
-        if at != wanted:
-            raise MachineError.of("machine.displaced", axis=row["name"], value=at, limit=wanted)
+
+    def _further(self, serial: int, others: set[int]) -> dict[str, int]:
+        """Steps that the motors of boards which have stopped behind another commit have made more;
+        it must be the next one."""
+        job = self._printer.job
+        if not others:
+            return {}
+        following = others.pop()
+        if self._apart is None or self._apart[:2] != (serial, following):
+            steps = job.between_stops(serial, following)
+            if steps is None or others:
+                raise MachineError.of("machine.place-unknown")
+            self._apart = serial, following, steps
+        names = (row["name"] for row in job.steppers())
+        return dict(zip(names, self._apart[2], strict=True))
+
+    def _prove(self, ahead: dict[Connection, dict[str, int]]) -> None:
+        """Every motor must be where the plan is, or so many steps ahead of it."""
+        found: dict[str, int] = {}
+        for connection in self._connections:
+            with self._silence_of(connection):
+                found |= self._printer.positions.counts(connection)
+        for row in self._printer.job.steppers():
+            name = row["name"]
+            connection = self._printer.connection.connection_of("steppers", name)
+            wanted = row["count"] + ahead.get(connection, {}).get(name, 0)
+            if found[name] != wanted:
+                raise MachineError.of(
+                    "machine.displaced", axis=name, value=found[name], limit=wanted
+                )
+
+    async def _passes(self, seconds: float) -> None:
+        await asyncio.sleep(seconds)
+        self._printer.drive.wait()
+
+    @contextmanager
+    def _silence_of(self, connection: Connection) -> Iterator[None]:
+        """One that does not answer must be reopened."""
+        try:
+            yield
+        except LinkLostError:
+            self.silent.add(connection)
+            raise

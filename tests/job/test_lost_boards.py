@@ -1,0 +1,241 @@
+"""The link to one of two boards breaks in mid-print, again and again: the print ends where it would
+have, on both."""
+
+import random
+from array import array
+from functools import partial
+
+import pytest
+from tests.console.scenario import Scenario
+from tests.job.disturbed import disturb, spiral, steps
+from tests.job.test_lost_link import FIRMWARE
+from tests.job.two_boards import two_boards
+
+from passo.board.connection import Connection
+from passo.config.places import MAIN
+from passo.printer.drive import LEAD_S
+from passo.printer.wiring import connect_simulated
+from passo.simulator import Cable
+
+WORLDS = {
+    "fast": (("drift_ppm = 100.0", "start_s = 250.0"), Cable(300e-6, 100e-6)),
+    "slow": (("drift_ppm = -100.0", "start_s = 1.0"), Cable(50e-6, 50e-6)),
+    "far": (("drift_ppm = 40.0", "start_s = 1e5"), Cable(4e-3, 2e-3)),
+}
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory):
+    card = tmp_path_factory.mktemp("card")
+    (card / "a.g").write_text(spiral())
+    with Scenario(FIRMWARE, card=str(card)) as s:
+        s.host.ok("M32 a.g")
+        s.host.expect("Done printing", 900)
+        return card, steps(s)
+
+
+def scenario(monkeypatch, card, world, **more):
+    keys, cable = WORLDS[world]
+    monkeypatch.setattr("passo.printer.printer.connect", partial(connect_simulated, cable=cable))
+    return Scenario(two_boards(*keys, firmware="passo", **more), card=str(card))
+
+
+def cut(s, board, seconds):
+    s.board.cut_cable(board)
+    s.passes(seconds)
+    s.board.cut_cable(board, False)
+
+
+def faults(s):
+    return [board.device.fault for board in s.board.boards.values() if board.device.fault]
+
+
+@pytest.mark.parametrize("world", WORLDS)
+@pytest.mark.parametrize("seed", range(6))
+def test_it_ends_where_it_would_have_ended(monkeypatch, undisturbed, world, seed):
+    card, wanted = undisturbed
+    generator = random.Random(seed)
+    with scenario(monkeypatch, card, world) as s:
+        s.host.ok("M32 a.g")
+        s.passes(16)  # it is at home by then
+        while "Done printing file" not in s.host.heard:
+            s.passes(generator.expovariate(0.5))
+            if "Done printing file" in s.host.heard:
+                break
+            cut(s, generator.choice((MAIN, "tool")), generator.choice((0.02, 0.3, 2.0, 40.0)))
+            s.passes(1.0)
+            assert not s.printer.halted
+        assert sum("The boards are back" in line for line in s.host.heard) > 2
+        assert faults(s) == []
+        assert steps(s) == wanted
+
+
+@pytest.fixture
+def gone_back(monkeypatch):
+    """The boards that had to go back, as they had heard of one commit more than the other."""
+    boards = []
+    move_evenly = Connection.move_evenly
+
+    def spied(self, steps, seconds, serial):
+        boards.append(self.name)
+        move_evenly(self, steps, seconds, serial)
+
+    monkeypatch.setattr(Connection, "move_evenly", spied)
+    return boards
+
+
+@pytest.mark.parametrize("board", [MAIN, "tool"])
+def test_a_break_within_the_round_trip_of_a_commit(monkeypatch, tmp_path, gone_back, board):
+    """The other board gets the word that makes a commit valid, and this one does not."""
+    with scenario(monkeypatch, tmp_path, "far") as s:
+        s.host.ok("M302 P1")
+        s.host.ok("G92 X0 Y0 Z0 E0")
+        s.host.send("G1 X150 Y120 Z12 E90 F600", "G1 X0 E0", "M400", "M118 done")
+        s.passes(1.0)
+        boards, hz = s.printer.connection, s.printer.drive.hz
+        for i in range(30):
+            before = len(gone_back)
+            s.passes(0.5 + 0.01 * (i % 8))
+            boards.run(boards.now + int(0.001 * (i % 10) * hz))
+            cut(s, board, 0.4)
+            s.host.expect("The boards are back", 12)
+            s.passes(LEAD_S)
+            assert len(gone_back) - before <= 1
+        other = "tool" if board == MAIN else MAIN
+        assert set(gone_back) == {other} and len(gone_back) < 25
+        s.host.expect("done", 60)
+        assert faults(s) == []
+        assert steps(s) == {"x": 0, "y": 120 * 80, "z": 12 * 400, "e": 0}
+
+
+@pytest.mark.parametrize("board", [MAIN, "tool"])
+@pytest.mark.parametrize("seconds", [2.0, 40.0, 300.0])
+def test_boards_keep_time_with_each_other_after_it(monkeypatch, tmp_path, board, seconds):
+    """X and Z go evenly, so that each step of Z has its place among those of X."""
+    with scenario(monkeypatch, tmp_path, "fast") as s:
+        s.host.ok("G92 X0 Y0 Z0")
+        s.host.send("G1 X100 Z20 F600", "M400", "M118 done")
+        s.passes(2.0)
+        cut(s, board, seconds)
+        s.host.expect("The boards are back", 12)
+        for name in "xz":
+            s.board.trace_steps(name, 0, 2**62)
+        s.host.expect("done", 20)
+        clocks = {name: array("q", s.board.take_steps(name, 0, 2**62)[0]) for name in "xz"}
+        x, z = list(clocks["x"]), list(clocks["z"])
+        assert len(x) > 4000 and len(z) == len(x)
+        skews = [abs(a - b) / 16 for a, b in zip(x[500:-500], z[500:-500], strict=True)]
+        assert max(skews) <= 25
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_pauses_and_limits_beside_it(monkeypatch, undisturbed, seed):
+    card, wanted = undisturbed
+    generator = random.Random(seed)
+    with scenario(monkeypatch, card, "fast") as s:
+
+        def perhaps():
+            if generator.random() < 0.5 and s.printer.drive.now_s > 16:
+                cut(s, generator.choice((MAIN, "tool")), generator.choice((0.02, 0.3, 2.0)))
+                s.passes(5.0)
+
+        disturb(s, generator, perhaps)
+        assert faults(s) == []
+        assert steps(s) == wanted
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_noise_on_either_cable(monkeypatch, undisturbed, seed):
+    card, wanted = undisturbed
+    generator = random.Random(seed)
+    with scenario(monkeypatch, card, "fast") as s:
+        s.host.ok("M32 a.g")
+        s.passes(16)
+        while "Done printing file" not in s.host.heard:
+            s.passes(generator.expovariate(0.5))
+            board = generator.choice((MAIN, "tool"))
+            s.board.spoil_cable(board, generator.choice((0.002, 0.02, 0.05, 0.2, 0.5)))
+            s.passes(5.0)
+            s.board.spoil_cable(board, 0.0)
+            s.passes(3.0)
+            assert not s.printer.halted
+        assert faults(s) == []
+        assert steps(s) == wanted
+
+
+def test_a_cable_far_away_stops_nothing(monkeypatch, undisturbed):
+    """Each commit waits for what is to be acknowledged by both boards."""
+    card, wanted = undisturbed
+    with scenario(monkeypatch, card, "far") as s:
+        s.host.ok("M32 a.g")
+        s.host.expect("Done printing", 900)
+        assert not [line for line in s.host.heard if "The machine waits" in line]
+        assert steps(s) == wanted
+
+
+def test_what_is_warm_on_either_board_stays_so(monkeypatch, tmp_path):
+    hot = {'"D10"': '"tool:D10"', '"T0"': '"tool:T0"', '"D9"': '"tool:D9"'}
+    with scenario(monkeypatch, tmp_path, "fast", **hot) as s:
+        s.host.ok("M140 S60")
+        s.host.ok("M109 S200", 400)
+        s.host.ok("M190 S60", 400)
+        s.passes(30)
+        s.host.ok("G92 X0 Y0 Z0 E0")
+        s.host.send("G1 X100 E60 F600", "M400", "M118 done")
+        s.passes(2.0)
+        for board in (MAIN, "tool"):
+            cut(s, board, 40.0)
+            assert s.board.temperature("hotend") == pytest.approx(200, abs=12)
+            assert s.board.temperature("bed") == pytest.approx(60, abs=4)
+            s.host.expect("The boards are back", 15)
+            s.passes(1.0)
+        s.host.expect("done", 60)
+        assert faults(s) == []
+        assert steps(s) == {"x": 8000, "y": 0, "z": 0, "e": round(60 * 95.5)}
+
+
+@pytest.mark.parametrize("board", [MAIN, "tool"])
+def test_a_board_that_shuts_down_stops_the_other_at_once(monkeypatch, tmp_path, board):
+    with scenario(monkeypatch, tmp_path, "fast") as s:
+        s.host.ok("G92 X0 Y0 Z0")
+        s.host.send("G1 X100 Z20 F600")
+        s.passes(2.0)
+        next(c for c in s.printer.connection.connections if c.name == board).command(
+            "emergency_stop"
+        )
+        s.passes(0.05)
+        stood = steps(s)
+        s.passes(1.0)
+        assert steps(s) == stood
+        assert "Command request" in s.printer.halted
+
+
+def test_a_board_that_is_lost_while_axes_home_stops_the_other(monkeypatch, tmp_path):
+    with scenario(monkeypatch, tmp_path, "fast") as s:
+        s.host.send("G28 X")
+        s.passes(0.5)
+        s.board.cut_cable("tool")
+        s.passes(5.0)
+        assert "does not answer" in s.printer.halted
+        assert "Command request" in faults(s)
+
+
+def test_with_another_firmware_on_one_board_all_stop(monkeypatch):
+    keys, cable = WORLDS["fast"]
+    monkeypatch.setattr("passo.printer.printer.connect", partial(connect_simulated, cable=cable))
+    with Scenario(two_boards(*keys, firmware="virtual", **{"[board]": '[board]'})) as s:
+        assert not s.printer.connection.survives
+
+
+def test_a_pause_while_a_board_is_waited_for_keeps_what_is_held(monkeypatch, undisturbed):
+    card, wanted = undisturbed
+    with scenario(monkeypatch, card, "fast") as s:
+        s.host.ok("M32 a.g")
+        s.passes(20)
+        cut(s, "tool", 0.35)
+        for _ in range(40):
+            s.host.send("M25", "M24")
+            s.passes(0.25)
+        s.host.expect("Done printing", 900)
+        assert faults(s) == []
+        assert steps(s) == wanted
