@@ -75,8 +75,33 @@ def figures(path: Path, machine: str, runs: int) -> tuple[float, float, dict]:
     return statistics.median(wire), statistics.median(whole), result
 
 
+def densities(path: Path, folder: str) -> None:
+    """Prints steps a command of the first 200 000 moves, at the default window of 4 µs: on the
+    yardstick's machine, with its limits and with others."""
+    head = Path(folder) / "head.gcode"
+    moves = 0
+    with path.open() as source, head.open("w") as sink:
+        for line in source:
+            sink.write(line)
+            moves += line.startswith(("G0", "G1"))
+            if moves == 200_000:
+                break
+    plain = (MACHINES / "yardstick-cartesian.toml").read_text()
+    ratio, corner = "minimum_cruise_ratio = 0.5\n", "junction_deviation_mm = 0.00345"
+    machine = Path(folder) / "machine.toml"
+    for name, text in (
+        ("as it is", plain),
+        ("least_speed_gain 0.2", plain.replace(ratio, ratio + "least_speed_gain = 0.2\n")),
+        ("junction deviation 0.02 mm", plain.replace(corner, "junction_deviation_mm = 0.02")),
+    ):
+        machine.write_text(text)
+        r = json.loads(user_s([sys.executable, "-c", PIPELINE, str(head), str(machine)])[1])
+        density = sum(r["steps"].values()) / r["queue_step_commands"]
+        print(f"steps a command, {name}: {density:.2f} in {r['move_time_s']:.0f} s")
+
+
 def main() -> None:
-    """Prints the table."""
+    """Prints the tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("file", nargs="?", type=Path)
     parser.add_argument("--runs", type=int, default=3)
@@ -124,6 +149,7 @@ def main() -> None:
         start = statistics.median(user_s([*passo, "--help"])[0] for _ in range(arguments.runs))
         print(f"passo estimate: {estimate:.2f} s, {moves / estimate / 1e6:.2f} M moves/s")
         print(f"passo --help: {start:.2f} s")
+        densities(path, folder)
 
 
 if __name__ == "__main__":

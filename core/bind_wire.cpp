@@ -652,7 +652,7 @@ void bind_board(nb::module_& m) {
       .def_prop_ro("now", &Distant::now, "Host time.")
       .def("cut", &Distant::cut, "on"_a, "What is sent either way is lost.")
       .def("spoil", &Distant::spoil, "share"_a,
-           "So many of all bytes arrive as others, either way.")
+           "So many of all bytes, either way, arrive as others, not at all, twice, or elsewhere.")
       .def("clock_at", &Distant::clock_at, "host_ticks"_a)
       .def("host_at", &Distant::host_at, "clock"_a);
   m.def(

@@ -32,12 +32,14 @@ class Distant : public Device {
   Ticks now() const { return now_; }
   // While it is cut, what is sent either way is lost.
   void cut(bool on) { cut_ = on; }
-  // So large a share of all bytes arrives as another byte, either way.
+  // So large a share of all bytes, either way, arrives as another one, not at all, twice, before
+  // the one before it, or behind one that nobody sent; and what is sent at once may arrive in two
+  // parts.
   void spoil(double share) { spoilt_ = share; }
 
   void feed(const uint8_t* data, size_t n, Ticks now) override {
     if (cut_) return;
-    down_.push_back({arrival(down_, now), carried(Bytes(data, data + n))});
+    carry(down_, Bytes(data, data + n), now);
   }
   void poll(Ticks now, Bytes& out) override {
     while (!down_.empty() && down_.front().first <= now) {
@@ -73,11 +75,25 @@ class Distant : public Device {
     random_ = random_ * 1664525u + 1013904223u;  // as in Numerical Recipes
     return double(random_) / 4294967296.0;
   }
-  Bytes carried(Bytes bytes) {
-    if (spoilt_ > 0)
-      for (uint8_t& byte : bytes)
-        if (random() < spoilt_) byte = uint8_t(256 * random());
-    return bytes;
+  void carry(Way& way, Bytes bytes, Ticks now) {
+    if (spoilt_ > 0) {
+      bytes = spoilt(bytes);
+      auto cut = bytes.begin() + long(random() * double(bytes.size()));
+      way.push_back({arrival(way, now), Bytes(bytes.begin(), cut)});
+      bytes.erase(bytes.begin(), cut);
+    }
+    way.push_back({arrival(way, now), std::move(bytes)});
+  }
+  Bytes spoilt(const Bytes& bytes) {
+    Bytes out;
+    for (uint8_t byte : bytes) {
+      int what = random() < spoilt_ ? int(5 * random()) : -1;
+      if (what == 0 || what == 4) out.push_back(uint8_t(256 * random()));
+      if (what == -1 || what == 2 || what == 4) out.push_back(byte);
+      if (what == 2) out.push_back(byte);
+      if (what == 3) out.insert(out.end() - (out.empty() ? 0 : 1), byte);
+    }
+    return out;
   }
   Ticks arrival(const Way& way, Ticks now) {
     Ticks late = Ticks(random() * double(jitter_));
@@ -88,7 +104,7 @@ class Distant : public Device {
     now_ = std::max(now_, now);
     Bytes said;
     device_.poll(clock_at(now), said);
-    if (!said.empty() && !cut_) up_.push_back({arrival(up_, now), carried(std::move(said))});
+    if (!said.empty() && !cut_) carry(up_, std::move(said), now);
   }
 };
 

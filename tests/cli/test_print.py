@@ -46,9 +46,9 @@ def test_the_example_on_the_i3(capsys, unpacked):
 
 
 GOLDEN = {
-    ("demo", "i3"): "dc5f9fd95a6f843d",
-    ("gear_arcs", "mk3s"): "b83fc80b1475ab5d",
-    ("plate_toolchanger", "dual-extruder"): "6f21e6f0e2d6165b",
+    ("demo", "i3"): "6d351476a445dd5a",
+    ("gear_arcs", "mk3s"): "ecaba23352f621b0",
+    ("plate_toolchanger", "dual-extruder"): "9547cfbcc1c9757b",
 }
 
 

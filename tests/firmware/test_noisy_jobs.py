@@ -1,0 +1,79 @@
+"""Ten thousand short jobs over a cable that loses, spoils, doubles, swaps, delays and divides bytes,
+both ways: the firmware makes every step once, at its clock."""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+from tests.board.bench import HZ, MS, PLANT, START, Planner, description
+from tests.board.bench import executed as steps_of
+
+from passo import _core
+from passo.board import Connection
+from passo.board.ports import InProcess
+from passo.simulator import SimulatedBoard
+
+JOBS = 2500
+LATE = ("Timer too close", "Stepper too far in past")
+
+
+class Noisy:
+    """The firmware at the end of a bad cable."""
+
+    def __init__(self, seed: int) -> None:
+        board = description()
+        self.simulated = SimulatedBoard(board, PLANT, START, "passo")
+        self.device = self.simulated.device
+        self.cable = _core.Distant(self.device, 0, 0.0, MS // 4, MS // 4, seed)
+        self.connection = Connection(board, InProcess(self.cable, START))
+        self.connection.connect()
+        for name in "xy":
+            self.simulated.trace_steps(name, 0, 2**62)
+
+    def run(self, plan: Planner, share: float) -> dict[str, tuple[list[int], list[int]]]:
+        """What the motors did, by clocks since the job's first."""
+        connection = self.connection
+        connection.run(connection.now + HZ // 100)
+        self.cable.spoil(share)
+        base = connection.start_job(plan.queue)
+        end = base + max(clocks[-1] for clocks in plan.clocks.values()) + 10 * MS
+        connection.pass_time(end)
+        self.cable.spoil(0.0)
+        connection.link.stop_job()
+        return {name: steps_of(self, name, base) for name in "xy"}
+
+
+def short_job(generator: random.Random) -> Planner:
+    plan = Planner()
+    for target in (0, 1):
+        plan.steps(target, generator.random() < 0.5, 20 * MS + generator.randrange(5 * MS), 1)
+        for _ in range(generator.randrange(3, 9)):
+            plan.steps(
+                target,
+                generator.random() < 0.5,
+                generator.randrange(2000, 20_000),
+                generator.randrange(1, 12),
+                generator.randrange(-100, 100),
+            )
+    return plan
+
+
+@pytest.mark.parametrize("part", range(4))
+def test_every_step_is_made_once_and_in_time(part):
+    generator = random.Random(part)
+    noisy, late = Noisy(part), 0
+    for job in range(JOBS):
+        plan = short_job(generator)
+        done = noisy.run(plan, generator.choice((0.0, 0.002, 0.01, 0.03)))
+        fault = noisy.device.fault
+        for target, name in enumerate("xy"):
+            clocks, directions = done[name]
+            n = len(clocks) if fault else len(plan.clocks[target])
+            assert clocks == plan.clocks[target][:n], (job, fault)
+            assert directions == plan.directions[target][:n]
+        if fault:  # so much noise that a command came late: the board has said so
+            assert fault in LATE
+            late += 1
+            noisy = Noisy(1000 * part + late)
+    assert late < JOBS // 50
