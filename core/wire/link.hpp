@@ -207,7 +207,8 @@ class Link {
       auto held = queue_->hold();
       all = queue_->empty();
     }
-    return all && open_first_ == kNever && window_.acked() > last_of_job_;
+    // Of several boards each says that it has taken the last commit.
+    return all && open_first_ == kNever && window_.acked() > last_of_job_ && taken_;
   }
   // The board has taken over again what it keeps; the job goes on.
   void go_on() {

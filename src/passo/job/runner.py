@@ -381,7 +381,12 @@ class Runner:
         self._printer.laser_off()
         drive.flush()
         await drive.until(
-            lambda: drive.standing or self.state is not State.PRINTING or bool(self._printer.halted)
+            lambda: (
+                drive.standing
+                or self._returns  # the pause may be over by now
+                or self.state is not State.PRINTING
+                or bool(self._printer.halted)
+            )
         )
         self._printer.raise_if_halted()
-        return self.state is State.PRINTING
+        return self.state is State.PRINTING and not self._returns
