@@ -25,3 +25,22 @@ def test_babysteps_shift_it_by_their_sum(whole, seed):
     card, wanted = whole
     with Scenario("i3", card=str(card)) as s:
         assert shift_by_babysteps(s, random.Random(seed), wanted)["z"] != 0
+
+
+@pytest.mark.parametrize("before_end_s", [0.2, 0.7, 100])
+@pytest.mark.parametrize("pauses", [[["M25", "M24"]], [["M25"], ["M24", "M25"], ["M24"]]])
+def test_a_pause_that_is_over_at_once_takes_nothing_back(whole, before_end_s, pauses):
+    """Filament that was taken back comes again, and the end of a file is not left out."""
+    card, wanted = whole
+    with Scenario("i3", card=str(card)) as s:
+        s.host.ok("M32 a.g")
+        s.host.expect("Done printing", 900)
+        end = s.printer.drive.now_s
+    with Scenario("i3", card=str(card)) as s:
+        s.host.ok("M32 a.g")
+        s.passes(end - before_end_s)
+        for words in pauses:
+            s.host.send(*words)
+            s.passes(0.0 if words == pauses[-1] else 3.0)
+        s.host.expect("Done printing", 900)
+        assert steps(s) == wanted

@@ -65,6 +65,7 @@ class Runner:
         self.first_line = 1  # number of the first line fed
         self._begin = 0  # offset of the first byte fed since the source was restarted
         self._returns = False  # a pause is over, its end is still to be done
+        self._parked = False
         self._locked = set[int]()  # axes that did not know where they are when it began
         self._again = False  # to be started as soon as the last print has ended
         self._failed = ""
@@ -193,6 +194,7 @@ class Runner:
         """Brakes; the rest of the print stands aside, if it does not yet since the last pause."""
         if not self._returns:
             self._returns = True
+            self._parked = False
             self._locked = set(self._printer.job.locked_axes)
             if self._printer.in_console_line:
                 self._printer.job.abandon()  # what is left of it is no part of the print
@@ -306,7 +308,9 @@ class Runner:
         try:
             if self.state is State.PAUSED:
                 self._set_aside()
-                await self._park.leave(self._park_words)
+                if not self._parked:
+                    self._parked = True
+                    await self._park.leave(self._park_words)
         finally:
             printer.turn.give()
         await self._resumed.wait()
@@ -333,6 +337,7 @@ class Runner:
             return False
         if self._returns:
             await self._park.come_back()
+            self._parked = False
             if self.state is not State.PRINTING:
                 return False
             self._returns = False
