@@ -252,3 +252,19 @@ def test_a_pause_while_a_board_is_waited_for_keeps_what_is_held(monkeypatch, und
         s.host.expect("Done printing", 900)
         assert faults(s) == []
         assert steps(s) == wanted
+
+
+@pytest.mark.parametrize("world", ["fast", "slow"])
+@pytest.mark.parametrize("board", [MAIN, "tool"])
+def test_both_brake_on_the_path(monkeypatch, tmp_path, world, board):
+    with scenario(monkeypatch, tmp_path, world) as s:
+        s.host.ok("G92 X0 Y0 Z0")
+        s.host.send("G1 X100 Z20 F600")
+        s.passes(2.0)
+        for name in "xz":
+            s.board.trace_steps(name, 0, 2**62)
+        cut(s, board, 1.0)
+        x, z = (list(array("q", s.board.take_steps(name, 0, 2**62)[0])) for name in "xz")
+        assert len(x) == len(z) > 100
+        assert x[-1] - x[-2] > 2 * (x[1] - x[0])  # it has braked
+        assert max(abs(a - b) / 16 for a, b in zip(x, z, strict=True)) <= 120
