@@ -735,7 +735,9 @@ class Distant(Device):
         """What is sent either way is lost."""
 
     def spoil(self, share: float) -> None:
-        """So many of all bytes arrive as others, either way."""
+        """
+        So many of all bytes, either way, arrive as others, not at all, twice, or elsewhere.
+        """
 
     def clock_at(self, host_ticks: int) -> int: ...
 

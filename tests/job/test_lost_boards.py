@@ -223,7 +223,7 @@ def test_a_board_that_is_lost_while_axes_home_stops_the_other(monkeypatch, tmp_p
 def test_with_another_firmware_on_one_board_all_stop(monkeypatch):
     keys, cable = WORLDS["fast"]
     monkeypatch.setattr("passo.printer.printer.connect", partial(connect_simulated, cable=cable))
-    with Scenario(two_boards(*keys, firmware="virtual", **{"[board]": '[board]'})) as s:
+    with Scenario(two_boards(*keys, firmware="virtual", **{"[board]": "[board]"})) as s:
         assert not s.printer.connection.survives
 
 
