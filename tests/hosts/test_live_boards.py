@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import pytest
 from tests.console.scenario import Scenario
 from tests.hosts.cable import Cable
-from tests.hosts.live import ZIGZAG_STEPS, net_steps, stall, zigzag
+from tests.hosts.live import ZIGZAG_STEPS, ends, net_steps, stall, zigzag
 from tests.job.two_boards import two_boards
 
 from passo.config.machine import MachineConfig
@@ -77,6 +77,24 @@ def test_a_switch_stops_a_motor_on_the_other_board(scenario, cables):
     host.expect("^ok", 10.0)
     assert scenario.printer.halted == ""
     assert 0 not in scenario.printer.job.locked_axes
+
+
+def test_a_board_that_is_plugged_in_again_goes_on_with_the_other() -> None:
+    machine = two_boards(firmware="passo", **{'socket = "X"': 'socket = "tool:X"'})
+    cables = {name: Cable(machine, name) for name in machine.all_boards}
+    scenario = Scenario(on({n: c.path for n, c in cables.items()}), loop=asyncio.new_event_loop())
+    with scenario:
+        zigzag(scenario.host)
+        for cable in cables.values():
+            scenario.passes(0.8)
+            cable.unplug()
+            scenario.passes(1.0)
+            cable.plug()
+            scenario.host.expect("stand where they were told to stop", 20.0)
+        ends(scenario, 30.0)
+    assert net_steps(cables.values()) == ZIGZAG_STEPS
+    for cable in cables.values():
+        cable.close()
 
 
 def test_a_board_that_is_unplugged_stops_the_other(scenario, cables):

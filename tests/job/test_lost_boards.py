@@ -210,21 +210,34 @@ def test_a_board_that_shuts_down_stops_the_other_at_once(monkeypatch, tmp_path, 
         assert "Command request" in s.printer.halted
 
 
-def test_a_board_that_is_lost_while_axes_home_stops_the_other(monkeypatch, tmp_path):
+def test_a_board_that_is_lost_while_axes_home_stops_them(monkeypatch, tmp_path):
+    """No commits are in use then: the switches' boards and the motors' stop by themselves."""
     with scenario(monkeypatch, tmp_path, "fast") as s:
-        s.host.send("G28 X")
+        s.host.send("G28 Z")
         s.passes(0.5)
+        moving = steps(s)
         s.board.cut_cable("tool")
-        s.passes(5.0)
-        assert "does not answer" in s.printer.halted
-        assert "Command request" in faults(s)
+        s.passes(0.2)
+        stood = steps(s)
+        s.passes(8.0)
+        assert steps(s) == stood != moving
+        assert s.printer.halted
+        assert faults(s) == ["Command request"]
 
 
 def test_with_another_firmware_on_one_board_all_stop(monkeypatch):
     keys, cable = WORLDS["fast"]
     monkeypatch.setattr("passo.printer.printer.connect", partial(connect_simulated, cable=cable))
-    with Scenario(two_boards(*keys, firmware="virtual", **{"[board]": "[board]"})) as s:
-        assert not s.printer.connection.survives
+    machine = two_boards(*keys, firmware="passo")
+    tool = machine.boards["tool"].model_copy(update={"firmware": "virtual"})
+    with Scenario(machine.model_copy(update={"boards": {"tool": tool}})) as s:
+        s.host.ok("G92 X0 Y0 Z0")
+        s.host.send("G1 X100 Z20 F600")
+        s.passes(2.0)
+        s.board.cut_cable("tool")
+        s.passes(5.0)
+        assert "does not answer" in s.printer.halted
+        assert "Command request" in faults(s)
 
 
 def test_a_pause_while_a_board_is_waited_for_keeps_what_is_held(monkeypatch, undisturbed):

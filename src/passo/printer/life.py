@@ -55,7 +55,8 @@ class Life:
         printer = self._printer
         if printer.halted or not isinstance(error, LinkLostError):
             return error
-        if not printer.connection.survives:
+        boards = printer.connection
+        if not boards.survives or boards.timeline.halted:
             return error
         try:
             await reconnect(printer, error)

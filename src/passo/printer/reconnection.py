@@ -81,6 +81,7 @@ class _Reconnection:
         """Raises LinkLostError while a board cannot be reached, and again when one is lost
         again."""
         printer = self._printer
+        printer.drive.wait()  # none has shut down
         for connection in list(self.silent):
             await connection.reopen()
             self.silent.discard(connection)
