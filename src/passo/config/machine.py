@@ -120,7 +120,7 @@ class MachineConfig(Model):
         }
 
     def _budget_spec(self) -> dict[str, Any] | None:
-        """The least of all boards in each figure: whichever has the motors is not asked for more."""
+        """The least of all boards in each figure: none of them is asked for more."""
         specs = [s for board in self.all_boards.values() if (s := board.budget_spec())]
         if not specs:
             return None
