@@ -75,14 +75,15 @@ class Link {
     following_ = true;
     next_sync_ = now;
     samples_ = 0;
-    unanswered_ = 0;
+    asked_at_ = now;
+    lost_ = false;
   }
   // Ticks that a byte takes on a serial line: a frame that is sent has come when its last byte has.
   void set_byte_ticks(double ticks) { byte_ticks_ = ticks; }
   bool synchronous() const { return sync_.ready(); }
   const ClockSync& clock() const { return sync_; }
   // True when the board left its questions unanswered for some four seconds.
-  bool lost() const { return unanswered_ > (timeline_ ? kLostAfterOfSeveral : kLostAfter); }
+  bool lost() const { return lost_; }
 
   // This link's board is one of several: the main one, whose clock is that of the timeline, or a
   // further one, whose steps may miss their times by `tolerance` ticks more than the plan's.
@@ -276,7 +277,7 @@ class Link {
   }
 
  private:
-  static constexpr uint32_t kLostAfter = 4, kLostAfterOfSeveral = 40;
+  static constexpr double kLostSeconds = 4;
   static constexpr int kQuickSamples = 8, kQuickSamplesOfSeveral = 80;
   static constexpr double kQuickSeconds = 0.05, kSyncSeconds = 0.9839;
   static constexpr double kSyncOfSeveralSeconds = 0.0983, kRenewSeconds = 0.9;
@@ -321,7 +322,8 @@ class Link {
   Ticks next_sync_ = kNever;
   uint64_t question_ = 0;  // number of the frame that carries the last question for the clock
   int samples_ = 0;
-  uint32_t unanswered_ = 0;
+  Ticks asked_at_ = 0;  // the first of the questions that were not answered
+  bool lost_ = false;
   int32_t clock_id_ = -1000, uptime_id_ = -1000, analog_id_ = -1000, converter_id_ = -1000,
           shutdown_id_ = -1000, is_shutdown_id_ = -1000, trsync_id_ = -1000;
   int32_t survive_id_ = -1000;
@@ -439,8 +441,8 @@ class Link {
     double seconds = quick ? kQuickSeconds : timeline_ ? kSyncOfSeveralSeconds : kSyncSeconds;
     next_sync_ = now + Ticks(seconds * hz_);
     if (asked_) {
-      ++unanswered_;
-      if (timeline_ && lost()) timeline_->lost();
+      lost_ = now - asked_at_ > Ticks(kLostSeconds * hz_);
+      if (timeline_ && lost_) timeline_->lost();
       // An answer comes before the acknowledgement, or never. Two questions on their way would be
       // taken for each other.
       if (question_ == 0 || window_.acked() <= question_) return;
@@ -449,6 +451,7 @@ class Link {
     commands_.at(sync_.ready() ? "get_clock" : "get_uptime").encode({}, payload);
     now_queue_.push_back({std::move(payload), true});
     if (keeps_ && job_.running()) send("survive_query", {});  // what it said may have been lost
+    if (!asked_) asked_at_ = now;
     asked_ = true;
     question_ = 0;
   }
@@ -516,7 +519,7 @@ class Link {
   void take_clock(bool uptime, const std::vector<Value>& values, Ticks answered) {
     if (!asked_ || question_ == 0) return;
     asked_ = false;
-    unanswered_ = 0;
+    lost_ = false;
     if (!window_.sent_once(question_)) return;  // it is not known which copy was answered
     Ticks heard = window_.sent_at(question_) + on_the_line(window_.length(question_));
     answered = std::max(answered, heard);

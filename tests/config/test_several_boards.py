@@ -89,3 +89,16 @@ def test_firmware_is_built_for_the_motors_of_a_board(tmp_path) -> None:
     tool = target(f"{path}:tool")
     assert (tool.name, [m.name for m in tool.motors]) == ("i3-tool", ["e"])
     assert tool.motors[0].step_pin == config.load_board("ramps").sockets["E0"].step
+
+
+def test_the_planner_keeps_to_the_weakest_board_in_each_figure() -> None:
+    """The second one is slow at commands, the main one at steps."""
+    main = "budget = { cycles_per_step = 1000 }"
+    tool = "budget = { cycles_per_command = 9000 }"
+    text = machine_text().replace("[board]", f"[board]\n{main}") + f"\n{tool}\n"
+    machine = load_text(text)
+    boards = {name: board.budget_spec() for name, board in machine.all_boards.items()}
+    spec = machine.core_spec()["budget"]
+    assert spec["steps_s"] == boards[""]["steps_s"] < boards["tool"]["steps_s"]
+    assert spec["commands_s"] == boards["tool"]["commands_s"] < boards[""]["commands_s"]
+    assert spec["burst"] == min(b["burst"] for b in boards.values())

@@ -44,8 +44,8 @@ class BoardAloneError(LinkLostError):
     """The board was not told in time how to go on, and has stopped by itself."""
 
 
-class BoardBeganAnewError(MachineError):
-    """The board was shut down or reset meanwhile."""
+class PlaceLostError(MachineError):
+    """Where the motors of a board stand cannot be proved any more; nothing else is wrong."""
 
 
 class BoardSilentError(LinkLostError):
@@ -155,8 +155,8 @@ class Connection:
         """Opens the port again after the link was lost, while the loop goes on. The board has gone
         on alone, and the job stands until `link.go_on`.
 
-        Raises LinkLostError or MachineError if it cannot be reached, BoardBeganAnewError if it does
-        not know any more what it did.
+        Raises LinkLostError if it cannot be reached, PlaceLostError if it does not know any more
+        what it did, MachineError if it has shut down.
         """
         self._late.clear()
         if self.port.live:
@@ -171,9 +171,9 @@ class Connection:
         if state["is_shutdown"]:
             # The refusal tells why.
             self._ask("survive_off", [], "is_shutdown", {}, tries=1)
-            raise BoardBeganAnewError(self.shutdown_error().problems)
+            raise self.shutdown_error()
         if not state["is_config"] or state["crc"] != self._crc:
-            raise BoardBeganAnewError.of("machine.began-anew")
+            raise PlaceLostError.of("machine.began-anew")
 
     @property
     def lost(self) -> bool:

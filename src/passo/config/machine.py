@@ -113,11 +113,19 @@ class MachineConfig(Model):
             "geometry": self.geometry.spec(),
             "steppers": self._steppers_spec(),
             "limits": self._limits_spec(),
-            "budget": self.board.budget_spec(),
+            "budget": self._budget_spec(),
             "laser": self._laser_spec(),
             "boards": 1 + len(self.boards),
             "output_boards": self._output_boards(),
         }
+
+    def _budget_spec(self) -> dict[str, Any] | None:
+        """The least of all boards in each figure: none of them is asked for more."""
+        specs = [s for board in self.all_boards.values() if (s := board.budget_spec())]
+        if not specs:
+            return None
+        fewest = min(specs, key=lambda s: s["commands_s"])
+        return fewest | {key: min(s[key] for s in specs) for key in ("steps_s", "burst")}
 
     def _output_boards(self) -> list[int]:
         """Numbers of the boards of the outputs on the timeline: heaters, fans, the laser."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
+from passo.board.connection import PlaceLostError
 from passo.board.ports import LinkLostError
 from passo.errors import MachineError
 from passo.printer.drive import TICK_S
@@ -38,18 +39,16 @@ class Life:
                 failure = await self._reconnect(error)
                 if failure is None:
                     continue
+                displaced = not printer.halted and isinstance(failure, PlaceLostError)
                 printer.halted = printer.halted or str(failure).rstrip(".")
-                self._make_safe()
-                printer.tell(
-                    f"Error:Printer halted: {printer.halted}. Make it safe, then send M999"
-                )
-                printer.drive.end_waits()
-                await self._asked_to_revive()
+                targets = self._stay_warm() if displaced else await self._halt()
                 await self._all_have_stopped()
                 try:
                     await self._revive()
                 finally:
                     printer.turn.give()
+                for heater, celsius in targets.items():
+                    printer.connection.set_target(heater, celsius)
 
     async def _reconnect(self, error: MachineError) -> MachineError | None:
         """After a lost link goes on where the board has stopped by itself; else what halts it."""
@@ -64,6 +63,27 @@ class Life:
         except MachineError as failure:
             return failure
         return None
+
+    def _stay_warm(self) -> dict[str, float]:
+        """Nothing is wrong but that nobody knows where the motors are: begins anew at once, and
+        returns what is to be warm then."""
+        printer = self._printer
+        heaters = printer.connection.heaters.items()
+        targets = {name: heater.target for name, heater in heaters if not heater.fault}
+        printer.connection.stop_job()
+        printer.tell(f"Error:{printer.halted}")
+        printer.tell("// action:pause")
+        printer.drive.end_waits()
+        return targets
+
+    async def _halt(self) -> dict[str, float]:
+        """Waits until somebody has made the machine safe; nothing is to be warm then."""
+        printer = self._printer
+        self._make_safe()
+        printer.tell(f"Error:Printer halted: {printer.halted}. Make it safe, then send M999")
+        printer.drive.end_waits()
+        await self._asked_to_revive()
+        return {}
 
     def _make_safe(self) -> None:
         """The board may only have been silent for a moment: it must not go on when it is back."""

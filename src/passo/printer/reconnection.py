@@ -7,9 +7,14 @@ from collections.abc import Generator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from passo.board.connection import BRAKING_S, LOOK_S, BoardAloneError, Connection
+from passo.board.connection import (
+    BRAKING_S,
+    LOOK_S,
+    BoardAloneError,
+    Connection,
+    PlaceLostError,
+)
 from passo.board.ports import LinkLostError
-from passo.errors import MachineError
 from passo.printer.drive import TICK_S
 
 if TYPE_CHECKING:
@@ -24,7 +29,8 @@ _BACK_S = 3.0
 async def reconnect(printer: Printer, lost: LinkLostError) -> None:
     """Waits for the boards, proves that they stand where their brake tails end, and goes on with
     what was held as soon as what was warm is so again. Raises `lost` when the printer is halted
-    meanwhile, and MachineError when a board's place cannot be proved."""
+    meanwhile, PlaceLostError when a board's place cannot be proved, and MachineError when one has
+    shut down."""
     held = printer.job.holds
     printer.drive.interrupted = True
     printer.connection.stop_job()
@@ -88,7 +94,7 @@ class _Reconnection:
         further = self._further(serial, {serials[c] for c in ahead})
         # One that was not armed yet has not moved yet; while axes home the plan has no commits.
         if not printer.drive.recover_from(serial):
-            raise MachineError.of("machine.place-unknown")
+            raise PlaceLostError.of("machine.place-unknown")
         self._prove(dict.fromkeys(ahead, further))
         for connection in self._connections:
             connection.command("survive_arm")
@@ -128,7 +134,7 @@ class _Reconnection:
                 if (state := connection.stopped()) is not None:
                     return 0 if state["state"] == off else int(state["serial"])
                 await self._passes(LOOK_S)
-        raise MachineError.of("machine.place-unknown")
+        raise PlaceLostError.of("machine.place-unknown")
 
     def _further(self, serial: int, others: set[int]) -> dict[str, int]:
         """Steps that the motors of boards which have stopped behind another commit have made more;
@@ -140,7 +146,7 @@ class _Reconnection:
         if self._apart is None or self._apart[:2] != (serial, following):
             steps = job.between_stops(serial, following)
             if steps is None or others:
-                raise MachineError.of("machine.place-unknown")
+                raise PlaceLostError.of("machine.place-unknown")
             self._apart = serial, following, steps
         names = (row["name"] for row in job.steppers())
         return dict(zip(names, self._apart[2], strict=True))
@@ -156,7 +162,7 @@ class _Reconnection:
             connection = self._printer.connection.connection_of("steppers", name)
             wanted = row["count"] + ahead.get(connection, {}).get(name, 0)
             if found[name] != wanted:
-                raise MachineError.of(
+                raise PlaceLostError.of(
                     "machine.displaced", axis=name, value=found[name], limit=wanted
                 )
 

@@ -1,0 +1,76 @@
+"""The board is back, but where its motors stand cannot be proved: the printer keeps warm and says
+so, and the print goes on once its axes are home."""
+
+import pytest
+from tests.console.scenario import Scenario
+from tests.job.disturbed import spiral
+from tests.job.test_lost_link import FIRMWARE, break_link
+
+
+@pytest.fixture
+def printing(tmp_path):
+    card, state = tmp_path / "card", tmp_path / "state"
+    card.mkdir()
+    (card / "a.g").write_text("M104 S60\n" + spiral())
+    with Scenario(FIRMWARE, card=str(card), state=str(state)) as s:
+        s.host.ok("M302 P1")
+        s.host.ok("M32 a.g")
+        s.until(lambda: s.positions()["z"] > 0.6 and s.printer.job.clock > 0, 200)
+        s.passes(20)
+        yield s
+
+
+def goes_on(s):
+    """It has said so, is warm, refuses to move, and goes on with the print from the journal."""
+    assert s.printer.halted == ""
+    assert "// action:pause" in s.host.heard
+    assert s.printer.connection.heaters["hotend"].target == 60.0
+    assert any("was interrupted" in line for line in s.host.heard)
+    refused = s.host.ok("G1 X50")
+    assert "axis X does not know where it is" in refused[0]
+    assert "from line" in s.host.ok("M1000", 600)[-2]
+    s.host.expect("Done printing", 900)
+
+
+def test_a_motor_that_was_turned_by_hand(printing, monkeypatch):
+    s = printing
+    real = type(s.printer.positions).counts
+    shifted = lambda *a: {n: c + 5 * (n == "x") for n, c in real(*a).items()}  # noqa: E731
+    with monkeypatch.context() as patch:
+        patch.setattr(type(s.printer.positions), "counts", shifted)
+        break_link(s, 2.0)
+        s.host.expect("motor x stopped at", 10)
+    s.host.expect("The printer is ready again", 10)
+    s.passes(1)
+    goes_on(s)
+
+
+def test_a_board_that_was_reset_while_nobody_heard_it(printing, monkeypatch):
+    s = printing
+    connection = s.printer.connection.main
+    real = connection._ask
+
+    def forgotten(name, *more, **options):
+        answer = real(name, *more, **options)
+        return {**answer, "is_config": 0} if name == "get_config" else answer
+
+    monkeypatch.setattr(connection, "_ask", forgotten)
+    break_link(s, 2.0)
+    s.host.expect("has begun anew since the link was lost", 10)
+    s.host.expect("The printer is ready again", 10)
+    s.passes(1)
+    goes_on(s)
+
+
+def test_a_board_that_has_shut_down_halts_the_printer_cold(printing):
+    s = printing
+    port, drive = s.printer.connection.main.port, s.printer.drive
+    port.unplug()
+    s.passes(0.5)
+    s.board.force_sensor("hotend", 1.0)  # the cable of the sensor breaks as well
+    s.passes(4)
+    port.plug(drive.base + drive.now)
+    s.board.device.poll(drive.base + drive.now)
+    s.host.expect("Printer halted: the board shut down: ADC out of range", 10)
+    assert s.printer.connection.heaters["hotend"].target == 0.0
+    assert "// action:pause" not in s.host.heard
