@@ -3,6 +3,7 @@
 import subprocess
 
 import pytest
+from tests.card.images import ENVIRONMENT, run
 from tests.console.scenario import Scenario
 
 from passo.errors import CardError
@@ -13,12 +14,13 @@ def image(tmp_path):
     path = tmp_path / "card.img"
     with path.open("wb") as file:
         file.truncate(34 << 20)
-    subprocess.run(["mkfs.fat", "-F", "32", str(path)], check=True, capture_output=True)
+    run("mkfs.fat", "-F", "32", path)
     return path
 
 
 def clean(image):
-    found = subprocess.run(["fsck.fat", "-n", str(image)], capture_output=True, check=False)
+    words = ["fsck.fat", "-n", str(image)]
+    found = subprocess.run(words, env=ENVIRONMENT, capture_output=True, check=False)
     return found.returncode == 0
 
 

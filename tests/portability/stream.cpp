@@ -29,7 +29,7 @@ static Machine machine(const std::string& kind, const GeometryParams& params, do
   m.steppers.push_back({"e", Drive::extruder, 0, 95.5, 32, 4, 4, 400000, kInfinity, kInfinity,
                         -kInfinity, kInfinity});
   m.tools.push_back({0, {0, 0, 0}});
-  m.limits = {2000, 2500, 3000, 250, JunctionLaw::deviation, 0.02, 0.0};
+  m.limits = {2000, 2500, 3000, 250, JunctionLaw::deviation, 0.02, 0.0, 0.1};
   return m;
 }
 
@@ -43,7 +43,7 @@ static void run(const Machine& m, const std::string& program) {
   wire::StreamHash hash;
   long commands = 0;
   auto take = [&] {
-    MessageQueue& queue = job.motion.messages();
+    MessageQueue& queue = job.motion.stream().messages(0);
     for (; !queue.empty(); queue.pop(), ++commands)
       hash.add(queue.front(), names[queue.front().target]);
   };

@@ -24,13 +24,13 @@ BUILDS = {
     ),
 }
 EXPECTED = """\
-cartesian 20154 802449def1218db6
-corexy 22591 a823e87434a689ba
-delta 43348 e4d5a855a3478d33
-rotary_delta 38001 4e59e0f6243d0cc2
-scara 31118 7350952ad8051baa
-short of commands 20098 8fff52acee855148
-above a bent bed 43950 f2dcb325ef6b9b68
+cartesian 19800 3993624bd4178d67
+corexy 22211 09ce06ec1bb98fa9
+delta 42770 32c348851def650a
+rotary_delta 37448 f47f62eff875383c
+scara 30962 899adf29fe8cb1a3
+short of commands 19751 13b200538a28ef56
+above a bent bed 43466 5e505609be3e8242
 """
 
 
