@@ -120,9 +120,8 @@ def test_another_host_goes_on_where_both_have_stopped(tmp_path) -> None:
     card = tmp_path / "card"
     card.mkdir()
     moves = [f"G1 X{60 if i % 2 else 40} Y{40 + i / 4} F3000" for i in range(32)]
-    (card / "a.g").write_text(
-        "\n".join(["M302 P1", "G92 X0 Y0 Z0", "G1 X40 Y40 Z1 F6000", *moves]) + "\n"
-    )
+    begin = ["M302 P1", "G92 X0 Y0 Z0", "G1 X40 Y40 Z1 F6000"]
+    (card / "a.g").write_text("\n".join([*begin, *moves]) + "\n")
     places = {"card": str(card), "state": str(tmp_path / "state")}
     scenario = Scenario(wired, **places, loop=asyncio.new_event_loop())
     scenario.host.send("M32 a.g")
