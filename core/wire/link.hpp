@@ -160,11 +160,7 @@ class Link {
   void begin_commits(bool on) {
     job_.begin_commits();
     agree();
-    if (!timeline_) return;
-    if (on)
-      timeline_->begin_commits();
-    else
-      timeline_->end_commits();
+    if (timeline_) on ? timeline_->begin_commits() : timeline_->end_commits();
   }
   // True once after faults of heaters: the board has been sent the order to switch them off.
   bool take_fault() { return std::exchange(fault_, false); }
@@ -281,8 +277,7 @@ class Link {
   static constexpr int kQuickSamples = 8, kQuickSamplesOfSeveral = 80;
   static constexpr double kQuickSeconds = 0.05, kSyncSeconds = 0.9839;
   static constexpr double kSyncOfSeveralSeconds = 0.0983, kRenewSeconds = 0.9;
-  static constexpr double kHeaterLeadSeconds =
-      0.1;  // from a report to the change of power it causes
+  static constexpr double kHeaterLeadSeconds = 0.1;  // from a report to the power it causes
   static constexpr size_t kInboxMax = 4096;
 
   std::mutex guard_;
@@ -371,7 +366,6 @@ class Link {
     bool commits = false;
     if (sync_.ready() && !shut_down_) {
       auto word = [&](uint32_t serial) {
-        if (!timeline_) return JobStream::Word::yes;
         JobStream::Word word = word_for(serial);
         commits |= word == JobStream::Word::and_ask;
         return word;
@@ -388,6 +382,7 @@ class Link {
   // taken, before the word for it leaves, which it does at once then. What a board answers comes
   // before the acknowledgement, or never.
   JobStream::Word word_for(uint32_t serial) {
+    if (!timeline_) return JobStream::Word::yes;
     if (serial == committed_) return JobStream::Word::and_ask;  // it did not fit
     if (alone_ || open_first_ != kNever || window_.acked() <= last_of_job_)
       return JobStream::Word::no;
@@ -398,10 +393,7 @@ class Link {
     return JobStream::Word::and_ask;
   }
   // The board and the host mean the same commit.
-  void agree() {
-    committed_ = 0;
-    taken_ = true;
-  }
+  void agree() { committed_ = 0, taken_ = true; }
   void stop_at_once() {
     halted_ = true;
     job_.stop();

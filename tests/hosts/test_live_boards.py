@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import time
 from collections.abc import Iterator
 
 import pytest
@@ -109,3 +110,39 @@ def test_a_board_that_is_unplugged_stops_the_other(scenario, cables):
     at = main.look(lambda: main.board.position("y"))
     scenario.passes(0.3)
     assert main.look(lambda: main.board.position("y")) == at
+
+
+def test_another_host_goes_on_where_both_have_stopped(tmp_path) -> None:
+    """The one before falls silent in mid-print: nothing is homed again."""
+    machine = two_boards(firmware="passo", **{'socket = "X"': 'socket = "tool:X"'})
+    cables = {name: Cable(machine, name) for name in machine.all_boards}
+    wired = on({name: cable.path for name, cable in cables.items()})
+    card = tmp_path / "card"
+    card.mkdir()
+    moves = [f"G1 X{60 if i % 2 else 40} Y{40 + i / 4} F3000" for i in range(32)]
+    begin = ["M302 P1", "G92 X0 Y0 Z0", "G1 X40 Y40 Z1 F6000"]
+    (card / "a.g").write_text("\n".join([*begin, *moves]) + "\n")
+    places = {"card": str(card), "state": str(tmp_path / "state")}
+    scenario = Scenario(wired, **places, loop=asyncio.new_event_loop())
+    scenario.host.send("M32 a.g")
+    main, tool = cables[""], cables["tool"]
+    start = main.look(lambda: main.board.position("y"))
+    assert scenario.until(lambda: main.look(lambda: main.board.position("y")) > start + 42, 60.0)
+    for connection in scenario.printer.connection.connections:
+        connection.wire.stop()
+    time.sleep(0.8)
+    stopped = tool.look(lambda: tool.board.position("x"))
+    with Scenario(wired, **places, loop=asyncio.new_event_loop()) as other:
+        assert other.printer.connection.adopted
+        assert tool.look(lambda: tool.board.position("x")) == stopped
+        other.host.send("M1000")
+        other.host.expect("Printing a.g from line", 20.0)
+        other.host.expect("Done printing", 90.0)
+        assert other.printer.halted == ""
+    for cable in cables.values():
+        cable.cut()
+        assert cable.board.device.fault == ""
+    assert net_steps(cables.values()) == {"x": 4800, "y": 3820, "z": 400, "e": 0}
+    scenario.__exit__()
+    for cable in cables.values():
+        cable.close()

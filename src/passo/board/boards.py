@@ -37,10 +37,11 @@ class Boards:
             connection.faults = self.faults
 
     def connect(self, *, adopt: bool = False) -> None:
-        """Identifies and configures every board, and puts their clocks on one timeline. One that is
-        alone and has outlived another host may be adopted."""
+        """Identifies and configures every board, and puts their clocks on one timeline. If all have
+        outlived another host, they may be adopted."""
+        adopt = adopt and all(connection.left_alone() for connection in self.connections)
         for connection in self.connections:
-            connection.connect(adopt=adopt and len(self.connections) == 1)
+            connection.begin(adopt=adopt)
         if len(self.connections) > 1:
             for connection in self.connections:
                 main = connection is self.main
@@ -92,7 +93,7 @@ class Boards:
 
     @property
     def adopted(self) -> bool:
-        """The board goes on as another host has left it."""
+        """The boards go on as another host has left them."""
         return self.main.adopted
 
     def set_on_fault(self, on_fault: Callable[[str, HeaterFault], None]) -> None:

@@ -106,8 +106,20 @@ class Connection:
         `adopt` one that outlived its host, and has the very configuration, stays as it is, but for
         outputs other than heaters and motors; then `adopted` is true.
         """
+        self.begin(adopt=adopt and self.left_alone())
+
+    def left_alone(self) -> bool:
+        """Identifies the board, and tells whether it has outlived its host, and has the very
+        configuration; its motors stand then."""
+        self._identify_once()
+        state = self.ask("get_config", "config")
+        same = state["is_config"] and not state["is_shutdown"] and state["crc"] == self._crc
+        return bool(same) and self.survives and self._stood_alone()
+
+    def begin(self, *, adopt: bool) -> None:
+        """As `connect`; to adopt it if it was `left_alone`."""
+        self._identify_once()
         try:
-            self._identify()
             self._configure(adopt)
         except DictionaryError as error:
             raise MachineError.of("machine.dictionary", value=str(error)) from None
@@ -376,6 +388,15 @@ class Connection:
         """What the board's own clock will read."""
         return self.board_clock + int(seconds * self.board.clock_hz)
 
+    def _identify_once(self) -> None:
+        if self.dictionary.commands:
+            return
+        try:
+            self._identify()
+            self._crc = checksum(commands(self.board, self.dictionary))
+        except DictionaryError as error:
+            raise MachineError.of("machine.dictionary", value=str(error)) from None
+
     def _identify(self) -> None:
         data = b""
         while True:
@@ -421,10 +442,8 @@ class Connection:
 
     def _configure(self, adopt: bool) -> None:
         lines = commands(self.board, self.dictionary)
-        self._crc = checksum(lines)
         state = self.ask("get_config", "config")
-        same = state["is_config"] and not state["is_shutdown"] and state["crc"] == self._crc
-        self.adopted = adopt and bool(same) and self.survives and self._stood_alone()
+        self.adopted = adopt
         if not self.adopted and (state["is_shutdown"] or state["is_config"]):
             self.command("reset")
             self.pass_time(self.now + self._ticks(_RESET_S))
