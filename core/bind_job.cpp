@@ -143,7 +143,8 @@ void bind_job(nb::module_& m) {
       .value("GARBAGE", Fault::garbage)
       .value("UNSAVED", Fault::unsaved)
       .value("UNREACHABLE", Fault::unreachable)
-      .value("ACTUATOR", Fault::actuator);
+      .value("ACTUATOR", Fault::actuator)
+      .value("TOO_LONG", Fault::too_long);
   nb::class_<JobView> job(m, "Job", "A G-code program through one machine. Not thread-safe.");
   job.def(
          "__init__",

@@ -190,6 +190,8 @@ class Job {
 
  private:
   static constexpr double kCheckEvery = 2;  // mm along lines of nonlinear machines
+  // mm of filament in one move: no axis bounds it, and all steps of a move are reckoned at once.
+  static constexpr double kMostFilament = 10'000;
 
   double (*cpu_clock_)();
   std::optional<Interpreter> aside_;
@@ -204,6 +206,7 @@ class Job {
       // Filament alone moves nothing else, also where a move before it was left out.
       if (m.kind == MoveKind::extrude && unreachable_skipped > 0)
         std::copy_n(motion.planner().position(), 3, m.target);
+      if (too_long(m)) return false;
       if (motion.planner().constraints().checks_reach() && m.kind != MoveKind::dwell &&
           m.kind != MoveKind::extrude && !reach(m)) {
         if (!interpreter.clamp) return false;
@@ -213,6 +216,16 @@ class Job {
       }
       motion.push(m);
     }
+    return true;
+  }
+
+  bool too_long(const MoveRequest& m) {
+    const Machine& machine = motion.machine();
+    if (m.kind == MoveKind::dwell || machine.extruders.empty()) return false;
+    double mm = m.target[kE] - motion.planner().extruder_position(m.extruder);
+    if (std::fabs(mm) <= kMostFilament) return false;
+    error_ = {m.line, Fault::too_long, machine.extruders[m.extruder].name,
+              mm,     kMostFilament,   {0, 0, 0}};
     return true;
   }
 

@@ -44,7 +44,8 @@ enum class Fault : uint8_t {
   garbage,
   unsaved,
   unreachable,
-  actuator
+  actuator,
+  too_long
 };
 
 struct GcodeError {

@@ -1134,6 +1134,8 @@ class Fault(enum.Enum):
 
     ACTUATOR = 13
 
+    TOO_LONG = 14
+
 class Job:
     """A G-code program through one machine. Not thread-safe."""
 

@@ -97,6 +97,11 @@ CATALOGUE: Mapping[str, Entry] = {
         "motor {axis} would go to {value:.3f}, beyond its limit of {limit:.3f}",
         "Move the model on the bed, choose the right machine, or allow --out-of-range clamp",
     ),
+    "input.too-long": _input(
+        "motion",
+        "extruder {axis} would move {value:.0f} mm of filament in one move, of at most {limit:.0f}",
+        "Correct E, which counts from G92 unless M83 is in force, or use several moves",
+    ),
     "input.feedrate": _input(
         "gcode", "the feed rate F{value:g} must be above 0", "Give the speed in mm per minute"
     ),

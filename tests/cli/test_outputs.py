@@ -23,7 +23,8 @@ def test_npz_within_the_bound(short, tmp_path, machine):
     output = tmp_path / "steps.npz"
     assert main(["steps", short, "--output", str(output), "--ideal", "--machine", machine]) == 0
     data = np.load(output)
-    (hz,) = data["clock_hz"]
+    hz = float(data["clock_hz"])
+    assert (data["clock_hz"].shape, hz) == ((), 16e6)
     for name in {key.rpartition("_")[0] for key in data if key.endswith("_ticks")}:
         ticks, ideal = data[f"{name}_ticks"], data[f"{name}_ideal_s"] * hz
         assert ticks.dtype == np.int64

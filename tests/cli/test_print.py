@@ -99,6 +99,7 @@ BAD = {
     "huge": (b"G28\nG1 X2000000000\n", [], 4, ":2: the word 'X2e+09'"),
     "F0": (b"G1 X10 F0\n", [], 4, ":1: the feed rate F0 must be above 0"),
     "out of range": (b"G1 X300 F3000\n", [], 4, ":1: X 300.000 mm is beyond the limit of 250.000"),
+    "endless": (b"G1 E1000000000\n", [], 4, ":1: extruder e would move 1000000000 mm of filament"),
     "tool": (b"T5\n", [], 4, ":1: tool T5 does not exist: the machine has 1 tool(s)"),
     "delta": (b"G1 X70 Y70 Z10 F3000\n", ["--machine", "delta"], 4, "cannot be reached"),
     "machine": (b"G1 X1\n", ["--machine", "nothing"], 3, "no machine called 'nothing'"),
@@ -115,6 +116,13 @@ def test_bad_input_is_one_sentence(capsys, tmp_path, name):
     assert out == ""
     assert err.count("\n") == 1
     assert sentence in err
+
+
+def test_with_json_every_failure_is_an_object(capsys):
+    assert main(["print", "x.gcode", "--machine", "nothing", "--json"]) == 3
+    result = json.loads(capsys.readouterr().out)
+    assert (result["machine"], len(result["errors"])) == ("nothing", 1)
+    assert "no machine called 'nothing'" in result["errors"][0]
 
 
 @pytest.mark.parametrize("path", ["missing.gcode", "."])

@@ -29,9 +29,11 @@ def run(arguments: argparse.Namespace) -> int:
     from passo.job.printing import Print, Progress
     from passo.job.result import PrintResult
 
-    machine = config.load(arguments.machine)
     pace = Pace(arguments.clock)
+    failed = PrintResult(file=arguments.file, machine=arguments.machine)
     try:
+        machine = config.load(arguments.machine)
+        failed.machine = machine.name
         with ProgressBar(quiet=arguments.json) as bar:
 
             def show(at: Progress) -> None:
@@ -41,7 +43,6 @@ def run(arguments: argparse.Namespace) -> int:
             result = Print(machine, policy_of(arguments), show).run(arguments.file)
     except PassoError as error:
         if arguments.json:
-            failed = PrintResult(file=arguments.file, machine=machine.name)
             failed.errors = [str(problem) for problem in error.problems]
             print(json.dumps(failed.as_dict()))
         raise

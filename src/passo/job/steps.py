@@ -83,7 +83,7 @@ def write_steps(path: str | os.PathLike[str], trace: StepTrace) -> None:
             seconds = array("d", (tick / trace.clock_hz for tick in trace.ideal[name]))
             arrays[f"{name}_ideal_s"] = (FLOAT64, _little(seconds))
     arrays["clock_hz"] = (INT64, _little(array("q", [trace.clock_hz])))
-    write_npz(path, arrays)
+    write_npz(path, arrays, alone="clock_hz")
 
 
 def _little(values: array[int] | array[float]) -> bytes:

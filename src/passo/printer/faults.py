@@ -15,6 +15,8 @@ def problem_of(job: _core.Job, path: str) -> Problem:
         return Problem("input.out-of-range", path, line, values)
     if fault == faults.ACTUATOR:
         return Problem("input.actuator", path, line, {"axis": word, "value": value, "limit": limit})
+    if fault == faults.TOO_LONG:
+        return Problem("input.too-long", path, line, {"axis": word, "value": value, "limit": limit})
     if fault == faults.UNREACHABLE:
         where = ", ".join(f"{letter} {x:.3f}" for letter, x in zip("XYZ", point, strict=True))
         return Problem("input.unreachable", path, line, {"value": where})
