@@ -224,3 +224,33 @@ def test_the_state_is_json_for_strict_readers(s, sensor):
         status = strictly(s.host.ok(f"M408 S{form}")[0])
         assert isinstance(status["temps"]["heads"]["current"][0], float)
         assert status["status"] == ("I" if sensor == 0.5 else "H")
+
+
+@pytest.mark.parametrize(
+    ("line", "told"),
+    [
+        ("M104 Sabc", "S is abc: expected a number of at most 1e9"),
+        ("M104 S", "S is nothing: expected a number of at most 1e9"),
+        ("M104 S20000000000", "S is 20000000000: expected a number of at most 1e9"),
+        ("M106 Sabc", "S is abc: expected a number of at most 1e9"),
+        ("M220 S", "S is nothing: expected a number of at most 1e9"),
+    ],
+)
+def test_a_word_without_a_number_changes_nothing(s, line, told):
+    s.host.ok("M104 S60")
+    s.host.ok("M106 S128")
+    s.passes(0.5)
+    before = (s.printer.commands.fans, s.printer.connection.heaters["hotend"].target)
+    assert any(told in text for text in s.host.ok(line))
+    s.passes(0.5)
+    after = (s.printer.commands.fans, s.printer.connection.heaters["hotend"].target)
+    assert after == before
+    assert after[1] == 60.0
+
+
+def test_nan_switches_a_heater_off(s):
+    s.host.ok("M104 S60")
+    s.passes(0.5)
+    s.host.ok("M104 S nan")
+    s.passes(0.5)
+    assert s.printer.connection.heaters["hotend"].target == 0.0
