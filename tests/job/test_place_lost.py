@@ -74,3 +74,28 @@ def test_a_board_that_has_shut_down_halts_the_printer_cold(printing):
     s.host.expect("Printer halted: the board shut down: ADC out of range", 10)
     assert s.printer.connection.heaters["hotend"].target == 0.0
     assert "// action:pause" not in s.host.heard
+
+
+def test_m112_in_that_moment_halts_it_cold(printing, monkeypatch):
+    s = printing
+    real = type(s.printer.positions).counts
+    shifted = lambda *a: {n: c + 5 * (n == "x") for n, c in real(*a).items()}  # noqa: E731
+    tell = s.printer.tell
+
+    def panic(text):
+        tell(text)
+        if text == "// action:pause":
+            s.printer.halt("M112")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(type(s.printer.positions), "counts", shifted)
+        patch.setattr(s.printer, "tell", panic)
+        break_link(s, 2.0)
+        s.host.expect("Make it safe, then send M999", 10)
+    s.passes(5)
+    assert s.printer.halted
+    assert s.printer.connection.heaters["hotend"].target == 0.0
+    s.host.ok("M999")
+    s.host.expect("ready again", 5)
+    s.passes(1)
+    assert s.printer.connection.heaters["hotend"].target == 0.0

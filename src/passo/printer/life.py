@@ -23,10 +23,15 @@ class Life:
     def __init__(self, printer: Printer) -> None:
         self._printer = printer
         self._revived = asyncio.Event()
+        self._warm = False  # what is warm stays so when the printer begins anew
 
     def revive(self) -> None:
         """Somebody has made the halted machine safe."""
         self._revived.set()
+
+    def stay_cold(self) -> None:
+        """M112, also while the printer begins anew by itself."""
+        self._warm = False
 
     async def run(self) -> None:
         """Lets time pass until cancelled."""
@@ -40,15 +45,19 @@ class Life:
                 if failure is None:
                     continue
                 displaced = not printer.halted and isinstance(failure, PlaceLostError)
+                self._warm = displaced
                 printer.halted = printer.halted or str(failure).rstrip(".")
-                targets = self._stay_warm() if displaced else await self._halt()
+                if displaced:
+                    self._pause()
+                else:
+                    await self._halt()
                 await self._all_have_stopped()
                 try:
+                    if displaced and not self._warm:
+                        await self._halt()  # M112 came meanwhile
                     await self._revive()
                 finally:
                     printer.turn.give()
-                for heater, celsius in targets.items():
-                    printer.connection.set_target(heater, celsius)
 
     async def _reconnect(self, error: MachineError) -> MachineError | None:
         """After a lost link goes on where the board has stopped by itself; else what halts it."""
@@ -64,26 +73,21 @@ class Life:
             return failure
         return None
 
-    def _stay_warm(self) -> dict[str, float]:
-        """Nothing is wrong but that nobody knows where the motors are: begins anew at once, and
-        returns what is to be warm then."""
+    def _pause(self) -> None:
+        """Nothing is wrong but that nobody knows where the motors are."""
         printer = self._printer
-        heaters = printer.connection.heaters.items()
-        targets = {name: heater.target for name, heater in heaters if not heater.fault}
         printer.connection.stop_job()
         printer.tell(f"Error:{printer.halted}")
         printer.tell("// action:pause")
         printer.drive.end_waits()
-        return targets
 
-    async def _halt(self) -> dict[str, float]:
-        """Waits until somebody has made the machine safe; nothing is to be warm then."""
+    async def _halt(self) -> None:
+        """Waits until somebody has made the machine safe."""
         printer = self._printer
         self._make_safe()
         printer.tell(f"Error:Printer halted: {printer.halted}. Make it safe, then send M999")
         printer.drive.end_waits()
         await self._asked_to_revive()
-        return {}
 
     def _make_safe(self) -> None:
         """The board may only have been silent for a moment: it must not go on when it is back."""
@@ -107,10 +111,15 @@ class Life:
 
     async def _revive(self) -> None:
         """Begins anew; as often as somebody asks, until the board can be reached."""
+        heaters = self._printer.connection.heaters.items()
+        warm = {n: h.target for n, h in heaters if self._warm and not h.fault}
         while True:
             try:
                 self._begin_anew()
+                for heater, celsius in warm.items():
+                    self._printer.connection.set_target(heater, celsius)
             except MachineError as error:
+                warm = {}
                 self._printer.tell(f"Error:{error} Then send M999 again")
                 await self._asked_to_revive()
             else:
