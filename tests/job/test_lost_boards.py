@@ -7,7 +7,8 @@ from functools import partial
 
 import pytest
 from tests.console.scenario import Scenario
-from tests.job.disturbed import disturb, spiral, steps
+from tests.job.disturbed import disturb, steps
+from tests.job.disturbed import undisturbed as printed_whole
 from tests.job.test_lost_link import FIRMWARE
 from tests.job.two_boards import two_boards
 
@@ -26,12 +27,7 @@ WORLDS = {
 
 @pytest.fixture(scope="module")
 def undisturbed(tmp_path_factory):
-    card = tmp_path_factory.mktemp("card")
-    (card / "a.g").write_text(spiral())
-    with Scenario(FIRMWARE, card=str(card)) as s:
-        s.host.ok("M32 a.g")
-        s.host.expect("Done printing", 900)
-        return card, steps(s)
+    return printed_whole(tmp_path_factory.mktemp("card"), FIRMWARE)
 
 
 def scenario(monkeypatch, card, world, **more):

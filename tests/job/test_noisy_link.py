@@ -5,7 +5,7 @@ from functools import partial
 
 import pytest
 from tests.console.scenario import Scenario
-from tests.job.disturbed import spiral, steps
+from tests.job.disturbed import spiral, steps, undisturbed
 from tests.job.test_lost_link import FIRMWARE
 
 from passo.printer.wiring import connect_simulated
@@ -32,12 +32,7 @@ def printer(monkeypatch, tmp_path):
 
 @pytest.fixture(scope="module")
 def wanted(tmp_path_factory):
-    card = tmp_path_factory.mktemp("card")
-    (card / "a.g").write_text(spiral())
-    with Scenario(FIRMWARE, card=str(card)) as s:
-        s.host.ok("M32 a.g")
-        s.host.expect("Done printing", 900)
-        return steps(s)
+    return undisturbed(tmp_path_factory.mktemp("card"), FIRMWARE)[1]
 
 
 @pytest.mark.parametrize("seed", (0, 3, 8, 10, 15, 16))
