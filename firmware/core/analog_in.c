@@ -105,9 +105,11 @@ void analog_in_query(const uint32_t *args, uint8_t report_size, const uint32_t *
   in->query.maximum = (uint16_t)range[1];
   in->query.range_checks = (uint8_t)range[2];
   in->query.report_size = report_size > sizeof in->values ? sizeof in->values : report_size;
-  in->timer.wake = in->begin = in->due = survive_in_time(args[1]);
   in->sum = 0;
   in->samples = in->outside = in->size = in->ready = 0;
   in->watching = range[2] != 0;
+  hal_irq_t irq = hal_irq_save();
+  in->timer.wake = in->begin = in->due = survive_in_time(args[1]);
   timer_add(&in->timer);
+  hal_irq_restore(irq);
 }

@@ -217,18 +217,19 @@ static bool is_barred(const struct output *output) {
 // A board that survives its host survives a bad link too: what comes late counts at once, but for a
 // light, which goes off, and the board brakes.
 static void queue(struct output *output, uint32_t clock, uint32_t value) {
+  struct change *change = (struct change *)(void *)move_take();
+  if (change == NULL) return;
+  // From the clock in time to the timer that is to run then nothing may come in between.
+  hal_irq_t irq = hal_irq_save();
   bool late = before(clock, hal_clock()), heats = output->kept && output->kept_seconds > 0;
   if (late && output->kept && !heats) {
     value = output->default_value;
     survive_missed();
   }
   clock = survive_in_time(clock);
-  struct change *change = (struct change *)(void *)move_take();
-  if (change == NULL) return;
   change->next = NULL;
   change->clock = clock;
   change->value = value < output->full ? value : output->full;
-  hal_irq_t irq = hal_irq_save();
   // The host tells again what it would have changed behind the decision.
   if (is_shut_down() || is_barred(output) || (late && survive_refuses() && !heats)) {
     move_free((struct move *)(void *)change);

@@ -137,7 +137,7 @@ void command_survive_tail(const uint32_t *args) {
 DECL_COMMAND(command_survive_commit, "survive_commit serial=%u clock=%u rest=%c", 0);
 void command_survive_commit(const uint32_t *args) {
   struct stepper *stepper;
-  bool late = missed;
+  bool late = false;
   for (int16_t oid = -1; (stepper = object_next(&oid, OBJECT_STEPPER)) != NULL;)
     late |= stepper_is_late(stepper);
   hal_irq_t irq = hal_irq_save();

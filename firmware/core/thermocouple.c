@@ -111,12 +111,14 @@ void thermocouple_query(const uint32_t *args) {
     shut_down(SHUTDOWN_PERIOD_TOO_SHORT);
     return;
   }
-  it->timer.wake = survive_in_time(args[1]);
   it->rest_ticks = args[2];
   it->minimum = args[3];
   it->maximum = args[4];
   it->faults = 0;
+  hal_irq_t irq = hal_irq_save();
+  it->timer.wake = survive_in_time(args[1]);
   timer_add(&it->timer);
+  hal_irq_restore(irq);
 }
 
 void thermocouple_forgive(uint32_t oid, uint32_t most_faults) {
