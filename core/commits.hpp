@@ -104,7 +104,7 @@ class Commits {
       const Message& m = waiting_[i];
       if (m.kind == MessageKind::reset_clock) renew_[m.target] = true;
       if (m.kind != MessageKind::queue_step) continue;
-      if (!waits[m.target]) last_[m.target] = m.end_clock - m.span(m.count);
+      if (!waits[m.target]) last_[m.target] = m.start();
       waits[m.target] = true;
       net_[m.target] -= m.dir ? m.count : -int64_t(m.count);
     }
@@ -175,8 +175,7 @@ class Commits {
         ahead.push_back(m);
         continue;
       }
-      int64_t start = m.end_clock - m.span(m.count), done = m.count;
-      while (done > 0 && start + m.span(done) > clock) --done;
+      const int64_t start = m.start(), done = m.steps_until(clock);
       std::vector<Message>& to = done > 0 ? within_ : behind_;
       to.insert(to.end(), ahead.begin(), ahead.end());
       if (done > 0)

@@ -37,7 +37,6 @@ class MessageQueue {
   const Message& operator[](size_t i) const { return ring_[(head_ + i) & (ring_.size() - 1)]; }
   const Message& front() const { return (*this)[0]; }
   int64_t next_clock() const { return empty() ? kNoMessage : front().clock; }
-  const Message& back() const { return (*this)[size() - 1]; }
   void pop() {
     taken_until_ = std::max(taken_until_, front().end_clock);
     ++head_;

@@ -33,8 +33,8 @@ struct Revocation {
         before.push_back(m);
         continue;
       }
-      int64_t start = m.end_clock - m.span(m.count), count = m.count;
-      while (count > 0 && start + m.span(count) > at) --count;
+      const int64_t count = m.steps_until(at);
+      int64_t start = m.start();
       if (count > 0) {
         kept.insert(kept.end(), before.begin(), before.end());
       } else {

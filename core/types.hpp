@@ -56,6 +56,14 @@ struct Message {
   MessageKind kind;
   uint8_t dir;  // set_dir, queue_step, tail: 1 forward; commit: 1 if the machine stands behind it
 
+  // Clock of the step before its first one.
+  int64_t start() const { return end_clock - span(count); }
+  // How many of its steps come up to a clock.
+  int64_t steps_until(int64_t clock) const {
+    int64_t n = count;
+    while (n > 0 && start() + span(n) > clock) --n;
+    return n;
+  }
   // Ticks that the first n steps take.
   int64_t span(int64_t n) const { return int64_t(interval) * n + int64_t(add) * (n * (n - 1) / 2); }
 };
