@@ -43,11 +43,13 @@ class _Pty(StreamWire):
         return await join(self, os.dup(self._master), os.dup(self._master))
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """A host has opened the other end."""
         super().connection_made(transport)
         assert self.session is not None
         self.session.on_upload = self._uploads
 
     def connection_lost(self, exc: Exception | None) -> None:
+        """The host has hung up, or this end is closed."""
         super().connection_lost(exc)
         if self._master >= 0:  # the host has hung up: the next one finds the other end open
             self._uploads(False)
@@ -70,6 +72,7 @@ class _Pty(StreamWire):
         self._master, self._slave = -1, None
 
     def close(self) -> None:
+        """Lets go of both ends; no host is waited for any more."""
         self._let_go()
         if self._joining is not None:
             self._joining.cancel()

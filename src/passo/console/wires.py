@@ -127,6 +127,7 @@ class _SentAway(asyncio.Protocol):
     """A client too many."""
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Tells it why, and hangs up."""
         if isinstance(transport, asyncio.WriteTransport):
             transport.write(b"Error:too many clients\n")
             transport.close()
@@ -175,6 +176,7 @@ class _Standard(StreamWire):
     ended: Callable[[], None]
 
     def connection_lost(self, exc: Exception | None) -> None:
+        """The other side has ended."""
         if self.session is not None and not self.session.closed:
             self.session.end(self.ended)
 

@@ -57,9 +57,13 @@ class _Wire(Protocol):
 
     checked: ClassVar[bool]
 
-    def read(self, register: int) -> Exchange[int | None]: ...
+    def read(self, register: int) -> Exchange[int | None]:
+        """The register's 32 bits; None if the chip does not answer."""
+        ...
 
-    def write(self, writes: list[tuple[int, int]]) -> Exchange[bool]: ...
+    def write(self, writes: list[tuple[int, int]]) -> Exchange[bool]:
+        """Writes (register, value) in this order; whether the chip has taken them all."""
+        ...
 
 
 @dataclass(frozen=True, slots=True)
