@@ -136,6 +136,7 @@ def test_pauses_and_limits_beside_it(monkeypatch, undisturbed, seed):
                 s.passes(5.0)
 
         disturb(s, generator, perhaps)
+        assert any("are back" in line for line in s.host.heard)
         assert faults(s) == []
         assert steps(s) == wanted
 
@@ -147,6 +148,7 @@ def test_noise_on_either_cable(monkeypatch, undisturbed, seed):
     with scenario(monkeypatch, card, "fast") as s:
         s.host.ok("M32 a.g")
         s.passes(16)
+        bursts = 0
         while "Done printing file" not in s.host.heard:
             s.passes(generator.expovariate(0.5))
             board = generator.choice((MAIN, "tool"))
@@ -155,6 +157,8 @@ def test_noise_on_either_cable(monkeypatch, undisturbed, seed):
             s.board.spoil_cable(board, 0.0)
             s.passes(3.0)
             assert not s.printer.halted
+            bursts += 1
+        assert bursts > 3
         assert faults(s) == []
         assert steps(s) == wanted
 

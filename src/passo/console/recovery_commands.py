@@ -44,7 +44,7 @@ class RecoveryCommands:
         if self._interrupted is None:
             return ""
         program, moment = self._interrupted
-        way = " from where the board has stopped" if self._printer.connection.adopted else ""
+        way = " from where the board has stopped" if self._printer.positions.held else ""
         return (
             f"echo:The print of {program.path} was interrupted at line {moment.line}."
             f" M1000 goes on with it{way}, M1000 C forgets it{self.instead}"
@@ -68,6 +68,7 @@ class RecoveryCommands:
             return
         self._interrupted = None
         self._seen_z_mm = self._z()
+        self._settlings = self._printer.positions.settlings
         self._recorded = self._moment(self._runner.first_line, self._seen_z_mm)
         try:
             program = Program.of(self._printer.machine.uuid, self._runner.path, reader)
@@ -87,12 +88,22 @@ class RecoveryCommands:
         drive = printer.drive
         line = printer.job.line_at(drive.now)  # asked often: it forgets what is past
         before, self._seen_z_mm = self._seen_z_mm, self._z()
-        if drive.now_s < self._recorded.print_s + EVERY_S and not self._z_matters(before):
+        homed, self._settlings = (
+            printer.positions.settlings != self._settlings,
+            (printer.positions.settlings),
+        )
+        early = drive.now_s < self._recorded.print_s + EVERY_S
+        if early and not homed and not self._z_matters(before):
             return
         moment = self._moment(line or self._runner.first_line, self._seen_z_mm)
         if self._runner.state is State.PAUSED:
             # Fans and heaters that are switched off meanwhile are wanted again for the print.
-            moment = replace(self._recorded, z_mm=moment.z_mm, babysteps_mm=moment.babysteps_mm)
+            moment = replace(
+                self._recorded,
+                z_mm=moment.z_mm,
+                babysteps_mm=moment.babysteps_mm,
+                origins=moment.origins,
+            )
         if replace(moment, print_s=self._recorded.print_s) != self._recorded:
             self._record(moment)
 

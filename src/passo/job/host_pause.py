@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from passo.errors import PassoError
@@ -85,7 +84,11 @@ class HostPause:
             if not printer.halted:
                 printer.drive.hold()
                 printer.job.suspend()
-                with suppress(Stopped, PassoError):
+                try:
                     await printer.wait(Procedure(lambda: self.stand_by(text, {})), Silence())
+                except Stopped:
+                    pass  # who has stopped it has been told
+                except PassoError as error:
+                    printer.halt(f"the print could not stand aside: {error}")
         finally:
             printer.aside = False

@@ -130,7 +130,8 @@ class Recovery:
         raise_mm = machine.park.raise_mm if machine.park else 0.0
         if printer.positions.restore(self._moment.origins):
             z = printer.job.machine_position[Z]
-            if printer.drive.move({Z: z + raise_mm}, math.inf):
+            top = max(machine.axes["z"].max_mm, z)
+            if printer.drive.move({Z: min(z + raise_mm, top)}, math.inf):
                 printer.drive.flush()
             return
         if machine.geometry.lifts_together:

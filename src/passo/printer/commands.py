@@ -386,19 +386,20 @@ class Commands:
         """M221: the tool that it means, its extruder, and the factor that S gives. None where the
         tool in use has no extruder. Raises CommandError."""
         words = command.words()
-        tools = self._machine.core_spec()["tools"]
-        tool = int(words.get("T", self._job.tool))
-        there = 0 <= tool < len(tools) and tools[tool]["extruder"] >= 0
-        if not there and "T" not in words:
+        tools = self._machine.all_tools
+        tool = words.get("T", self._job.tool)
+        own = tools[int(tool)].extruder if tool in range(len(tools)) else None
+        if own is None and "T" not in words:
             return None
-        if not there:
+        if own is None:
             raise CommandError.bad_value("T", tool, "a tool with an extruder")
+        extruder = list(self._machine.extruders).index(own)
         if "S" not in words:
-            return tool, tools[tool]["extruder"], None
+            return int(tool), extruder, None
         low, high = _FLOW
         if words["S"] <= 0:
             raise CommandError.bad_value("S", words["S"], f"{low:g} to {high:g} percent")
-        return tool, tools[tool]["extruder"], min(max(words["S"], low), high) / 100
+        return int(tool), extruder, min(max(words["S"], low), high) / 100
 
     def _flow(self, command: Command) -> None:
         found = self.flow(command)

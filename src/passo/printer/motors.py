@@ -55,7 +55,8 @@ class Motors:
             (self.on.add if on else self.on.discard)(name)
             if name in self._outputs and self._live(name) != was_live:
                 self._printer.connection.switch(self._outputs[name], on)
-        if not on:
+        if not on and steppers:
+            self._printer.positions.held = False
             self._forget_positions(set(steppers))
 
     def _live(self, name: str) -> bool:

@@ -20,6 +20,9 @@ class Positions:
         self._printer = printer
         self.lost: dict[str, int] = {}
         self.settled = True  # False: a board did not answer the last time
+        self.settlings = 0  # how often the origins may have changed
+        # The motors have held since another host was there: their counts still tell where it is.
+        self.held = printer.connection.adopted
         self._frozen: list[float] | None = None
 
     def freeze(self) -> None:
@@ -40,6 +43,7 @@ class Positions:
         """The machine stands: whatever the board has not made of the plan, it never will. Lets time
         pass; raises MachineError."""
         self.settled = False
+        self.settlings += 1
         for row in self._printer.job.steppers():
             name = row["name"]
             self.lost[name] = row["expected_net"] - self._printer.connection.net_steps(name)
@@ -54,10 +58,11 @@ class Positions:
 
     def restore(self, origins: dict[str, int]) -> bool:
         """The machine is where a board that was adopted has counted to, from these origins. False,
-        and nothing is changed, if it does not know. Lets time pass; raises MachineError."""
+        and nothing is changed, if it does not know, or a motor was off since. Lets time pass;
+        raises MachineError."""
         job, connection = self._printer.job, self._printer.connection
         rows = {row["name"]: row for row in job.steppers()}
-        if not connection.adopted or set(origins) != set(rows):
+        if not self.held or set(origins) != set(rows):
             return False
         counts = {name: connection.net_steps(name) + origins[name] for name in rows}
         places = [at for at in self._places(self._real(counts)) if at is not None]
@@ -82,7 +87,7 @@ class Positions:
     def _places(self, real: dict[tuple[str, int], float]) -> list[float | None]:
         """The axes, in machine mm; None where that is not known."""
         machine = self._printer.machine
-        places: list[float | None] = [None] * len(machine.core_spec()["axes"])
+        places: list[float | None] = [None] * len(machine.axes)
         try:
             a, b, c = (real[("actuator", i)] for i in range(3))
             places[:3] = machine.geometry.forward((a, b, c))
