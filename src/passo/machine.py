@@ -8,10 +8,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from passo import _core, config
-from passo.job.estimate import NoHeat
 from passo.job.program import run_program
 from passo.printer.commands import Commands
-from passo.printer.wiring import output_count
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -55,7 +53,7 @@ class Machine:
         """
         job = _core.Job(self._spec, False)
         job.keep_moves(True)
-        commands = Commands(self.config, job, NoHeat(), [1] * output_count(self.config))
+        commands = Commands.of_plan(self.config, job)
         limits = job.limit_names
         for _ in run_program(job, commands, path):
             yield from self._moves(job, limits)

@@ -8,8 +8,16 @@ from dataclasses import dataclass, field
 from tests.oracles.wire import step_clocks
 
 from passo import _core
-from passo.board import BoardDescription, Connection, Endstop, Heater, Output, Sensor, Stepper
-from passo.board.description import Control
+from passo.board.connection import Connection
+from passo.board.description import (
+    BoardDescription,
+    Control,
+    Endstop,
+    Heater,
+    Output,
+    Sensor,
+    Stepper,
+)
 from passo.board.ports import InProcess
 from passo.simulator import Actuator, Body, PlantDescription, SimulatedBoard, Switch
 from passo.simulator.dictionary import Firmware

@@ -8,9 +8,9 @@ from dataclasses import replace
 import pytest
 
 from passo import _core
-from passo.board import Dictionary, Output, Sensor, Stepper
 from passo.board.configuration import checksum, commands, full_scale, queries, uart_bit_ticks
-from passo.board.description import Driver, SpiPins, UartPins
+from passo.board.description import Driver, Output, Sensor, SpiPins, Stepper, UartPins
+from passo.board.dictionary import Dictionary
 from passo.board.trinamic import DriverSettings
 from passo.simulator.dictionary import compressed_dictionary
 

@@ -9,8 +9,8 @@ import threading
 import pytest
 
 from passo import _core
-from passo.board import Connection, Dictionary, decode
-from passo.board.connection import BoardSilentError
+from passo.board.connection import BoardSilentError, Connection
+from passo.board.dictionary import Dictionary, decode
 from passo.board.ports import InProcess, LinkLostError, LivePort
 from passo.errors import MachineError
 from passo.simulator import SimulatedBoard

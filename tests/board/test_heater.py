@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from passo import _core
-from passo.board import FaultKind
+from passo.board.faults import FaultKind
 from passo.errors import MachineError
 
 from .bench import HZ, Bench, description

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from passo import _core
-from passo.board import decode
+from passo.board.dictionary import decode
 
 from .bench import HZ, MS, Bench, Planner, description, executed
 

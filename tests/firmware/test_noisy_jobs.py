@@ -10,7 +10,7 @@ from tests.board.bench import HZ, MS, PLANT, START, Planner, description
 from tests.board.bench import executed as steps_of
 
 from passo import _core
-from passo.board import Connection
+from passo.board.connection import Connection
 from passo.board.ports import InProcess
 from passo.simulator import SimulatedBoard
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from passo import _core, config
-from passo.board import HeaterFault
+from passo.board.faults import HeaterFault
 from passo.printer.wiring import connect
 
 HOTEND = "max_c = 285.0\n"

@@ -6,7 +6,7 @@ import pytest
 from tests.heat.oven import Oven
 
 from passo import _core
-from passo.board import FaultKind
+from passo.board.faults import FaultKind
 from passo.heat.sensors import share_at
 
 MODEL = "model = { rise_c = 380.0, fan_loss = 0.3, time_constant_s = 120.0 }"

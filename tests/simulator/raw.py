@@ -6,7 +6,7 @@ from tests.board.bench import PLANT, START, Kind, description
 from tests.oracles import wire
 
 from passo import _core
-from passo.board import Dictionary
+from passo.board.dictionary import Dictionary
 from passo.simulator import SimulatedBoard
 from passo.simulator.dictionary import compressed_dictionary
 

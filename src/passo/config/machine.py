@@ -93,6 +93,12 @@ class MachineConfig(Model):
         """What T0, T1, … select: without a table of tools, each extruder."""
         return self.tools or [Tool(extruder=name) for name in self.extruders]
 
+    @property
+    def timed_outputs(self) -> dict[str, str]:
+        """Outputs on the timeline and their pins as written, by number: heaters, fans, laser."""
+        parts = {**self.heaters, **self.fans, **({"laser": self.laser} if self.laser else {})}
+        return {name: part.pin for name, part in parts.items()}
+
     def core_spec(self) -> dict[str, Any]:
         """The machine for `passo._core`: all defaults filled in, times in s, other units kept."""
         return {
@@ -128,10 +134,9 @@ class MachineConfig(Model):
         return fewest | {key: min(s[key] for s in specs) for key in ("steps_s", "burst")}
 
     def _output_boards(self) -> list[int]:
-        """Numbers of the boards of the outputs on the timeline: heaters, fans, the laser."""
-        parts = [*self.heaters.values(), *self.fans.values(), *([self.laser] if self.laser else [])]
+        """Numbers of the boards of the outputs on the timeline."""
         order = list(self.all_boards)
-        return [order.index(placed(part.pin)[0]) for part in parts]
+        return [order.index(placed(pin)[0]) for pin in self.timed_outputs.values()]
 
     def _axis_spec(self, name: str) -> dict[str, Any]:
         axis = self.axes[name]

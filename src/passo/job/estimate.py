@@ -10,7 +10,6 @@ from passo import _core
 from passo.job.budget_use import BudgetUse, budget_use
 from passo.job.program import run_program
 from passo.printer.commands import Commands
-from passo.printer.wiring import output_count
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -39,13 +38,6 @@ class Estimate:
         return asdict(self)
 
 
-class NoHeat:
-    """Nothing heats in an estimate: temperatures are taken as reached."""
-
-    def set_target(self, heater: str, celsius: float, *, at_once: bool = False) -> None:
-        """Forgets it."""
-
-
 def estimate(
     machine: MachineConfig,
     path: str | os.PathLike[str],
@@ -56,7 +48,7 @@ def estimate(
     """Plans the file on the machine. Raises InputError."""
     spec = machine.core_spec()
     job = _core.Job(spec, False, clamp, ignore_tools)
-    commands = Commands(machine, job, NoHeat(), [1] * output_count(machine))
+    commands = Commands.of_plan(machine, job)
     for _ in run_program(job, commands, path):
         pass
     plan = job.statistics()

@@ -10,10 +10,8 @@ from typing import TYPE_CHECKING
 from passo import _core
 from passo.errors import PassoError
 from passo.job.budget_use import BudgetUse, budget_use
-from passo.job.estimate import NoHeat
 from passo.job.program import at_rest, read_program
 from passo.printer.commands import Commands
-from passo.printer.wiring import output_count
 
 if TYPE_CHECKING:
     from passo.card import Reader
@@ -35,7 +33,7 @@ async def forecast(machine: MachineConfig, reader: Reader) -> Forecast | None:
     """How a file will go; None if it cannot be planned to its end. Takes its time, as others need
     the event loop too. Closes the reader."""
     job = _core.Job(machine.core_spec(), False, True, True)
-    commands = Commands(machine, job, NoHeat(), [1] * output_count(machine))
+    commands = Commands.of_plan(machine, job)
     try:
         for _ in read_program(job, commands, _pieces(reader), "", at_rest(job)):
             await asyncio.sleep(_REST_S)

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 from passo import _core
 from passo.errors import CommandError
-from passo.job.estimate import NoHeat
 from passo.job.journal import Moment, Program
 from passo.job.program import at_rest, read_program
 from passo.job.runner import Reader
@@ -17,7 +16,6 @@ from passo.printer.faults import problem_of
 from passo.printer.slots import E, X, Y, Z
 from passo.printer.switches import axes_of_arms, home_point
 from passo.printer.waits import Homing, Silence, Temperatures, Wait
-from passo.printer.wiring import output_count
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -50,7 +48,7 @@ def state_before(machine: MachineConfig, reader: Reader, end: int) -> _core.Job:
     """A job that has read the first `end` bytes of a program, without motion: where the machine is
     then, and in which state the program. Raises InputError."""
     job = _core.Job(machine.core_spec(), False, False, False)
-    commands = Commands(machine, job, NoHeat(), [1] * output_count(machine))
+    commands = Commands.of_plan(machine, job)
     rest = at_rest(job)
 
     def settle(wait: Wait) -> None:

@@ -36,12 +36,24 @@ class Heat(Protocol):
         """Sets a heater's target when the moves so far are done, or at once; 0 is off."""
 
 
+class NoHeat:
+    """Nothing heats in a plan: temperatures are taken as reached."""
+
+    def set_target(self, heater: str, celsius: float, *, at_once: bool = False) -> None:
+        """Forgets it."""
+
+
 class Commands:
     """Carries out what the job's interpreter hands out. One object a job; not thread-safe.
 
     `unknown`, `not_built` and `waits` count the codes that nobody knows, those that do nothing and
     those that wait for a person: code → (first line, times).
     """
+
+    @classmethod
+    def of_plan(cls, machine: MachineConfig, job: _core.Job) -> Commands:
+        """Those of a job that is only planned: without heat and without a board's outputs."""
+        return cls(machine, job, NoHeat(), [1] * len(machine.timed_outputs))
 
     def __init__(
         self, machine: MachineConfig, job: _core.Job, heat: Heat, full_scale: list[int]
@@ -52,7 +64,7 @@ class Commands:
         self.waits: dict[str, tuple[int, int]] = {}
         self.missing_tools: dict[str, tuple[int, int]] = {}
         self.refused: dict[str, tuple[int, int]] = {}
-        names = [*machine.heaters, *machine.fans, *(["laser"] if machine.laser else [])]
+        names = machine.timed_outputs
         self._outputs = {name: (i, full_scale[i]) for i, name in enumerate(names)}
         self._tool = 0
         self._tool_c: dict[int, tuple[float | None, float | None]] = {}  # at work, on standby

@@ -104,13 +104,9 @@ def _stepper(machine: MachineConfig, spec: dict[str, Any], clock_hz: int) -> Ste
 
 
 def _outputs(machine: MachineConfig) -> list[tuple[str, str]]:
-    """All outputs and their pins as written, by number: those on the timeline, heaters, fans, the
-    laser, then what switches motors on, what chooses their microsteps, and the main board's status
-    LED."""
-    outputs = [(name, heater.pin) for name, heater in machine.heaters.items()]
-    outputs += [(name, fan.pin) for name, fan in machine.fans.items()]
-    if machine.laser:
-        outputs.append(("laser", machine.laser.pin))
+    """All outputs and their pins as written, by number: those on the timeline, then what switches
+    motors on, what chooses their microsteps, and the main board's status LED."""
+    outputs = list(machine.timed_outputs.items())
     for name, output in enable_outputs(machine).items():
         if output == f"{name}-enable":
             outputs.append((output, str(enable_pin(machine, name))))
@@ -187,11 +183,6 @@ def enable_pin(machine: MachineConfig, name: str) -> str | None:
     board = machine.board_of_stepper(name)
     found = machine.all_boards[board].pin(placed(pin)[1])
     return found if board == MAIN else named_on(board, found)
-
-
-def output_count(machine: MachineConfig) -> int:
-    """Number of outputs on the timeline: heaters, fans, the laser."""
-    return len(machine.heaters) + len(machine.fans) + (machine.laser is not None)
 
 
 def simulated_board(

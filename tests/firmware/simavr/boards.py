@@ -6,7 +6,7 @@ import functools
 import tempfile
 from pathlib import Path
 
-from passo.board import BoardDescription, Stepper
+from passo.board.description import BoardDescription, Stepper
 from passo.toolchain.avr import AvrBoard, Motor, build
 from passo.toolchain.image import Image
 

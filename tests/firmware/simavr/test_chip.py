@@ -8,8 +8,8 @@ import pytest
 from tests.board.bench import TABLE
 
 from passo import _core
-from passo.board import BoardDescription, Endstop, Output, Sensor, Stepper
 from passo.board.boards import Boards
+from passo.board.description import BoardDescription, Endstop, Output, Sensor, Stepper
 from passo.board.endstops import Endstops
 from passo.errors import MachineError
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 import pytest
 
 from passo import _core
-from passo.board import BoardDescription, Sensor
-from passo.board.description import SpiPins
+from passo.board.description import BoardDescription, Sensor, SpiPins
 from passo.errors import MachineError
 
 from .boards import HZ, bench

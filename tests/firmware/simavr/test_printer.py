@@ -6,8 +6,8 @@ import pytest
 from tests.board.bench import TABLE, Planner
 
 from passo import _core
-from passo.board import BoardDescription, Endstop, Heater, Output, Sensor, Stepper
 from passo.board.boards import Boards
+from passo.board.description import BoardDescription, Endstop, Heater, Output, Sensor, Stepper
 from passo.board.endstops import Endstops
 from passo.errors import MachineError
 

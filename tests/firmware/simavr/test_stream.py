@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from tests.board.bench import PID, TABLE, Planner
 
-from passo.board import BoardDescription, Heater, Output, Sensor, Stepper
+from passo.board.description import BoardDescription, Heater, Output, Sensor, Stepper
 
 from .bench import RISES
 from .boards import HZ, RAMPS_PINS, bench

@@ -8,9 +8,8 @@ import pytest
 from tests.board.bench import Planner
 from tests.oracles import trinamic
 
-from passo.board import BoardDescription, Stepper
 from passo.board.configuration import Oids, uart_bit_ticks
-from passo.board.description import Driver, UartPins
+from passo.board.description import BoardDescription, Driver, Stepper, UartPins
 from passo.board.trinamic import DriverSettings
 
 from .bench import Edge
