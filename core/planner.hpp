@@ -68,12 +68,22 @@ class Planner {
   // Takes a move from where the last one ended, with `records` timed records due at its start.
   // False if it covers no distance and is dropped.
   bool push(const MoveRequest& r, uint32_t records) {
-    Move m = move_of(r);
+    Move& m = queue_.emplace_back();
+    fill(m, r);
     m.records = records;
-    if (!bounds_.apply(m, rules_.now())) return false;
+    if (!bounds_.apply(m, rules_.now())) {
+      queue_.pop_back();
+      return false;
+    }
     std::memcpy(position_, m.p1, sizeof position_);
     if (!extruder_.empty()) extruder_[r.extruder] = m.p1[kE];
-    enqueue(m, true);
+    if (splits(m)) {
+      const Move whole = m;
+      queue_.pop_back();
+      enqueue(whole, true);
+    } else {
+      join(true);
+    }
     return true;
   }
 
@@ -160,16 +170,15 @@ class Planner {
   JunctionRule junction_;
   MoveBudget budget_;
   std::vector<Move> queue_, settled_, parts_;
-  Move before_;            // the last move of the queue, also after it has settled
-  bool moving_ = false;    // before_ is valid
+  Move before_;            // what stood last in the queue when all of it had settled
+  bool moving_ = false;    // there is a move before the next one
   size_t head_ = 0;        // first move of queue_ that is not settled
   size_t since_pass_ = 0;  // moves taken since the last pass
   double position_[kAxes] = {};
   std::vector<double> extruder_;
   double clock_ = 0, speed2_ = 0;
 
-  Move move_of(const MoveRequest& r) {
-    Move m;
+  void fill(Move& m, const MoveRequest& r) {
     std::memcpy(m.p0, position_, sizeof m.p0);
     std::memcpy(m.p1, r.target, sizeof m.p1);
     if (!extruder_.empty()) m.p0[kE] = extruder_[r.extruder];
@@ -191,11 +200,12 @@ class Planner {
     m.rapid = r.rapid;
     bool dark = r.rapid || r.kind == MoveKind::dwell || !(r.feed_mm_s < kInfinity);
     m.duty = r.beam > 0 ? r.beam : dark ? 0 : laser_share / r.feed_mm_s;
-    return m;
   }
 
+  bool splits(const Move& m) const { return bounds_.nonlinear() && m.cartesian; }
+
   void enqueue(const Move& m, bool passes) {
-    if (!bounds_.nonlinear() || !m.cartesian) {
+    if (!splits(m)) {
       append(m, passes);
       return;
     }
@@ -208,14 +218,19 @@ class Planner {
 
   void append(const Move& m, bool passes) {
     queue_.push_back(m);
+    join(passes);
+  }
+
+  // The last move of the queue has come behind those before it.
+  void join(bool passes) {
     Move& last = queue_.back();
-    last.vj2 = moving_ ? junction_.cap2(before_, last, rules_.of(last.rules).limits) : 0;
+    const Move& before = queue_.size() > 1 ? queue_[queue_.size() - 2] : before_;
+    last.vj2 = moving_ ? junction_.cap2(before, last, rules_.of(last.rules).limits) : 0;
     if (budget_.bounds_anything()) {
       if (!moving_) budget_.restart(speed2_);
       budget_.apply(last, moving_ ? last.vj2 : speed2_);
       last.vj2 = std::min(last.vj2, last.vn2);
     }
-    before_ = last;
     moving_ = true;
     if (passes && ++since_pass_ == kBatch) settle(false);
   }
@@ -235,6 +250,7 @@ class Planner {
       if (capped && !flush && final == head_) final = i;
     }
     if (!flush && end - final > kLongest) final = head_ + (end - head_) / 2;
+    if (final == end && end > 0) before_ = queue_.back();
     for (; head_ < final; ++head_) {
       trapezoid(queue_[head_], head_ + 1 < end ? queue_[head_ + 1].v0 : 0);
       settled_.push_back(queue_[head_]);

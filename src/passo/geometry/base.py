@@ -19,7 +19,9 @@ class GeometryModel(BaseModel):
     `lifts_together`, a move of Z in the middle moves all of them alike. `arms` are the actuators
     that find their own switches, since no move of an axis moves one of them alone."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, strict=True, allow_inf_nan=False, defer_build=True
+    )
     actuators: ClassVar[tuple[str, ...]]
     rotary: ClassVar[tuple[str, ...]] = ()
     lifts_together: ClassVar[bool] = False
