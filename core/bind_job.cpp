@@ -342,14 +342,19 @@ void bind_job(nb::module_& m) {
             self.job.resume();
           },
           "Goes on with what was suspended; the machine must be back at stop_position.")
+      .def(
+          "use_tool", [](JobView& self, size_t tool) { self.job.interpreter.take_tool(tool); },
+          "tool"_a,
+          "This tool is in use, with its offset, as if the program had selected it; nothing moves. "
+          "It must be one of the machine's. No-op without tools.")
       .def("forget_suspended", [](JobView& self) { self.job.forget_suspended(); })
       .def_prop_ro(
           "machine_position",
           [](JobView& self) {
-            const double* p = self.job.motion.planner().position();
-            return std::vector<double>(p, p + kAxes);
+            const auto p = self.job.position();
+            return std::vector<double>(p.begin(), p.end());
           },
-          "End of the plan: X, Y, Z, E and further axes, in machine mm.")
+          "End of the plan: X, Y, Z, E of the tool in use and further axes, in machine mm.")
       .def(
           "set_laser",
           [](JobView& self, uint16_t target, uint32_t full) {

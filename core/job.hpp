@@ -1,6 +1,7 @@
 // A G-code program on its way through one machine: text in, planned motion out. It stops at
 // whatever needs the caller, and goes on from there.
 #pragma once
+#include <array>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -67,17 +68,28 @@ class Job {
     }
   }
 
+  // Where the plan ends, in machine mm; E of the tool in use.
+  std::array<double, kAxes> position() const {
+    const Planner& planner = motion.planner();
+    std::array<double, kAxes> p;
+    std::copy_n(planner.position(), kAxes, p.begin());
+    if (interpreter.extruder() < motion.machine().extruders.size())
+      p[kE] = planner.extruder_position(interpreter.extruder());
+    return p;
+  }
+
   // After an error or a stop: the program goes on from where the plan ends.
   void abandon() {
-    double position[kAxes];
-    std::copy_n(motion.planner().position(), kAxes, position);
-    if (interpreter.extruder() < motion.machine().extruders.size())
-      position[kE] = motion.planner().extruder_position(interpreter.extruder());
-    interpreter.abandon(position);
+    std::vector<double> extruders;
+    for (size_t i = 0; i < motion.machine().extruders.size(); ++i)
+      extruders.push_back(motion.planner().extruder_position(i));
+    interpreter.abandon(motion.planner().position(), extruders);
   }
   // Brakes from `ticks` on and forgets all that was to follow.
   double stop_from(double ticks) {
-    double cut = motion.stop_from(ticks);
+    double cut = motion.hold_from(ticks);
+    use_stopped();
+    motion.forget_held();
     interpreter.dark();
     interpreter.forget_retraction();
     abandon();
@@ -86,8 +98,9 @@ class Job {
 
   // After motion.hold_from: other moves may come before the program goes on.
   void suspend() {
-    motion.suspend();
     aside_ = interpreter;
+    use_stopped();
+    motion.suspend();
     abandon();
   }
   void resume() {
@@ -104,15 +117,14 @@ class Job {
   // `limited` and an actuator does not reach its way.
   bool move_to(const double* target, double feed_mm_s, bool limited) {
     MoveRequest m{};
-    std::copy_n(motion.planner().position(), kAxes, m.target);
-    if (interpreter.extruder() < motion.machine().extruders.size())
-      m.target[kE] = motion.planner().extruder_position(interpreter.extruder());
+    const auto from = position();
+    std::copy(from.begin(), from.end(), m.target);
     bool travels = false;
     for (int j = 0; j < kAxes; ++j) {
       if (std::isnan(target[j])) continue;
       m.target[j] = target[j];
-      if (target[j] != motion.planner().position()[j]) m.moved |= uint8_t(1u << j);
-      travels |= j != kE && target[j] != motion.planner().position()[j];
+      if (target[j] != from[size_t(j)]) m.moved |= uint8_t(1u << j);
+      travels |= j != kE && target[j] != from[size_t(j)];
     }
     m.kind = travels ? MoveKind::travel : MoveKind::extrude;
     m.extruder = uint16_t(interpreter.extruder());
@@ -197,6 +209,11 @@ class Job {
   std::optional<Interpreter> aside_;
   std::vector<MoveRequest> batch_;
   GcodeError error_;
+
+  // The tool in use is the one that has stopped, not the one that the program was read ahead to.
+  void use_stopped() {
+    if (auto extruder = motion.stopped_extruder()) interpreter.use_extruder(*extruder);
+  }
 
   double now() const { return cpu_clock_ ? cpu_clock_() : 0; }
 

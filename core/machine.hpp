@@ -85,6 +85,10 @@ struct Machine {
   std::shared_ptr<const HeightMap> height_map;  // none: the bed is flat
   bool joints = false;  // X, Y, Z of positions are the first three actuators' own, for homing
 
+  bool pushes_filament(const StepperSpec& s) const {
+    return s.drive == Drive::extruder || (s.drive == Drive::axis && axes[size_t(s.index)].filament);
+  }
+
   // The nozzle's height for the geometry: Z of the program and what the bed adds.
   double raised(const double* p) const {
     return height_map ? p[2] + height_map->at(p[0], p[1]) : p[2];

@@ -42,6 +42,7 @@ class Motion {
 
   const Machine& machine() const { return machine_; }
   Planner& planner() { return planner_; }
+  const Planner& planner() const { return planner_; }
   const PlanStatistics& plan() const { return plan_; }
   const Cpu& cpu() const { return cpu_; }
   // What boards take: see step_stream.hpp.
@@ -308,6 +309,10 @@ class Motion {
     process(false);
   }
   size_t held() const { return held_.size(); }
+  // The extruder that hold_from has stopped; nothing if no move is held.
+  std::optional<size_t> stopped_extruder() const {
+    return held_.empty() ? std::nullopt : std::optional<size_t>(held_.front().extruder);
+  }
   ProgramLines& lines() { return lines_; }
   // Where the plan was at `ticks`, in the last second or so: X, Y, Z, the extruder of that move and
   // further axes. Nothing if that is longer ago.
@@ -324,8 +329,7 @@ class Motion {
     std::copy_n(planner_.position(), kAxes, aside.end);
     for (size_t i = 0; i < machine_.extruders.size(); ++i)
       aside.extruders.push_back(planner_.extruder_position(i));
-    if (!aside.moves.empty())
-      planner_.set_position(aside.moves.front().p0, aside.moves.front().extruder);
+    go_back(aside.moves);
     std::copy_n(planner_.position(), kAxes, aside.stop);
     for (size_t i = 0; i < stream_.motors(); ++i) aside.counts.push_back(stream_.count(i));
     aside_ = std::move(aside);
@@ -343,7 +347,7 @@ class Motion {
     planner_.set_position(aside_->end, machine_.extruders.size());
     // Filament that was moved meanwhile stays where it is.
     for (size_t i = 0; i < stream_.motors(); ++i)
-      if (machine_.steppers[i].drive == Drive::extruder) stream_.set_count(i, aside_->counts[i]);
+      if (machine_.pushes_filament(machine_.steppers[i])) stream_.set_count(i, aside_->counts[i]);
     held_.swap(aside_->moves);
     records_.swap(aside_->records);
     unattached_ = aside_->unattached;
@@ -352,17 +356,15 @@ class Motion {
   }
   // What is put aside will not be taken up again.
   void forget_suspended() { aside_.reset(); }
-  // As hold_from, but what is left is forgotten, and its records with it.
-  double stop_from(double ticks) {
-    double cut = hold_from(ticks);
+  // What hold_from has left is forgotten, and its records with it.
+  void forget_held() {
     dark_ = 0;
     if (!held_.empty()) {
-      planner_.set_position(held_.front().p0, held_.front().extruder);
+      go_back(held_);
       held_.clear();
       records_.clear();
       unattached_ = 0;
     }
-    return cut;
   }
 
  private:
@@ -394,6 +396,10 @@ class Motion {
   bool in_pieces_ = false;  // what comes next may go on from pieces without a stop
   double pieces_end_ = 0;   // ticks
 
+  // These moves have not come about: the machine, and each extruder, is where they would begin.
+  void go_back(const std::vector<Move>& moves) {
+    for (size_t i = moves.size(); i-- > 0;) planner_.set_position(moves[i].p0, moves[i].extruder);
+  }
   static void change_flow(std::vector<Move>::iterator first, std::vector<Move>::iterator last,
                           size_t extruder, FlowChange& change) {
     for (; first != last; ++first)

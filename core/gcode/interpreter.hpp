@@ -106,15 +106,24 @@ class Interpreter {
   // No move gets a laser's energy any more that does not ask for it again.
   void dark() { density_ = 0; }
   uint64_t offset() const { return lines().offset(); }
-  // The machine is at `position` (the active extruder's in kE): what the program still meant to do
-  // in this line is forgotten, and its positions follow the machine's.
-  void abandon(const double* position) {
+  // The machine is at `position`, its extruders where they are told to be: what the program still
+  // meant to do in this line is forgotten, and its positions follow the machine's.
+  void abandon(const double* position, const std::vector<double>& extruders) {
     pending_.clear();
     arc_ = Arc();
     next_word_ = 0;
-    logical_e_ += (position[kE] - position_[kE]) / e_scale();
+    for (size_t i = 0; i < extruders.size(); ++i)
+      logical_e_ += (extruders[i] - extruder_[i]) / e_scale();
+    extruder_ = extruders;
     std::copy(position, position + kAxes, position_);
-    if (!extruder_.empty()) extruder_[active_] = position_[kE];
+    if (!extruder_.empty()) position_[kE] = extruder_[active_];
+  }
+  // Nothing where extruders are axes.
+  void take_tool(size_t tool);
+  // A tool with this extruder is in use.
+  void use_extruder(size_t extruder) {
+    for (size_t tool = 0; active_ != extruder && tool < machine_->tools.size(); ++tool)
+      if (machine_->tools[tool].extruder == int(extruder)) take_tool(tool);
   }
   // Takes up the program again as `before` left it, except for what the console has not said yet.
   void resume(const Interpreter& before) {

@@ -449,6 +449,14 @@ inline bool Interpreter::next_chord() {
   return ready();
 }
 
+inline void Interpreter::take_tool(size_t tool) {
+  if (machine_->tools.empty()) return;
+  for (int j = 0; j < 3; ++j) origin_[j] += machine_->tools[tool].offset[j] - tool_offset(j);
+  tool_ = tool;
+  active_ = size_t(machine_->tools[tool].extruder);
+  position_[kE] = extruder_[active_];
+}
+
 inline void Interpreter::select_tool(const Word& word) {
   if (!sound(word)) return;
   int tool = int(word.value);
@@ -463,11 +471,7 @@ inline void Interpreter::select_tool(const Word& word) {
         return;
       }
     } else {
-      for (int j = 0; j < 3; ++j)
-        origin_[j] += machine_->tools[size_t(tool)].offset[j] - tool_offset(j);
-      tool_ = size_t(tool);
-      active_ = size_t(machine_->tools[tool_].extruder);
-      position_[kE] = extruder_[active_];
+      take_tool(size_t(tool));
     }
   }
   emit('T', tool, 0, "", "");

@@ -1280,11 +1280,18 @@ class Job:
         Goes on with what was suspended; the machine must be back at stop_position.
         """
 
+    def use_tool(self, tool: int) -> None:
+        """
+        This tool is in use, with its offset, as if the program had selected it; nothing moves. It must be one of the machine's. No-op without tools.
+        """
+
     def forget_suspended(self) -> None: ...
 
     @property
     def machine_position(self) -> list[float]:
-        """End of the plan: X, Y, Z, E and further axes, in machine mm."""
+        """
+        End of the plan: X, Y, Z, E of the tool in use and further axes, in machine mm.
+        """
 
     def set_laser(self, target: int, full: int) -> None:
         """This output is a laser, fully on at `full`."""

@@ -7,8 +7,9 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
+from passo.config.drives import axis_order
 from passo.printer.faults import problem_of
-from passo.printer.slots import E, X, Y, Z
+from passo.printer.slots import E, X, Y, Z, slot_of_axis
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -26,6 +27,9 @@ class Park:
         self._away = False
         self._retracted_mm = 0.0
         self._load_mm = 0.0
+        axes = printer.machine.axes
+        order = enumerate(axis_order(axes))
+        self._places = [slot_of_axis(i) for i, name in order if not axes[name].extruder]
 
     async def leave(self, words: Mapping[str, float] = MappingProxyType({})) -> None:
         """To the parking place; without one, or if an axis does not know where it is, nowhere.
@@ -41,6 +45,7 @@ class Park:
         printer.raise_if_halted()
         if not printer.job.suspended:
             return  # cancelled meanwhile
+        printer.take_stopped_tool()
         drive, at = printer.drive, printer.job.stop_position
         extrudes = printer.can_extrude()
         self._retracted_mm = abs(words.get("E", park.retract_mm)) if extrudes else 0.0
@@ -72,13 +77,15 @@ class Park:
         await self._still()
         printer.raise_if_halted()
         drive, job = printer.drive, printer.job
+        if job.suspended:
+            printer.take_stopped_tool()
         if self._away and job.suspended and printer.can_extrude():
             self._push(self._load_mm, LOAD_MM_S)
         at: list[float] | None = None
         while job.suspended and at != job.stop_position:
             at = job.stop_position
             # Axes that do not know where they are have not been moved by anybody.
-            known = [slot for slot in (X, Y, Z) if slot not in job.locked_axes]
+            known = [slot for slot in self._places if slot not in job.locked_axes]
             across = {slot: at[slot] for slot in known if slot != Z}
             drive.move(across, park.speed_mm_s if park else math.inf)
             if Z in known:

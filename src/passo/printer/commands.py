@@ -115,7 +115,7 @@ class Commands:
             if command.minor:
                 _count(self.missing_tools, f"T{command.number}", command.line)
             else:
-                self._tool_changed(command.number)
+                self.tool_changed(command.number)
             return None
         code = "S" if command.letter == "S" else command.code
         handler = self._handlers.get(code)
@@ -316,7 +316,11 @@ class Commands:
         if celsius is not None and self._exists("hotend", {}):
             self._heat_to(self.heater("hotend", tool), celsius)
 
-    def _tool_changed(self, tool: int) -> None:
+    def tool_stopped(self, tool: int) -> None:
+        """The plan was cut, or goes on: this tool is in use, not the one read ahead to."""
+        self._tool = tool
+
+    def tool_changed(self, tool: int) -> None:
         """The tool that leaves goes on standby, the one that comes to work."""
         before, self._tool = self._tool, tool
         standby, work = (self._tool_c.get(t, (None, None))[i] for t, i in ((before, 1), (tool, 0)))

@@ -125,6 +125,7 @@ class Printer:
         self.commands = Commands(machine, self.job, self, full)
         self.drive = Drive(connection, self.job, free=self._free, set_target=self._apply_target)
         self.commands.record_at_once = self.drive.record_at_once
+        self._stopped_tool = 0
         self.drive.on_motion = self._before_motion
         self.drive.on_pass = self._time_passed
         self.homer = Homer(self)
@@ -259,6 +260,7 @@ class Printer:
     def stop(self) -> None:
         """Brakes to a stop on the path and forgets all moves that were planned."""
         self.drive.stop()
+        self.commands.tool_stopped(self.job.tool)
         self.laser_off()
         self.waits.ended = True
 
@@ -290,10 +292,23 @@ class Printer:
         self.commands.shade(dark=dark)
         self.drive.after_moves()
 
+    def suspend_job(self) -> None:
+        """Brakes to a stop on the path and puts what is left aside: other moves may come first."""
+        self.drive.hold()
+        self.job.suspend()
+        self._stopped_tool = self.job.tool
+        self.commands.tool_stopped(self._stopped_tool)
+
+    def take_stopped_tool(self) -> None:
+        """The tool whose moves stand aside is in use, whatever was selected meanwhile."""
+        self.job.use_tool(self._stopped_tool)
+        self.commands.tool_changed(self._stopped_tool)
+
     def resume_job(self) -> None:
         """Goes on with what was suspended, the machine being back at its stop position."""
         self.drive.before_moves()
         self.job.resume()
+        self.commands.tool_stopped(self.job.tool)
         self.drive.after_moves()
         self._unshade()
 
