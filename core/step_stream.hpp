@@ -80,9 +80,8 @@ class StepStream {
     for (Compressor& c : compressors_) c.renew();
   }
 
-  template <typename Path>  // Move or Piece
-  void solve(const Path& path) {
-    for (size_t i = 0; i < solvers_.size(); ++i) solvers_[i].solve(path, compressors_[i].steps());
+  void solve(const Piece& piece) {
+    for (size_t i = 0; i < solvers_.size(); ++i) solvers_[i].solve(piece, compressors_[i].steps());
   }
   void solve(const std::vector<Move>& moves) {
     for (size_t i = 0; i < solvers_.size(); ++i)
