@@ -14,6 +14,7 @@ struct Record {
   uint16_t target;
   uint32_t value;
   int64_t clock;
+  bool alone = false;  // no move has brought it: it came behind one
 };
 
 struct Held {

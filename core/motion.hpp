@@ -89,7 +89,7 @@ class Motion {
   void record(uint16_t target, uint32_t value) {
     records_.push_back({target, value, 0});
     ++unattached_;
-    if (planner_.queued() == 0) place(planner_.clock(), std::exchange(unattached_, 0));
+    if (planner_.queued() == 0) place(planner_.clock(), std::exchange(unattached_, 0), true);
   }
 
   // Output `target` is a laser, fully on at `full`.
@@ -151,10 +151,10 @@ class Motion {
   }
   // The boards were left alone: they have come to a stop behind the commit `serial`, as it told
   // them to.
-  // Plans anew from there; what was to follow is held, and `release` goes on with it at any later
-  // clock; expected_net() tells where each motor must be by now. Outputs that were to change on the
-  // way change when it goes on. Returns the clock of the commit; nothing, and nothing is changed,
-  // if that is not known any more.
+  // Plans anew from there; what was to follow is held, with what is held already, and `release`
+  // goes on with it at any later clock; expected_net() tells where each motor must be by now.
+  // Outputs that were to change on the way change when it goes on. Returns the clock of the commit;
+  // nothing, and nothing is changed, if that is not known any more.
   std::optional<double> recover_from(uint32_t serial) {
     auto held = stream_.hold();
     std::optional<double> clock = stream_.rewind(serial);
@@ -298,11 +298,12 @@ class Motion {
   }
   // Goes on with what hold_from left.
   void release() {
+    if (planner_.queued() > 0) flush();
     Held held = std::exchange(held_, {});
     planner_.rules().renumber(held.moves);
     records_.insert(records_.end(), held.records.begin(), held.records.end());
     unattached_ += held.behind;
-    if (held.moves.empty()) place(planner_.clock(), std::exchange(unattached_, 0));
+    if (held.moves.empty()) place(planner_.clock(), std::exchange(unattached_, 0), true);
     resume_plan(held.moves, 0, planner_.clock());
     process(false);
   }
@@ -437,14 +438,14 @@ class Motion {
     std::vector<Move>& moves = planner_.settled();
     for (const Move& m : moves) {
       plan_.add(m, machine_.clock_hz, 1);
-      place(m.start, m.records);
+      place(m.start, m.records, false);
       if (with_steps_) laser_.follow(m, machine_.clock_hz, light());
       if (on_move) on_move(m);
       lines_.add(m.start, m.line);
     }
     if (still) {
       laser_.off(planner_.clock(), light());
-      place(planner_.clock(), std::exchange(unattached_, 0));
+      place(planner_.clock(), std::exchange(unattached_, 0), true);
     }
     if (with_steps_) {
       stream_.solve(moves);
@@ -479,11 +480,12 @@ class Motion {
     return true;
   }
 
-  // The next n records are due at `ticks`.
-  void place(double ticks, uint32_t n) {
+  // The next n records are due at `ticks`; `alone`: behind a move.
+  void place(double ticks, uint32_t n, bool alone) {
     for (; n > 0; --n) {
       Record r = records_.front();
       records_.pop_front();
+      r.alone = alone;
       if (r.target >= kMark) {
         r.clock = stream_.not_before(ticks);
         marks_.push_back(r);
@@ -527,32 +529,43 @@ class Motion {
     }
     stream_.revoke(at, planner_.clock());
     lines_.cut(ticks_of_cut_);
-    size_t taken_back = 0, at_the_end = 0;
-    for (; !placed_.empty() && placed_.back().clock > at; ++taken_back) {
-      if (at_the_end == taken_back && double(placed_.back().clock) >= planner_.clock() - 1)
-        ++at_the_end;
-      records_.push_front(placed_.back());
-      placed_.pop_back();
-    }
     while (!marks_.empty() && marks_.back().clock > at) marks_.pop_back();
     rest = history_.cut(ticks_of_cut_);
     for (const Move& m : rest) plan_.add(m, machine_.clock_hz, -1);
     bool under_way = !rest.empty() && rest[0].start < ticks_of_cut_;
-    laser_.cut(under_way ? rest[0].duty > 0 : still_following());
-    // Records that no move of the rest brings along were due at the end of the plan, or late.
-    size_t brought = 0;
-    for (const Move& m : rest) brought += m.start >= ticks_of_cut_ ? m.records : 0;
-    size_t alone = taken_back - std::min(taken_back, brought);
-    at_the_end = std::min(at_the_end, alone);
-    size_t late = rest.empty() ? 0 : alone - at_the_end;
-    if (!planner_.attach(uint32_t(alone - late))) unattached_ += uint32_t(alone - late);
     if (under_way)
       plan_.add(history_.divide(rest[0], ticks_of_cut_, speed2), machine_.clock_hz, 1);
     else if (!rest.empty())
       speed2 = rest[0].v0 * rest[0].v0;
-    if (!rest.empty()) rest[0].records += uint32_t(late);
+    uint32_t at_the_end = take_back(at, rest, under_way);
+    if (!planner_.attach(at_the_end)) unattached_ += at_the_end;
+    laser_.cut(under_way ? rest[0].duty > 0 : still_following());
     planner_.rewind_budget(rest);
     return speed2;
+  }
+  // Records later than `at` come again, with the moves of the rest that have brought them; those
+  // that came behind a move come before the next one, and late ones at once. Returns how many come
+  // behind all of them.
+  uint32_t take_back(int64_t at, std::vector<Move>& rest, bool under_way) {
+    uint32_t at_the_end = 0, *next = &at_the_end;
+    auto back = [&] {
+      records_.push_front(placed_.back());
+      placed_.pop_back();
+    };
+    auto later = [&] { return !placed_.empty() && placed_.back().clock > at; };
+    for (size_t i = rest.size(); i-- > (under_way ? 1 : 0); next = &rest[i].records) {
+      for (; later() && placed_.back().alone; ++*next) back();
+      // One that is due at the very clock of the cut has been.
+      uint32_t n = 0;
+      for (; n < rest[i].records && later(); ++n) back();
+      rest[i].records = n;
+    }
+    if (under_way) {
+      for (; later() && placed_.back().alone; ++*next) back();
+      next = &rest[0].records;
+    }
+    for (; later(); ++*next) back();
+    return at_the_end;
   }
 };
 
