@@ -31,6 +31,16 @@ inline bool brake(Move& m, double& v2, std::vector<Move>& braking) {
   return false;
 }
 
+// Takes from `rest` the moves on which the machine comes to a stop from speed² v2, or all of them.
+inline std::vector<Move> take_braking(std::vector<Move>& rest, double v2) {
+  std::vector<Move> braking;
+  size_t i = 0;
+  for (; i < rest.size() && v2 > 0; ++i)
+    if (brake(rest[i], v2, braking)) break;
+  rest.erase(rest.begin(), rest.begin() + long(i));
+  return braking;
+}
+
 // Plans what brake() has found: one deceleration to the stop, from `clock` on.
 inline void plan_braking(std::vector<Move>& moves, double clock, double clock_hz) {
   double v2 = 0;

@@ -219,6 +219,9 @@ class Commits {
         solvers_[i].solve(m, c.steps());
       }
       c.advance(moves.back().end(), true);
+      // Nothing of it is ever taken back: whether the clock must be told anew is known here, of
+      // what does not wait.
+      c.forget_resets(kNoMessage);
       for (; !c.messages().empty(); c.messages().pop()) {
         Message m = c.messages().front();
         if (m.kind == MessageKind::set_dir) continue;

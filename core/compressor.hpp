@@ -22,6 +22,9 @@ struct StepStatistics {
   double error_max = 0, error_square = 0;  // ticks, ticks²: executed against ideal
 };
 
+// Ticks from a step to one that is not known, or that there is none.
+inline constexpr double kNeverNear = 1e15;
+
 // half[k] = half the window of step k: a quarter of the smaller gap to its neighbours, `tolerance`
 // at most, and so that executed steps keep `least` ticks apart; plus half a tick, so that it always
 // holds an integer. t[-1] and t[n] are read.
@@ -75,7 +78,7 @@ class Compressor {
         least_(std::max(2.0 * double(spec.pulse), std::ceil(machine.clock_hz / spec.max_rate))),
         longest_(kLongestSeconds * machine.clock_hz), lead_(kLeadSeconds * machine.clock_hz),
         margin_(std::max(reversal_, 4 * machine.widest_tolerance()) + 1), target_(target) {
-    steps_.ticks.push_back(-1e15);  // stands for the step before the first
+    steps_.ticks.push_back(-kNeverNear);  // stands for the step before the first
   }
 
   // The solver appends here.
@@ -325,16 +328,12 @@ class Compressor {
   }
 
   void emit(int dir, size_t i, const Command& c) {
-    int64_t interval = int64_t(c.interval), add = int64_t(c.add), count = c.count;
-    if (interval < 1 || interval + add * (count - 1) < 1 || interval > 0x7fffffff)
-      throw std::logic_error("a command without time between its steps");
-    int64_t clock = due(steps_.ticks[i]),
-            end = last_ + interval * count + add * (count * (count - 1) / 2);
+    const int64_t clock = due(steps_.ticks[i]), end = last_ + c.span(), count = c.count;
     if (dir != dir_) {
       messages_.push({clock, clock, 0, 0, 0, target_, MessageKind::set_dir, uint8_t(dir > 0)});
       dir_ = dir;
     }
-    messages_.push({clock, end, uint32_t(interval), uint16_t(count), int16_t(add), target_,
+    messages_.push({clock, end, uint32_t(c.interval), uint16_t(count), int16_t(c.add), target_,
                     MessageKind::queue_step, uint8_t(dir > 0)});
     last_ = end;
     if (keeps_ideal_)

@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include "types.hpp"
@@ -51,25 +52,22 @@ class MessageQueue {
   void keep(size_t commits) {
     keeps_ = commits;
     commits_ = 0;
-    kept_ = head_;
+    kept_ = first_ = head_;
   }
-  // All that is kept is to be taken again; what was taken before ended at `clock`.
-  void rewind(int64_t clock) {
-    head_ = kept_;
-    commits_ = 0;
+  // Where what followed this commit begins, among the messages taken; nothing if it was taken too
+  // long ago, or not at all. kFirst: since keep().
+  static constexpr int64_t kFirst = -1;
+  std::optional<size_t> behind(int64_t serial) const {
+    if (serial == kFirst) return kept_ == first_ ? std::optional(first_) : std::nullopt;
+    for (size_t i = head_; i-- > kept_;)
+      if (at(i).kind == MessageKind::commit && at(i).interval == serial) return i + 1;
+    return std::nullopt;
+  }
+  // All messages from there on are to be taken again; what was taken before ended at `clock`.
+  void rewind(size_t begin, int64_t clock) {
+    for (size_t i = begin; i < head_; ++i) commits_ -= at(i).kind == MessageKind::commit;
+    head_ = begin;
     taken_until_ = clock;
-  }
-  // All messages behind this commit are to be taken again. False if it was taken too long ago, or
-  // not at all.
-  bool rewind_behind(uint32_t serial) {
-    for (size_t i = head_; i-- > kept_;) {
-      if (at(i).kind != MessageKind::commit || at(i).interval != serial) continue;
-      for (size_t k = i + 1; k < head_; ++k) commits_ -= at(k).kind == MessageKind::commit;
-      head_ = i + 1;
-      taken_until_ = at(i).clock;
-      return true;
-    }
-    return false;
   }
   // All that is kept, and all that waits, in its order.
   template <typename Visit>
@@ -99,6 +97,7 @@ class MessageQueue {
   }
   std::vector<Message> ring_;  // size is a power of two
   size_t kept_ = 0, head_ = 0, tail_ = 0;
+  size_t first_ = 0;  // of what followed keep()
   int64_t taken_until_ = 0;
   size_t keeps_ = 0, commits_ = 0;  // commits from kept_ to head_
   struct Guard {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "braking.hpp"
+#include "held.hpp"
 #include "history.hpp"
 #include "laser.hpp"
 #include "planner.hpp"
@@ -51,11 +52,8 @@ class Motion {
   // A timed record. Targets from kMark on are the host's own: they come out of marks(), in the
   // order of their clocks, and are not sent.
   static constexpr uint16_t kMark = 0x8000;
-  struct Record {
-    uint16_t target;
-    uint32_t value;
-    int64_t clock;
-  };
+  static_assert(LaserLight::kNone < kMark);
+  using Record = passo::Record;
   std::deque<Record>& marks() { return marks_; }
   // Called with each settled move, before its steps are solved.
   std::function<void(const Move&)> on_move;
@@ -92,7 +90,7 @@ class Motion {
   void record(uint16_t target, uint32_t value) {
     records_.push_back({target, value, 0});
     ++unattached_;
-    if (planner_.queued() == 0) place(planner_.clock(), std::exchange(unattached_, 0));
+    if (planner_.queued() == 0) place(planner_.clock(), std::exchange(unattached_, 0), true);
   }
 
   // Output `target` is a laser, fully on at `full`.
@@ -154,20 +152,19 @@ class Motion {
   }
   // The boards were left alone: they have come to a stop behind the commit `serial`, as it told
   // them to.
-  // Plans anew from there; what was to follow is held, and `release` goes on with it at any later
-  // clock; expected_net() tells where each motor must be by now. Outputs that were to change on the
-  // way change when it goes on. Returns the clock of the commit; nothing, and nothing is changed,
-  // if that is not known any more.
+  // Plans anew from there; what was to follow is held, with what is held already, and `release`
+  // goes on with it at any later clock; expected_net() tells where each motor must be by now.
+  // Outputs that were to change on the way change when it goes on. Returns the clock of the commit;
+  // nothing, and nothing is changed, if that is not known any more.
   std::optional<double> recover_from(uint32_t serial) {
     auto held = stream_.hold();
     std::optional<double> clock = stream_.rewind(serial);
     if (!clock) return std::nullopt;
-    if (held_.empty()) hold_from(*clock);
+    hold_from(*clock);
     std::deque<Record> late;
-    for (const Message& m : stream_.resume_at_rest(serial, int64_t(planner_.clock())))
+    for (const Message& m : stream_.resume_at_rest(serial, int64_t(std::ceil(planner_.clock()))))
       if (m.target != laser_.target()) late.push_back({m.target, m.interval, m.clock});
-    (held_.empty() ? unattached_ : held_.front().records) += uint32_t(late.size());
-    records_.insert(records_.begin(), late.begin(), late.end());
+    held_.record_first(late);
     return clock;
   }
 
@@ -177,27 +174,30 @@ class Motion {
   double replan_from(double ticks) {
     std::vector<Move> rest;
     double speed2 = cut(ticks, rest);
-    resume_plan(rest, speed2, ticks_of_cut_);
-    process(false);
+    go_on(rest, speed2);
     return ticks_of_cut_;
   }
 
   // As replan_from, and all that is still to come lies `mm` further along slot j (X, Y or Z): the
   // machine leans over to it in mid-move, or by a move of its own at the end. What is suspended
-  // goes on from the shifted place. Not while moves are held, but not suspended.
+  // goes on from the shifted place; what is held begins with the way over to there.
   double shift_from(double ticks, int j, double mm, size_t extruder) {
     if (aside_) {
-      for (Move& m : aside_->moves) m.p0[j] += mm, m.p1[j] += mm;
+      aside_->held.shift(j, mm);
       aside_->stop[j] += mm;
       aside_->end[j] += mm;
+      return planner_.clock();
+    }
+    if (held() > 0) {
+      held_.shift_from_rest(j, mm);
+      planner_.move_end(j, mm);
       return planner_.clock();
     }
     std::vector<Move> rest;
     double speed2 = cut(ticks, rest);
     planner_.take_queue(rest);
     double left = planner_.shift(rest, speed2, j, mm);
-    resume_plan(rest, speed2, ticks_of_cut_);
-    process(false);
+    go_on(rest, speed2);
     if (left != 0) push_shift(j, left, extruder);
     return ticks_of_cut_;
   }
@@ -217,28 +217,24 @@ class Motion {
   // that the machine can always still stop, what is left moves as much filament as `change` says.
   // What is held changes too.
   double change_flow_from(double ticks, size_t extruder, FlowChange& change) {
-    if (!held_.empty()) {
-      change_flow(held_.begin(), held_.end(), extruder, change);
+    if (held() > 0) {
+      change_flow(held_.moves, extruder, change);
       planner_.place_filament(extruder, change);
       return planner_.clock();
     }
-    std::vector<Move> rest, moves;
+    std::vector<Move> rest;
     double speed2 = cut(ticks, rest);
     planner_.take_queue(rest);
-    size_t i = 0;
-    for (double v2 = speed2; i < rest.size() && v2 > 0; ++i)
-      if (brake(rest[i], v2, moves)) break;
-    change_flow(rest.begin() + long(i), rest.end(), extruder, change);
+    std::vector<Move> moves = take_braking(rest, speed2);
+    change_flow(rest, extruder, change);
     planner_.place_filament(extruder, change);
-    moves.insert(moves.end(), rest.begin() + long(i), rest.end());
-    resume_plan(moves, speed2, ticks_of_cut_);
-    process(false);
+    moves.insert(moves.end(), rest.begin(), rest.end());
+    go_on(moves, speed2);
     return ticks_of_cut_;
   }
   // The same for what is suspended.
   void change_flow_aside(size_t extruder, FlowChange& change) {
-    std::vector<Move>& moves = aside_->moves;
-    change_flow(moves.begin(), moves.end(), extruder, change);
+    change_flow(aside_->held.moves, extruder, change);
     double& end = aside_->extruders[extruder];
     if (aside_->end[kE] == end) aside_->end[kE] = change.place(end);
     end = change.place(end);
@@ -258,7 +254,10 @@ class Motion {
     if (ticks == kInfinity && !aside_) return beside(planner_.position());
     if (aside_)
       return beside(aside_->stop) && beside(aside_->end) &&
-             std::all_of(aside_->moves.begin(), aside_->moves.end(), ends);
+             std::all_of(aside_->held.moves.begin(), aside_->held.moves.end(), ends);
+    if (held() > 0)
+      return beside(held_.moves.front().p0) && beside(planner_.position()) &&
+             std::all_of(held_.moves.begin(), held_.moves.end(), ends);
     return std::all_of(history_.at(ticks), history_.end(), ends) && planner_.all_queued(ends) &&
            beside(planner_.position());
   }
@@ -272,64 +271,64 @@ class Motion {
     double speed2 = cut(ticks, rest);
     bool still_there = !rest.empty() && rest[0].kind == MoveKind::dwell && rest[0].start <= start;
     if (still_there) rest[0].duration = 0;
-    resume_plan(rest, speed2, ticks_of_cut_);
-    process(false);
+    go_on(rest, speed2);
     return ticks_of_cut_;
   }
 
   // As replan_from, but brakes to a stop on the path. What is left of it waits for `release`, with
-  // what is held already.
+  // what is held already. A lit laser goes off at the stop, and on again when it goes on.
   double hold_from(double ticks) {
     std::vector<Move> rest;
     double speed2 = cut(ticks, rest);
-    rest.insert(rest.end(), held_.begin(), held_.end());
     planner_.take_queue(rest);
     planner_.stand(ticks_of_cut_);
-    std::vector<Move> braking;
-    size_t i = 0;
-    for (double v2 = speed2; i < rest.size() && v2 > 0; ++i)
-      if (brake(rest[i], v2, braking)) break;
-    held_.assign(rest.begin() + long(i), rest.end());
+    held_.put_first(rest, records_, std::exchange(unattached_, 0));
+    std::vector<Move> braking = take_braking(held_.moves, speed2);
     // Records behind the last move held are not due at the stop.
-    uint32_t behind = held_.empty() ? 0u : std::exchange(unattached_, 0u);
+    uint32_t due = unattached_ = held_.moves.empty() ? std::exchange(held_.behind, 0) : 0;
+    for (const Move& m : braking) due += m.records;
+    held_.give_back(due, records_);
     resume_plan(braking, speed2, ticks_of_cut_);
     flush();
-    unattached_ = behind;
-    dark_ = last_light();
-    if (dark_ > 0) put_light(0);
+    if (uint32_t light = last_light(); light > 0) {
+      record(laser_.target(), 0);
+      flush();
+      held_.record_first({{laser_.target(), light, 0}});
+    }
     return ticks_of_cut_;
   }
   // Goes on with what hold_from left.
   void release() {
-    std::vector<Move> rest;
-    rest.swap(held_);
-    planner_.rules().renumber(rest);
-    if (dark_ > 0) put_light(std::exchange(dark_, 0u));
-    resume_plan(rest, 0, planner_.clock());
+    if (planner_.queued() > 0) flush();
+    Held held = std::exchange(held_, {});
+    planner_.rules().renumber(held.moves);
+    records_.insert(records_.end(), held.records.begin(), held.records.end());
+    unattached_ += held.behind;
+    if (held.moves.empty()) place(planner_.clock(), std::exchange(unattached_, 0), true);
+    resume_plan(held.moves, 0, planner_.clock());
     process(false);
   }
-  size_t held() const { return held_.size(); }
+  size_t held() const { return held_.moves.size(); }
   // The extruder that hold_from has stopped; nothing if no move is held.
   std::optional<size_t> stopped_extruder() const {
-    return held_.empty() ? std::nullopt : std::optional<size_t>(held_.front().extruder);
+    return held_.moves.empty() ? std::nullopt : std::optional<size_t>(held_.moves.front().extruder);
   }
   ProgramLines& lines() { return lines_; }
   // Where the plan was at `ticks`, in the last second or so: X, Y, Z, the extruder of that move and
   // further axes. Nothing if that is longer ago.
   std::optional<std::array<double, kAxes>> position_at(double ticks) const {
-    return history_.position_at(ticks, planner_.next_start());
+    const double* next = held() > 0 ? held_.moves.front().p0 : planner_.next_start();
+    return history_.position_at(ticks, next);
   }
   // After hold_from: puts what is held aside, with its records, so that other moves may come first,
   // from where the machine stands. `resume` takes it up again; the machine must be back there.
   void suspend() {
     Aside aside;
-    aside.records.swap(records_);
-    aside.moves.swap(held_);
-    aside.unattached = std::exchange(unattached_, 0);
+    aside.held = std::exchange(held_, {});
     std::copy_n(planner_.position(), kAxes, aside.end);
     for (size_t i = 0; i < machine_.extruders.size(); ++i)
       aside.extruders.push_back(planner_.extruder_position(i));
-    go_back(aside.moves);
+    stand_before(aside.held);
     std::copy_n(planner_.position(), kAxes, aside.stop);
     for (size_t i = 0; i < stream_.motors(); ++i) aside.counts.push_back(stream_.count(i));
     aside_ = std::move(aside);
@@ -348,24 +347,14 @@ class Motion {
     // Filament that was moved meanwhile stays where it is.
     for (size_t i = 0; i < stream_.motors(); ++i)
       if (machine_.pushes_filament(machine_.steppers[i])) stream_.set_count(i, aside_->counts[i]);
-    held_.swap(aside_->moves);
-    records_.swap(aside_->records);
-    unattached_ = aside_->unattached;
+    held_ = std::move(aside_->held);
     aside_.reset();
     release();
   }
   // What is put aside will not be taken up again.
   void forget_suspended() { aside_.reset(); }
   // What hold_from has left is forgotten, and its records with it.
-  void forget_held() {
-    dark_ = 0;
-    if (!held_.empty()) {
-      go_back(held_);
-      held_.clear();
-      records_.clear();
-      unattached_ = 0;
-    }
-  }
+  void forget_held() { stand_before(std::exchange(held_, {})); }
 
  private:
   static constexpr double kKeptSeconds = 1.0;  // of motion that is under way or done already
@@ -378,12 +367,10 @@ class Motion {
   StepStream stream_;
   std::deque<Record> records_, placed_, marks_;
   History history_;
-  std::vector<Move> held_;
+  Held held_;
   ProgramLines lines_;
   struct Aside {
-    std::vector<Move> moves;
-    std::deque<Record> records;
-    uint32_t unattached = 0;
+    Held held;
     double stop[kAxes], end[kAxes];
     std::vector<double> extruders;
     std::vector<int64_t> counts;  // steps of each motor at the stop
@@ -391,20 +378,14 @@ class Motion {
   std::optional<Aside> aside_;
   uint32_t unattached_ = 0;  // last records_ that wait for a move to follow
   LaserLight laser_;
-  uint32_t light_before_ = 0, dark_ = 0;  // of records forgotten; what a stop has switched off
+  uint32_t light_before_ = 0;  // of records forgotten
   double ticks_of_cut_ = 0;
   bool in_pieces_ = false;  // what comes next may go on from pieces without a stop
   double pieces_end_ = 0;   // ticks
 
-  // These moves have not come about: the machine, and each extruder, is where they would begin.
-  void go_back(const std::vector<Move>& moves) {
-    for (size_t i = moves.size(); i-- > 0;) planner_.set_position(moves[i].p0, moves[i].extruder);
-  }
-  static void change_flow(std::vector<Move>::iterator first, std::vector<Move>::iterator last,
-                          size_t extruder, FlowChange& change) {
-    for (; first != last; ++first)
-      if (first->extruder == extruder)
-        change.apply(first->p0[kE], first->p1[kE], first->flow, first->owed);
+  static void change_flow(std::vector<Move>& moves, size_t extruder, FlowChange& change) {
+    for (Move& m : moves)
+      if (m.extruder == extruder) change.apply(m.p0[kE], m.p1[kE], m.flow, m.owed);
   }
   // Takes changes of the laser's light.
   auto light() {
@@ -442,20 +423,31 @@ class Motion {
   void resume_plan(std::vector<Move>& moves, double speed2, double clock) {
     unattached_ += planner_.resume(std::move(moves), speed2, clock);
   }
+  // After a cut. Where moves are held the plan ends with the stop.
+  void go_on(std::vector<Move>& moves, double speed2) {
+    resume_plan(moves, speed2, ticks_of_cut_);
+    held() > 0 ? flush() : process(false);
+  }
+  // After a stop: the next move starts where what is held would have gone on, each extruder where
+  // its own moves would.
+  void stand_before(const Held& held) {
+    for (size_t i = held.moves.size(); i-- > 0;)
+      planner_.set_position(held.moves[i].p0, held.moves[i].extruder);
+  }
   double now() const { return cpu_clock_ ? cpu_clock_() : 0; }
   void process(bool still) {
     double start = now();
     std::vector<Move>& moves = planner_.settled();
     for (const Move& m : moves) {
       plan_.add(m, machine_.clock_hz, 1);
-      place(m.start, m.records);
+      place(m.start, m.records, false);
       if (with_steps_) laser_.follow(m, machine_.clock_hz, light());
       if (on_move) on_move(m);
       lines_.add(m.start, m.line);
     }
     if (still) {
       laser_.off(planner_.clock(), light());
-      place(planner_.clock(), std::exchange(unattached_, 0));
+      place(planner_.clock(), std::exchange(unattached_, 0), true);
     }
     if (with_steps_) {
       stream_.solve(moves);
@@ -481,13 +473,6 @@ class Motion {
       if (r.target == laser_.target()) value = r.value;
     return value;
   }
-  // At the end of a plan that stands.
-  void put_light(uint32_t value) {
-    records_.push_front({laser_.target(), value, 0});
-    place(planner_.clock(), 1);
-    merge(true);
-    stream_.stand(planner_.clock());
-  }
   // After a cut between two moves: the one before it has the last word on the laser.
   bool still_following() const {
     const Move* before = history_.last();
@@ -497,11 +482,12 @@ class Motion {
     return true;
   }
 
-  // The next n records are due at `ticks`.
-  void place(double ticks, uint32_t n) {
+  // The next n records are due at `ticks`; `alone`: behind a move.
+  void place(double ticks, uint32_t n, bool alone) {
     for (; n > 0; --n) {
       Record r = records_.front();
       records_.pop_front();
+      r.alone = alone;
       if (r.target >= kMark) {
         r.clock = stream_.not_before(ticks);
         marks_.push_back(r);
@@ -526,7 +512,7 @@ class Motion {
 
   // No move before this one will be planned anew; what is held or aside may be older.
   void forget_rules(const Move& oldest) {
-    if (held_.empty() && !aside_) planner_.rules().forget_before(oldest.rules);
+    if (held() == 0 && !aside_) planner_.rules().forget_before(oldest.rules);
   }
 
   void merge(bool all) { stream_.merge(planner_.clock(), all); }
@@ -545,32 +531,43 @@ class Motion {
     }
     stream_.revoke(at, planner_.clock());
     lines_.cut(ticks_of_cut_);
-    size_t taken_back = 0, at_the_end = 0;
-    for (; !placed_.empty() && placed_.back().clock > at; ++taken_back) {
-      if (at_the_end == taken_back && double(placed_.back().clock) >= planner_.clock() - 1)
-        ++at_the_end;
-      records_.push_front(placed_.back());
-      placed_.pop_back();
-    }
     while (!marks_.empty() && marks_.back().clock > at) marks_.pop_back();
     rest = history_.cut(ticks_of_cut_);
     for (const Move& m : rest) plan_.add(m, machine_.clock_hz, -1);
     bool under_way = !rest.empty() && rest[0].start < ticks_of_cut_;
-    laser_.cut(under_way ? rest[0].duty > 0 : still_following());
-    // Records that no move of the rest brings along were due at the end of the plan, or late.
-    size_t brought = 0;
-    for (const Move& m : rest) brought += m.start >= ticks_of_cut_ ? m.records : 0;
-    size_t alone = taken_back - std::min(taken_back, brought);
-    at_the_end = std::min(at_the_end, alone);
-    size_t late = under_way ? alone - at_the_end : 0;
-    if (!planner_.attach(uint32_t(alone - late))) unattached_ += uint32_t(alone - late);
     if (under_way)
       plan_.add(history_.divide(rest[0], ticks_of_cut_, speed2), machine_.clock_hz, 1);
     else if (!rest.empty())
       speed2 = rest[0].v0 * rest[0].v0;
-    if (late > 0) rest[0].records = uint32_t(late);
+    uint32_t at_the_end = take_back(at, rest, under_way);
+    if (!planner_.attach(at_the_end)) unattached_ += at_the_end;
+    laser_.cut(under_way ? rest[0].duty > 0 : still_following());
     planner_.rewind_budget(rest);
     return speed2;
+  }
+  // Records later than `at` come again, with the moves of the rest that have brought them; those
+  // that came behind a move come before the next one, and late ones at once. Returns how many come
+  // behind all of them.
+  uint32_t take_back(int64_t at, std::vector<Move>& rest, bool under_way) {
+    uint32_t at_the_end = 0, *next = &at_the_end;
+    auto back = [&] {
+      records_.push_front(placed_.back());
+      placed_.pop_back();
+    };
+    auto later = [&] { return !placed_.empty() && placed_.back().clock > at; };
+    for (size_t i = rest.size(); i-- > (under_way ? 1 : 0); next = &rest[i].records) {
+      for (; later() && placed_.back().alone; ++*next) back();
+      // One that is due at the very clock of the cut has been.
+      uint32_t n = 0;
+      for (; n < rest[i].records && later(); ++n) back();
+      rest[i].records = n;
+    }
+    if (under_way) {
+      for (; later() && placed_.back().alone; ++*next) back();
+      next = &rest[0].records;
+    }
+    for (; later(); ++*next) back();
+    return at_the_end;
   }
 };
 

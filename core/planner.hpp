@@ -59,6 +59,8 @@ class Planner {
     std::memcpy(position_, position, sizeof position_);
     if (extruder < extruder_.size()) extruder_[extruder] = position[kE];
   }
+  // What comes later starts `mm` further along slot j. Only while nothing is queued.
+  void move_end(int j, double mm) { position_[j] += mm; }
   // Time passes with the machine at rest. Only while nothing is queued.
   void wait_until(double ticks) {
     budget_.rest(std::max(0.0, ticks - clock_) / clock_hz_);

@@ -9,6 +9,8 @@
 #pragma once
 #include <algorithm>
 #include <bit>
+#include <cstdint>
+#include <stdexcept>
 
 #include "lanes.hpp"
 #include "simd.hpp"
@@ -19,6 +21,14 @@ namespace passo {
 struct Command {
   int count;
   double interval, add;  // integers
+
+  // Ticks that its steps take. Throws if a board would not take it.
+  int64_t span() const {
+    const int64_t first = int64_t(interval), change = int64_t(add), n = count;
+    if (first < 1 || first + change * (n - 1) < 1 || first > 0x7fffffff)
+      throw std::logic_error("a command without time between its steps");
+    return first * n + change * (n * (n - 1) / 2);
+  }
 };
 
 inline constexpr int kMostSteps = 4096;  // steps at most, of the protocol's 65535

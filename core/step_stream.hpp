@@ -80,9 +80,8 @@ class StepStream {
     for (Compressor& c : compressors_) c.renew();
   }
 
-  template <typename Path>  // Move or Piece
-  void solve(const Path& path) {
-    for (size_t i = 0; i < solvers_.size(); ++i) solvers_[i].solve(path, compressors_[i].steps());
+  void solve(const Piece& piece) {
+    for (size_t i = 0; i < solvers_.size(); ++i) solvers_[i].solve(piece, compressors_[i].steps());
   }
   void solve(const std::vector<Move>& moves) {
     for (size_t i = 0; i < solvers_.size(); ++i)
@@ -199,13 +198,12 @@ class StepStream {
     if (!commits_) return std::nullopt;
     auto p = commits_->find(serial);
     if (p == commits_->points().end()) return std::nullopt;
-    double clock = double(p->clock);
-    for (MessageQueue& queue : messages_)
-      if (commits_->begins_with(*p))
-        queue.rewind(p->clock);
-      else if (!queue.rewind_behind(serial))
-        return std::nullopt;
-    return clock;
+    std::vector<size_t> begins;
+    for (const MessageQueue& queue : messages_)
+      if (std::optional<size_t> begin = queue.behind(last_of(*p))) begins.push_back(*begin);
+    if (begins.size() < messages_.size()) return std::nullopt;  // of one, but not of all
+    for (size_t i = 0; i < begins.size(); ++i) messages_[i].rewind(begins[i], p->clock);
+    return double(p->clock);
   }
   // Net steps by which each motor is further where it stands behind the commit `next`, whose brake
   // tails are done, than behind the one before that, `serial`. Nothing if they do not follow each
@@ -218,6 +216,7 @@ class StepStream {
       return std::nullopt;
     std::vector<int64_t> net(solvers_.size(), 0);
     for (const MessageQueue& queue : messages_) {
+      if (!queue.behind(last_of(*std::prev(p)))) return std::nullopt;
       bool behind = commits_->begins_with(*std::prev(p)), over = false;
       std::vector<std::pair<size_t, int64_t>> tails;
       queue.visit([&](const Message& m) {
@@ -299,6 +298,10 @@ class StepStream {
     int64_t taken = kNoMessage;  // by all
     for (const MessageQueue& queue : messages_) taken = std::min(taken, queue.taken_until());
     commits_->forget(taken, kKeptCommits);
+  }
+  // What MessageQueue::behind() calls it.
+  int64_t last_of(const Commits::Point& p) const {
+    return commits_->begins_with(p) ? MessageQueue::kFirst : int64_t(p.serial);
   }
   static bool sooner(const Message& a, const Message& b) { return a.clock < b.clock; }
   // Returns the latest clock of what is kept, or `at`. What is kept, but in no commit, comes to

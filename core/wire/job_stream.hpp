@@ -315,13 +315,10 @@ class JobStream {
     switch (m.kind) {
       case MessageKind::pin:
         return clock;
-      case MessageKind::queue_step: {
-        int64_t gaps = m.count - 1;  // between its steps
-        int64_t later = int64_t(m.interval) * gaps + int64_t(m.add) * (gaps * (gaps + 1) / 2);
-        clock = m.end_clock - later + base_;
+      case MessageKind::queue_step:
+        clock = m.start() + m.span(1) + base_;
         staged_ = std::min(staged_, clock);
         return clock;
-      }
       case MessageKind::commit:
         return std::exchange(staged_, m.dir ? kNever : clock);
       default:

@@ -143,7 +143,7 @@ class Retimer {
       t[k] = std::max(map_.at(double(at)), t[k - 1] + apart);
       apart = apart_of.least;
     }
-    t[n] = t[n - 1] + 1e15;
+    t[n] = t[n - 1] + kNeverNear;
     windows(t, lo_.data(), hi_.data(), int(n), tolerance_, apart_of.least);
     if (motor.turning) lo_[0] = std::max(lo_[0], double(motor.last) + apart_of.turning - 0.5);
     motor.turning = false;
@@ -151,14 +151,11 @@ class Retimer {
     for (size_t i = 0; i < n;) {
       Command c = stabbing_.longest(&lo_[i], &hi_[i], int(std::min(n - i, size_t(kMostSteps))),
                                     double(motor.last), &executed_[i]);
-      int64_t ticks = int64_t(c.interval), add = int64_t(c.add), many = c.count;
-      if (ticks < 1 || ticks + add * (many - 1) < 1 || ticks > 0x7fffffff)
-        throw std::logic_error("a command without time between its steps");
       int64_t clock = moves ? std::max(due, motor.last) : due;
-      motor.last += ticks * many + add * (many * (many - 1) / 2);
-      ready_.push({clock, moves ? motor.last : due, uint32_t(ticks), uint16_t(many), int16_t(add),
-                   m.target, m.kind, m.dir});
-      i += size_t(many);
+      motor.last += c.span();
+      ready_.push({clock, moves ? motor.last : due, uint32_t(c.interval), uint16_t(c.count),
+                   int16_t(c.add), m.target, m.kind, m.dir});
+      i += size_t(c.count);
     }
   }
 };

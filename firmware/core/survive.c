@@ -33,7 +33,7 @@ enum { OFF, RESTING, MOVING, BRAKING, HELD };
 
 static bool decide(struct timer *timer);
 static struct timer decision = {.run = decide};
-// Written by foreground and timer under hal_irq_save().
+// The timer writes them while the board is moving; then the foreground needs hal_irq_save() to.
 static volatile uint8_t state;
 static volatile bool undone;  // decided, and the tails not queued yet
 static volatile bool untold;  // the host does not know of the decision

@@ -2,8 +2,9 @@
 // board accepts, and the steps must add up to the rounded targets. Lengths go down to nanometres
 // and feed rates from crawling to absurd; the board's budget may be short, and some moves come as
 // polynomials of time that swing beyond both ends, and the bed may not be flat. Motion may come in
-// commits, and the board be left alone with what it was told last. The flow of filament may change
-// at any clock.
+// commits, and the board be left alone with what it was told last, also while moves are held. The
+// flow of filament may change at any clock. Records come each once: those of the program (output 0)
+// in their order, and those of somebody who comes in between (output 1).
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -47,8 +48,11 @@ Machine machine_of(JunctionLaw law, bool delta, bool short_of_commands) {
 struct Board {
   int64_t net[4] = {}, clock[4] = {};
   int direction[4] = {1, 1, 1, 1};
+  uint32_t recorded[2] = {};  // by output
   void take(const Message& m) {
     if (m.target >= 4) std::abort();
+    if (m.kind == MessageKind::pin && ++recorded[m.target] != m.interval && m.target == 0)
+      std::abort();
     if (m.kind == MessageKind::set_dir) direction[m.target] = m.dir ? 1 : -1;
     if (m.kind == MessageKind::reset_clock) clock[m.target] = m.clock;
     if (m.kind != MessageKind::queue_step) return;
@@ -108,6 +112,14 @@ struct LoneBoard {
   }
 };
 
+// The board has stopped by itself: every motor is where the plan has it, whatever was held.
+void recover(Motion& motion, LoneBoard& board) {
+  board.stop_alone();
+  if (!motion.recover_from(board.serial)) std::abort();
+  for (size_t k = 0; k < 4; ++k)
+    if (motion.stream().expected_net(k) != board.moves.net[k]) std::abort();
+}
+
 // From rest to rest, and by the way a swing: with τ = t/seconds,
 // P = a + (b - a)(10 τ³ - 15 τ⁴ + 6 τ⁵) + mm τ²(1 - τ)²(1 - 2 τ).
 Piece swing(const double* a, const double* b, double seconds, double mm) {
@@ -138,6 +150,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   Board board;
   LoneBoard lone;
   bool commits = data[0] & 32;
+  uint32_t records[2] = {};
   int64_t before[4];
   for (size_t i = 0; i < 4; ++i) before[i] = motion.stream().count(i);
   if (data[0] & 16) {
@@ -150,14 +163,22 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   MessageQueue& queue = motion.stream().messages(0);
   for (size_t i = 1; i + 12 <= size; i += 12) {
     const uint8_t* p = data + i;
+    if (p[8] % 4 == 1) motion.record(0, ++records[0]);
     if (commits && p[11] % 8 == 7) {
+      bool holds = p[9] & 2;
+      if (holds) motion.hold_from(motion.planner().clock() * (p[7] / 255.0));
+      if (holds && p[9] & 4) motion.replan_from(motion.planner().clock() * (p[6] / 255.0));
       for (size_t n = size_t(p[10]) * 4; n > 0 && !queue.empty(); --n, queue.pop())
         lone.take(queue.front());
-      if (p[9] & 1) {
-        lone.stop_alone();
-        if (!motion.recover_from(lone.serial)) std::abort();
-        for (size_t k = 0; k < 4; ++k)
-          if (motion.stream().expected_net(k) != lone.moves.net[k]) std::abort();
+      if (p[9] & 1) recover(motion, lone);
+      if (p[9] & 8 && motion.held() > 0) {
+        motion.shift_from(0, kZ, p[5] / 100.0, 0);
+        at[kZ] = move.target[kZ] = motion.planner().position()[kZ];
+      }
+      if (p[9] & 16 && motion.held() > 0) motion.record(1, ++records[1]);
+      if (p[9] & 32 && p[9] & 1) recover(motion, lone);
+      if (holds || p[9] & 1) {
+        motion.flush();
         motion.wait_until(motion.planner().clock() + 1e6 + 1e5 * p[8]);  // it stands by then
         motion.release();
       }
@@ -223,8 +244,17 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (std::fabs(double(motion.stream().count(3)) - filament) > 0.5 + 1e-6) std::abort();
   for (; !queue.empty(); queue.pop())
     commits ? lone.take(queue.front()) : board.take(queue.front());
-  if (commits && !lone.staged.empty()) std::abort();
+  for (const Message& m : lone.staged) {
+    if (m.kind != MessageKind::pin) std::abort();
+    lone.moves.take(m);  // due when the machine stands
+  }
   if (commits) board = lone.moves;
+  if (!std::equal(records, records + 2, board.recorded)) std::abort();
+  if (!(data[0] & 20))  // neither a delta nor a bed that is not flat
+    for (size_t i = 0; i < 3; ++i) {
+      double steps = motion.planner().position()[i] * (i == 2 ? 400 : 80);
+      if (std::fabs(double(motion.stream().count(i)) - steps) > 0.5 + 1e-6) std::abort();
+    }
   for (size_t i = 0; i < 4; ++i) {
     const StepStatistics& s = motion.stream().statistics(i);
     if (board.net[i] != s.net || board.net[i] != motion.stream().count(i) - before[i]) std::abort();
