@@ -12,6 +12,21 @@ inline bool text_command(const Word& w) {  // its argument is free text, not wor
          n == 600 || n == 862 || n == 928;
 }
 
+// Commands whose words are read here alone; those of moves are, too, by run_motion.
+inline bool own_command(char letter, int code, int minor) {
+  if (minor != 0) return false;
+  if (letter == 'G')
+    return code == 4 || code == 10 || code == 11 || code == 60 || code == 61 || code == 92;
+  return code == 82 || code == 83 || code == 200 || (code >= 207 && code <= 209) || code == 603 ||
+         code == 701 || code == 702;
+}
+
+// Words of these that need no number; the dialect table says the same.
+inline bool may_stand_alone(char letter, int code, char word) {
+  if (letter == 'G') return code == 61 && std::strchr("ABCDEHIJKUVWXYZ", word);
+  return code == 702 && word == 'C';
+}
+
 inline void Interpreter::run_line(const char* p, const char* end) {
   while (p < end && std::isspace(uint8_t(*p))) ++p;
   while (end > p && std::isspace(uint8_t(end[-1]))) --end;
@@ -149,9 +164,8 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
   auto has = [&](char letter) {
     return std::any_of(w, end, [&](const Word& x) { return x.letter == letter; });
   };
-  bool numbers = minor == 0 && (command.letter == 'G' ? code == 4 || code == 92
-                                                      : code == 200 || code == 207 || code == 208);
-  for (const Word* x = w; numbers && x < end; ++x) {
+  for (const Word* x = w; own_command(command.letter, code, minor) && x < end; ++x) {
+    if (!x->number && may_stand_alone(command.letter, code, x->letter)) continue;
     if (!sound(*x)) return;
     if (x->letter == 'F' && !(x->value > 0)) return fail(Fault::feedrate, "F", x->value, 0);
   }

@@ -587,6 +587,10 @@ class CommandError(PassoError):
         return cls.of("command.value", axis=word, value=f"{value:g}", limit=limit)
 
 
+class WordError(CommandError):
+    """A word of a command is none: its number is missing or beyond what a number may be."""
+
+
 class MachineError(PassoError):
     """The printer or its board failed."""
 

@@ -125,6 +125,40 @@ def test_with_json_every_failure_is_an_object(capsys):
     assert "no machine called 'nothing'" in result["errors"][0]
 
 
+@pytest.mark.parametrize(
+    ("line", "word"),
+    [
+        ("M106 P", "P"),
+        ("M106 S255 P ; the second fan", "P"),
+        ("M201 X", "X"),
+        ("M92 X", "X"),
+        ("M104 S", "S"),
+        ("M104 Sabc", "S"),
+        ("M204 P1000 T", "T"),
+        ("M220 S nan", "S"),
+        ("M205 J2000000000", "J2e+09"),
+        ("m84 s", "S"),
+    ],
+)
+def test_a_word_without_a_number_is_bad_input(capsys, tmp_path, line, word):
+    path = tmp_path / "p.gcode"
+    path.write_text(f"G28\n{line}\nG1 X10\n")
+    for command in ("print", "estimate"):
+        assert main([command, str(path)]) == 4
+        out, err = capsys.readouterr()
+        assert (out, err.count("\n")) == ("", 1)
+        assert f"{path}:2: the word {word!r} has no valid number" in err
+
+
+def test_letters_that_need_no_number_and_texts(capsys, tmp_path):
+    path = tmp_path / "p.gcode"
+    lines = ["G28 X Y W", "M84 X Y E", "M220 B", "M220 R", "M104 S nan", "M104 F S20", "M107 F"]
+    lines += ["M117 Print X of Y", "M0 Click S", "M20 L", "M23 Part.gco", 'M569 S1 X Y"a"', "M503"]
+    path.write_text("\n".join([*lines, "G29 A J", "M862.3 P MK3S"]))
+    warnings = printed(capsys, str(path))["warnings"]
+    assert [w.split(": ")[1].split()[0] for w in warnings] == ["G29", "M0"]
+
+
 @pytest.mark.parametrize("path", ["missing.gcode", "."])
 def test_unreadable_paths(capsys, path):
     assert main(["print", path]) == 4

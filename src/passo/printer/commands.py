@@ -98,7 +98,8 @@ class Commands:
         }
 
     def run(self, command: Command) -> Wait | None:
-        """Carries one command out, or counts it as unknown; returns what it waits for."""
+        """Carries one command out, or counts it as unknown; returns what it waits for. Raises
+        CommandError where it is refused, WordError for a word without a number."""
         if command.letter == "T":
             if command.minor:
                 _count(self.missing_tools, f"T{command.number}", command.line)
@@ -106,6 +107,7 @@ class Commands:
                 self._tool_changed(command.number)
             return None
         code = "S" if command.letter == "S" else command.code
+        command.check()
         handler = self._handlers.get(code)
         if handler is not None:
             return handler(command)

@@ -393,7 +393,10 @@ class Printer:
     def _carried_out(self, handler: Handler | None, command: Command, reply: Reply) -> Wait | None:
         """By a handler of a living printer, or as in a print without consoles."""
         try:
-            return handler(command, reply) if handler else self.commands.run(command)
+            if handler is None:
+                return self.commands.run(command)
+            command.check()
+            return handler(command, reply)
         except (CommandError, LinkLostError) as error:
             reply.fail(str(error))
             return None
