@@ -209,7 +209,7 @@ class Planner {
   void append(const Move& m, bool passes) {
     queue_.push_back(m);
     Move& last = queue_.back();
-    last.vj2 = moving_ ? junction_.cap2(before_, last, rules_.of(last.rules).limits) : 0;
+    last.vj2 = moving_ ? junction_.cap2(before_, last, rules_.of(last.rules)) : 0;
     if (budget_.bounds_anything()) {
       if (!moving_) budget_.restart(speed2_);
       budget_.apply(last, moving_ ? last.vj2 : speed2_);

@@ -175,7 +175,35 @@ def test_policies(capsys, tmp_path):
         "G777 is unknown and was skipped (1 time)",
         "M0 waits for a person; nobody is here, so it took no time (2 times)",
         "tool T5 does not exist and was ignored (1 time)",
-        "1 targets out of range were moved to the limit",
+        "X 300.000 mm is beyond the limit of 250.000 mm; such targets were moved to the limit"
+        " (1 time)",
+    ]
+
+
+def test_what_clamp_changes_is_told_once_for_each_axis(capsys, tmp_path):
+    path = tmp_path / "p.gcode"
+    path.write_text("G1 X9 F3000\nG1 X260\nG1 Y-5 X270\nG1 Y-1 X280\nG1 X300 E1\n")
+    assert printed(capsys, str(path), "--out-of-range", "clamp")["warnings"] == [
+        f"{path}:2: X 260.000 mm is beyond the limit of 250.000 mm;"
+        " such targets were moved to the limit (4 times)",
+        f"{path}:3: Y -5.000 mm is beyond the limit of 0.000 mm;"
+        " such targets were moved to the limit (2 times)",
+    ]
+
+
+def test_what_cannot_be_reached_is_told_with_its_measure(capsys, tmp_path):
+    path = tmp_path / "p.gcode"
+    path.write_text("G28\nG1 Z100 F3000\nG1 X70 Y40\nG1 X0 Y80\nG1 X-54 Y-54 E1\n")
+    words = [str(path), "--machine", "delta"]
+    # Straight from the middle, tried every 2 mm.
+    where = "the point X 66.585, Y 38.049, Z 100.000 mm cannot be reached by this machine"
+    measure = "it is 76.690 mm from the middle, of at most 75.100 mm"
+    assert main(["print", *words]) == 4
+    assert f"{path}:3: {where}: {measure}. Move the model" in capsys.readouterr().err
+    assert printed(capsys, *words, "--out-of-range", "clamp")["warnings"] == [
+        f"{path}:4: Y 80.000 mm is beyond the limit of 75.100 mm; such targets were moved to the"
+        " limit (1 time)",
+        f"{path}:3: {where}: {measure}; such moves were left out (2 times)",
     ]
 
 

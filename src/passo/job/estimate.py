@@ -75,5 +75,5 @@ def estimate(
         features_s=plan["feature_s"],
         limits_s=plan["limit_s"],
         budget=budget_use(plan, machine.board),
-        warnings=commands.warnings(str(path), plan["clamped"]),
+        warnings=commands.warnings(str(path)),
     )

@@ -10,7 +10,6 @@ from passo import _core
 from passo.errors import CommandError, InputError, WordError
 from passo.job.source import chunks, open_source
 from passo.printer.commands import Commands
-from passo.printer.faults import problem_of
 from passo.printer.waits import Homing, Temperatures, Wait
 from passo.printer.words import Command
 
@@ -76,7 +75,7 @@ def read_program(
             else:
                 job.finish()
         elif found == status.ERROR:
-            raise InputError([problem_of(job, name)])
+            raise InputError([commands.problem(name)])
         elif found == status.END:
             break
         if found != status.EVENT:

@@ -8,10 +8,10 @@ from math import sqrt
 from typing import TYPE_CHECKING, Protocol
 
 from passo.config.drives import axis_order
-from passo.errors import CommandError
+from passo.errors import CommandError, Problem
 from passo.gcode.dialect import Kind, row_of
 from passo.geometry.base import Unreachable
-from passo.printer.faults import problem_of
+from passo.printer.faults import problem, problem_of
 from passo.printer.slots import E
 from passo.printer.waits import Homing, Person, Still, Temperatures, Wait
 from passo.printer.words import Command
@@ -125,23 +125,38 @@ class Commands:
         """A command that was not carried out, in a print that goes on."""
         _count(self.refused, f"{command.code}: {error}", command.line)
 
-    def warnings(self, file: str, clamped: int) -> list[str]:
-        """One sentence for each code that meant nothing, waited for nobody, or was ignored."""
+    def problem(self, path: str = "") -> Problem:
+        """The error that the job stopped at; `path` is the file."""
+        return problem_of(self._job, path, self._machine.geometry)
+
+    def warnings(self, file: str) -> list[str]:
+        """One sentence for each code that meant nothing, waited for nobody, or was ignored, for
+        each axis whose targets were moved to the limit, and for moves that were left out."""
         sentences = (
             (self.unknown, "{} is unknown and was skipped"),
             (self.not_built, "{} does nothing here and was skipped"),
             (self.waits, "{} waits for a person; nobody is here, so it took no time"),
             (self.missing_tools, "tool {} does not exist and was ignored"),
             (self.refused, "{}"),
+            (self._clamped(), "{}"),
         )
-        lines = [
+        return [
             f"{file}:{line}: {text.format(code)} ({times} {'time' if times == 1 else 'times'})"
             for table, text in sentences
             for code, (line, times) in table.items()
         ]
-        if clamped:
-            lines.append(f"{file}: {clamped} targets out of range were moved to the limit")
-        return lines
+
+    def _clamped(self) -> dict[str, tuple[int, int]]:
+        geometry = self._machine.geometry
+        problems = [(problem(error, "", geometry), times) for error, times in self._job.clamped]
+        moved, left_out = "such targets were moved to the limit", "such moves were left out"
+        return {
+            f"{p.sentence}; {moved if p.code == 'input.out-of-range' else left_out}": (
+                p.line or 0,
+                times,
+            )
+            for p, times in problems
+        }
 
     def _home(self, command: Command) -> Wait:
         self.laser_off()  # homing runs over what lies there
@@ -421,7 +436,7 @@ class Commands:
     def _babystep(self, command: Command) -> None:
         for axis, mm in self.babysteps(command):
             if not self._job.shift(axis, mm):
-                raise CommandError([problem_of(self._job, "")])
+                raise CommandError([self.problem()])
 
     def _velocity_limit(self, command: Command) -> None:
         values: dict[str, float] = {}

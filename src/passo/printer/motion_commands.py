@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from passo.config.drives import Driven, axis_order
 from passo.errors import CommandError
-from passo.printer.faults import problem_of
 from passo.printer.waits import Handler, Reply, Still, Wait
 from passo.printer.words import Command
 
@@ -295,7 +294,7 @@ class MotionCommands:
             raise CommandError.of("input.homing", axis=command.code)
         for axis, mm in self._printer.commands.babysteps(command):
             if not self._printer.drive.shift(axis, mm):
-                raise CommandError([problem_of(self._printer.job, "")])
+                raise CommandError([self._printer.commands.problem()])
             self.babysteps_mm["xyz"[axis]] += mm
         return None
 

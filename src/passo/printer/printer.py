@@ -18,7 +18,6 @@ from passo.printer.driver_commands import DriverCommands
 from passo.printer.drivers import DriverWatch
 from passo.printer.endstop_watch import EndstopWatch
 from passo.printer.fans import FollowingFans
-from passo.printer.faults import problem_of
 from passo.printer.heat_commands import HeatCommands
 from passo.printer.homing import Homer
 from passo.printer.lateness import LatenessWatch
@@ -472,7 +471,7 @@ class Printer:
                     if wait is not None:
                         return wait
                 elif found == status.ERROR:
-                    reply.fail(str(problem_of(self.job, "")))
+                    reply.fail(str(self.commands.problem()))
                     self.job.abandon()
                     return None
                 else:
