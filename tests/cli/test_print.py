@@ -62,8 +62,9 @@ def test_golden_streams(capsys, unpacked, file, machine):
 def test_arcs_and_warnings(capsys, unpacked):
     result = printed(capsys, unpacked("gear_arcs"), "--machine", "mk3s")
     assert result["arcs"] == 7241
-    assert [w.split(": ")[1] for w in result["warnings"]] == [
-        "G80 is unknown and was skipped (1 time)"
+    assert [w.split(": ", 1)[1] for w in result["warnings"]] == [
+        "G80 is unknown and was skipped (1 time)",
+        "M205: X Y Z E without effect, for corners obey J, the junction deviation (1 time)",
     ]
 
 
@@ -254,6 +255,71 @@ def test_an_unsafe_temperature_is_a_warning_and_heats_nothing(tmp_path, capsys):
     assert main(["print", str(path), "--json"]) == 0
     (warning,) = json.loads(capsys.readouterr().out)["warnings"]
     assert warning.startswith(f"{path}:2: M104: heater hotend was switched off: 999 C is outside")
+
+
+SENSELESS = {
+    "M220 S0": "S is 0: expected 10 to 1000 percent",
+    "M220 S-5": "S is -5: expected 10 to 1000 percent",
+    "M221 S0": "S is 0: expected 1 to 1000 percent",
+    "M201 X0": "X is 0: expected above 0 mm/s²",
+    "M203 X-5 Y100": "X is -5: expected above 0 mm/s",
+    "M204 S0": "S is 0: expected above 0 mm/s²",
+    "M204 P500 T-1": "T is -1: expected above 0 mm/s²",
+    "M205 J0": "J is 0: expected 0.001 to 0.3 mm",
+    "SET_VELOCITY_LIMIT VELOCITY=0": "VELOCITY is 0: expected above 0 mm/s",
+    "SET_VELOCITY_LIMIT ACCEL=-1": "ACCEL is -1: expected above 0 mm/s²",
+    "SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO=1": (
+        "MINIMUM_CRUISE_RATIO is 1: expected 0 to less than 1"
+    ),
+}
+
+
+@pytest.mark.parametrize("line", SENSELESS)
+def test_values_without_sense_are_warnings_and_change_nothing(capsys, tmp_path, line):
+    path = tmp_path / "p.gcode"
+    path.write_text("G28\nG1 X100 Y50 E5 F3000\n")
+    plain = printed(capsys, str(path))
+    path.write_text(f"G28\n{line}\nG1 X100 Y50 E5 F3000\n")
+    result = printed(capsys, str(path))
+    assert result["warnings"] == [
+        f"{path}:2: {line.split()[0]}: {SENSELESS[line]}. Send the command with such a value."
+        " (1 time)"
+    ]
+    assert result["stream_hash"] == plain["stream_hash"]
+
+
+def cornered_s(capsys, tmp_path, line, law="jerk"):
+    """Time of a zigzag of right angles, and the warnings, after `line`."""
+    machine = tmp_path / "machine.toml"
+    shipped = files("passo.config").joinpath("machines", "i3.toml").read_text()
+    machine.write_text(shipped.replace('junction = "deviation"', f'junction = "{law}"'))
+    path = tmp_path / "p.gcode"
+    corners = [f"G1 X{1 + i} Y{i + 1}\nG1 X{2 + i}" for i in range(50)]
+    path.write_text("\n".join(["G28", line, "G1 X1 F9000", *corners]))
+    result = printed(capsys, str(path), "--machine", str(machine))
+    return result["move_time_s"], result["warnings"]
+
+
+def test_m205_sets_the_jerk_of_axes_within_the_machines_own(capsys, tmp_path):
+    usual, none = cornered_s(capsys, tmp_path, "")
+    assert none == []
+    assert cornered_s(capsys, tmp_path, "M205 X10 Y10 S0 T0") == (usual, [])
+    assert cornered_s(capsys, tmp_path, "M205 X100 Y100") == (usual, [])
+    slow, none = cornered_s(capsys, tmp_path, "M205 X1 Y1")
+    assert none == []
+    assert slow > usual * 1.15
+    assert cornered_s(capsys, tmp_path, "M205 X1") == (pytest.approx(slow, rel=0.02), [])
+    _, (warning,) = cornered_s(capsys, tmp_path, "M205 J0.1 B20000")
+    assert "M205: J B without effect, for corners obey X Y Z E, the jerk" in warning
+
+
+def test_m205_sets_the_junction_deviation(capsys, tmp_path):
+    usual, none = cornered_s(capsys, tmp_path, "M205 J0.02", "deviation")
+    assert none == []
+    assert cornered_s(capsys, tmp_path, "M205 J0.2", "deviation")[0] < usual * 0.9
+    seconds, (warning,) = cornered_s(capsys, tmp_path, "M205 X8 E4.5 S0 T0", "deviation")
+    assert seconds == usual
+    assert ":2: M205: X E without effect, for corners obey J, the junction deviation" in warning
 
 
 def test_a_slow_link_is_named_with_its_worst_line(capsys, tmp_path):

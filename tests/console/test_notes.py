@@ -27,7 +27,7 @@ NOTES = {
     "M420 S1": "M420 does nothing here. Bed levelling is not built.",
     "M800": "M800 does nothing here. M1000 goes on with a print",
     "EXCLUDE_OBJECT_START NAME=a": "EXCLUDE_OBJECT_START does nothing here. Labels",
-    "M205 X8 Y8 S0": "Only J counts in M205",
+    "M205 X8 Y8 S0": "M205: X Y without effect, for corners obey J, the junction deviation",
     "M106 X100": "M106 sets speeds, by S",
 }
 

@@ -283,7 +283,14 @@ TABLE: tuple[Row, ...] = (
         "S P R T V (mm/s²)",
         "Sets accelerations: all but retract, print, retract, travel; V is T.",
     ),
-    Row("M205", _P, _N, "J(mm)", "Sets the junction deviation; jerk and least speeds are unused."),
+    Row(
+        "M205",
+        _P,
+        _N,
+        "J(mm), X Y Z E(mm/s) T",
+        "Corners: the junction deviation (J), or the axes' jerk, at most the machine's, where its"
+        " corners obey that. There are no least speeds.",
+    ),
     Row("M206", _Q, _N, "X Y Z (mm)", "Added to the axes' home positions."),
     Row("M207", _M, _N, "S(mm) F Z(mm) R(mm) W(mm)", "Sets how G10 retracts; W: with S1."),
     Row("M208", _M, _N, "S(mm) F W(mm)", "Sets how G11 takes it back; W: after G10 S1."),
