@@ -119,11 +119,25 @@ def test_bad_input_is_one_sentence(capsys, tmp_path, name):
     assert sentence in err
 
 
-def test_with_json_every_failure_is_an_object(capsys):
-    assert main(["print", "x.gcode", "--machine", "nothing", "--json"]) == 3
-    result = json.loads(capsys.readouterr().out)
+@pytest.mark.parametrize("command", ["print", "estimate"])
+def test_with_json_every_failure_is_an_object(capsys, tmp_path, command):
+    assert main([command, "x.gcode", "--machine", "nothing", "--json"]) == 3
+    out, err = capsys.readouterr()
+    result = json.loads(out)
     assert (result["machine"], len(result["errors"])) == ("nothing", 1)
     assert "no machine called 'nothing'" in result["errors"][0]
+    assert err == f"{result['errors'][0]}\n"
+    path = tmp_path / "p.gcode"
+    path.write_text("G28\n")
+    assert main([command, str(path), "--json"]) == 0
+    assert (good := json.loads(capsys.readouterr().out))["errors"] == []
+    path.write_text("G28\nG1 X300 F3000\n")
+    assert main([command, str(path), "--json"]) == 4
+    result = json.loads(capsys.readouterr().out)
+    assert list(result) == list(good)
+    assert [e.split(". ")[0] for e in result["errors"]] == [
+        f"{path}:2: X 300.000 mm is beyond the limit of 250.000 mm"
+    ]
 
 
 @pytest.mark.parametrize(
@@ -227,13 +241,6 @@ def test_filament_of_a_move_that_was_left_out_is_left_out(capsys, tmp_path, mode
     result = printed(capsys, str(path), "--machine", "delta", "--out-of-range", "clamp")
     assert sum(result["filament_mm"].values()) == pytest.approx(2.0)
     assert result["final_position_mm"]["e"] == pytest.approx(2.0)
-
-
-def test_json_errors_are_an_object(capsys, tmp_path):
-    path = tmp_path / "p.gcode"
-    path.write_text("G1 X300 F3000\n")
-    assert main(["print", str(path), "--json"]) == 4
-    assert "X 300.000 mm" in json.loads(capsys.readouterr().out)["errors"][0]
 
 
 def test_wrong_words_are_usage(capsys):

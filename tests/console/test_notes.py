@@ -97,6 +97,16 @@ def test_m205_uses_j_beside_what_it_does_not(s):
     assert s.host.ok("M205")[0] == "M205 J0.05"
 
 
+def test_m205_sets_the_jerk_where_corners_obey_it():
+    text = shipped_text("i3").replace('junction = "deviation"', 'junction = "jerk"')
+    with Scenario(config.load_text(text)) as s:
+        assert s.host.ok("M205")[0] == "M205 X10 Y10 Z0.4 E1"
+        assert s.host.ok("M205 X8 Z0.2 E0.5 Y20 S0") == ["ok"]
+        assert s.host.ok("M205")[0] == "M205 X8 Y10 Z0.2 E0.5"
+        assert s.host.ok("M205 J0.05")[0].startswith("echo:M205: J without effect, for corners")
+        assert "M205 X8 Y10 Z0.2 E0.5" in "\n".join(s.host.ok("M503"))
+
+
 @pytest.mark.parametrize(
     ("words", "layer"),
     [("L0.2", "0.200,0.240"), ("H16 L0.22", "0.200,0.240"), ("H8 L0.15", "0.140,0.160")],

@@ -179,9 +179,7 @@ def test_carriages_too_far_apart_have_no_point(positions):
 def test_a_joint_on_the_axis_of_a_shoulder_has_no_arm():
     model, _, _, _ = machine("rotary_delta")
     away = (model.base_length - model.effector_length) / (2 * 3**0.5)
-    with pytest.raises(
-        Unreachable, match=r"50\.000 to 210\.000 mm there, not 0\.000 mm"
-    ):
+    with pytest.raises(Unreachable, match=r"50\.000 to 210\.000 mm there, not 0\.000 mm"):
         model.inverse((0.0, -away, model.z_offset))
 
 
