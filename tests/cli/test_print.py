@@ -363,3 +363,19 @@ def test_a_slow_link_is_named_with_its_worst_line(capsys, tmp_path):
     out = capsys.readouterr().out
     assert "speed is bound by: link" in out
     assert "its steps may miss their ideal times by 25.0 µs" in out
+
+
+def test_a_move_of_ten_metres_of_filament_takes_little_memory(tmp_path):
+    """Its steps become commands in blocks; only their times, 8 bytes each, are there at once."""
+    path = tmp_path / "p.gcode"
+    found = []
+    for mm in (10, 9999):
+        path.write_text(f"G92 E0\nG1 E{mm} F6000\n")
+        words = [sys.executable, "-m", "passo", "print", str(path), "--json"]
+        done = subprocess.run(words, capture_output=True, text=True, check=True)
+        found.append(json.loads(done.stdout))
+        assert found[-1]["final_steps"] == found[-1]["net_steps_expected"]
+    little, much = found
+    assert much["steps"]["e"] == 954_905  # 95.5 steps for a mm, rounded up from the half
+    assert much["step_error_us"]["max"] <= 2.0 + 0.5 / 16 + 1e-3
+    assert much["peak_rss_mb"] - little["peak_rss_mb"] < 20
