@@ -23,6 +23,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 SHARED = ROOT.parent / "shared" / "bench"
 MACHINES = ROOT / "bench" / "machines"
+PEERS = {"scara": "rotary_delta"}  # the machine that it is compared with, move by move
 PIPELINE = """
 import json, sys
 from passo.config import load
@@ -56,9 +57,14 @@ def unpacked(folder: str) -> Path:
         with lzma.open(packed) as source, target.open("wb") as sink:
             shutil.copyfileobj(source, sink)
         return target
-    example = lzma.decompress((ROOT / "examples" / "demo.gcode.xz").read_bytes())
-    target.write_bytes(example * 10)
+    target.write_bytes(example() * 10)
     return target
+
+
+def example() -> bytes:
+    """The example, moved to the bed of the yardstick's machines, whose middle is 0, 0."""
+    packed = (ROOT / "examples" / "demo.gcode.xz").read_bytes()
+    return lzma.decompress(packed).replace(b"G28", b"G28\nG92 X125 Y125", 1)
 
 
 def figures(path: Path, machine: str, runs: int) -> tuple[float, float, dict]:
@@ -100,6 +106,16 @@ def densities(path: Path, folder: str) -> None:
         print(f"steps a command, {name}: {density:.2f} in {r['move_time_s']:.0f} s")
 
 
+def memory(folder: str, machine: str) -> None:
+    """Prints the peak memory of the example, once, ten and forty times in one file."""
+    path = Path(folder) / "copies.gcode"
+    for copies in (1, 10, 40):
+        path.write_bytes(example() * copies)
+        r = json.loads(user_s([sys.executable, "-c", PIPELINE, str(path), machine])[1])
+        megabytes, most = path.stat().st_size / 1e6, r["peak_rss_mb"]
+        print(f"peak memory, file of {megabytes:.1f} MB, {r['moves']} moves: {most:.0f} MB")
+
+
 def main() -> None:
     """Prints the tables."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -124,7 +140,8 @@ def main() -> None:
         for file in sorted(MACHINES.glob("*.toml")):
             wire, whole, r = figures(path, str(file), arguments.runs)
             steps = sum(r["steps"].values())
-            peer = peers.get(f"organic {file.stem.removeprefix('yardstick-')}")
+            kind = file.stem.removeprefix("yardstick-")
+            peer = peers.get(f"organic {PEERS.get(kind, kind)}")
             ratios = ["", ""]
             if peer and path.name.startswith("organic"):
                 carried = peer["user_s"] / peer["cal_s"] * cal
@@ -150,6 +167,7 @@ def main() -> None:
         print(f"passo estimate: {estimate:.2f} s, {moves / estimate / 1e6:.2f} M moves/s")
         print(f"passo --help: {start:.2f} s")
         densities(path, folder)
+        memory(folder, machine)
 
 
 if __name__ == "__main__":

@@ -35,6 +35,13 @@ LaserWords laser_words(const nb::object& laser) {
   return words;
 }
 
+using ErrorTuple = std::tuple<uint32_t, Fault, std::string, double, double,
+                              std::tuple<double, double, double>>;
+
+ErrorTuple as_tuple(const GcodeError& e) {
+  return {e.line, e.fault, e.word, e.value, e.limit, {e.point[0], e.point[1], e.point[2]}};
+}
+
 nb::typed<nb::dict, nb::str, nb::float_> cpu(const JobView& self) {
   const Job& job = self.job;
   nb::dict d;
@@ -53,7 +60,6 @@ Table statistics(JobView& self) {
   d["lines"] = job.interpreter.line();
   d["moves"] = plan.moves;
   d["arcs"] = job.interpreter.arcs();
-  d["clamped"] = job.interpreter.clamped() + job.unreachable_skipped;
   d["move_s"] = plan.move_s;
   d["dwell_s"] = plan.dwell_s;
   d["travel_mm"] = plan.travel_mm;
@@ -136,6 +142,7 @@ void bind_job(nb::module_& m) {
       .value("LINE_TOO_LONG", Fault::line_too_long)
       .value("FEEDRATE", Fault::feedrate)
       .value("ARC", Fault::arc)
+      .value("RADII", Fault::radii)
       .value("OUT_OF_RANGE", Fault::out_of_range)
       .value("MISSING_TOOL", Fault::missing_tool)
       .value("NOT_HOMED", Fault::not_homed)
@@ -220,11 +227,23 @@ void bind_job(nb::module_& m) {
       .def_prop_ro(
           "error",
           [](const JobView& self) {
-            const GcodeError& e = self.job.error();
-            return std::make_tuple(e.line, e.fault, e.word, e.value, e.limit,
-                                   std::make_tuple(e.point[0], e.point[1], e.point[2]));
+            return as_tuple(self.job.error());
           },
           "(line, fault, word, value, limit, point) of the error that advance stopped at.")
+      .def_prop_ro(
+          "clamped",
+          [](const JobView& self) {
+            std::vector<std::pair<ErrorTuple, uint64_t>> all;
+            const Job& job = self.job;
+            for (int j = 0; j < kAxes; ++j)
+              if (const auto& c = job.interpreter.clamped(j); c.times > 0)
+                all.emplace_back(as_tuple(c.first), c.times);
+            if (job.left_out.times > 0)
+              all.emplace_back(as_tuple(job.left_out.first), job.left_out.times);
+            return all;
+          },
+          "What `clamp` has changed: for each axis the first target that was moved to the limit, as "
+          "`error`, and how many were; then the same of the moves that were left out.")
       .def(
           "record",
           [](JobView& self, uint16_t target, uint32_t value) {

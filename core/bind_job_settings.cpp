@@ -28,6 +28,13 @@ double* place_of(Limits& l, const std::string& name) {
   throw nb::key_error(name.c_str());
 }
 
+double Row::* place_of(const std::string& what) {
+  if (what == "speed") return &Row::speed;
+  if (what == "accel") return &Row::accel;
+  if (what == "jerk") return &Row::jerk;
+  throw nb::key_error(what.c_str());
+}
+
 void check_flow(const JobView& self, size_t extruder, double flow) {
   if (extruder >= self.job.motion.machine().extruders.size())
     throw nb::index_error("no such extruder");
@@ -103,14 +110,12 @@ void bind_job_settings(nb::class_<JobView>& job) {
             const Constraints& c = self.job.motion.planner().constraints();
             const Machine& m = self.job.motion.machine();
             for (size_t i = 0; i < m.axes.size(); ++i)
-              if (m.axes[i].name == axis)
-                return what == "speed" ? c.rows[i].speed : c.rows[i].accel;
+              if (m.axes[i].name == axis) return c.rows[i].*place_of(what);
             for (size_t i = 0; i < m.extruders.size(); ++i)
-              if (m.extruders[i].name == axis)
-                return what == "speed" ? c.extruders[i].speed : c.extruders[i].accel;
+              if (m.extruders[i].name == axis) return c.extruders[i].*place_of(what);
             throw nb::key_error(axis.c_str());
           },
-          "axis"_a, "what"_a, "The `speed` or `accel` of an axis or extruder now.")
+          "axis"_a, "what"_a, "The `speed`, `accel` or `jerk` of an axis or extruder now.")
       .def_prop_rw(
           "cold", [](JobView& self) { return bool(self.job.interpreter.cold >> kE & 1); },
           [](JobView& self, bool cold) {
@@ -181,10 +186,10 @@ void bind_job_settings(nb::class_<JobView>& job) {
              bool live) {
             self.job.motion.planner().rules().change(live, [&](Rules& r) {
               auto changed = std::make_shared<Constraints>(*r.constraints);
-              changed->set(self.job.motion.machine(), axis, what == "speed", value);
+              changed->set(self.job.motion.machine(), axis, place_of(what), value);
               r.constraints = std::move(changed);
             });
           },
           "axis"_a, "what"_a, "value"_a, "live"_a = false,
-          "Changes an axis' `speed` or `accel`, never beyond the machine's own, as set_limit.");
+          "Changes an axis' `speed`, `accel` or `jerk`, never beyond the machine's own, as set_limit.");
 }

@@ -101,11 +101,7 @@ class Compressor {
       double limit = frontier - margin_;
       while (known > 1 && steps_.ticks[known - 1] > limit) --known;
     }
-    if (known > 1) {
-      prepare(n);
-      size_t done = compress(known, frontier, still);
-      forget(done);
-    }
+    if (known > 1) forget(compress_all(known, frontier, still));
     // The next move may begin at the very clock of the last step, and take it back.
     if (still) crowded_ = true;
   }
@@ -171,14 +167,18 @@ class Compressor {
   static constexpr double kLongestSeconds =
       0.1;  // span of a command: bounds what waits for more steps
   static constexpr double kLeadSeconds = 0.02;  // a command is due this long before its first step
-  static constexpr int kLook = 64;              // steps looked at first: most commands are shorter
-  static constexpr double kIdle = 268435456;    // ticks: after a longer gap the clock is set anew
+  // Steps that have windows at a time: so a move of millions of steps takes little more memory than
+  // their times. What is left of a block must hold the longest command.
+  static constexpr size_t kBlock = 1 << 14;
+  static constexpr int kLook = 64;            // steps looked at first: most commands are shorter
+  static constexpr double kIdle = 268435456;  // ticks: after a longer gap the clock is set anew
 
   double tolerance_, reversal_, least_, longest_, lead_, margin_;
   uint16_t target_;
   Steps steps_;                             // ticks[0] is the step before the first pending one
   size_t joined_ = 0;                       // runs before this one are checked for close reversals
-  std::vector<double> lo_, hi_, executed_;  // three more than `ticks`, as Stabbing wants it
+  size_t base_ = 0;                         // index in `ticks` of the first element of these
+  std::vector<double> lo_, hi_, executed_;  // three more than a block, as Stabbing wants it
   Stabbing stabbing_;
   MessageQueue messages_;
   StepStatistics statistics_;
@@ -247,55 +247,74 @@ class Compressor {
       steps_.ticks[k] = least += apart;
   }
 
-  void prepare(size_t n) {
-    if (lo_.size() < n + 3)
-      for (auto* v : {&lo_, &hi_, &executed_}) v->resize(2 * (n + 3));
+  // Returns the index of the first step that still waits.
+  size_t compress_all(size_t known, double frontier, bool still) {
+    const size_t n = steps_.ticks.size();
     steps_.ticks.push_back(1e18);
-    size_t from = 1;
+    size_t done = 1;
+    for (bool last = false; !last;) {
+      size_t end = std::min(n, done + kBlock);
+      last = known <= end;
+      prepare(done, end);
+      done = compress(done, std::min(known, end), last, frontier, still);
+    }
+    steps_.ticks.pop_back();
+    return done;
+  }
+
+  // Windows of the steps from index `from` to `to`; a further one is read.
+  void prepare(size_t from, size_t to) {
+    base_ = from;
+    if (size_t n = to - from; lo_.size() < n + 3)
+      for (auto* v : {&lo_, &hi_, &executed_}) v->resize(2 * (n + 3));
     double tolerance = tolerance_;
     auto fill = [&](size_t end) {
       if (end <= from) return;
-      windows(steps_.ticks.data() + from, lo_.data() + from, hi_.data() + from, int(end - from),
+      windows(steps_.ticks.data() + from, &lo_[from - base_], &hi_[from - base_], int(end - from),
               tolerance, least_);
       from = end;
     };
     for (const Steps::Widening& w : steps_.widenings) {
-      fill(std::min(w.first, n));
+      fill(std::min(w.first, to));
       tolerance = std::max(tolerance_, w.tolerance);
     }
-    fill(n);
-    steps_.ticks.pop_back();
+    fill(to);
     for (const Steps::Run& run : steps_.runs) {
       if (run.first < 2) continue;
-      narrow(run.first - 1, run.first);
+      double half = half_turn(run.first);
+      for (size_t k : {run.first - 1, run.first})
+        if (k >= base_ && k < to) narrow(k, half);
     }
   }
   // Around a reversal executed steps keep pulse, hold and set-up apart.
-  void narrow(size_t a, size_t b) {
-    double half = std::max(0.0, 0.5 * (steps_.ticks[b] - steps_.ticks[a] - reversal_)) + 0.5;
-    for (size_t k : {a, b}) {
-      lo_[k] = std::max(lo_[k], steps_.ticks[k] - half);
-      hi_[k] = std::min(hi_[k], steps_.ticks[k] + half);
-    }
+  double half_turn(size_t b) const {
+    return std::max(0.0, 0.5 * (steps_.ticks[b] - steps_.ticks[b - 1] - reversal_)) + 0.5;
+  }
+  void narrow(size_t k, double half) {
+    lo_[k - base_] = std::max(lo_[k - base_], steps_.ticks[k] - half);
+    hi_[k - base_] = std::min(hi_[k - base_], steps_.ticks[k] + half);
   }
 
-  // Returns the index of the first step that still waits.
-  size_t compress(size_t known, double frontier, bool still) {
+  // Makes commands of the steps from index i on, of which those before `known` are known in this
+  // block. Returns the index of the first step that is left for the next block, or still waits.
+  size_t compress(size_t i, size_t known, bool last, double frontier, bool still) {
     const double* t = steps_.ticks.data();
-    size_t i = 1;
+    const size_t size = steps_.ticks.size() - 1;
     for (size_t r = 0; r < steps_.runs.size() && i < known; ++r) {
       bool last_run = r + 1 == steps_.runs.size();
-      size_t run_end = last_run ? steps_.ticks.size() : steps_.runs[r + 1].first;
+      size_t run_end = last_run ? size : steps_.runs[r + 1].first;
       size_t end = std::min(run_end, known);
-      bool open = !still && (last_run || run_end > known);
+      bool open = last && !still && (last_run || run_end > known);
       while (i < end) {
+        if (!last && end == known && end - i < size_t(kMostSteps)) return check(i);
         if (resets(t[i])) reset_clock(t[i]);
         int left = int(std::min(end - i, size_t(kMostSteps))), n = std::min(left, kLook);
         double before = double(last_);
-        Command c = stabbing_.longest(&lo_[i], &hi_[i], n, before, &executed_[i]);
+        size_t k = i - base_;
+        Command c = stabbing_.longest(&lo_[k], &hi_[k], n, before, &executed_[k]);
         if ((c.count == n && n < left) || t[i + size_t(c.count) - 1] - t[i] > longest_) {
           n = int(std::upper_bound(t + i, t + i + left, t[i] + longest_) - (t + i));
-          c = stabbing_.longest(&lo_[i], &hi_[i], n, before, &executed_[i]);
+          c = stabbing_.longest(&lo_[k], &hi_[k], n, before, &executed_[k]);
         }
         if (open && i + size_t(c.count) == end && frontier - margin_ <= t[i] + longest_)
           return check(i);
@@ -306,9 +325,9 @@ class Compressor {
     return check(i);
   }
 
-  // Steps before index `done` have become commands. Returns `done`.
+  // The block's steps before index `done` have become commands. Returns `done`.
   size_t check(size_t done) {
-    Errors e = errors(&steps_.ticks[1], &lo_[1], &hi_[1], &executed_[1], done - 1);
+    Errors e = errors(&steps_.ticks[base_], &lo_[0], &hi_[0], &executed_[0], done - base_);
     if (e.beyond > 1e-5) throw std::logic_error("a command left the window of its steps");
     statistics_.error_max = std::max(statistics_.error_max, e.largest);
     statistics_.error_square += e.square;

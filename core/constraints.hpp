@@ -31,6 +31,7 @@ struct Row {
   int axis;             // ≥ 0: c is 1 there and 0 elsewhere
   double speed, accel;  // units/s, units/s²
   LimitId speed_id, accel_id;
+  double jerk = kInfinity;  // units/s by which the speed may change at once
 };
 
 struct Constraints {
@@ -52,14 +53,11 @@ struct Constraints {
   // Soft limits of the axes do not bound the actuators: lines must be checked.
   bool checks_reach() const { return checks_reach_; }
 
-  // Lowers or restores the speed or acceleration of an axis or extruder, within the machine's own.
-  void set(const Machine& m, const std::string& axis, bool speed, double value) {
+  // Lowers or restores a limit of an axis or extruder, within the machine's own.
+  void set(const Machine& m, const std::string& axis, double Row::* limit, double value) {
     Constraints own(m);
     auto apply = [&](std::vector<Row>& mine, const std::vector<Row>& original, size_t i) {
-      if (speed)
-        mine[i].speed = std::min(value, original[i].speed);
-      else
-        mine[i].accel = std::min(value, original[i].accel);
+      mine[i].*limit = std::min(value, original[i].*limit);
     };
     for (size_t i = 0; i < m.axes.size(); ++i)
       if (m.axes[i].name == axis) apply(rows, own.rows, i);
@@ -71,9 +69,8 @@ struct Constraints {
     for (const StepperSpec& s : m.steppers)
       checks_reach_ |= s.drive == Drive::actuator && (s.min > -kInfinity || s.max < kInfinity);
     for (size_t i = 0; i < m.axes.size(); ++i)
-      rows.push_back(
-          single(slot_of_axis(int(i)), m.axes[i].name, m.axes[i].speed, m.axes[i].accel));
-    for (const Extruder& e : m.extruders) extruders.push_back(single(kE, e.name, e.speed, e.accel));
+      rows.push_back(single(slot_of_axis(int(i)), m.axes[i]));
+    for (const Extruder& e : m.extruders) extruders.push_back(single(kE, e));
     bool linear = true;
     double c[3];
     for (int i = 0; i < m.geometry->actuators(); ++i) linear = linear && m.geometry->linear(i, c);
@@ -88,8 +85,10 @@ struct Constraints {
  private:
   bool checks_reach_ = false;
 
-  Row single(int axis, const std::string& name, double speed, double accel) {
-    Row row{{}, axis, speed, accel, add_name(name + " speed"), add_name(name + " acceleration")};
+  template <typename Part>  // Axis or Extruder
+  Row single(int axis, const Part& part) {
+    LimitId speed = add_name(part.name + " speed"), accel = add_name(part.name + " acceleration");
+    Row row{{}, axis, part.speed, part.accel, speed, accel, part.jerk};
     row.c[axis] = 1;
     return row;
   }

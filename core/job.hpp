@@ -27,7 +27,8 @@ class Job {
   Motion motion;
   Interpreter interpreter;
   double cpu_parse = 0, cpu_plan = 0;
-  uint64_t unreachable_skipped = 0;
+  // Moves that were left out because they cannot be reached, and the first one's error.
+  Interpreter::Clamped left_out;
 
   const GcodeError& error() const { return error_; }
 
@@ -221,13 +222,13 @@ class Job {
     for (size_t i = 0; i < batch_.size(); ++i) {
       MoveRequest& m = batch_[i];
       // Filament alone moves nothing else, also where a move before it was left out.
-      if (m.kind == MoveKind::extrude && unreachable_skipped > 0)
+      if (m.kind == MoveKind::extrude && left_out.times > 0)
         std::copy_n(motion.planner().position(), 3, m.target);
       if (too_long(m)) return false;
       if (motion.planner().constraints().checks_reach() && m.kind != MoveKind::dwell &&
           m.kind != MoveKind::extrude && !reach(m)) {
         if (!interpreter.clamp) return false;
-        ++unreachable_skipped;
+        if (left_out.times++ == 0) left_out.first = error_;
         leave_filament(i);
         continue;
       }

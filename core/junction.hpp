@@ -6,6 +6,7 @@
 #include "constraints.hpp"
 #include "machine.hpp"
 #include "move.hpp"
+#include "rules.hpp"
 
 namespace passo {
 
@@ -29,17 +30,19 @@ class JunctionRule {
   }
 
   // Cap of v² at the join of `before` and `m`, whose vn2, a and d are known.
-  double cap2(const Move& before, const Move& m, const Limits& limits) const {
+  double cap2(const Move& before, const Move& m, const Rules& rules) const {
+    const Limits& limits = rules.limits;
+    const Constraints& own = *rules.constraints;
     double cap = std::min(before.vn2, m.vn2);
     if (before.kind == MoveKind::dwell || m.kind == MoveKind::dwell) return 0;
-    if (m.inner) return before.flow == m.flow ? cap : std::min(cap, extruder_cap(before, m));
+    if (m.inner) return before.flow == m.flow ? cap : std::min(cap, extruder_cap(before, m, own));
     if (limits.junction == JunctionLaw::cornering_distance) return cornering(before, m, cap);
     if (before.cartesian != m.cartesian) return 0;
     if (!m.cartesian) return alongside(before, m) ? cap : 0;
     return limits.junction == JunctionLaw::deviation
-               ? deviation(before, m, std::min(cap, extruder_cap(before, m)),
+               ? deviation(before, m, std::min(cap, extruder_cap(before, m, own)),
                            limits.junction_deviation)
-               : jerk(before, m, cap);
+               : jerk(before, m, cap, own);
   }
 
  private:
@@ -57,7 +60,7 @@ class JunctionRule {
   }
 
   // An extruder may change its speed at once by `jerk` mm/s, and so may further linear axes.
-  double extruder_cap(const Move& before, const Move& m) const {
+  double extruder_cap(const Move& before, const Move& m, const Constraints& own) const {
     double cap = kInfinity;
     auto limit = [&cap](double change, double jerk) {
       if (change > 1e-12) cap = std::min(cap, (jerk / change) * (jerk / change));
@@ -66,14 +69,14 @@ class JunctionRule {
     if (machine_.extruders.empty()) {
       // a laser or a mill
     } else if (before.extruder == m.extruder) {
-      limit(std::fabs(e1 - e0), machine_.extruders[m.extruder].jerk);
+      limit(std::fabs(e1 - e0), own.extruders[m.extruder].jerk);
     } else {
-      limit(std::fabs(e0), machine_.extruders[before.extruder].jerk);
-      limit(std::fabs(e1), machine_.extruders[m.extruder].jerk);
+      limit(std::fabs(e0), own.extruders[before.extruder].jerk);
+      limit(std::fabs(e1), own.extruders[m.extruder].jerk);
     }
     for (size_t i = 3; i < machine_.axes.size(); ++i) {
       int j = slot_of_axis(int(i));
-      limit(std::fabs(unit(m, j) - unit(before, j)), machine_.axes[i].jerk);
+      limit(std::fabs(unit(m, j) - unit(before, j)), own.rows[i].jerk);
     }
     return cap;
   }
@@ -127,7 +130,7 @@ class JunctionRule {
 
   // Classic jerk: at the lesser nominal speed, no axis may change its speed by more than its jerk;
   // on a reversal of the axis the larger of the two speeds counts.
-  double jerk(const Move& before, const Move& m, double cap) const {
+  double jerk(const Move& before, const Move& m, double cap, const Constraints& own) const {
     double v = std::sqrt(cap), factor = 1;
     auto limit = [&](int j, double allowed) {
       double out = unit(before, j) * v, in = unit(m, j) * v;
@@ -135,9 +138,9 @@ class JunctionRule {
       if (change * factor > allowed) factor = allowed / change;
     };
     for (size_t i = 0; i < machine_.axes.size(); ++i)
-      limit(slot_of_axis(int(i)), machine_.axes[i].jerk);
+      limit(slot_of_axis(int(i)), own.rows[i].jerk);
     if (before.extruder == m.extruder && !machine_.extruders.empty())
-      limit(kE, machine_.extruders[m.extruder].jerk);
+      limit(kE, own.extruders[m.extruder].jerk);
     return cap * factor * factor;
   }
 };

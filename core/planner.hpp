@@ -227,7 +227,7 @@ class Planner {
   void join(bool passes) {
     Move& last = queue_.back();
     const Move& before = queue_.size() > 1 ? queue_[queue_.size() - 2] : before_;
-    last.vj2 = moving_ ? junction_.cap2(before, last, rules_.of(last.rules).limits) : 0;
+    last.vj2 = moving_ ? junction_.cap2(before, last, rules_.of(last.rules)) : 0;
     if (budget_.bounds_anything()) {
       if (!moving_) budget_.restart(speed2_);
       budget_.apply(last, moving_ ? last.vj2 : speed2_);

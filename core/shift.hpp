@@ -60,7 +60,7 @@ class Shift {
       leaning = m;
       leaning.p1[j] += std::copysign(slope * way(m), mm);
       bounds_.apply(leaning, rules);
-      corner2 = junction_.cap2(m, leaning, rules.limits);
+      corner2 = junction_.cap2(m, leaning, rules);
       double least2 = kEqual * m.vn2;
       if (leaning.d >= kEqual * m.d && leaning.a >= kEqual * m.a && leaning.vn2 >= least2 &&
           corner2 >= least2)

@@ -173,7 +173,9 @@ class StepSolver {
   }
 
   static double* extend(Steps& out, size_t n, int dir) {
-    size_t first = out.ticks.size();
+    size_t first = out.ticks.size(), wanted = first + n + 1;  // the compressor puts one behind them
+    if (out.ticks.capacity() < wanted)
+      out.ticks.reserve(std::max(wanted, out.ticks.capacity() * 3 / 2));
     if (out.runs.empty() || out.runs.back().dir != dir) out.runs.push_back({first, dir});
     out.ticks.resize(first + n);
     return out.ticks.data() + first;

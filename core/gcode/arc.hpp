@@ -16,6 +16,8 @@ class Arc {
  public:
   static constexpr double kChordError = 0.0045;  // mm
   static constexpr double kMostChords = 1e7;
+  // By how much the radii at both ends may differ: a share of the larger one, within these, mm.
+  static constexpr double kSpiral = 0.005, kLeastSpiral = 0.05, kMostSpiral = 0.5;
   static constexpr double kFullTurn = 6.283185307179586;
 
   bool active() const { return done_ < chords_; }
@@ -61,6 +63,13 @@ class Arc {
     start_[j] = end_[j] - mm / (1 - double(done_) / chords_);
   }
   double radius() const { return std::max(radius0_, radius1_); }
+  double start_radius() const { return radius0_; }
+  double end_radius() const { return radius1_; }
+  // Rounded coordinates make a circle a little of a spiral, a wrong centre makes a wide one.
+  bool round() const {
+    double allowed = std::clamp(kSpiral * radius(), kLeastSpiral, kMostSpiral);
+    return std::fabs(radius1_ - radius0_) <= allowed;
+  }
   bool first() const { return done_ == 1; }
 
   // The end of the next chord.

@@ -37,6 +37,7 @@ enum class Fault : uint8_t {
   line_too_long,
   feedrate,
   arc,
+  radii,
   out_of_range,
   missing_tool,
   not_homed,
@@ -246,7 +247,12 @@ class Interpreter {
   const GcodeError& error() const { return error_; }
   uint32_t line() const { return lines().number(); }
   uint64_t arcs() const { return arcs_; }
-  uint64_t clamped() const { return clamped_; }
+  // Targets of slot j that went to the limit instead, and the first one's error.
+  struct Clamped {
+    uint64_t times = 0;
+    GcodeError first;
+  };
+  const Clamped& clamped(int j) const { return clamped_[j]; }
   int layers() const { return marked_layers_ > 0 ? marked_layers_ : int(risen_layers_); }
   const std::vector<std::string>& features() const { return features_; }
   const double* position() const { return position_; }
@@ -359,7 +365,8 @@ class Interpreter {
   double highest_ = -kInfinity;
   uint16_t feature_ = 0;
   std::vector<std::string> features_;
-  uint64_t arcs_ = 0, clamped_ = 0;
+  uint64_t arcs_ = 0;
+  Clamped clamped_[kAxes];
   Arc arc_;
   std::string text_;  // of the line, comments removed
   std::vector<Word> words_;
@@ -381,6 +388,10 @@ class Interpreter {
     item.found = Found::error;
     item.error = {lines().number(), fault, readable(word), value, limit, {0, 0, 0}};
     pending_.push_back(std::move(item));
+  }
+  void note_clamp(int j, double value, double limit) {
+    if (clamped_[j].times++ == 0)
+      clamped_[j].first = {lines().number(), Fault::out_of_range, axis_name(j), value, limit, {}};
   }
   bool sound(const Word& word) {
     if (word.number && std::fabs(word.value) <= kLargestWord) return true;
@@ -471,7 +482,7 @@ class Interpreter {
           fail(Fault::out_of_range, axis_name(j), t, limit);
           return false;
         }
-        ++clamped_;
+        note_clamp(j, t, limit);
         t = limit;
       }
       move_.target[j] = t;

@@ -12,6 +12,21 @@ inline bool text_command(const Word& w) {  // its argument is free text, not wor
          n == 600 || n == 862 || n == 928;
 }
 
+// Commands whose words are read here alone; those of moves are, too, by run_motion.
+inline bool own_command(char letter, int code, int minor) {
+  if (minor != 0) return false;
+  if (letter == 'G')
+    return code == 4 || code == 10 || code == 11 || code == 60 || code == 61 || code == 92;
+  return code == 82 || code == 83 || code == 200 || (code >= 207 && code <= 209) || code == 603 ||
+         code == 701 || code == 702;
+}
+
+// Words of these that need no number; the dialect table says the same.
+inline bool may_stand_alone(char letter, int code, char word) {
+  if (letter == 'G') return code == 61 && std::strchr("ABCDEHIJKUVWXYZ", word);
+  return code == 702 && word == 'C';
+}
+
 inline void Interpreter::run_line(const char* p, const char* end) {
   while (p < end && std::isspace(uint8_t(*p))) ++p;
   while (end > p && std::isspace(uint8_t(end[-1]))) --end;
@@ -149,9 +164,8 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
   auto has = [&](char letter) {
     return std::any_of(w, end, [&](const Word& x) { return x.letter == letter; });
   };
-  bool numbers = minor == 0 && (command.letter == 'G' ? code == 4 || code == 92
-                                                      : code == 200 || code == 207 || code == 208);
-  for (const Word* x = w; numbers && x < end; ++x) {
+  for (const Word* x = w; own_command(command.letter, code, minor) && x < end; ++x) {
+    if (!x->number && may_stand_alone(command.letter, code, x->letter)) continue;
     if (!sound(*x)) return;
     if (x->letter == 'F' && !(x->value > 0)) return fail(Fault::feedrate, "F", x->value, 0);
   }
@@ -401,16 +415,23 @@ inline void Interpreter::run_arc(bool clockwise, const double* value, uint32_t h
   uint32_t axes = 0;
   for (int k = 0; k < 26; ++k)
     if ((have >> k & 1) && letter_slot_[k] >= 0) axes |= 1u << k;
-  double feed = move_.feed_mm_s, start[kAxes];
+  double feed = move_.feed_mm_s, e_before = logical_e_, start[kAxes];
   std::copy(position_, position_ + kAxes, start);
+  const uint64_t clamped = clamped_[u].times + clamped_[v].times;
   if (!target(value, axes, relative())) return;
+  const bool whole = clamped == clamped_[u].times + clamped_[v].times;  // not cut to the limits
   double end[kAxes];
   std::copy(move_.target, move_.target + kAxes, end);
+  auto none = [&](Fault fault, const std::string& word, double value, double limit) {
+    arc_ = Arc();
+    logical_e_ = e_before;
+    fail(fault, word, value, limit);
+  };
   double du = end[u] - start[u], dv = end[v] - start[v], cu, cv;
   if (radius != 0) {
     double d2 = du * du + dv * dv, h2 = radius * radius - d2 / 4;
     if (d2 == 0 || h2 < -1e-3 * radius * radius)
-      return fail(Fault::arc, "R", radius, std::sqrt(d2) / 2);
+      return none(Fault::arc, "R", radius, std::sqrt(d2) / 2);
     double h = std::sqrt(std::max(0.0, h2) / d2) * ((clockwise == (radius > 0)) ? 1 : -1);
     cu = start[u] + du / 2 + dv * h;
     cv = start[v] + dv / 2 - du * h;
@@ -419,12 +440,14 @@ inline void Interpreter::run_arc(bool clockwise, const double* value, uint32_t h
       return (have >> (letter - 'A') & 1) ? value[letter - 'A'] * unit_ : 0.0;
     };
     double i = centre(kCentre[plane_ - 17][0]), j = centre(kCentre[plane_ - 17][1]);
-    if (i == 0 && j == 0) return fail(Fault::arc, std::string(1, kCentre[plane_ - 17][0]), 0, 0);
+    if (i == 0 && j == 0) return none(Fault::arc, std::string(1, kCentre[plane_ - 17][0]), 0, 0);
     cu = start[u] + i;
     cv = start[v] + j;
   }
   if (!arc_.begin(start, end, u, v, cu, cv, clockwise, turns))
-    return fail(Fault::arc, "P", turns, 0);
+    return none(Fault::arc, "P", turns, 0);
+  if (whole && !arc_.round())
+    return none(Fault::radii, "", arc_.start_radius(), arc_.end_radius());
   ++arcs_;
   move_.feed_mm_s = feed;
   move_.duration_s = 0;
@@ -441,7 +464,7 @@ inline bool Interpreter::next_chord() {
         arc_ = Arc();
         return false;
       }
-      ++clamped_;
+      note_clamp(j, move_.target[j], limit);
       move_.target[j] = limit;
     }
   move_.radius_mm = arc_.radius();

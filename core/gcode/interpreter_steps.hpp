@@ -10,7 +10,6 @@ inline void Interpreter::run_saved(bool save, const Word* w, const Word* end) {
   double value[26] = {}, feed = kInfinity, slot = 0;
   uint32_t have = 0;
   for (const Word* x = w; x < end; ++x) {
-    if (x->number && !sound(*x)) return;
     int k = x->letter - 'A';
     if (x->letter == 'S' && x->number) slot = x->value;
     if (x->letter == 'F' && x->number && x->value > 0) feed = x->value * unit_ / 60;

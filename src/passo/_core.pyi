@@ -1118,23 +1118,25 @@ class Fault(enum.Enum):
 
     ARC = 5
 
-    OUT_OF_RANGE = 6
+    RADII = 6
 
-    MISSING_TOOL = 7
+    OUT_OF_RANGE = 7
 
-    NOT_HOMED = 8
+    MISSING_TOOL = 8
 
-    COLD = 9
+    NOT_HOMED = 9
 
-    GARBAGE = 10
+    COLD = 10
 
-    UNSAVED = 11
+    GARBAGE = 11
 
-    UNREACHABLE = 12
+    UNSAVED = 12
 
-    ACTUATOR = 13
+    UNREACHABLE = 13
 
-    TOO_LONG = 14
+    ACTUATOR = 14
+
+    TOO_LONG = 15
 
 class Job:
     """A G-code program through one machine. Not thread-safe."""
@@ -1196,6 +1198,12 @@ class Job:
     def error(self) -> tuple[int, Fault, str, float, float, tuple[float, float, float]]:
         """
         (line, fault, word, value, limit, point) of the error that advance stopped at.
+        """
+
+    @property
+    def clamped(self) -> list[tuple[tuple[int, Fault, str, float, float, tuple[float, float, float]], int]]:
+        """
+        What `clamp` has changed: for each axis the first target that was moved to the limit, as `error`, and how many were; then the same of the moves that were left out.
         """
 
     def record(self, target: int, value: int) -> None:
@@ -1434,7 +1442,7 @@ class Job:
         """A limit as set_limit takes it."""
 
     def axis_limit(self, axis: str, what: str) -> float:
-        """The `speed` or `accel` of an axis or extruder now."""
+        """The `speed`, `accel` or `jerk` of an axis or extruder now."""
 
     @property
     def cold(self) -> bool:
@@ -1480,5 +1488,5 @@ class Job:
 
     def set_axis_limit(self, axis: str, what: str, value: float, live: bool = False) -> None:
         """
-        Changes an axis' `speed` or `accel`, never beyond the machine's own, as set_limit.
+        Changes an axis' `speed`, `accel` or `jerk`, never beyond the machine's own, as set_limit.
         """

@@ -89,7 +89,7 @@ CATALOGUE: Mapping[str, Entry] = {
     ),
     "input.unreachable": _input(
         "geometry",
-        "the point {value} mm cannot be reached by this machine",
+        "the point {value} mm cannot be reached by this machine: {limit}",
         "Move the model on the bed, choose the right machine, or allow --out-of-range clamp",
     ),
     "input.actuator": _input(
@@ -109,6 +109,11 @@ CATALOGUE: Mapping[str, Entry] = {
         "gcode",
         "the arc has no circle: {value} does not fit its end",
         "Give I and J, or an R of at least half the distance",
+    ),
+    "input.radii": _input(
+        "gcode",
+        "the arc begins {value:.3f} mm from its centre and ends {limit:.3f} mm from it",
+        "Correct I, J or K, which count from where the arc begins, or its end",
     ),
     "input.checksum": _input(
         "gcode",
@@ -516,6 +521,11 @@ class Problem:
         return CATALOGUE[self.code]
 
     @property
+    def sentence(self) -> str:
+        """What is wrong, with its values."""
+        return self.entry.says.format_map(self.values)
+
+    @property
     def place(self) -> str:
         """`file:line`, as editors understand it; empty where there is no file."""
         if not self.file or self.line is None:
@@ -524,10 +534,9 @@ class Problem:
 
     def __str__(self) -> str:
         """One line: place, sentence, hint or next action."""
-        sentence = self.entry.says.format_map(self.values)
         head = f"{self.place}: " if self.place else ""
         advice = self.hint or self.entry.action
-        return f"{head}{sentence}. {advice}{'' if advice.endswith('?') else '.'}"
+        return f"{head}{self.sentence}. {advice}{'' if advice.endswith('?') else '.'}"
 
     def as_dict(self) -> dict[str, Any]:
         """The problem for `--json`: code, part, message, file, line, values, action."""
@@ -585,6 +594,10 @@ class CommandError(PassoError):
     def bad_value(cls, word: str, value: float, limit: str) -> Self:
         """A word of the command has a value that is not within its limit."""
         return cls.of("command.value", axis=word, value=f"{value:g}", limit=limit)
+
+
+class WordError(CommandError):
+    """A word of a command is none: its number is missing or beyond what a number may be."""
 
 
 class MachineError(PassoError):

@@ -49,6 +49,14 @@ def test_a_cut_of_time(short, tmp_path):
         assert (b[f"{name}_ideal_s"] == a[f"{name}_ideal_s"][inside]).all()
 
 
+@pytest.mark.parametrize("end", ["1", "5"])
+def test_a_cut_that_ends_before_it_begins_is_usage(short, tmp_path, capsys, end):
+    output = tmp_path / "steps.npz"
+    assert main(["steps", short, "--output", str(output), "--from", "5", "--to", end]) == 2
+    assert capsys.readouterr() == ("", f"--to {end}: it must be later than --from 5.\n")
+    assert not output.exists()
+
+
 def test_vcd_has_the_same_edges(short, tmp_path):
     waves, arrays = tmp_path / "steps.vcd", tmp_path / "steps.npz"
     assert main(["steps", short, "--output", str(waves)]) == 0

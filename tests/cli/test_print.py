@@ -62,8 +62,9 @@ def test_golden_streams(capsys, unpacked, file, machine):
 def test_arcs_and_warnings(capsys, unpacked):
     result = printed(capsys, unpacked("gear_arcs"), "--machine", "mk3s")
     assert result["arcs"] == 7241
-    assert [w.split(": ")[1] for w in result["warnings"]] == [
-        "G80 is unknown and was skipped (1 time)"
+    assert [w.split(": ", 1)[1] for w in result["warnings"]] == [
+        "G80 is unknown and was skipped (1 time)",
+        "M205: X Y Z E without effect, for corners obey J, the junction deviation (1 time)",
     ]
 
 
@@ -118,11 +119,59 @@ def test_bad_input_is_one_sentence(capsys, tmp_path, name):
     assert sentence in err
 
 
-def test_with_json_every_failure_is_an_object(capsys):
-    assert main(["print", "x.gcode", "--machine", "nothing", "--json"]) == 3
-    result = json.loads(capsys.readouterr().out)
+@pytest.mark.parametrize("command", ["print", "estimate"])
+def test_with_json_every_failure_is_an_object(capsys, tmp_path, command):
+    assert main([command, "x.gcode", "--machine", "nothing", "--json"]) == 3
+    out, err = capsys.readouterr()
+    result = json.loads(out)
     assert (result["machine"], len(result["errors"])) == ("nothing", 1)
     assert "no machine called 'nothing'" in result["errors"][0]
+    assert err == f"{result['errors'][0]}\n"
+    path = tmp_path / "p.gcode"
+    path.write_text("G28\n")
+    assert main([command, str(path), "--json"]) == 0
+    assert (good := json.loads(capsys.readouterr().out))["errors"] == []
+    path.write_text("G28\nG1 X300 F3000\n")
+    assert main([command, str(path), "--json"]) == 4
+    result = json.loads(capsys.readouterr().out)
+    assert list(result) == list(good)
+    assert [e.split(". ")[0] for e in result["errors"]] == [
+        f"{path}:2: X 300.000 mm is beyond the limit of 250.000 mm"
+    ]
+
+
+@pytest.mark.parametrize(
+    ("line", "word"),
+    [
+        ("M106 P", "P"),
+        ("M106 S255 P ; the second fan", "P"),
+        ("M201 X", "X"),
+        ("M92 X", "X"),
+        ("M104 S", "S"),
+        ("M104 Sabc", "S"),
+        ("M204 P1000 T", "T"),
+        ("M220 S nan", "S"),
+        ("M205 J2000000000", "J2e+09"),
+        ("m84 s", "S"),
+    ],
+)
+def test_a_word_without_a_number_is_bad_input(capsys, tmp_path, line, word):
+    path = tmp_path / "p.gcode"
+    path.write_text(f"G28\n{line}\nG1 X10\n")
+    for command in ("print", "estimate"):
+        assert main([command, str(path)]) == 4
+        out, err = capsys.readouterr()
+        assert (out, err.count("\n")) == ("", 1)
+        assert f"{path}:2: the word {word!r} has no valid number" in err
+
+
+def test_letters_that_need_no_number_and_texts(capsys, tmp_path):
+    path = tmp_path / "p.gcode"
+    lines = ["G28 X Y W", "M84 X Y E", "M220 B", "M220 R", "M104 S nan", "M104 F S20", "M107 F"]
+    lines += ["M117 Print X of Y", "M0 Click S", "M20 L", "M23 Part.gco", 'M569 S1 X Y"a"', "M503"]
+    path.write_text("\n".join([*lines, "G29 A J", "M862.3 P MK3S"]))
+    warnings = printed(capsys, str(path))["warnings"]
+    assert [w.split(": ")[1].split()[0] for w in warnings] == ["G29", "M0"]
 
 
 @pytest.mark.parametrize("path", ["missing.gcode", "."])
@@ -141,7 +190,35 @@ def test_policies(capsys, tmp_path):
         "G777 is unknown and was skipped (1 time)",
         "M0 waits for a person; nobody is here, so it took no time (2 times)",
         "tool T5 does not exist and was ignored (1 time)",
-        "1 targets out of range were moved to the limit",
+        "X 300.000 mm is beyond the limit of 250.000 mm; such targets were moved to the limit"
+        " (1 time)",
+    ]
+
+
+def test_what_clamp_changes_is_told_once_for_each_axis(capsys, tmp_path):
+    path = tmp_path / "p.gcode"
+    path.write_text("G1 X9 F3000\nG1 X260\nG1 Y-5 X270\nG1 Y-1 X280\nG1 X300 E1\n")
+    assert printed(capsys, str(path), "--out-of-range", "clamp")["warnings"] == [
+        f"{path}:2: X 260.000 mm is beyond the limit of 250.000 mm;"
+        " such targets were moved to the limit (4 times)",
+        f"{path}:3: Y -5.000 mm is beyond the limit of 0.000 mm;"
+        " such targets were moved to the limit (2 times)",
+    ]
+
+
+def test_what_cannot_be_reached_is_told_with_its_measure(capsys, tmp_path):
+    path = tmp_path / "p.gcode"
+    path.write_text("G28\nG1 Z100 F3000\nG1 X70 Y40\nG1 X0 Y80\nG1 X-54 Y-54 E1\n")
+    words = [str(path), "--machine", "delta"]
+    # Straight from the middle, tried every 2 mm.
+    where = "the point X 66.585, Y 38.049, Z 100.000 mm cannot be reached by this machine"
+    measure = "it is 76.690 mm from the middle, of at most 75.100 mm"
+    assert main(["print", *words]) == 4
+    assert f"{path}:3: {where}: {measure}. Move the model" in capsys.readouterr().err
+    assert printed(capsys, *words, "--out-of-range", "clamp")["warnings"] == [
+        f"{path}:4: Y 80.000 mm is beyond the limit of 75.100 mm; such targets were moved to the"
+        " limit (1 time)",
+        f"{path}:3: {where}: {measure}; such moves were left out (2 times)",
     ]
 
 
@@ -166,13 +243,6 @@ def test_filament_of_a_move_that_was_left_out_is_left_out(capsys, tmp_path, mode
     assert result["final_position_mm"]["e"] == pytest.approx(2.0)
 
 
-def test_json_errors_are_an_object(capsys, tmp_path):
-    path = tmp_path / "p.gcode"
-    path.write_text("G1 X300 F3000\n")
-    assert main(["print", str(path), "--json"]) == 4
-    assert "X 300.000 mm" in json.loads(capsys.readouterr().out)["errors"][0]
-
-
 def test_wrong_words_are_usage(capsys):
     assert main(["print"]) == 2
     assert main(["print", "x.gcode", "--clock", "fish"]) == 2
@@ -192,6 +262,71 @@ def test_an_unsafe_temperature_is_a_warning_and_heats_nothing(tmp_path, capsys):
     assert main(["print", str(path), "--json"]) == 0
     (warning,) = json.loads(capsys.readouterr().out)["warnings"]
     assert warning.startswith(f"{path}:2: M104: heater hotend was switched off: 999 C is outside")
+
+
+SENSELESS = {
+    "M220 S0": "S is 0: expected 10 to 1000 percent",
+    "M220 S-5": "S is -5: expected 10 to 1000 percent",
+    "M221 S0": "S is 0: expected 1 to 1000 percent",
+    "M201 X0": "X is 0: expected above 0 mm/s²",
+    "M203 X-5 Y100": "X is -5: expected above 0 mm/s",
+    "M204 S0": "S is 0: expected above 0 mm/s²",
+    "M204 P500 T-1": "T is -1: expected above 0 mm/s²",
+    "M205 J0": "J is 0: expected 0.001 to 0.3 mm",
+    "SET_VELOCITY_LIMIT VELOCITY=0": "VELOCITY is 0: expected above 0 mm/s",
+    "SET_VELOCITY_LIMIT ACCEL=-1": "ACCEL is -1: expected above 0 mm/s²",
+    "SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO=1": (
+        "MINIMUM_CRUISE_RATIO is 1: expected 0 to less than 1"
+    ),
+}
+
+
+@pytest.mark.parametrize("line", SENSELESS)
+def test_values_without_sense_are_warnings_and_change_nothing(capsys, tmp_path, line):
+    path = tmp_path / "p.gcode"
+    path.write_text("G28\nG1 X100 Y50 E5 F3000\n")
+    plain = printed(capsys, str(path))
+    path.write_text(f"G28\n{line}\nG1 X100 Y50 E5 F3000\n")
+    result = printed(capsys, str(path))
+    assert result["warnings"] == [
+        f"{path}:2: {line.split()[0]}: {SENSELESS[line]}. Send the command with such a value."
+        " (1 time)"
+    ]
+    assert result["stream_hash"] == plain["stream_hash"]
+
+
+def cornered_s(capsys, tmp_path, line, law="jerk"):
+    """Time of a zigzag of right angles, and the warnings, after `line`."""
+    machine = tmp_path / "machine.toml"
+    shipped = files("passo.config").joinpath("machines", "i3.toml").read_text()
+    machine.write_text(shipped.replace('junction = "deviation"', f'junction = "{law}"'))
+    path = tmp_path / "p.gcode"
+    corners = [f"G1 X{1 + i} Y{i + 1}\nG1 X{2 + i}" for i in range(50)]
+    path.write_text("\n".join(["G28", line, "G1 X1 F9000", *corners]))
+    result = printed(capsys, str(path), "--machine", str(machine))
+    return result["move_time_s"], result["warnings"]
+
+
+def test_m205_sets_the_jerk_of_axes_within_the_machines_own(capsys, tmp_path):
+    usual, none = cornered_s(capsys, tmp_path, "")
+    assert none == []
+    assert cornered_s(capsys, tmp_path, "M205 X10 Y10 S0 T0") == (usual, [])
+    assert cornered_s(capsys, tmp_path, "M205 X100 Y100") == (usual, [])
+    slow, none = cornered_s(capsys, tmp_path, "M205 X1 Y1")
+    assert none == []
+    assert slow > usual * 1.15
+    assert cornered_s(capsys, tmp_path, "M205 X1") == (pytest.approx(slow, rel=0.02), [])
+    _, (warning,) = cornered_s(capsys, tmp_path, "M205 J0.1 B20000")
+    assert "M205: J B without effect, for corners obey X Y Z E, the jerk" in warning
+
+
+def test_m205_sets_the_junction_deviation(capsys, tmp_path):
+    usual, none = cornered_s(capsys, tmp_path, "M205 J0.02", "deviation")
+    assert none == []
+    assert cornered_s(capsys, tmp_path, "M205 J0.2", "deviation")[0] < usual * 0.9
+    seconds, (warning,) = cornered_s(capsys, tmp_path, "M205 X8 E4.5 S0 T0", "deviation")
+    assert seconds == usual
+    assert ":2: M205: X E without effect, for corners obey J, the junction deviation" in warning
 
 
 def test_a_slow_link_is_named_with_its_worst_line(capsys, tmp_path):
@@ -228,3 +363,19 @@ def test_a_slow_link_is_named_with_its_worst_line(capsys, tmp_path):
     out = capsys.readouterr().out
     assert "speed is bound by: link" in out
     assert "its steps may miss their ideal times by 25.0 µs" in out
+
+
+def test_a_move_of_ten_metres_of_filament_takes_little_memory(tmp_path):
+    """Its steps become commands in blocks; only their times, 8 bytes each, are there at once."""
+    path = tmp_path / "p.gcode"
+    found = []
+    for mm in (10, 9999):
+        path.write_text(f"G92 E0\nG1 E{mm} F6000\n")
+        words = [sys.executable, "-m", "passo", "print", str(path), "--json"]
+        done = subprocess.run(words, capture_output=True, text=True, check=True)
+        found.append(json.loads(done.stdout))
+        assert found[-1]["final_steps"] == found[-1]["net_steps_expected"]
+    little, much = found
+    assert much["steps"]["e"] == 954_905  # 95.5 steps for a mm, rounded up from the half
+    assert much["step_error_us"]["max"] <= 2.0 + 0.5 / 16 + 1e-3
+    assert much["peak_rss_mb"] - little["peak_rss_mb"] < 20

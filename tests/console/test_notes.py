@@ -27,7 +27,7 @@ NOTES = {
     "M420 S1": "M420 does nothing here. Bed levelling is not built.",
     "M800": "M800 does nothing here. M1000 goes on with a print",
     "EXCLUDE_OBJECT_START NAME=a": "EXCLUDE_OBJECT_START does nothing here. Labels",
-    "M205 X8 Y8 S0": "Only J counts in M205",
+    "M205 X8 Y8 S0": "M205: X Y without effect, for corners obey J, the junction deviation",
     "M106 X100": "M106 sets speeds, by S",
 }
 
@@ -95,6 +95,16 @@ def test_m204_v_is_the_travel_acceleration(s):
 def test_m205_uses_j_beside_what_it_does_not(s):
     s.host.ok("M205 X8 J0.05")
     assert s.host.ok("M205")[0] == "M205 J0.05"
+
+
+def test_m205_sets_the_jerk_where_corners_obey_it():
+    text = shipped_text("i3").replace('junction = "deviation"', 'junction = "jerk"')
+    with Scenario(config.load_text(text)) as s:
+        assert s.host.ok("M205")[0] == "M205 X10 Y10 Z0.4 E1"
+        assert s.host.ok("M205 X8 Z0.2 E0.5 Y20 S0") == ["ok"]
+        assert s.host.ok("M205")[0] == "M205 X8 Y10 Z0.2 E0.5"
+        assert s.host.ok("M205 J0.05")[0].startswith("echo:M205: J without effect, for corners")
+        assert "M205 X8 Y10 Z0.2 E0.5" in "\n".join(s.host.ok("M503"))
 
 
 @pytest.mark.parametrize(

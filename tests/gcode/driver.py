@@ -28,6 +28,7 @@ class Outcome:
     events: list[tuple[int, str, int, int, str, str]] = field(default_factory=list)
     errors: list[tuple[int, Fault, str, float, float]] = field(default_factory=list)
     statistics: dict[str, Any] = field(default_factory=dict)
+    clamped: list[Any] = field(default_factory=list)
 
     @property
     def ends(self) -> list[tuple[float, float, float, float]]:
@@ -59,6 +60,7 @@ def run(text: str | bytes, machine: Any = "i3", chunk: int = 0, **policy: bool) 
     job.flush()
     out.moves = job.take_moves()
     out.statistics = job.statistics()
+    out.clamped = job.clamped
     return out
 
 

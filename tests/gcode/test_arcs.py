@@ -123,6 +123,39 @@ def test_arcs_that_are_none(line, word):
     assert len(out.moves) == 1
 
 
+@pytest.mark.parametrize(
+    ("line", "radii"),
+    [
+        ("G2 X120 Y100 I10.03", None),  # 10.03 and 9.97: 0.06 mm, as much as 0.6 %
+        ("G2 X120 Y100 I10.02", ()),
+        ("G2 X101 Y100 I0.52", ()),  # coordinates with one decimal
+        ("G3 X150 Y120 I20 J5", None),
+        ("G2 X0 Y100 I-50.1", ()),
+        ("G2 X0 Y100 I-50.2", None),
+        ("G3 X99.55 Y101 I-130", ()),
+        ("G3 X99.45 Y101 I-130", None),  # less than 0.5 %, but 0.546 mm
+        ("G18 G2 X120 Z100 I12 K0", None),
+    ],
+)
+def test_an_arc_whose_ends_lie_on_two_circles_is_an_error(line, radii):
+    """0.5 % of the radius is allowed, at least 0.05 mm and at most 0.5 mm."""
+    out = run(f"G1 X100 Y100 Z100 E0\n{line}\nG1 E5\n")
+    if radii is None:
+        ((number, fault, _, start, end),) = out.errors
+        assert (number, fault) == (2, Fault.RADII)
+        assert abs(start - end) > 0.05
+        assert out.statistics["arcs"] == 0
+    else:
+        assert out.errors == []
+        assert out.statistics["arcs"] == 1
+    assert out.ends[-1][3] == 5
+
+
+def test_the_radii_of_a_wrong_arc():
+    ((_, fault, _, start, end),) = run("G1 X10 Y10\nG2 X30 Y10 I7 J0\n").errors
+    assert (fault, start, end) == (Fault.RADII, 7, 13)
+
+
 def test_an_arc_out_of_range_stops_or_is_clamped():
     text = "G1 X5 Y5\nG2 X15 Y5 I5\nG3 X5 Y5 I-5\nG3 I-10\n"
     out = run(text)

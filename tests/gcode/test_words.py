@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from passo._core import Fault
+from passo.gcode.dialect import TABLE, Kind
 
 from .driver import run
 
@@ -104,6 +105,21 @@ def test_a_word_without_a_number_is_an_error_that_names_it(line, word):
     out = run(f"G4 P1\n{line}\n")
     assert [(e[0], e[1], e[2]) for e in out.errors] == [(2, Fault.NUMBER, word)]
     assert [m.kind for m in out.moves] == ["dwell"]
+
+
+@pytest.mark.parametrize(
+    "row", [r for r in TABLE if r.kind is Kind.MOTION and r.code not in ("G0", "G1", "T")]
+)
+def test_the_table_says_which_letters_need_no_number(row):
+    """Of what the core reads itself; R alone is a word of moves."""
+    text = "G92 X0 Y0 Z0 E0\nG60\nM302 P1\n"
+    alone = set()
+    for letter in set("ABCDEHIJKLOPQSTUVWXYZ"):
+        errors = [e[:3] for e in run(f"{text}{row.code} {letter}\n").errors]
+        if errors != [(4, Fault.NUMBER, letter)]:
+            assert errors == []
+            alone.add(letter)
+    assert alone == set(row.bare or "")
 
 
 @pytest.mark.parametrize(

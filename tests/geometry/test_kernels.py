@@ -11,9 +11,10 @@ from hypothesis import strategies as st
 from pydantic import TypeAdapter
 from tests.oracles.geometry import crossings, line
 
-from passo._core import Geometry
+from passo._core import Fault, Geometry
 from passo.geometry.base import Unreachable
 from passo.geometry.registry import GEOMETRIES, AnyGeometry
+from passo.printer.faults import problem
 
 # Parameters, and the corners of a box that the machine reaches all of.
 CASES = {
@@ -178,5 +179,33 @@ def test_carriages_too_far_apart_have_no_point(positions):
 def test_a_joint_on_the_axis_of_a_shoulder_has_no_arm():
     model, _, _, _ = machine("rotary_delta")
     away = (model.base_length - model.effector_length) / (2 * 3**0.5)
-    with pytest.raises(Unreachable, match="do not meet"):
+    with pytest.raises(Unreachable, match=r"50\.000 to 210\.000 mm there, not 0\.000 mm"):
         model.inverse((0.0, -away, model.z_offset))
+
+
+@pytest.mark.parametrize(
+    ("name", "point", "reason"),
+    [
+        ("delta", (60.0, 60.0, 0.0), "it is 84.853 mm from the middle, of at most 75.100 mm"),
+        (
+            "rotary_delta",
+            (0.0, 150.0, 40.0),
+            "arm A and its rod reach from 50.000 to 210.000 mm there, not 221.302 mm",
+        ),
+        (
+            "scara",
+            (200.0, 20.0, 0.0),
+            "the arms reach from 0.000 to 300.000 mm from the shoulder, not 302.655 mm",
+        ),
+        (
+            "dual_scara",
+            (0.0, 300.0, 0.0),
+            "arm A reaches from 10.000 to 130.000 mm from its shoulder, not 304.138 mm",
+        ),
+    ],
+)
+def test_what_is_out_of_reach_is_told_with_value_and_limit(name, point, reason):
+    model, _, _, _ = machine(name)
+    told = problem((7, Fault.UNREACHABLE, "", 0.0, 0.0, point), "a.gcode", model)
+    assert told.place == "a.gcode:7"
+    assert told.sentence.endswith(f"cannot be reached by this machine: {reason}")

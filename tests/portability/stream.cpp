@@ -1,6 +1,8 @@
 // The stream of a program on one machine of each family, without Python: for builds of other CPUs.
-// Usage: stream FILE. Prints a line a machine: name, commands, stream hash.
+// Usage: stream FILE EXAMPLE... Prints a line a machine, then one for each example on a cartesian
+// machine: name, commands, stream hash.
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
@@ -59,9 +61,13 @@ static void run(const Machine& m, const std::string& program) {
   std::printf("%s %ld %016llx\n", m.name.c_str(), commands, (unsigned long long)hash.value());
 }
 
-int main(int, char** argv) {
-  std::ifstream file(argv[1], std::ios::binary);
-  std::string program((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+static std::string text_of(const char* path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+int main(int files, char** argv) {
+  std::string program = text_of(argv[1]);
   run(machine("cartesian", {}, 80, 300), program);
   run(machine("corexy", {}, 80, 500), program);
   GeometryParams towers{{"radius", {174.75}},
@@ -94,5 +100,10 @@ int main(int, char** argv) {
   std::vector<double> heights{0.1, -0.2, 0.3, 0.5, 0, -0.4, 0.2, 0.2, -0.1};
   bent.height_map = std::make_shared<HeightMap>(-70, -50, 61, 47, 3, 3, heights);
   run(bent, program);
+  for (int i = 2; i < files; ++i) {
+    Machine plain = machine("cartesian", {}, 80, 300);
+    plain.name = std::filesystem::path(argv[i]).stem().string();
+    run(plain, text_of(argv[i]));
+  }
   return 0;
 }

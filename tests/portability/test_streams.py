@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import lzma
 import shutil
 import subprocess
 from pathlib import Path
@@ -34,20 +35,28 @@ above a bent bed 43466 5e505609be3e8242
 """
 
 
+EXAMPLES = ("examples/demo", "tests/data/gear_arcs")  # the one that is shipped, and one with arcs
+
+
 @pytest.fixture(scope="module")
-def source(tmp_path_factory):
-    path = tmp_path_factory.mktemp("portability") / "program.gcode"
-    path.write_text(program())
-    return path
+def sources(tmp_path_factory):
+    """The program, and the examples unpacked."""
+    folder = tmp_path_factory.mktemp("portability")
+    paths = [folder / "program.gcode"]
+    paths[0].write_text(program())
+    for name in EXAMPLES:
+        paths.append(folder / f"{Path(name).name}.gcode")
+        paths[-1].write_bytes(lzma.decompress((ROOT / f"{name}.gcode.xz").read_bytes()))
+    return [str(path) for path in paths]
 
 
 @pytest.mark.parametrize("name", BUILDS)
-def test_the_stream_is_the_same(name, source, tmp_path):
+def test_the_stream_is_the_same(name, sources, tmp_path):
     compiler, emulator = BUILDS[name]
     assert shutil.which(compiler[0]), f"{compiler[0]} is missing: make test installs it"
     binary = tmp_path / "stream"
     words = [*compiler, *FLAGS, f"-I{ROOT / 'core'}", str(SOURCE), "-o", str(binary)]
     subprocess.run(words, check=True)
-    words = [*emulator, str(binary), str(source)]
+    words = [*emulator, str(binary), *sources]
     out = subprocess.run(words, check=True, capture_output=True, text=True).stdout
     assert out == EXPECTED

@@ -229,11 +229,16 @@ def test_the_state_is_json_for_strict_readers(s, sensor):
 @pytest.mark.parametrize(
     ("line", "told"),
     [
-        ("M104 Sabc", "S is abc: expected a number of at most 1e9"),
-        ("M104 S", "S is nothing: expected a number of at most 1e9"),
-        ("M104 S20000000000", "S is 20000000000: expected a number of at most 1e9"),
-        ("M106 Sabc", "S is abc: expected a number of at most 1e9"),
-        ("M220 S", "S is nothing: expected a number of at most 1e9"),
+        ("M104 Sabc", "the word 'S' has no valid number"),
+        ("M104 S", "the word 'S' has no valid number"),
+        ("M104 S20000000000", "the word 'S2e+10' has no valid number"),
+        ("M106 Sabc", "the word 'S' has no valid number"),
+        ("M220 S", "the word 'S' has no valid number"),
+        ("M106 P S255", "the word 'P' has no valid number"),
+        ("M104 S nan T", "the word 'T' has no valid number"),
+        ("M106 S nan", "the word 'S' has no valid number"),
+        ("M92 X", "the word 'X' has no valid number"),
+        ("M302 P", "the word 'P' has no valid number"),
     ],
 )
 def test_a_word_without_a_number_changes_nothing(s, line, told):

@@ -7,7 +7,7 @@ import json
 import sys
 
 from passo.cli.machine_option import add_machine, add_policy
-from passo.errors import ExitStatus
+from passo.errors import ExitStatus, PassoError
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -24,14 +24,23 @@ def run(arguments: argparse.Namespace) -> int:
     """Plans the file and prints a table, or one JSON object."""
     from passo import config
     from passo.cli.tables import estimate_table
-    from passo.job.estimate import estimate
+    from passo.job.estimate import Estimate, estimate
 
-    result = estimate(
-        config.load(arguments.machine),
-        arguments.file,
-        clamp=arguments.out_of_range == "clamp",
-        ignore_tools=arguments.missing_tool == "ignore",
-    )
+    name = arguments.machine
+    try:
+        machine = config.load(name)
+        name = machine.name
+        result = estimate(
+            machine,
+            arguments.file,
+            clamp=arguments.out_of_range == "clamp",
+            ignore_tools=arguments.missing_tool == "ignore",
+        )
+    except PassoError as error:
+        if arguments.json:
+            told = [str(problem) for problem in error.problems]
+            print(json.dumps(Estimate(arguments.file, name, errors=told).as_dict()))
+        raise
     for line in result.warnings:
         print(line, file=sys.stderr)
     print(json.dumps(result.as_dict()) if arguments.json else estimate_table(result))

@@ -29,6 +29,12 @@ def _seconds(text: str) -> float:
 
 def run(arguments: argparse.Namespace) -> int:
     """Prints the file on the board and writes its steps."""
+    if arguments.to_s is not None and arguments.to_s <= arguments.from_s:
+        print(
+            f"--to {arguments.to_s:g}: it must be later than --from {arguments.from_s:g}.",
+            file=sys.stderr,
+        )
+        return ExitStatus.USAGE
     from passo import config
     from passo.job.steps import trace_steps, write_steps
 

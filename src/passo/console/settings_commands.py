@@ -36,7 +36,7 @@ class SettingsCommands:
         yield "Maximum feedrates (units/s)", motion.axis_limit_lines("speed")
         yield "Maximum acceleration (units/s2)", motion.axis_limit_lines("accel")
         yield "Acceleration (units/s2)", [motion.acceleration_line()]
-        yield "Junction deviation", [motion.junction_line()]
+        yield "Corners", motion.junction_lines()
         yield "Home offset", [motion.home_offset_line()]
         if len(job.tool_offsets) > 1:
             yield "Tool offsets", list(motion.tool_offset_lines())

@@ -28,14 +28,19 @@ class When(Enum):
 
 class Row(NamedTuple):
     """A command: its code, who carries it out in a print without consoles, when it acts on a
-    console, its parameters, and one sentence."""
+    console, its parameters, one sentence, and which letters need no number."""
 
     code: str
     kind: Kind
     when: When
     parameters: str
     text: str
+    bare: str | None = ""  # letters that may stand alone; None: what follows is not read as words
+    nan: bool = False  # `S nan` is no number, and switches the heater off
 
+
+ANY = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
+_AXES = "ABCDEHIJKUVWXYZ"  # also names of motors
 
 _M, _P, _H, _Q = Kind.MOTION, Kind.PRINTER, Kind.PERSON, Kind.QUIET
 _B = Kind.NOT_BUILT
@@ -78,6 +83,7 @@ TABLE: tuple[Row, ...] = (
         "X Y Z O B",
         "Homes these axes, all without letters, with O only those that do not know where they are;"
         " with B it goes back to where it was. Without a console it sets them to home.",
+        bare=ANY,
     ),
     Row("G60", _M, _N, "S(0-1)", "Saves the position."),
     Row(
@@ -86,6 +92,7 @@ TABLE: tuple[Row, ...] = (
         _N,
         "S(0-1) X Y Z E F(mm/min)",
         "Moves these axes to the saved position, or so far beside it; X, Y and Z without letters.",
+        bare=_AXES,
     ),
     Row("G90", _M, _N, "", "Positions are absolute."),
     Row("G91", _M, _N, "", "Positions are relative, the extruder's too."),
@@ -96,26 +103,28 @@ TABLE: tuple[Row, ...] = (
         "X Y Z E, A B C",
         "Sets the program's position without motion; letters of motors say where these are.",
     ),
-    Row("M0", _H, _X, "S(s) P(ms) text", "Waits for a person, M108 or the time."),
-    Row("M1", _H, _X, "S(s) P(ms) text", "Waits for a person, M108 or the time."),
+    Row("M0", _H, _X, "S(s) P(ms) text", "Waits for a person, M108 or the time.", bare=None),
+    Row("M1", _H, _X, "S(s) P(ms) text", "Waits for a person, M108 or the time.", bare=None),
     Row("M2", _P, _X, "", "Ends the program."),
     Row("EOF", _P, _X, "", "Ends the program."),
-    Row("M3", _P, _N, "S", "Laser or spindle on."),
+    Row("M3", _P, _N, "S", "Laser or spindle on.", bare="I"),
     Row(
         "M4",
         _P,
         _N,
         "S",
         "Laser on; less where the head is slower, dark at rest and on G0.",
+        bare="I",
     ),
-    Row("M5", _P, _N, "", "Laser or spindle off."),
-    Row("M17", _Q, _N, "X Y Z E", "Motors on; a move turns them on anyway."),
+    Row("M5", _P, _N, "", "Laser or spindle off.", bare="I"),
+    Row("M17", _Q, _N, "X Y Z E", "Motors on; a move turns them on anyway.", bare=_AXES),
     Row(
         "M18",
         _P,
         _X,
         "X Y Z E S(s)",
         "Motors off when the machine is still; S: after standing idle so long.",
+        bare=_AXES,
     ),
     Row(
         "M20",
@@ -123,6 +132,7 @@ TABLE: tuple[Row, ...] = (
         _I,
         "L T, D(directory)",
         "Lists the card's programs, with long names (L) and times (T); D lists one directory.",
+        bare=None,
     ),
     Row("M21", _Q, _I, "", "Opens the card anew."),
     Row("M22", _Q, _I, "", "Leaves the card."),
@@ -132,6 +142,7 @@ TABLE: tuple[Row, ...] = (
         _I,
         "name, or F(file) D(directory) R",
         "Selects a file to print; D and R choose the directory that names count from.",
+        bare=None,
     ),
     Row("M24", _Q, _I, "S(byte)", "Prints the selected file, or ends a pause."),
     Row("M25", _H, _I, "", "Pauses the print: brakes on the path, and parks."),
@@ -142,15 +153,23 @@ TABLE: tuple[Row, ...] = (
         _I,
         "C S(s)",
         "Tells how far the print is, by itself every S seconds; C names the file.",
+        bare="C",
     ),
-    Row("M28", _Q, _I, "name", "What follows goes into a file, until M29."),
+    Row("M28", _Q, _I, "name", "What follows goes into a file, until M29.", bare=None),
     Row("M29", _Q, _I, "", "Ends the file that is written: now it is on the card."),
-    Row("M30", _P, _I, "name", "Deletes a file. In a program it ends it."),
+    Row("M30", _P, _I, "name", "Deletes a file. In a program it ends it.", bare=None),
     Row("M31", _Q, _I, "", "Tells how long the print has taken."),
-    Row("M32", _Q, _I, "name", "Selects a file and prints it."),
-    Row("M33", _Q, _I, "name", "Tells a file's long name; without a name it cancels the print."),
-    Row("M34", _Q, _I, "", "Files are always sorted by name."),
-    Row("M36", _Q, _I, "name", "Tells a file's size and time."),
+    Row("M32", _Q, _I, "name", "Selects a file and prints it.", bare=None),
+    Row(
+        "M33",
+        _Q,
+        _I,
+        "name",
+        "Tells a file's long name; without a name it cancels the print.",
+        bare=None,
+    ),
+    Row("M34", _Q, _I, "", "Files are always sorted by name.", bare=None),
+    Row("M36", _Q, _I, "name", "Tells a file's size and time.", bare=None),
     Row(
         "M73",
         _Q,
@@ -158,15 +177,15 @@ TABLE: tuple[Row, ...] = (
         "P(%) R(min)",
         "A slicer's progress, where nothing better is known; without words tells it.",
     ),
-    Row("M75", _Q, _I, "", "Starts the print timer."),
-    Row("M76", _Q, _I, "", "Halts the print timer."),
-    Row("M77", _Q, _I, "", "Stops the print timer and tells it."),
+    Row("M75", _Q, _I, "", "Starts the print timer.", bare=None),
+    Row("M76", _Q, _I, "", "Halts the print timer.", bare=None),
+    Row("M77", _Q, _I, "", "Stops the print timer and tells it.", bare=None),
     Row("M78", _Q, _I, "S78", "Tells what was printed; S78 forgets it."),
-    Row("M80", _Q, _N, "S", "Mains on."),
+    Row("M80", _Q, _N, "S", "Mains on.", bare="S"),
     Row("M81", _Q, _X, "", "Heaters and motors off."),
     Row("M82", _M, _N, "", "The extruder's positions are absolute."),
     Row("M83", _M, _N, "", "The extruder's positions are relative."),
-    Row("M84", _P, _X, "X Y Z E S(s)", "As M18."),
+    Row("M84", _P, _X, "X Y Z E S(s)", "As M18.", bare=_AXES),
     Row("M85", _Q, _I, "S(s)", "Everything off after standing idle so long; 0: never."),
     Row(
         "M92",
@@ -181,8 +200,10 @@ TABLE: tuple[Row, ...] = (
         _N,
         "S(°C) T P F",
         "Sets the hotend's temperature; without S it goes off, with F at once.",
+        bare="F",
+        nan=True,
     ),
-    Row("M105", _Q, _I, "", "Tells the temperatures."),
+    Row("M105", _Q, _I, "", "Tells the temperatures.", bare="R"),
     Row(
         "M106",
         _P,
@@ -190,8 +211,9 @@ TABLE: tuple[Row, ...] = (
         "S(0-255) P F",
         "Sets a fan's speed. F: at once. Without S it is full, but settings of the machine file"
         " alone (U I H L X T) change nothing.",
+        bare="F",
     ),
-    Row("M107", _P, _N, "P F", "Turns a fan off. F: at once."),
+    Row("M107", _P, _N, "P F", "Turns a fan off. F: at once.", bare="F"),
     Row("M108", _Q, _A, "", "Ends the wait that goes on."),
     Row(
         "M109",
@@ -199,6 +221,8 @@ TABLE: tuple[Row, ...] = (
         _X,
         "S(°C) R(°C) T P",
         "Sets the hotend's temperature and waits for it; R waits for cooling too.",
+        bare="F",
+        nan=True,
     ),
     Row("M110", _Q, _I, "N", "The number of the line before the next one."),
     Row("M112", _Q, _A, "", "Everything off at once; M999 begins anew."),
@@ -209,11 +233,12 @@ TABLE: tuple[Row, ...] = (
         _I,
         "D R",
         "Tells the position: where the program is; R where the machine is now; D both.",
+        bare="DRE",
     ),
-    Row("M115", _Q, _I, "", "Tells firmware and capabilities."),
-    Row("M116", _P, _X, "T B C", "Waits for these heaters, all without letters."),
-    Row("M117", _Q, _I, "text", "A message for displays and hosts."),
-    Row("M118", _Q, _I, "E1 A1 text", "A line for all consoles."),
+    Row("M115", _Q, _I, "", "Tells firmware and capabilities.", bare=None),
+    Row("M116", _P, _X, "T B C", "Waits for these heaters, all without letters.", bare="TPBC"),
+    Row("M117", _Q, _I, "text", "A message for displays and hosts.", bare=None),
+    Row("M118", _Q, _I, "E1 A1 text", "A line for all consoles.", bare=None),
     Row("M119", _Q, _I, "", "Tells which switches are pressed."),
     Row("M120", _Q, _I, "", "Endstops are watched while the machine moves."),
     Row("M121", _Q, _I, "", "Endstops count only for homing."),
@@ -223,17 +248,25 @@ TABLE: tuple[Row, ...] = (
         _I,
         "S",
         "Tells the limits of the axes, which always hold, and of drivers and link.",
+        bare="IVXYZE",
     ),
     Row("M123", _Q, _I, "X Y Z", "Tells the logic of the switches, which the machine file sets."),
     Row("M124", _Q, _I, "X Y Z", "As M123: it tells the pull-ups, too."),
-    Row("M140", _P, _N, "S(°C) P F", "Sets the bed's temperature."),
-    Row("M141", _P, _N, "S(°C) P F", "Sets the chamber's temperature."),
+    Row("M140", _P, _N, "S(°C) P F", "Sets the bed's temperature.", bare="F", nan=True),
+    Row("M141", _P, _N, "S(°C) P F", "Sets the chamber's temperature.", bare="F", nan=True),
     Row("M145", _Q, _I, "S H B F", "Material presets."),
     Row("M154", _Q, _I, "S(s)", "Tells the position every S seconds."),
     Row("M155", _Q, _I, "S(s)", "Tells the temperatures every S seconds."),
-    Row("M149", _Q, _I, "C", "Temperatures are in °C; other units are refused."),
-    Row("M190", _P, _X, "S(°C) R(°C) P", "Sets the bed's temperature and waits for it."),
-    Row("M191", _P, _X, "S(°C) R(°C) P", "Sets the chamber's temperature and waits for it."),
+    Row("M149", _Q, _I, "C", "Temperatures are in °C; other units are refused.", bare="CKF"),
+    Row("M190", _P, _X, "S(°C) R(°C) P", "Sets the bed's temperature and waits for it.", nan=True),
+    Row(
+        "M191",
+        _P,
+        _X,
+        "S(°C) R(°C) P",
+        "Sets the chamber's temperature and waits for it.",
+        nan=True,
+    ),
     Row(
         "M200",
         _M,
@@ -250,7 +283,14 @@ TABLE: tuple[Row, ...] = (
         "S P R T V (mm/s²)",
         "Sets accelerations: all but retract, print, retract, travel; V is T.",
     ),
-    Row("M205", _P, _N, "J(mm)", "Sets the junction deviation; jerk and least speeds are unused."),
+    Row(
+        "M205",
+        _P,
+        _N,
+        "J(mm), X Y Z E(mm/s) T",
+        "Corners: the junction deviation (J), or the axes' jerk, at most the machine's, where its"
+        " corners obey that. There are no least speeds.",
+    ),
     Row("M206", _Q, _N, "X Y Z (mm)", "Added to the axes' home positions."),
     Row("M207", _M, _N, "S(mm) F Z(mm) R(mm) W(mm)", "Sets how G10 retracts; W: with S1."),
     Row("M208", _M, _N, "S(mm) F W(mm)", "Sets how G11 takes it back; W: after G10 S1."),
@@ -262,12 +302,26 @@ TABLE: tuple[Row, ...] = (
         "S1: moves of E alone, by 0.1 to 10 mm, retract as G10 and G11 do.",
     ),
     Row("M218", _Q, _N, "T X Y Z (mm)", "A tool's offset."),
-    Row("M220", _P, _I, "S(%)", "Scales the speed; from a console of what is planned too."),
+    Row(
+        "M220",
+        _P,
+        _I,
+        "S(%)",
+        "Scales the speed; from a console of what is planned too.",
+        bare="BR",
+    ),
     Row("M221", _P, _I, "T S(%)", "Scales a tool's extrusion; from beside of what is planned too."),
-    Row("M290", _P, _I, "X Y Z (mm)", "Shifts all that is not done yet, in mid-move."),
+    Row("M290", _P, _I, "X Y Z (mm)", "Shifts all that is not done yet, in mid-move.", bare="R"),
     Row("M302", _Q, _I, "S(°C) P", "Allows cold extrusion, or tells whether it is."),
     Row("M301", _Q, _I, "H P I D", "A heater's PID gains, in 1/255 of full power; H-1 is the bed."),
-    Row("M303", _Q, _X, "H S(°C) C R U M", "Tunes a heater: a relay's swings, M1 its model."),
+    Row(
+        "M303",
+        _Q,
+        _X,
+        "H S(°C) C R U M",
+        "Tunes a heater: a relay's swings, M1 its model.",
+        bare="U",
+    ),
     Row("M304", _Q, _I, "P I D", "As M301 for the bed."),
     Row("M305", _Q, _I, "H A B C R L O", "A heater's thermistor: R25, beta, C, pull-up, offsets."),
     Row("M306", _Q, _I, "H", "Tells a heater's limits."),
@@ -279,14 +333,21 @@ TABLE: tuple[Row, ...] = (
     Row("M500", _Q, _N, "", "Stores the settings."),
     Row("M501", _Q, _N, "", "Takes the stored settings."),
     Row("M502", _Q, _N, "", "Takes the machine file's settings."),
-    Row("M503", _Q, _N, "S0", "Tells the settings as commands."),
+    Row("M503", _Q, _N, "S0", "Tells the settings as commands.", bare="SC"),
     Row("M504", _Q, _N, "", "Checks the stored settings."),
     Row("M524", _Q, _I, "", "Cancels the print."),
     Row("M530", _Q, _I, "S", "A host's print begins (S1) or ends (S0): its time is counted."),
-    Row("M531", _Q, _I, "name", "The name of a host's print."),
+    Row("M531", _Q, _I, "name", "The name of a host's print.", bare=None),
     Row("M532", _Q, _I, "X(%) L", "As M73 P."),
     Row("M540", _Q, _I, "S", "S1: an endstop that is hit stops the machine; tells it without S."),
-    Row("M569", _Q, _N, "S X Y Z E T", "Tells of the drivers; S1: stealthChop, S0: spreadCycle."),
+    Row(
+        "M569",
+        _Q,
+        _N,
+        "S X Y Z E T",
+        "Tells of the drivers; S1: stealthChop, S0: spreadCycle.",
+        bare=_AXES,
+    ),
     Row(
         "M600",
         _H,
@@ -299,23 +360,30 @@ TABLE: tuple[Row, ...] = (
     Row("M602", _Q, _I, "", "Ends a pause."),
     Row("M603", _M, _N, "T L(mm) U(mm)", "Lengths of filament that M701 loads and M702 unloads."),
     Row("M701", _M, _N, "T L(mm) Z(mm)", "Loads filament, lifted by Z meanwhile."),
-    Row("M702", _M, _N, "T U(mm) Z(mm)", "Unloads filament, lifted by Z meanwhile."),
+    Row("M702", _M, _N, "T U(mm) Z(mm)", "Unloads filament, lifted by Z meanwhile.", bare="C"),
     Row("M876", _Q, _I, "S P", "The answer to a prompt."),
     Row("M906", _Q, _N, "X Y Z E(mA) T", "Currents of the drivers that can be set up."),
     Row("M911", _Q, _N, "", "Tells which drivers were hot."),
-    Row("M912", _Q, _N, "X Y Z E", "Forgets that drivers were hot."),
+    Row("M912", _Q, _N, "X Y Z E", "Forgets that drivers were hot.", bare=_AXES),
     Row("M921", _Q, _I, "S(s)", "Tells what each heater's controller does, every S seconds."),
     Row("M922", _Q, _I, "", "Heaters that a fault has switched off may heat again."),
-    Row("M925", _Q, _I, "I(option)", "Tells one of APrinter's options."),
-    Row("M926", _Q, _I, "I(option) V", "Notes a new value of an option, the first one without V."),
-    Row("M928", _Q, _I, "name", "As M28, and the lines are carried out as well."),
+    Row("M925", _Q, _I, "I(option)", "Tells one of APrinter's options.", bare=None),
+    Row(
+        "M926",
+        _Q,
+        _I,
+        "I(option) V",
+        "Notes a new value of an option, the first one without V.",
+        bare=None,
+    ),
+    Row("M928", _Q, _I, "name", "As M28, and the lines are carried out as well.", bare=None),
     Row("M930", _Q, _X, "", "Applies the options that M926 has noted."),
     Row("M932", _Q, _I, "", "After a failure nothing of this console is carried out."),
     Row("M933", _Q, _I, "", "Ends M932."),
     Row("M937", _Q, _I, "", "Corrections of the bed: none yet."),
     Row("M940", _Q, _I, "", "The network is the computer's."),
     Row("M999", _Q, _I, "", "A halted printer begins anew."),
-    Row("M1000", _Q, _X, "C", "Goes on with a print that was interrupted; C forgets it."),
+    Row("M1000", _Q, _X, "C", "Goes on with a print that was interrupted; C forgets it.", bare="C"),
     Row("T", _M, _N, "", "Selects a tool."),
     Row(
         "SET_VELOCITY_LIMIT",
@@ -325,7 +393,7 @@ TABLE: tuple[Row, ...] = (
         "Sets limits of speed, acceleration and corners.",
     ),
     *(
-        Row(code, _Q, _N, "", text)
+        Row(code, _Q, _N, "", text, bare=ANY)
         for code, text in (
             ("G43", "Lengths of tools are not kept."),
             ("G54", "There is one coordinate system; G92 moves its zero."),
@@ -347,7 +415,7 @@ TABLE: tuple[Row, ...] = (
         )
     ),
     *(
-        Row(code, _B, _N, "", text)
+        Row(code, _B, _N, "", text, bare=None)
         for codes, text in (
             ("G12", "There is no place to wipe the nozzle."),
             ("G27 M125", "The head parks when a print pauses, by M25 or M601."),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from passo.gcode.dialect import TABLE, Kind
+from passo.gcode.dialect import ANY, TABLE, Kind, Row
 
 _HEAD = """# Commands
 
@@ -12,6 +12,10 @@ line may hold several commands; they run in order.
 
 Comments stand in parentheses or behind `;`. A line number (`N12`) is skipped; the checksum that may
 end such a line (`*71`) is checked. Anything that is not listed below is skipped with one warning.
+
+A letter without a number, or with one beyond 1e9, is an error that names it, and nothing of the
+command is carried out, unless the letter is listed below as one that may stand *alone*. Behind it
+may stand a text in quotes, too. Temperatures may be `S nan`: the heater goes off.
 
 ## Which words belong to which command
 
@@ -57,7 +61,12 @@ _MARK = {
 def reference() -> str:
     """The page as Markdown."""
     rows = [
-        f"| {r.code} | {r.parameters} | {r.when.value} | {r.text} | {_MARK[r.kind]} |"
+        f"| {r.code} | {_parameters(r)} | {r.when.value} | {r.text} | {_MARK[r.kind]} |"
         for r in TABLE
     ]
     return "\n".join([_HEAD.rstrip("\n") + "\n", _WHEN, *rows, ""])
+
+
+def _parameters(row: Row) -> str:
+    alone = "any letter" if row.bare == ANY else " ".join(row.bare or "")
+    return "; alone: ".join(filter(None, (row.parameters, alone)))

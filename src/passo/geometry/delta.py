@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import cos, radians, sin, sqrt
+from math import cos, hypot, radians, sin, sqrt
 from typing import Annotated, Literal
 
 from pydantic import Field
@@ -38,13 +38,17 @@ class Delta(GeometryModel):
         x, y, z = point
         if x * x + y * y > self.limit_radius**2:
             raise Unreachable(
-                f"{sqrt(x * x + y * y):.3f} mm from the middle, of {self.limit_radius}"
+                f"it is {sqrt(x * x + y * y):.3f} mm from the middle,"
+                f" of at most {self.limit_radius:.3f} mm"
             )
         heights: list[float] = []
-        for (tx, ty), rod in zip(self.towers, self.rods, strict=True):
+        for name, (tx, ty), rod in zip("ABC", self.towers, self.rods, strict=True):
             square = rod**2 - (tx - x) ** 2 - (ty - y) ** 2
             if square < 0:
-                raise Unreachable("a rod is too short")
+                raise Unreachable(
+                    f"it is {hypot(tx - x, ty - y):.3f} mm from tower {name}, of at most the"
+                    f" {rod:.3f} mm of its rod"
+                )
             heights.append(z + sqrt(square))
         return heights[0], heights[1], heights[2]
 

@@ -44,7 +44,10 @@ class DualScara(GeometryModel):
             reach = hypot(dx, y)
             cosine = (reach**2 + proximal**2 - distal**2) / (2 * proximal * reach) if reach else 2
             if abs(cosine) > 1:
-                raise Unreachable(f"arm {arm + 1} does not reach {reach:.3f} mm")
+                raise Unreachable(
+                    f"arm {'AB'[arm]} reaches from {abs(proximal - distal):.3f} to"
+                    f" {proximal + distal:.3f} mm from its shoulder, not {reach:.3f} mm"
+                )
             angles.append(degrees(atan2(dx, y) + outside * acos(cosine)))
         (ax, ay), (bx, by) = self._elbow(0, angles[0]), self._elbow(1, angles[1])
         if (bx - ax) * (y - ay) - (by - ay) * (x - ax) <= 0:

@@ -28,10 +28,13 @@ class RotaryDelta(GeometryModel):
 
     def inverse(self, point: Point) -> Point:
         """Degrees below the horizon of the arms at 0, +120 and -120 degrees about Z."""
-        a, b, c = (self._arm(point, radians(turn)) for turn in (0, 120, -120))
+        a, b, c = (
+            self._arm(name, point, radians(turn))
+            for name, turn in zip("ABC", (0, 120, -120), strict=True)
+        )
         return a, b, c
 
-    def _arm(self, point: Point, turn: float) -> float:
+    def _arm(self, name: str, point: Point, turn: float) -> float:
         """The elbow is at arm length from the shoulder and at rod length from the joint; of the two
         crossings of these circles it is the outer one."""
         px, py, pz = point
@@ -46,7 +49,11 @@ class RotaryDelta(GeometryModel):
         side = reach**2 + self.arm_length**2 - self.rod_length**2 + x**2
         full = 2 * self.arm_length * reach  # 0 on the shoulder's axis: no way to point at
         if abs(side) > full or full == 0:
-            raise Unreachable("an arm and its rod do not meet")
+            rod = sqrt(max(self.rod_length**2 - x**2, 0.0))
+            raise Unreachable(
+                f"arm {name} and its rod reach from {abs(self.arm_length - rod):.3f} to"
+                f" {self.arm_length + rod:.3f} mm there, not {reach:.3f} mm"
+            )
         angle = atan2(z, y) - acos(side / full) + pi
         return degrees(angle - 2 * pi if angle > pi else angle + 2 * pi if angle <= -pi else angle)
 

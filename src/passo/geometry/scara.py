@@ -33,7 +33,10 @@ class Scara(GeometryModel):
         d = hypot(x, y)
         cosine = (d**2 - self.arm1**2 - self.arm2**2) / (2 * self.arm1 * self.arm2)
         if abs(cosine) > 1 or d == 0:
-            raise Unreachable(f"{d:.3f} mm from the shoulder")
+            raise Unreachable(
+                f"the arms reach from {abs(self.arm1 - self.arm2):.3f} to"
+                f" {self.arm1 + self.arm2:.3f} mm from the shoulder, not {d:.3f} mm"
+            )
         elbow = acos(cosine)
         shoulder = atan2(y, x) - acos((d**2 + self.arm1**2 - self.arm2**2) / (2 * self.arm1 * d))
         if not self.external_motor:

@@ -17,21 +17,23 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """Figures of a plan. Heating takes no time here: it depends on the room."""
+    """Figures of a plan. Heating takes no time here: it depends on the room. `errors` are those of
+    an estimate that failed, whose figures are 0."""
 
     file: str
     machine: str
-    total_s: float
-    move_s: float
-    dwell_s: float
-    moves: int
-    layers: int
-    filament_mm: dict[str, float]
-    layers_s: list[float] = field(repr=False)
-    features_s: dict[str, float]
-    limits_s: dict[str, float]
-    budget: BudgetUse
-    warnings: list[str]
+    total_s: float = 0.0
+    move_s: float = 0.0
+    dwell_s: float = 0.0
+    moves: int = 0
+    layers: int = 0
+    filament_mm: dict[str, float] = field(default_factory=dict[str, float])
+    layers_s: list[float] = field(default_factory=list[float], repr=False)
+    features_s: dict[str, float] = field(default_factory=dict[str, float])
+    limits_s: dict[str, float] = field(default_factory=dict[str, float])
+    budget: BudgetUse = field(default_factory=BudgetUse)
+    warnings: list[str] = field(default_factory=list[str])
+    errors: list[str] = field(default_factory=list[str])
 
     def as_dict(self) -> dict[str, Any]:
         """All fields, for JSON."""
@@ -67,5 +69,5 @@ def estimate(
         features_s=plan["feature_s"],
         limits_s=plan["limit_s"],
         budget=budget_use(plan, machine.board),
-        warnings=commands.warnings(str(path), plan["clamped"]),
+        warnings=commands.warnings(str(path)),
     )

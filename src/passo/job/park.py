@@ -8,7 +8,6 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from passo.config.drives import axis_order
-from passo.printer.faults import problem_of
 from passo.printer.slots import E, X, Y, Z, slot_of_axis
 
 if TYPE_CHECKING:
@@ -58,7 +57,7 @@ class Park:
         place = dict(zip((X, Y), park.position_mm or (), strict=False))
         place |= {slot: words[letter] for slot, letter in ((X, "X"), (Y, "Y")) if letter in words}
         if place and not drive.move(place, park.speed_mm_s):
-            printer.tell(f"echo:The nozzle stays over the print: {problem_of(printer.job, '')}")
+            printer.tell(f"echo:The nozzle stays over the print: {printer.commands.problem()}")
         if extrudes:
             self._push(-abs(words.get("U", 0.0)), UNLOAD_MM_S)
         await self._still()

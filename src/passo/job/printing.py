@@ -197,7 +197,7 @@ class Print:
         result.queue_step_commands = sum(link.queue_steps for link in links)
         result.wire_bytes = sum(link.wire_bytes for link in links)
         result.stream_hash = "-".join(f"{link.stream_hash:016x}" for link in links)
-        result.warnings = self._commands.warnings(name, job.statistics()["clamped"])
+        result.warnings = self._commands.warnings(name)
         result.warnings += [str(fault) for fault in self.connection.faults]
         result.errors = [
             f"stepper {s}: the board made {result.final_steps[s]} net steps, expected {wanted}"

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 
 from passo import _core
-from passo.errors import CommandError, InputError
+from passo.errors import CommandError, InputError, WordError
 from passo.job.source import chunks, open_source
 from passo.printer.commands import Commands
-from passo.printer.faults import problem_of
 from passo.printer.waits import Homing, Temperatures, Wait
 from passo.printer.words import Command
 
@@ -50,7 +50,7 @@ def read_program(
 
     Yields whenever the job has made progress or has as many messages as it may; whoever takes them
     does so then. At the last yield the job is flushed. Commands that are refused become warnings.
-    Raises InputError with `name` as the file.
+    Raises InputError with `name` as the file, for words without a number, too.
     """
     status = _core.JobStatus
     source = iter(pieces)
@@ -60,6 +60,9 @@ def read_program(
             command = Command(*job.event)
             try:
                 wait = commands.run(command)
+            except WordError as error:
+                problems = [replace(p, file=name, line=command.line) for p in error.problems]
+                raise InputError(problems) from None
             except CommandError as error:
                 commands.refuse(command, error)
                 continue
@@ -72,7 +75,7 @@ def read_program(
             else:
                 job.finish()
         elif found == status.ERROR:
-            raise InputError([problem_of(job, name)])
+            raise InputError([commands.problem(name)])
         elif found == status.END:
             break
         if found != status.EVENT:

@@ -108,7 +108,9 @@ class Recovery:
         state = state_before(printer.machine, self._reader, offset)
         for axis, mm in self._moment.babysteps_mm.items():
             if not state.shift("xyz".index(axis), mm):
-                raise CommandError([problem_of(state, self._program.path)])
+                raise CommandError(
+                    [problem_of(state, self._program.path, printer.machine.geometry)]
+                )
         state.flush()
         at = state.machine_position
         await self._lift_and_home()

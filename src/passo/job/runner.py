@@ -372,7 +372,7 @@ class Runner:
                 printer.commands.ended = False
                 return await self._finish()
         elif found == status.ERROR:
-            problem = problem_of(job, self.name)
+            problem = problem_of(job, self.name, printer.machine.geometry)
             job.abandon()
             raise CommandError([problem])
         elif found == status.END:

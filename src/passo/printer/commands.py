@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from math import sqrt
+from math import inf, sqrt
 from typing import TYPE_CHECKING, Protocol
 
 from passo.config.drives import axis_order
-from passo.errors import CommandError
+from passo.errors import CommandError, Problem
 from passo.gcode.dialect import Kind, row_of
 from passo.geometry.base import Unreachable
-from passo.printer.faults import problem_of
+from passo.printer.faults import problem, problem_of
 from passo.printer.slots import E
 from passo.printer.waits import Homing, Person, Still, Temperatures, Wait
 from passo.printer.words import Command
@@ -26,6 +26,14 @@ _LETTERED = re.compile(r"([TPBC])\s*(\d*)", re.IGNORECASE)
 _AT_ONCE = re.compile(r"\bF", re.IGNORECASE)
 _BABYSTEP_MM = 2.0  # at most, with one command
 _FLOW = (1.0, 1000.0)  # percent of M221
+_PERCENT = (10.0, 1000.0)  # of M220
+_DEVIATION = (0.001, 0.3)  # mm, of M205 J
+_CORNERS = {
+    "deviation": "corners obey J, the junction deviation",
+    "cornering_distance": "corners obey the machine file's cornering distances",
+    "jerk": "corners obey X Y Z E, the jerk of each axis",
+}
+_OF_VELOCITY_LIMIT = {"VELOCITY": "mm/s", "ACCEL": "mm/s²", "SQUARE_CORNER_VELOCITY": "mm/s"}
 _KINDS = {"T": "hotend", "P": "hotend", "B": "bed", "C": "chamber"}
 
 
@@ -110,7 +118,8 @@ class Commands:
         }
 
     def run(self, command: Command) -> Wait | None:
-        """Carries one command out, or counts it as unknown; returns what it waits for."""
+        """Carries one command out, or counts it as unknown; returns what it waits for. Raises
+        CommandError where it is refused, WordError for a word without a number."""
         if command.letter == "T":
             if command.minor:
                 _count(self.missing_tools, f"T{command.number}", command.line)
@@ -118,6 +127,7 @@ class Commands:
                 self.tool_changed(command.number)
             return None
         code = "S" if command.letter == "S" else command.code
+        command.check()
         handler = self._handlers.get(code)
         if handler is not None:
             return handler(command)
@@ -135,23 +145,38 @@ class Commands:
         """A command that was not carried out, in a print that goes on."""
         _count(self.refused, f"{command.code}: {error}", command.line)
 
-    def warnings(self, file: str, clamped: int) -> list[str]:
-        """One sentence for each code that meant nothing, waited for nobody, or was ignored."""
+    def problem(self, path: str = "") -> Problem:
+        """The error that the job stopped at; `path` is the file."""
+        return problem_of(self._job, path, self._machine.geometry)
+
+    def warnings(self, file: str) -> list[str]:
+        """One sentence for each code that meant nothing, waited for nobody, or was ignored, for
+        each axis whose targets were moved to the limit, and for moves that were left out."""
         sentences = (
             (self.unknown, "{} is unknown and was skipped"),
             (self.not_built, "{} does nothing here and was skipped"),
             (self.waits, "{} waits for a person; nobody is here, so it took no time"),
             (self.missing_tools, "tool {} does not exist and was ignored"),
             (self.refused, "{}"),
+            (self._clamped(), "{}"),
         )
-        lines = [
+        return [
             f"{file}:{line}: {text.format(code)} ({times} {'time' if times == 1 else 'times'})"
             for table, text in sentences
             for code, (line, times) in table.items()
         ]
-        if clamped:
-            lines.append(f"{file}: {clamped} targets out of range were moved to the limit")
-        return lines
+
+    def _clamped(self) -> dict[str, tuple[int, int]]:
+        geometry = self._machine.geometry
+        problems = [(problem(error, "", geometry), times) for error, times in self._job.clamped]
+        moved, left_out = "such targets were moved to the limit", "such moves were left out"
+        return {
+            f"{p.sentence}; {moved if p.code == 'input.out-of-range' else left_out}": (
+                p.line or 0,
+                times,
+            )
+            for p, times in problems
+        }
 
     def _home(self, command: Command) -> Wait:
         self.laser_off()  # homing runs over what lies there
@@ -358,11 +383,17 @@ class Commands:
         self.axis_limits(command.words(), what)
 
     def axis_limits(self, words: dict[str, float], what: str, *, live: bool = False) -> None:
-        """M201 and M203, for the moves that follow, or `live` for all that is planned anew. Raises
-        CommandError."""
-        for letter, value in words.items():
+        """M201 and M203, and jerk of M205, for the moves that follow, or `live` for all that is
+        planned anew. Raises CommandError."""
+        given = {letter: value for letter, value in words.items() if letter != "T"}
+        unit = "mm/s²" if what == "accel" else "mm/s"
+        for letter, value in given.items():
+            if value < 0 or (value == 0 and what != "jerk"):
+                limit = f"{'at least' if what == 'jerk' else 'above'} 0 {unit}"
+                raise CommandError.bad_value(letter, value, limit)
+        for letter, value in given.items():
             name = self.extruder(words) if letter == "E" else letter.lower()
-            if name is not None and letter != "T" and value > 0:
+            if name is not None:
                 self._job.set_axis_limit(name, what, value, live)
 
     def extruder(self, words: dict[str, float]) -> str | None:
@@ -376,7 +407,11 @@ class Commands:
         return own if own or "T" in words else next(iter(self._machine.extruders), None)
 
     def accelerations(self, words: dict[str, float], *, live: bool = False) -> None:
-        """M204, for the moves that follow, or `live` for all that is planned anew."""
+        """M204, for the moves that follow, or `live` for all that is planned anew. Raises
+        CommandError."""
+        for letter in "SPVTR":
+            if not words.get(letter, 1) > 0:
+                raise CommandError.bad_value(letter, words[letter], "above 0 mm/s²")
         for letter, names in (
             ("S", ("print_accel", "travel_accel")),
             ("P", ("print_accel",)),
@@ -384,19 +419,47 @@ class Commands:
             ("T", ("travel_accel",)),
             ("R", ("retract_accel",)),
         ):
-            if words.get(letter, 0) > 0:
+            if letter in words:
                 for name in names:
                     self._job.set_limit(name, words[letter], live)
 
     def _junction(self, command: Command) -> None:
-        deviation = command.words().get("J", 0)
-        if deviation > 0:
-            self._job.set_limit("junction_deviation", deviation)
+        note = self.junction(command.words())
+        if note:
+            _count(self.refused, note, command.line)
+
+    def junction(self, words: dict[str, float], *, live: bool = False) -> str:
+        """M205, for the moves that follow, or `live` for all that is planned anew: what acts is the
+        deviation or the jerk, as the machine's corners are. Returns a note on the words that do
+        not, or nothing. Raises CommandError."""
+        jerk = {letter: value for letter, value in words.items() if letter not in "BJSV"}
+        if jerk.keys() <= {"T"}:
+            jerk = {}  # least speed of travel, not the tool of E
+        law, deviation = self._machine.limits.junction, words.get("J")
+        if deviation is not None and not _DEVIATION[0] <= deviation <= _DEVIATION[1]:
+            raise CommandError.bad_value("J", deviation, "{:g} to {:g} mm".format(*_DEVIATION))
+        if law == "deviation" and deviation is not None:
+            self._job.set_limit("junction_deviation", deviation, live)
+        if law == "jerk":
+            self.axis_limits(jerk, "jerk", live=live)
+        acts = {"deviation": {"J"}, "jerk": jerk.keys()}.get(law, set[str]())
+        # Without a limit, as with S0, no speed is too low and no segment too short.
+        idle = [letter for letter, value in words.items() if letter not in acts and value != 0]
+        return f"M205: {' '.join(idle)} without effect, for {_CORNERS[law]}" if idle else ""
 
     def _speed(self, command: Command) -> None:
-        percent = command.words().get("S", 0)
-        if percent > 0:
-            self._job.set_speed_factor(min(max(percent, 10.0), 1000.0) / 100)
+        factor = self.speed_factor(command.words())
+        if factor is not None:
+            self._job.set_speed_factor(factor)
+
+    def speed_factor(self, words: dict[str, float]) -> float | None:
+        """M220: the factor that S gives, None without it. Raises CommandError."""
+        if "S" not in words:
+            return None
+        low, high = _PERCENT
+        if words["S"] <= 0:
+            raise CommandError.bad_value("S", words["S"], f"{low:g} to {high:g} percent")
+        return min(max(words["S"], low), high) / 100
 
     def flow(self, command: Command) -> tuple[int, int, float | None] | None:
         """M221: the tool that it means, its extruder, and the factor that S gives. None where the
@@ -435,7 +498,7 @@ class Commands:
     def _babystep(self, command: Command) -> None:
         for axis, mm in self.babysteps(command):
             if not self._job.shift(axis, mm):
-                raise CommandError([problem_of(self._job, "")])
+                raise CommandError([self.problem()])
 
     def _velocity_limit(self, command: Command) -> None:
         values: dict[str, float] = {}
@@ -444,18 +507,25 @@ class Commands:
                 values[key] = float(text)
             except ValueError:
                 _count(self.unknown, f"{command.code} {key}={text}", command.line)
-        if values.get("VELOCITY", 0) > 0:
-            self._job.set_limit("speed", values["VELOCITY"])
-        accel = values.get("ACCEL", 0.0)
-        if accel > 0:
-            self._job.set_limit("print_accel", accel)
-            self._job.set_limit("travel_accel", accel)
-        if 0 <= values.get("MINIMUM_CRUISE_RATIO", -1) < 1:
-            self._job.set_limit("minimum_cruise_ratio", values["MINIMUM_CRUISE_RATIO"])
-        corner = values.get("SQUARE_CORNER_VELOCITY", 0.0)
-        if corner > 0 and accel > 0:
+        for key, limit in _OF_VELOCITY_LIMIT.items():
+            if not 0 < values.get(key, 1) < inf:
+                raise CommandError.bad_value(key, values[key], f"above 0 {limit}")
+        ratio = values.get("MINIMUM_CRUISE_RATIO")
+        if ratio is not None and not 0 <= ratio < 1:
+            raise CommandError.bad_value("MINIMUM_CRUISE_RATIO", ratio, "0 to less than 1")
+        job = self._job
+        if "VELOCITY" in values:
+            job.set_limit("speed", values["VELOCITY"])
+        if "ACCEL" in values:
+            job.set_limit("print_accel", values["ACCEL"])
+            job.set_limit("travel_accel", values["ACCEL"])
+        if ratio is not None:
+            job.set_limit("minimum_cruise_ratio", ratio)
+        corner = values.get("SQUARE_CORNER_VELOCITY")
+        if corner is not None:
             # A right angle: v² = a δ s/(1 - s) with s = √½, so δ = v² (√2 - 1) / a.
-            self._job.set_limit("junction_deviation", corner**2 * (sqrt(2) - 1) / accel)
+            accel = job.limit("print_accel")
+            job.set_limit("junction_deviation", corner**2 * (sqrt(2) - 1) / accel)
 
 
 def _count(table: dict[str, tuple[int, int]], code: str, line: int) -> None:

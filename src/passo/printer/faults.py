@@ -4,11 +4,19 @@ from __future__ import annotations
 
 from passo import _core
 from passo.errors import Problem
+from passo.geometry.base import GeometryModel, Point, Unreachable
+
+Error = tuple[int, _core.Fault, str, float, float, Point]  # as the core tells it
 
 
-def problem_of(job: _core.Job, path: str) -> Problem:
+def problem_of(job: _core.Job, path: str, geometry: GeometryModel) -> Problem:
     """The error that `job.advance` stopped at, as a problem of the catalogue."""
-    line, fault, word, value, limit, point = job.error
+    return problem(job.error, path, geometry)
+
+
+def problem(error: Error, path: str, geometry: GeometryModel) -> Problem:
+    """An error of a job on a machine of this geometry, as a problem of the catalogue."""
+    line, fault, word, value, limit, point = error
     faults = _core.Fault
     if fault == faults.OUT_OF_RANGE:
         values = {"axis": word.upper(), "value": value, "limit": limit}
@@ -19,7 +27,8 @@ def problem_of(job: _core.Job, path: str) -> Problem:
         return Problem("input.too-long", path, line, {"axis": word, "value": value, "limit": limit})
     if fault == faults.UNREACHABLE:
         where = ", ".join(f"{letter} {x:.3f}" for letter, x in zip("XYZ", point, strict=True))
-        return Problem("input.unreachable", path, line, {"value": where})
+        reason = _why_not(geometry, point)
+        return Problem("input.unreachable", path, line, {"value": where, "limit": reason})
     if fault == faults.NOT_HOMED:
         return Problem("input.not-homed", path, line, {"axis": word.upper()})
     if fault == faults.UNSAVED:
@@ -36,6 +45,8 @@ def problem_of(job: _core.Job, path: str) -> Problem:
         return Problem("input.feedrate", path, line, {"value": value})
     if fault == faults.ARC:
         return Problem("input.arc", path, line, {"value": word})
+    if fault == faults.RADII:
+        return Problem("input.radii", path, line, {"value": value, "limit": limit})
     if fault == faults.CHECKSUM:
         return Problem("input.checksum", path, line, {"value": word, "limit": int(value)})
     if fault == faults.LINE_TOO_LONG:
@@ -43,3 +54,11 @@ def problem_of(job: _core.Job, path: str) -> Problem:
     if fault == faults.WORD:
         return Problem("input.garbage", path, line, {"value": f"{word!r} is no command"})
     return Problem("input.garbage", path, line, {"value": "it holds bytes that are no text"})
+
+
+def _why_not(geometry: GeometryModel, point: Point) -> str:
+    try:
+        geometry.inverse(point)
+    except Unreachable as error:
+        return str(error)
+    return "it lies on the edge of what the motors reach"

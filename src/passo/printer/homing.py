@@ -11,7 +11,6 @@ from passo.board.endstops import Endstops
 from passo.config.drives import axis_order
 from passo.errors import CommandError
 from passo.geometry.base import Point
-from passo.printer.faults import problem_of
 from passo.printer.overshoot import Overshoot
 from passo.printer.slots import E, X, Y, Z, slot_of_axis
 from passo.printer.switches import (
@@ -111,7 +110,7 @@ class Homer:
         await self._still()
         self._printer.raise_if_interrupted()
         if not reached:
-            raise CommandError([problem_of(self._printer.job, "")])
+            raise CommandError([self._printer.commands.problem()])
 
     async def swing(self, x: float, y: float) -> None:
         """Brings the nozzle over this place, machine mm, each arm going its own way: between two

@@ -7,14 +7,11 @@ from typing import TYPE_CHECKING
 
 from passo.config.drives import Driven, axis_order
 from passo.errors import CommandError
-from passo.printer.faults import problem_of
 from passo.printer.waits import Handler, Reply, Still, Wait
 from passo.printer.words import Command
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
-
-_PERCENT = (10.0, 1000.0)  # of M220
 
 
 class MotionCommands:
@@ -149,9 +146,11 @@ class MotionCommands:
 
     def axis_limit_lines(self, what: str) -> list[str]:
         """M201 or M203 with what holds now."""
+        return self._axis_lines("M203" if what == "speed" else "M201", what)
+
+    def _axis_lines(self, code: str, what: str) -> list[str]:
         job = self._printer.job
         words = [f"{a.upper()}{job.axis_limit(a, what):.10g}" for a in self._axes]
-        code = "M203" if what == "speed" else "M201"
         return self._with_extruders(code, words, lambda name: job.axis_limit(name, what))
 
     def _accelerations(self, command: Command, reply: Reply) -> Wait | None:
@@ -173,23 +172,20 @@ class MotionCommands:
     def _junction(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
         if not words:
-            reply.say(self.junction_line())
-            return None
-        if words.keys() & set("BSVXYZE"):
-            reply.note("M205", "Only J counts in M205: corners have no jerk, speeds no lower limit")
-        deviation = words.get("J")
-        if deviation is not None:
-            if not 0.001 <= deviation <= 0.3:
-                raise CommandError.bad_value("J", deviation, "0.001 to 0.3 mm")
-            live = self._printer.beside(reply)
-            self._printer.job.set_limit("junction_deviation", deviation, live)
-            if live:
-                self._printer.drive.replan()
+            return self._say(reply, *self.junction_lines())
+        live = self._printer.beside(reply)
+        note = self._printer.commands.junction(words, live=live)
+        if note:
+            reply.note("M205", note)
+        if live:
+            self._printer.drive.replan()
         return None
 
-    def junction_line(self) -> str:
+    def junction_lines(self) -> list[str]:
         """M205 with what holds now."""
-        return f"M205 J{self._printer.job.limit('junction_deviation'):.10g}"
+        if self._machine.limits.junction == "jerk":
+            return self._axis_lines("M205", "jerk")
+        return [f"M205 J{self._printer.job.limit('junction_deviation'):.10g}"]
 
     def _say(self, reply: Reply, *lines: str) -> Wait | None:
         """Answers a question; with words the interpreter has carried the command out."""
@@ -295,7 +291,7 @@ class MotionCommands:
             raise CommandError.of("input.homing", axis=command.code)
         for axis, mm in self._printer.commands.babysteps(command):
             if not self._printer.drive.shift(axis, mm):
-                raise CommandError([problem_of(self._printer.job, "")])
+                raise CommandError([self._printer.commands.problem()])
             self.babysteps_mm["xyz"[axis]] += mm
         return None
 
@@ -306,15 +302,12 @@ class MotionCommands:
     # -- overrides --------------------------------------------------------------------------------
 
     def _speed(self, command: Command, reply: Reply, *, live: bool) -> Wait | None:
-        words = command.words()
         job = self._printer.job
-        if "S" not in words:
+        factor = self._printer.commands.speed_factor(command.words())
+        if factor is None:
             reply.say(f"Speed factor override: {job.speed_factor * 100:g}")
             return None
-        low, high = _PERCENT
-        if words["S"] <= 0:
-            raise CommandError.bad_value("S", words["S"], f"{low:g} to {high:g} percent")
-        job.set_speed_factor(min(max(words["S"], low), high) / 100, live)
+        job.set_speed_factor(factor, live)
         if live:
             self._printer.drive.replan()
         return None

@@ -18,7 +18,6 @@ from passo.printer.driver_commands import DriverCommands
 from passo.printer.drivers import DriverWatch
 from passo.printer.endstop_watch import EndstopWatch
 from passo.printer.fans import FollowingFans
-from passo.printer.faults import problem_of
 from passo.printer.heat_commands import HeatCommands
 from passo.printer.homing import Homer
 from passo.printer.lateness import LatenessWatch
@@ -408,7 +407,10 @@ class Printer:
     def _carried_out(self, handler: Handler | None, command: Command, reply: Reply) -> Wait | None:
         """By a handler of a living printer, or as in a print without consoles."""
         try:
-            return handler(command, reply) if handler else self.commands.run(command)
+            if handler is None:
+                return self.commands.run(command)
+            command.check()
+            return handler(command, reply)
         except (CommandError, LinkLostError) as error:
             reply.fail(str(error))
             return None
@@ -484,7 +486,7 @@ class Printer:
                     if wait is not None:
                         return wait
                 elif found == status.ERROR:
-                    reply.fail(str(problem_of(self.job, "")))
+                    reply.fail(str(self.commands.problem()))
                     self.job.abandon()
                     return None
                 else:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import re
 from typing import NamedTuple
 
-from passo.errors import CommandError
+from passo.errors import WordError
+from passo.gcode.dialect import row_of
 
-_WORD = re.compile(r"([A-Za-z])\s*([-+]?(?:\d+\.?\d*|\.\d+))?")
+_WORD = re.compile(r"([A-Z])\s*(?:([-+]?(?:\d+\.?\d*|\.\d+))|(\"[^\"]*\")|(nan)\b)?", re.IGNORECASE)
 _PAIR = re.compile(r"([A-Za-z_][A-Za-z0-9_]*)\s*=\s*(\"[^\"]*\"|\S+)")
-_NAN = re.compile(r"\s*nan\b", re.IGNORECASE)
 _LARGEST = 1e9  # as in the words of moves
 
 
@@ -30,28 +30,27 @@ class Command(NamedTuple):
             return self.name
         return f"{self.letter}{self.number}" + (f".{self.minor}" if self.minor else "")
 
-    def words(self) -> dict[str, float]:
-        """Letters with their numbers; one without a number is left out, as most are flags. But S
-        without a number (S nan is none: heaters), and a number beyond 1e9, raise CommandError."""
+    def check(self) -> None:
+        """Raises WordError for the first word with no number, or one beyond 1e9, unless the dialect
+        lets its letter stand alone."""
+        row = row_of(self.code)
+        if self.name or row is None or row.bare is None:
+            return
         for match in _WORD.finditer(self.text):
-            beyond = match[2] is not None and abs(float(match[2])) > _LARGEST
-            if beyond or (match[2] is None and match[1] in "Ss" and not _nan_after(match)):
-                given = self.text[match.end(1) :].split()
-                raise CommandError.of(
-                    "command.value",
-                    axis=match[1].upper(),
-                    value=given[0] if given else "nothing",
-                    limit="a number of at most 1e9",
-                )
+            letter, number, text, nan = match[1].upper(), *match.groups()[1:]
+            if number is not None:
+                if abs(float(number)) > _LARGEST:
+                    raise WordError.of("input.number", value=f"{letter}{float(number):g}")
+            elif not (text or letter in row.bare or (nan and row.nan and letter == "S")):
+                raise WordError.of("input.number", value=letter)
+
+    def words(self) -> dict[str, float]:
+        """Letters with their numbers; letters alone are left out."""
         return dict(words_of(self.text))
 
     def pairs(self) -> dict[str, str]:
         """KEY=VALUE parameters of an extended command, keys in upper case."""
         return {match[1].upper(): match[2].strip('"') for match in _PAIR.finditer(self.text)}
-
-
-def _nan_after(match: re.Match[str]) -> bool:
-    return _NAN.match(match.string, match.end()) is not None
 
 
 def words_of(text: str) -> list[tuple[str, float]]:

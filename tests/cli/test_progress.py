@@ -1,0 +1,56 @@
+"""The progress bar: on a terminal, and nowhere else."""
+
+from __future__ import annotations
+
+import os
+import pty
+import subprocess
+import sys
+
+import pytest
+
+PROGRAM = "M109 S50\nG28\n;LAYER:0\nG1 X50 F6000\n;LAYER:1\nG1 X90 Z1 E1\n;LAYER:2\nG1 X20 E3\n"
+
+
+@pytest.fixture
+def command(tmp_path):
+    path = tmp_path / "p.gcode"
+    path.write_text(PROGRAM)
+    return [sys.executable, "-m", "passo", "print", str(path)]
+
+
+def test_a_terminal_shows_layer_time_left_and_temperatures(command):
+    ours, theirs = pty.openpty()
+    environment = os.environ | {"TERM": "xterm", "COLUMNS": "200", "LANG": "C.UTF-8"}
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=theirs, env=environment, text=True
+    ) as printing:
+        os.close(theirs)
+        shown = b""
+        while piece := _read(ours):
+            shown += piece
+        table = printing.stdout.read()
+    os.close(ours)
+    assert printing.returncode == 0
+    assert "as expected on every motor" in table
+    last = shown.decode().rpartition("layer")[2]
+    assert last.split()[0] == "3"
+    assert " printed, " in last
+    assert "s left" in last
+    assert "100%" in last
+    assert "hotend 50 °C" in last
+    assert "bed 25 °C" in last
+
+
+def _read(terminal: int) -> bytes:
+    try:
+        return os.read(terminal, 4096)
+    except OSError:  # nobody has the other end any more
+        return b""
+
+
+def test_a_pipe_sees_no_bar(command):
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert done.stderr == ""
+    assert "layer " not in done.stdout
+    assert "\x1b" not in done.stdout
