@@ -522,6 +522,11 @@ class Link:
         inverted_full: the value at full scale of a pin that is on when low; longest: ticks that the board lets it be on without a word.
         """
 
+    def set_kick(self, target: int, ticks: int, full: int, rise: int) -> None:
+        """
+        Where the value of a pin comes from 0, or rises by more than so much, it is `full` for so many ticks first.
+        """
+
     def set_slots(self, slots: int) -> None: ...
 
     def set_queue(self, queue: MessageQueue | None) -> None: ...

@@ -466,10 +466,15 @@ class Connection:
         heated = {h.output for h in self.board.heaters}
         for target, o in zip(self.board.output_targets, self.board.outputs, strict=True):
             kind = _core.PinKind.PWM if o.kind == "pwm" else _core.PinKind.DIGITAL
-            full = full_scale(o, self.dictionary) if inverted(o.pin) else 0
+            full = full_scale(o, self.dictionary)
+            low = full if inverted(o.pin) else 0
             # A heater's own loop renews it.
             longest = 0 if o.name in heated else o.max_duration_ticks
-            self.link.add_pin(target, o.name, self.oids.outputs[o.name], kind, full, longest)
+            self.link.add_pin(target, o.name, self.oids.outputs[o.name], kind, low, longest)
+            if o.kick:
+                self.link.set_kick(
+                    target, o.kick.ticks, round(o.kick.power * full), int(o.kick.rise * full)
+                )
         for h in self.board.heaters:
             options = heater_options(self.board, h, self.dictionary)
             self.heaters[h.name] = self.link.add_heater(options)

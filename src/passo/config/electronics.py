@@ -11,14 +11,19 @@ from passo.config.base import Fraction, Letter, Model, Name, Pin, Positive
 
 class Fan(Model):
     """A fan; `number` is the P of M106 and M107. The board pulses it in software, `pwm_hz` times a
-    second. Its power is at most `max_power`, and while it turns at least `min_power`, below which
-    it would stand still. One that `follows` a heater hears no commands: it is on while the heater
-    is warmer than `above_c`."""
+    second. Its power is at most `max_power`, which is also what is asked for as 1; while it turns
+    it is at least `min_power`, below which it would stand still. What is asked for below
+    `off_below` is off. To start, and where its power rises by more than `kick_start_rise`, it gets
+    `max_power` for `kick_start_s` first. One that `follows` a heater hears no commands: it is on
+    while the heater is warmer than `above_c`."""
 
     pin: Pin
     number: Annotated[int, Field(ge=0, le=255)] = 0
     min_power: Fraction = 0.0
     max_power: Fraction = 1.0
+    off_below: Fraction = 0.0
+    kick_start_s: Annotated[float, Field(ge=0, le=10)] = 0.0
+    kick_start_rise: Fraction = 0.5
     follows: Name | None = None
     above_c: Annotated[float, Field(ge=0, le=1200)] = 50.0
     pwm_hz: Annotated[float, Field(ge=1, le=1000)] = 10.0

@@ -335,6 +335,7 @@ class Commands:
         if fan is not None:
             at_once = _AT_ONCE.search(command.text) is not None
             config = self._machine.fans[fan]
+            share = share if share >= config.off_below else 0.0
             power = max(share * config.max_power, config.min_power if share > 0 else 0.0)
             self.set_output(fan, power, at_once=at_once)
 

@@ -12,6 +12,7 @@ from passo.board.description import (
     BoardDescription,
     Endstop,
     Heater,
+    Kick,
     Output,
     Sensor,
     Stepper,
@@ -127,7 +128,10 @@ def _output(machine: MachineConfig, name: str, written: str, clock_hz: int) -> O
         cycle = round(clock_hz / machine.heaters[name].pwm_hz)
         return Output(name, pin, "digital", cycle, longest)
     if name in machine.fans:
-        return Output(name, pin, "digital", round(clock_hz / machine.fans[name].pwm_hz))
+        fan = machine.fans[name]
+        ticks = round(fan.kick_start_s * clock_hz)
+        kick = Kick(ticks, fan.max_power, fan.kick_start_rise) if ticks > 0 else None
+        return Output(name, pin, "digital", round(clock_hz / fan.pwm_hz), kick=kick)
     if name == "laser":
         return Output(name, pin, "pwm", round(0.001 * clock_hz), longest)
     if name == "status-led":
