@@ -14,8 +14,9 @@ class Fan(Model):
     second. Its power is at most `max_power`, which is also what is asked for as 1; while it turns
     it is at least `min_power`, below which it would stand still. What is asked for below
     `off_below` is off. To start, and where its power rises by more than `kick_start_rise`, it gets
-    `max_power` for `kick_start_s` first. One that `follows` a heater hears no commands: it is on
-    while the heater is warmer than `above_c`."""
+    `max_power` for `kick_start_s` first. One that `follows` a heater, or motors, hears no commands:
+    it is on while the heater is warmer than `above_c`, and while any of the motors is on and for
+    `stays_on_s` after that."""
 
     pin: Pin
     number: Annotated[int, Field(ge=0, le=255)] = 0
@@ -26,7 +27,14 @@ class Fan(Model):
     kick_start_rise: Fraction = 0.5
     follows: Name | None = None
     above_c: Annotated[float, Field(ge=0, le=1200)] = 50.0
+    follows_motors: list[Name] = []
+    stays_on_s: Annotated[float, Field(ge=0, le=3600)] = 60.0
     pwm_hz: Annotated[float, Field(ge=1, le=1000)] = 10.0
+
+    @property
+    def commanded(self) -> bool:
+        """It hears M106 and M107."""
+        return self.follows is None and not self.follows_motors
 
 
 class Laser(Model):

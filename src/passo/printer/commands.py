@@ -314,8 +314,8 @@ class Commands:
 
     @property
     def commanded_fans(self) -> list[str]:
-        """The fans that do not follow a heater."""
-        return [name for name, fan in self._machine.fans.items() if fan.follows is None]
+        """The fans that follow nothing else."""
+        return [name for name, fan in self._machine.fans.items() if fan.commanded]
 
     def _fan(self, command: Command) -> str | None:
         number = int(command.words().get("P", 0))
