@@ -1099,6 +1099,10 @@ class Motion:
     def ideal_piece_ticks(self, seconds: float, coefficients: Sequence[Sequence[float]], stepper: int, count: int, extruder: int = 0) -> tuple[list[float], int]:
         """The same for one piece that starts at tick 0."""
 
+LOAD_MM_S: float = 6.0
+
+UNLOAD_MM_S: float = 20.0
+
 class JobStatus(enum.Enum):
     NEED_INPUT = 0
 

@@ -291,9 +291,10 @@ TABLE: tuple[Row, ...] = (
         "M600",
         _H,
         _X,
-        "E Z X Y U L(mm)",
+        "T E Z X Y U L(mm) S(C) B",
         "Parks, waits for a person to change the filament, and comes back. E takes filament back, Z"
-        " lifts, X and Y are the place; U unloads there, L loads.",
+        " lifts, X and Y are the place; U unloads there, L loads when the hotend has reached S. T"
+        " is the tool in use; B has no beeper.",
     ),
     Row("M601", _H, _X, "", "Parks, waits for a person, and comes back."),
     Row("M602", _Q, _I, "", "Ends a pause."),
