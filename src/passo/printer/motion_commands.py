@@ -301,6 +301,8 @@ class MotionCommands:
 
     def homed(self, axes: Iterable[str]) -> None:
         """These axes are at home: how far they were shifted means nothing any more."""
+        axes = list(axes)
+        self._printer.positions.trust(axes)
         self.babysteps_mm |= {axis: 0.0 for axis in axes if axis in self.babysteps_mm}
 
     # -- overrides --------------------------------------------------------------------------------

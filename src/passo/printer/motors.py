@@ -55,8 +55,9 @@ class Motors:
             (self.on.add if on else self.on.discard)(name)
             if name in self._outputs and self.live(name) != was_live:
                 self._printer.connection.switch(self._outputs[name], on)
-        if not on and steppers:
-            self._printer.positions.held = False
+        if not on:
+            if not set(steppers) <= set(self.named("E")):
+                self._printer.positions.loosen()
             self._forget_positions(set(steppers))
 
     def live(self, name: str) -> bool:

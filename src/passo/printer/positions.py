@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from passo.geometry.base import Unreachable
@@ -23,6 +24,7 @@ class Positions:
         self.settlings = 0  # how often the origins may have changed
         # The motors have held since another host was there: their counts still tell where it is.
         self.held = printer.connection.adopted
+        self._loose: set[str] = set()  # axes whose motors were off since they were known
         self._frozen: list[float] | None = None
 
     def freeze(self) -> None:
@@ -49,8 +51,23 @@ class Positions:
             self.lost[name] = row["expected_net"] - self._printer.connection.net_steps(name)
         self.settled = True
 
+    def loosen(self) -> None:
+        """Motors of axes are off: somebody may move them, and the counts do not tell."""
+        axes = self._printer.machine.axes
+        self.held = False
+        self.settlings += 1
+        self._loose = {name for name, axis in axes.items() if not axis.extruder}
+
+    def trust(self, axes: Iterable[str] | None = None) -> None:
+        """These axes, all by default, are where the plan says: they are at home, or a print begins
+        with them as they are."""
+        self._loose = set() if axes is None else self._loose.difference(axes)
+
     def origins(self) -> dict[str, int]:
-        """Each motor's position, in steps, where the board's count of it is 0."""
+        """Each motor's position, in steps, where the board's count of it is 0. Empty if a motor was
+        off since the axes were known."""
+        if self._loose:
+            return {}
         return {
             row["name"]: row["count"] - row["expected_net"] + self.lost.get(row["name"], 0)
             for row in self._printer.job.steppers()

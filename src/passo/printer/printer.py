@@ -130,7 +130,9 @@ class Printer:
         self.homer = Homer(self)
         self.positions = Positions(self)
         if connection.adopted:
-            self.motors.all_on()  # as the host before has left them
+            # No board tells whether the host before has left them on. So they go off when the
+            # machine stands idle, and what the journal says decides where it stands.
+            self.motors.all_on()
             self.positions.settle()
         if machine.unhomed_moves == "refuse":
             self.lock(self.homer.axes)
