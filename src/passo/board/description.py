@@ -11,7 +11,7 @@ from typing import Literal, TypeAlias
 
 from passo import _core
 from passo.board.trinamic.settings import DriverSettings
-from passo.config.places import MAIN, named_on
+from passo.config.places import named_on
 
 Control: TypeAlias = _core.PidControl | _core.OnOffControl | _core.ModelControl
 
@@ -239,7 +239,7 @@ def together(boards: Mapping[str, BoardDescription]) -> BoardDescription:
     for name, board in boards.items():
 
         def named(pin: str, name: str = name) -> str:
-            return pin if name == MAIN else named_on(name, pin)
+            return named_on(name, pin)
 
         for i, s in zip(board.stepper_targets, board.steppers, strict=True):
             steppers[i] = replace(s, step_pin=named(s.step_pin), dir_pin=named(s.dir_pin))

@@ -97,7 +97,7 @@ def _board(data: Raw, name: str) -> Raw:
 
 
 def _on(board: str, pin: object) -> object:
-    return named_on(board, pin) if board != MAIN and isinstance(pin, str) else pin
+    return named_on(board, pin) if isinstance(pin, str) else pin
 
 
 def _check_boards(claims: list[Claim], boards: Mapping[str, Raw]) -> Iterator[Finding]:

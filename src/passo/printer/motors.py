@@ -83,8 +83,8 @@ class Motors:
             elif name == "e":
                 found += [
                     s
-                    for s, stepper in self._machine.steppers.items()
-                    if (d := self._machine.drivable.of(s, stepper.drives)) and d.drive == "extruder"
+                    for s in self._machine.steppers
+                    if (d := self._machine.driven_by(s)) and d.drive == "extruder"
                 ]
             elif name in self._machine.steppers:
                 found.append(name)

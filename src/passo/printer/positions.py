@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
+from passo.config.drives import axis_order
 from passo.geometry.base import Unreachable
 from passo.printer.slots import E, slot_of_axis
 
@@ -19,6 +20,7 @@ class Positions:
 
     def __init__(self, printer: Printer) -> None:
         self._printer = printer
+        self._letters = [name.upper() for name in axis_order(printer.machine.axes)]
         self.lost: dict[str, int] = {}
         self.settled = True  # False: a board did not answer the last time
         self.settlings = 0  # how often the origins may have changed
@@ -95,7 +97,7 @@ class Positions:
         real: dict[tuple[str, int], float] = {}
         for row in self._printer.job.steppers():
             name = row["name"]
-            driven = machine.drivable.of(name, machine.steppers[name].drives)
+            driven = machine.driven_by(name)
             if driven is not None:
                 at = counts[name] / row["steps_per_unit"]
                 real.setdefault((driven.drive, driven.index), at)
@@ -134,7 +136,7 @@ class Positions:
         found = job.position_at(clock)
         if found is None:
             return self.now()[0]
-        letters = [row["letter"] for row in self._printer.machine.core_spec()["axes"]]
+        letters = self._letters
         slots = [*(slot_of_axis(i) for i in range(len(letters))), E]
         ends = job.machine_position
         return {
@@ -150,7 +152,7 @@ class Positions:
         printer, machine = self._printer, self._printer.machine
         job = printer.job
         counts = self.counts()
-        letters = [row["letter"] for row in machine.core_spec()["axes"]]
+        letters = self._letters
         if self._frozen is not None:
             return dict(zip([*letters, "E"], self._frozen, strict=True)), counts
         real = self._real(counts)

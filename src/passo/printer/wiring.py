@@ -166,8 +166,7 @@ def _driver_pins(machine: MachineConfig, name: str) -> tuple[str, str]:
     stepper, socket = machine.steppers[name], machine.socket(name)
     step = stepper.step_pin or (socket.step if socket else f"{name}_step")
     direction = stepper.direction_pin or (socket.direction if socket else f"{name}_dir")
-    board = machine.all_boards[machine.board_of_stepper(name)]
-    return board.pin(placed(step)[1]), board.pin(placed(direction)[1])
+    return machine.pin_of_stepper(name, step), machine.pin_of_stepper(name, direction)
 
 
 def enable_outputs(machine: MachineConfig) -> dict[str, str]:
@@ -188,9 +187,7 @@ def enable_pin(machine: MachineConfig, name: str) -> str | None:
     pin = stepper.enable_pin or (socket.enable if socket else None)
     if pin is None:
         return None
-    board = machine.board_of_stepper(name)
-    found = machine.all_boards[board].pin(placed(pin)[1])
-    return found if board == MAIN else named_on(board, found)
+    return named_on(machine.board_of_stepper(name), machine.pin_of_stepper(name, pin))
 
 
 def output_count(machine: MachineConfig) -> int:
@@ -269,7 +266,7 @@ def _felt_at(
     q = machine.geometry.inverse(pressed_point(machine, switch))
     total = 0.0
     for name, weight in weights:
-        driven = machine.drivable.of(name, machine.steppers[name].drives)
+        driven = machine.driven_by(name)
         total += weight * q[driven.index] if driven else 0.0
     return total
 
