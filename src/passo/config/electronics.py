@@ -1,4 +1,4 @@
-"""What is wired to a board besides motors and heaters: fans, a laser."""
+"""What is wired to a board besides motors and heaters: fans, a laser, the mains."""
 
 from __future__ import annotations
 
@@ -49,6 +49,14 @@ class Laser(Model):
     density_letter: Letter | None = None
     power_w: Positive = 100.0
     max_power_w: Positive | None = None
+
+
+class Mains(Model):
+    """What switches the power supply of motors and heaters: M80 on, M81 off, the board when it
+    shuts down."""
+
+    pin: Pin
+    on_at_start: bool = True
 
 
 Fans = dict[Name, Fan]

@@ -90,6 +90,7 @@ def machine_claims(data: Raw) -> Iterator[Claim]:
         for stepper, pin in table(content, "stepper_pins").items():
             yield from _claim(("homing", name, "stepper_pins", stepper), pin)
     yield from _claim(("laser", "pin"), table(data, "laser").get("pin"), "pwm")
+    yield from _claim(("mains", "pin"), table(data, "mains").get("pin"))
 
 
 def _board(data: Raw, name: str) -> Raw:

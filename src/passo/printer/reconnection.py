@@ -100,6 +100,7 @@ class _Reconnection:
             connection.command("survive_arm")
             connection.renew()
         printer.motors.renew()
+        printer.mains.renew()
         for connection in ahead:
             connection.move_evenly({name: -n for name, n in further.items()}, _BACK_S, serial)
         for connection in ahead:

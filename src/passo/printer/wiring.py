@@ -106,8 +106,8 @@ def _stepper(machine: MachineConfig, spec: dict[str, Any], clock_hz: int) -> Ste
 
 def _outputs(machine: MachineConfig) -> list[tuple[str, str]]:
     """All outputs and their pins as written, by number: those on the timeline, heaters, fans, the
-    laser, then what switches motors on, what chooses their microsteps, and the main board's status
-    LED."""
+    laser, then what switches motors on, what chooses their microsteps, the main board's status LED,
+    and the mains."""
     outputs = [(name, heater.pin) for name, heater in machine.heaters.items()]
     outputs += [(name, fan.pin) for name, fan in machine.fans.items()]
     if machine.laser:
@@ -118,6 +118,8 @@ def _outputs(machine: MachineConfig) -> list[tuple[str, str]]:
     outputs += microstep_outputs(machine)
     if machine.board.status_led:
         outputs.append(("status-led", machine.board.status_led))
+    if machine.mains:
+        outputs.append(("mains", machine.mains.pin))
     return outputs
 
 
