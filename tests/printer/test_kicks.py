@@ -5,6 +5,8 @@ from __future__ import annotations
 import pytest
 from tests.console.scenario import Scenario
 from tests.job.test_lost_link import break_link
+from tests.job.two_boards import printed as printed_on
+from tests.job.two_boards import two_boards
 
 from passo import config
 from passo.config.load import shipped_text
@@ -152,3 +154,18 @@ def test_nor_does_a_lost_link(tmp_path, after_s):
 def test_what_is_wrong_is_said(wrong):
     with pytest.raises(ConfigError, match=wrong.partition(" ")[0]):
         machine(wrong)
+
+
+def test_a_fan_on_a_further_board_starts_at_the_same_clock(tmp_path, monkeypatch):
+    path = tmp_path / "a.g"
+    path.write_text(PROGRAM)
+    fan = {"[fans.part]": f"[fans.part]\n{KICK}", 'fan = "part"\n': ""}
+    own = printed_on(monkeypatch, two_boards(**fan), path).outputs["part"]
+    keys = ("start_s = 3.0", "drift_ppm = 40.0")
+    away = two_boards(*keys, **fan, **{'pin = "D9"': 'pin = "tool:D9"'})
+    assert away.fans["part"].pin == "tool:D9"
+    other = printed_on(monkeypatch, away, path).outputs["part"]
+    assert [v for _, v in own] == [v for _, v in other]
+    assert len(own) == 5
+    for (here, _), (there, _) in zip(own, other, strict=True):
+        assert abs(here - there) < 400  # 25 us, and the kick is of the other board's seconds
