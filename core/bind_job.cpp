@@ -129,6 +129,8 @@ nb::typed<nb::list, Table> steppers(JobView& self) {
 }  // namespace
 
 void bind_job(nb::module_& m) {
+  m.attr("LOAD_MM_S") = Interpreter::kLoadMmS;
+  m.attr("UNLOAD_MM_S") = Interpreter::kUnloadMmS;
   nb::enum_<Job::Status>(m, "JobStatus")
       .value("NEED_INPUT", Job::Status::need_input)
       .value("EVENT", Job::Status::event)

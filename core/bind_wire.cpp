@@ -330,6 +330,15 @@ void bind_link(nb::module_& m) {
           "that "
           "the board lets it be on without a word.")
       .def(
+          "set_kick",
+          [](Link& l, size_t target, Ticks ticks, uint32_t full, uint32_t rise) {
+            std::lock_guard lock(l.guard());
+            l.job().set_kick(target, {ticks, full, rise});
+          },
+          "target"_a, "ticks"_a, "full"_a, "rise"_a,
+          "Where the value of a pin comes from 0, or rises by more than so much, it is `full` for "
+          "so many ticks first.")
+      .def(
           "set_slots",
           [](Link& l, size_t slots) {
             std::lock_guard lock(l.guard());

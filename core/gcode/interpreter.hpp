@@ -229,6 +229,7 @@ class Interpreter {
   bool volumetric() const { return volumetric_; }
   const std::vector<double>& diameters() const { return diameter_; }
   bool auto_retract() const { return auto_retract_; }
+  static constexpr double kLoadMmS = 6, kUnloadMmS = 20;  // speeds of M701 and M702
   struct Change {
     double load_mm, unload_mm;  // M603, of filament
   };
@@ -340,10 +341,9 @@ class Interpreter {
   std::vector<double> extruder_;  // machine position of each extruder
   std::vector<Filament> filament_;
   static constexpr double kUsualMm = 1.75;
-  std::vector<double> diameter_;                          // of each extruder's filament, mm
-  bool volumetric_ = false;                               // E is mm³
-  static constexpr double kLoadMmS = 6, kUnloadMmS = 20;  // speeds of M701 and M702
-  std::vector<Change> change_;                            // of each extruder
+  std::vector<double> diameter_;  // of each extruder's filament, mm
+  bool volumetric_ = false;       // E is mm³
+  std::vector<Change> change_;    // of each extruder
   size_t tool_ = 0, active_ = 0;
   double unit_ = 1, feed_ = kInfinity;
   bool absolute_ = true, absolute_e_ = true;

@@ -11,6 +11,7 @@
 #include "device.hpp"
 #include "dictionary.hpp"
 #include "frame.hpp"
+#include "kick.hpp"
 #include "message_queue.hpp"
 #include "retimer.hpp"
 #include "stream_hash.hpp"
@@ -70,6 +71,8 @@ class JobStream {
         prefix(commands, kind == PinKind::pwm ? "queue_pwm_out" : "queue_digital_out", oid),
         StreamHash::of_name(name), inverted_full, longest};
   }
+  // How a pin of this board is started. Other messages know nothing of that.
+  void set_kick(size_t target, Kick kick) { pins_.at(target).kick = kick; }
   // The board clock at which a pin must be told its value again, lest the board think that nobody
   // is there; kNever if none.
   Ticks renew_at() const {
@@ -88,8 +91,7 @@ class JobStream {
         continue;
       pin.told = std::max(pin.told + 1, now + 2 * quantum_);
       uint8_t buffer[kLongestCommand];
-      uint8_t* p = put_vlq(put(buffer, pin.update), uint32_t(pin.told));
-      payload.assign(buffer, put_vlq(p, on_wire(pin.value, pin.inverted_full)));
+      payload.assign(buffer, put_value(buffer, pin, pin.told, pin.value));
       break;
     }
     return payload;
@@ -113,6 +115,7 @@ class JobStream {
     hash_ = StreamHash();
     queue_steps_ = messages_ = 0;
     staged_ = kNever;
+    for (Pin& pin : pins_) pin.kick.forget();
     running_ = true;
   }
   void stop() { running_ = false; }
@@ -123,7 +126,7 @@ class JobStream {
     complete_ = false;
     if (retimer_) retimer_->begin_anew();
     for (Pin& pin : pins_)
-      if (pin.longest > 0) pin.value = 0;  // the board has switched it off
+      if (pin.kick.interrupt() || pin.longest > 0) pin.value = 0;  // the board has switched it off
     running_ = true;
   }
   bool running() const { return running_; }
@@ -163,9 +166,22 @@ class JobStream {
     for (;;) {
       if (retimer_) retime(limit);
       MessageQueue& queue = retimer_ ? retimer_->ready() : *queue_;
-      if (queue.empty()) break;
+      const Ticks next = queue.empty() ? kNever : queue.front().clock;
+      if (Pin* pin = kicked_until(std::min(next, limit) + base_)) {
+        if (ends_.size() >= slots_ && !free_slots(now)) break;
+        Ticks clock = std::max({pin->kick.end(), pin->told + 1, now + 2 * quantum_});
+        uint8_t* end = put_value(payload + size, *pin, clock, pin->kick.asked());
+        if (size_t(end - payload) > kPayloadMax) return Fill::full;
+        size = size_t(end - payload);
+        first = std::min(first, clock);
+        need = std::min(need, clock);
+        ends_.push_back(clock);
+        pin->tell(clock, pin->kick.asked());
+        pin->kick.over();
+        continue;
+      }
+      if (next > limit) break;
       const Message& m = queue.front();
-      if (m.clock > limit) break;
       Word word = m.kind == MessageKind::commit ? commit(m.interval) : Word::yes;
       if (word == Word::no || word == Word::ask) {
         complete_ = true;
@@ -178,16 +194,24 @@ class JobStream {
       bool slot = m.kind == MessageKind::queue_step || m.kind == MessageKind::pin ||
                   m.kind == MessageKind::tail || (commits_ && m.kind == MessageKind::reset_clock);
       if (slot && ends_.size() >= slots_ && !free_slots(now)) break;
-      uint8_t* end = encode(m, payload + size);
+      Pin* pin = m.kind == MessageKind::pin ? &pins_[m.target] : nullptr;
+      Kick kick;
+      uint32_t value = 0;
+      if (pin) {
+        kick = pin->kick;
+        value = kick.told(m.interval, pin->value, m.clock + base_);
+      }
+      uint8_t* end =
+          pin ? put_value(payload + size, *pin, m.clock + base_, value) : encode(m, payload + size);
       if (word == Word::and_ask) end = put(end, query_);
       if (size_t(end - payload) > kPayloadMax) return Fill::full;
       size = size_t(end - payload);
       first = std::min(first, m.clock + base_);
       need = std::min(need, needed_at(m));
       if (slot) ends_.push_back(std::max(m.clock, m.end_clock) + base_);
-      if (m.kind == MessageKind::pin) {
-        pins_[m.target].value = m.interval;
-        pins_[m.target].told = m.clock + base_;
+      if (pin) {
+        pin->kick = kick;
+        pin->tell(m.clock + base_, value);
       }
       queue_steps_ += m.kind == MessageKind::queue_step;
       if (!retimer_) count(m);
@@ -206,11 +230,16 @@ class JobStream {
     if (!running_ || !queue_ || complete_) return kNever;
     auto held = queue_->hold();
     bool ready = retimer_ && !retimer_->ready().empty();
-    if (queue_->empty() && !ready) return kNever;
-    Ticks clock = ready      ? retimer_->ready().front().clock
-                  : retimer_ ? retimer_->clock_of(queue_->front().clock)
-                             : queue_->front().clock;
-    Ticks due = must_leave(clock + base_);
+    Ticks clock = kNever;
+    for (const Pin& pin : pins_) clock = std::min(clock, pin.kick.end());
+    if (ready || !queue_->empty()) {
+      Ticks next = ready      ? retimer_->ready().front().clock
+                   : retimer_ ? retimer_->clock_of(queue_->front().clock)
+                              : queue_->front().clock;
+      clock = std::min(clock, next + base_);
+    }
+    if (clock == kNever) return kNever;
+    Ticks due = must_leave(clock);
     return slot_wait_ == kNever ? due : std::max(due, slot_wait_);
   }
 
@@ -231,8 +260,11 @@ class JobStream {
     uint64_t name;
     uint32_t inverted_full;
     Ticks longest;
+    Kick kick;
     uint32_t value = 0;
     Ticks told = 0;  // board clock of the last word
+
+    void tell(Ticks clock, uint32_t what) { told = clock, value = what; }
   };
 
   Ticks horizon_, quantum_, margin_;
@@ -303,10 +335,19 @@ class JobStream {
         p = put_vlq(put_vlq(put(p, commit_), m.interval), uint32_t(m.clock + base_));
         return put_vlq(p, m.dir);
       case MessageKind::pin:
-        return put_vlq(put_vlq(put(p, pins_[m.target].update), uint32_t(m.clock + base_)),
-                       on_wire(m.interval, pins_[m.target].inverted_full));
+        break;  // it may be told something else
     }
     return p;
+  }
+  static uint8_t* put_value(uint8_t* p, const Pin& pin, Ticks clock, uint32_t value) {
+    return put_vlq(put_vlq(put(p, pin.update), uint32_t(clock)), on_wire(value, pin.inverted_full));
+  }
+  // The pin whose kick ends first, not after that board clock; null if none.
+  Pin* kicked_until(Ticks clock) {
+    Pin* found = nullptr;
+    for (Pin& pin : pins_)
+      if (pin.kick.end() <= clock && (!found || pin.kick.end() < found->kick.end())) found = &pin;
+    return found;
   }
   // The board needs moves by their first step, with what goes before them. What is staged needs its
   // commit by then too, and by the clock of the commit before, at which the board would brake.

@@ -522,6 +522,11 @@ class Link:
         inverted_full: the value at full scale of a pin that is on when low; longest: ticks that the board lets it be on without a word.
         """
 
+    def set_kick(self, target: int, ticks: int, full: int, rise: int) -> None:
+        """
+        Where the value of a pin comes from 0, or rises by more than so much, it is `full` for so many ticks first.
+        """
+
     def set_slots(self, slots: int) -> None: ...
 
     def set_queue(self, queue: MessageQueue | None) -> None: ...
@@ -1093,6 +1098,10 @@ class Motion:
 
     def ideal_piece_ticks(self, seconds: float, coefficients: Sequence[Sequence[float]], stepper: int, count: int, extruder: int = 0) -> tuple[list[float], int]:
         """The same for one piece that starts at tick 0."""
+
+LOAD_MM_S: float = 6.0
+
+UNLOAD_MM_S: float = 20.0
 
 class JobStatus(enum.Enum):
     NEED_INPUT = 0

@@ -245,6 +245,9 @@ CATALOGUE: Mapping[str, Entry] = {
         "UnknownOption: there is no option {value}",
         "Name one as APrinter does, such as XStepsPerUnit",
     ),
+    "command.no-mains": _input(
+        "command", "the mains are off", "Switch them on (M80), then send the command again"
+    ),
     "command.fixed": _input(
         "command",
         "{value} is fixed while the printer runs",

@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 import pytest
-from tests.console.scenario import Scenario
+from tests.console.scenario import Host, Scenario
 from tests.printer.driver_machine import machine as drivers_machine
 from tests.printer.driver_machine import machine_text
 
@@ -175,3 +175,14 @@ def test_what_cannot_be_set_says_so(s):
 def test_m92_acts_at_once(s):
     s.host.ok("M92 X90")
     assert s.host.ok("M925 IXStepsPerUnit")[0] == "90"
+
+
+def test_gains_are_told_while_a_tune_has_the_heater(s):
+    before = s.host.ok("M925 IExtruderHeater0PidP")[0]
+    assert float(before) > 0
+    s.host.send("M303 H0 S200")
+    s.passes(20)
+    other = Host(s)
+    assert other.ok("M925 IExtruderHeater0PidP")[0] == before
+    other.send("M108")
+    s.host.expect("^ok", 30)

@@ -80,6 +80,58 @@ def test_words_of_m600_say_how_it_parks(s):
     assert way(before, at(s))[3] == pytest.approx(-29, abs=0.02)
 
 
+def test_the_new_filament_has_its_own_temperature(s):
+    hotend = s.printer.connection.heaters["hotend"]
+    s.host.ok("M104 S60")
+    before = at(s)
+    s.host.send("M600 T0 U80 L50 S80 B3")
+    s.passes(60)
+    assert hotend.target == 60
+    assert "echo:M600 beeps not: there is no beeper" in s.host.heard
+    s.host.send("M108")
+    s.passes(1)
+    assert hotend.target == 80
+    low = at(s)
+    assert s.until(lambda: at(s) != low, 120)
+    assert hotend.celsius == pytest.approx(80, abs=3)
+    s.host.expect("^ok", 30)
+    assert way(before, at(s)) == pytest.approx((0, 0, 0, -30), abs=0.02)
+
+
+def test_nobody_needs_to_wait_for_it(s):
+    before = at(s)
+    s.host.send("M600 S150")
+    s.passes(20)
+    s.host.send("M108")
+    s.passes(2)
+    assert way(before, at(s))[2] > 1
+    s.host.send("M108")
+    s.host.expect("^ok", 10)
+    assert way(before, at(s)) == pytest.approx((0, 0, 0, 0), abs=0.02)
+
+
+def test_the_temperature_counts_in_a_file_too(tmp_path):
+    (tmp_path / "a.g").write_text("G92 X0 Y0 Z0\nG1 X10 Z5 F6000\nM600 S60\nG1 X20\n")
+    with Scenario("i3", card=str(tmp_path)) as s:
+        s.host.ok("M32 a.g")
+        s.passes(20)
+        s.host.ok("M24")
+        s.host.expect("Done printing", 60)
+        hotend = s.printer.connection.heaters["hotend"]
+        assert (hotend.target, hotend.celsius) == (60, pytest.approx(60, abs=3))
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [("T1", "T is 1: expected 0, the tool in use"), ("S400", "S is 400: expected 5 to 285 C")],
+)
+def test_what_m600_cannot_do_is_said(s, words, told):
+    before = at(s)
+    assert told in s.host.ok(f"M600 {words}")[0]
+    s.passes(5)
+    assert at(s) == before
+
+
 def test_words_of_m600_count_in_a_file_too(tmp_path):
     (tmp_path / "a.g").write_text("G92 X0 Y0 Z0\nG1 X10 Z5 F6000\nM600 Z7 X60 Y30\nG1 X20\n")
     with Scenario("i3", card=str(tmp_path)) as s:

@@ -6,15 +6,14 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 
 from passo import _core
-from passo.board.connection import BoardAloneError, Connection
+from passo.board.connection import LEAD_S, BoardAloneError, Connection
 from passo.board.description import Sensor, together
 from passo.board.faults import HeaterFault
 from passo.board.ports import LinkLostError
 
-_SETTLING_S = 4.0  # until the clocks of several boards are known well enough
+SETTLING_S = 4.0  # until the clocks of several boards are known well enough
 _LOOK_S = 0.02  # a fault of one live board among several is told so late at most
 _NEWS_S = 0.05  # until all boards have been told that one is lost
-_LEAD_S = 0.25
 _TOLERANCE_S = 1e-6  # of a step on a further board, beside what the plan allows
 
 
@@ -46,7 +45,7 @@ class Boards:
             for connection in self.connections:
                 main = connection is self.main
                 connection.join(self.timeline, main=main, tolerance_s=_TOLERANCE_S)
-            self.run(self.now + int(_SETTLING_S * self.board.clock_hz))
+            self.run(self.now + int(SETTLING_S * self.board.clock_hz))
 
     @property
     def now(self) -> int:
@@ -105,7 +104,7 @@ class Boards:
         """Sends the job's messages from now on. Returns the main board's clock at which the job's
         clock is 0."""
         hz = float(self.board.clock_hz)
-        base = self.now + int(_LEAD_S * hz)
+        base = self.now + int(LEAD_S * hz)
         for i, connection in enumerate(self.connections):
             connection.start_job(job.messages_of(i), base, hz)
         return base

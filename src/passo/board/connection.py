@@ -30,7 +30,7 @@ _CHUNK = 40
 _STEP_S = 0.01
 _PATIENCE_S = 0.5
 _TRIES = 5
-_LEAD_S = 0.25
+LEAD_S = 0.25  # from a word to what it begins
 _FAREWELL_S = 0.6
 BRAKING_S = 10.0  # no machine brakes for longer
 LOOK_S = 0.05  # between two looks whether it stands
@@ -200,7 +200,7 @@ class Connection:
         """Motors that stand make so many steps each, forward if more than 0, in so many seconds and
         at an even pace, and stand behind the commit `serial` then: all of it, or nothing. The board
         is armed, and no job is under way."""
-        clock = self._clock_after(2 * _LEAD_S) & 0xFFFFFFFF
+        clock = self._clock_after(2 * LEAD_S) & 0xFFFFFFFF
         for entry in self.board.steppers:
             left = abs(net := steps.get(entry.name, 0))
             if left == 0:
@@ -219,7 +219,7 @@ class Connection:
     def renew(self) -> None:
         """Tells how the board is to sample its sensors, which it may not have heard when the link
         was lost."""
-        for line in queries(self.board, self.dictionary, self._clock_after(_LEAD_S)):
+        for line in queries(self.board, self.dictionary, self._clock_after(LEAD_S)):
             self.command(line)
 
     def command(self, text: str) -> None:
@@ -266,7 +266,7 @@ class Connection:
         """Sends `messages` from now on, their clocks counted from `base_clock` (default: a quarter
         of a second from now). Both are the main board's, which runs at `main_hz` (default: as this
         one). Returns that clock."""
-        base = self.now + self._ticks(_LEAD_S) if base_clock is None else base_clock
+        base = self.now + self._ticks(LEAD_S) if base_clock is None else base_clock
         self.link.set_queue(messages)
         self.link.start_job(base, main_hz or float(self.board.clock_hz))
         return base
@@ -320,7 +320,7 @@ class Connection:
             with suppress(MachineError):
                 self.run(self.now + self._ticks(_FAREWELL_S))
                 self._switch_off_lasers()
-                self.run(self.now + self._ticks(_LEAD_S))
+                self.run(self.now + self._ticks(LEAD_S))
             self.wire.stop()
 
     def _unheated(self) -> list[Output]:
@@ -337,7 +337,7 @@ class Connection:
                 self.command(f"update_digital_out oid={self.oids.outputs[o.name]} value={value}")
 
     def _switch_off_lasers(self) -> None:
-        clock = self._clock_after(_LEAD_S / 2) & 0xFFFFFFFF
+        clock = self._clock_after(LEAD_S / 2) & 0xFFFFFFFF
         for o in self._unheated():
             if o.kind == "pwm":
                 off = self.full_scale(o.name) if inverted(o.pin) else 0
@@ -466,10 +466,15 @@ class Connection:
         heated = {h.output for h in self.board.heaters}
         for target, o in zip(self.board.output_targets, self.board.outputs, strict=True):
             kind = _core.PinKind.PWM if o.kind == "pwm" else _core.PinKind.DIGITAL
-            full = full_scale(o, self.dictionary) if inverted(o.pin) else 0
+            full = full_scale(o, self.dictionary)
+            low = full if inverted(o.pin) else 0
             # A heater's own loop renews it.
             longest = 0 if o.name in heated else o.max_duration_ticks
-            self.link.add_pin(target, o.name, self.oids.outputs[o.name], kind, full, longest)
+            self.link.add_pin(target, o.name, self.oids.outputs[o.name], kind, low, longest)
+            if o.kick:
+                self.link.set_kick(
+                    target, o.kick.ticks, round(o.kick.power * full), int(o.kick.rise * full)
+                )
         for h in self.board.heaters:
             options = heater_options(self.board, h, self.dictionary)
             self.heaters[h.name] = self.link.add_heater(options)

@@ -11,7 +11,7 @@ from typing import Literal, TypeAlias
 
 from passo import _core
 from passo.board.trinamic.settings import DriverSettings
-from passo.config.places import MAIN, named_on
+from passo.config.places import named_on
 
 Control: TypeAlias = _core.PidControl | _core.OnOffControl | _core.ModelControl
 
@@ -31,6 +31,16 @@ class Stepper:
 
 
 @dataclass(frozen=True, slots=True)
+class Kick:
+    """How a fan is started: at `power` for so many ticks, where it stood still or its power is to
+    rise by more than `rise`. Both are shares of full power."""
+
+    ticks: int
+    power: float
+    rise: float
+
+
+@dataclass(frozen=True, slots=True)
 class Output:
     """A pin that is switched.
 
@@ -38,7 +48,8 @@ class Output:
     board's software, its value being the ticks on of each cycle. `pwm` is pulsed by hardware, its
     value 0 to PWM_MAX. While on, it must be renewed within `max_duration_ticks` (0: never), or the
     board shuts down; then, as at the start, it is fully on or off as `default_on` says. One that
-    `blinks` is on for half of each cycle, until the board shuts down.
+    `blinks` is on for half of each cycle, until the board shuts down. `kick` is for what the
+    timeline tells it.
     """
 
     name: str
@@ -48,6 +59,7 @@ class Output:
     max_duration_ticks: int = 0
     default_on: bool = False
     blinks: bool = False
+    kick: Kick | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -227,7 +239,7 @@ def together(boards: Mapping[str, BoardDescription]) -> BoardDescription:
     for name, board in boards.items():
 
         def named(pin: str, name: str = name) -> str:
-            return pin if name == MAIN else named_on(name, pin)
+            return named_on(name, pin)
 
         for i, s in zip(board.stepper_targets, board.steppers, strict=True):
             steppers[i] = replace(s, step_pin=named(s.step_pin), dir_pin=named(s.dir_pin))

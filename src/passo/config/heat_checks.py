@@ -36,19 +36,25 @@ def check_heaters(data: Raw) -> Iterator[Finding]:
 
 
 def check_fans(data: Raw) -> Iterator[Finding]:
-    """Those that take commands have numbers of their own, the others follow heaters that exist."""
+    """Those that take commands have numbers of their own, the others follow heaters and motors that
+    exist."""
     owners: dict[float, str] = {}
-    heaters = table(data, "heaters")
+    heaters, steppers = table(data, "heaters"), table(data, "steppers")
     for name, fan in tables(data, "fans"):
         path = ("fans", name)
         least, most = number(fan, "min_power"), number(fan, "max_power")
         if least is not None and least > (1.0 if most is None else most):
             yield Finding("config.value", (*path, "min_power"), least, "at most max_power")
         heater = fan.get("follows")
-        if isinstance(heater, str):
-            if heater not in heaters:
-                hint, limit = did_you_mean(heater, heaters), "the name of one of the heaters"
-                yield Finding("config.value", (*path, "follows"), heater, limit, hint)
+        if isinstance(heater, str) and heater not in heaters:
+            hint, limit = did_you_mean(heater, heaters), "the name of one of the heaters"
+            yield Finding("config.value", (*path, "follows"), heater, limit, hint)
+        motors = array(fan, "follows_motors")
+        for motor in motors:
+            if isinstance(motor, str) and motor not in steppers:
+                hint, limit = did_you_mean(motor, steppers), "names of motors"
+                yield Finding("config.value", (*path, "follows_motors"), motor, limit, hint)
+        if motors or isinstance(heater, str):
             continue
         own = number(fan, "number") or 0
         owner = owners.setdefault(own, name)

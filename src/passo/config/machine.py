@@ -9,8 +9,8 @@ from pydantic import Field
 
 from passo.config.base import AxisName, ExtruderName, Model, Name, Pair, Uuid
 from passo.config.board import Board, Socket
-from passo.config.drives import Drivable, axis_order
-from passo.config.electronics import Fans, Laser
+from passo.config.drives import Drivable, Driven, axis_order
+from passo.config.electronics import Fans, Laser, Mains
 from passo.config.heat import Heaters
 from passo.config.homing import Homing
 from passo.config.motion import Axis, Extruder, Idle, Limits, Park, Stepper, Steppers, Tool
@@ -51,6 +51,7 @@ class MachineConfig(Model):
     heaters: Heaters = {}
     fans: Fans = {}
     laser: Laser | None = None
+    mains: Mains | None = None
     board: Board
     boards: dict[Name, Board] = {}
 
@@ -77,6 +78,10 @@ class MachineConfig(Model):
         stepper = self.steppers[name]
         return placed(stepper.step_pin or stepper.socket or name)[0]
 
+    def pin_of_stepper(self, name: str, written: str) -> str:
+        """The microcontroller's pin behind a name, on the board that a motor is on."""
+        return self.all_boards[self.board_of_stepper(name)].pin(placed(written)[1])
+
     @property
     def size_mm(self) -> tuple[float, float, float]:
         """Travel in X, Y, Z between the soft limits."""
@@ -87,6 +92,10 @@ class MachineConfig(Model):
     def drivable(self) -> Drivable:
         """What the motors of this machine may drive."""
         return Drivable(self.geometry.actuators, axis_order(self.axes), self.extruders)
+
+    def driven_by(self, stepper: str) -> Driven | None:
+        """What a motor drives; None of one that drives nothing. Raises KeyError."""
+        return self.drivable.of(stepper, self.steppers[stepper].drives)
 
     @property
     def all_tools(self) -> list[Tool]:
@@ -167,7 +176,7 @@ class MachineConfig(Model):
         drivable = self.drivable
         specs: list[tuple[tuple[int, int], dict[str, Any]]] = []
         for name, stepper in self.steppers.items():
-            driven = drivable.of(name, stepper.drives)
+            driven = self.driven_by(name)
             if driven is None:
                 raise ValueError(f"stepper {name} drives nothing: load() would have said so")
             board = list(self.all_boards).index(self.board_of_stepper(name))

@@ -134,6 +134,8 @@ def bindings(machine: MachineConfig) -> list[Binding]:
             add(f"homing.{name}.stepper_pins.{stepper}", pin, own)
     if machine.laser:
         add("laser.pin", machine.laser.pin, None)
+    if machine.mains:
+        add("mains.pin", machine.mains.pin, None)
     add("board.status_led", board.status_led, "LED" if "LED" in board.pins else None)
     return found
 

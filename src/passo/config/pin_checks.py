@@ -90,6 +90,7 @@ def machine_claims(data: Raw) -> Iterator[Claim]:
         for stepper, pin in table(content, "stepper_pins").items():
             yield from _claim(("homing", name, "stepper_pins", stepper), pin)
     yield from _claim(("laser", "pin"), table(data, "laser").get("pin"), "pwm")
+    yield from _claim(("mains", "pin"), table(data, "mains").get("pin"))
 
 
 def _board(data: Raw, name: str) -> Raw:
@@ -97,7 +98,7 @@ def _board(data: Raw, name: str) -> Raw:
 
 
 def _on(board: str, pin: object) -> object:
-    return named_on(board, pin) if board != MAIN and isinstance(pin, str) else pin
+    return named_on(board, pin) if isinstance(pin, str) else pin
 
 
 def _check_boards(claims: list[Claim], boards: Mapping[str, Raw]) -> Iterator[Finding]:

@@ -20,6 +20,8 @@ def section(board: str) -> tuple[str, ...]:
 
 
 def named_on(board: str, pin: str) -> str:
-    """A pin of a board other than the main one as a machine file writes it."""
+    """A board's pin as a machine file writes it."""
+    if board == MAIN:
+        return pin
     bare = pin.lstrip("!^~")
     return f"{pin[: len(pin) - len(bare)]}{board}:{bare}"

@@ -31,6 +31,11 @@ class Platinum(Model):
     kind: Literal["pt100", "pt1000"]
     pullup_ohm: Positive = 4700.0
 
+    @property
+    def r0_ohm(self) -> float:
+        """At 0 °C."""
+        return _at_0_c(self.kind)
+
 
 class PlatinumAmplifier(Model):
     """A PT100 or PT1000 to ground under `pullup_ohm`, and an amplifier behind them: its output is
@@ -41,6 +46,15 @@ class PlatinumAmplifier(Model):
     pullup_ohm: Positive = 4400.0
     supply_v: Positive = 5.0
     full_scale_v: Positive = 5.0
+
+    @property
+    def r0_ohm(self) -> float:
+        """At 0 °C."""
+        return _at_0_c(self.kind)
+
+
+def _at_0_c(kind: str) -> float:
+    return 1000.0 if kind.startswith("pt1000") else 100.0
 
 
 class ThermocoupleAmplifier(Model):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from passo.card import Reader as CardReader
 from passo.console.session import Session
 from passo.console.statistics import Print, Statistics, spoken
-from passo.errors import PassoError
+from passo.errors import CommandError, PassoError
 from passo.job.forecast import Forecast, forecast
 from passo.job.host_pause import HostPause
 from passo.job.runner import Runner, State
@@ -220,7 +220,19 @@ class JobCommands:
         return None
 
     def _change_filament(self, command: Command, reply: Reply) -> Wait | None:
-        return self._stand_by("Change the filament, then go on with M108", command.words(), reply)
+        """Raises CommandError for a tool that is not in use, and what its hotend cannot reach."""
+        words = command.words()
+        tool = self._printer.job.tool
+        if words.get("T", tool) != tool:
+            raise CommandError.bad_value("T", words["T"], f"{tool}, the tool in use")
+        if "S" in words:
+            hotend = self._printer.machine.heaters[self._printer.commands.heater("hotend")]
+            if not hotend.min_c < words["S"] <= hotend.max_c:
+                limit = f"{hotend.min_c:g} to {hotend.max_c:g} C"
+                raise CommandError.bad_value("S", words["S"], limit)
+        if "B" in words:
+            reply.note("M600 B", "M600 beeps not: there is no beeper")
+        return self._stand_by("Change the filament, then go on with M108", words, reply)
 
     def _pause(self, _: Command, reply: Reply) -> Wait | None:
         return self._stand_by("Paused; go on with M108", {}, reply)

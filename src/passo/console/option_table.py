@@ -9,10 +9,6 @@ from passo import _core
 from passo.board.configuration import SENSOR_PERIOD_S
 from passo.board.description import inverted
 from passo.config.sensors import Platinum, PlatinumAmplifier, Thermistor
-from passo.geometry.delta import Delta
-from passo.geometry.dual_scara import DualScara
-from passo.geometry.rotary_delta import RotaryDelta
-from passo.geometry.scara import Scara
 from passo.heat import platinum
 from passo.heat.rules import M301_FULL_POWER
 from passo.heat.sensors import sensor_table
@@ -22,30 +18,6 @@ if TYPE_CHECKING:
     from passo.printer.printer import Printer
 
 _KINDS = {"hotend": "ExtruderHeater", "bed": "BedHeater", "chamber": "ChamberHeater"}
-_SCARA = {
-    "Arm1Length": "arm1",
-    "Arm2Length": "arm2",
-    "ExternalArm2Motor": "external_motor",
-    "XOffset": "x_offset",
-    "YOffset": "y_offset",
-}
-_DUAL_SCARA = {
-    "Arm1ShoulderXCoord": "shoulder1_x",
-    "Arm2ShoulderXCoord": "shoulder2_x",
-    "Arm1ProximalSideLength": "proximal1",
-    "Arm2ProximalSideLength": "proximal2",
-    "Arm1DistalSideLength": "distal1",
-    "Arm2DistalSideLength": "distal2",
-    "XOffset": "x_offset",
-    "YOffset": "y_offset",
-}
-_ROTARY_DELTA = {
-    "EndEffectorLength": "effector_length",
-    "BaseLength": "base_length",
-    "RodLength": "rod_length",
-    "ArmLength": "arm_length",
-    "ZOffset": "z_offset",
-}
 
 
 class Option(NamedTuple):
@@ -70,7 +42,7 @@ def options(printer: Printer) -> Iterator[Option]:
         yield from _motors(printer, name)
     for name in machine.homing:
         yield from _homing(printer, name)
-    for name, value in _geometry(printer):
+    for name, value in machine.geometry.options().items():
         yield Option(name, lambda value=value: value)
     for name in machine.heaters:
         yield from _heater(printer, name)
@@ -117,7 +89,7 @@ def _motors(printer: Printer, name: str) -> Iterator[Option]:
     yield Option(f"{letter}StepsPerUnit", lambda: printer.motion.scale_of(name), f"M92 {word}{{}}")
     driven = machine.drivable.by_name[name]
     pushing = printer.motors.named("E")
-    motors = [m for m, s in machine.steppers.items() if machine.drivable.of(m, s.drives) == driven]
+    motors = [motor for motor in machine.steppers if machine.driven_by(motor) == driven]
     for k, motor in enumerate(motors):
         prefix = f"{letter}S{k}" if k else letter
         stepper = machine.steppers[motor]
@@ -160,28 +132,6 @@ def _homing(printer: Printer, name: str) -> Iterator[Option]:
         yield Option(f"{prefix}{suffix}", lambda value=value: float(value))
 
 
-def _geometry(printer: Printer) -> Iterator[tuple[str, float]]:
-    geometry = printer.machine.geometry
-    if isinstance(geometry, Delta):
-        # The file's radius is what APrinter subtracts both offsets for.
-        first, *_ = geometry.rods
-        yield "DeltaDiagonalRod", first
-        for i, rod in enumerate(geometry.rods, 1):
-            yield f"DeltaDiagonalRodCorr{i}", rod - first
-        yield "DeltaSmoothRodOffset", geometry.radius
-        yield "DeltaEffectorOffset", 0.0
-        yield "DeltaCarriageOffset", 0.0
-        yield "DeltaLimitRadius", geometry.limit_radius
-    for kind, prefix, keys in (
-        (RotaryDelta, "Delta", _ROTARY_DELTA),
-        (Scara, "SCARA", _SCARA),
-        (DualScara, "SCARA", _DUAL_SCARA),
-    ):
-        if isinstance(geometry, kind):
-            for option, key in keys.items():
-                yield f"{prefix}{option}", float(getattr(geometry, key))
-
-
 # -- heat -----------------------------------------------------------------------------------------
 
 
@@ -218,7 +168,7 @@ def _heater(printer: Printer, name: str) -> Iterator[Option]:
 
 
 def _gain(printer: Printer, name: str, key: str) -> float:
-    control = printer.connection.heaters[name].control
+    control = printer.controls.control(name)
     return float(getattr(control, key)) if isinstance(control, _core.PidControl) else 0.0
 
 
@@ -239,7 +189,7 @@ def _sensor(printer: Printer, name: str) -> Iterator[Option]:
             )
     elif isinstance(sensor, Platinum | PlatinumAmplifier):
         yield Option(f"{prefix}TempResistorR", lambda: sensor.pullup_ohm)
-        yield Option(f"{prefix}TempPtR0", lambda: 1000.0 if "1000" in sensor.kind else 100.0)
+        yield Option(f"{prefix}TempPtR0", lambda: sensor.r0_ohm)
         yield Option(f"{prefix}TempPtA", lambda: platinum.A_PER_C)
         yield Option(f"{prefix}TempPtB", lambda: platinum.B_PER_C2)
     yield Option(f"{prefix}TempMinTemp", lambda: sensor_table(sensors[name])[0][0])

@@ -44,7 +44,8 @@ class RecoveryCommands:
         if self._interrupted is None:
             return ""
         program, moment = self._interrupted
-        way = " from where the board has stopped" if self._printer.positions.held else ""
+        held = self._printer.positions.held and moment.origins
+        way = " from where the board has stopped" if held else ""
         return (
             f"echo:The print of {program.path} was interrupted at line {moment.line}."
             f" M1000 goes on with it{way}, M1000 C forgets it{self.instead}"
@@ -68,6 +69,7 @@ class RecoveryCommands:
             return
         self._interrupted = None
         self._seen_z_mm = self._z()
+        self._printer.positions.trust()
         self._settlings = self._printer.positions.settlings
         self._recorded = self._moment(self._runner.first_line, self._seen_z_mm)
         try:
@@ -88,12 +90,10 @@ class RecoveryCommands:
         drive = printer.drive
         line = printer.job.line_at(drive.now)  # asked often: it forgets what is past
         before, self._seen_z_mm = self._seen_z_mm, self._z()
-        homed, self._settlings = (
-            printer.positions.settlings != self._settlings,
-            (printer.positions.settlings),
-        )
+        settlings = printer.positions.settlings
+        elsewhere, self._settlings = settlings != self._settlings, settlings
         early = drive.now_s < self._recorded.print_s + EVERY_S
-        if early and not homed and not self._z_matters(before):
+        if early and not elsewhere and not self._z_matters(before):
             return
         moment = self._moment(line or self._runner.first_line, self._seen_z_mm)
         if self._runner.state is State.PAUSED:

@@ -181,8 +181,8 @@ TABLE: tuple[Row, ...] = (
     Row("M76", _Q, _I, "", "Halts the print timer.", bare=None),
     Row("M77", _Q, _I, "", "Stops the print timer and tells it.", bare=None),
     Row("M78", _Q, _I, "S78", "Tells what was printed; S78 forgets it."),
-    Row("M80", _Q, _N, "S", "Mains on.", bare="S"),
-    Row("M81", _Q, _X, "", "Heaters and motors off."),
+    Row("M80", _Q, _X, "S", "Mains on; S tells whether they are.", bare="S"),
+    Row("M81", _Q, _X, "", "Heaters and motors off, and the mains where they have a pin."),
     Row("M82", _M, _N, "", "The extruder's positions are absolute."),
     Row("M83", _M, _N, "", "The extruder's positions are relative."),
     Row("M84", _P, _X, "X Y Z E S(s)", "As M18.", bare=_AXES),
@@ -352,9 +352,10 @@ TABLE: tuple[Row, ...] = (
         "M600",
         _H,
         _X,
-        "E Z X Y U L(mm)",
+        "T E Z X Y U L(mm) S(C) B",
         "Parks, waits for a person to change the filament, and comes back. E takes filament back, Z"
-        " lifts, X and Y are the place; U unloads there, L loads.",
+        " lifts, X and Y are the place; U unloads there, L loads when the hotend has reached S. T"
+        " is the tool in use; B has no beeper.",
     ),
     Row("M601", _H, _X, "", "Parks, waits for a person, and comes back."),
     Row("M602", _Q, _I, "", "Ends a pause."),

@@ -31,6 +31,10 @@ class GeometryModel(BaseModel):
         """Kind and parameters as plain numbers, for the core."""
         return self.model_dump()
 
+    def options(self) -> dict[str, float]:
+        """Its parameters by APrinter's names, lengths in mm; none of a geometry without any."""
+        return {}
+
     def inverse(self, point: Point) -> Point:
         """Positions of the actuators (mm or degrees) with the nozzle at `point` (mm).
 

@@ -33,6 +33,19 @@ class Delta(GeometryModel):
             for angle in self.angles
         ]
 
+    def options(self) -> dict[str, float]:
+        """APrinter subtracts both offsets from what its rods stand on; `radius` has none left."""
+        first, *_ = self.rods
+        corrections = {f"DeltaDiagonalRodCorr{i}": r - first for i, r in enumerate(self.rods, 1)}
+        return {
+            "DeltaDiagonalRod": first,
+            **corrections,
+            "DeltaSmoothRodOffset": self.radius,
+            "DeltaEffectorOffset": 0.0,
+            "DeltaCarriageOffset": 0.0,
+            "DeltaLimitRadius": self.limit_radius,
+        }
+
     def inverse(self, point: Point) -> Point:
         """Height of carriage i: z + √(rod_i² - (tower_x - x)² - (tower_y - y)²)."""
         x, y, z = point

@@ -28,6 +28,19 @@ class DualScara(GeometryModel):
     x_offset: Offset = 0.0
     y_offset: Offset = 0.0
 
+    def options(self) -> dict[str, float]:
+        """All of its parameters."""
+        return {
+            "SCARAArm1ShoulderXCoord": self.shoulder1_x,
+            "SCARAArm2ShoulderXCoord": self.shoulder2_x,
+            "SCARAArm1ProximalSideLength": self.proximal1,
+            "SCARAArm2ProximalSideLength": self.proximal2,
+            "SCARAArm1DistalSideLength": self.distal1,
+            "SCARAArm2DistalSideLength": self.distal2,
+            "SCARAXOffset": self.x_offset,
+            "SCARAYOffset": self.y_offset,
+        }
+
     def _elbow(self, arm: int, angle: float) -> tuple[float, float]:
         shoulder = (self.shoulder1_x, self.shoulder2_x)[arm]
         proximal = (self.proximal1, self.proximal2)[arm]

@@ -26,6 +26,16 @@ class RotaryDelta(GeometryModel):
     arm_length: Positive = 80.0
     z_offset: Offset = 200.0
 
+    def options(self) -> dict[str, float]:
+        """All of its parameters."""
+        return {
+            "DeltaEndEffectorLength": self.effector_length,
+            "DeltaBaseLength": self.base_length,
+            "DeltaRodLength": self.rod_length,
+            "DeltaArmLength": self.arm_length,
+            "DeltaZOffset": self.z_offset,
+        }
+
     def inverse(self, point: Point) -> Point:
         """Degrees below the horizon of the arms at 0, +120 and -120 degrees about Z."""
         a, b, c = (

@@ -26,6 +26,16 @@ class Scara(GeometryModel):
     x_offset: Offset = 0.0
     y_offset: Offset = 0.0
 
+    def options(self) -> dict[str, float]:
+        """All of its parameters."""
+        return {
+            "SCARAArm1Length": self.arm1,
+            "SCARAArm2Length": self.arm2,
+            "SCARAExternalArm2Motor": float(self.external_motor),
+            "SCARAXOffset": self.x_offset,
+            "SCARAYOffset": self.y_offset,
+        }
+
     def inverse(self, point: Point) -> Point:
         """Law of cosines: cos E = (d² - arm1² - arm2²) / (2 arm1 arm2), and the shoulder is less
         than d's direction by the angle between upper arm and d."""

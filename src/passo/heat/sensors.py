@@ -41,11 +41,11 @@ def sensor_table(sensor: AnySensor) -> Table:
         divider = Divider(sensor.pullup_ohm, sensor.adc_offset_low, sensor.adc_offset_high)
         return _rows(_NTC_C, lambda t: divider.share(ntc.ohm(t)))
     if isinstance(sensor, Platinum):
-        r0 = 100.0 if sensor.kind == "pt100" else 1000.0
+        r0 = sensor.r0_ohm
         pullup = Divider(sensor.pullup_ohm)
         return _rows(_PLATINUM_C, lambda t: pullup.share(platinum.ohm(t, r0)))
     if isinstance(sensor, PlatinumAmplifier):
-        r0 = 100.0 if sensor.kind == "pt100-amplifier" else 1000.0
+        r0 = sensor.r0_ohm
         bridge = Divider(sensor.pullup_ohm)
         factor = sensor.supply_v * sensor.gain / sensor.full_scale_v
         return _rows(_PLATINUM_C, lambda t: factor * bridge.share(platinum.ohm(t, r0)))

@@ -7,14 +7,13 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
+from passo import _core
 from passo.config.drives import axis_order
 from passo.printer.slots import E, X, Y, Z, slot_of_axis
+from passo.printer.waits import Silence, Temperatures
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
-
-
-LOAD_MM_S, UNLOAD_MM_S = 6.0, 20.0  # as M701 and M702
 
 
 class Park:
@@ -29,15 +28,17 @@ class Park:
         axes = printer.machine.axes
         order = enumerate(axis_order(axes))
         self._places = [slot_of_axis(i) for i, name in order if not axes[name].extruder]
+        self._celsius: float | None = None
 
     async def leave(self, words: Mapping[str, float] = MappingProxyType({})) -> None:
         """To the parking place; without one, or if an axis does not know where it is, nowhere.
         Words of M600 take the place of the machine's: E takes filament back and Z lifts by so many
         mm, X and Y are the place; U unloads so many mm there, and L loads so many before it comes
-        back."""
+        back, with the hotend at S, °C."""
         printer = self._printer
         park = printer.machine.park
         self._away = False
+        self._celsius = words.get("S")
         if park is None or printer.job.locked_axes:
             return
         await printer.drive.until(lambda: printer.drive.standing or bool(printer.halted))
@@ -59,7 +60,7 @@ class Park:
         if place and not drive.move(place, park.speed_mm_s):
             printer.tell(f"echo:The nozzle stays over the print: {printer.commands.problem()}")
         if extrudes:
-            self._push(-abs(words.get("U", 0.0)), UNLOAD_MM_S)
+            self._push(-abs(words.get("U", 0.0)), _core.UNLOAD_MM_S)
         await self._still()
 
     def _push(self, mm: float, speed_mm_s: float) -> None:
@@ -73,13 +74,15 @@ class Park:
         moves that place, also where there is no parking."""
         printer = self._printer
         park = printer.machine.park
+        if self._celsius is not None:
+            await self._reach(self._celsius)
         await self._still()
         printer.raise_if_halted()
         drive, job = printer.drive, printer.job
         if job.suspended:
             printer.take_stopped_tool()
         if self._away and job.suspended and printer.can_extrude():
-            self._push(self._load_mm, LOAD_MM_S)
+            self._push(self._load_mm, _core.LOAD_MM_S)
         at: list[float] | None = None
         while job.suspended and at != job.stop_position:
             at = job.stop_position
@@ -93,6 +96,13 @@ class Park:
                 self._push(self._retracted_mm, park.retract_mm_s)
             self._away = False
             await self._still()
+
+    async def _reach(self, celsius: float) -> None:
+        """The new filament's temperature, for the hotend of the tool in use."""
+        printer, self._celsius = self._printer, None
+        hotend = printer.commands.heater("hotend")
+        printer.set_target(hotend, celsius, at_once=True)
+        await printer.wait(Temperatures((hotend,), cooling=True), Silence())
 
     async def _still(self) -> None:
         printer = self._printer

@@ -127,7 +127,8 @@ class Print:
             self._run_to(self.job.handed_out - _HORIZON_S * self._hz)
         self._run_to(self.job.clock)
         self._apply_marks(float("inf"))
-        self._run(self.connection.now + round(_LEAD_S * self._hz))
+        kick_s = max((fan.kick_start_s for fan in self._machine.fans.values()), default=0.0)
+        self._run(self.connection.now + round((_LEAD_S + kick_s) * self._hz))
         self._fill(result, str(path))
         return result
 

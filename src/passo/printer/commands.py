@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from math import inf, sqrt
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from passo.config.drives import axis_order
 from passo.errors import CommandError, Problem
@@ -35,6 +35,15 @@ _CORNERS = {
 }
 _OF_VELOCITY_LIMIT = {"VELOCITY": "mm/s", "ACCEL": "mm/s²", "SQUARE_CORNER_VELOCITY": "mm/s"}
 _KINDS = {"T": "hotend", "P": "hotend", "B": "bed", "C": "chamber"}
+
+
+class FanOrder(NamedTuple):
+    """What M106 and M107 say: the fan's number, the share of its power (None: they only set it up,
+    which the machine file does), and whether it acts at once."""
+
+    number: float | None
+    share: float | None
+    at_once: bool
 
 
 class Heat(Protocol):
@@ -104,8 +113,8 @@ class Commands:
             "M190": lambda c: self._reach_temperature(c, "bed"),
             "M191": lambda c: self._reach_temperature(c, "chamber"),
             "M116": self._reach_all,
-            "M106": self._fan_speed,
-            "M107": lambda c: self._set_fan(c, 0.0),
+            "M106": lambda c: self.set_fan(self.fan_order(c)),
+            "M107": lambda c: self.set_fan(self.fan_order(c)),
             "M201": lambda c: self._axis_limits(c, "accel"),
             "M203": lambda c: self._axis_limits(c, "speed"),
             "M204": lambda c: self.accelerations(c.words()),
@@ -355,27 +364,29 @@ class Commands:
 
     @property
     def commanded_fans(self) -> list[str]:
-        """The fans that do not follow a heater."""
-        return [name for name, fan in self._machine.fans.items() if fan.follows is None]
+        """The fans that follow nothing else."""
+        return [name for name, fan in self._machine.fans.items() if fan.commanded]
 
-    def _fan(self, command: Command) -> str | None:
-        number = int(command.words().get("P", 0))
+    def fan_order(self, command: Command) -> FanOrder:
+        """What M106 and M107 say."""
+        words = command.words()
+        if command.code == "M107":
+            share = 0.0
+        elif "S" not in words and _OF_FANS.search(command.text) is not None:
+            share = None
+        else:
+            share = words.get("S", 255) / 255
+        at_once = _AT_ONCE.search(command.text) is not None
+        return FanOrder(words.get("P"), share, at_once)
+
+    def set_fan(self, order: FanOrder) -> None:
+        """Does what M106 or M107 says; a fan that is not there is left alone."""
+        number, share, at_once = order
         fans = self._machine.fans
-        return next((name for name in self.commanded_fans if fans[name].number == number), None)
-
-    def _fan_speed(self, command: Command) -> None:
-        if not self.sets_fans_up(command):
-            self._set_fan(command, command.words().get("S", 255) / 255)
-
-    def sets_fans_up(self, command: Command) -> bool:
-        """M106 with settings of a fan, and no speed."""
-        return "S" not in command.words() and _OF_FANS.search(command.text) is not None
-
-    def _set_fan(self, command: Command, share: float) -> None:
-        fan = self._fan(command)
-        if fan is not None:
-            at_once = _AT_ONCE.search(command.text) is not None
+        fan = next((n for n in self.commanded_fans if fans[n].number == int(number or 0)), None)
+        if fan is not None and share is not None:
             config = self._machine.fans[fan]
+            share = share if share >= config.off_below else 0.0
             power = max(share * config.max_power, config.min_power if share > 0 else 0.0)
             self.set_output(fan, power, at_once=at_once)
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from typing import TYPE_CHECKING
 
 from passo.board.description import Driver, SpiPins, UartPins, bare
 from passo.board.trinamic import DriverSettings, threshold_of
 from passo.config.board import joined_marks
-from passo.config.places import MAIN, named_on, placed
+from passo.config.places import named_on
 from passo.config.sensors import ThermocoupleConverter
 from passo.config.trinamic import chip_of
 
@@ -26,11 +27,7 @@ def drivers(machine: MachineConfig) -> Iterator[Driver]:
         chip = chip_of(stepper.driver)
         if tmc is None or chip is None:
             continue
-        board = machine.board_of_stepper(name)
-
-        def pin(written: str, board: str = board) -> str:
-            return machine.all_boards[board].pin(placed(written)[1])
-
+        board, pin = machine.board_of_stepper(name), partial(machine.pin_of_stepper, name)
         below = tmc.stealthchop_below_mm_s or tmc.stealthchop_below_deg_s
         settings = DriverSettings(
             chip,
@@ -64,7 +61,7 @@ def microstep_outputs(machine: MachineConfig) -> Iterator[tuple[str, str]]:
             continue
         for i, (pin, high) in enumerate(zip(socket.microstep, levels, strict=True), 1):
             written = joined_marks("!", board.pin(pin)) if high else board.pin(pin)
-            yield f"{name}-ms{i}", written if on == MAIN else named_on(on, written)
+            yield f"{name}-ms{i}", named_on(on, written)
 
 
 def converter_wires(machine: MachineConfig, heater: Heater) -> SpiPins | None:

@@ -1,38 +1,49 @@
-"""Fans that follow the temperature of a heater."""
+"""Fans that follow the temperature of a heater, or motors."""
 
 from __future__ import annotations
 
+import asyncio
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from passo.config.electronics import Fan
     from passo.printer.printer import Printer
 
 _STAYS_C = 2.0  # so much below its threshold a fan goes off again
 
 
 class FollowingFans:
-    """The fans of one printer that `follow` a heater: fully on, as far as `max_power` lets them,
-    above its threshold, and while it has failed, for nobody knows then how hot it is. A halted
-    board has all its outputs off."""
+    """The fans of one printer that follow something: fully on, as far as `max_power` lets them,
+    while their heater is above its threshold, or has failed, for nobody knows then how hot it is;
+    and while any of their motors is on, and a while longer. A halted board has all its outputs off.
+    """
 
     def __init__(self, printer: Printer) -> None:
         self._printer = printer
         fans = printer.machine.fans
-        self._fans = [
-            (name, fan, fan.follows)
-            for name, fan in fans.items()
-            if fan.follows and fan.max_power > 0
-        ]
+        self._fans = {n: f for n, f in fans.items() if not f.commanded and f.max_power > 0}
+        self._motors_s: dict[str, float] = {}  # host time when a fan's motors were last seen on
 
     def time_passed(self) -> None:
-        """Looks at the heaters."""
+        """Looks at the heaters and motors."""
         if self._printer.halted:
             return
         commands = self._printer.commands
-        for name, fan, follows in self._fans:
-            heater = self._printer.connection.heaters[follows]
+        for name, fan in self._fans.items():
             was_on = commands.fans.get(name, 0.0) > 0
-            threshold = fan.above_c - _STAYS_C if was_on else fan.above_c
-            on = heater.celsius > threshold or heater.fault is not None
+            on = self._warm(fan, was_on) or self._works(name, fan)
             if on != was_on:
                 commands.set_output(name, fan.max_power if on else 0.0, at_once=True)
+
+    def _warm(self, fan: Fan, was_on: bool) -> bool:
+        if fan.follows is None:
+            return False
+        heater = self._printer.connection.heaters[fan.follows]
+        threshold = fan.above_c - _STAYS_C if was_on else fan.above_c
+        return heater.celsius > threshold or heater.fault is not None
+
+    def _works(self, name: str, fan: Fan) -> bool:
+        now_s = asyncio.get_running_loop().time()
+        if any(map(self._printer.motors.live, fan.follows_motors)):
+            self._motors_s[name] = now_s
+        return name in self._motors_s and now_s <= self._motors_s[name] + fan.stays_on_s

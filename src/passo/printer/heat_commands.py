@@ -11,7 +11,6 @@ from passo.printer.waits import Handler, Reply, Wait
 from passo.printer.words import Command
 
 if TYPE_CHECKING:
-    from passo.config.motion import Axis
     from passo.printer.printer import Printer
 
 _COLD_C = 170.0  # filament does not move below it, unless M302 says otherwise
@@ -49,15 +48,16 @@ class HeatCommands:
 
     def _fan(self, command: Command, reply: Reply) -> Wait | None:
         """Raises CommandError if P names no fan; a machine without fans lets the rest pass."""
-        number = command.words().get("P")
-        names = self._printer.commands.commanded_fans
-        numbers = [self._machine.fans[name].number for name in names]
-        if number is not None and number not in numbers:
+        commands = self._printer.commands
+        order = commands.fan_order(command)
+        numbers = [self._machine.fans[name].number for name in commands.commanded_fans]
+        if order.number is not None and order.number not in numbers:
             limit = ", ".join(map(str, numbers)) or "no fan"
-            raise CommandError.bad_value("P", number, limit)
-        if command.code == "M106" and self._printer.commands.sets_fans_up(command):
+            raise CommandError.bad_value("P", order.number, limit)
+        if order.share is None:
             reply.note("M106", "M106 sets speeds, by S; the machine file has the settings")
-        return self._printer.commands.run(command)
+        commands.set_fan(order)
+        return None
 
     # -- units, presets, cold extrusion ------------------------------------------------------------
 
@@ -109,25 +109,24 @@ class HeatCommands:
         """Tells the interpreter which filament may move."""
         job, axes = self._printer.job, self._machine.axes
         job.cold = not self.warm()
+        first = next(iter(self._hotends), None)
         for number, name in enumerate(axis_order(axes)):
             if axes[name].extruder:
-                job.set_cold_axis(number, not self._warm_axis(axes[name]))
+                job.set_cold_axis(number, not self._melts(axes[name].heater or first))
 
     def warm(self) -> bool:
         """The active tool's hotend lets filament move."""
-        if self.cold_allowed:
-            return True
-        if all(h.kind != "hotend" for h in self._machine.heaters.values()):
-            return True
-        name = self._printer.commands.heater("hotend")
-        return self._printer.connection.heaters[name].celsius >= self.cold_c
+        hotends = self._hotends
+        return not hotends or self._melts(self._printer.commands.heater("hotend"))
 
-    def _warm_axis(self, axis: Axis) -> bool:
-        hotends = [n for n, h in self._machine.heaters.items() if h.kind == "hotend"]
-        name = axis.heater or next(iter(hotends), None)
-        if self.cold_allowed or name is None:
+    @property
+    def _hotends(self) -> list[str]:
+        return [n for n, h in self._machine.heaters.items() if h.kind == "hotend"]
+
+    def _melts(self, heater: str | None) -> bool:
+        if self.cold_allowed or heater is None:
             return True
-        return self._printer.connection.heaters[name].celsius >= self.cold_c
+        return self._printer.connection.heaters[heater].celsius >= self.cold_c
 
     # -- faults -----------------------------------------------------------------------------------
 

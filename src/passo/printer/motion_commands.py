@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING
 
-from passo.config.drives import Driven, axis_order
+from passo.config.drives import axis_order
 from passo.errors import CommandError
 from passo.printer.waits import Handler, Reply, Still, Wait
 from passo.printer.words import Command
@@ -56,10 +56,8 @@ class MotionCommands:
         """Numbers, in the core's order, of the motors that drive an actuator, axis or extruder."""
         wanted = self._machine.drivable.by_name.get(name or "")
         rows = self._printer.job.steppers()
-        return [i for i, r in enumerate(rows) if wanted and self._driven(r["name"]) == wanted]
-
-    def _driven(self, stepper: str) -> Driven | None:
-        return self._machine.drivable.of(stepper, self._machine.steppers[stepper].drives)
+        driven_by = self._machine.driven_by
+        return [i for i, r in enumerate(rows) if wanted and driven_by(r["name"]) == wanted]
 
     def extruders(self) -> Iterator[tuple[str, str]]:
         """What names an extruder in a command, and its name: nothing but E where it is the only
@@ -125,7 +123,9 @@ class MotionCommands:
 
     def scale_lines(self) -> list[str]:
         """The scales as commands."""
-        driven = {self._driven(row["name"]): None for row in self._printer.job.steppers()}
+        driven = {
+            self._machine.driven_by(row["name"]): None for row in self._printer.job.steppers()
+        }
         names = {d: name for name, d in self._machine.drivable.by_name.items()}
         words = [
             f"{names[d].upper()}{self.scale_of(names[d]):.10g}"
@@ -297,6 +297,8 @@ class MotionCommands:
 
     def homed(self, axes: Iterable[str]) -> None:
         """These axes are at home: how far they were shifted means nothing any more."""
+        axes = list(axes)
+        self._printer.positions.trust(axes)
         self.babysteps_mm |= {axis: 0.0 for axis in axes if axis in self.babysteps_mm}
 
     # -- overrides --------------------------------------------------------------------------------

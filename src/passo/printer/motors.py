@@ -47,19 +47,20 @@ class Motors:
     def renew(self) -> None:
         """The board may not have heard the last words about motors."""
         for name, output in self._outputs.items():
-            self._printer.connection.switch(output, self._live(name))
+            self._printer.connection.switch(output, self.live(name))
 
     def _set(self, steppers: Sequence[str], *, on: bool) -> None:
         for name in steppers:
-            was_live = self._live(name)
+            was_live = self.live(name)
             (self.on.add if on else self.on.discard)(name)
-            if name in self._outputs and self._live(name) != was_live:
+            if name in self._outputs and self.live(name) != was_live:
                 self._printer.connection.switch(self._outputs[name], on)
-        if not on and steppers:
-            self._printer.positions.held = False
+        if not on:
+            if not set(steppers) <= set(self.named("E")):
+                self._printer.positions.loosen()
             self._forget_positions(set(steppers))
 
-    def _live(self, name: str) -> bool:
+    def live(self, name: str) -> bool:
         """Whether the output of a motor is on: while any of the motors that share it is."""
         return any(self._outputs.get(other) == self._outputs.get(name) for other in self.on)
 
@@ -82,8 +83,8 @@ class Motors:
             elif name == "e":
                 found += [
                     s
-                    for s, stepper in self._machine.steppers.items()
-                    if (d := self._machine.drivable.of(s, stepper.drives)) and d.drive == "extruder"
+                    for s in self._machine.steppers
+                    if (d := self._machine.driven_by(s)) and d.drive == "extruder"
                 ]
             elif name in self._machine.steppers:
                 found.append(name)

@@ -82,7 +82,7 @@ class Overshoot:
         return [x, y, z] if self._joints else list(self._machine.geometry.inverse((x, y, z)))
 
     def _driven(self, stepper: str) -> Driven:
-        driven = self._machine.drivable.of(stepper, self._machine.steppers[stepper].drives)
+        driven = self._machine.driven_by(stepper)
         if driven is None:
             raise KeyError(stepper)
         return driven

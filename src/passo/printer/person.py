@@ -1,11 +1,11 @@
-"""What concerns the person at the printer: messages, waits, beeps, the mains."""
+"""What concerns the person at the printer: messages and waits."""
 
 from __future__ import annotations
 
 import re
 from typing import TYPE_CHECKING
 
-from passo.printer.waits import Handler, Person, Reply, Still, Wait
+from passo.printer.waits import Handler, Person, Reply, Wait
 from passo.printer.words import Command, words_of
 
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ _WORDS = re.compile(r"\s*(?:[PS]\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:\s+|$))+", re.IGNO
 
 
 class PersonCommands:
-    """M0, M1, M80, M81, M85, M117, M876 of one printer."""
+    """M0, M1, M85, M117, M876 of one printer."""
 
     def __init__(self, printer: Printer) -> None:
         self._printer = printer
@@ -25,8 +25,6 @@ class PersonCommands:
         self.planned: dict[str, Handler] = {
             "M0": self._wait,
             "M1": self._wait,
-            "M80": self._mains_on,
-            "M81": self._switch_off,
         }
         self.immediate: dict[str, Handler] = {
             "M85": self._kill_after,
@@ -60,21 +58,6 @@ class PersonCommands:
         self.message = command.text
         self._printer.tell(f"// action:notification {command.text}")
         return None
-
-    def _mains_on(self, command: Command, reply: Reply) -> Wait | None:
-        if "S" in command.text.upper():
-            reply.say("PS:1")
-        return None
-
-    def _switch_off(self, _: Command, __: Reply) -> Wait | None:
-        self._printer.laser_off()  # before the motors
-        return Still(self._mains_off)
-
-    def _mains_off(self) -> None:
-        printer = self._printer
-        for name in printer.heaters:
-            printer.set_target(name, 0.0, at_once=True)
-        printer.motors.all_off()
 
     def _kill_after(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()

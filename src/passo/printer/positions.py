@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
+from passo.config.drives import axis_order
 from passo.geometry.base import Unreachable
 from passo.printer.slots import E, slot_of_axis
 
@@ -18,11 +20,13 @@ class Positions:
 
     def __init__(self, printer: Printer) -> None:
         self._printer = printer
+        self._letters = [name.upper() for name in axis_order(printer.machine.axes)]
         self.lost: dict[str, int] = {}
         self.settled = True  # False: a board did not answer the last time
         self.settlings = 0  # how often the origins may have changed
         # The motors have held since another host was there: their counts still tell where it is.
         self.held = printer.connection.adopted
+        self._loose: set[str] = set()  # axes whose motors were off since they were known
         self._frozen: list[float] | None = None
 
     def freeze(self) -> None:
@@ -49,8 +53,23 @@ class Positions:
             self.lost[name] = row["expected_net"] - self._printer.connection.net_steps(name)
         self.settled = True
 
+    def loosen(self) -> None:
+        """Motors of axes are off: somebody may move them, and the counts do not tell."""
+        axes = self._printer.machine.axes
+        self.held = False
+        self.settlings += 1
+        self._loose = {name for name, axis in axes.items() if not axis.extruder}
+
+    def trust(self, axes: Iterable[str] | None = None) -> None:
+        """These axes, all by default, are where the plan says: they are at home, or a print begins
+        with them as they are."""
+        self._loose = set() if axes is None else self._loose.difference(axes)
+
     def origins(self) -> dict[str, int]:
-        """Each motor's position, in steps, where the board's count of it is 0."""
+        """Each motor's position, in steps, where the board's count of it is 0. Empty if a motor was
+        off since the axes were known."""
+        if self._loose:
+            return {}
         return {
             row["name"]: row["count"] - row["expected_net"] + self.lost.get(row["name"], 0)
             for row in self._printer.job.steppers()
@@ -78,7 +97,7 @@ class Positions:
         real: dict[tuple[str, int], float] = {}
         for row in self._printer.job.steppers():
             name = row["name"]
-            driven = machine.drivable.of(name, machine.steppers[name].drives)
+            driven = machine.driven_by(name)
             if driven is not None:
                 at = counts[name] / row["steps_per_unit"]
                 real.setdefault((driven.drive, driven.index), at)
@@ -117,7 +136,7 @@ class Positions:
         found = job.position_at(clock)
         if found is None:
             return self.now()[0]
-        letters = [row["letter"] for row in self._printer.machine.core_spec()["axes"]]
+        letters = self._letters
         slots = [*(slot_of_axis(i) for i in range(len(letters))), E]
         ends = job.machine_position
         return {
@@ -133,7 +152,7 @@ class Positions:
         printer, machine = self._printer, self._printer.machine
         job = printer.job
         counts = self.counts()
-        letters = [row["letter"] for row in machine.core_spec()["axes"]]
+        letters = self._letters
         if self._frozen is not None:
             return dict(zip([*letters, "E"], self._frozen, strict=True)), counts
         real = self._real(counts)

@@ -22,6 +22,7 @@ from passo.printer.heat_commands import HeatCommands
 from passo.printer.homing import Homer
 from passo.printer.lateness import LatenessWatch
 from passo.printer.life import Life
+from passo.printer.mains import Mains
 from passo.printer.motion_commands import MotionCommands
 from passo.printer.motors import Motors
 from passo.printer.person import PersonCommands
@@ -57,6 +58,7 @@ class Printer:
         self.closers: list[Callable[[], None]] = []  # called when the printer ends, the last first
         self.watchers: list[Callable[[], None]] = [self._look_after_idleness]  # time has passed
         connection, self.board = connect(machine)
+        self.mains = Mains(self)
         self.motors = Motors(self)
         self.drivers = DriverWatch(self)
         self.lateness = LatenessWatch(self)
@@ -86,6 +88,7 @@ class Printer:
         self.planned: dict[str, Handler] = (
             self.heat.planned
             | self.motion.planned
+            | self.mains.planned
             | self.motors.planned
             | self.person.planned
             | self.tunes.planned
@@ -114,6 +117,7 @@ class Printer:
     def _begin(self, connection: Boards) -> None:
         self._shaded = False  # the laser is dark for now, and will be lit again
         machine = self.machine
+        self.mains.begin(connection)
         connection.run(connection.now + int(_FIRST_REPORTS_S * machine.board.clock_hz))
         self.connection = connection
         connection.set_on_fault(self._heater_failed)
@@ -130,12 +134,16 @@ class Printer:
         self.homer = Homer(self)
         self.positions = Positions(self)
         if connection.adopted:
-            self.motors.all_on()  # as the host before has left them
+            # No board tells whether the host before has left them on. So they go off when the
+            # machine stands idle, and what the journal says decides where it stands.
+            self.motors.all_on()
             self.positions.settle()
         if machine.unhomed_moves == "refuse":
             self.lock(self.homer.axes)
 
     def _before_motion(self) -> None:
+        if not self.mains.on:
+            self.halt("the mains are off, and a motor was to move")
         self.drivers.before_motion()
         if not self.halted:
             self.motors.all_on()
@@ -187,7 +195,10 @@ class Printer:
             listener(text)
 
     def set_target(self, heater: str, celsius: float, *, at_once: bool = False) -> None:
-        """Sets a heater's target when the moves so far are done, or at once."""
+        """Sets a heater's target when the moves so far are done, or at once. Raises CommandError
+        where the mains are off."""
+        if celsius > 0:
+            self.mains.require()
         if at_once:
             self.connection.set_target(heater, celsius)
             return

@@ -7,6 +7,7 @@ from collections.abc import Generator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
+from passo.board.boards import SETTLING_S
 from passo.board.connection import (
     BRAKING_S,
     LOOK_S,
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
     from passo.printer.printer import Printer
 
 _AGAIN_S = 0.5  # between two tries to open the port
-_CLOCKS_S = 4.0  # until the clock of one of several boards is known again
 # What a board did in one commit, it takes back in so long: some 40 times as slowly.
 _BACK_S = 3.0
 
@@ -86,7 +86,7 @@ class _Reconnection:
             await connection.reopen()
             self.silent.discard(connection)
             if len(self._connections) > 1:
-                await self._passes(_CLOCKS_S)
+                await self._passes(SETTLING_S)
         serials = {c: await self._stood_behind(c) for c in self._connections}
         printer.drive.wait()  # none has shut down
         serial = min(serials.values())
@@ -100,6 +100,7 @@ class _Reconnection:
             connection.command("survive_arm")
             connection.renew()
         printer.motors.renew()
+        printer.mains.renew()
         for connection in ahead:
             connection.move_evenly({name: -n for name, n in further.items()}, _BACK_S, serial)
         for connection in ahead:

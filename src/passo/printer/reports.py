@@ -36,7 +36,7 @@ class Reports:
 
     def __init__(self, printer: Printer, *, card: bool = False, settings: bool = False) -> None:
         self._printer, self._card, self._settings = printer, card, settings
-        self._letters = [row["letter"] for row in printer.machine.core_spec()["axes"]]
+        self._letters = [name.upper() for name in axis_order(printer.machine.axes)]
         self.handlers: dict[str, Handler] = {
             "M105": self._temperatures,
             "M114": self._position,

@@ -51,8 +51,8 @@ def steppers_of(machine: MachineConfig, home: str) -> tuple[str, ...]:
         after = machine.geometry.inverse(_moved(at, k, -_NUDGE))
         wanted = {("actuator", i) for i in range(3) if abs(after[i] - before[i]) > _NUDGE / 100}
     names: list[str] = []
-    for name, stepper in machine.steppers.items():
-        driven = machine.drivable.of(name, stepper.drives)
+    for name in machine.steppers:
+        driven = machine.driven_by(name)
         if driven is not None and (driven.drive, driven.index) in wanted:
             names.append(name)
     return tuple(names)
@@ -116,7 +116,7 @@ def weights_of(machine: MachineConfig, switch: Switch) -> tuple[tuple[str, float
     seen: set[int] = set()
     weights: list[tuple[str, float]] = []
     for name in switch.steppers:
-        driven = machine.drivable.of(name, machine.steppers[name].drives)
+        driven = machine.driven_by(name)
         if driven is None or driven.index in seen:
             continue
         seen.add(driven.index)
@@ -128,5 +128,5 @@ def weights_of(machine: MachineConfig, switch: Switch) -> tuple[tuple[str, float
 
 
 def _indices(machine: MachineConfig, steppers: tuple[str, ...]) -> list[int]:
-    driven = (machine.drivable.of(s, machine.steppers[s].drives) for s in steppers)
+    driven = map(machine.driven_by, steppers)
     return [d.index for d in driven if d is not None]

@@ -12,6 +12,7 @@ from passo.board.description import (
     BoardDescription,
     Endstop,
     Heater,
+    Kick,
     Output,
     Sensor,
     Stepper,
@@ -105,7 +106,7 @@ def _stepper(machine: MachineConfig, spec: dict[str, Any], clock_hz: int) -> Ste
 
 def _outputs(machine: MachineConfig) -> list[tuple[str, str]]:
     """All outputs and their pins as written, by number: those on the timeline, then what switches
-    motors on, what chooses their microsteps, and the main board's status LED."""
+    motors on, what chooses their microsteps, the main board's status LED, and the mains."""
     outputs = list(machine.timed_outputs.items())
     for name, output in enable_outputs(machine).items():
         if output == f"{name}-enable":
@@ -113,6 +114,8 @@ def _outputs(machine: MachineConfig) -> list[tuple[str, str]]:
     outputs += microstep_outputs(machine)
     if machine.board.status_led:
         outputs.append(("status-led", machine.board.status_led))
+    if machine.mains:
+        outputs.append(("mains", machine.mains.pin))
     return outputs
 
 
@@ -123,7 +126,10 @@ def _output(machine: MachineConfig, name: str, written: str, clock_hz: int) -> O
         cycle = round(clock_hz / machine.heaters[name].pwm_hz)
         return Output(name, pin, "digital", cycle, longest)
     if name in machine.fans:
-        return Output(name, pin, "digital", round(clock_hz / machine.fans[name].pwm_hz))
+        fan = machine.fans[name]
+        ticks = round(fan.kick_start_s * clock_hz)
+        kick = Kick(ticks, fan.max_power, fan.kick_start_rise) if ticks > 0 else None
+        return Output(name, pin, "digital", round(clock_hz / fan.pwm_hz), kick=kick)
     if name == "laser":
         return Output(name, pin, "pwm", round(0.001 * clock_hz), longest)
     if name == "status-led":
@@ -158,8 +164,7 @@ def _driver_pins(machine: MachineConfig, name: str) -> tuple[str, str]:
     stepper, socket = machine.steppers[name], machine.socket(name)
     step = stepper.step_pin or (socket.step if socket else f"{name}_step")
     direction = stepper.direction_pin or (socket.direction if socket else f"{name}_dir")
-    board = machine.all_boards[machine.board_of_stepper(name)]
-    return board.pin(placed(step)[1]), board.pin(placed(direction)[1])
+    return machine.pin_of_stepper(name, step), machine.pin_of_stepper(name, direction)
 
 
 def enable_outputs(machine: MachineConfig) -> dict[str, str]:
@@ -180,9 +185,7 @@ def enable_pin(machine: MachineConfig, name: str) -> str | None:
     pin = stepper.enable_pin or (socket.enable if socket else None)
     if pin is None:
         return None
-    board = machine.board_of_stepper(name)
-    found = machine.all_boards[board].pin(placed(pin)[1])
-    return found if board == MAIN else named_on(board, found)
+    return named_on(machine.board_of_stepper(name), machine.pin_of_stepper(name, pin))
 
 
 def simulated_board(
@@ -256,7 +259,7 @@ def _felt_at(
     q = machine.geometry.inverse(pressed_point(machine, switch))
     total = 0.0
     for name, weight in weights:
-        driven = machine.drivable.of(name, machine.steppers[name].drives)
+        driven = machine.driven_by(name)
         total += weight * q[driven.index] if driven else 0.0
     return total
 
