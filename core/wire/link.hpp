@@ -562,8 +562,8 @@ class Link {
       } else {
         sum = uint32_t(std::get<int64_t>(values[2]));
       }
-      if (auto converter = heater.options().converter; converter != heat::Converter::none)
-        sum = heat::converter_sum(converter, sum);
+      if (heater.options().converter != heat::Converter::none)
+        sum = read_converter(heater.options(), sum, uint32_t(std::get<int64_t>(values.at(3))));
       if (!sync_.ready()) return true;
       taken = true;
       Ticks next = sync_.unwrap(uint32_t(std::get<int64_t>(values[1])));
@@ -578,6 +578,12 @@ class Link {
       if (bool wide; heater.change_net(wide)) query(heater.options(), next, wide, now);
     }
     return taken;
+  }
+  uint32_t read_converter(const HeaterOptions& o, uint32_t word, uint32_t faults) {
+    if (faults != 0 && !o.clears_faults.empty())
+      send("spi_send",
+           {int64_t(o.spi_oid), std::string(o.clears_faults.begin(), o.clears_faults.end())});
+    return heat::converter_sum(o.converter, word, faults);
   }
   // Asks for the sensor's reports anew, the next at `clock`.
   void query(const HeaterOptions& o, Ticks clock, bool wide, Ticks now) {

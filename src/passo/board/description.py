@@ -83,8 +83,9 @@ class SpiPins:
 
 @dataclass(frozen=True, slots=True)
 class Sensor:
-    """A temperature sensor on an analog input, or a thermocouple behind a converter that is
-    selected by `pin` on the bus `spi`; then a share is that of `_core.CONVERTER_FULL`.
+    """A temperature sensor on an analog input, or behind a converter that is selected by `pin` on
+    the bus `spi`; then a share is that of the converter's full scale. Before it is asked it is told
+    the words of `setup`, and `clears_faults`, if not empty, whenever it has a fault.
 
     `table` holds (°C, share of the ADC's full scale) by ascending °C, the share strictly rising or
     falling; beyond its ends the sensor is broken: open above the greatest share and shorted below
@@ -100,6 +101,8 @@ class Sensor:
     open_is_high: bool = True
     converter: _core.Converter = _core.Converter.NONE
     spi: SpiPins | None = None
+    setup: tuple[bytes, ...] = ()
+    clears_faults: bytes = b""
 
 
 @dataclass(frozen=True, slots=True)

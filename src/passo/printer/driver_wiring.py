@@ -9,7 +9,7 @@ from passo.board.description import Driver, SpiPins, UartPins, bare
 from passo.board.trinamic import DriverSettings, threshold_of
 from passo.config.board import joined_marks
 from passo.config.places import MAIN, named_on, placed
-from passo.config.sensors import ThermocoupleConverter
+from passo.config.sensors import Converter, ThermocoupleConverter
 from passo.config.trinamic import chip_of
 
 if TYPE_CHECKING:
@@ -70,7 +70,8 @@ def microstep_outputs(machine: MachineConfig) -> Iterator[tuple[str, str]]:
 def converter_wires(machine: MachineConfig, heater: Heater) -> SpiPins | None:
     """The bus of a heater's sensor, if it is a converter."""
     sensor, pin = heater.sensor, machine.pin
-    if not isinstance(sensor, ThermocoupleConverter):
+    if not isinstance(sensor, Converter):
         return None
     clock, mosi, miso = (pin(p) for p in (sensor.clock_pin, sensor.mosi_pin, sensor.miso_pin))
-    return SpiPins(pin(heater.sensor_pin), clock, mosi, miso, mode=0)
+    mode = 0 if isinstance(sensor, ThermocoupleConverter) else 1
+    return SpiPins(pin(heater.sensor_pin), clock, mosi, miso, mode)
