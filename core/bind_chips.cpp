@@ -6,6 +6,7 @@
 
 #include "wire/bench.hpp"
 #include "wire/converter_chip.hpp"
+#include "wire/digipot.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -44,6 +45,20 @@ void bind_chips(nb::module_& m) {
       },
       "bench"_a, "select_pin"_a, "clock_pin"_a, "to_device"_a, "from_device"_a, "chip"_a,
       "Wires a driver to the SPI bus on these pins.");
+  nb::class_<Digipot>(m, "Digipot", "A simulated setter of motors' currents.")
+      .def("wiper", &Digipot::wiper, "channel"_a, "0 to 255.");
+  m.def(
+      "add_digipot",
+      [](Bench& bench, uint32_t select_pin, uint32_t clock_pin, uint32_t to_device,
+         uint32_t from_device) {
+        auto chip = std::make_shared<Digipot>();
+        bench.plant().spi_devices.emplace_back(
+            SpiPins{select_pin, clock_pin, to_device, from_device}, 0,
+            [](Ticks) { return Bytes(); }, [chip](const Bytes& in) { chip->take(in); });
+        return chip;
+      },
+      "bench"_a, "select_pin"_a, "clock_pin"_a, "to_device"_a, "from_device"_a,
+      "Wires a setter of currents to the SPI bus on these pins.");
   nb::class_<ConverterChip>(m, "ConverterChip", "A simulated converter of a sensor.")
       .def("setting", &ConverterChip::setting, "address"_a,
            "What it was told: of a MAX31856 its modes (0) and its thermocouple (1), of a MAX31865 "

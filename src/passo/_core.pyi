@@ -900,6 +900,15 @@ def add_uart_driver(bench: Bench, rx_pin: int, tx_pin: int, chip: TrinamicChip) 
 def add_spi_driver(bench: Bench, select_pin: int, clock_pin: int, to_device: int, from_device: int, chip: TrinamicChip) -> None:
     """Wires a driver to the SPI bus on these pins."""
 
+class Digipot:
+    """A simulated setter of motors' currents."""
+
+    def wiper(self, channel: int) -> int:
+        """0 to 255."""
+
+def add_digipot(bench: Bench, select_pin: int, clock_pin: int, to_device: int, from_device: int) -> Digipot:
+    """Wires a setter of currents to the SPI bus on these pins."""
+
 class ConverterChip:
     """A simulated converter of a sensor."""
 

@@ -161,14 +161,18 @@ def checksum(lines: list[str]) -> int:
 
 
 def queries(board: BoardDescription, dictionary: Dictionary, clock: int) -> list[str]:
-    """Starts the reports of every sensor, the first at board clock `clock`, evenly spread, and what
-    blinks."""
+    """Sets what is set once, and starts the reports of every sensor, the first at board clock
+    `clock`, evenly spread, and what blinks."""
     oids = Oids.of(board)
     # Older firmware does not ask how many bytes make a report.
     size = " bytes_per_report=2" if dictionary.takes("query_analog_in", "bytes_per_report") else ""
     older = dictionary.takes("query_thermocouple", "max_invalid_count")
     count = f" max_invalid_count={SENSOR_RANGE_CHECKS}" if older else ""
-    lines: list[str] = []
+    lines = [
+        f"spi_send oid={oids.spi_devices[setting.spi]} data={word.hex()}"
+        for setting in board.settings
+        for word in setting.words
+    ]
     for i, sensor in enumerate(board.sensors):
         begin = clock + int(SENSOR_PERIOD_S * board.clock_hz * i / len(board.sensors))
         q = sensor_query(board, sensor, dictionary)

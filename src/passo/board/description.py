@@ -106,6 +106,14 @@ class Sensor:
 
 
 @dataclass(frozen=True, slots=True)
+class Setting:
+    """What a device on an SPI bus is told when the board begins, and after a lost link."""
+
+    spi: SpiPins
+    words: tuple[bytes, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Heater:
     """An output that heats what a sensor measures.
 
@@ -161,6 +169,7 @@ class BoardDescription:
     heaters: tuple[Heater, ...] = ()
     endstops: tuple[Endstop, ...] = ()
     drivers: tuple[Driver, ...] = ()
+    settings: tuple[Setting, ...] = ()
     move_count: int = 1024
     mcu: str = "atmega2560"
     endstops_elsewhere: tuple[str, ...] = ()
@@ -200,7 +209,11 @@ class BoardDescription:
     @property
     def spi_devices(self) -> tuple[SpiPins, ...]:
         """All that is selected on an SPI bus."""
-        wires = (*(d.wire for d in self.drivers), *(s.spi for s in self.sensors))
+        wires = (
+            *(d.wire for d in self.drivers),
+            *(s.spi for s in self.sensors),
+            *(s.spi for s in self.settings),
+        )
         return tuple(wire for wire in wires if isinstance(wire, SpiPins))
 
     @property

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from passo.board.description import Driver, SpiPins, UartPins, bare
+from passo.board.description import Driver, Setting, SpiPins, UartPins, bare
 from passo.board.trinamic import DriverSettings, threshold_of
 from passo.config.board import joined_marks
 from passo.config.places import MAIN, named_on, placed
@@ -65,6 +65,25 @@ def microstep_outputs(machine: MachineConfig) -> Iterator[tuple[str, str]]:
         for i, (pin, high) in enumerate(zip(socket.microstep, levels, strict=True), 1):
             written = joined_marks("!", board.pin(pin)) if high else board.pin(pin)
             yield f"{name}-ms{i}", written if on == MAIN else named_on(on, written)
+
+
+def current_settings(machine: MachineConfig, on: str) -> Iterator[Setting]:
+    """What the current setter of a board is told for the motors in the board's sockets."""
+    board = machine.all_boards[on]
+    setter = board.current_setter
+    if setter is None:
+        return
+    words: list[bytes] = []
+    for name, stepper in machine.steppers.items():
+        socket = machine.socket(name)
+        if machine.board_of_stepper(name) != on or socket is None or socket.current is None:
+            continue
+        if stepper.peak_current_a is not None:
+            words.append(setter.word(socket.current, stepper.peak_current_a))
+    pins = (setter.cs_pin, setter.clock_pin, setter.mosi_pin, setter.miso_pin)
+    cs, clock, mosi, miso = (board.pin(pin) for pin in pins)
+    if words:
+        yield Setting(SpiPins(cs, clock, mosi, miso, mode=0), tuple(words))
 
 
 def converter_wires(machine: MachineConfig, heater: Heater) -> SpiPins | None:

@@ -21,7 +21,12 @@ from passo.board.ports import Port, in_process, serial_port, tcp_port
 from passo.config.places import MAIN, named_on, placed
 from passo.heat.control import control_of, limits_of, model_of
 from passo.heat.sensors import converter_of, converter_setup, open_is_high, sensor_table, share_at
-from passo.printer.driver_wiring import converter_wires, drivers, microstep_outputs
+from passo.printer.driver_wiring import (
+    converter_wires,
+    current_settings,
+    drivers,
+    microstep_outputs,
+)
 from passo.printer.switches import (
     Switch,
     axes_of_arms,
@@ -71,6 +76,7 @@ def board_description(machine: MachineConfig, board: str = MAIN) -> BoardDescrip
             if placed(s.pin)[0] == board
         ),
         drivers=tuple(d for d in drivers(machine) if machine.board_of_stepper(d.stepper) == board),
+        settings=tuple(current_settings(machine, board)),
         move_count=config.move_count,
         mcu=config.mcu,
         endstops_elsewhere=tuple(

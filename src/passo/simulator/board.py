@@ -57,6 +57,10 @@ class SimulatedBoard:
         self._add_plant(plant)
         self.drivers = dict(self._add_drivers())
         self.converters = dict(self._add_converters())
+        self.digipots = [
+            _core.add_digipot(self.device, *(self._pins[bare(pin)] for pin in setting.spi.pins))
+            for setting in board.settings
+        ]
 
     def _add_drivers(self) -> Iterator[tuple[str, _core.TrinamicChip]]:
         """The chips of the drivers with registers, by their motors."""
