@@ -4,8 +4,9 @@
 
 #include <memory>
 
-#include "heat/converter.hpp"
 #include "wire/bench.hpp"
+#include "wire/converter_chip.hpp"
+#include "wire/digipot.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -44,23 +45,44 @@ void bind_chips(nb::module_& m) {
       },
       "bench"_a, "select_pin"_a, "clock_pin"_a, "to_device"_a, "from_device"_a, "chip"_a,
       "Wires a driver to the SPI bus on these pins.");
+  nb::class_<Digipot>(m, "Digipot", "A simulated setter of motors' currents.")
+      .def("wiper", &Digipot::wiper, "channel"_a, "0 to 255.");
+  m.def(
+      "add_digipot",
+      [](Bench& bench, uint32_t select_pin, uint32_t clock_pin, uint32_t to_device,
+         uint32_t from_device) {
+        auto chip = std::make_shared<Digipot>();
+        bench.plant().spi_devices.emplace_back(
+            SpiPins{select_pin, clock_pin, to_device, from_device}, 0,
+            [](Ticks) { return Bytes(); }, [chip](const Bytes& in) { chip->take(in); });
+        return chip;
+      },
+      "bench"_a, "select_pin"_a, "clock_pin"_a, "to_device"_a, "from_device"_a,
+      "Wires a setter of currents to the SPI bus on these pins.");
+  nb::class_<ConverterChip>(m, "ConverterChip", "A simulated converter of a sensor.")
+      .def("setting", &ConverterChip::setting, "address"_a,
+           "What it was told: of a MAX31856 its modes (0) and its thermocouple (1), of a MAX31865 "
+           "its modes (0).");
   m.def(
       "add_converter",
       [](Bench& bench, uint32_t select_pin, uint32_t clock_pin, uint32_t to_device,
          uint32_t from_device, passo::heat::Converter converter) {
         Plant& plant = bench.plant();
-        plant.spi_devices.emplace_back(
-            SpiPins{select_pin, clock_pin, to_device, from_device}, 0,
-            [&plant, select_pin, converter](Ticks clock) {
-              uint32_t word =
-                  passo::heat::converter_word(converter, plant.share(select_pin, clock));
-              Bytes bytes;
-              for (int shift = converter == passo::heat::Converter::max6675 ? 8 : 24; shift >= 0;
-                   shift -= 8)
-                bytes.push_back(uint8_t(word >> shift));
-              return bytes;
-            },
-            [](const Bytes&) {});
+        auto chip = std::make_shared<ConverterChip>(converter);
+        auto share = [&plant, select_pin](Ticks clock) { return plant.share(select_pin, clock); };
+        SpiPins pins{select_pin, clock_pin, to_device, from_device};
+        auto take = [chip](const Bytes& in) { chip->take(in); };
+        if (chip->has_registers())
+          plant.spi_devices.emplace_back(
+              pins, chip->spi_mode(), [](Ticks) { return Bytes{0xff}; }, take,
+              [chip, share](uint8_t address, Ticks clock) {
+                return chip->read(address, share(clock));
+              });
+        else
+          plant.spi_devices.emplace_back(
+              pins, chip->spi_mode(),
+              [chip, share](Ticks clock) { return chip->word(share(clock)); }, take);
+        return chip;
       },
       "bench"_a, "select_pin"_a, "clock_pin"_a, "to_device"_a, "from_device"_a, "converter"_a,
       "Wires a converter to the SPI bus on these pins; its thermocouple belongs to the body whose"

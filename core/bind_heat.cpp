@@ -157,20 +157,46 @@ void bind_heater(nb::module_& m) {
   nb::enum_<heat::Converter>(m, "Converter")
       .value("NONE", heat::Converter::none)
       .value("MAX31855", heat::Converter::max31855)
+      .value("MAX31856", heat::Converter::max31856)
+      .value("MAX31865", heat::Converter::max31865)
       .value("MAX6675", heat::Converter::max6675);
   nb::enum_<heat::ConverterFault>(m, "ConverterFault")
       .value("NONE", heat::ConverterFault::none)
       .value("OPEN", heat::ConverterFault::open)
       .value("SHORT_CIRCUIT", heat::ConverterFault::short_circuit)
+      .value("OUT_OF_RANGE", heat::ConverterFault::out_of_range)
       .value("NO_ANSWER", heat::ConverterFault::no_answer);
-  m.attr("CONVERTER_FULL") = heat::kConverterFull;
   m.def(
       "read_converter",
-      [](heat::Converter converter, uint32_t word) {
-        heat::ConverterReading reading = heat::read_converter(converter, word);
-        return std::pair(reading.quarters / 4.0, reading.fault);
+      [](heat::Converter converter, uint32_t word, uint32_t faults) {
+        heat::ConverterReading reading = heat::read_converter(converter, word, faults);
+        return std::pair(double(reading.steps) / heat::scale_of(converter).per_unit, reading.fault);
       },
-      "converter"_a, "word"_a, "°C, and what is wrong with the word of a converter.");
+      "converter"_a, "word"_a, "faults"_a = 0,
+      "What a converter says: °C, or of a MAX31865 a share of its reference resistor; and what is "
+      "wrong.");
+  m.def(
+      "converter_full", [](heat::Converter converter) { return heat::scale_of(converter).full; },
+      "converter"_a, "Steps of full scale.");
+  m.def(
+      "converter_share",
+      [](heat::Converter converter, double value) {
+        heat::ConverterScale scale = heat::scale_of(converter);
+        return (value * scale.per_unit + scale.zero) / scale.full;
+      },
+      "converter"_a, "value"_a, "The share of full scale of what read_converter() gives.");
+  m.def(
+      "converter_words",
+      [](heat::Converter converter, double low, double high) {
+        auto word = [&](double share) {
+          return heat::converter_word(converter,
+                                      std::max(heat::converter_steps(converter, share), 0));
+        };
+        uint32_t rest = (1u << heat::scale_of(converter).shift) - 1;
+        return std::pair(word(low), word(high) | rest);
+      },
+      "converter"_a, "low"_a, "high"_a,
+      "The least and the greatest word between two shares of full scale, from 0 on.");
   nb::class_<HeaterOptions>(m, "HeaterOptions")
       .def(
           "__init__",
@@ -179,19 +205,23 @@ void bind_heater(nb::module_& m) {
              const Points& celsius, double low_share, double high_share, bool open_is_high,
              const Control& control, const ProtectionLimits& limits,
              const std::optional<HeatModel>& model, int32_t fan_target, double fan_full,
-             bool inverted, heat::Converter converter) {
-            new (self) HeaterOptions{sensor_oid, output_oid,  pwm,
-                                     full,       adc_full,    query,
-                                     max_power,  tolerance_c, heat::Curve(celsius),
-                                     low_share,  high_share,  open_is_high,
-                                     control,    limits,      model,
-                                     fan_target, fan_full,    inverted,
-                                     converter};
+             bool inverted, heat::Converter converter, uint32_t spi_oid,
+             const nb::bytes& clears_faults) {
+            const auto* clears = reinterpret_cast<const uint8_t*>(clears_faults.c_str());
+            new (self) HeaterOptions{
+                sensor_oid, output_oid,  pwm,
+                full,       adc_full,    query,
+                max_power,  tolerance_c, heat::Curve(celsius),
+                low_share,  high_share,  open_is_high,
+                control,    limits,      model,
+                fan_target, fan_full,    inverted,
+                converter,  spi_oid,     wire::Bytes(clears, clears + clears_faults.size())};
           },
           "sensor_oid"_a, "output_oid"_a, "pwm"_a, "full"_a, "adc_full"_a, "query"_a, "max_power"_a,
           "tolerance_c"_a, "celsius"_a, "low_share"_a, "high_share"_a, "open_is_high"_a,
           "control"_a, "limits"_a, "model"_a.none(), "fan_target"_a = -1, "fan_full"_a = 1.0,
-          "inverted"_a = false, "converter"_a = heat::Converter::none,
+          "inverted"_a = false, "converter"_a = heat::Converter::none, "spi_oid"_a = 0,
+          "clears_faults"_a = nb::bytes(""),
           "fan_target: index of the fan's output among the link's pins.");
   nb::class_<Heater>(m, "Heater", "A heater loop beside the link.")
       .def_prop_ro("celsius", &held<&Heater::celsius>)

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <initializer_list>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <tuple>
@@ -69,33 +70,42 @@ struct BoardSpi {
   }
 };
 
-// A converter of a thermocouple that is asked every `rest` ticks. Words outside minimum…maximum, or
-// with a fault, more than `most_faults` times in a row are a fault of the board.
+// A converter that is asked every `rest` ticks. Words outside minimum…maximum, or with a fault,
+// more than `most_faults` times in a row are a fault of the board.
 struct BoardThermocouple {
+  // How a type is asked: the registers of its word and its faults, if it has any, the bytes of the
+  // word, and the bit of that which stands for all faults, if it has no register of them.
+  struct Type {
+    std::optional<uint8_t> word_register, fault_register;
+    size_t bytes;
+    uint32_t fault_bit;
+  };
   uint32_t spi_oid;
-  uint32_t fault_bit;
-  bool short_word;  // of two bytes, not four
+  Type type;
   uint32_t most_faults;
   Ticks begin = kNever, rest = 0;
   uint32_t minimum = 0, maximum = 0, faults = 0;
 
   BoardThermocouple(uint32_t spi, uint32_t type, uint32_t most)
-      : spi_oid(spi), fault_bit(type == kMax6675 ? 4 : 0x10000), short_word(type == kMax6675),
-        most_faults(most) {
-    if (type != kMax6675 && type != kMax31855) throw Shutdown{Fault::thermocouple_type};
-  }
+      : spi_oid(spi), type(type_of(type)), most_faults(most) {}
   Ticks next() const { return begin; }
-  void watch(uint32_t word) {
+  void watch(uint32_t word, bool fault) {
     if (minimum == 0 && maximum == UINT32_MAX) return;
     bool outside = word < minimum || word > maximum;
-    if (!outside && !(word & fault_bit))
+    if (!outside && !fault && !(word & type.fault_bit))
       faults = 0;
     else if (++faults > most_faults)
       throw Shutdown{outside ? Fault::thermocouple_range : Fault::thermocouple_fault};
   }
 
  private:
-  static constexpr uint32_t kMax31855 = 0, kMax6675 = 3;
+  // In the order of the enumeration `thermocouple_type`.
+  static Type type_of(uint32_t number) {
+    static const Type types[] = {
+        {{}, {}, 4, 0x10000}, {0x0c, 0x0f, 3, 0}, {0x01, 0x07, 2, 0}, {{}, {}, 2, 4}};
+    if (number >= std::size(types)) throw Shutdown{Fault::thermocouple_type};
+    return types[number];
+  }
 };
 
 // All of these on one board, by their object numbers.
@@ -165,12 +175,11 @@ class SerialParts {
       auto* it = std::get_if<BoardThermocouple>(&part);
       if (!it || it->next() > now) continue;
       it->begin += it->rest;
-      Bytes data(it->short_word ? 2 : 4);
-      uint32_t word = 0;
-      for (uint8_t byte : get<BoardSpi>(it->spi_oid).transfer(now, data, plant_))
-        word = word << 8 | byte;
-      tell_(Report::thermocouple_result, {oid, uint32_t(it->begin), word, 0}, nullptr);
-      it->watch(word);
+      const BoardThermocouple::Type& type = it->type;
+      uint32_t word = ask(*it, type.word_register, type.bytes, now);
+      uint32_t fault = type.fault_register ? ask(*it, type.fault_register, 1, now) : 0;
+      tell_(Report::thermocouple_result, {oid, uint32_t(it->begin), word, fault}, nullptr);
+      it->watch(word, fault != 0);
     }
   }
   void shut_down() {
@@ -186,6 +195,16 @@ class SerialParts {
   Tell tell_;
   std::map<uint32_t, Part> parts_;
 
+  // So many bytes of a register, or of a converter without registers.
+  uint32_t ask(const BoardThermocouple& it, std::optional<uint8_t> address, size_t bytes,
+               Ticks now) {
+    Bytes data(bytes + address.has_value());
+    if (address) data[0] = *address;
+    data = get<BoardSpi>(it.spi_oid).transfer(now, data, plant_);
+    uint32_t word = 0;
+    for (size_t i = address.has_value(); i < data.size(); ++i) word = word << 8 | data[i];
+    return word;
+  }
   template <class T>
   T& get(uint32_t oid) {
     auto it = parts_.find(oid);

@@ -41,6 +41,9 @@ struct HeaterOptions {
   double fan_full = 1;                   // that pin's value at full speed
   bool inverted = false;                 // the output is on when low
   heat::Converter converter = heat::Converter::none;  // whose words the reports are, if any's
+  uint32_t spi_oid = 0;                               // where that is
+  Bytes
+      clears_faults;  // what it is told when it has a fault, which it keeps until then; or nothing
 };
 
 // What the loop saw and did with one report.

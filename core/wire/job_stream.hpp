@@ -25,6 +25,7 @@ class JobStream {
   // A message leaves at most this long before its clock, and at least kHorizon - kQuantum unless it
   // was planned later: in between it waits for others to fill a frame.
   static constexpr double kHorizonSeconds = 0.150, kQuantumSeconds = 0.025;
+  static constexpr size_t kLongestCommit = 2 + 5 + 5 + 1 + 2;  // with the question behind it
   static constexpr size_t kLongestCommand = 2 + 5 + 5 + 1 + 2 + kVlqRoom;
 
   explicit JobStream(double clock_hz)
@@ -150,12 +151,13 @@ class JobStream {
   // one.
   enum class Fill : uint8_t { dry, full, complete };
   // Whether the word that makes a commit valid may go into a frame. `and_ask`: with the question
-  // for what the board has done, `ask`: that question alone.
-  enum class Word : uint8_t { no, yes, and_ask, ask };
+  // for what the board has done.
+  enum class Word : uint8_t { no, yes, and_ask };
   // Appends commands that may leave at board clock `now` to a payload of `size` bytes (room for
   // kPayloadMax + kLongestCommand). `first` becomes the clock of the most urgent message in the
-  // frame, `need` the clock at which the board needs it. `commit(serial)` tells of a Word; if it
-  // may not go, nothing behind it leaves until fill() is called again.
+  // frame, `need` the clock at which the board needs it. `commit(serial, rest)` tells of a Word,
+  // which is in the frame then; if it may not go, nothing behind it leaves until fill() is called
+  // again.
   template <typename Commit>
   Fill fill(uint8_t* payload, size_t& size, Ticks& first, Ticks& need, Ticks now, Commit&& commit) {
     slot_wait_ = kNever;
@@ -182,13 +184,11 @@ class JobStream {
       }
       if (next > limit) break;
       const Message& m = queue.front();
-      Word word = m.kind == MessageKind::commit ? commit(m.interval) : Word::yes;
-      if (word == Word::no || word == Word::ask) {
+      const bool commits = m.kind == MessageKind::commit;
+      if (commits && size + kLongestCommit > kPayloadMax) return Fill::full;
+      Word word = commits ? commit(m.interval, m.dir != 0) : Word::yes;
+      if (word == Word::no) {
         complete_ = true;
-        if (word == Word::ask && size + query_.size <= kPayloadMax) {
-          size = size_t(put(payload + size, query_) - payload);
-          first = std::min(first, m.clock + base_);
-        }
         return Fill::complete;
       }
       bool slot = m.kind == MessageKind::queue_step || m.kind == MessageKind::pin ||

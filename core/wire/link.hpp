@@ -65,7 +65,7 @@ class Link {
     Bytes payload;
     commands_.at(name).encode(values, payload);
     if (payload.size() > kPayloadMax) throw std::invalid_argument(name + ": too long for a frame");
-    now_queue_.push_back({std::move(payload), false});
+    now_queue_.push_back({std::move(payload), Asks::nothing});
   }
   // Messages of the board that nobody in the core has use for, oldest first.
   std::deque<Response>& inbox() { return inbox_; }
@@ -130,7 +130,7 @@ class Link {
       job_.start(base);
       renew_map(0);
     }
-    for (Bytes& reset : job_.resets(base)) now_queue_.push_back({std::move(reset), false});
+    for (Bytes& reset : job_.resets(base)) now_queue_.push_back({std::move(reset), Asks::nothing});
     job_.start(base);
   }
 
@@ -181,6 +181,7 @@ class Link {
     open_size_ = 0;
     open_first_ = open_need_ = kNever;
     holds_question_ = holds_command_ = asked_ = shut_down_ = false;
+    holds_query_ = queried_ = false;
   }
 
   // The board has heard nothing of this host in time, and stops by itself.
@@ -197,14 +198,14 @@ class Link {
     if (following_) follow_clock(0);
     long_ago_ = true;
   }
-  // Everything of the job so far is at the board.
+  // Everything of the job so far is at the board. Where motion comes in commits, the board has said
+  // so of the one behind which the machine stands.
   bool delivered() const {
     bool all = true;
     if (queue_) {
       auto held = queue_->hold();
       all = queue_->empty();
     }
-    // Of several boards each says that it has taken the last commit.
     return all && open_first_ == kNever && window_.acked() > last_of_job_ && taken_;
   }
   // The board has taken over again what it keeps; the job goes on.
@@ -256,10 +257,16 @@ class Link {
     if (sync_.ready() && std::exchange(map_anew_, false)) begin_map_anew(now);
     if (sync_.ready() && !shut_down_)
       for (Bytes again = job_.renew(clock); !again.empty(); again = job_.renew(clock))
-        now_queue_.push_back({std::move(again), false});
+        now_queue_.push_back({std::move(again), Asks::nothing});
+    if (must_ask_state()) {
+      send("survive_query", {});
+      now_queue_.back().second = Asks::state;
+      queried_ = true;
+    }
     while (window_.room(kPayloadMax) && fill_frame(clock)) {
       if (holds_question_) question_ = window_.next();
-      holds_question_ = holds_command_ = false;
+      if (holds_query_) query_ = window_.next(), queried_ = false;
+      holds_question_ = holds_query_ = holds_command_ = false;
       lateness_.left(window_.next(), job_.must_leave(open_first_), open_need_, clock);
       if (open_first_ != kNever) last_of_job_ = window_.next();
       window_.seal(open_size_, now, out);
@@ -297,7 +304,8 @@ class Link {
   bool map_anew_ = false;
   MessageQueue* queue_ = nullptr;
   bool live_ = false;
-  std::deque<std::pair<Bytes, bool>> now_queue_;  // commands; true: a question for the clock
+  enum class Asks : uint8_t { nothing, clock, state };
+  std::deque<std::pair<Bytes, Asks>> now_queue_;  // commands, and what each asks for
   std::deque<Response> inbox_;
   std::vector<std::unique_ptr<Heater>> heaters_;
   static constexpr double kKeptStep = 0.02;  // of full power: what is not worth a word
@@ -310,7 +318,7 @@ class Link {
   // The frame under construction lies in the window's next block.
   size_t open_size_ = 0;
   Ticks open_first_ = kNever, open_need_ = kNever;
-  bool holds_question_ = false, holds_command_ = false;
+  bool holds_question_ = false, holds_query_ = false, holds_command_ = false;
 
   bool following_ = false, asked_ = false;
   double byte_ticks_ = 0;
@@ -325,8 +333,10 @@ class Link {
   static constexpr int64_t kBraking = 3;  // state of survive_state from which on the board is alone
   bool alone_ = false, long_ago_ = false;  // the board was not heard for a while
   uint64_t last_of_job_ = 0;               // number of the last frame with messages of the job
-  uint32_t committed_ = 0;                 // serial of the last commit sent; of several boards'
-  bool taken_ = true;                      // the board has said that it has that
+  uint32_t committed_ = 0;                 // serial of the last commit sent
+  bool taken_ = true;                      // it has said that it has that, or was not asked
+  uint64_t query_ = 0;                     // number of the frame with the last further question
+  bool queried_ = false;                   // such a question is to leave
   bool shut_down_ = false;
   uint32_t shutdown_reason_ = 0;
   uint64_t wire_bytes_ = 0, frames_ = 0, bad_frames_ = 0;
@@ -355,18 +365,19 @@ class Link {
   bool fill_frame(Ticks clock) {
     uint8_t* payload = window_.payload();
     while (!now_queue_.empty()) {
-      const auto& [command, question] = now_queue_.front();
+      const auto& [command, asks] = now_queue_.front();
       if (open_size_ + command.size() > kPayloadMax) return true;
       std::copy(command.begin(), command.end(), payload + open_size_);
       open_size_ += command.size();
       holds_command_ = true;
-      holds_question_ |= question;
+      holds_question_ |= asks == Asks::clock;
+      holds_query_ |= asks == Asks::state;
       now_queue_.pop_front();
     }
     bool commits = false;
     if (sync_.ready() && !shut_down_) {
-      auto word = [&](uint32_t serial) {
-        JobStream::Word word = word_for(serial);
+      auto word = [&](uint32_t serial, bool rest) {
+        JobStream::Word word = word_for(serial, rest);
         commits |= word == JobStream::Word::and_ask;
         return word;
       };
@@ -378,22 +389,34 @@ class Link {
     return holds_command_ || commits || job_.must_leave(open_first_) <= clock;
   }
 
-  // All that belongs to a commit must be acknowledged, on all boards, and the commit before it
-  // taken, before the word for it leaves, which it does at once then. What a board answers comes
-  // before the acknowledgement, or never.
-  JobStream::Word word_for(uint32_t serial) {
-    if (!timeline_) return JobStream::Word::yes;
-    if (serial == committed_) return JobStream::Word::and_ask;  // it did not fit
-    if (alone_ || open_first_ != kNever || window_.acked() <= last_of_job_)
-      return JobStream::Word::no;
-    if (!taken_) return JobStream::Word::ask;
-    if (!timeline_->may_commit(seat_, serial)) return JobStream::Word::no;
+  // Of several boards all must have acknowledged what belongs to a commit, and have said that they
+  // have taken the one before it, before the word for it leaves, which it does at once then. A
+  // board alone is asked for the commits behind which the machine stands. What a board answers
+  // comes before the acknowledgement, or never.
+  JobStream::Word word_for(uint32_t serial, bool rest) {
+    if (timeline_) {
+      if (alone_ || !taken_ || open_first_ != kNever || window_.acked() <= last_of_job_ ||
+          !timeline_->may_commit(seat_, serial))
+        return JobStream::Word::no;
+    }
     committed_ = serial;
-    taken_ = false;
+    taken_ = !timeline_ && !rest;
+    if (taken_) return JobStream::Word::yes;
     return JobStream::Word::and_ask;
+  }
+  // The board has left open whether it has the last commit of which it was asked.
+  bool must_ask_state() const {
+    return !taken_ && !queried_ && !alone_ && job_.running() && open_first_ == kNever &&
+           window_.acked() > std::max(last_of_job_, query_);
   }
   // The board and the host mean the same commit.
   void agree() { committed_ = 0, taken_ = true; }
+  // What the board has said of itself. With a frame behind that of the commit's word it must know
+  // of that; if it does not, what it acknowledged were other bytes.
+  void take_state(int64_t state, uint32_t serial) {
+    taken_ |= serial == committed_;
+    alone_ |= state >= kBraking || (!taken_ && window_.acked() > last_of_job_ + 1);
+  }
   void stop_at_once() {
     halted_ = true;
     job_.stop();
@@ -441,7 +464,7 @@ class Link {
     }
     Bytes payload;
     commands_.at(sync_.ready() ? "get_clock" : "get_uptime").encode({}, payload);
-    now_queue_.push_back({std::move(payload), true});
+    now_queue_.push_back({std::move(payload), Asks::clock});
     if (keeps_ && job_.running()) send("survive_query", {});  // what it said may have been lost
     if (!asked_) asked_at_ = now;
     asked_ = true;
@@ -486,8 +509,7 @@ class Link {
     } else {
       if (id == trsync_id_ && timeline_) take_trsync(values);
       if (id == survive_id_ && job_.running()) {
-        alone_ |= std::get<int64_t>(values.at(0)) >= kBraking;
-        taken_ |= uint32_t(std::get<int64_t>(values.at(1))) == committed_;
+        take_state(std::get<int64_t>(values.at(0)), uint32_t(std::get<int64_t>(values.at(1))));
         return;
       }
       if (id == shutdown_id_ || id == is_shutdown_id_) {
@@ -540,8 +562,8 @@ class Link {
       } else {
         sum = uint32_t(std::get<int64_t>(values[2]));
       }
-      if (auto converter = heater.options().converter; converter != heat::Converter::none)
-        sum = heat::converter_sum(converter, sum);
+      if (heater.options().converter != heat::Converter::none)
+        sum = read_converter(heater.options(), sum, uint32_t(std::get<int64_t>(values.at(3))));
       if (!sync_.ready()) return true;
       taken = true;
       Ticks next = sync_.unwrap(uint32_t(std::get<int64_t>(values[1])));
@@ -556,6 +578,12 @@ class Link {
       if (bool wide; heater.change_net(wide)) query(heater.options(), next, wide, now);
     }
     return taken;
+  }
+  uint32_t read_converter(const HeaterOptions& o, uint32_t word, uint32_t faults) {
+    if (faults != 0 && !o.clears_faults.empty())
+      send("spi_send",
+           {int64_t(o.spi_oid), std::string(o.clears_faults.begin(), o.clears_faults.end())});
+    return heat::converter_sum(o.converter, word, faults);
   }
   // Asks for the sensor's reports anew, the next at `clock`.
   void query(const HeaterOptions& o, Ticks clock, bool wide, Ticks now) {

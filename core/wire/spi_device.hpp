@@ -13,13 +13,15 @@ struct SpiPins {
 };
 
 // Selected while its pin is low. `answer` gives, when a transfer begins, what comes back during it;
-// `take` gets what came in.
+// `take` gets what came in. Of a device with registers `read` gives what comes back behind the
+// first byte, which is an address.
 class SpiDevice {
  public:
   SpiDevice(SpiPins pins, int mode, std::function<Bytes(Ticks)> answer,
-            std::function<void(const Bytes&)> take)
+            std::function<void(const Bytes&)> take,
+            std::function<Bytes(uint8_t, Ticks)> read = nullptr)
       : pins_(pins), rest_(mode >> 1), second_phase_(mode & 1), answer_(std::move(answer)),
-        take_(std::move(take)) {}
+        take_(std::move(take)), read_(std::move(read)) {}
 
   const SpiPins& pins() const { return pins_; }
 
@@ -38,7 +40,7 @@ class SpiDevice {
       if ((level != rest_) == second_phase_)
         ++next_out_;
       else
-        sample();
+        sample(clock);
     }
   }
   // Whether it drives its pin, and to which level.
@@ -51,6 +53,7 @@ class SpiDevice {
   // A whole transfer at once.
   Bytes exchange(const Bytes& in, Ticks clock) {
     Bytes out = answer_(clock);
+    if (read_ && !in.empty()) append(out, read_(in[0], clock));
     take_(in);
     out.resize(in.size(), 0xff);
     return out;
@@ -61,13 +64,18 @@ class SpiDevice {
   bool rest_, second_phase_;
   std::function<Bytes(Ticks)> answer_;
   std::function<void(const Bytes&)> take_;
+  std::function<Bytes(uint8_t, Ticks)> read_;
   bool selected_ = false, data_ = false;
   Bytes out_, in_;
   int next_out_ = 0, bits_in_ = 0;
 
-  void sample() {
+  static void append(Bytes& out, const Bytes& more) {
+    out.insert(out.end(), more.begin(), more.end());
+  }
+  void sample(Ticks clock) {
     if (bits_in_++ % 8 == 0) in_.push_back(0);
     in_.back() = uint8_t((in_.back() << 1) | data_);
+    if (read_ && bits_in_ == 8) append(out_, read_(in_[0], clock));
   }
 };
 

@@ -249,7 +249,11 @@ class Converter(enum.Enum):
 
     MAX31855 = 1
 
-    MAX6675 = 2
+    MAX31856 = 2
+
+    MAX31865 = 3
+
+    MAX6675 = 4
 
 class ConverterFault(enum.Enum):
     NONE = 0
@@ -258,15 +262,28 @@ class ConverterFault(enum.Enum):
 
     SHORT_CIRCUIT = 2
 
-    NO_ANSWER = 3
+    OUT_OF_RANGE = 3
 
-CONVERTER_FULL: int = 16384
+    NO_ANSWER = 4
 
-def read_converter(converter: Converter, word: int) -> tuple[float, ConverterFault]:
-    """°C, and what is wrong with the word of a converter."""
+def read_converter(converter: Converter, word: int, faults: int = 0) -> tuple[float, ConverterFault]:
+    """
+    What a converter says: °C, or of a MAX31865 a share of its reference resistor; and what is wrong.
+    """
+
+def converter_full(converter: Converter) -> int:
+    """Steps of full scale."""
+
+def converter_share(converter: Converter, value: float) -> float:
+    """The share of full scale of what read_converter() gives."""
+
+def converter_words(converter: Converter, low: float, high: float) -> tuple[int, int]:
+    """
+    The least and the greatest word between two shares of full scale, from 0 on.
+    """
 
 class HeaterOptions:
-    def __init__(self, sensor_oid: int, output_oid: int, pwm: bool, full: int, adc_full: int, query: SensorQuery, max_power: float, tolerance_c: float, celsius: Sequence[tuple[float, float]], low_share: float, high_share: float, open_is_high: bool, control: PidControl | OnOffControl | ModelControl | RelayControl, limits: ProtectionLimits, model: HeatModel | None, fan_target: int = -1, fan_full: float = 1.0, inverted: bool = False, converter: Converter = Converter.NONE) -> None:
+    def __init__(self, sensor_oid: int, output_oid: int, pwm: bool, full: int, adc_full: int, query: SensorQuery, max_power: float, tolerance_c: float, celsius: Sequence[tuple[float, float]], low_share: float, high_share: float, open_is_high: bool, control: PidControl | OnOffControl | ModelControl | RelayControl, limits: ProtectionLimits, model: HeatModel | None, fan_target: int = -1, fan_full: float = 1.0, inverted: bool = False, converter: Converter = Converter.NONE, spi_oid: int = 0, clears_faults: bytes = ...) -> None:
         """fan_target: index of the fan's output among the link's pins."""
 
 class Heater:
@@ -888,7 +905,24 @@ def add_uart_driver(bench: Bench, rx_pin: int, tx_pin: int, chip: TrinamicChip) 
 def add_spi_driver(bench: Bench, select_pin: int, clock_pin: int, to_device: int, from_device: int, chip: TrinamicChip) -> None:
     """Wires a driver to the SPI bus on these pins."""
 
-def add_converter(bench: Bench, select_pin: int, clock_pin: int, to_device: int, from_device: int, converter: Converter) -> None:
+class Digipot:
+    """A simulated setter of motors' currents."""
+
+    def wiper(self, channel: int) -> int:
+        """0 to 255."""
+
+def add_digipot(bench: Bench, select_pin: int, clock_pin: int, to_device: int, from_device: int) -> Digipot:
+    """Wires a setter of currents to the SPI bus on these pins."""
+
+class ConverterChip:
+    """A simulated converter of a sensor."""
+
+    def setting(self, address: int) -> int:
+        """
+        What it was told: of a MAX31856 its modes (0) and its thermocouple (1), of a MAX31865 its modes (0).
+        """
+
+def add_converter(bench: Bench, select_pin: int, clock_pin: int, to_device: int, from_device: int, converter: Converter) -> ConverterChip:
     """
     Wires a converter to the SPI bus on these pins; its thermocouple belongs to the body whose sensor is on the select pin.
     """

@@ -48,8 +48,8 @@ NOISES: list[Noise] = [drop, flip, double, swap, insert]
 
 class Wire:
     """Carries bytes between a bench's link and its board in virtual time, one way trip of `delay`
-    ticks, and `byte` for each byte; `spoil` is asked for each delivery. The board's clock may run
-    at another rate."""
+    ticks, and `byte` for each byte; `spoil` is asked for each delivery, `spoil_orders` and
+    `spoil_answers` for those of one way. The board's clock may run at another rate."""
 
     def __init__(self, bench: Bench, delay: int = 0, rate: float = 1.0, byte: int = 0) -> None:
         self.bench = bench
@@ -60,6 +60,8 @@ class Wire:
         self.flying: list[tuple[int, bool, bytes]] = []
         self.sent: list[tuple[int, bytes]] = []
         self.spoil: Callable[[bytes], bytes] = lambda data: data
+        self.spoil_orders: Callable[[bytes], bytes] = lambda data: data
+        self.spoil_answers: Callable[[bytes], bytes] = lambda data: data
 
     def board_time(self, host: int) -> int:
         return self.start + int((host - self.start) * self.rate)
@@ -85,6 +87,7 @@ class Wire:
                 if data:
                     if to_board:
                         self.sent.append((self.now, data))
+                    data = (self.spoil_orders if to_board else self.spoil_answers)(data)
                     data = self.spoil(data)
                     pieces = (
                         [data] if self.byte == 0 else [data[i : i + 1] for i in range(len(data))]

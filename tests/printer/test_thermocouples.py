@@ -1,6 +1,9 @@
-"""A hotend with a thermocouple behind a converter, through the wires of the board."""
+"""A hotend with a thermocouple or a platinum resistor behind a converter, through the wires of the
+board."""
 
 from __future__ import annotations
+
+import re
 
 import pytest
 from tests.console.scenario import Scenario
@@ -25,14 +28,15 @@ def firmware(request):
     return request.param
 
 
-@pytest.fixture(params=["max31855", "max6675"])
+@pytest.fixture(params=["max31855", "max31856", "max31865", "max6675"])
 def s(request, firmware):
     with Scenario(config.load_text(text(request.param, firmware), "t.toml")) as scenario:
         yield scenario
 
 
 def test_a_hotend_is_heated_by_its_thermocouple(s):
-    assert s.host.ok("M105")[-1].startswith("ok T:25.00 /0.00")
+    told = re.match(r"ok T:(\S+) /0.00", s.host.ok("M105")[-1])
+    assert told and float(told[1]) == pytest.approx(25, abs=0.02)  # a MAX31865 counts 1/32 °C
     assert s.host.ok("M109 S200", 300)[-1] == "ok"
     s.passes(60)
     assert s.board.temperature("hotend") == pytest.approx(200, abs=1)
@@ -49,8 +53,10 @@ def test_an_open_thermocouple_switches_off_within_a_second(s):
     assert s.board.output_value("hotend") == 0
 
 
-def test_another_policy_keeps_the_machine_alive_and_the_heater_can_be_rearmed(firmware):
-    machine = config.load_text(text(firmware=firmware, policy="heater"), "t.toml")
+@pytest.mark.parametrize("kind", ["max31855", "max31865"])
+def test_another_policy_keeps_the_machine_alive_and_the_heater_can_be_rearmed(firmware, kind):
+    """A MAX31865 keeps a fault until it is told to forget it."""
+    machine = config.load_text(text(kind, firmware, "heater"), "t.toml")
     with Scenario(machine) as s:
         s.host.ok("M104 S200")
         s.passes(20)
@@ -62,6 +68,24 @@ def test_another_policy_keeps_the_machine_alive_and_the_heater_can_be_rearmed(fi
         s.passes(1)
         s.host.ok("M922")
         s.host.ok("M109 S100", 300)
+
+
+@pytest.mark.parametrize(("kind", "settings"), [("max31856", (0x91, 3)), ("max31865", (0xC3, 0))])
+def test_a_converter_with_registers_is_set_up(firmware, kind, settings):
+    with Scenario(config.load_text(text(kind, firmware), "t.toml")) as s:
+        (board,) = s.board.boards.values()
+        chip = board.converters["hotend"]
+        assert (chip.setting(0), chip.setting(1)) == settings
+
+
+@pytest.mark.parametrize("kind", ["max31856", "max31865"])
+@pytest.mark.parametrize(("ratio", "word"), [(1.0, "open"), (0.0, "short-circuited")])
+def test_its_faults_in_words(firmware, kind, ratio, word):
+    with Scenario(config.load_text(text(kind, firmware), "t.toml")) as s:
+        s.passes(1)
+        s.board.force_sensor("hotend", ratio)
+        s.passes(1.0)
+        assert s.printer.halted.startswith(f"heater hotend was switched off: its sensor is {word}")
 
 
 def test_pins_are_claimed():

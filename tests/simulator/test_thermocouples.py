@@ -9,6 +9,7 @@ from passo import _core
 
 REST = 4000
 OPEN = 0x10001
+REGISTERS = ("MAX31856", "MAX31865")
 
 
 def share(celsius: float) -> float:
@@ -18,6 +19,7 @@ def share(celsius: float) -> float:
 def wired(kind: str = "MAX31855", limit: int = 3) -> RawBoard:
     """oid 1 the converter on the SPI device 0, over pins that the bench has; the bench's hotend."""
     board = RawBoard()
+    mode = int(kind in REGISTERS)
     pins = board.dictionary.enumerations["pin"]
     _core.add_converter(
         board.device, pins["PK5"], pins["PH6"], pins["PH5"], pins["PE5"],
@@ -26,7 +28,7 @@ def wired(kind: str = "MAX31855", limit: int = 3) -> RawBoard:
     for line in (
         "allocate_oids count=2",
         "config_spi oid=0 pin=PK5 cs_active_high=0",
-        "spi_set_sw_bus oid=0 miso_pin=PE5 mosi_pin=PH5 sclk_pin=PH6 mode=0 pulse_ticks=16",
+        f"spi_set_sw_bus oid=0 miso_pin=PE5 mosi_pin=PH5 sclk_pin=PH6 mode={mode} pulse_ticks=16",
         f"config_thermocouple oid=1 spi_oid=0 thermocouple_type={kind}"
         f" consecutive_fault_limit={limit}",
         "finalize_config crc=1",
@@ -92,6 +94,37 @@ def test_faults_of_the_converter_count_and_good_words_between_them_too():
     board.simulated.force_sensor("hotend", 1.0)
     assert words(board.wait(REST)) == [OPEN]
     board.wait(REST)
+    assert board.device.fault == "Thermocouple reader fault"
+
+
+@pytest.mark.parametrize(
+    ("kind", "setup", "word", "fault"),
+    [("MAX31856", "8090", 300 << 12, 0x01), ("MAX31865", "80c2", 16384 << 1, 0x80)],
+)
+def test_a_converter_with_registers_is_asked_for_its_faults_as_well(kind, setup, word, fault):
+    """It knows nothing before it has been told to measure; only a MAX31865 keeps its faults."""
+    board = wired(kind, limit=1)
+    at = 0.5 if kind == "MAX31865" else (128 * 300 + 2**18) / 2**19
+    board.simulated.force_sensor("hotend", at)
+    ask(board, 0, 2**31)
+
+    def said() -> list[tuple[int, int]]:
+        reports = board.wait(REST)
+        return [(v["value"], v["fault"]) for name, v in reports if name == "thermocouple_result"]
+
+    assert said() == [(0, 0)]
+    board.tell(f"spi_send oid=0 data={setup}")
+    assert said() == [(word, 0)]
+    board.simulated.force_sensor("hotend", 1.0)
+    [(_, found)] = said()
+    assert found == fault
+    board.simulated.force_sensor("hotend", at)
+    if kind == "MAX31865":
+        board.tell(f"spi_send oid=0 data={setup}")
+    assert said() == [(word, 0)]
+    for _ in range(2):
+        board.simulated.force_sensor("hotend", 1.0)
+        board.wait(REST)
     assert board.device.fault == "Thermocouple reader fault"
 
 

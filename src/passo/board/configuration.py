@@ -161,18 +161,24 @@ def checksum(lines: list[str]) -> int:
 
 
 def queries(board: BoardDescription, dictionary: Dictionary, clock: int) -> list[str]:
-    """Starts the reports of every sensor, the first at board clock `clock`, evenly spread, and what
-    blinks."""
+    """Sets what is set once, and starts the reports of every sensor, the first at board clock
+    `clock`, evenly spread, and what blinks."""
     oids = Oids.of(board)
     # Older firmware does not ask how many bytes make a report.
     size = " bytes_per_report=2" if dictionary.takes("query_analog_in", "bytes_per_report") else ""
     older = dictionary.takes("query_thermocouple", "max_invalid_count")
     count = f" max_invalid_count={SENSOR_RANGE_CHECKS}" if older else ""
-    lines: list[str] = []
+    lines = [
+        f"spi_send oid={oids.spi_devices[setting.spi]} data={word.hex()}"
+        for setting in board.settings
+        for word in setting.words
+    ]
     for i, sensor in enumerate(board.sensors):
         begin = clock + int(SENSOR_PERIOD_S * board.clock_hz * i / len(board.sensors))
         q = sensor_query(board, sensor, dictionary)
         if sensor.spi is not None:
+            spi = oids.spi_devices[sensor.spi]
+            lines += [f"spi_send oid={spi} data={word.hex()}" for word in sensor.setup]
             lines.append(
                 f"query_thermocouple oid={oids.sensors[sensor.name]} clock={begin & 0xFFFFFFFF}"
                 f" rest_ticks={q.rest_ticks} min_value={q.minimum} max_value={q.maximum}{count}"
@@ -203,12 +209,13 @@ def sensor_query(
 ) -> _core.SensorQuery:
     """How the board is asked to sample a sensor."""
     if sensor.spi is not None:
+        words = _core.converter_words(sensor.converter, sensor.min_ratio, sensor.max_ratio)
         return _core.SensorQuery(
             sample_ticks=0,
             sample_count=0,
             rest_ticks=int(SENSOR_PERIOD_S * board.clock_hz),
-            minimum=_converter_word(sensor, sensor.min_ratio, 0),
-            maximum=_converter_word(sensor, sensor.max_ratio, -1),
+            minimum=words[0],
+            maximum=words[1],
             range_checks=SENSOR_RANGE_CHECKS,
         )
     full = adc_full(dictionary)
@@ -220,14 +227,6 @@ def sensor_query(
         maximum=int(sensor.max_ratio * full),
         range_checks=SENSOR_RANGE_CHECKS,
     )
-
-
-def _converter_word(sensor: Sensor, share: float, rest: int) -> int:
-    """The word of a converter at a share of its full scale, at least 0 °C; the bits that are not
-    the temperature's as in `rest`."""
-    quarters = max(round(share * _core.CONVERTER_FULL) - _core.CONVERTER_FULL // 2, 0)
-    shift = 18 if sensor.converter == _core.Converter.MAX31855 else 3
-    return quarters << shift | rest & (1 << shift) - 1
 
 
 def heater_options(
@@ -244,7 +243,7 @@ def heater_options(
         output_oid=oids.outputs[output.name],
         pwm=output.kind == "pwm",
         full=full_scale(output, dictionary),
-        adc_full=_core.CONVERTER_FULL if sensor.spi else adc_full(dictionary),
+        adc_full=_core.converter_full(sensor.converter) if sensor.spi else adc_full(dictionary),
         query=sensor_query(board, sensor, dictionary),
         max_power=heater.max_power,
         tolerance_c=heater.tolerance_c,
@@ -259,4 +258,6 @@ def heater_options(
         fan_full=full_scale(fans[0], dictionary) if fans else 1,
         inverted=inverted(output.pin),
         converter=sensor.converter,
+        spi_oid=oids.spi_devices[sensor.spi] if sensor.spi else 0,
+        clears_faults=sensor.clears_faults,
     )

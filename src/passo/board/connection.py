@@ -127,7 +127,9 @@ class Connection:
         self._prepare()
         self.renew()
         if self.adopted:
-            self.command("survive_arm")  # it takes orders again
+            # It takes orders again, and counts this host's commits from 0 on.
+            self.command("survive_off")
+            self.command("survive_arm")
             self._switch_off_loads()
         self.run(self.now)
 

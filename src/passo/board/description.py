@@ -95,8 +95,9 @@ class SpiPins:
 
 @dataclass(frozen=True, slots=True)
 class Sensor:
-    """A temperature sensor on an analog input, or a thermocouple behind a converter that is
-    selected by `pin` on the bus `spi`; then a share is that of `_core.CONVERTER_FULL`.
+    """A temperature sensor on an analog input, or behind a converter that is selected by `pin` on
+    the bus `spi`; then a share is that of the converter's full scale. Before it is asked it is told
+    the words of `setup`, and `clears_faults`, if not empty, whenever it has a fault.
 
     `table` holds (°C, share of the ADC's full scale) by ascending °C, the share strictly rising or
     falling; beyond its ends the sensor is broken: open above the greatest share and shorted below
@@ -112,6 +113,16 @@ class Sensor:
     open_is_high: bool = True
     converter: _core.Converter = _core.Converter.NONE
     spi: SpiPins | None = None
+    setup: tuple[bytes, ...] = ()
+    clears_faults: bytes = b""
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """What a device on an SPI bus is told when the board begins, and after a lost link."""
+
+    spi: SpiPins
+    words: tuple[bytes, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,6 +181,7 @@ class BoardDescription:
     heaters: tuple[Heater, ...] = ()
     endstops: tuple[Endstop, ...] = ()
     drivers: tuple[Driver, ...] = ()
+    settings: tuple[Setting, ...] = ()
     move_count: int = 1024
     mcu: str = "atmega2560"
     endstops_elsewhere: tuple[str, ...] = ()
@@ -209,7 +221,11 @@ class BoardDescription:
     @property
     def spi_devices(self) -> tuple[SpiPins, ...]:
         """All that is selected on an SPI bus."""
-        wires = (*(d.wire for d in self.drivers), *(s.spi for s in self.sensors))
+        wires = (
+            *(d.wire for d in self.drivers),
+            *(s.spi for s in self.sensors),
+            *(s.spi for s in self.settings),
+        )
         return tuple(wire for wire in wires if isinstance(wire, SpiPins))
 
     @property

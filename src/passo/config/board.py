@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from passo.config.base import Model, Pin
+from passo.config.base import Model, Pin, Positive
 from passo.config.budget import (
     BURST_S,
     BYTES_PER_BAUD,
@@ -18,6 +18,8 @@ from passo.config.budget import (
     Budget,
 )
 from passo.config.chips import Chip, chip, chip_names
+
+WIPER_MAX = 255  # the last position of a digital potentiometer
 
 
 class Socket(Model):
@@ -32,6 +34,22 @@ class Socket(Model):
     select: Pin | None = None
     microstep: list[Pin] = []
     current: int | None = None
+
+
+class CurrentSetter(Model):
+    """An AD5206 on an SPI bus, a digital potentiometer with a channel for each driver: at the
+    position of so many steps of 255 for each mA a driver limits its phases to that."""
+
+    kind: Literal["AD5206"]
+    cs_pin: Pin
+    clock_pin: Pin
+    mosi_pin: Pin
+    miso_pin: Pin
+    steps_per_ma: Positive
+
+    def word(self, channel: int, ampere: float) -> bytes:
+        """What it is told: the address, then the position."""
+        return bytes([channel, round(ampere * 1000 * self.steps_per_ma)])
 
 
 class Console(Model):
@@ -75,7 +93,8 @@ class Board(Model):
     microcontroller behind each, and every other pin is the microcontroller's too. `variant` chooses
     one of the `variants` as the board's `functions`. `fitted` lists what is plugged in besides:
     `card`, or one of the `displays`. `reserved` pins belong to the board itself. `microstep_levels`
-    are the levels of a socket's microstep pins for so many microsteps.
+    are the levels of a socket's microstep pins for so many microsteps, and `current_setter` sets
+    the currents of the drivers whose sockets have a channel of it.
     `status_led` blinks once a second while the board is configured and not shut down.
 
     `link` says where the board is: simulated, on the serial device `port` at `baud` (the console's,
@@ -111,6 +130,7 @@ class Board(Model):
     flash: Flash | None = None
     sockets: dict[str, Socket] = {}
     microstep_levels: dict[str, list[Literal[0, 1]]] = {}
+    current_setter: CurrentSetter | None = None
     outputs: dict[str, Pin] = {}
     thermistors: dict[str, Pin] = {}
     endstops: dict[str, Pin] = {}

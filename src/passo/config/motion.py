@@ -69,7 +69,8 @@ class Stepper(Model):
     given as `steps_per_mm` (`steps_per_degree` on arms), or by the parts it comes from:
     full steps per rotation × microsteps × gear ratio / rotation distance (or / 360°).
     Limits hold for the motor's own position: a tower's carriage, an arm's angle.
-    A driver with the table `tmc` is set up by Passo, to these microsteps too.
+    A driver with the table `tmc` is set up by Passo, to these microsteps too. On a board that sets
+    its drivers' currents `peak_current_a` is the limit of each phase.
     """
 
     drives: str | None = None
@@ -82,6 +83,7 @@ class Stepper(Model):
     invert: bool = False
     driver: DriverName = "A4988"
     tmc: Tmc | None = None
+    peak_current_a: Positive | None = None
     pulse_us: NotNegative | None = None
     direction_setup_us: NotNegative | None = None
     direction_hold_us: NotNegative | None = None

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from passo.config.findings import table, tables
 from passo.config.places import placed
-from passo.config.sensors import CONVERTERS, ThermocoupleConverter
+from passo.config.sensors import CONVERTERS, Converter
 
 if TYPE_CHECKING:
     from passo.config.board import Board
@@ -120,7 +120,7 @@ def bindings(machine: MachineConfig) -> list[Binding]:
         function = board.functions.get(names.of(heater.kind))
         add(f"heaters.{name}.pin", heater.pin, function.output if function else None)
         add(f"heaters.{name}.sensor_pin", heater.sensor_pin, function.sensor if function else None)
-        if isinstance(heater.sensor, ThermocoupleConverter):
+        if isinstance(heater.sensor, Converter):
             for key in _BUS:
                 add(f"heaters.{name}.sensor.{key}", getattr(heater.sensor, key), None)
     for name, fan in machine.fans.items():

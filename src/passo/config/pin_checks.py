@@ -6,9 +6,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from passo.config.board import WIPER_MAX
 from passo.config.board_files import known_pins
 from passo.config.chips import Chip, Pulse, chip, chip_names
-from passo.config.findings import Finding, array, did_you_mean, key_text, table, tables
+from passo.config.findings import Finding, array, did_you_mean, key_text, number, table, tables
 from passo.config.lines import Path
 from passo.config.motion import MICROSTEPS
 from passo.config.places import MAIN, named_on, placed, section
@@ -175,6 +176,7 @@ def _check_sockets(data: Raw) -> Iterator[Finding]:
             hint, limit = did_you_mean(word, sockets), "a socket of the board"
             yield Finding("config.value", (*path, "socket"), socket, limit, hint)
         yield from _check_microsteps(stepper, path, _board(data, board), word)
+        yield from _check_current(stepper, path, _board(data, board), word)
         for key in ("step_pin", "direction_pin"):
             if "socket" not in stepper and key not in stepper:
                 limit = "a pin, or the key socket"
@@ -191,6 +193,21 @@ def _check_microsteps(stepper: Raw, path: Path, board: Raw, socket: str) -> Iter
     if pins and levels in board and str(microsteps) not in known:
         limit = f"what the pins of its socket can choose: {', '.join(known)}"
         yield Finding("config.value", (*path, "microsteps"), microsteps, limit)
+
+
+def _check_current(stepper: Raw, path: Path, board: Raw, socket: str) -> Iterator[Finding]:
+    """The board can set the motor's current, and so much of it."""
+    ampere = stepper.get("peak_current_a")
+    if ampere is None:
+        return
+    path = (*path, "peak_current_a")
+    steps = number(table(board, "current_setter"), "steps_per_ma")
+    if "current" not in table(board, "sockets", socket) or not steps:
+        limit = "no such key: the board does not set the current of this socket"
+        yield Finding("config.conflict", path, ampere, limit)
+    elif isinstance(ampere, int | float) and ampere * 1000 * steps > WIPER_MAX:
+        limit = f"at most {WIPER_MAX / steps / 1000:.2f} A"
+        yield Finding("config.value", path, ampere, limit)
 
 
 def _check_fitted(board: Raw, place: Path) -> Iterator[Finding]:

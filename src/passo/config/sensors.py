@@ -80,17 +80,47 @@ class SensorTable(Model):
     open_reads: Literal["high", "low"] = "high"
 
 
-class ThermocoupleConverter(Model):
-    """A thermocouple behind a converter on an SPI bus, which it may share; the heater's
-    `sensor_pin` selects it. It hears nothing, but the board wants a pin to send on."""
+class Converter(Model):
+    """What converts a sensor on an SPI bus, which it may share; the heater's `sensor_pin` selects
+    it."""
 
-    kind: Literal["max31855", "max6675"]
     clock_pin: Pin
     miso_pin: Pin
     mosi_pin: Pin
 
 
-CONVERTERS = get_args(ThermocoupleConverter.model_fields["kind"].annotation)
+class ThermocoupleConverter(Converter):
+    """A thermocouple behind a converter that hears nothing, but the board wants a pin to send
+    on."""
+
+    kind: Literal["max31855", "max6675"]
+
+
+class UniversalConverter(Converter):
+    """A thermocouple of any type behind a MAX31856, which leaves out what the mains put into its
+    wires."""
+
+    kind: Literal["max31856"]
+    thermocouple: Literal["B", "E", "J", "K", "N", "R", "S", "T"] = "K"
+    mains_hz: Literal[50, 60] = 50
+
+
+class PlatinumConverter(Converter):
+    """A PT100 or PT1000 (`r0_ohm`, IEC 60751) on two, three or four `wires` behind a MAX31865,
+    which measures it against the resistor `reference_ohm`."""
+
+    kind: Literal["max31865"]
+    r0_ohm: Literal[100, 1000] = 100
+    reference_ohm: Positive = 430.0
+    wires: Literal[2, 3, 4] = 2
+    mains_hz: Literal[50, 60] = 50
+
+
+CONVERTERS = tuple(
+    kind
+    for model in (ThermocoupleConverter, UniversalConverter, PlatinumConverter)
+    for kind in get_args(model.model_fields["kind"].annotation)
+)
 
 AnySensor = Annotated[
     Thermistor
@@ -98,6 +128,8 @@ AnySensor = Annotated[
     | PlatinumAmplifier
     | ThermocoupleAmplifier
     | ThermocoupleConverter
+    | UniversalConverter
+    | PlatinumConverter
     | SensorTable,
     Field(discriminator="kind"),
 ]

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from typing import TypeAlias
 
 from passo import _core
 from passo.config.sensors import (
     AnySensor,
+    Converter,
     Platinum,
     PlatinumAmplifier,
+    PlatinumConverter,
     SensorTable,
     Thermistor,
     ThermocoupleAmplifier,
-    ThermocoupleConverter,
+    UniversalConverter,
 )
 from passo.heat import platinum
 from passo.heat.thermistor import Divider, Ntc
@@ -27,6 +30,17 @@ _PLATINUM_C = range(-50, 851, 5)
 _LEAST_SHARE = 0.002
 _MOST_SHARE = 0.998
 _CONVERTER_C = {"max31855": (-270.0, 1800.0), "max6675": (0.0, 1023.75)}
+# Where a MAX31856 knows a type of thermocouple, and its number (Maxim 19-7534, Table 2).
+_THERMOCOUPLE_C = {
+    "B": (0, 250.0, 1820.0),
+    "E": (1, -200.0, 1000.0),
+    "J": (2, -210.0, 1200.0),
+    "K": (3, -200.0, 1372.0),
+    "N": (4, -200.0, 1300.0),
+    "R": (5, -50.0, 1768.0),
+    "S": (6, -50.0, 1768.0),
+    "T": (7, -200.0, 400.0),
+}
 _VOLTS_BY_C = {"ad595": 0.010, "ad8495": 0.005}
 
 
@@ -53,18 +67,56 @@ def sensor_table(sensor: AnySensor) -> Table:
         full_c = sensor.full_scale_v / _VOLTS_BY_C[sensor.kind] * sensor.scale
         ends = (_LEAST_SHARE, _MOST_SHARE)
         return tuple((round(share * full_c + sensor.offset_c, 9), share) for share in ends)
-    if isinstance(sensor, ThermocoupleConverter):
-        # Quarters of a degree around the middle of its full scale.
-        full = _core.CONVERTER_FULL
-        return tuple((t, (4 * t + full // 2) / full) for t in _CONVERTER_C[sensor.kind])
+    if isinstance(sensor, PlatinumConverter):
+        r0, reference = sensor.r0_ohm, sensor.reference_ohm
+        return _rows(_PLATINUM_C, lambda t: platinum.ohm(t, r0) / reference)
+    if isinstance(sensor, Converter):
+        one = converter_of(sensor)
+        ends = (
+            _THERMOCOUPLE_C[sensor.thermocouple][1:]
+            if isinstance(sensor, UniversalConverter)
+            else _CONVERTER_C[sensor.kind]
+        )
+        return tuple((t, _core.converter_share(one, t)) for t in ends)
     return tuple(sorted((t, share) for t, share in sensor.points))
 
 
 def converter_of(sensor: AnySensor) -> _core.Converter:
     """The converter that the sensor is behind, if any."""
-    if isinstance(sensor, ThermocoupleConverter):
+    if isinstance(sensor, Converter):
         return getattr(_core.Converter, sensor.kind.upper())
     return _core.Converter.NONE
+
+
+@dataclass(frozen=True, slots=True)
+class ConverterSetup:
+    """What a converter with registers is told: `words` before it is asked, and `clears_faults`
+    after a fault that it would keep for ever."""
+
+    words: tuple[bytes, ...] = ()
+    clears_faults: bytes = b""
+
+
+def converter_setup(sensor: AnySensor) -> ConverterSetup:
+    """Nothing for a sensor that needs none. The mains' frequency may be set only while the chip
+    does not measure. (MAX31856: Maxim 19-7534, registers 0 and 1; MAX31865: Maxim 19-6478,
+    register 0.)"""
+    if isinstance(sensor, UniversalConverter):
+        kind, *_ = _THERMOCOUPLE_C[sensor.thermocouple]
+        hz = int(sensor.mains_hz == 50)
+        find_open_wires = 0x10
+        words = (
+            bytes([0x81, kind]),
+            bytes([0x80, find_open_wires | hz]),
+            bytes([0x80, 0x80 | find_open_wires | hz]),
+        )
+        return ConverterSetup(words)
+    if isinstance(sensor, PlatinumConverter):
+        hz, three_wires = int(sensor.mains_hz == 50), 0x10 * (sensor.wires == 3)
+        supplied_and_measuring, clear = 0xC0, 0x02
+        last = bytes([0x80, supplied_and_measuring | three_wires | clear | hz])
+        return ConverterSetup((bytes([0x80, hz]), last), last)
+    return ConverterSetup()
 
 
 def open_is_high(sensor: AnySensor) -> bool:

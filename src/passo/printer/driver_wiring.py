@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from functools import partial
 from typing import TYPE_CHECKING
 
-from passo.board.description import Driver, SpiPins, UartPins, bare
+from passo.board.description import Driver, Setting, SpiPins, UartPins, bare
 from passo.board.trinamic import DriverSettings, threshold_of
 from passo.config.board import joined_marks
-from passo.config.places import named_on
-from passo.config.sensors import ThermocoupleConverter
+from passo.config.places import named_on, placed
+from passo.config.sensors import Converter, ThermocoupleConverter
 from passo.config.trinamic import chip_of
 
 if TYPE_CHECKING:
@@ -64,10 +64,30 @@ def microstep_outputs(machine: MachineConfig) -> Iterator[tuple[str, str]]:
             yield f"{name}-ms{i}", named_on(on, written)
 
 
+def current_settings(machine: MachineConfig, on: str) -> Iterator[Setting]:
+    """What the current setter of a board is told for the motors in the board's sockets."""
+    board = machine.all_boards[on]
+    setter = board.current_setter
+    if setter is None:
+        return
+    words: list[bytes] = []
+    for name, stepper in machine.steppers.items():
+        socket = machine.socket(name)
+        if machine.board_of_stepper(name) != on or socket is None or socket.current is None:
+            continue
+        if stepper.peak_current_a is not None:
+            words.append(setter.word(socket.current, stepper.peak_current_a))
+    pins = (setter.cs_pin, setter.clock_pin, setter.mosi_pin, setter.miso_pin)
+    cs, clock, mosi, miso = (board.pin(pin) for pin in pins)
+    if words:
+        yield Setting(SpiPins(cs, clock, mosi, miso, mode=0), tuple(words))
+
+
 def converter_wires(machine: MachineConfig, heater: Heater) -> SpiPins | None:
     """The bus of a heater's sensor, if it is a converter."""
     sensor, pin = heater.sensor, machine.pin
-    if not isinstance(sensor, ThermocoupleConverter):
+    if not isinstance(sensor, Converter):
         return None
     clock, mosi, miso = (pin(p) for p in (sensor.clock_pin, sensor.mosi_pin, sensor.miso_pin))
-    return SpiPins(pin(heater.sensor_pin), clock, mosi, miso, mode=0)
+    mode = 0 if isinstance(sensor, ThermocoupleConverter) else 1
+    return SpiPins(pin(heater.sensor_pin), clock, mosi, miso, mode)

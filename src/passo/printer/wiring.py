@@ -21,8 +21,13 @@ from passo.board.description import (
 from passo.board.ports import Port, in_process, serial_port, tcp_port
 from passo.config.places import MAIN, named_on, placed
 from passo.heat.control import control_of, limits_of, model_of
-from passo.heat.sensors import converter_of, open_is_high, sensor_table, share_at
-from passo.printer.driver_wiring import converter_wires, drivers, microstep_outputs
+from passo.heat.sensors import converter_of, converter_setup, open_is_high, sensor_table, share_at
+from passo.printer.driver_wiring import (
+    converter_wires,
+    current_settings,
+    drivers,
+    microstep_outputs,
+)
 from passo.printer.switches import (
     Switch,
     axes_of_arms,
@@ -72,6 +77,7 @@ def board_description(machine: MachineConfig, board: str = MAIN) -> BoardDescrip
             if placed(s.pin)[0] == board
         ),
         drivers=tuple(d for d in drivers(machine) if machine.board_of_stepper(d.stepper) == board),
+        settings=tuple(current_settings(machine, board)),
         move_count=config.move_count,
         mcu=config.mcu,
         endstops_elsewhere=tuple(
@@ -155,8 +161,19 @@ def sensor_of(machine: MachineConfig, name: str, heater: HeaterConfig) -> Sensor
     table = sensor_table(heater.sensor)
     low, high = sorted((share_at(table, heater.min_c), share_at(table, heater.max_c)))
     pin = machine.pin(heater.sensor_pin)
-    sensor, spi = heater.sensor, converter_wires(machine, heater)
-    return Sensor(name, pin, table, low, high, open_is_high(sensor), converter_of(sensor), spi)
+    sensor, setup = heater.sensor, converter_setup(heater.sensor)
+    return Sensor(
+        name,
+        pin,
+        table,
+        low,
+        high,
+        open_is_high(sensor),
+        converter_of(sensor),
+        converter_wires(machine, heater),
+        setup.words,
+        setup.clears_faults,
+    )
 
 
 def _driver_pins(machine: MachineConfig, name: str) -> tuple[str, str]:

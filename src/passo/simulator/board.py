@@ -56,7 +56,11 @@ class SimulatedBoard:
             )
         self._add_plant(plant)
         self.drivers = dict(self._add_drivers())
-        self._add_converters()
+        self.converters = dict(self._add_converters())
+        self.digipots = [
+            _core.add_digipot(self.device, *(self._pins[bare(pin)] for pin in setting.spi.pins))
+            for setting in board.settings
+        ]
 
     def _add_drivers(self) -> Iterator[tuple[str, _core.TrinamicChip]]:
         """The chips of the drivers with registers, by their motors."""
@@ -71,11 +75,15 @@ class SimulatedBoard:
                 _core.add_spi_driver(self.device, select, clock, mosi, miso, chip)
             yield driver.stepper, chip
 
-    def _add_converters(self) -> None:
+    def _add_converters(self) -> Iterator[tuple[str, _core.ConverterChip]]:
+        """The converters of sensors, by their names."""
         for sensor in self.board.sensors:
             if sensor.spi is not None:
                 select, clock, mosi, miso = (self._pins[bare(pin)] for pin in sensor.spi.pins)
-                _core.add_converter(self.device, select, clock, mosi, miso, sensor.converter)
+                yield (
+                    sensor.name,
+                    _core.add_converter(self.device, select, clock, mosi, miso, sensor.converter),
+                )
 
     def _firmware_board(self, start_clock: int) -> _core.FirmwareBoard:
         device = _core.FirmwareBoard(

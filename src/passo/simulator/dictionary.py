@@ -64,7 +64,7 @@ def _virtual() -> dict[str, Any]:
             "static_string_id": {
                 text: number for number, text in enumerate(_core.board_faults()) if text
             },
-            "thermocouple_type": {"MAX31855": 0, "MAX6675": 3},
+            "thermocouple_type": {"MAX31855": 0, "MAX31856": 1, "MAX31865": 2, "MAX6675": 3},
         },
         "config": {
             "ADC_MAX": ADC_MAX,
