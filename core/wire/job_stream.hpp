@@ -73,7 +73,10 @@ class JobStream {
         StreamHash::of_name(name), inverted_full, longest};
   }
   // How a pin of this board is started. Other messages know nothing of that.
-  void set_kick(size_t target, Kick kick) { pins_.at(target).kick = kick; }
+  void set_kick(size_t target, Kick kick) {
+    pins_.at(target).kick = kick;
+    kicks_ = kicks_ || kick;
+  }
   // The board clock at which a pin must be told its value again, lest the board think that nobody
   // is there; kNever if none.
   Ticks renew_at() const {
@@ -169,7 +172,7 @@ class JobStream {
       if (retimer_) retime(limit);
       MessageQueue& queue = retimer_ ? retimer_->ready() : *queue_;
       const Ticks next = queue.empty() ? kNever : queue.front().clock;
-      if (Pin* pin = kicked_until(std::min(next, limit) + base_)) {
+      if (Pin* pin = kicks_ ? kicked_until(std::min(next, limit) + base_) : nullptr) {
         if (ends_.size() >= slots_ && !free_slots(now)) break;
         Ticks clock = std::max({pin->kick.end(), pin->told + 1, now + 2 * quantum_});
         uint8_t* end = put_value(payload + size, *pin, clock, pin->kick.asked());
@@ -272,6 +275,7 @@ class JobStream {
   std::vector<Pin> pins_;
   Prefix commit_{}, query_{};
   bool commits_ = false;
+  bool kicks_ = false;       // of some pin
   bool complete_ = false;    // what is at the board, or on its way, waits for a commit
   std::vector<Ticks> ends_;  // board clocks at which slots in use are free again; unordered
   size_t slots_ = 0;

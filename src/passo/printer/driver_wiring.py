@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from passo.board.description import Driver, Setting, SpiPins, UartPins, bare
 from passo.board.trinamic import DriverSettings, threshold_of
 from passo.config.board import joined_marks
-from passo.config.places import named_on, placed
+from passo.config.places import named_on
 from passo.config.sensors import Converter, ThermocoupleConverter
 from passo.config.trinamic import chip_of
 
