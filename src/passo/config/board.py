@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from passo.config.base import Model, Pin
+from passo.config.base import Model, Pin, Positive
 from passo.config.budget import (
     BURST_S,
     BYTES_PER_BAUD,
@@ -76,6 +76,7 @@ class Board(Model):
     one of the `variants` as the board's `functions`. `fitted` lists what is plugged in besides:
     `card`, or one of the `displays`. `reserved` pins belong to the board itself. `microstep_levels`
     are the levels of a socket's microstep pins for so many microsteps.
+    `pullup_ohm` are the resistors above its thermistors, for sensors that name none of their own.
     `status_led` blinks once a second while the board is configured and not shut down.
 
     `link` says where the board is: simulated, on the serial device `port` at `baud` (the console's,
@@ -114,6 +115,7 @@ class Board(Model):
     outputs: dict[str, Pin] = {}
     thermistors: dict[str, Pin] = {}
     endstops: dict[str, Pin] = {}
+    pullup_ohm: Positive | None = None
     pins: dict[str, Pin] = {}
     card: dict[str, Pin] = {}
     displays: dict[str, dict[str, Pin]] = {}
