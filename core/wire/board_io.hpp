@@ -25,7 +25,8 @@ class BoardOutput {
   size_t slots() const { return queue_.size(); }
   // Software PWM: only while it is at rest.
   void set_cycle(uint32_t ticks) {
-    value_ = value_ ? ticks : 0;
+    if (!queue_.empty()) throw Shutdown{Fault::output_queue_busy};
+    if (value_ == full_) value_ = ticks;  // one that is pulsed goes on until the next value
     default_ = default_ ? ticks : 0;
     full_ = ticks;
   }

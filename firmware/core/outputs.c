@@ -26,6 +26,7 @@ static void write_level(struct output *output, bool level) {
 
 // The output takes `value` at `clock`, which is now or was due a moment ago.
 static void set(struct output *output, uint32_t clock, uint32_t value) {
+  if (value > output->full) value = output->full;  // of a longer cycle before
   output->value = value;
   output->watched = output->max_duration != 0 && value != output->default_value;
   output->expires = clock + output->max_duration;
@@ -37,6 +38,7 @@ static void set(struct output *output, uint32_t clock, uint32_t value) {
   }
   output->toggling = value != 0 && value != output->full;
   output->toggle = clock + value;
+  output->rest = output->full - value;
   write_level(output, value != 0);
 }
 
@@ -89,7 +91,7 @@ static bool run(struct timer *timer) {
   }
   if (output->toggling && !before(clock, output->toggle)) {
     write_level(output, !output->level);
-    output->toggle += output->level ? output->value : output->full - output->value;
+    output->toggle += output->level ? output->value : output->rest;
   }
   return plan(output);
 }
@@ -279,6 +281,7 @@ void command_update_digital_out(const uint32_t *args) {
   hal_irq_restore(irq);
 }
 
+// A cycle that is being pulsed goes on as it is until the next value.
 DECL_COMMAND(command_set_digital_out_pwm_cycle, "set_digital_out_pwm_cycle oid=%c cycle_ticks=%u",
              0);
 void command_set_digital_out_pwm_cycle(const uint32_t *args) {
@@ -287,11 +290,11 @@ void command_set_digital_out_pwm_cycle(const uint32_t *args) {
   hal_irq_t irq = hal_irq_save();
   if ((int32_t)args[1] < 0) {
     shut_down(SHUTDOWN_DURATION_TOO_LONG);
-  } else if (output->waiting) {
+  } else if (output->first != NULL) {
     shut_down(SHUTDOWN_OUTPUT_BUSY);
   } else {
     uint32_t cycle = args[1] > 0 ? args[1] : 1;
-    output->value = output->value != 0 ? cycle : 0;
+    if (!output->toggling) output->value = output->value != 0 ? cycle : 0;
     output->default_value = output->default_value != 0 ? cycle : 0;
     output->full = cycle;
   }

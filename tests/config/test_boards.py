@@ -154,7 +154,12 @@ FUNCTIONS = {
         "bed": ("D8", "A14"),
         "fan0": ("D9", None),
     },
-    "mks-gen-l": {"hotend0": ("D10", "A13"), "bed": ("D8", "A14"), "fan0": ("D9", None)},
+    "mks-gen-l": {
+        "hotend0": ("D10", "A13"),
+        "hotend1": ("D7", "A15"),
+        "bed": ("D8", "A14"),
+        "fan0": ("D9", None),
+    },
 }
 # StuFW's outputs of a RAMPS. Its HHF also leaves the bed on the pin of its fan: not carried over.
 VARIANTS = {
@@ -290,6 +295,21 @@ def test_console_flash_and_clock(name: str) -> None:
 def test_boards_that_need_hands_say_so() -> None:
     need = {n for n in BOARDS if (f := config.load_board(n).flash) and (f.before or f.after)}
     assert need == {*BOARDS} - {"ramps", "mks-gen", "mks-gen-l"}
+
+
+SELECTS = {
+    "ramps": ["D53", "D49", "D40", "D42", "D44"],
+    "mks-gen": ["D53", "D49", "D40", "D42", "D44"],
+    "mks-gen-l": ["D63", "D64", "D65", "D66", "D12"],
+    "radds": ["D25", "D27", "D29", "D31", "D33", "D35"],
+}
+
+
+@pytest.mark.parametrize("name", SELECTS)
+def test_chip_selects_of_drivers(name: str) -> None:
+    board = config.load_board(name)
+    found = [socket.select for socket in board.sockets.values()]
+    assert found == [board.pin(pin) for pin in SELECTS[name]]
 
 
 @pytest.mark.parametrize("name", COMPARE)

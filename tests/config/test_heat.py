@@ -7,6 +7,7 @@ import pytest
 from passo import config
 from passo.config.sensors import SensorTable
 from passo.errors import ConfigError
+from passo.heat.sensors import sensor_table, share_at
 
 HEAD = "max_c = 285.0\n"
 
@@ -66,3 +67,48 @@ def test_a_table_from_a_file(i3_text, tmp_path):
     (tmp_path / "ntc.csv").write_text("25, 0.9\n100\n")
     with pytest.raises(ConfigError, match="line 2 is no"):
         config.load(machine)
+
+
+DUET = (
+    ('base = "ramps"', 'base = "duet-0.6"'),
+    ('pin = "D10"\nsensor_pin = "T0"', 'pin = "HE0"\nsensor_pin = "TH0"'),
+    ('pin = "D8"\nsensor_pin = "T1"', 'pin = "BED"\nsensor_pin = "TB"'),
+    ('pin = "D9"', 'pin = "FAN0"'),
+    *((f"{axis}_MIN", f"{axis}_STOP") for axis in "XYZ"),
+)
+
+
+def duet(text: str) -> str:
+    for ramps, other in DUET:
+        text = text.replace(ramps, other)
+    return text
+
+
+def test_a_board_says_what_its_pull_ups_are(i3_text):
+    heaters = config.load_text(duet(i3_text)).heaters
+    assert [getattr(h.sensor, "pullup_ohm", None) for h in heaters.values()] == [1000.0, 1000.0]
+    # 100 kΩ at 25 °C, β 3950 K: 743.5 Ω at 200 °C.
+    share = share_at(sensor_table(heaters["hotend"].sensor), 200.0)
+    assert share == pytest.approx(743.5 / 1743.5, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("sensor", "found"),
+    [
+        ("{ kind = 'thermistor', beta_k = 4092.0 }", 1000.0),
+        ("{ kind = 'thermistor', pullup_ohm = 2200.0 }", 2200.0),
+        ("{ kind = 'pt1000' }", 1000.0),
+        ("{ kind = 'pt1000-amplifier' }", 4400.0),
+    ],
+)
+def test_a_sensor_may_know_better(i3_text, sensor, found):
+    heater = loaded(duet(i3_text), f"sensor = {sensor}\n").heaters["hotend"]
+    assert getattr(heater.sensor, "pullup_ohm", None) == found
+
+
+def test_pull_ups_are_4700_ohm_elsewhere(i3_text):
+    sensor = config.load_text(i3_text).heaters["hotend"].sensor
+    assert getattr(sensor, "pullup_ohm", None) == 4700.0
+    own = i3_text.replace('base = "ramps"', 'base = "ramps"\npullup_ohm = 10_000.0')
+    sensor = config.load_text(own).heaters["hotend"].sensor
+    assert getattr(sensor, "pullup_ohm", None) == 10_000.0

@@ -274,10 +274,13 @@ class Mk20dx256(Cortex):
     MODULES = ((0x40038000, 0x81000), (0x400FF000, 0x1000))
     UART_IRQ = 47
     TIMERS = {"FTM0": 0x40038000, "FTM1": 0x40039000, "FTM2": 0x400B8000}
+    GATES = {"FTM0": (0x4004803C, 24), "FTM1": (0x4004803C, 25), "FTM2": (0x40048030, 24)}
     _UART, _CLOCK = 0x4006B000, 0x40064000
 
     def __init__(self, image: bytes) -> None:
         self._done = 0.0
+        self.collides = False  # a byte overruns the next one between its status and itself
+        self._overrun = self._seen = False
         super().__init__(image)
 
     def _mcg(self) -> int:
@@ -291,10 +294,12 @@ class Mk20dx256(Cortex):
         port, register = divmod(address - 0x400FF000, 0x40)
         if address == self._CLOCK + 6:
             return self._mcg()
+        self._check_gate(address)
         if address == self._UART + 4:
-            return 0xC0 | bool(self.received) << 5
+            self._seen = self._overrun
+            return 0xC0 | self._overrun << 3 | (bool(self.received) and not self._overrun) << 5
         if address == self._UART + 7:
-            return self.received.popleft() if self.received else 0
+            return self._take()
         if address == 0x4003B000:
             return self.registers.get(address, 0) | (self.cycles >= self._done) << 7
         if address == 0x4003B010:
@@ -305,7 +310,23 @@ class Mk20dx256(Cortex):
             return self.levels_in(port)
         return super().read(address, size)
 
+    def _check_gate(self, address: int) -> None:
+        """A module whose clock is off answers with a bus fault."""
+        for name, base in self.TIMERS.items():
+            place, bit = self.GATES[name]
+            if 0 <= address - base < 0x1000:
+                assert self.registers.get(place, 0) >> bit & 1, f"{name} has no clock"
+
+    def _take(self) -> int:
+        """The data register: an overrun that the status did not show stays."""
+        if self._overrun:
+            self._overrun = not self._seen
+            return 0
+        self._overrun, self.collides = self.collides, False
+        return self.received.popleft() if self.received else 0
+
     def write(self, address: int, value: int) -> None:
+        self._check_gate(address)
         port, register = divmod(address - 0x400FF000, 0x40)
         if address == self._UART + 7:
             self.sent.append(value)

@@ -370,6 +370,17 @@ def arm_interrupts(board: str) -> int:
 
 
 @pytest.mark.parametrize("board", ["teensy3-mk20dx128", "teensy3-mk20dx256"])
+def test_an_overrun_that_the_status_did_not_show_does_not_deafen_an_mk20(board: str) -> None:
+    (case,) = (case for case in CASES if case.board == board)
+    host = case.host()
+    assert isinstance(host.chip, Mk20dx256)
+    for _ in range(3):
+        host.chip.collides = True
+        assert host.send("get_clock", seconds=0.001)["clock"]
+        assert not host.chip.collides
+
+
+@pytest.mark.parametrize("board", ["teensy3-mk20dx128", "teensy3-mk20dx256"])
 def test_an_mk20_is_left_open(board: str) -> None:
     assert image(board)[0x400:0x410] == bytes.fromhex("ff" * 12 + "fef9ffff")
 

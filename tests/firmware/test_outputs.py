@@ -73,6 +73,30 @@ def test_software_pwm_has_the_edges_of_its_values(rows):
     assert [level for _, level in board.device.take_edges(pin)] in ([], [0])
 
 
+@pytest.mark.parametrize("cycle", [2 * CYCLE, CYCLE // 4])
+def test_a_new_cycle_begins_with_the_next_value(cycle):
+    board, pin = pulsed()
+    begin = board.now + 100
+    board.tell(f"queue_digital_out oid=2 clock={begin & 0xFFFFFFFF} on_ticks=300")
+    board.wait(100 + CYCLE)
+    board.tell(f"set_digital_out_pwm_cycle oid=2 cycle_ticks={cycle}")
+    board.wait(2 * CYCLE)
+    change = begin + 4 * CYCLE
+    board.tell(f"queue_digital_out oid=2 clock={change & 0xFFFFFFFF} on_ticks=200")
+    board.wait(CYCLE + 2 * cycle)
+    assert board.device.fault == ""
+    before = [(begin + i * CYCLE + at, 1 - at // 300) for i in range(4) for at in (0, 300)]
+    after = [(change + i * cycle + at, 1 - at // 200) for i in range(2) for at in (0, 200)]
+    assert board.device.take_edges(pin)[:12] == before + after
+
+
+def test_a_new_cycle_is_refused_while_a_value_waits():
+    board, _ = pulsed()
+    board.tell(f"queue_digital_out oid=2 clock={board.clock(1000)} on_ticks=300")
+    board.tell("set_digital_out_pwm_cycle oid=2 cycle_ticks=2000")
+    assert board.device.fault == "Output updated while its queue holds commands"
+
+
 @settings(max_examples=300)
 @given(st.lists(st.tuples(st.integers(1, 2500), st.sampled_from([0, 1])), min_size=1, max_size=12))
 def test_a_heater_that_is_not_renewed_in_time_shuts_the_board_down(rows):

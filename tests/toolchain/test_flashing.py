@@ -92,7 +92,7 @@ def test_a_due_is_touched_first(tools: Path, tmp_path: Path, port: Port) -> None
     assert "programming port" in said[0]
     assert said[-1].startswith("radds: written, and it answers")
     assert json.loads(notes.read_text()) == [
-        *("-p", port.name.removeprefix("/dev/"), "-U", "false"),
+        *("-p", port.name.removeprefix("/dev/"), "-Ufalse"),
         *("-e", "-w", "-v", "-b", str(image), "-R"),
     ]
 

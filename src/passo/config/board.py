@@ -95,6 +95,7 @@ class Board(Model):
     `card`, or one of the `displays`. `reserved` pins belong to the board itself. `microstep_levels`
     are the levels of a socket's microstep pins for so many microsteps, and `current_setter` sets
     the currents of the drivers whose sockets have a channel of it.
+    `pullup_ohm` are the resistors above its thermistors, for sensors that name none of their own.
     `status_led` blinks once a second while the board is configured and not shut down.
 
     `link` says where the board is: simulated, on the serial device `port` at `baud` (the console's,
@@ -134,6 +135,7 @@ class Board(Model):
     outputs: dict[str, Pin] = {}
     thermistors: dict[str, Pin] = {}
     endstops: dict[str, Pin] = {}
+    pullup_ohm: Positive | None = None
     pins: dict[str, Pin] = {}
     card: dict[str, Pin] = {}
     displays: dict[str, dict[str, Pin]] = {}

@@ -56,6 +56,8 @@ def _facts(board: Board, chip: Chip) -> Iterator[str]:
         yield from (f"- before: {text}" for text in board.flash.before)
         yield from (f"- after: {text}" for text in board.flash.after)
     yield from _budget(board)
+    if board.pullup_ohm:
+        yield f"- pull-up resistors of its thermistors: {board.pullup_ohm:g} Ω"
     yield ""
 
 

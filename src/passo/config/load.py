@@ -17,7 +17,7 @@ from passo.config.home_checks import check_home
 from passo.config.kinds import KINDS
 from passo.config.lines import Path, key_lines, line_of
 from passo.config.machine import MachineConfig
-from passo.config.originals import put_originals
+from passo.config.originals import put_originals, put_pullups
 from passo.config.sensor_files import with_sensor_files
 from passo.errors import ConfigError, Problem
 
@@ -75,6 +75,7 @@ def load_text(text: str, file: str = "<text>") -> MachineConfig:
     sources: list[Source] = []
     findings = [*put_boards(data, folder, sources), *with_sensor_files(data, folder)]
     put_originals(data)
+    put_pullups(data)
     machine = None
     try:
         machine = MachineConfig.model_validate(data)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from passo.config.findings import table, tables
-from passo.config.places import placed
+from passo.config.places import placed, section
 from passo.config.sensors import CONVERTERS, Converter
 
 if TYPE_CHECKING:
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 _BUS = ("clock_pin", "mosi_pin", "miso_pin")
 _WIRES = ("uart_pin", "tx_pin", *_BUS)
+_RESISTORS = ("thermistor", "pt100", "pt1000")
 _TOWERS = {"a": "X", "b": "Y", "c": "Z"}
 
 
@@ -49,6 +50,18 @@ def put_originals(data: dict[str, Any]) -> None:
                     continue
                 if own not in content and other in function:
                     content[own] = function[other]
+
+
+def put_pullups(data: dict[str, Any]) -> None:
+    """Gives resistive sensors of a raw machine file that name no pull-up resistor the one that
+    their board has, if its file says it."""
+    for _, heater in tables(data, "heaters"):
+        board = table(data, *section(placed(str(heater.get("sensor_pin")))[0]))
+        sensor = heater.get("sensor", {"kind": "thermistor"})
+        if "pullup_ohm" not in board or not isinstance(heater, dict):
+            continue
+        if isinstance(sensor, Mapping) and sensor.get("kind") in _RESISTORS:
+            heater["sensor"] = {"pullup_ohm": board["pullup_ohm"], **sensor}
 
 
 def _selects(heater: Mapping[str, Any]) -> bool:

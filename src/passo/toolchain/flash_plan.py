@@ -94,11 +94,12 @@ def _words(flash: Flash, start: int, port: str, image: Path, *, native: bool) ->
             return (*tool, "-P", port, "-D", "-U", f"flash:w:{image}:i")
         case "bossac":
             # Erase, write, verify, start from flash. A programming port is a bridge to the chip's
-            # UART, though it looks like USB: -U false; bossac can reset such a board: -R. On the
-            # chip's own USB bossac finds out by itself, and a reset by hand follows.
+            # UART, though it looks like USB: -Ufalse, in one word, for what stands apart is an
+            # argument of -U to bossac 1.6 only; bossac can reset such a board: -R. On the chip's
+            # own USB bossac finds out by itself, and a reset by hand follows.
             tool = ("bossac", "-p", port.removeprefix("/dev/"))
             work = ("-e", "-w", "-v", "-b", str(image))
-            return (*tool, *work) if native else (*tool, "-U", "false", *work, "-R")
+            return (*tool, *work) if native else (*tool, "-Ufalse", *work, "-R")
         case "openocd":
             at = "" if image.suffix == ".elf" else f" 0x{start:08x}"
             program = f"program {{{image}}}{at} verify reset exit"

@@ -23,6 +23,7 @@ struct hal_pwm {
   uint32_t top;
 };
 
+#define SIM_SCGC3 REG(0x40048030)
 #define SIM_SCGC4 REG(0x40048034)
 #define SCGC4_UART1 (1u << 11)
 #define SIM_SCGC5 REG(0x40048038)

@@ -64,6 +64,7 @@ static void start_clock(void) {
 
 void chip_start(void) {
   start_clock();
+  SIM_SCGC3 |= CHIP_SLOW_TIMERS;
   SIM_SCGC4 |= SCGC4_UART1;
   SIM_SCGC5 |= SCGC5_PORTS;
   SIM_SCGC6 |= SCGC6_ADC0 | CHIP_TIMERS;

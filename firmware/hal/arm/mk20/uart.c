@@ -6,6 +6,7 @@
 _Static_assert(MADE > BOARD_BAUD - BOARD_BAUD / 40 && MADE < BOARD_BAUD + BOARD_BAUD / 40,
                "the clock does not give this baud rate within 2.5 %");
 
+#define S1_OVERRUN (1u << 3)
 #define S1_RECEIVED (1u << 5)
 #define S1_READY (1u << 7)
 #define C2_ON (1u << 5 | 1u << 3 | 1u << 2)  // both ways, interrupt when received
@@ -20,11 +21,13 @@ void uart_start(void) {
   UART_C2 = C2_ON;
 }
 
-// Reading status and data takes the flag back, and that of an overrun.
+// Reading status and data takes the flag back, and that of an overrun if the status had it. One
+// that comes between the two stays alone, and until it is taken back nothing more is received.
 bool uart_take(uint8_t *byte) {
-  if (!(UART_S1 & S1_RECEIVED)) return false;
+  uint8_t status = UART_S1;
+  if (!(status & (S1_RECEIVED | S1_OVERRUN))) return false;
   *byte = UART_D;
-  return true;
+  return status & S1_RECEIVED;
 }
 
 bool uart_ready(void) { return UART_S1 & S1_READY; }

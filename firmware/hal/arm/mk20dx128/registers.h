@@ -8,6 +8,7 @@
 #define CHIP_IRQS 46
 #define CHIP_UART1_IRQ 18
 #define CHIP_TIMERS (3u << 24)  // FTM0, FTM1
+#define CHIP_SLOW_TIMERS 0u
 #define HAL_ARENA 8192
 
 #include "mk20.h"

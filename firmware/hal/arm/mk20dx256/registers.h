@@ -7,7 +7,8 @@
 #define CHIP_PLL_FACTOR 36                              // of 2 MHz
 #define CHIP_IRQS 95
 #define CHIP_UART1_IRQ 47
-#define CHIP_TIMERS (7u << 24)  // FTM0 to FTM2
+#define CHIP_TIMERS (3u << 24)       // FTM0, FTM1
+#define CHIP_SLOW_TIMERS (1u << 24)  // FTM2, whose gate is in another register
 #define HAL_ARENA 32768
 
 #include "mk20.h"
