@@ -326,6 +326,9 @@ void bind_job(nb::module_& m) {
       .def(
           "suspend", [](JobView& self) { self.job.suspend(); },
           "After hold_from: other moves may come before what is held.")
+      .def(
+          "use_tool_at_stop", [](JobView& self) { self.job.use_tool_at_stop(); },
+          "While suspended: the tool is in use that was when the program stopped.")
       .def_prop_ro("suspended", [](JobView& self) { return self.job.motion.suspended(); })
       .def_prop_ro(
           "stop_position",
@@ -346,10 +349,11 @@ void bind_job(nb::module_& m) {
       .def_prop_ro(
           "machine_position",
           [](JobView& self) {
-            const double* p = self.job.motion.planner().position();
-            return std::vector<double>(p, p + kAxes);
+            std::vector<double> p(kAxes);
+            self.job.where(p.data());
+            return p;
           },
-          "End of the plan: X, Y, Z, E and further axes, in machine mm.")
+          "End of the plan: X, Y, Z, E of the active extruder and further axes, in machine mm.")
       .def(
           "set_laser",
           [](JobView& self, uint16_t target, uint32_t full) {
@@ -376,7 +380,7 @@ void bind_job(nb::module_& m) {
             Job& job = self.job;
             job.motion.flush();
             double p[kAxes];
-            std::copy_n(job.motion.planner().position(), kAxes, p);
+            job.where(p);
             for (auto [axis, mm] : places) {
               p[slot_of_axis(axis)] = mm;
               job.interpreter.set_axis(slot_of_axis(axis), mm);

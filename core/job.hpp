@@ -67,12 +67,14 @@ class Job {
     }
   }
 
+  // Where the plan ends, E being the active extruder's.
+  void where(double* position) const { motion.position(interpreter.extruder(), position); }
   // After an error or a stop: the program goes on from where the plan ends.
   void abandon() {
     double position[kAxes];
-    std::copy_n(motion.planner().position(), kAxes, position);
-    if (interpreter.extruder() < motion.machine().extruders.size())
-      position[kE] = motion.planner().extruder_position(interpreter.extruder());
+    where(position);
+    for (size_t i = 0; i < motion.machine().extruders.size(); ++i)
+      interpreter.place_extruder(i, motion.planner().extruder_position(i));
     interpreter.abandon(position);
   }
   // Brakes from `ticks` on and forgets all that was to follow.
@@ -80,6 +82,7 @@ class Job {
     double cut = motion.stop_from(ticks);
     interpreter.dark();
     interpreter.forget_retraction();
+    take_back_tool();
     abandon();
     return cut;
   }
@@ -88,8 +91,12 @@ class Job {
   void suspend() {
     motion.suspend();
     aside_ = interpreter;
+    take_back_tool();
+    extruder_at_stop_ = interpreter.extruder();
     abandon();
   }
+  // While suspended: the tool is in use again that was at the stop.
+  void use_tool_at_stop() { interpreter.use_extruder(extruder_at_stop_); }
   void resume() {
     interpreter.resume(*aside_);
     aside_.reset();
@@ -104,15 +111,15 @@ class Job {
   // `limited` and an actuator does not reach its way.
   bool move_to(const double* target, double feed_mm_s, bool limited) {
     MoveRequest m{};
-    std::copy_n(motion.planner().position(), kAxes, m.target);
-    if (interpreter.extruder() < motion.machine().extruders.size())
-      m.target[kE] = motion.planner().extruder_position(interpreter.extruder());
+    where(m.target);
+    double from[kAxes];
+    where(from);
     bool travels = false;
     for (int j = 0; j < kAxes; ++j) {
       if (std::isnan(target[j])) continue;
       m.target[j] = target[j];
-      if (target[j] != motion.planner().position()[j]) m.moved |= uint8_t(1u << j);
-      travels |= j != kE && target[j] != motion.planner().position()[j];
+      if (target[j] != from[j]) m.moved |= uint8_t(1u << j);
+      travels |= j != kE && target[j] != from[j];
     }
     m.kind = travels ? MoveKind::travel : MoveKind::extrude;
     m.extruder = uint16_t(interpreter.extruder());
@@ -189,12 +196,18 @@ class Job {
   }
 
  private:
+  // The program has read on, perhaps beyond a change of tools that did not come to pass.
+  void take_back_tool() {
+    if (motion.cut_extruder()) interpreter.use_extruder(*motion.cut_extruder());
+  }
+
   static constexpr double kCheckEvery = 2;  // mm along lines of nonlinear machines
   // mm of filament in one move: no axis bounds it, and all steps of a move are reckoned at once.
   static constexpr double kMostFilament = 10'000;
 
   double (*cpu_clock_)();
   std::optional<Interpreter> aside_;
+  size_t extruder_at_stop_ = 0;
   std::vector<MoveRequest> batch_;
   GcodeError error_;
 

@@ -126,10 +126,18 @@ class Motion {
         stream_.set_position(i, position);
     }
   }
+  // Where the plan ends; E is this extruder's, if the machine has it.
+  void position(size_t extruder, double* p) const {
+    std::copy_n(planner_.position(), kAxes, p);
+    if (extruder < machine_.extruders.size()) p[kE] = planner_.extruder_position(extruder);
+  }
   // Changes how many steps motor i makes for a mm or degree. Only after flush.
-  void set_steps_per_unit(size_t i, double value, const double* position) {
-    machine_.steppers[i].steps_per_unit = value;
-    if (i < stream_.motors()) stream_.set_position(i, position);
+  void set_steps_per_unit(size_t i, double value) {
+    StepperSpec& s = machine_.steppers[i];
+    s.steps_per_unit = value;
+    double p[kAxes];
+    position(s.drive == Drive::extruder ? size_t(s.index) : machine_.extruders.size(), p);
+    if (i < stream_.motors()) stream_.set_position(i, p);
   }
   // From now on the bed adds these heights to Z (none: it is flat). No motor moves: what changes is
   // the Z of the plan, which is then where the machine is. Only after flush.
@@ -324,8 +332,7 @@ class Motion {
     std::copy_n(planner_.position(), kAxes, aside.end);
     for (size_t i = 0; i < machine_.extruders.size(); ++i)
       aside.extruders.push_back(planner_.extruder_position(i));
-    if (!aside.moves.empty())
-      planner_.set_position(aside.moves.front().p0, aside.moves.front().extruder);
+    stand_before(aside.moves);
     std::copy_n(planner_.position(), kAxes, aside.stop);
     for (size_t i = 0; i < stream_.motors(); ++i) aside.counts.push_back(stream_.count(i));
     aside_ = std::move(aside);
@@ -343,21 +350,23 @@ class Motion {
     planner_.set_position(aside_->end, machine_.extruders.size());
     // Filament that was moved meanwhile stays where it is.
     for (size_t i = 0; i < stream_.motors(); ++i)
-      if (machine_.steppers[i].drive == Drive::extruder) stream_.set_count(i, aside_->counts[i]);
+      if (moves_filament(machine_.steppers[i])) stream_.set_count(i, aside_->counts[i]);
     held_.swap(aside_->moves);
     records_.swap(aside_->records);
     unattached_ = aside_->unattached;
     aside_.reset();
     release();
   }
+  // Whose move the last suspend or stop_from has cut off, or was next; nothing if none was left.
+  std::optional<size_t> cut_extruder() const { return cut_extruder_; }
   // What is put aside will not be taken up again.
   void forget_suspended() { aside_.reset(); }
   // As hold_from, but what is left is forgotten, and its records with it.
   double stop_from(double ticks) {
     double cut = hold_from(ticks);
     dark_ = 0;
+    stand_before(held_);
     if (!held_.empty()) {
-      planner_.set_position(held_.front().p0, held_.front().extruder);
       held_.clear();
       records_.clear();
       unattached_ = 0;
@@ -391,6 +400,7 @@ class Motion {
   LaserLight laser_;
   uint32_t light_before_ = 0, dark_ = 0;  // of records forgotten; what a stop has switched off
   double ticks_of_cut_ = 0;
+  std::optional<size_t> cut_extruder_;
   bool in_pieces_ = false;  // what comes next may go on from pieces without a stop
   double pieces_end_ = 0;   // ticks
 
@@ -399,6 +409,20 @@ class Motion {
     for (; first != last; ++first)
       if (first->extruder == extruder)
         change.apply(first->p0[kE], first->p1[kE], first->flow, first->owed);
+  }
+  // The machine stands where these moves were to begin: each extruder before the first of its own.
+  void stand_before(const std::vector<Move>& moves) {
+    cut_extruder_ = std::nullopt;
+    if (moves.empty()) return;
+    cut_extruder_ = moves.front().extruder;
+    if (!machine_.extruders.empty())
+      for (size_t i = moves.size(); i-- > 0;)
+        planner_.set_extruder(moves[i].extruder, moves[i].p0[kE]);
+    planner_.set_position(moves.front().p0, moves.front().extruder);
+  }
+  bool moves_filament(const StepperSpec& s) const {
+    return s.drive == Drive::extruder ||
+           (s.drive == Drive::axis && machine_.axes[size_t(s.index)].filament);
   }
   // Takes changes of the laser's light.
   auto light() {

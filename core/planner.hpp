@@ -59,6 +59,8 @@ class Planner {
     std::memcpy(position_, position, sizeof position_);
     if (extruder < extruder_.size()) extruder_[extruder] = position[kE];
   }
+  // The same of one extruder, whichever is active.
+  void set_extruder(size_t i, double mm) { extruder_[i] = mm; }
   // Time passes with the machine at rest. Only while nothing is queued.
   void wait_until(double ticks) {
     budget_.rest(std::max(0.0, ticks - clock_) / clock_hz_);

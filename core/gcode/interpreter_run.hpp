@@ -463,14 +463,17 @@ inline void Interpreter::select_tool(const Word& word) {
         return;
       }
     } else {
-      for (int j = 0; j < 3; ++j)
-        origin_[j] += machine_->tools[size_t(tool)].offset[j] - tool_offset(j);
-      tool_ = size_t(tool);
-      active_ = size_t(machine_->tools[tool_].extruder);
-      position_[kE] = extruder_[active_];
+      use_tool(size_t(tool));
     }
   }
   emit('T', tool, 0, "", "");
+}
+
+inline void Interpreter::use_tool(size_t tool) {
+  for (int j = 0; j < 3; ++j) origin_[j] += machine_->tools[tool].offset[j] - tool_offset(j);
+  tool_ = tool;
+  active_ = size_t(machine_->tools[tool].extruder);
+  position_[kE] = extruder_[active_];
 }
 
 }  // namespace passo

@@ -1266,6 +1266,9 @@ class Job:
     def suspend(self) -> None:
         """After hold_from: other moves may come before what is held."""
 
+    def use_tool_at_stop(self) -> None:
+        """While suspended: the tool is in use that was when the program stopped."""
+
     @property
     def suspended(self) -> bool: ...
 
@@ -1284,7 +1287,9 @@ class Job:
 
     @property
     def machine_position(self) -> list[float]:
-        """End of the plan: X, Y, Z, E and further axes, in machine mm."""
+        """
+        End of the plan: X, Y, Z, E of the active extruder and further axes, in machine mm.
+        """
 
     def set_laser(self, target: int, full: int) -> None:
         """This output is a laser, fully on at `full`."""

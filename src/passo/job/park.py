@@ -72,6 +72,8 @@ class Park:
         await self._still()
         printer.raise_if_halted()
         drive, job = printer.drive, printer.job
+        if job.suspended:
+            job.use_tool_at_stop()  # what was drawn back is its filament
         if self._away and job.suspended and printer.can_extrude():
             self._push(self._load_mm, LOAD_MM_S)
         at: list[float] | None = None
