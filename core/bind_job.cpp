@@ -35,8 +35,8 @@ LaserWords laser_words(const nb::object& laser) {
   return words;
 }
 
-using ErrorTuple = std::tuple<uint32_t, Fault, std::string, double, double,
-                              std::tuple<double, double, double>>;
+using ErrorTuple =
+    std::tuple<uint32_t, Fault, std::string, double, double, std::tuple<double, double, double>>;
 
 ErrorTuple as_tuple(const GcodeError& e) {
   return {e.line, e.fault, e.word, e.value, e.limit, {e.point[0], e.point[1], e.point[2]}};
@@ -227,10 +227,7 @@ void bind_job(nb::module_& m) {
           },
           "(line, letter, number, minor, name, text) of the event that advance stopped at.")
       .def_prop_ro(
-          "error",
-          [](const JobView& self) {
-            return as_tuple(self.job.error());
-          },
+          "error", [](const JobView& self) { return as_tuple(self.job.error()); },
           "(line, fault, word, value, limit, point) of the error that advance stopped at.")
       .def_prop_ro(
           "clamped",
@@ -244,7 +241,8 @@ void bind_job(nb::module_& m) {
               all.emplace_back(as_tuple(job.left_out.first), job.left_out.times);
             return all;
           },
-          "What `clamp` has changed: for each axis the first target that was moved to the limit, as "
+          "What `clamp` has changed: for each axis the first target that was moved to the limit, "
+          "as "
           "`error`, and how many were; then the same of the moves that were left out.")
       .def(
           "record",
@@ -401,14 +399,13 @@ void bind_job(nb::module_& m) {
           [](JobView& self, const std::vector<std::pair<int, double>>& places) {
             Job& job = self.job;
             job.motion.flush();
-            double p[kAxes];
-            std::copy_n(job.motion.planner().position(), kAxes, p);
+            auto p = job.position();
             for (auto [axis, mm] : places) {
-              p[slot_of_axis(axis)] = mm;
+              p[size_t(slot_of_axis(axis))] = mm;
               job.interpreter.set_axis(slot_of_axis(axis), mm);
               job.interpreter.lock(slot_of_axis(axis), false);
             }
-            job.motion.set_position(p, job.interpreter.extruder());
+            job.motion.set_position(p.data(), job.interpreter.extruder());
           },
           "places"_a, "These axes, by number, are here now (mm), without motion.")
       .def(

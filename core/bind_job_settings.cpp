@@ -50,7 +50,7 @@ void bind_job_settings(nb::class_<JobView>& job) {
            if (stepper >= self.job.motion.machine().steppers.size() || !(value > 0))
              throw nb::value_error("no such stepper, or no such scale");
            self.job.motion.flush();
-           self.job.motion.set_steps_per_unit(stepper, value, self.job.motion.planner().position());
+           self.job.motion.set_steps_per_unit(stepper, value);
          },
          "stepper"_a, "value"_a, "Another scale of a motor, while the machine stands.")
       .def(
@@ -191,5 +191,6 @@ void bind_job_settings(nb::class_<JobView>& job) {
             });
           },
           "axis"_a, "what"_a, "value"_a, "live"_a = false,
-          "Changes an axis' `speed`, `accel` or `jerk`, never beyond the machine's own, as set_limit.");
+          "Changes an axis' `speed`, `accel` or `jerk`, never beyond the machine's own, as "
+          "set_limit.");
 }

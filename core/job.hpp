@@ -70,14 +70,7 @@ class Job {
   }
 
   // Where the plan ends, in machine mm; E of the tool in use.
-  std::array<double, kAxes> position() const {
-    const Planner& planner = motion.planner();
-    std::array<double, kAxes> p;
-    std::copy_n(planner.position(), kAxes, p.begin());
-    if (interpreter.extruder() < motion.machine().extruders.size())
-      p[kE] = planner.extruder_position(interpreter.extruder());
-    return p;
-  }
+  std::array<double, kAxes> position() const { return motion.position(interpreter.extruder()); }
 
   // After an error or a stop: the program goes on from where the plan ends.
   void abandon() {

@@ -137,8 +137,7 @@ class JunctionRule {
       double change = out * in < 0 ? std::max(std::fabs(out), std::fabs(in)) : std::fabs(out - in);
       if (change * factor > allowed) factor = allowed / change;
     };
-    for (size_t i = 0; i < machine_.axes.size(); ++i)
-      limit(slot_of_axis(int(i)), own.rows[i].jerk);
+    for (size_t i = 0; i < machine_.axes.size(); ++i) limit(slot_of_axis(int(i)), own.rows[i].jerk);
     if (before.extruder == m.extruder && !machine_.extruders.empty())
       limit(kE, own.extruders[m.extruder].jerk);
     return cap * factor * factor;

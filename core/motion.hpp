@@ -43,7 +43,6 @@ class Motion {
 
   const Machine& machine() const { return machine_; }
   Planner& planner() { return planner_; }
-  const Planner& planner() const { return planner_; }
   const PlanStatistics& plan() const { return plan_; }
   const Cpu& cpu() const { return cpu_; }
   // What boards take: see step_stream.hpp.
@@ -125,10 +124,20 @@ class Motion {
         stream_.set_position(i, position);
     }
   }
+  // Where the plan ends; E is this extruder's, if the machine has it.
+  std::array<double, kAxes> position(size_t extruder) const {
+    std::array<double, kAxes> p;
+    std::copy_n(planner_.position(), kAxes, p.begin());
+    if (extruder < machine_.extruders.size()) p[kE] = planner_.extruder_position(extruder);
+    return p;
+  }
   // Changes how many steps motor i makes for a mm or degree. Only after flush.
-  void set_steps_per_unit(size_t i, double value, const double* position) {
-    machine_.steppers[i].steps_per_unit = value;
-    if (i < stream_.motors()) stream_.set_position(i, position);
+  void set_steps_per_unit(size_t i, double value) {
+    StepperSpec& s = machine_.steppers[i];
+    s.steps_per_unit = value;
+    bool own = s.drive == Drive::extruder;
+    const auto p = position(own ? size_t(s.index) : machine_.extruders.size());
+    if (i < stream_.motors()) stream_.set_position(i, p.data());
   }
   // From now on the bed adds these heights to Z (none: it is flat). No motor moves: what changes is
   // the Z of the plan, which is then where the machine is. Only after flush.

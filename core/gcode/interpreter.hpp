@@ -75,7 +75,7 @@ class Interpreter {
       : machine_(&machine), home_(std::move(home)), laser_(laser),
         extruder_(machine.extruders.size(), 0.0), filament_(machine.extruders.size()),
         diameter_(machine.extruders.size(), kUsualMm),
-        change_(machine.extruders.size(), Change{100, 100}) {
+        change_(machine.extruders.size(), Change{100, 100}), drawn_(machine.extruders.size()) {
     std::fill(std::begin(letter_slot_), std::end(letter_slot_), int8_t(-1));
     for (size_t i = 0; i < machine.axes.size(); ++i)
       letter_slot_[machine.axes[i].letter - 'A'] = int8_t(slot_of_axis(int(i)));
@@ -119,9 +119,9 @@ class Interpreter {
     std::copy(position, position + kAxes, position_);
     if (!extruder_.empty()) position_[kE] = extruder_[active_];
   }
-  // Nothing where extruders are axes.
+  // This tool is in use, if it has an extruder. Nothing where extruders are axes.
   void take_tool(size_t tool);
-  // A tool with this extruder is in use.
+  // The first tool with this extruder is in use, unless the one in use has it.
   void use_extruder(size_t extruder) {
     for (size_t tool = 0; active_ != extruder && tool < machine_->tools.size(); ++tool)
       if (machine_->tools[tool].extruder == int(extruder)) take_tool(tool);
@@ -210,6 +210,8 @@ class Interpreter {
   // Nothing that was drawn back is to come back.
   void forget_retraction() {
     for (Filament& filament : filament_) filament.owed = 0;
+    std::fill(drawn_.begin(), drawn_.end(), Drawn{});
+    hop_ = 0;
   }
   // Whether axis slot j may be at this machine position; else what the error says.
   bool in_range(int j, double at, GcodeError& error) const {
@@ -355,10 +357,15 @@ class Interpreter {
     double at[kAxes];
   };
   Saved saved_[kSaved];  // machine positions of G60
-  bool retracted_ = false, swapped_ = false, auto_retract_ = false;
+  struct Drawn {         // by G10, not yet given back
+    bool back = false, swapped = false;
+    double mm = 0;
+  };
+  std::vector<Drawn> drawn_;  // of each extruder
+  bool auto_retract_ = false;
   uint8_t locked_ = 0;  // a bit for each axis slot
   double hop_ = 0;
-  double swap_mm_ = 13, swap_recover_mm_ = 0, retracted_mm_ = 0;
+  double swap_mm_ = 13, swap_recover_mm_ = 0;
   double retract_mm_ = 3, retract_feed_ = 45, retract_hop_ = 0, recover_mm_ = 0, recover_feed_ = 0;
   int marked_layers_ = 0;
   uint32_t risen_layers_ = 0;
@@ -452,7 +459,7 @@ class Interpreter {
     double mm = move_.target[kE] - position_[kE];
     if (!auto_retract_ || have != 1u << ('E' - 'A')) return false;
     if (std::fabs(mm) < kLeastRetract || std::fabs(mm) > kMostRetract) return false;
-    if (retracted_ == (mm < 0)) return false;  // neither a retraction nor its end
+    if (drawn_[active_].back == (mm < 0)) return false;  // neither a retraction nor its end
     run_retract(mm < 0);
     return true;
   }

@@ -446,8 +446,7 @@ inline void Interpreter::run_arc(bool clockwise, const double* value, uint32_t h
   }
   if (!arc_.begin(start, end, u, v, cu, cv, clockwise, turns))
     return none(Fault::arc, "P", turns, 0);
-  if (whole && !arc_.round())
-    return none(Fault::radii, "", arc_.start_radius(), arc_.end_radius());
+  if (whole && !arc_.round()) return none(Fault::radii, "", arc_.start_radius(), arc_.end_radius());
   ++arcs_;
   move_.feed_mm_s = feed;
   move_.duration_s = 0;
@@ -473,7 +472,7 @@ inline bool Interpreter::next_chord() {
 }
 
 inline void Interpreter::take_tool(size_t tool) {
-  if (machine_->tools.empty()) return;
+  if (machine_->tools.empty() || machine_->tools[tool].extruder < 0) return;
   for (int j = 0; j < 3; ++j) origin_[j] += machine_->tools[tool].offset[j] - tool_offset(j);
   tool_ = tool;
   active_ = size_t(machine_->tools[tool].extruder);

@@ -104,19 +104,21 @@ inline void Interpreter::queue_return(const double* to) {
 // Firmware retraction (G10, G11): filament first, then the hop; back in the reverse order.
 // `swap`: by the length for a change of tools, and so is what G11 gives back then.
 inline void Interpreter::run_retract(bool in, bool swap) {
-  if (in == retracted_ || machine_->extruders.empty()) return;
+  if (machine_->extruders.empty() || in == drawn_[active_].back) return;
   if (cold >> kE & 1) return fail(Fault::cold, "E", 0, 0);
-  retracted_ = in;
+  Drawn& drawn = drawn_[active_];
+  drawn.back = in;
   if (in) {
-    swapped_ = swap;
-    retracted_mm_ = swap ? swap_mm_ : retract_mm_;
-    queue_step(kE, -retracted_mm_, retract_feed_);
+    drawn.swapped = swap;
+    drawn.mm = swap ? swap_mm_ : retract_mm_;
+    queue_step(kE, -drawn.mm, retract_feed_);
+    if (hop_ > 0) return;  // another extruder's
     hop_ = std::clamp(retract_hop_, 0.0, std::max(0.0, high_[kZ] - position_[kZ]));
     queue_step(kZ, hop_, kInfinity);
   } else {
     queue_step(kZ, -hop_, kInfinity);
     hop_ = 0;
-    queue_step(kE, retracted_mm_ + (swapped_ ? swap_recover_mm_ : recover_mm_),
+    queue_step(kE, drawn.mm + (drawn.swapped ? swap_recover_mm_ : recover_mm_),
                recover_feed_ > 0 ? recover_feed_ : retract_feed_);
   }
 }

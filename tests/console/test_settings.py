@@ -52,6 +52,13 @@ def test_the_report_sent_back_gives_the_same_state(s):
     assert report(s) == changed
 
 
+def test_the_machine_files_retraction_comes_back_whole(s):
+    before = report(s)
+    s.host.ok("M208 S0.2 F1200 W0.3")
+    s.host.ok("M502")
+    assert report(s) == before
+
+
 def test_stored_settings_come_back_at_the_next_start(tmp_path):
     with Scenario("i3", state=str(tmp_path)) as s:
         for line in CHANGES:

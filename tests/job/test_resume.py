@@ -160,6 +160,31 @@ def test_a_full_disk_leaves_no_stale_offer(places, monkeypatch):
     assert recorded(places) is None
 
 
+@pytest.mark.parametrize(
+    ("machine", "stored"),
+    [("i3", ("M200 D1.75", "M204 P500", "M207 S5")), ("dual-extruder", ("M218 T1 X20 Y1",))],
+)
+def test_stored_settings_hold_for_the_rest_of_a_print(machine, stored, tmp_path):
+    (tmp_path / "card").mkdir()
+    tool = "T1\n" if machine != "i3" else ""
+    lines = [f"G1 X{50 + i % 2 * 30} Y50 Z5 E2 F600" for i in range(8)]
+    (tmp_path / "card" / "a.g").write_text(f"G28\n{tool}M83\n" + "\n".join(lines))
+    places = {"card": str(tmp_path / "card"), "state": str(tmp_path / "state")}
+    with Scenario(machine, **places) as s:
+        for line in (*stored, "M302 P1", "M500", "M32 a.g"):
+            s.host.ok(line)
+        s.host.expect("Done printing", 200)
+        whole, settings = s.printer.job.machine_position, s.host.ok("M503")
+    with Scenario(machine, **places) as s:
+        s.host.ok("M32 a.g")
+        assert s.until(lambda: s.printer.job.line_at(s.printer.drive.now) >= 8, 200)
+    with Scenario(machine, **places) as s:
+        s.host.ok("M1000", 200)
+        s.host.expect("Done printing", 200)
+        assert s.printer.job.machine_position == pytest.approx(whole, abs=1e-6)
+        assert s.host.ok("M503") == settings
+
+
 FAR = WALL.replace("X10", "X90").replace("X50", "X130").replace("Y10", "Y60").replace("Y50", "Y100")
 NEAR = WALL.replace("G92 E0\n", "G92 E0\nG1 X100 Y100 F6000\n")  # no straight way from home
 

@@ -23,6 +23,8 @@ WAIT_S = 1.0  # an idle console says `wait` this often
 _PLAIN = str.maketrans({"°": "", "µ": "u", "²": "2"})
 _NO_TEXT = ("M29", "M110", "M932", "M933")  # not even while a file is written
 _EVEN_AFTER_FAILURE = (*_NO_TEXT, "M108", "M112", "M410", "M876", "M999")
+# A line that begins so moves the machine; a word of an axis repeats the last move.
+_MOVES = re.compile(r"G([0-3]|10|11|28|61)\Z|M(60[01]|70[12])\Z|[A-EH-LO-RU-Z][-+.\d]")
 _HEAD = re.compile(r"\s*([A-Za-z])\s*(\d{1,9})(?:\.(\d))?\s*(.*)\Z", re.DOTALL)
 
 
@@ -69,11 +71,14 @@ class Session:
         self.advanced_ok = False
         self._upload: Upload | None = None
         self.on_upload: Callable[[bool], None] = lambda _: None  # an upload begins, or has ended
+        self._given_up = 0  # so many of the lines in hand were there when the machine was stopped
+        self._overtaken = False  # and so was the line that waits for its turn
         self._working = False  # this console's line has the turn and is under way
         self.closed = False
         self._noted: set[str] = set()
         self._then: Callable[[], None] | None = None  # to call after the last line
         printer.listeners.append(self.hear)
+        printer.stop_listeners.append(self._stopped)
         self.every("wait", WAIT_S, self._say_wait)
 
     @property
@@ -118,6 +123,7 @@ class Session:
             self._task.cancel()
         if self.hear in self._printer.listeners:
             self._printer.listeners.remove(self.hear)
+            self._printer.stop_listeners.remove(self._stopped)
 
     def end(self, then: Callable[[], None]) -> None:
         """No more lines come: those in hand are carried out, then it closes."""
@@ -169,6 +175,8 @@ class Session:
         """Carries out lines until one has to wait."""
         while self._lines:
             heard = self._lines.popleft()
+            given_up = self._given_up > 0
+            self._given_up -= given_up
             self._ok = ""
             if isinstance(heard, Refusal):
                 if heard.resend is None:
@@ -180,7 +188,7 @@ class Session:
                 continue
             line, command, seen = heard
             try:
-                if self._take(line, command, seen=seen):
+                if self._take(line, command, seen=seen, given_up=given_up):
                     return
             except Exception as error:
                 self._not_done(error)
@@ -192,7 +200,7 @@ class Session:
             self.close()
             self._then()
 
-    def _take(self, line: Line, command: Command, *, seen: bool) -> bool:
+    def _take(self, line: Line, command: Command, *, seen: bool, given_up: bool) -> bool:
         """Carries out a line; True if it has to wait, which a task does."""
         printer, code = self._printer, command.code
         if seen and code in ("M28", "M29"):
@@ -203,7 +211,7 @@ class Session:
             self._ahead.act(command)  # it was to be text for a file, and has become none
         if refused or stored or self._halted(code):
             return False
-        if printer.act(command, self):
+        if printer.act(command, self) or (given_up and self._was_stopped(code)):
             return False
         if not (printer.has_room() and printer.turn.take()):
             self._begin(line, code, None, queued=True)
@@ -232,7 +240,8 @@ class Session:
                 await printer.turn.wait()
                 has_turn = True
                 hurried = await printer.room()
-                if not self._refused(code) and not self._halted(code):
+                overtaken = self._overtaken and self._was_stopped(code)
+                if not (overtaken or self._refused(code) or self._halted(code)):
                     wait = printer.take_line(line.text, self)
             self._working = True
             await printer.finish(wait, self, first_ends=hurried, all_end=lambda: self.closed)
@@ -242,10 +251,23 @@ class Session:
             self.every("busy", 0, None)
             if has_turn:
                 printer.turn.give()
-            self._task, self._working = None, False
+            self._task, self._working, self._overtaken = None, False, False
         if not self.closed:
             self._acknowledge(line.number)
             self._work()
+
+    def _stopped(self, _: str) -> None:
+        """M410, or a switch that was hit: moves in hand are forgotten with those planned. What
+        else is in hand is carried out; a heater may have to go off."""
+        if not self._printer.halted:
+            self._given_up = len(self._lines)
+            self._overtaken = self._task is not None and not self._working
+
+    def _was_stopped(self, code: str) -> bool:
+        if _MOVES.match(code):
+            self.fail(f"{code} is not carried out: it was in hand when the machine was stopped")
+            return True
+        return False
 
     def _not_done(self, error: Exception) -> None:
         """A line that failed. After a fault of the program nobody knows what holds: all goes off,

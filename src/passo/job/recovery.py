@@ -16,6 +16,7 @@ from passo.printer.faults import problem_of
 from passo.printer.slots import E, X, Y, Z
 from passo.printer.switches import axes_of_arms, home_point
 from passo.printer.waits import Homing, Silence, Temperatures, Wait
+from passo.printer.words import Command
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -44,11 +45,14 @@ def offset_of_line(reader: Reader, line: int) -> int:
     return at
 
 
-def state_before(machine: MachineConfig, reader: Reader, end: int) -> _core.Job:
-    """A job that has read the first `end` bytes of a program, without motion: where the machine is
-    then, and in which state the program. Raises InputError."""
+def state_before(printer: Printer, reader: Reader, end: int) -> _core.Job:
+    """A job that has read the first `end` bytes of a program, without motion, with the settings
+    that the printer has: where the machine is then, and in which state the program. Raises
+    InputError."""
+    machine = printer.machine
     job = _core.Job(machine.core_spec(), False, False, False)
     commands = Commands.of_plan(machine, job)
+    _set_up(job, commands, printer)
     rest = at_rest(job)
 
     def settle(wait: Wait) -> None:
@@ -60,6 +64,19 @@ def state_before(machine: MachineConfig, reader: Reader, end: int) -> _core.Job:
     for _ in read_program(job, commands, _up_to(reader, end), "", settle):
         pass
     return job
+
+
+def _set_up(job: _core.Job, commands: Commands, printer: Printer) -> None:
+    """The printer's settings, as far as they concern what a program means."""
+    for tool, offset in enumerate(printer.job.tool_offsets):
+        for axis, mm in enumerate(offset):
+            job.set_tool_offset(tool, axis, mm)
+    job.select(True)
+    for line in printer.settings():
+        job.feed(line.encode() + b"\n")
+        while job.advance() == _core.JobStatus.EVENT:
+            commands.run(Command(*job.event))
+    job.select(False)
 
 
 def _up_to(reader: Reader, end: int) -> Iterator[bytes]:
@@ -105,7 +122,7 @@ class Recovery:
         """Brings the machine to where the print goes on; returns the offset to read from."""
         printer = self._printer
         offset = offset_of_line(self._reader, self._moment.line)
-        state = state_before(printer.machine, self._reader, offset)
+        state = state_before(printer, self._reader, offset)
         for axis, mm in self._moment.babysteps_mm.items():
             if not state.shift("xyz".index(axis), mm):
                 raise CommandError(

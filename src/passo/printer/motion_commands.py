@@ -217,10 +217,7 @@ class MotionCommands:
         job = self._printer.job
         mm, feed, hop, extra, back, swap, swap_extra = job.retraction
         yield f"M207 S{mm:.10g} F{feed * 60:.10g} Z{hop:.10g} R{extra:.10g} W{swap:.10g}"
-        if back > 0:
-            yield f"M208 S{extra:.10g} F{back * 60:.10g} W{swap_extra:.10g}"
-        elif swap_extra:
-            yield f"M208 W{swap_extra:.10g}"
+        yield f"M208 S{extra:.10g} F{(back or feed) * 60:.10g} W{swap_extra:.10g}"
         yield f"M209 S{int(job.auto_retract)}"
 
     # -- offsets ----------------------------------------------------------------------------------

@@ -86,7 +86,8 @@ class Printer:
             | self.endstops.immediate
         )
         self.planned: dict[str, Handler] = (
-            self.heat.planned
+            {"M112": self._halt_by_line, "M410": self._stop_by_line}
+            | self.heat.planned
             | self.motion.planned
             | self.mains.planned
             | self.motors.planned
@@ -481,6 +482,15 @@ class Printer:
                 listener(fault)
 
     # -- within -----------------------------------------------------------------------------------
+
+    def _halt_by_line(self, _: Command, __: Reply) -> Wait | None:
+        """M112 where no console has seen it come: in a file, or behind another command."""
+        self.halt("emergency stop by M112")
+        return None
+
+    def _stop_by_line(self, _: Command, __: Reply) -> Wait | None:
+        self.stop_all("M410")
+        return None
 
     def _apply_target(self, heater: int, celsius: float) -> None:
         self.connection.set_target(self.heaters[heater], celsius)

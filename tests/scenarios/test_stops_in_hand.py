@@ -1,0 +1,75 @@
+"""Stops that stand in a file or behind another command, and what they leave of lines in hand."""
+
+from __future__ import annotations
+
+import pytest
+from tests.console.scenario import Host, Scenario
+
+START = 20.0  # of X, mm, when the power comes
+
+
+@pytest.fixture
+def s():
+    with Scenario() as scenario:
+        for line in ("G92 X0 Y0 Z0", "G1 X10 F6000", "M400"):
+            scenario.host.ok(line, 20)
+        yield scenario
+
+
+@pytest.mark.parametrize("line", ["M400 M112", "G91 M112", "(now) M112", "M104 S200 M112"])
+def test_m112_behind_another_command_halts(s, line):
+    s.host.ok("M104 S150")
+    s.host.ok(line)
+    s.host.expect("Error:Printer halted: emergency stop by M112", 2)
+    assert s.printer.connection.heaters["hotend"].target == 0
+
+
+def test_m112_in_a_file_halts(tmp_path):
+    (tmp_path / "a.g").write_text("G92 X0\nM104 S200\nG1 X5 F600\nM400\nM112\nG1 X50\n")
+    with Scenario(card=str(tmp_path)) as s:
+        s.host.ok("M32 a.g")
+        s.host.expect("Error:Printer halted: emergency stop by M112", 20)
+        assert s.printer.connection.heaters["hotend"].target == 0
+        assert s.host.ok("M27")[0] == "Not SD printing"
+        s.passes(5)
+        assert s.positions()["x"] == pytest.approx(START + 5, abs=0.02)
+
+
+def test_m410_in_a_file_ends_its_print(tmp_path):
+    (tmp_path / "a.g").write_text("G92 X0\nG1 X5 F600\nM400\nM410\nG1 X50\n")
+    with Scenario(card=str(tmp_path)) as s:
+        s.host.ok("M32 a.g")
+        s.host.expect("Print of a.g stopped: M410", 20)
+        s.passes(5)
+        assert s.positions()["x"] == pytest.approx(START + 5, abs=0.02)
+
+
+@pytest.mark.parametrize("own", [True, False])
+def test_m410_forgets_moves_in_hand_too(s, own):
+    lines = [f"G1 X{20 + 80 * (i % 2)} F3000" for i in range(40)] + ["X30", "M104 S0", "M105"]
+    s.host.ok("M104 S150")
+    s.host.send(*lines)
+    s.passes(3)
+    (s.host if own else Host(s)).ok("M410")
+    s.passes(1)
+    at = s.positions()
+    s.passes(20)
+    assert s.positions() == at
+    assert len([x for x in s.host.heard if x.startswith("ok")]) == 4 + len(lines) + own
+    assert "echo:G1 is not carried out: it was in hand when the machine was stopped" in s.host.heard
+    # What is no move is done: the heater is off.
+    assert s.printer.connection.heaters["hotend"].target == 0
+    s.host.ok("G1 X12")
+    s.host.ok("M400", 20)
+    assert s.positions()["x"] == pytest.approx(START + 12, abs=0.02)
+
+
+def test_a_file_that_is_uploaded_keeps_lines_that_were_in_hand(tmp_path):
+    with Scenario(card=str(tmp_path)) as s:
+        other = Host(s)
+        s.host.ok("G92 X0")
+        s.host.send("G1 X50 F600", "M400", "M28 a.g", "G1 X1", "G1 X2", "M29")
+        s.passes(1)
+        other.ok("M410")
+        s.passes(1)
+        assert (tmp_path / "a.g").read_text() == "G1 X1\nG1 X2\n"

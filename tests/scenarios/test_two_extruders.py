@@ -1,0 +1,161 @@
+"""Two extruders: pauses, stops and settings while the program has read beyond a change of tools."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from tests.console.scenario import Host, Scenario
+from tests.scenarios.test_extruder_axes import text as extruder_axes
+
+from passo import config
+from passo.config.machine import MachineConfig
+from passo.printer.slots import E
+
+PER_MM = 95.5
+PARK = "\n[park]\nposition_mm = [5.0, 180.0]\nretract_mm = 2.0\n"
+# T1 prints, and T0 has lines that are read ahead when it stops.
+BOTH = "\n".join(
+    ["M302 P1", "G28", "T1", "M83"]
+    + [f"G1 X{50 + 30 * (i % 2)} Y50 Z5 E2 F1800" for i in range(6)]
+    + ["T0"]
+    + [f"G1 X{50 + 30 * (i % 2)} E2 F1800" for i in range(6)]
+)
+
+
+def machine(text: str = "") -> MachineConfig:
+    return config.load_text((text or config.shipped_text("dual-extruder")) + PARK)
+
+
+def filament(s: Scenario) -> tuple[float, float]:
+    """What the motors have pushed, mm."""
+    return tuple(round(s.board.net_steps(e) / PER_MM, 1) for e in ("e", "e1"))  # type: ignore
+
+
+def moved(s: Scenario, *lines: str) -> tuple[float, float]:
+    before = filament(s)
+    for line in lines:
+        s.host.ok(line, 60)
+    s.host.ok("M400", 60)
+    return tuple(round(b - a, 1) for a, b in zip(before, filament(s), strict=True))  # type: ignore
+
+
+@pytest.fixture
+def s():
+    with Scenario(machine()) as scenario:
+        for line in ("M302 P1", "G28", "G1 X50 Y50 Z5 F6000", "M83", "G1 E50 F3000", "M400"):
+            scenario.host.ok(line, 60)
+        yield scenario
+
+
+@pytest.fixture
+def printing(tmp_path):
+    """T1 prints its third line."""
+    (tmp_path / "a.g").write_text(BOTH)
+    with Scenario(machine(), card=str(tmp_path)) as scenario:
+        scenario.host.ok("M32 a.g")
+        job, drive = scenario.printer.job, scenario.printer.drive
+        assert scenario.until(lambda: job.line_at(drive.now) >= 8, 300)
+        assert job.tool == 0  # read ahead
+        yield scenario
+
+
+@pytest.mark.parametrize(
+    "lines", [("M400",), ("T0", "M400"), ("T0", "G92 E0", "T1"), ("T0", "G1 X100 F6000", "M400")]
+)
+def test_a_pause_draws_back_the_filament_that_is_printed_and_gives_it_back(printing, lines):
+    printing.host.ok("M25")
+    printing.passes(8)
+    at_stop = printing.printer.job.stop_position[E]
+    assert filament(printing) == pytest.approx((0, at_stop - 2), abs=0.1)
+    for line in lines:
+        printing.host.ok(line, 20)
+    printing.host.ok("M24")
+    printing.host.expect("Done printing", 60)
+    assert filament(printing) == pytest.approx((12, 12), abs=0.1)
+
+
+def test_filament_that_is_pushed_in_a_pause_is_that_of_the_tool_in_use(printing):
+    printing.host.ok("M25")
+    printing.passes(8)
+    assert moved(printing, "G91", "G1 E3 F300") == pytest.approx((0, 3), abs=0.2)
+    assert moved(printing, "T0", "G1 E4 F300") == pytest.approx((4, 0), abs=0.1)
+    printing.host.ok("M24")
+    printing.host.expect("Done printing", 60)
+    assert filament(printing) == pytest.approx((12 + 4, 12 + 3), abs=0.1)
+
+
+@pytest.mark.parametrize("stop", ["M410", "M524"])
+def test_after_a_stop_each_extruder_is_where_it_stands(printing, stop):
+    printing.host.ok(stop)
+    printing.passes(2)
+    assert printing.printer.job.tool == 1  # its nozzle is over the print
+    printing.host.ok("M83")
+    assert moved(printing, "G1 E1 F300") == pytest.approx((0, 1), abs=0.1)
+    assert moved(printing, "T0", "G1 E1") == pytest.approx((1, 0), abs=0.1)
+    assert moved(printing, "T1", "G1 E1") == pytest.approx((0, 1), abs=0.1)
+
+
+def test_a_pause_right_behind_a_change_of_tools(s):
+    s.host.ok("T1")
+    before = filament(s)
+    s.host.send("M600")
+    s.passes(8)
+    assert filament(s) == pytest.approx((before[0], before[1] - 2), abs=0.1)
+    Host(s).send("M108")
+    s.passes(8)
+    assert filament(s) == before
+
+
+@pytest.mark.parametrize(
+    "lines", [("T1", "M92 T1 E95.5"), ("M92 T1 E95.5", "T1"), ("T1", "M502", "M302 P1")]
+)
+def test_scales_of_an_extruder_that_does_not_move(s, lines):
+    assert moved(s, *lines) == (0, 0)
+    assert moved(s, "G1 E1 F300") == pytest.approx((0, 1), abs=0.1)
+    assert moved(s, "T0", "G1 E1") == pytest.approx((1, 0), abs=0.1)
+
+
+def test_each_extruder_has_its_own_retraction(s):
+    s.host.ok("T1")
+    assert moved(s, "G10") == pytest.approx((0, -3), abs=0.1)
+    assert moved(s, "T0", "G11") == (0, 0)
+    assert moved(s, "G10") == pytest.approx((-3, 0), abs=0.1)
+    assert moved(s, "G11") == pytest.approx((3, 0), abs=0.1)
+    assert moved(s, "T1", "G11") == pytest.approx((0, 3), abs=0.1)
+
+
+def test_extruders_of_one_nozzle_lift_it_once(s):
+    s.host.ok("M207 Z0.5")
+    for line, z in (("G10", 5.5), ("T1", 5.5), ("G10", 5.5), ("G11", 5.0), ("T0", 5.0)):
+        s.host.ok(line)
+        s.host.ok("M400", 20)
+        assert s.positions()["z"] == pytest.approx(z, abs=0.01), line
+    assert moved(s, "G11") == pytest.approx((3, 0), abs=0.1)
+    assert s.positions()["z"] == pytest.approx(5.0, abs=0.01)
+
+
+def test_a_stop_forgets_a_retraction_that_did_not_come_to_pass(s):
+    s.host.ok("M207 Z0.5")
+    s.host.send("G1 X200 F1200", "G10")
+    s.passes(1)
+    s.host.ok("M410")
+    assert moved(s, "G11") == (0, 0)
+    assert moved(s, "G10") == pytest.approx((-3, 0), abs=0.1)
+
+
+@pytest.mark.parametrize("line", ["G1 U20 F300", "G1 U-20 F300", "G1 V9 F300"])
+def test_filament_of_axes_may_be_pushed_in_a_pause(tmp_path, line):
+    moves = [f"G1 X{50 + i % 2 * 40} Y{50 + i} U1 F1500" for i in range(12)]
+    (tmp_path / "a.g").write_text("\n".join(["M302 P1", "G28", "M83", *moves, "G1 V5 F600"]))
+    own = re.sub(r"\[park\]\n(.+\n)*", "", extruder_axes())
+    with Scenario(machine(own), card=str(tmp_path)) as s:
+        s.host.ok("M32 a.g")
+        s.until(lambda: s.printer.job.line_at(s.printer.drive.now) >= 8, 300)
+        for command in ("M25", "M400", "G91", line, "M24"):
+            s.host.ok(command, 60)
+        s.host.expect("Done printing", 60)
+        mm = float(line.split()[1][1:])
+        u, v = (mm, 0) if "U" in line else (0, mm)
+        at = s.positions()
+        assert (at["u"], at["v"]) == pytest.approx((12 + u, 5 + v), abs=0.05)
