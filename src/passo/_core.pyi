@@ -1317,9 +1317,6 @@ class Job:
     def suspend(self) -> None:
         """After hold_from: other moves may come before what is held."""
 
-    def use_tool_at_stop(self) -> None:
-        """While suspended: the tool is in use that was when the program stopped."""
-
     @property
     def suspended(self) -> bool: ...
 
