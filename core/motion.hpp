@@ -565,7 +565,8 @@ class Motion {
     };
     auto later = [&] { return !placed_.empty() && placed_.back().clock > at; };
     for (size_t i = rest.size(); i-- > (under_way ? 1 : 0); next = &rest[i].records) {
-      for (; later() && placed_.back().alone; ++*next) back();
+      auto behind = [&] { return double(placed_.back().clock) > rest[i].start + 0.5; };
+      for (; later() && placed_.back().alone && behind(); ++*next) back();
       // One that is due at the very clock of the cut has been.
       uint32_t n = 0;
       for (; n < rest[i].records && later(); ++n) back();

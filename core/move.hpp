@@ -21,9 +21,10 @@ struct Move {
   double vn2, vj2;              // caps of v²: within the move; at its start
   double duty;                  // share of a laser's power at 1 mm/s; of a dwell: its share
   double feed, duration, radius, fastest;  // as requested, kept for replanning
-  double flow, owed;                       // of MoveRequest; `owed` at its start
-  double curved_steps;                     // steps of the nonlinear actuators, at most
-  double tolerance;  // ticks by which steps may miss their ideal times; 0: the board's own
+  double from_faster;  // deceleration from beyond its nominal speed, after a replan; 0: never there
+  double flow, owed;   // of MoveRequest; `owed` at its start
+  double curved_steps;  // steps of the nonlinear actuators, at most
+  double tolerance;     // ticks by which steps may miss their ideal times; 0: the board's own
   double step_load, command_load;  // share of the board's budget that was asked for; ≤ 1: kept
   double steps, commands;          // of all motors together, as the budget reckons; 0 without one
   double ahead0, ahead1;  // commands ahead of the board's rate at its start and end, at most

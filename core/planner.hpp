@@ -108,6 +108,7 @@ class Planner {
       if (!bounds_.apply(m, rules_.of(m.rules))) continue;
       carried = 0;
       m.b = std::max(m.b, braking);
+      m.from_faster = braking;
       enqueue(m, false);
     }
     settle(false);
@@ -188,6 +189,7 @@ class Planner {
     m.duration = r.duration_s;
     m.fastest = r.fastest_mm_s;
     m.radius = r.radius_mm;
+    m.from_faster = 0;
     m.flow = r.flow;
     m.owed = r.owed_mm;
     m.rules = rules_.use();
@@ -279,9 +281,11 @@ class Planner {
       clock_ += m.t_cru;
       return;
     }
-    double braking = m.a;
-    if (start2 - end2 > reach) {
-      braking = std::min(m.b, (start2 - end2) / (2 * m.d));
+    // The bends of nonlinear axes take more of their acceleration at a higher speed.
+    bool faster = start2 > m.vn2 * (1 + 1e-9) && m.from_faster > 0;
+    double hardest = faster ? m.from_faster : m.b, braking = std::min(m.a, hardest);
+    if (start2 - end2 > 2 * braking * m.d) {
+      braking = std::min(hardest, (start2 - end2) / (2 * m.d));
       double least2 = start2 - 2 * braking * m.d;
       if (least2 > end2 + 1e-9 * start2 + 1e-10)
         end2 = least2;  // beyond rounding: cannot brake that hard

@@ -157,3 +157,70 @@ def test_pauses_and_limits_beside_it(whole, seed):
         disturb(s, generator, perhaps)
         assert s.board.device.fault == ""
         assert steps(s) == wanted
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.06, 0.12, 0.18, 0.24, 0.3, 1.0])
+def test_a_pause_that_the_link_does_not_outlive(whole, delay):
+    card, wanted = whole
+    with Scenario(FIRMWARE, card=str(card)) as s:
+        s.host.ok("M32 a.g")
+        s.passes(20)
+        s.host.ok("M25")
+        s.passes(delay)
+        break_link(s, 0.5)
+        s.host.expect("The board is back", 10)
+        s.host.ok("M220 S50")
+        s.passes(1)
+        s.host.ok("M24")
+        s.passes(3)
+        s.host.ok("M220 S100")
+        s.host.expect("Done printing", 900)
+        assert s.board.device.fault == ""
+        assert steps(s) == wanted
+
+
+def test_what_waits_for_heat_can_be_shifted_hurried_and_paused(whole):
+    card, wanted = whole
+    with Scenario(FIRMWARE, card=str(card)) as s:
+        s.host.ok("M32 a.g")
+        s.passes(20)
+        s.host.ok("M104 S150")
+        s.passes(3)
+        break_link(s, 0.5)
+        s.host.expect("The board is back", 10)
+        assert s.printer.job.holds
+        stood = steps(s)
+        s.host.ok("M290 Z0.2")
+        s.host.ok("M290 X-1.5")
+        s.host.ok("M220 S200")
+        s.passes(2)
+        assert steps(s) == stood
+        s.host.ok("M25")
+        s.host.ok("M290 Z0.1")
+        s.passes(60)
+        assert steps(s) == stood
+        s.host.ok("M24")
+        s.host.expect("Done printing", 900)
+        assert s.board.device.fault == ""
+        shifted = {"x": wanted["x"] - 120, "z": wanted["z"] + 120}
+        assert steps(s) == wanted | shifted
+
+
+@pytest.mark.parametrize("delay", [0.05, 0.2, 1.0])
+def test_a_laser_that_a_pause_has_put_out_is_lit_again(tmp_path, delay):
+    (tmp_path / "a.g").write_text("G92 X0 Y0\nM3 S800\nG1 X100 F600\nM5\n")
+    with Scenario(LASER, card=str(tmp_path)) as s:
+        s.host.ok("M32 a.g")
+        s.passes(3)
+        assert s.board.output_value("laser") > 0
+        s.host.ok("M25")
+        s.passes(delay)
+        break_link(s, 0.5)
+        s.host.expect("The board is back", 10)
+        s.passes(1)
+        assert s.board.output_value("laser") == 0
+        s.host.ok("M24")
+        s.passes(2)
+        assert s.board.output_value("laser") > 0
+        s.host.expect("Done printing", 30)
+        assert s.board.output_value("laser") == 0

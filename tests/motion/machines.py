@@ -5,6 +5,33 @@ from __future__ import annotations
 from math import inf
 from typing import Any
 
+from pydantic import TypeAdapter
+
+from passo.config import load
+from passo.geometry.base import GeometryModel
+from passo.geometry.registry import AnyGeometry
+
+Point = tuple[float, float, float]
+REACH: dict[str, tuple[Point, Point]] = {  # machine: middle and half sizes of a box in its reach
+    "delta": ((0, 0, 60), (45, 45, 40)),
+    "rotary-delta": ((0, 0, 20), (40, 40, 15)),
+    "scara": ((100, 100, 50), (60, 60, 40)),
+    "dual-scara": ((0, 78, 25), (30, 16, 20)),
+}
+
+
+def nonlinear(name: str) -> tuple[dict[str, Any], GeometryModel]:
+    """One of REACH, and the plain geometry of it; the arms on two towers are driven as those of
+    the SCARA."""
+    machine = load("scara" if name == "dual-scara" else name)
+    spec, geometry = machine.core_spec(), machine.geometry
+    if name == "dual-scara":
+        geometry = TypeAdapter(AnyGeometry).validate_python({"kind": "dual_scara"})
+        spec["geometry"] = geometry.spec()
+        for row in spec["steppers"][:3]:
+            row |= {"min": -inf, "max": inf}
+    return spec, geometry
+
 
 def axis(letter: str, **limits: float) -> dict[str, Any]:
     values = {"min": -1000.0, "max": 1000.0, "speed": 300.0, "accel": 3000.0, "jerk": 10.0}

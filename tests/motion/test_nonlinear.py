@@ -9,13 +9,9 @@ from hypothesis import strategies as st
 from tests.oracles import motion as oracle
 
 from passo._core import Motion
-from passo.config import load
 
-REACH = {  # machine: middle and half sizes of a box that it reaches
-    "delta": ((0, 0, 60), (45, 45, 40)),
-    "rotary-delta": ((0, 0, 20), (40, 40, 15)),
-    "scara": ((100, 100, 50), (60, 60, 40)),
-}
+from .machines import REACH, nonlinear
+
 share = st.integers(-1000, 1000).map(lambda n: n / 1000)
 point = st.tuples(share, share, share)
 paths = st.lists(st.tuples(point, st.integers(5, 250)), min_size=1, max_size=5)
@@ -30,8 +26,7 @@ def nozzle(move, tick):
 @given(path=paths)
 @settings(max_examples=10, deadline=None)
 def test_steps_stand_where_the_inverse_says(name, path):
-    machine = load(name)
-    spec = machine.core_spec()
+    spec, geometry = nonlinear(name)
     centre, _ = REACH[name]
     motion = Motion(spec, True)
     start = [*map(float, centre), 0.0]
@@ -44,7 +39,6 @@ def test_steps_stand_where_the_inverse_says(name, path):
     motion.flush()
     moves = motion.take_moves()
     messages = motion.take_messages()
-    geometry = machine.geometry
     for i, row in enumerate(spec["steppers"][:3]):
         per_unit = row["steps_per_unit"]
         count = begin[i]
@@ -68,8 +62,7 @@ def test_steps_stand_where_the_inverse_says(name, path):
 @given(path=paths)
 @settings(max_examples=10, deadline=None)
 def test_no_motor_beyond_its_limits(name, path):
-    machine = load(name)
-    spec = machine.core_spec()
+    spec, geometry = nonlinear(name)
     centre, half = REACH[name]
     motion = Motion(spec, False)
     motion.set_position([*map(float, centre), 0.0])
@@ -89,7 +82,7 @@ def test_no_motor_beyond_its_limits(name, path):
                         move.end_ticks - move.decelerate_ticks,
                     )
                 )
-                q = [machine.geometry.inverse(nozzle(move, tick + d))[i] for d in (-h, 0, h)]
+                q = [geometry.inverse(nozzle(move, tick + d))[i] for d in (-h, 0, h)]
                 assert abs(q[2] - q[0]) / 2e-3 <= row["speed"] * 1.01
                 if not corner:
                     assert abs(q[2] - 2 * q[1] + q[0]) / 1e-6 <= row["accel"] * 1.01 + 1e-3

@@ -185,3 +185,78 @@ def test_a_dwell_ends_early_and_what_was_due_behind_it_is_done(follows):
     messages = motion.take_messages()
     assert [(m[2], m[4]) for m in messages if m[0] == "pin"] == [(cut, 7)]
     assert_arrived(motion, messages, [20.0 if follows else 10.0, 0.0, 0.0, 0.0])
+
+
+def pins(messages):
+    return [(m[2], m[4]) for m in messages if m[0] == "pin"]
+
+
+def test_a_record_at_the_very_clock_of_a_cut_is_done_once():
+    motion = Motion(cartesian(), True)
+    motion.push([0, 0, 0, 0], 50.0, "dwell", duration_s=1.0)
+    motion.record(2, 7)
+    motion.push([10, 0, 0, 0], 50.0)
+    motion.record(2, 8)
+    motion.push([20, 0, 0, 0], 50.0)
+    motion.flush()
+    assert motion.replan_from(oracle.HZ) == oracle.HZ
+    motion.flush()
+    motion.take_moves()
+    assert [v for _, v in pins(motion.take_messages())] == [7, 8]
+
+
+def test_a_record_behind_a_stop_keeps_its_place_when_the_move_before_it_is_cut():
+    motion = Motion(cartesian(), True)
+    motion.push([10, 0, 0, 0], 50.0)
+    motion.flush()
+    motion.record(2, 7)
+    motion.push([20, 0, 0, 0], 50.0)
+    motion.record(2, 8)
+    motion.push([30, 0, 0, 0], 50.0)
+    motion.flush()
+    motion.take_moves()
+    motion.replan_from(0.1 * oracle.HZ)
+    motion.flush()
+    starts = [round(m.start_ticks) for m in motion.take_moves()]
+    assert pins(motion.take_messages()) == [(starts[1], 7), (starts[2], 8)]
+
+
+def test_what_is_recorded_at_a_stop_does_not_take_the_place_of_what_is_held():
+    motion = Motion(cartesian(), True)
+    motion.push([50, 0, 0, 0], 50.0)
+    motion.record(2, 7)
+    motion.push([100, 0, 0, 0], 50.0)
+    motion.record(2, 8)
+    motion.hold_from(0.5 * oracle.HZ)
+    stopped = motion.clock
+    motion.record(2, 9)
+    motion.set_speed_factor(2.0)
+    motion.replan_from(0.0)
+    motion.take_moves()
+    motion.release()
+    motion.flush()
+    moves = motion.take_moves()
+    assert pins(motion.take_messages()) == [
+        (round(stopped), 9),
+        (round(moves[1].start_ticks), 7),
+        (round(moves[1].end_ticks), 8),
+    ]
+
+
+def test_what_is_held_is_shifted_by_going_over_to_it():
+    motion = Motion(cartesian(), True)
+    motion.push([100, 0, 0, 0], 50.0)
+    cut = motion.hold_from(1.0 * oracle.HZ)
+    assert motion.shift_from(cut, 2, 0.5) == motion.clock
+    motion.shift_from(cut, 1, -0.25)
+    motion.take_moves()
+    motion.release()
+    motion.flush()
+    moves = motion.take_moves()
+    stop = moves[0].start_mm[0]
+    assert [m.end_mm[:3] for m in moves] == [
+        (stop, -0.25, 0.0),
+        (stop, -0.25, 0.5),
+        (100.0, -0.25, 0.5),
+    ]
+    assert_arrived(motion, motion.take_messages(), [100.0, -0.25, 0.5, 0.0])

@@ -8,9 +8,9 @@ import pytest
 from tests.oracles import motion as oracle
 
 from passo._core import Motion
-from passo.config import load
 
-from .test_nonlinear import REACH, nozzle
+from .machines import REACH, nonlinear
+from .test_nonlinear import nozzle
 
 H = 1e-3  # seconds between two looks
 # Heights, mm, at the four corners of a square of 400 mm: beyond what anybody prints on.
@@ -21,8 +21,7 @@ BEDS = {
 
 
 def above(name, bed):
-    machine = load(name)
-    spec = machine.core_spec()
+    spec, geometry = nonlinear(name)
     for row in spec["steppers"]:
         row["accel"] = min(row["accel"], 3000.0)
         row["speed"] = min(row["speed"], 250.0)
@@ -35,14 +34,14 @@ def above(name, bed):
         (-200.0, -200.0), (400.0, 400.0), [[bed(x, y) for x in (-200, 200)] for y in (-200, 200)]
     )
     motion.set_position([*map(float, centre[:2]), z, 0.0])
-    return machine, spec, centre, half, motion
+    return geometry, spec, centre, half, motion
 
 
 @pytest.mark.parametrize("bed", BEDS)
 @pytest.mark.parametrize("name", [*REACH, "i3", "corexy"])
 def test_no_motor_exceeds_its_limits(name, bed):
     height = BEDS[bed]
-    machine, spec, centre, half, motion = above(name, height)
+    geometry, spec, centre, half, motion = above(name, height)
     random = Random(name + bed)
     if name in REACH:
         half = tuple(0.5 * h for h in half)
@@ -54,7 +53,7 @@ def test_no_motor_exceeds_its_limits(name, bed):
 
     def actuators(move, tick):
         x, y, low = nozzle(move, tick)
-        return machine.geometry.inverse((x, y, low + height(x, y)))
+        return geometry.inverse((x, y, low + height(x, y)))
 
     h = H * oracle.HZ
     limits = [(row["speed"], row["accel"]) for row in spec["steppers"][:3]]
