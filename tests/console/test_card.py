@@ -450,13 +450,23 @@ def test_no_other_file_than_the_named_one_is_deleted(s, folder):
     assert not (folder / "ish.gcode").exists()
 
 
+@pytest.mark.parametrize("line", ["M106 P", "M104 Sabc", "G1 X", "M207 S"])
+def test_a_word_without_a_number_stops_a_print_at_its_line(s, folder, line):
+    (folder / "a.g").write_text(f"G92 X20 Y20 Z20\nG1 X30 F3000\n{line}\nG1 X40\n")
+    s.host.ok("M32 a.g")
+    word = line.split()[1][0]
+    s.host.expect(f"^echo:Print of a.g stopped: a.g:3: the word '{word}' has no valid number", 5)
+    s.passes(2)
+    assert s.positions()["x"] == pytest.approx(30.0, abs=0.01)
+
+
 def test_a_failed_print_says_once_what_to_do(s, folder):
     (folder / "a.g").write_text("M140 S50\nM106 S255\nM23 nothere.g\nG4 P9\n")
     s.host.ok("M32 a.g")
     assert s.host.expect("stopped", 5) == (
-        "echo:Print of a.g stopped: file.open failed, File: nothere.g. /nothere.g: is not on the"
-        " card. List the card and name what is there. Mend it and go on after it (M24), or cancel"
-        " (M524)."
+        "echo:Print of a.g stopped: a.g:3: file.open failed, File: nothere.g. /nothere.g: is not"
+        " on the card. List the card and name what is there. Mend it and go on after it (M24), or"
+        " cancel (M524)."
     )
     s.passes(1)
     bed = s.printer.connection.heaters["bed"]

@@ -32,6 +32,8 @@ rotary_delta 37448 f47f62eff875383c
 scara 30962 899adf29fe8cb1a3
 short of commands 19751 13b200538a28ef56
 above a bent bed 43466 5e505609be3e8242
+demo 232871 6d670657abd8938c
+gear_arcs 378449 c079d009cd04ff49
 """
 
 

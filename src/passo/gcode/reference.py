@@ -34,6 +34,13 @@ A line is read from left to right.
 - M117 and other commands whose argument is text, not words, take the rest of the line.
 - A name of two letters or more (`SET_VELOCITY_LIMIT ACCEL=500`) takes the whole line.
 
+## Arcs
+
+The centre (I, J, K) counts from where the arc begins. Its distances from both ends may differ a
+little, as rounded coordinates make them do: by 0.5 % of the larger one, or by 0.05 mm where that is
+more, but never by more than 0.5 mm. Such an arc is a spiral; beyond that the line is an error that
+names both distances. P is the number of turns.
+
 """
 _WHEN = """## When a command acts
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from enum import Enum
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Protocol
 
 from passo import _core
 from passo.config.drives import axis_order
-from passo.errors import CommandError, PassoError
+from passo.errors import CommandError, InputError, PassoError
 from passo.job.park import Park
 from passo.printer.drive import TICK_S
 from passo.printer.faults import problem_of
@@ -365,7 +366,12 @@ class Runner:
             else:
                 job.finish()
         elif found == status.EVENT:
-            wait = printer.run_command(Command(*job.event), self._reply)
+            command = Command(*job.event)
+            try:
+                wait = printer.run_command(command, self._reply)
+            except InputError as error:
+                problems = [replace(p, file=self.name, line=command.line) for p in error.problems]
+                raise InputError(problems) from None
             if wait is not None:
                 await printer.wait(wait, self._reply)
             if printer.commands.ended:
