@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+import termios
 import tty
 from pathlib import Path
 
@@ -55,6 +56,8 @@ class _Pty(StreamWire):
             self._uploads(False)
             if self.writer is not None:
                 self.writer.abort()
+            assert self._slave is not None
+            termios.tcflush(self._slave, termios.TCIFLUSH)  # answers to the host that has gone
             self._joining = asyncio.get_running_loop().create_task(self._join())
 
     def _uploads(self, uploads: bool) -> None:
