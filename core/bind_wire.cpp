@@ -345,6 +345,13 @@ void bind_link(nb::module_& m) {
           "queue"_a.none(), nb::keep_alive<1, 2>())
       .def("start_job", &held<&Link::start_job, Ticks, double>, "base_clock"_a, "main_hz"_a,
            "Both are the main board's.")
+      .def_prop_ro(
+          "clock_jitter_s",
+          [](Link& l) {
+            std::lock_guard lock(l.guard());
+            return l.clock().jitter_s();
+          },
+          "What answers usually take longer than the quickest ones, seconds.")
       .def("use_commits", &held<&Link::use_commits, Ticks>, "horizon"_a,
            "The job comes in commits, and leaves so many ticks ahead.")
       .def(

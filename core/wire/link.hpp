@@ -281,9 +281,11 @@ class Link {
 
  private:
   static constexpr double kLostSeconds = 4;
-  static constexpr int kQuickSamples = 8, kQuickSamplesOfSeveral = 80;
+  static constexpr int kQuickSamples = 8, kQuickSamplesOfSeveral = 300, kSamplesPerState = 8;
   static constexpr double kQuickSeconds = 0.05, kSyncSeconds = 0.9839;
-  static constexpr double kSyncOfSeveralSeconds = 0.0983, kRenewSeconds = 0.9;
+  // Of several boards: usually, and at the beginning and where answers come when they like.
+  static constexpr double kSyncOfSeveralSeconds = 0.0983, kOftenSeconds = 0.0113;
+  static constexpr double kJitterSeconds = 50e-6, kRenewSeconds = 0.9;
   static constexpr double kHeaterLeadSeconds = 0.1;  // from a report to the power it causes
   static constexpr size_t kInboxMax = 4096;
 
@@ -450,11 +452,16 @@ class Link {
     if (job_clock >= renewed_ + kRenewSeconds * map.hz()) renew_map(job_clock);
   }
 
+  double until_next_question() const {
+    if (!timeline_) return samples_ < kQuickSamples ? kQuickSeconds : kSyncSeconds;
+    return asks_often() ? kOftenSeconds : kSyncOfSeveralSeconds;
+  }
+  bool asks_often() const {
+    return timeline_ && (samples_ < kQuickSamplesOfSeveral || sync_.jitter_s() > kJitterSeconds);
+  }
   void ask_clock(Ticks now) {
     if (std::exchange(long_ago_, false)) sync_.bridge(now);
-    bool quick = samples_ < (timeline_ ? kQuickSamplesOfSeveral : kQuickSamples);
-    double seconds = quick ? kQuickSeconds : timeline_ ? kSyncOfSeveralSeconds : kSyncSeconds;
-    next_sync_ = now + Ticks(seconds * hz_);
+    next_sync_ = now + Ticks(until_next_question() * hz_);
     if (asked_) {
       lost_ = now - asked_at_ > Ticks(kLostSeconds * hz_);
       if (timeline_ && lost_) timeline_->lost();
@@ -465,7 +472,9 @@ class Link {
     Bytes payload;
     commands_.at(sync_.ready() ? "get_clock" : "get_uptime").encode({}, payload);
     now_queue_.push_back({std::move(payload), Asks::clock});
-    if (keeps_ && job_.running()) send("survive_query", {});  // what it said may have been lost
+    // What it said may have been lost.
+    if (keeps_ && job_.running() && (!asks_often() || samples_ % kSamplesPerState == 0))
+      send("survive_query", {});
     if (!asked_) asked_at_ = now;
     asked_ = true;
     question_ = 0;
