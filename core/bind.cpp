@@ -3,6 +3,9 @@
 
 void bind_heat(nanobind::module_& m);
 void bind_chips(nanobind::module_& m);
+void bind_frames(nanobind::module_& m);
+void bind_link(nanobind::module_& m);
+void bind_board(nanobind::module_& m);
 void bind_wire(nanobind::module_& m);
 void bind_geometry(nanobind::module_& m);
 void bind_motion(nanobind::module_& m);
@@ -11,6 +14,9 @@ void bind_job(nanobind::module_& m);
 NB_MODULE(_core, m) {
   m.doc() = "Native core of Passo: parse, plan, solve step times, compress, frame, virtual board.";
   bind_heat(m);
+  bind_frames(m);
+  bind_link(m);
+  bind_board(m);
   bind_wire(m);
   bind_chips(m);
   bind_geometry(m);

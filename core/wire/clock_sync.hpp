@@ -1,8 +1,10 @@
-// The board's clock as the host knows it: a line fitted through the answers to get_clock.
+// The board's clock as the host knows it: a line between what the answers to get_clock allow.
 #pragma once
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <deque>
+#include <limits>
 
 #include "device.hpp"
 
@@ -26,10 +28,12 @@ struct ClockLine {
 // Host time is counted in ticks of the nominal frequency; board clocks are 64 bits, unwrapped from
 // the 32 that the board sends.
 //
-// Weighted linear regression of the clock on the middle of the time between question and answer,
-// which forgets in kMemorySeconds. The middle is wrong by half at most of what a trip takes longer
-// than the shortest one, so that quick answers count most and late ones next to nothing: the clock
-// filter of NTP (Mills, RFC 5905), with weights in place of a choice.
+// A question is read after it was sent, and an answer heard after it was made: each bounds the line
+// from one side. Where nothing was delayed much both bounds are tight, and the line lies in the
+// middle of the corridor between them at the rate at which that is widest: what is delayed touches
+// no bound, and the error falls with the number of answers, not with its root. (Delays of two ways
+// by hulls: Moon, Skelly, Towsley, "Estimation and removal of clock skew from network delay
+// measurements", INFOCOM 1999.) The least delays of both ways are taken to be equal.
 class ClockSync {
  public:
   explicit ClockSync(double clock_hz) : hz_(clock_hz) {}
@@ -42,14 +46,11 @@ class ClockSync {
     last_clock_ = clock;
     origin_time_ = sent;
     origin_clock_ = clock;
-    mean_time_ = last_time_ = 0.5 * double(received - sent);
-    mean_clock_ = 0;
-    // Crystals are good to some parts in a million before anything is known.
-    variance_ = covariance_ = kFirstSpreadSeconds * kFirstSpreadSeconds * hz_ * hz_;
-    rate_ = 1;
-    weights_ = 1;
+    rate_ = prior_ = 1;
+    usual_excess_ = last_time_ = 0;
     shortest_trip_ = double(received - sent);
-    usual_excess_ = 0;
+    spans_.clear();
+    take(0, shortest_trip_, 0);
   }
 
   // The board was not asked for a while, until this host time.
@@ -64,55 +65,120 @@ class ClockSync {
   void add(uint32_t clock32, Ticks sent, Ticks received) {
     Ticks clock = unwrap(clock32);
     last_clock_ = std::max(last_clock_, clock);
-    double trip = double(received - sent);
-    double time = double(sent - origin_time_) + 0.5 * trip, value = double(clock - origin_clock_);
-    double passed = std::max(time - last_time_, 0.0) / hz_;
-    last_time_ = time;
+    const double trip = double(received - sent), asked = double(sent - origin_time_);
     // What was once the shortest may be out of reach by now.
-    shortest_trip_ = std::min(trip, shortest_trip_ + passed * kTripAging * hz_);
-    double excess = trip - shortest_trip_;
-    usual_excess_ += (excess - usual_excess_) * kExcessGain;
-    double good = std::max(kGoodSeconds * hz_, kGoodShare * usual_excess_);
-    double weight = 1 / (1 + (excess / good) * (excess / good));
-
-    double kept = 1 / (1 + passed / kMemorySeconds);
-    weights_ *= kept;
-    double before = weights_;
-    weights_ += weight;
-    double share = weight / weights_, moment = before * share;
-    double dt = time - mean_time_, dc = value - mean_clock_;
-    mean_time_ += share * dt;
-    mean_clock_ += share * dc;
-    variance_ = kept * variance_ + moment * dt * dt;
-    covariance_ = kept * covariance_ + moment * dt * dc;
-    rate_ = covariance_ / variance_;
+    double passed = std::max(asked - last_time_, 0.0);
+    shortest_trip_ = std::min(trip, shortest_trip_ + passed * kTripAging);
+    usual_excess_ += (trip - shortest_trip_ - usual_excess_) * kExcessGain;
+    take(asked, asked + trip, double(clock - origin_clock_));
   }
 
-  ClockLine line() const { return {origin_time_, origin_clock_, mean_time_, mean_clock_, rate_}; }
+  // What an answer usually takes longer than the quickest ones, seconds.
+  double jitter_s() const { return usual_excess_ / hz_; }
+  ClockLine line() const { return {origin_time_, origin_clock_, last_time_, value_, rate_}; }
   // Board clock at a host time.
   Ticks clock_at(Ticks host) const {
-    double along = (double(host - origin_time_) - mean_time_) * rate_;
-    return origin_clock_ + Ticks(std::floor(mean_clock_ + along + 0.5));
+    double along = (double(host - origin_time_) - last_time_) * rate_;
+    return origin_clock_ + Ticks(std::floor(value_ + along + 0.5));
   }
   // Host time at which the board's clock reads `clock`.
   Ticks host_at(Ticks clock) const {
-    double along = (double(clock - origin_clock_) - mean_clock_) / rate_;
-    return origin_time_ + Ticks(std::ceil(mean_time_ + along));
+    double along = (double(clock - origin_clock_) - value_) / rate_;
+    return origin_time_ + Ticks(std::ceil(last_time_ + along));
   }
   // Board ticks per host tick.
   double rate() const { return rate_; }
 
  private:
-  static constexpr double kMemorySeconds = 20, kFirstSpreadSeconds = 0.02;
   static constexpr double kTripAging = 1e-6;  // seconds in each second
-  static constexpr double kGoodSeconds = 2e-6, kGoodShare = 0.25, kExcessGain = 1.0 / 16;
+  static constexpr double kExcessGain = 1.0 / 16;
+  static constexpr double kMemorySeconds = 40, kSpanSeconds = 0.5;
+  static constexpr double kRateRange = 0.01;  // of the worst resonators, either way
+  // A rate must widen the corridor by so many seconds for each unit by which it differs from what
+  // was known before: a short while tells nothing of it.
+  static constexpr double kPriorSeconds = 0.2;
+  static constexpr double kJumpSeconds = 0.5e-3;  // so narrow no corridor is: a clock has jumped
+  static constexpr int kSteps = 48;               // of the search for the rate
+
+  struct Point {
+    double time, clock;  // since the origin
+  };
+  // The tightest bounds of a while: what was read soonest, and what was heard soonest.
+  struct Span {
+    double begin;
+    Point read, heard;
+  };
 
   double hz_;
   bool ready_ = false;
   Ticks origin_time_ = 0, origin_clock_ = 0, last_clock_ = 0;
-  double mean_time_ = 0, mean_clock_ = 0, last_time_ = 0;
-  double variance_ = 0, covariance_ = 0, weights_ = 0;
-  double rate_ = 1, shortest_trip_ = 0, usual_excess_ = 0;
+  std::deque<Span> spans_;
+  double last_time_ = 0, value_ = 0;  // the line goes through this point
+  double rate_ = 1, prior_ = 1, shortest_trip_ = 0, usual_excess_ = 0;
+
+  void take(double asked, double heard, double clock) {
+    const Span now{asked, {asked, clock}, {heard, clock}};
+    while (!spans_.empty() && spans_.front().begin < asked - kMemorySeconds * hz_)
+      spans_.pop_front();
+    if (spans_.empty()) prior_ = rate_;
+    if (spans_.empty() || asked >= spans_.back().begin + kSpanSeconds * hz_) {
+      spans_.push_back(now);
+    } else {
+      Span& last = spans_.back();
+      auto offset = [this](const Point& p) { return p.clock - p.time * rate_; };
+      if (offset(now.read) < offset(last.read)) last.read = now.read;
+      if (offset(now.heard) > offset(last.heard)) last.heard = now.heard;
+    }
+    last_time_ = asked;
+    find_rate();
+    if (width(rate_) < -kJumpSeconds * hz_) {
+      spans_.assign(1, now);
+      prior_ = rate_;
+    }
+    value_ = 0.5 * (upper(rate_) + lower(rate_));
+  }
+  // The corridor at a rate: its bounds at last_time_, and its width.
+  double upper(double rate) const {
+    double least = std::numeric_limits<double>::max();
+    for (const Span& s : spans_)
+      least = std::min(least, s.read.clock - (s.read.time - last_time_) * rate);
+    return least;
+  }
+  double lower(double rate) const {
+    double most = std::numeric_limits<double>::lowest();
+    for (const Span& s : spans_)
+      most = std::max(most, s.heard.clock - (s.heard.time - last_time_) * rate);
+    return most;
+  }
+  double width(double rate) const { return upper(rate) - lower(rate); }
+  double worth(double rate) const {
+    return width(rate) - kPriorSeconds * hz_ * std::fabs(rate - prior_);
+  }
+  // The rate of the greatest worth, which is concave: by golden section.
+  void find_rate() {
+    constexpr double kGolden = 0.6180339887498949;
+    double low = 1 - kRateRange, high = 1 + kRateRange;
+    double left = high - kGolden * (high - low), right = low + kGolden * (high - low);
+    double at_left = worth(left), at_right = worth(right);
+    for (int i = 0; i < kSteps; ++i) {
+      if (at_left < at_right) {
+        low = left;
+        left = right;
+        at_left = at_right;
+        right = low + kGolden * (high - low);
+        at_right = worth(right);
+      } else {
+        high = right;
+        right = left;
+        at_right = at_left;
+        left = high - kGolden * (high - low);
+        at_left = worth(left);
+      }
+    }
+    rate_ = 0.5 * (low + high);
+    // Not one millionth of a millionth beside what was known, if that does as well.
+    if (worth(prior_) >= worth(rate_)) rate_ = prior_;
+  }
 };
 
 }  // namespace passo::wire

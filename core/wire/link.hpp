@@ -17,7 +17,7 @@
 #include "device.hpp"
 #include "dictionary.hpp"
 #include "frame.hpp"
-#include "heater.hpp"
+#include "heaters.hpp"
 #include "job_stream.hpp"
 #include "lateness.hpp"
 #include "timeline.hpp"
@@ -33,7 +33,11 @@ struct Response {
 class Link {
  public:
   explicit Link(double clock_hz)
-      : hz_(clock_hz), window_(clock_hz), sync_(clock_hz), job_(clock_hz), lateness_(clock_hz) {
+      : hz_(clock_hz), window_(clock_hz), sync_(clock_hz), job_(clock_hz), lateness_(clock_hz),
+        heaters_(clock_hz, commands_, sync_, job_,
+                 [this](const std::string& name, const std::vector<Value>& values) {
+                   send(name, values);
+                 }) {
     reports_.add(0, "identify_response offset=%u data=%.*s");
     commands_.add(1, "identify offset=%u count=%c");
   }
@@ -136,25 +140,16 @@ class Link {
 
   Heater& add_heater(HeaterOptions options) {
     commands_.at(options.pwm ? "queue_pwm_out" : "queue_digital_out");
-    heaters_.push_back(std::make_unique<Heater>(std::move(options)));
-    heater_clock_.push_back(0);
-    kept_.push_back(0);
-    return *heaters_.back();
+    return heaters_.add(std::move(options));
   }
-  const std::vector<std::unique_ptr<Heater>>& heaters() const { return heaters_; }
   // No heater is on its way to its target.
-  bool heaters_reached() const {
-    return std::all_of(heaters_.begin(), heaters_.end(), [](const auto& heater) {
-      std::lock_guard lock(heater->guard());
-      return heater->target() <= 0 || heater->reached() || heater->faulty();
-    });
-  }
+  bool heaters_reached() const { return heaters_.reached(); }
   // The board takes commits (docs/decisions/0013-survive.md): messages leave `horizon` ticks ahead,
   // and the board learns how warm it keeps what, if this host falls silent.
   void use_commits(Ticks horizon) {
     job_.use_commits(commands_, horizon);
     keeps_ = true;
-    for (size_t i = 0; i < heaters_.size(); ++i) tell_keeping(i, 0);
+    heaters_.keep();
   }
   // The machine stands, and motion comes in commits from here on, if `on`.
   void begin_commits(bool on) {
@@ -163,7 +158,7 @@ class Link {
     if (timeline_) on ? timeline_->begin_commits() : timeline_->end_commits();
   }
   // True once after faults of heaters: the board has been sent the order to switch them off.
-  bool take_fault() { return std::exchange(fault_, false); }
+  bool take_fault() { return heaters_.take_fault(); }
 
   // The board said that it stopped; its static_string_id tells why.
   bool shut_down() const { return shut_down_; }
@@ -191,10 +186,7 @@ class Link {
   // job stands until go_on().
   void reconnect() {
     restart();
-    for (size_t i = 0; i < heaters_.size(); ++i) {
-      std::lock_guard lock(heaters_[i]->guard());
-      heaters_[i]->interrupted();
-    }
+    heaters_.interrupted();
     if (following_) follow_clock(0);
     long_ago_ = true;
   }
@@ -213,7 +205,7 @@ class Link {
     alone_ = false;
     agree();
     map_anew_ = job_.retimer() != nullptr;
-    for (size_t i = 0; keeps_ && i < heaters_.size(); ++i) tell_keeping(i, kept_[i]);
+    heaters_.tell_kept_again();
     job_.go_on();
   }
 
@@ -281,10 +273,11 @@ class Link {
 
  private:
   static constexpr double kLostSeconds = 4;
-  static constexpr int kQuickSamples = 8, kQuickSamplesOfSeveral = 80;
+  static constexpr int kQuickSamples = 8, kQuickSamplesOfSeveral = 300, kSamplesPerState = 8;
   static constexpr double kQuickSeconds = 0.05, kSyncSeconds = 0.9839;
-  static constexpr double kSyncOfSeveralSeconds = 0.0983, kRenewSeconds = 0.9;
-  static constexpr double kHeaterLeadSeconds = 0.1;  // from a report to the power it causes
+  // Of several boards: usually, and at the beginning and where answers come when they like.
+  static constexpr double kSyncOfSeveralSeconds = 0.0983, kOftenSeconds = 0.0113;
+  static constexpr double kJitterSeconds = 50e-6, kRenewSeconds = 0.9;
   static constexpr size_t kInboxMax = 4096;
 
   std::mutex guard_;
@@ -307,13 +300,8 @@ class Link {
   enum class Asks : uint8_t { nothing, clock, state };
   std::deque<std::pair<Bytes, Asks>> now_queue_;  // commands, and what each asks for
   std::deque<Response> inbox_;
-  std::vector<std::unique_ptr<Heater>> heaters_;
-  static constexpr double kKeptStep = 0.02;  // of full power: what is not worth a word
-  static constexpr int64_t kKeptSeconds = 60;
-  bool keeps_ = false;
-  std::vector<int64_t> kept_;        // values that the board was told to keep
-  std::vector<Ticks> heater_clock_;  // of the last update sent
-  bool fault_ = false;
+  Heaters heaters_;
+  bool keeps_ = false;  // the board takes commits
 
   // The frame under construction lies in the window's next block.
   size_t open_size_ = 0;
@@ -450,11 +438,16 @@ class Link {
     if (job_clock >= renewed_ + kRenewSeconds * map.hz()) renew_map(job_clock);
   }
 
+  double until_next_question() const {
+    if (!timeline_) return samples_ < kQuickSamples ? kQuickSeconds : kSyncSeconds;
+    return asks_often() ? kOftenSeconds : kSyncOfSeveralSeconds;
+  }
+  bool asks_often() const {
+    return timeline_ && (samples_ < kQuickSamplesOfSeveral || sync_.jitter_s() > kJitterSeconds);
+  }
   void ask_clock(Ticks now) {
     if (std::exchange(long_ago_, false)) sync_.bridge(now);
-    bool quick = samples_ < (timeline_ ? kQuickSamplesOfSeveral : kQuickSamples);
-    double seconds = quick ? kQuickSeconds : timeline_ ? kSyncOfSeveralSeconds : kSyncSeconds;
-    next_sync_ = now + Ticks(seconds * hz_);
+    next_sync_ = now + Ticks(until_next_question() * hz_);
     if (asked_) {
       lost_ = now - asked_at_ > Ticks(kLostSeconds * hz_);
       if (timeline_ && lost_) timeline_->lost();
@@ -465,7 +458,9 @@ class Link {
     Bytes payload;
     commands_.at(sync_.ready() ? "get_clock" : "get_uptime").encode({}, payload);
     now_queue_.push_back({std::move(payload), Asks::clock});
-    if (keeps_ && job_.running()) send("survive_query", {});  // what it said may have been lost
+    // What it said may have been lost.
+    if (keeps_ && job_.running() && (!asks_often() || samples_ % kSamplesPerState == 0))
+      send("survive_query", {});
     if (!asked_) asked_at_ = now;
     asked_ = true;
     question_ = 0;
@@ -504,7 +499,7 @@ class Link {
   void take(int32_t id, const Format& format, std::vector<Value>& values, size_t size, Ticks now) {
     if (id == clock_id_ || id == uptime_id_) {
       take_clock(id == uptime_id_, values, now - on_the_line(kFrameMin + size));
-    } else if ((id == analog_id_ || id == converter_id_) && take_temperature(values, now)) {
+    } else if ((id == analog_id_ || id == converter_id_) && heaters_.take(values, now)) {
       return;
     } else {
       if (id == trsync_id_ && timeline_) take_trsync(values);
@@ -544,84 +539,6 @@ class Link {
       sync_.add(uint32_t(std::get<int64_t>(values.at(0))), heard, answered);
     ++samples_;
     if (timeline_) follow_timeline(answered);
-  }
-  // analog_in_state oid next_clock values: next_clock is that of the next report; the newest of the
-  // values (16 bits each) counts. Boards with older firmware send one value, as a number.
-  // thermocouple_result oid next_clock value fault: a word of a converter.
-  bool take_temperature(const std::vector<Value>& values, Ticks now) {
-    if (values.size() < 3) return false;
-    bool taken = false;
-    for (size_t i = 0; i < heaters_.size(); ++i) {
-      Heater& heater = *heaters_[i];
-      std::lock_guard lock(heater.guard());
-      if (int64_t(heater.options().sensor_oid) != std::get<int64_t>(values[0])) continue;
-      uint32_t sum, value;
-      if (const auto* data = std::get_if<std::string>(&values[2])) {
-        if (data->size() < 2) return true;
-        sum = uint8_t(data->end()[-2]) | uint32_t(uint8_t(data->end()[-1])) << 8;
-      } else {
-        sum = uint32_t(std::get<int64_t>(values[2]));
-      }
-      if (heater.options().converter != heat::Converter::none)
-        sum = read_converter(heater.options(), sum, uint32_t(std::get<int64_t>(values.at(3))));
-      if (!sync_.ready()) return true;
-      taken = true;
-      Ticks next = sync_.unwrap(uint32_t(std::get<int64_t>(values[1])));
-      Ticks clock = next - Ticks(heater.options().query.rest_ticks);
-      int32_t fan = heater.options().fan_target;
-      if (fan >= 0) heater.follow_fan(job_.pin_value(size_t(fan)));
-      if (heater.report(sum, clock, hz_, value)) set_power(i, value, now);
-      auto keeping = int64_t(heater.keeping() * heater.options().full);
-      if (keeps_ && std::fabs(double(keeping - kept_[i])) > kKeptStep * heater.options().full)
-        tell_keeping(i, keeping);
-      fault_ |= heater.take_news();
-      if (bool wide; heater.change_net(wide)) query(heater.options(), next, wide, now);
-    }
-    return taken;
-  }
-  uint32_t read_converter(const HeaterOptions& o, uint32_t word, uint32_t faults) {
-    if (faults != 0 && !o.clears_faults.empty())
-      send("spi_send",
-           {int64_t(o.spi_oid), std::string(o.clears_faults.begin(), o.clears_faults.end())});
-    return heat::converter_sum(o.converter, word, faults);
-  }
-  // Asks for the sensor's reports anew, the next at `clock`.
-  void query(const HeaterOptions& o, Ticks clock, bool wide, Ticks now) {
-    const SensorQuery& q = o.query;
-    Ticks due = std::max(clock, sync_.clock_at(now) + Ticks(kHeaterLeadSeconds * hz_));
-    if (o.converter != heat::Converter::none) {
-      std::vector<Value> words = {int64_t(o.sensor_oid), int64_t(uint32_t(due)),
-                                  int64_t(q.rest_ticks), int64_t(wide ? 0 : q.minimum),
-                                  int64_t(wide ? UINT32_MAX : q.maximum)};
-      if (commands_.at("query_thermocouple").parameters.size() == 6)  // older firmware
-        words.push_back(int64_t(q.range_checks));
-      send("query_thermocouple", words);
-      return;
-    }
-    std::vector<Value> values = {int64_t(o.sensor_oid), int64_t(uint32_t(due)),
-                                 int64_t(q.sample_ticks), int64_t(q.sample_count),
-                                 int64_t(q.rest_ticks)};
-    // Older firmware does not ask how many bytes make a report.
-    if (commands_.at("query_analog_in").parameters.size() == 9) values.push_back(int64_t(2));
-    values.push_back(int64_t(wide ? 0 : q.minimum));
-    values.push_back(int64_t(wide ? o.adc_full : q.maximum));
-    values.push_back(int64_t(q.range_checks));
-    send("query_analog_in", values);
-  }
-  void tell_keeping(size_t i, int64_t value) {
-    const HeaterOptions& o = heaters_[i]->options();
-    kept_[i] = value;
-    send("survive_output", {int64_t(o.output_oid),
-                            int64_t(JobStream::on_wire(uint32_t(value), o.inverted ? o.full : 0)),
-                            int64_t(value > 0 ? kKeptSeconds : 0)});
-  }
-  void set_power(size_t i, uint32_t value, Ticks now) {
-    const HeaterOptions& o = heaters_[i]->options();
-    Ticks due = sync_.clock_at(now) + Ticks(kHeaterLeadSeconds * hz_);
-    heater_clock_[i] = std::max(due, heater_clock_[i] + 1);
-    send(o.pwm ? "queue_pwm_out" : "queue_digital_out",
-         {int64_t(o.output_oid), int64_t(uint32_t(heater_clock_[i])),
-          int64_t(JobStream::on_wire(value, o.inverted ? o.full : 0))});
   }
 };
 

@@ -114,9 +114,9 @@ class Window {
  private:
   struct Block {
     uint8_t data[kFrameMax + kOverrun];
-    uint8_t length;
-    bool again;
-    Ticks sent;
+    uint8_t length = 0;
+    bool again = false;  // also of numbers that renumbering has left out
+    Ticks sent = 0;
   };
 
   Block blocks_[kSequenceMask + 1];

@@ -551,6 +551,10 @@ class Link:
     def start_job(self, base_clock: int, main_hz: float) -> None:
         """Both are the main board's."""
 
+    @property
+    def clock_jitter_s(self) -> float:
+        """What answers usually take longer than the quickest ones, seconds."""
+
     def use_commits(self, horizon: int) -> None:
         """The job comes in commits, and leaves so many ticks ahead."""
 

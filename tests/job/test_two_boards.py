@@ -62,13 +62,20 @@ def test_a_board_whose_clock_drifts_steps_in_time(monkeypatch, path, alone, ppm)
     assert both.result.queue_step_commands < 1.02 * alone.result.queue_step_commands
 
 
-@pytest.mark.parametrize("jitter_us", [20, 200])
-def test_links_that_answer_when_they_like_keep_the_skew_small(monkeypatch, path, alone, jitter_us):
-    machine = two_boards("drift_ppm = 100.0", "start_s = 1234.5")
-    both = printed(monkeypatch, machine, path, Cable(200e-6, jitter_us * 1e-6))
+@pytest.mark.parametrize("ppm", [-100, 100])
+@pytest.mark.parametrize(
+    ("jitter_us", "skew_us"), [(20, 2), (100, 3), (200, 4), (1000, 12), (5000, 25)]
+)
+def test_links_that_answer_when_they_like_keep_the_skew_small(
+    monkeypatch, spiral, jitter_us, skew_us, ppm
+):
+    alone = printed(monkeypatch, one_board(), spiral)
+    machine = two_boards(f"drift_ppm = {ppm}.0", "start_s = 1234.5")
+    both = printed(monkeypatch, machine, spiral, Cable(200e-6, jitter_us * 1e-6))
     assert both.result.errors == []
     assert max(both.skew_us(alone, name) for name in "xy") == 0
-    assert max(both.skew_us(alone, name) for name in "ze") <= min(25, 5 + jitter_us / 8)
+    skew = max(both.skew_us(alone, name) for name in "ze")
+    assert skew <= skew_us
 
 
 def test_the_stream_of_each_board_does_not_depend_on_its_clock(monkeypatch, spiral):

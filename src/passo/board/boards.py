@@ -11,7 +11,11 @@ from passo.board.description import Sensor, together
 from passo.board.faults import HeaterFault
 from passo.board.ports import LinkLostError
 
-SETTLING_S = 4.0  # until the clocks of several boards are known well enough
+# Until the clocks of several boards are known well enough, and so much longer for each second by
+# which answers usually are late; never longer than the last.
+SETTLING_S = 4.0
+_SETTLING_PER_JITTER = 6000.0
+_LONGEST_SETTLING_S = 30.0
 _LOOK_S = 0.02  # a fault of one live board among several is told so late at most
 _NEWS_S = 0.05  # until all boards have been told that one is lost
 _TOLERANCE_S = 1e-6  # of a step on a further board, beside what the plan allows
@@ -45,7 +49,14 @@ class Boards:
             for connection in self.connections:
                 main = connection is self.main
                 connection.join(self.timeline, main=main, tolerance_s=_TOLERANCE_S)
-            self.run(self.now + int(SETTLING_S * self.board.clock_hz))
+            self._settle_clocks()
+
+    def _settle_clocks(self) -> None:
+        begin, hz = self.now, self.board.clock_hz
+        self.run(begin + int(SETTLING_S * hz))
+        jitter_s = max(connection.link.clock_jitter_s for connection in self.connections)
+        wanted_s = SETTLING_S + _SETTLING_PER_JITTER * jitter_s
+        self.run(begin + int(min(wanted_s, _LONGEST_SETTLING_S) * hz))
 
     @property
     def now(self) -> int:
