@@ -40,8 +40,7 @@ class HostPause:
         printer.tell("// action:pause")
         printer.person.ask(text)
         if not printer.job.suspended:
-            printer.drive.hold()
-            printer.job.suspend()
+            printer.suspend_job()
         await self._park.leave(words)
         printer.tell("echo:busy: paused for user")
         await printer.drive.until(lambda: printer.interrupted)
@@ -82,8 +81,7 @@ class HostPause:
         try:
             await printer.drive.until(lambda: not printer.waits.busy or bool(printer.halted))
             if not printer.halted:
-                printer.drive.hold()
-                printer.job.suspend()
+                printer.suspend_job()
                 try:
                     await printer.wait(Procedure(lambda: self.stand_by(text, {})), Silence())
                 except Stopped:

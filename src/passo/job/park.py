@@ -74,6 +74,7 @@ class Park:
         drive, job = printer.drive, printer.job
         if job.suspended:
             job.use_tool_at_stop()  # what was drawn back is its filament
+            await printer.warm_again()
         if self._away and job.suspended and printer.can_extrude():
             self._push(self._load_mm, LOAD_MM_S)
         at: list[float] | None = None

@@ -198,8 +198,7 @@ class Runner:
             self._locked = set(self._printer.job.locked_axes)
             if self._printer.in_console_line:
                 self._printer.job.abandon()  # what is left of it is no part of the print
-            self._printer.drive.hold()
-            self._printer.job.suspend()
+            self._printer.suspend_job()
 
     def cancel(self) -> None:
         """Ends the print: brakes to a stop, heaters and fans off. The file stays selected, from its

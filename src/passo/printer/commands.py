@@ -304,6 +304,10 @@ class Commands:
         if celsius is not None and self._exists("hotend", {}):
             self._heat_to(self.heater("hotend", tool), celsius)
 
+    def follow_tool(self) -> None:
+        """Another tool is in use, without a command: the program stands aside, stops or resumes."""
+        self._tool = self._job.tool
+
     def _tool_changed(self, tool: int) -> None:
         """The tool that leaves goes on standby, the one that comes to work."""
         before, self._tool = self._tool, tool
