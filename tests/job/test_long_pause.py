@@ -5,7 +5,9 @@ from __future__ import annotations
 import pytest
 from tests.console.scenario import Host, Scenario
 
-LONG_S = 1900  # heaters go off after half an hour
+from passo import config
+
+OFF_S, LONG_S = 60, 75
 LINES = [f"G1 X{30 + i % 2 * 40} E1 F1200" for i in range(10)]
 
 
@@ -16,7 +18,8 @@ def targets(s: Scenario) -> dict[str, float]:
 @pytest.fixture
 def s(tmp_path):
     (tmp_path / "a.g").write_text("\n".join(["M83", *LINES]))
-    with Scenario(card=str(tmp_path)) as scenario:
+    text = f"{config.shipped_text('i3')}\n[idle]\nheaters_off_s = {OFF_S}.0\n"
+    with Scenario(config.load_text(text), card=str(tmp_path)) as scenario:
         for line in ("G92 X30 Y0 Z0 E0", "M140 S40", "M109 S180"):
             scenario.host.ok(line, 300)
         yield scenario
@@ -38,12 +41,12 @@ def pause(s: Scenario, what: str) -> None:
 def test_a_long_pause_cools_the_nozzle_and_warms_it_again(s, what, on):
     start = s.positions()["e"]
     pause(s, what)
-    s.passes(LONG_S - 200)
+    s.passes(OFF_S - 20)
     assert targets(s) == {"hotend": 180, "bed": 40}
-    s.passes(200)
+    s.passes(LONG_S - OFF_S + 20)
     assert targets(s) == {"hotend": 0, "bed": 40}
     s.host.expect("Heater hotend off in a long pause; it warms up before all goes on")
-    s.passes(600)
+    s.passes(60)
     at = s.positions()
     other = Host(s)
     other.send(on)

@@ -148,7 +148,8 @@ class Printer:
 
     def _look_after_idleness(self) -> None:
         idle_s, config = self.drive.idle_s, self.machine.idle
-        if (self.job.suspended or self.waits.person) and 0 < config.heaters_off_s < idle_s:
+        nobody = (self.job.suspended or self.waits.person) and not self.waits.heating
+        if nobody and 0 < config.heaters_off_s < idle_s:
             self._cool_hotends()
         if self.busy() or self.turn.taken:
             return
