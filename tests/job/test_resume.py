@@ -7,6 +7,7 @@ import pytest
 from tests.console.scenario import Scenario
 from tests.job.test_journal import WALL, journal_of
 
+from passo import config
 from passo.job.journal import Journal, Moment, Program
 
 VASE = "M302 P1\nG28\nG92 E0\nG1 Z0.2 F600\n" + "".join(
@@ -183,6 +184,30 @@ def test_stored_settings_hold_for_the_rest_of_a_print(machine, stored, tmp_path)
         s.host.expect("Done printing", 200)
         assert s.printer.job.machine_position == pytest.approx(whole, abs=1e-6)
         assert s.host.ok("M503") == settings
+
+
+def test_the_nozzle_that_prints_is_filled(tmp_path):
+    (tmp_path / "card").mkdir()
+    lines = [f"G1 X{50 + i % 2 * 30} Y50 Z5 E2 F600" for i in range(8)]
+    (tmp_path / "card" / "a.g").write_text("G28\nT1\nM83\n" + "\n".join(lines))
+    places = {"card": str(tmp_path / "card"), "state": str(tmp_path / "state")}
+    machine = config.load_text(
+        config.shipped_text("dual-extruder") + "\n[park]\nprime_mm = 4.0\nprime_mm_s = 5.0\n"
+    )
+    with Scenario(machine, **places) as s:
+        s.host.ok("M302 P1")
+        s.host.ok("M32 a.g")
+        assert s.until(lambda: s.printer.job.line_at(s.printer.drive.now) >= 8, 200)
+    line = recorded(places)[1].line
+    with Scenario(machine, **places) as s:
+        before = s.positions()
+        s.host.ok("M302 P1")
+        s.host.ok("M1000", 200)
+        s.host.expect("Done printing", 200)
+        after = s.positions()
+        assert after["e"] == before["e"]
+        left_mm = 2 * (3 + len(lines) - line + 1)
+        assert after["e1"] - before["e1"] == pytest.approx(4 + left_mm, abs=0.05)
 
 
 FAR = WALL.replace("X10", "X90").replace("X50", "X130").replace("Y10", "Y60").replace("Y50", "Y100")

@@ -184,6 +184,9 @@ class CardCommands:
 
     def _start(self, text: str, _: Reply) -> None:
         words = _numbers(text)
+        if self._printer.job.suspended and not self._runner.active:
+            self._printer.go_on()  # a host's print stands aside: no other may begin in its midst
+            return
         if "S" in words and self._runner.state is not State.PAUSED:
             self._runner.seek(int(words["S"]))
         self._runner.start()
@@ -210,7 +213,7 @@ class CardCommands:
 
     def progress(self) -> str:
         """As hosts read it."""
-        if not self._runner.active:
+        if not self._runner.active or self._printer.halted:
             return "Not SD printing"
         return f"SD printing byte {self._runner.offset}/{self._runner.size}"
 

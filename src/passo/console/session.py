@@ -118,6 +118,8 @@ class Session:
             self._upload.abort()
             self._upload = None
         if self._working:
+            if self._printer.waits.person:
+                self._printer.cooled_c.clear()  # nobody is there for whom to warm up
             self._printer.end_wait()  # cutting it off would leave a machine that moves
         elif self._task is not None:
             self._task.cancel()

@@ -329,7 +329,7 @@ TABLE: tuple[Row, ...] = (
     Row("M350", _Q, _N, "", "Tells the microsteps of the drivers that can be set up."),
     Row("M400", _P, _X, "", "Waits until the machine is still."),
     Row("M408", _Q, _I, "S(0-3)", "The printer's state as JSON; S2 with machine, S3 with print."),
-    Row("M410", _Q, _A, "", "Brakes to a stop and forgets what was planned."),
+    Row("M410", _Q, _A, "", "Brakes to a stop and forgets what was planned, and moves in hand."),
     Row("M500", _Q, _N, "", "Stores the settings."),
     Row("M501", _Q, _N, "", "Takes the stored settings."),
     Row("M502", _Q, _N, "", "Takes the machine file's settings."),

@@ -81,6 +81,7 @@ class Park:
         drive, job = printer.drive, printer.job
         if job.suspended:
             printer.take_stopped_tool()
+            await printer.warm_again()
         if self._away and job.suspended and printer.can_extrude():
             self._push(self._load_mm, _core.LOAD_MM_S)
         at: list[float] | None = None

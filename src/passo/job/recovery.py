@@ -132,8 +132,11 @@ class Recovery:
         at = state.machine_position
         await self._lift_and_home()
         await self._warm()
+        if state.tool != printer.job.tool:
+            printer.take_setting(f"T{state.tool}", Silence())  # its nozzle is filled
         await self._approach(at)
         printer.job.adopt(state)
+        printer.commands.follow_tool()
         printer.job.set_speed_factor(self._moment.speed_factor)
         for extruder, flow in enumerate(self._moment.flows):
             printer.job.set_flow(extruder, flow)

@@ -350,9 +350,9 @@ class Commands:
         if celsius is not None and self._exists("hotend", {}):
             self._heat_to(self.heater("hotend", tool), celsius)
 
-    def tool_stopped(self, tool: int) -> None:
-        """The plan was cut, or goes on: this tool is in use, not the one read ahead to."""
-        self._tool = tool
+    def follow_tool(self) -> None:
+        """Another tool is in use, without a command: the program stands aside, stops or resumes."""
+        self._tool = self._job.tool
 
     def tool_changed(self, tool: int) -> None:
         """The tool that leaves goes on standby, the one that comes to work."""

@@ -30,7 +30,7 @@ from passo.printer.positions import Positions
 from passo.printer.tune_commands import TuneCommands
 from passo.printer.turn import Turn
 from passo.printer.waiting import Waiting
-from passo.printer.waits import Handler, Reply, Still, Stopped, Wait
+from passo.printer.waits import Handler, Reply, Silence, Still, Stopped, Temperatures, Wait
 from passo.printer.wiring import connect
 from passo.printer.words import Command
 
@@ -103,6 +103,7 @@ class Printer:
         self.program: Reply | None = None  # whose moves were planned last
         self.aside = False  # what a host prints stands aside: no more of its lines now
         self.halted = ""  # why nothing moves or heats any more; M999 clears it
+        self.cooled_c: dict[str, float] = {}  # hotends that are off for as long as a pause lasts
         self.waits = Waiting(self)
         self.life = Life(self)
 
@@ -155,6 +156,9 @@ class Printer:
 
     def _look_after_idleness(self) -> None:
         idle_s, config = self.drive.idle_s, self.machine.idle
+        nobody = (self.job.suspended or self.waits.person) and not self.waits.heating
+        if nobody and 0 < config.heaters_off_s < idle_s:
+            self._cool_hotends()
         if self.busy() or self.turn.taken:
             return
         motors_off = 0 < self.motors.idle_s < idle_s and bool(self.motors.on)
@@ -172,6 +176,25 @@ class Printer:
                 if self.connection.heaters[name].target > 0:
                     self.set_target(name, 0.0, at_once=True)
                     self.tell(f"echo:Heater {name} off after standing idle")
+
+    def _cool_hotends(self) -> None:
+        """Nobody has come for long: filament must not cook. The bed holds the print, and stays."""
+        for name, config in self.machine.heaters.items():
+            target = self.connection.heaters[name].target
+            if config.kind == "hotend" and target > 0:
+                self.cooled_c[name] = target
+                self.connection.set_target(name, 0.0)
+                self.tell(f"echo:Heater {name} off in a long pause; it warms up before all goes on")
+
+    async def warm_again(self) -> None:
+        """What a long pause has switched off warms up, unless somebody has set it meanwhile. With
+        the turn. Raises Stopped."""
+        cooled, self.cooled_c = self.cooled_c, {}
+        for name, celsius in cooled.items():
+            self.connection.set_target(name, celsius)
+        if cooled:
+            self.drive.before_moves()  # it stands idle no longer
+            await self.wait(Temperatures(tuple(cooled)), Silence())
 
     def lock(self, axes: Iterable[str]) -> None:
         """These axes no longer know where they are."""
@@ -200,6 +223,7 @@ class Printer:
         where the mains are off."""
         if celsius > 0:
             self.mains.require()
+        self.cooled_c.pop(heater, None)
         if at_once:
             self.connection.set_target(heater, celsius)
             return
@@ -234,6 +258,7 @@ class Printer:
         if self.halted:
             return
         self.halted = reason.rstrip(".")
+        self.cooled_c.clear()
         for name in self.heaters:
             self.connection.set_target(name, 0.0)
         self.connection.emergency_stop()
@@ -271,7 +296,8 @@ class Printer:
     def stop(self) -> None:
         """Brakes to a stop on the path and forgets all moves that were planned."""
         self.drive.stop()
-        self.commands.tool_stopped(self.job.tool)
+        self.commands.follow_tool()
+        self.cooled_c.clear()
         self.laser_off()
         self.waits.ended = True
 
@@ -308,7 +334,7 @@ class Printer:
         self.drive.hold()
         self.job.suspend()
         self._stopped_tool = self.job.tool
-        self.commands.tool_stopped(self._stopped_tool)
+        self.commands.follow_tool()
 
     def take_stopped_tool(self) -> None:
         """The tool whose moves stand aside is in use, whatever was selected meanwhile."""
@@ -319,7 +345,7 @@ class Printer:
         """Goes on with what was suspended, the machine being back at its stop position."""
         self.drive.before_moves()
         self.job.resume()
-        self.commands.tool_stopped(self.job.tool)
+        self.commands.follow_tool()
         self.drive.after_moves()
         self._unshade()
 

@@ -33,6 +33,7 @@ class Waiting:
         self._printer = printer
         self.ended = False  # somebody wants the wait that goes on to end
         self.heating = False  # somebody waits for a temperature
+        self.person = False  # or for a person
         self.temperatures: Callable[[], str] = str  # a line of them
         self.busy = False  # a wait goes on
         self._impatient = False  # it shall not even wait for moves
@@ -149,4 +150,12 @@ class Waiting:
         printer, drive = self._printer, self._printer.drive
         reply.say("echo:busy: paused for user")
         end = drive.now + wait.seconds * drive.hz
-        await drive.until(lambda: printer.interrupted or (wait.seconds > 0 and drive.now >= end))
+        self.person = True
+        try:
+            await drive.until(
+                lambda: printer.interrupted or (wait.seconds > 0 and drive.now >= end)
+            )
+        finally:
+            self.person = False
+        printer.raise_if_halted()
+        await printer.warm_again()
