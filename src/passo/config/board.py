@@ -15,6 +15,7 @@ from passo.config.budget import (
     COMMIT_BURST_S,
     COMMIT_BYTES_S,
     LINK_BURST_S,
+    PULSE_US,
     Budget,
 )
 from passo.config.chips import Chip, chip, chip_names
@@ -126,8 +127,9 @@ class Board(Model):
     variants: dict[str, dict[str, Function]] = {}
     functions: dict[str, Function] = {}
 
-    def budget_spec(self) -> dict[str, Any] | None:
-        """The budget for the core: rates per second of all motors together, a burst in commands."""
+    def budget_spec(self, pulse_us: float = 0.0) -> dict[str, Any] | None:
+        """The budget for the core: rates per second of all motors together, a burst in commands.
+        The board waits while a step's pulse lasts: `pulse_us` is the longest of its motors'."""
         budget = self.budget
         if budget is None:
             return None
@@ -136,8 +138,9 @@ class Board(Model):
         by_link = (self.link_bytes_s - self.commit_bytes_s) / COMMAND_BYTES
         burst_s = COMMIT_BURST_S if self.survives else LINK_BURST_S
         commands_s = min(by_board, by_link)
+        waits = max(0.0, pulse_us - PULSE_US) * 1e-6 * cpu_hz
         return {
-            "steps_s": budget.step_share * cpu_hz / budget.cycles_per_step,
+            "steps_s": budget.step_share * cpu_hz / (budget.cycles_per_step + waits),
             "commands_s": commands_s,
             "burst": min(BURST_S * commands_s, burst_s * by_link, self.move_count / 2),
             "by_link": by_link < by_board,
