@@ -80,8 +80,8 @@ class Board(Model):
     `pullup_ohm` are the resistors above its thermistors, for sensors that name none of their own.
     `status_led` blinks once a second while the board is configured and not shut down.
 
-    `link` says where the board is: simulated, on the serial device `port` at `baud` (the console's,
-    unless given), or at the network address `port` (host:port).
+    `link` says where the board is: simulated, on the serial device `port` at `baud` (the console's
+    unless given; the console's too if given), or at the network address `port` (host:port).
 
     `compression_tolerance_us` bounds how far a step may be from its ideal time, unless the board's
     budget asks for more; `move_count` is the number of commands that the board can hold. Without a

@@ -57,10 +57,10 @@ def put_pullups(data: dict[str, Any]) -> None:
     their board has, if its file says it."""
     for _, heater in tables(data, "heaters"):
         board = table(data, *section(placed(str(heater.get("sensor_pin")))[0]))
-        sensor = heater.get("sensor", {"kind": "thermistor"})
+        sensor = table(heater, "sensor") if "sensor" in heater else {"kind": "thermistor"}
         if "pullup_ohm" not in board or not isinstance(heater, dict):
             continue
-        if isinstance(sensor, Mapping) and sensor.get("kind") in _RESISTORS:
+        if sensor.get("kind") in _RESISTORS:
             heater["sensor"] = {"pullup_ohm": board["pullup_ohm"], **sensor}
 
 
