@@ -26,7 +26,6 @@ static void write_level(struct output *output, bool level) {
 
 // The output takes `value` at `clock`, which is now or was due a moment ago.
 static void set(struct output *output, uint32_t clock, uint32_t value) {
-  if (value > output->full) value = output->full;  // of a longer cycle before
   output->value = value;
   output->watched = output->max_duration != 0 && value != output->default_value;
   output->expires = clock + output->max_duration;
@@ -64,7 +63,7 @@ static uint32_t from_default(const struct output *output, uint32_t value) {
 static bool keep(struct output *output, uint32_t clock) {
   if (!output->kept || !survive_is_on()) return false;
   if (!output->keeping) output->left = output->kept_seconds;
-  uint32_t value = output->value;
+  uint32_t value = output->value < output->full ? output->value : output->full;
   if (from_default(output, output->kept_value) < from_default(output, value))
     value = output->kept_value;
   if (output->left == 0) value = output->default_value;

@@ -33,15 +33,15 @@ struct output {
   // Written by foreground and timer under hal_irq_save().
   struct change *first, *last;
   uint32_t value;
-  uint32_t expires;  // if `watched`
-  uint32_t toggle;   // the next edge of software PWM, if `toggling`
-  uint32_t rest;     // and the ticks off of each cycle
-  bool watched : 1, toggling : 1, level : 1, waiting : 1;  // waiting: the timer is going
+  uint32_t expires;                        // if `watched`
+  uint32_t toggle;                         // the next edge of software PWM, if `toggling`
+  uint32_t rest;                           // and the ticks off of each cycle
+  bool watched, toggling, level, waiting;  // waiting: the timer is going
   // When its duration has passed while the board survives its host: this value, or the present one
   // if that is nearer to the default, and the default when the seconds are over.
   uint32_t kept_value;
   uint8_t kept_seconds, left;
-  bool kept : 1, keeping : 1;
+  bool kept, keeping;
 };
 
 // Tells what becomes of an output when the host is gone. Foreground.

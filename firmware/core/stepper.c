@@ -10,7 +10,7 @@
 DECL_SHUTDOWN(STEP_TOO_LATE, "Stepper too far in past");
 DECL_SHUTDOWN(COUNT_ZERO, "Invalid count parameter");
 DECL_SHUTDOWN(STEPPER_ACTIVE, "Can't reset time when stepper active");
-DECL_SHUTDOWN(STEPPER_PINS, "Pins cannot drive a stepper");
+DECL_SHUTDOWN(STEPPER_PINS, "Image cannot drive a stepper with these pins and pulses");
 DECL_REPORT("stepper_position oid=%c pos=%i");
 
 // A first step later than this is not the last message's lateness any more.

@@ -427,3 +427,16 @@ def test_boards_promise_no_more_steps_than_the_firmware_keeps_up_with(name: str,
     assert budget is not None
     steps_s = budget.step_share * budget.cpu_hz / budget.cycles_per_step
     assert steps_s == pytest.approx(most, rel=0.01)
+
+
+def test_host_and_firmware_speak_at_one_rate() -> None:
+    text = config.shipped_text("i3")
+    for line, bauds in (
+        ("", (250_000, 250_000)),
+        ("baud = 115_200\n", (115_200, 115_200)),
+        ("console = { baud = 500_000 }\n", (500_000, 500_000)),
+        ("baud = 57_600\nconsole = { baud = 500_000 }\n", (57_600, 500_000)),
+    ):
+        board = config.load_text(text.replace('base = "ramps"\n', f'base = "ramps"\n{line}')).board
+        assert board.console
+        assert (board.baud, board.console.baud) == bauds

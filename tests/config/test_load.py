@@ -243,6 +243,17 @@ def test_fisher_carriages_stay_on_their_towers() -> None:
         assert all(30 <= carriage <= 318 for carriage in carriages)
 
 
+@pytest.mark.parametrize(
+    ("driver", "cycles"), [("DRV8825", 164), ("TB6600", 164 + 16), ("TB6560", 164 + 28 * 16)]
+)
+def test_a_long_pulse_takes_its_time_from_the_budget(
+    i3_text: str, driver: str, cycles: int
+) -> None:
+    machine = config.load_text(i3_text.replace('"Z"', f'"Z"\ndriver = "{driver}"'))
+    budget = machine.core_spec()["budget"]
+    assert budget["steps_s"] == pytest.approx(0.65 * 16e6 / cycles)
+
+
 def test_a_board_brings_its_budget(i3_text: str) -> None:
     spec = config.load("i3").core_spec()["budget"]
     assert spec["steps_s"] == pytest.approx(0.65 * 16e6 / 164)

@@ -215,7 +215,7 @@ def test_a_pin_of_a_configured_output_is_not_set_behind_its_back(line, name):
         ("config_analog_in oid=0 pin=5000", "Not a valid ADC pin"),
         ("config_endstop oid=0 pin=5000 pull_up=0", "Not a valid input pin"),
         ("config_stepper oid=0 step_pin=1 dir_pin=5000 invert_step=0 step_pulse_ticks=9",
-         "Pins cannot drive a stepper"),
+         "Image cannot drive a stepper with these pins and pulses"),
         ("config_digital_out oid=0 pin=1 value=0 default_value=0 max_duration=2147483648",
          "Duration too long for the clock"),
     ],

@@ -6,6 +6,7 @@ import re
 import zlib
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -164,16 +165,36 @@ def test_a_machine_has_an_image_with_its_own_step_pins(tmp_path: Path) -> None:
     path.write_text(config.shipped_text("i3").replace('"E0"', '"E0"\nstep_pin = "D40"'))
     aim = target(str(path))
     assert aim.motors == (
-        Motor("x", "PF0", "PF1", "TIMER3A"),
-        Motor("y", "PF6", "PF7", "TIMER3B"),
-        Motor("z", "PL3", "PL1", "TIMER3C"),
-        Motor("e", "PG1", "PA6", "TIMER4A"),
+        Motor("x", "PF0", "PF1", "TIMER3A", 1.0),
+        Motor("y", "PF6", "PF7", "TIMER3B", 1.0),
+        Motor("z", "PL3", "PL1", "TIMER3C", 1.0),
+        Motor("e", "PG1", "PA6", "TIMER4A", 1.0),
     )
     image, about = build(aim, tmp_path)
     assert image.name == "i3.hex"
     ramps, other = build(board_target("ramps"), tmp_path)
     assert about.version != other.version
     assert image.read_bytes() != ramps.read_bytes()
+
+
+def test_motors_with_long_pulses_get_units_that_can_make_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = config.shipped_text("i3").replace('"E0"', '"E0"\ndriver = "TB6600"')
+    path = tmp_path / "mine.toml"
+    path.write_text(text.replace('socket = "X"', 'socket = "X"\npulse_us = 2.1'))
+    aim = target(str(path))
+    assert [motor.pulse_us for motor in aim.motors] == [2.1, 1.0, 1.0, 3.0]
+    made: list[avr.AvrBoard] = []
+    whole = avr.build
+
+    def kept(board: avr.AvrBoard, *rest: Any) -> Any:
+        made.append(board)
+        return whole(board, *rest)
+
+    monkeypatch.setattr(avr, "build", kept)
+    build(aim, tmp_path)
+    assert [(len(board.motors), board.slow_motors) for board in made] == [(3, 1)]
 
 
 def test_motors_of_boards() -> None:

@@ -15,6 +15,7 @@ from passo.config.budget import (
     COMMIT_BURST_S,
     COMMIT_BYTES_S,
     LINK_BURST_S,
+    PULSE_US,
     Budget,
 )
 from passo.config.chips import Chip, chip, chip_names
@@ -98,8 +99,8 @@ class Board(Model):
     `pullup_ohm` are the resistors above its thermistors, for sensors that name none of their own.
     `status_led` blinks once a second while the board is configured and not shut down.
 
-    `link` says where the board is: simulated, on the serial device `port` at `baud` (the console's,
-    unless given), or at the network address `port` (host:port).
+    `link` says where the board is: simulated, on the serial device `port` at `baud` (the console's
+    unless given; the console's too if given), or at the network address `port` (host:port).
 
     `compression_tolerance_us` bounds how far a step may be from its ideal time, unless the board's
     budget asks for more; `move_count` is the number of commands that the board can hold. Without a
@@ -146,8 +147,9 @@ class Board(Model):
     variants: dict[str, dict[str, Function]] = {}
     functions: dict[str, Function] = {}
 
-    def budget_spec(self) -> dict[str, Any] | None:
-        """The budget for the core: rates per second of all motors together, a burst in commands."""
+    def budget_spec(self, pulse_us: float = 0.0) -> dict[str, Any] | None:
+        """The budget for the core: rates per second of all motors together, a burst in commands.
+        The board waits while a step's pulse lasts: `pulse_us` is the longest of its motors'."""
         budget = self.budget
         if budget is None:
             return None
@@ -156,8 +158,9 @@ class Board(Model):
         by_link = (self.link_bytes_s - self.commit_bytes_s) / COMMAND_BYTES
         burst_s = COMMIT_BURST_S if self.survives else LINK_BURST_S
         commands_s = min(by_board, by_link)
+        waits = max(0.0, pulse_us - PULSE_US) * 1e-6 * cpu_hz
         return {
-            "steps_s": budget.step_share * cpu_hz / budget.cycles_per_step,
+            "steps_s": budget.step_share * cpu_hz / (budget.cycles_per_step + waits),
             "commands_s": commands_s,
             "burst": min(BURST_S * commands_s, burst_s * by_link, self.move_count / 2),
             "by_link": by_link < by_board,

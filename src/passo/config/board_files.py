@@ -103,9 +103,11 @@ def _put_board(
         beneath, files = shipped_tables(base)
         sources += [replace(file, path=place) for file in files]
         board.update(_merged(beneath, own))
-    baud = table(board, "console").get("baud")
-    if baud is not None:
-        board.setdefault("baud", baud)
+    console = table(board, "console")
+    if "baud" in own and "baud" in console and "baud" not in table(own, "console"):
+        board["console"] = {**console, "baud": own["baud"]}  # the firmware is built for it
+    elif "baud" in console:
+        board.setdefault("baud", console["baud"])
     printed = board.get("numbering")
     if isinstance(printed, str) and printed not in numberings():
         hint, limit = did_you_mean(printed, numberings()), "a numbering of pins"

@@ -15,6 +15,8 @@ BYTES_PER_BAUD = 0.095  # ten bits a byte; some are repeated or come late
 # What commits with their brake tails take of a link, bytes/s, one in 75 ms: 1180 were measured with
 # four motors at 60 mm/s. Longer brakes are taken to need about as many commands, at 50 µs each.
 COMMIT_BYTES_S = 1200.0
+# The pulses with which steps were measured.
+PULSE_US = 2.0
 # A burst of so many seconds of commands may come ahead, but never more than half of the slots.
 BURST_S = 0.1
 # A link needs so long at most to carry one away: commands leave 125 ms before their time and are
@@ -26,7 +28,8 @@ COMMIT_BURST_S = 0.035
 class Budget(Model):
     """What a board's processor and its link take; the planner keeps to it.
 
-    Steps may take `step_share` of the processor's time at `cycles_per_step`, commands
+    Steps may take `step_share` of the processor's time at `cycles_per_step`, and what a pulse takes
+    beyond 2 µs, commands
     `command_share` at `cycles_per_command`, frames and all. `cpu_hz` is the board's clock unless
     given. `link_bytes_s` is what the link carries in bytes/s; without it, a serial link carries 95
     of 100 bytes that fit its `baud`, and others bound nothing. On a board that can stop by itself a

@@ -136,11 +136,19 @@ class MachineConfig(Model):
 
     def _budget_spec(self) -> dict[str, Any] | None:
         """The least of all boards in each figure: none of them is asked for more."""
-        specs = [s for board in self.all_boards.values() if (s := board.budget_spec())]
+        specs = [
+            spec
+            for name, board in self.all_boards.items()
+            if (spec := board.budget_spec(self._longest_pulse_us(name)))
+        ]
         if not specs:
             return None
         fewest = min(specs, key=lambda s: s["commands_s"])
         return fewest | {key: min(s[key] for s in specs) for key in ("steps_s", "burst")}
+
+    def _longest_pulse_us(self, board: str) -> float:
+        own = (s for name, s in self.steppers.items() if self.board_of_stepper(name) == board)
+        return max((stepper.shortest_pulse_us for stepper in own), default=0.0)
 
     def _output_boards(self) -> list[int]:
         """Numbers of the boards of the outputs on the timeline."""
@@ -228,7 +236,7 @@ def _stepper_numbers(stepper: Stepper) -> dict[str, Any]:
     return {
         "steps_per_unit": stepper.steps_per_unit,
         "invert": stepper.invert,
-        "pulse_s": _seconds(_first(stepper.pulse_us, default=times.pulse_us)),
+        "pulse_s": _seconds(stepper.shortest_pulse_us),
         "dir_setup_s": _seconds(setup),
         "dir_hold_s": _seconds(hold),
         "max_rate_hz": _first(stepper.max_rate_hz, default=times.max_rate_hz),

@@ -112,6 +112,11 @@ class Stepper(Model):
         return per_rotation / (self.rotation_distance_mm or 360.0)
 
     @property
+    def shortest_pulse_us(self) -> float:
+        """What the driver asks for, or what the file says instead."""
+        return self.times.pulse_us if self.pulse_us is None else self.pulse_us
+
+    @property
     def times(self) -> DriverTimes:
         """The driver's own times; single values of this motor may override them."""
         return DRIVERS[self.driver]

@@ -48,6 +48,8 @@ CHIPS = {
         units=tuple(f"TIMER{timer}{unit}" for timer in (1, 3) for unit in "AB"),
     ),
 }
+# Units with fixed pins make pulses of no more ticks (firmware/hal/avr/stepgen.c).
+PULSE_TICKS = 34
 # A stack this deep must fit beside the static data.
 STACK = 900
 
@@ -65,10 +67,12 @@ class Motor:
 @dataclass(frozen=True, slots=True)
 class AvrBoard:
     """What an image is built for. Motors with other pins than those named here share the free
-    units: those that are left, at most three. `older_hosts`: it understands their words."""
+    units: those that are left, at most three, or as many as there are `slow_motors`, whose drivers
+    ask for longer pulses than PULSE_TICKS. `older_hosts`: it understands their words."""
 
     mcu: str
     motors: tuple[Motor, ...] = ()
+    slow_motors: int = 0
     clock_hz: int = 16_000_000
     baud: int = 250_000
     older_hosts: bool = False
@@ -92,10 +96,10 @@ class AvrBoard:
                     f"{motor.step_pin}: {motor.unit} is taken, or {self.mcu} has it not to spare"
                 )
             left.remove(motor.unit)
-        if sum(m.unit is None for m in self.motors) > len(left):
+        if sum(m.unit is None for m in self.motors) + self.slow_motors > len(left):
             raise FirmwareError(f"{self.mcu} drives at most {len(self.chip.units)} motors")
         fixed = [(m, m.unit or left.pop(0)) for m in self.motors]
-        return fixed, left[:_FREE_UNITS]
+        return fixed, left[: max(_FREE_UNITS, self.slow_motors)]
 
 
 def board_header(board: AvrBoard) -> str:

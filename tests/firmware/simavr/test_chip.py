@@ -88,11 +88,11 @@ def test_pulse_width_modulation_by_a_timer():
                     Stepper(f"m{i}", *pins) for i, pins in enumerate((*OTHER_PINS, ("PC4", "PC6")))
                 ),
             ),
-            "Pins cannot drive a stepper",
+            "Image cannot drive a stepper with these pins and pulses",
         ),
         (
             BoardDescription(HZ, (Stepper("x", *RAMPS_PINS[0], pulse_ticks=500),)),
-            "Pins cannot drive a stepper",
+            "Image cannot drive a stepper with these pins and pulses",
         ),
         (BoardDescription(HZ, outputs=(Output("o", "PG6"),)), "Not a valid output pin"),
         (BoardDescription(HZ, outputs=(Output("o", "PE1"),)), "Not a valid output pin"),

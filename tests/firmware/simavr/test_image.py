@@ -56,6 +56,7 @@ def test_motors_get_the_units_that_are_left_and_three_stay_free():
     assert [unit for _, unit in fixed] == ["TIMER3A", "TIMER1A"]
     assert free == ["TIMER1B", "TIMER3B"]
     assert "S(0, 3, A, D, 7, C, 5) S(1, 1, A, C, 6, C, 7)" in board_header(named)
+    assert AvrBoard("atmega2560", slow_motors=4).assigned()[1] == [*CHIPS["atmega2560"].units[:4]]
 
 
 @pytest.mark.parametrize(
@@ -63,6 +64,7 @@ def test_motors_get_the_units_that_are_left_and_three_stay_free():
     [
         (AvrBoard("atmega8"), "no firmware for atmega8"),
         (replace(MELZI, motors=(*MELZI.motors, Motor("PA0", "PA1"))), "at most 4 motors"),
+        (replace(MELZI, slow_motors=1), "at most 4 motors"),
         (AvrBoard("atmega2560", (Motor("PF0", "PF1", "TIMER5C"),)), "TIMER5C is taken"),
         (AvrBoard("atmega2560", (Motor("X", "PF1"),)), "X is no pin"),
     ],

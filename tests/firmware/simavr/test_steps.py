@@ -10,6 +10,7 @@ import pytest
 from tests.board.bench import Planner
 
 from passo.errors import MachineError
+from passo.toolchain.avr import AvrBoard
 
 from .bench import Edge
 from .boards import HZ, MELZI, MELZI_PINS, OTHER_PINS, RAMPS, RAMPS_PINS, motors
@@ -108,6 +109,28 @@ def test_longer_pulses_take_a_free_unit():
     assert len(edges) == 2 * 501
     assert min(widths) >= 80
     assert max(widths) < 200
+    connection.bench.close()
+
+
+@pytest.mark.parametrize(
+    ("board", "pins", "pulse_ticks", "interval"),
+    [(RAMPS, RAMPS_PINS, 48, 1000), (MELZI, MELZI_PINS, 480, 6000)],  # TB6600, TB6560
+)
+def test_an_image_may_have_long_pulses_for_all_its_motors(board, pins, pulse_ticks, interval):
+    slow = AvrBoard(board.mcu, slow_motors=len(pins))
+    connection = motors(len(pins), slow, pins, pulse_ticks)
+    planner = Planner()
+    for target in range(len(pins)):
+        planner.steps(target, True, HZ // 4, 1)
+        planner.steps(target, True, interval, 200)
+    connection.start_job(planner.queue)
+    connection.run(connection.now + HZ)
+    edges = connection.bench.edges()
+    for step, _ in pins:
+        mine = [e.cycle for e in edges if e.pin == step]
+        widths = [b - a for a, b in zip(mine[::2], mine[1::2], strict=True)]
+        assert len(widths) == 201
+        assert pulse_ticks <= min(widths) <= max(widths) < pulse_ticks + 120
     connection.bench.close()
 
 
