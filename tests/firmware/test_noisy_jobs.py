@@ -40,7 +40,8 @@ class Noisy:
         end = base + max(clocks[-1] for clocks in plan.clocks.values()) + 10 * MS
         connection.pass_time(end)
         self.cable.spoil(0.0)
-        connection.pass_time(end + HZ // 4)  # what comes now is late, and the board says so
+        # What comes now is late, and the board says so. The link waits twice as long each time.
+        connection.pass_time(end + 2 * HZ)
         connection.link.stop_job()
         return {name: steps_of(self, name, base) for name in "xy"}
 
