@@ -126,23 +126,3 @@ def test_a_machine_file_says_it_right(old, new, said):
     assert old in text()
     with pytest.raises(ConfigError, match=said):
         config.load_text(text().replace(old, new, 1), "t.toml")
-
-
-def test_filament_that_is_pushed_by_hand_in_a_pause_stays_where_it_is(tmp_path):
-    lines = ["M302 P1", "G28", "G1 X50 Y50 Z5 F6000", "M83"]
-    lines += [f"G1 X{50 + 40 * (i % 2)} U1 F1500" for i in range(10)]
-    (tmp_path / "a.g").write_text("\n".join([*lines, "M400"]) + "\n")
-
-    def net(pushed_mm: float) -> dict[str, int]:
-        with Scenario(config.load_text(text()), card=str(tmp_path)) as s:
-            s.host.ok("M32 a.g")
-            s.until(lambda: s.printer.job.line_at(s.printer.drive.now) >= 8, 300)
-            s.host.ok("M25")
-            for line in ("G91", f"G1 U{pushed_mm:g} F300", "M24"):
-                s.host.ok(line)
-            s.host.expect("Done printing", 300)
-            return {x.name: s.board.net_steps(x.name) for x in s.board.board.steppers}
-
-    plain, pushed = net(0), net(20)
-    assert pushed.pop("u") - plain.pop("u") == 20 * 95.5
-    assert pushed == plain

@@ -124,7 +124,7 @@ def test_a_minute_of_a_print_is_exact(tmp_path, monkeypatch):
     for name, cycles in traced.cycles.items():
         late = sorted(c - clock for c, clock in zip(cycles, clocks[name], strict=True))
         assert late[len(late) * 99 // 100] - late[0] <= 250, name
-        assert late[-1] - late[0] <= 600, name
+        assert late[-1] - late[0] <= 900, name  # when alarms of several parts coincide
     assert bench.rescues > 0
     # The stack grows down from the end of the memory, towards the static data.
     bottom = RAM_BEGIN + image(board).ram
