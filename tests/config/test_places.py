@@ -44,7 +44,7 @@ def without_switches(machine: str, **keys: str) -> str:
 def test_without_switches_the_arms_must_reach_the_home_of_the_axes():
     assert config.load_text(without_switches("scara"))
     far = without_switches("scara", x_offset="9000.0")
-    with pytest.raises(ConfigError, match="a home that the arms reach: .* not 9000") as raised:
+    with pytest.raises(ConfigError, match=r"a home that the arms reach: .* not 9000") as raised:
         config.load_text(far, "far.toml")
     [problem] = raised.value.problems
     assert far.splitlines()[(problem.line or 0) - 1] == "[axes.x]"
