@@ -52,10 +52,10 @@ def about(image: Path, dictionary: bytes, mcu: str = "atmega2560") -> None:
 
 
 def flashed(name: str, where: str | None, image: Path, served: Port | None = None) -> list[str]:
-    """What was told and asked for, at a hundred times the speed."""
+    """What was told and asked for, at ten times the speed."""
     said: list[str] = []
     person = Person(said.append, lambda text: said.append(f"HANDS: {text}"))
-    with asyncio.Runner(loop_factory=lambda: ScaledLoop(100)) as runner:
+    with asyncio.Runner(loop_factory=lambda: ScaledLoop(10)) as runner:
         if served:
             served.serve(runner.get_loop())
         runner.run(flash(name, config.load_board(name), where, image, person))
@@ -230,7 +230,7 @@ def test_a_port_may_come_with_what_hands_do(tools: Path, tmp_path: Path, port: P
     image.write_bytes(b"\0\0\7\x20")
     link = tmp_path / "port"
     person = Person(lambda _: None, lambda _: link.exists() or link.symlink_to(port.name))
-    with asyncio.Runner(loop_factory=lambda: ScaledLoop(100)) as runner:
+    with asyncio.Runner(loop_factory=lambda: ScaledLoop(10)) as runner:
         port.serve(runner.get_loop())
         board = config.load_board("duet-0.6")
         runner.run(flash("duet-0.6", board, str(link), image, person))
