@@ -102,7 +102,7 @@ class Pump {
   Ticks now_;
   Bytes recorded_;
   bool recording_ = false, cut_ = false;
-  static constexpr unsigned kSample = 251;
+  static constexpr unsigned kSample = 1009;
   static constexpr double kNewsSeconds = 0.05;
   double (*cpu_clock_)();
   unsigned exchanges_ = 0;
