@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from passo import _core
 from passo.errors import CommandError
 from passo.job.journal import Moment, Program
+from passo.job.overrides import override
 from passo.job.program import at_rest, read_program
 from passo.job.runner import Reader
 from passo.printer.commands import Commands
@@ -45,45 +46,62 @@ def offset_of_line(reader: Reader, line: int) -> int:
     return at
 
 
-def state_before(printer: Printer, reader: Reader, end: int) -> _core.Job:
-    """A job that has read the first `end` bytes of a program, without motion, with the settings
-    that the printer has: where the machine is then, and in which state the program. Raises
-    InputError."""
-    machine = printer.machine
-    job = _core.Job(machine.core_spec(), False, False, False)
-    commands = Commands.of_plan(machine, job)
-    _set_up(job, commands, printer)
-    rest = at_rest(job)
+class Past:
+    """The beginning of a program, `end` bytes of it, read without motion with the settings that the
+    printer has and the overrides of its print: where the machine is then (`job`), and in which
+    state the program. Raises InputError."""
 
-    def settle(wait: Wait) -> None:
-        if isinstance(wait, Homing):
-            _home(machine, job, wait.letters)
-        else:
-            rest(wait)
+    def __init__(
+        self, printer: Printer, reader: Reader, end: int, overrides: dict[str, tuple[int, float]]
+    ) -> None:
+        self._printer, self._reader, self._end = printer, reader, end
+        machine = printer.machine
+        self.job = job = _core.Job(machine.core_spec(), False, False, False)
+        self._commands = Commands.of_plan(machine, job)
+        self._set_up()
+        rest = at_rest(job)
 
-    for _ in read_program(job, commands, _up_to(reader, end), "", settle):
-        pass
-    return job
+        def settle(wait: Wait) -> None:
+            if isinstance(wait, Homing):
+                _home(machine, job, wait.letters)
+            else:
+                rest(wait)
 
+        for _ in read_program(job, self._commands, self._pieces(overrides), "", settle):
+            pass
 
-def _set_up(job: _core.Job, commands: Commands, printer: Printer) -> None:
-    """The printer's settings, as far as they concern what a program means."""
-    for tool, offset in enumerate(printer.job.tool_offsets):
-        for axis, mm in enumerate(offset):
-            job.set_tool_offset(tool, axis, mm)
-    job.select(True)
-    for line in printer.settings():
-        job.feed(line.encode() + b"\n")
-        while job.advance() == _core.JobStatus.EVENT:
-            commands.run(Command(*job.event))
-    job.select(False)
+    @property
+    def fans(self) -> dict[str, float]:
+        """The shares of power that fans have, 0 to 1."""
+        return self._commands.fans
 
+    def _set_up(self) -> None:
+        """The printer's settings, as far as they concern what a program means."""
+        job = self.job
+        for tool, offset in enumerate(self._printer.job.tool_offsets):
+            for axis, mm in enumerate(offset):
+                job.set_tool_offset(tool, axis, mm)
+        job.select(True)
+        for line in self._printer.settings():
+            job.feed(line.encode() + b"\n")
+            while job.advance() == _core.JobStatus.EVENT:
+                self._commands.run(Command(*job.event))
+        job.select(False)
 
-def _up_to(reader: Reader, end: int) -> Iterator[bytes]:
-    reader.seek(0)
-    while end > 0 and (data := reader.read(min(_CHUNK, end))):
-        end -= len(data)
-        yield data
+    def _pieces(self, overrides: dict[str, tuple[int, float]]) -> Iterator[bytes]:
+        """The text, and each override when what stood before it has been read. One that was set
+        while more had been read ahead acted on all that was not printed yet."""
+        self._reader.seek(0)
+        at = 0
+        for name, (offset, factor) in sorted(overrides.items(), key=lambda item: item[1][0]):
+            until = min(offset, self._end)
+            while at < until and (data := self._reader.read(min(_CHUNK, until - at))):
+                at += len(data)
+                yield data
+            override(self.job, self._commands, name, factor)
+        while at < self._end and (data := self._reader.read(min(_CHUNK, self._end - at))):
+            at += len(data)
+            yield data
 
 
 def _home(machine: MachineConfig, job: _core.Job, letters: str) -> None:
@@ -113,7 +131,9 @@ class Recovery:
             raise CommandError.of("job.other-file", program.path)
         machine = printer.machine
         wanted = {f"heater {n}" for n, c in moment.targets_c.items() if c > 0}
-        wanted |= {f"fan {n}" for n, share in moment.fans.items() if share > 0}
+        wanted |= {
+            n for n, (_, share) in moment.overrides.items() if n.startswith("fan ") and share > 0
+        }
         wanted -= {f"heater {n}" for n in machine.heaters} | {f"fan {n}" for n in machine.fans}
         if wanted:
             raise CommandError.of("job.no-part", program.path, value=", ".join(sorted(wanted)))
@@ -122,7 +142,8 @@ class Recovery:
         """Brings the machine to where the print goes on; returns the offset to read from."""
         printer = self._printer
         offset = offset_of_line(self._reader, self._moment.line)
-        state = state_before(printer, self._reader, offset)
+        past = Past(printer, self._reader, offset, self._moment.overrides)
+        state = past.job
         for axis, mm in self._moment.babysteps_mm.items():
             if not state.shift("xyz".index(axis), mm):
                 raise CommandError(
@@ -131,15 +152,13 @@ class Recovery:
         state.flush()
         at = state.machine_position
         await self._lift_and_home()
-        await self._warm()
+        await self._warm(past.fans)
         if state.tool != printer.job.tool:
             printer.take_setting(f"T{state.tool}", Silence())  # its nozzle is filled
         await self._approach(at)
         printer.job.adopt(state)
         printer.commands.follow_tool()
-        printer.job.set_speed_factor(self._moment.speed_factor)
-        for extruder, flow in enumerate(self._moment.flows):
-            printer.job.set_flow(extruder, flow)
+        printer.job.set_speed_factor(state.speed_factor)
         printer.motion.babysteps_mm |= self._moment.babysteps_mm
         return offset
 
@@ -166,7 +185,7 @@ class Recovery:
             return
         await printer.homer.home("XY")
 
-    async def _warm(self) -> None:
+    async def _warm(self, fans: dict[str, float]) -> None:
         printer = self._printer
         hot = tuple(n for n, celsius in self._moment.targets_c.items() if celsius > 0)
         for name in printer.heaters:
@@ -175,7 +194,7 @@ class Recovery:
         await printer.wait(Temperatures(hot), Silence())
         printer.raise_if_interrupted()
         for fan in printer.commands.commanded_fans:
-            printer.set_fan(fan, self._moment.fans.get(fan, 0.0))
+            printer.set_fan(fan, fans.get(fan, 0.0))
 
     async def _approach(self, at: list[float]) -> None:
         """Over the place, a little filament to fill the nozzle, and down."""
