@@ -295,3 +295,38 @@ def test_overrides_of_a_console_hold_until_the_file_sets_others(places):
     assert fan == pytest.approx(0.6)
     assert e_mm == pytest.approx(2 * (28 - line), abs=0.1)
     assert (flows, speed) == ([2.0], 1.2)
+
+
+SET_IN_FILE = {
+    "i3": "M302 P1\nM206 X5\nM92 E200\nG28\nM206 Y3\nG91\nG1 X50 Y50 Z5 F6000\nG90\nM83\n",
+    "dual-extruder": "M302 P1\nG28\nM218 T1 X20 Y1\nT1\nM92 E120\nG10 P0 S0 R0\nM83\n",
+}
+
+
+@pytest.mark.parametrize("machine", list(SET_IN_FILE))
+def test_settings_of_the_file_hold_for_the_rest_of_it(machine, places):
+    text = SET_IN_FILE[machine]
+    last = text.count("\n")
+    text += "".join(f"G1 X{80 + i % 2 * 30} Y80 Z5 E2 F600\n" for i in range(8))
+    (Path(places["card"]) / "a.g").write_text(text + "G91\nG1 X1\nG90\n")
+    with Scenario(machine, **places) as s:
+        s.host.ok("M32 a.g")
+        s.host.expect("Done printing", 300)
+        job, motion = s.printer.job, s.printer.motion
+        settings = s.host.ok("M503")
+        whole = job.machine_position, motion.home_offset_mm, job.tool
+        steps = s.positions()
+    with Scenario(machine, **places) as s:
+        s.host.ok("M32 a.g")
+        assert s.until(lambda: s.printer.job.line_at(s.printer.drive.now) >= last + 4, 300)
+        left = s.positions()
+    with Scenario(machine, **places) as s:
+        s.board.place("z", left["z"])
+        s.host.send("M1000")
+        s.host.expect("Done printing", 300)
+        assert s.host.ok("M503") == settings
+        job, motion = s.printer.job, s.printer.motion
+        assert job.machine_position == pytest.approx(whole[0], abs=1e-6)
+        assert (motion.home_offset_mm, job.tool) == whole[1:]
+        for stepper in "xy":
+            assert s.positions()[stepper] == pytest.approx(steps[stepper], abs=0.03)

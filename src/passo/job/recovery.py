@@ -3,24 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from passo import _core
 from passo.errors import CommandError
 from passo.job.journal import Moment, Program
-from passo.job.overrides import override
-from passo.job.program import at_rest, read_program
+from passo.job.past import Past
 from passo.job.runner import Reader
-from passo.printer.commands import Commands
 from passo.printer.faults import problem_of
 from passo.printer.slots import E, X, Y, Z
 from passo.printer.switches import axes_of_arms, home_point
-from passo.printer.waits import Homing, Silence, Temperatures, Wait
-from passo.printer.words import Command
+from passo.printer.waits import Silence, Temperatures
 
 if TYPE_CHECKING:
-    from passo.config.machine import MachineConfig
     from passo.printer.printer import Printer
 
 _CHUNK = 1 << 16
@@ -44,80 +38,6 @@ def offset_of_line(reader: Reader, line: int) -> int:
             place = data.index(b"\n", place + 1)
         return at + place + 1
     return at
-
-
-class Past:
-    """The beginning of a program, `end` bytes of it, read without motion with the settings that the
-    printer has and the overrides of its print: where the machine is then (`job`), and in which
-    state the program. Raises InputError."""
-
-    def __init__(
-        self, printer: Printer, reader: Reader, end: int, overrides: dict[str, tuple[int, float]]
-    ) -> None:
-        self._printer, self._reader, self._end = printer, reader, end
-        machine = printer.machine
-        self.job = job = _core.Job(machine.core_spec(), False, False, False)
-        self._commands = Commands.of_plan(machine, job)
-        self._set_up()
-        rest = at_rest(job)
-
-        def settle(wait: Wait) -> None:
-            if isinstance(wait, Homing):
-                _home(machine, job, wait.letters)
-            else:
-                rest(wait)
-
-        for _ in read_program(job, self._commands, self._pieces(overrides), "", settle):
-            pass
-
-    @property
-    def fans(self) -> dict[str, float]:
-        """The shares of power that fans have, 0 to 1."""
-        return self._commands.fans
-
-    def _set_up(self) -> None:
-        """The printer's settings, as far as they concern what a program means."""
-        job = self.job
-        for tool, offset in enumerate(self._printer.job.tool_offsets):
-            for axis, mm in enumerate(offset):
-                job.set_tool_offset(tool, axis, mm)
-        job.select(True)
-        for line in self._printer.settings():
-            job.feed(line.encode() + b"\n")
-            while job.advance() == _core.JobStatus.EVENT:
-                self._commands.run(Command(*job.event))
-        job.select(False)
-
-    def _pieces(self, overrides: dict[str, tuple[int, float]]) -> Iterator[bytes]:
-        """The text, and each override when what stood before it has been read. One that was set
-        while more had been read ahead acted on all that was not printed yet."""
-        self._reader.seek(0)
-        at = 0
-        for name, (offset, factor) in sorted(overrides.items(), key=lambda item: item[1][0]):
-            until = min(offset, self._end)
-            while at < until and (data := self._reader.read(min(_CHUNK, until - at))):
-                at += len(data)
-                yield data
-            override(self.job, self._commands, name, factor)
-        while at < self._end and (data := self._reader.read(min(_CHUNK, self._end - at))):
-            at += len(data)
-            yield data
-
-
-def _home(machine: MachineConfig, job: _core.Job, letters: str) -> None:
-    job.flush()
-    if not machine.homing:
-        job.settle_position()
-        return
-    job.abandon()
-    if "B" in letters and "b" not in machine.axes:
-        return  # it went back to where it was
-    letters = letters.replace("O", "")
-    names = {n for n in "xyz" if not letters or n.upper() in letters}
-    if names & set(axes_of_arms(machine)):
-        names |= set(axes_of_arms(machine))
-    point = home_point(machine)
-    job.set_axes([(i, point[i]) for i, name in enumerate("xyz") if name in names])
 
 
 class Recovery:
@@ -151,13 +71,18 @@ class Recovery:
                 )
         state.flush()
         at = state.machine_position
+        for line in past.settings:
+            printer.take_setting(line, Silence())
+        printer.motion.home_offset_mm |= past.homed_mm
         await self._lift_and_home()
-        await self._warm(past.fans)
+        printer.motion.home_offset_mm |= past.home_offset_mm
+        await self._warm(past.commands.fans)
         if state.tool != printer.job.tool:
             printer.take_setting(f"T{state.tool}", Silence())  # its nozzle is filled
         await self._approach(at)
         printer.job.adopt(state)
         printer.commands.follow_tool()
+        printer.commands.take_tool_temperatures(past.commands)
         printer.job.set_speed_factor(state.speed_factor)
         printer.motion.babysteps_mm |= self._moment.babysteps_mm
         return offset

@@ -350,6 +350,10 @@ class Commands:
         if celsius is not None and self._exists("hotend", {}):
             self._heat_to(self.heater("hotend", tool), celsius)
 
+    def take_tool_temperatures(self, other: Commands) -> None:
+        """What G10 has said to others of the same machine holds here; heaters stay as they are."""
+        self._tool_c |= other._tool_c
+
     def follow_tool(self) -> None:
         """Another tool is in use, without a command: the program stands aside, stops or resumes."""
         self._tool = self._job.tool
