@@ -23,11 +23,12 @@ _CHUNK = 1 << 16
 class _Observed(Commands):
     """Commands of a plan, each shown to `observer` first."""
 
-    observer: Callable[[Command], None] = staticmethod(lambda _: None)
+    observer: Callable[[Command], None] | None = None
 
     def run(self, command: Command) -> Wait | None:
         """See `Commands.run`."""
-        self.observer(command)
+        if self.observer is not None:
+            self.observer(command)
         return super().run(command)
 
 

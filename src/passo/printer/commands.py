@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from math import inf, sqrt
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol, Self
 
 from passo.config.drives import axis_order
 from passo.errors import CommandError, Problem
@@ -68,7 +68,7 @@ class Commands:
     """
 
     @classmethod
-    def of_plan(cls, machine: MachineConfig, job: _core.Job) -> Commands:
+    def of_plan(cls, machine: MachineConfig, job: _core.Job) -> Self:
         """Those of a job that is only planned: without heat and without a board's outputs."""
         return cls(machine, job, NoHeat(), [1] * len(machine.timed_outputs))
 
