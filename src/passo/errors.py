@@ -85,17 +85,17 @@ CATALOGUE: Mapping[str, Entry] = {
     "input.out-of-range": _input(
         "motion",
         "{axis} {value:.3f} mm is beyond the limit of {limit:.3f} mm",
-        "Move the model on the bed, choose the right machine, or allow --out-of-range clamp",
+        "Move the model on the bed, or choose the right machine",
     ),
     "input.unreachable": _input(
         "geometry",
         "the point {value} mm cannot be reached by this machine: {limit}",
-        "Move the model on the bed, choose the right machine, or allow --out-of-range clamp",
+        "Move the model on the bed, or choose the right machine",
     ),
     "input.actuator": _input(
         "geometry",
         "motor {axis} would go to {value:.3f}, beyond its limit of {limit:.3f}",
-        "Move the model on the bed, choose the right machine, or allow --out-of-range clamp",
+        "Move the model on the bed, or choose the right machine",
     ),
     "input.too-long": _input(
         "motion",
@@ -131,7 +131,7 @@ CATALOGUE: Mapping[str, Entry] = {
     "input.missing-tool": _input(
         "printer",
         "tool T{value} does not exist: the machine has {limit} tool(s)",
-        "Choose a machine with this tool, or allow --missing-tool ignore",
+        "Choose a machine with this tool, or slice without it",
     ),
     "output.unwritable": _input(
         "file", "cannot be written: {value}", "Check the path, its permissions and the free space"

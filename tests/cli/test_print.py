@@ -9,6 +9,7 @@ import sys
 from importlib.resources import files
 
 import pytest
+from tests.console.scenario import Scenario
 
 from passo.cli.main import main
 
@@ -379,3 +380,18 @@ def test_a_move_of_ten_metres_of_filament_takes_little_memory(tmp_path):
     assert much["steps"]["e"] == 954_905  # 95.5 steps for a mm, rounded up from the half
     assert much["step_error_us"]["max"] <= 2.0 + 0.5 / 16 + 1e-3
     assert much["peak_rss_mb"] - little["peak_rss_mb"] < 20
+
+
+@pytest.mark.parametrize(
+    ("line", "option"), [("G1 X999", "--out-of-range clamp"), ("T7", "--missing-tool ignore")]
+)
+def test_options_are_named_where_there_are_some(line, option, capsys, tmp_path):
+    path = tmp_path / "p.gcode"
+    path.write_text(f"{line}\nG1 X1 F600\n")
+    assert main(["print", str(path)]) == 4
+    assert f"or allow {option}." in capsys.readouterr().err
+    with Scenario("i3") as s:
+        s.host.ok("G28", 60)
+        refusal = s.host.ok(line)[0]
+        assert refusal.startswith("echo:")
+        assert "--" not in refusal

@@ -63,7 +63,7 @@ def next_host(monkeypatch, left, places):
             yield s
 
 
-END = {"x": 60.0, "y": 47.75, "z": 1.0, "e": 0.0}
+END = {"x": 60.0, "y": 47.75, "z": 1.0, "e": 5.0052}  # E: to fill the nozzle
 OFFER = "from where the board has stopped"
 
 
@@ -110,7 +110,7 @@ def test_motors_that_were_off_under_the_host_before_are_homed(monkeypatch, place
     push(left[0])
     with next_host(monkeypatch, left, places) as s:
         assert OFFER not in s.printer.greeting()
-        retracted = {"e": -2.0}  # where it was parked
+        retracted = {"e": END["e"] - 2.0}  # where it was parked
         assert printed_on(s) == pytest.approx(END | retracted, abs=0.02)
 
 

@@ -268,7 +268,9 @@ def test_a_print_whose_heater_has_another_name_now_is_not_gone_on_with(places):
         s.until(lambda: s.positions()["e"] > 1, 200)
     program, moment = journal_of(state)
     journal = Journal(state)
-    renamed = replace(moment, targets_c={"plate": 50.0, "old": 0.0}, fans={"cooler": 0.5})
+    renamed = replace(
+        moment, targets_c={"plate": 50.0, "old": 0.0}, overrides={"fan cooler": (0, 0.5)}
+    )
     journal.begin(program, renamed)
     journal.leave()
     with Scenario("i3", **arguments) as s:
@@ -279,7 +281,7 @@ def test_a_print_whose_heater_has_another_name_now_is_not_gone_on_with(places):
         assert s.host.ok("M27")[0] == "Not SD printing"
         assert s.printer.connection.heaters["bed"].target == 0
         assert journal_of(state) == (program, renamed)
-    journal.begin(program, replace(moment, targets_c={"bed": 45.0, "old": 0.0}, fans={}))
+    journal.begin(program, replace(moment, targets_c={"bed": 45.0, "old": 0.0}, overrides={}))
     journal.leave()
     with Scenario("i3", **arguments) as s:
         s.host.ok("M302 P1")

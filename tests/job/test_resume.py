@@ -244,3 +244,89 @@ def test_a_print_goes_on_with_arms(machine, when, text, tmp_path):
         end = s.positions()
         for stepper in ("a", "b", "z"):
             assert end[stepper] == pytest.approx(whole[stepper], abs=0.03)
+
+
+def cut_and_gone_on(text, places, line, *live):
+    """Cut while this line is printed, consoles having sent `live` three lines before; gone on with.
+    The journal's line, mm of filament from there, and the printer's last overrides."""
+    (Path(places["card"]) / "a.g").write_text(text)
+    with Scenario("i3", **places) as s:
+        s.host.ok("M32 a.g")
+
+        def at(number):
+            return lambda: s.printer.job.line_at(s.printer.drive.now) >= number
+
+        assert s.until(at(line - 3), 200)
+        for order in live:
+            s.host.ok(order)
+        assert s.until(at(line), 200)
+    number = recorded(places)[1].line
+    with Scenario("i3", **places) as s:
+        s.host.ok("M302 P1")
+        s.host.ok("M1000", 200)
+        before, start = s.printer.commands.fans["part"], s.positions()["e"]
+        s.host.expect("Done printing", 200)
+        job = s.printer.job
+        return number, s.positions()["e"] - start, before, job.flows, job.speed_factor
+
+
+OVERRIDDEN = (
+    "M302 P1\nG28\nM83\nM106 S51\n"
+    + "".join(f"G1 X{50 + i % 2 * 30} Y50 Z5 E1 F1800\n" for i in range(15))
+    + "M221 S50\nM220 S80\nM106 S255\n"
+    + "".join(f"G1 X{50 + i % 2 * 30} Y50 Z5 E1 F1800\n" for i in range(8))
+)
+
+
+def test_overrides_of_the_file_hold_from_their_line(places):
+    """All of it was read ahead when the power went in line 12."""
+    line, e_mm, fan, flows, speed = cut_and_gone_on(OVERRIDDEN, places, 12)
+    assert 11 <= line <= 12
+    assert fan == pytest.approx(0.2)
+    assert e_mm == pytest.approx(20 - line + 8 * 0.5, abs=0.05)
+    assert (flows, speed) == ([0.5], 0.8)
+
+
+def test_overrides_of_a_console_hold_until_the_file_sets_others(places):
+    orders = ("M221 S200", "M220 S120", "M106 S153 F")
+    line, e_mm, fan, flows, speed = cut_and_gone_on(
+        OVERRIDDEN.replace("M221 S50\nM220 S80\nM106 S255\n", ""), places, 12, *orders
+    )
+    assert fan == pytest.approx(0.6)
+    assert e_mm == pytest.approx(2 * (28 - line), abs=0.1)
+    assert (flows, speed) == ([2.0], 1.2)
+
+
+SET_IN_FILE = {
+    "i3": "M302 P1\nM206 X5\nM92 E200\nG28\nM206 Y3\nG91\nG1 X50 Y50 Z5 F6000\nG90\nM83\n",
+    "dual-extruder": "M302 P1\nG28\nM218 T1 X20 Y1\nT1\nM92 E120\nG10 P0 S0 R0\nM83\n",
+}
+
+
+@pytest.mark.parametrize("machine", list(SET_IN_FILE))
+def test_settings_of_the_file_hold_for_the_rest_of_it(machine, places):
+    text = SET_IN_FILE[machine]
+    last = text.count("\n")
+    text += "".join(f"G1 X{80 + i % 2 * 30} Y80 Z5 E2 F600\n" for i in range(8))
+    (Path(places["card"]) / "a.g").write_text(text + "G91\nG1 X1\nG90\n")
+    with Scenario(machine, **places) as s:
+        s.host.ok("M32 a.g")
+        s.host.expect("Done printing", 300)
+        job, motion = s.printer.job, s.printer.motion
+        settings = s.host.ok("M503")
+        whole = job.machine_position, motion.home_offset_mm, job.tool
+        steps = s.positions()
+    with Scenario(machine, **places) as s:
+        s.host.ok("M32 a.g")
+        assert s.until(lambda: s.printer.job.line_at(s.printer.drive.now) >= last + 4, 300)
+        left = s.positions()
+    with Scenario(machine, **places) as s:
+        s.board.place("z", left["z"])
+        s.host.send("M1000")
+        s.host.expect("Done printing", 300)
+        assert s.host.ok("M503") == settings
+        job, motion = s.printer.job, s.printer.motion
+        assert job.machine_position == pytest.approx(whole[0], abs=1e-6)
+        assert (motion.home_offset_mm, job.tool) == whole[1:]
+        for stepper in "xy":
+            assert s.positions()[stepper] == pytest.approx(steps[stepper], abs=0.03)

@@ -57,3 +57,20 @@ def test_a_pause_ends_with_the_board(tmp_path: Path) -> None:
         s.passes(5.0)
         assert s.printer.halted == ""
         assert s.positions()["x"] > 0
+
+
+def test_a_move_of_a_quarter_of_an_hour_can_be_stopped_and_asked():
+    """However low F is, a console waits for nothing."""
+    with Scenario("i3") as s:
+        s.host.ok("G28", 60)
+        s.host.ok("G1 X1 F0.0001")
+        s.passes(30)
+        assert s.printer.drive.ahead_s > 900
+        assert "Real: X:0.025" in s.host.ok("M114 D", 1)[1]
+        s.host.ok("M410", 1)
+        s.passes(1)
+        assert s.printer.drive.standing
+        s.host.ok("G1 X2 F0.0001")
+        s.passes(2)
+        s.host.ok("M112", 1)
+        assert s.printer.halted == "emergency stop by M112"

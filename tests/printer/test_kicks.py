@@ -156,6 +156,14 @@ def test_what_is_wrong_is_said(wrong):
         machine(wrong)
 
 
+def test_a_fan_that_follows_something_is_started_by_its_full_power_alone():
+    with pytest.raises(
+        ConfigError, match=r"part\.kick_start_s is 0\.5: expected 0 where a fan follows"
+    ):
+        machine(f"{KICK}\nfollows = 'hotend'")
+    assert machine("kick_start_s = 0.0\nfollows = 'hotend'").fans["part"].follows == "hotend"
+
+
 def test_a_fan_on_a_further_board_starts_at_the_same_clock(tmp_path, monkeypatch):
     path = tmp_path / "a.g"
     path.write_text(PROGRAM)

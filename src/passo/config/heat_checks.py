@@ -55,6 +55,10 @@ def check_fans(data: Raw) -> Iterator[Finding]:
                 hint, limit = did_you_mean(motor, steppers), "names of motors"
                 yield Finding("config.value", (*path, "follows_motors"), motor, limit, hint)
         if motors or isinstance(heater, str):
+            kick_s = number(fan, "kick_start_s")
+            if kick_s:
+                limit = "0 where a fan follows something: it starts with max_power anyway"
+                yield Finding("config.conflict", (*path, "kick_start_s"), kick_s, limit)
             continue
         own = number(fan, "number") or 0
         owner = owners.setdefault(own, name)

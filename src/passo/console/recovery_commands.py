@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from passo.console.card_commands import CardCommands
 from passo.errors import CardError, CommandError, PassoError
 from passo.job.journal import Journal, Moment, Program
+from passo.job.overrides import Overrides
 from passo.job.recovery import Recovery
 from passo.job.runner import Runner, State
 from passo.printer.waits import Handler, Procedure, Reply, Stopped, Wait
@@ -30,6 +31,7 @@ class RecoveryCommands:
     ) -> None:
         self._printer, self._runner, self._files = printer, runner, files
         self._journal = Journal(directory)
+        self._overrides = Overrides(printer, runner)
         self._recorded = Moment(0, 0.0)
         self._seen_z_mm = 0.0
         self._interrupted = self._journal.read()
@@ -71,6 +73,7 @@ class RecoveryCommands:
         self._seen_z_mm = self._z()
         self._printer.positions.trust()
         self._settlings = self._printer.positions.settlings
+        self._overrides.begin()
         self._recorded = self._moment(self._runner.first_line, self._seen_z_mm)
         try:
             program = Program.of(self._printer.machine.uuid, self._runner.path, reader)
@@ -97,10 +100,11 @@ class RecoveryCommands:
             return
         moment = self._moment(line or self._runner.first_line, self._seen_z_mm)
         if self._runner.state is State.PAUSED:
-            # Fans and heaters that are switched off meanwhile are wanted again for the print.
+            # Heaters that are switched off meanwhile are wanted again for the print.
             moment = replace(
                 self._recorded,
                 z_mm=moment.z_mm,
+                overrides=moment.overrides,
                 babysteps_mm=moment.babysteps_mm,
                 origins=moment.origins,
             )
@@ -137,19 +141,13 @@ class RecoveryCommands:
         return (job.position_at(self._printer.drive.now) or job.machine_position)[2]
 
     def _moment(self, line: int, z_mm: float) -> Moment:
-        printer, job = self._printer, self._printer.job
+        printer = self._printer
         return Moment(
             line if line > 1 else 0,
             round(printer.drive.now_s, 3),
             round(z_mm, 6),
             {n: h.target for n, h in printer.connection.heaters.items()},
-            {
-                fan: share
-                for fan, share in printer.commands.fans.items()
-                if fan in printer.commands.commanded_fans
-            },
-            job.speed_factor,
-            job.flows,
+            self._overrides.held,
             {axis: mm for axis, mm in printer.motion.babysteps_mm.items() if mm},
             printer.positions.origins(),
         )

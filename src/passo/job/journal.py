@@ -6,7 +6,7 @@ import json
 import os
 import zlib
 from contextlib import suppress
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, Self, cast
 
@@ -44,15 +44,14 @@ class Program:
 class Moment:
     """How far a print is: the line whose move is under way at `print_s`, the Z of the machine then,
     and what the file alone does not tell: `babysteps_mm` are those that consoles have sent, by
-    axis. Line 0: no move yet."""
+    axis; `overrides` are speed, flows and fans as they were when the print began, or as consoles
+    have set them since (see Overrides). Line 0: no move yet."""
 
     line: int
     print_s: float
     z_mm: float = 0.0
     targets_c: dict[str, float] = field(default_factory=dict[str, float])
-    fans: dict[str, float] = field(default_factory=dict[str, float])
-    speed_factor: float = 1.0
-    flows: list[float] = field(default_factory=list[float])  # of each extruder
+    overrides: dict[str, tuple[int, float]] = field(default_factory=dict[str, tuple[int, float]])
     babysteps_mm: dict[str, float] = field(default_factory=dict[str, float])
     origins: dict[str, int] = field(default_factory=dict[str, int])  # see Positions.origins
 
@@ -120,7 +119,9 @@ class Journal:
                         program = Program(**content)
                     else:
                         moment = Moment(**content)
-        except (OSError, TypeError):
+                        tuples = {n: (int(at), v) for n, (at, v) in moment.overrides.items()}
+                        moment = replace(moment, overrides=tuples)
+        except (OSError, TypeError, ValueError, AttributeError):
             pass  # what stands before the damage holds
         return (program, moment) if program and moment else None
 

@@ -7,13 +7,19 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 
 from passo import _core
-from passo.errors import CommandError, InputError, WordError
+from passo.errors import CommandError, InputError, Problem, WordError
 from passo.job.source import chunks, open_source
 from passo.printer.commands import Commands
 from passo.printer.waits import Homing, Temperatures, Wait
 from passo.printer.words import Command
 
 _MOST_MESSAGES = 1 << 15
+_ALLOWED_BY = {  # what a command line can do besides; consoles cannot
+    "input.out-of-range": "--out-of-range clamp",
+    "input.unreachable": "--out-of-range clamp",
+    "input.actuator": "--out-of-range clamp",
+    "input.missing-tool": "--missing-tool ignore",
+}
 
 Settle = Callable[[Wait], None]
 
@@ -75,13 +81,19 @@ def read_program(
             else:
                 job.finish()
         elif found == status.ERROR:
-            raise InputError([commands.problem(name)])
+            raise InputError([_with_option(commands.problem(name))])
         elif found == status.END:
             break
         if found != status.EVENT:
             yield
     job.flush()
     yield
+
+
+def _with_option(problem: Problem) -> Problem:
+    option = _ALLOWED_BY.get(problem.code)
+    advice = f"{problem.entry.action}, or allow {option}"
+    return replace(problem, hint=advice) if option else problem
 
 
 def run_program(

@@ -3,23 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from passo import _core
 from passo.errors import CommandError
 from passo.job.journal import Moment, Program
-from passo.job.program import at_rest, read_program
+from passo.job.past import Past
 from passo.job.runner import Reader
-from passo.printer.commands import Commands
 from passo.printer.faults import problem_of
 from passo.printer.slots import E, X, Y, Z
 from passo.printer.switches import axes_of_arms, home_point
-from passo.printer.waits import Homing, Silence, Temperatures, Wait
-from passo.printer.words import Command
+from passo.printer.waits import Silence, Temperatures
 
 if TYPE_CHECKING:
-    from passo.config.machine import MachineConfig
     from passo.printer.printer import Printer
 
 _CHUNK = 1 << 16
@@ -45,63 +40,6 @@ def offset_of_line(reader: Reader, line: int) -> int:
     return at
 
 
-def state_before(printer: Printer, reader: Reader, end: int) -> _core.Job:
-    """A job that has read the first `end` bytes of a program, without motion, with the settings
-    that the printer has: where the machine is then, and in which state the program. Raises
-    InputError."""
-    machine = printer.machine
-    job = _core.Job(machine.core_spec(), False, False, False)
-    commands = Commands.of_plan(machine, job)
-    _set_up(job, commands, printer)
-    rest = at_rest(job)
-
-    def settle(wait: Wait) -> None:
-        if isinstance(wait, Homing):
-            _home(machine, job, wait.letters)
-        else:
-            rest(wait)
-
-    for _ in read_program(job, commands, _up_to(reader, end), "", settle):
-        pass
-    return job
-
-
-def _set_up(job: _core.Job, commands: Commands, printer: Printer) -> None:
-    """The printer's settings, as far as they concern what a program means."""
-    for tool, offset in enumerate(printer.job.tool_offsets):
-        for axis, mm in enumerate(offset):
-            job.set_tool_offset(tool, axis, mm)
-    job.select(True)
-    for line in printer.settings():
-        job.feed(line.encode() + b"\n")
-        while job.advance() == _core.JobStatus.EVENT:
-            commands.run(Command(*job.event))
-    job.select(False)
-
-
-def _up_to(reader: Reader, end: int) -> Iterator[bytes]:
-    reader.seek(0)
-    while end > 0 and (data := reader.read(min(_CHUNK, end))):
-        end -= len(data)
-        yield data
-
-
-def _home(machine: MachineConfig, job: _core.Job, letters: str) -> None:
-    job.flush()
-    if not machine.homing:
-        job.settle_position()
-        return
-    job.abandon()
-    if "B" in letters and "b" not in machine.axes:
-        return  # it went back to where it was
-    letters = letters.replace("O", "")
-    names = {n for n in "xyz" if not letters or n.upper() in letters}
-    if names & set(axes_of_arms(machine)):
-        names |= set(axes_of_arms(machine))
-    point = home_point(machine)
-    job.set_axes([(i, point[i]) for i, name in enumerate("xyz") if name in names])
-
-
 class Recovery:
     """One interrupted print, of a printer that stands and knows nothing. To be run by who has the
     turn; raises CommandError, MachineError, Stopped."""
@@ -113,7 +51,9 @@ class Recovery:
             raise CommandError.of("job.other-file", program.path)
         machine = printer.machine
         wanted = {f"heater {n}" for n, c in moment.targets_c.items() if c > 0}
-        wanted |= {f"fan {n}" for n, share in moment.fans.items() if share > 0}
+        wanted |= {
+            n for n, (_, share) in moment.overrides.items() if n.startswith("fan ") and share > 0
+        }
         wanted -= {f"heater {n}" for n in machine.heaters} | {f"fan {n}" for n in machine.fans}
         if wanted:
             raise CommandError.of("job.no-part", program.path, value=", ".join(sorted(wanted)))
@@ -122,7 +62,8 @@ class Recovery:
         """Brings the machine to where the print goes on; returns the offset to read from."""
         printer = self._printer
         offset = offset_of_line(self._reader, self._moment.line)
-        state = state_before(printer, self._reader, offset)
+        past = Past(printer, self._reader, offset, self._moment.overrides)
+        state = past.job
         for axis, mm in self._moment.babysteps_mm.items():
             if not state.shift("xyz".index(axis), mm):
                 raise CommandError(
@@ -130,16 +71,19 @@ class Recovery:
                 )
         state.flush()
         at = state.machine_position
+        for line in past.settings:
+            printer.take_setting(line, Silence())
+        printer.motion.home_offset_mm |= past.homed_mm
         await self._lift_and_home()
-        await self._warm()
+        printer.motion.home_offset_mm |= past.home_offset_mm
+        await self._warm(past.commands.fans)
         if state.tool != printer.job.tool:
             printer.take_setting(f"T{state.tool}", Silence())  # its nozzle is filled
         await self._approach(at)
         printer.job.adopt(state)
         printer.commands.follow_tool()
-        printer.job.set_speed_factor(self._moment.speed_factor)
-        for extruder, flow in enumerate(self._moment.flows):
-            printer.job.set_flow(extruder, flow)
+        printer.commands.take_tool_temperatures(past.commands)
+        printer.job.set_speed_factor(state.speed_factor)
         printer.motion.babysteps_mm |= self._moment.babysteps_mm
         return offset
 
@@ -166,7 +110,7 @@ class Recovery:
             return
         await printer.homer.home("XY")
 
-    async def _warm(self) -> None:
+    async def _warm(self, fans: dict[str, float]) -> None:
         printer = self._printer
         hot = tuple(n for n, celsius in self._moment.targets_c.items() if celsius > 0)
         for name in printer.heaters:
@@ -175,7 +119,7 @@ class Recovery:
         await printer.wait(Temperatures(hot), Silence())
         printer.raise_if_interrupted()
         for fan in printer.commands.commanded_fans:
-            printer.set_fan(fan, self._moment.fans.get(fan, 0.0))
+            printer.set_fan(fan, fans.get(fan, 0.0))
 
     async def _approach(self, at: list[float]) -> None:
         """Over the place, a little filament to fill the nozzle, and down."""

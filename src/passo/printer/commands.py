@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from math import inf, sqrt
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol, Self
 
 from passo.config.drives import axis_order
 from passo.errors import CommandError, Problem
@@ -68,7 +68,7 @@ class Commands:
     """
 
     @classmethod
-    def of_plan(cls, machine: MachineConfig, job: _core.Job) -> Commands:
+    def of_plan(cls, machine: MachineConfig, job: _core.Job) -> Self:
         """Those of a job that is only planned: without heat and without a board's outputs."""
         return cls(machine, job, NoHeat(), [1] * len(machine.timed_outputs))
 
@@ -349,6 +349,10 @@ class Commands:
     def _heat_tool(self, tool: int, celsius: float | None) -> None:
         if celsius is not None and self._exists("hotend", {}):
             self._heat_to(self.heater("hotend", tool), celsius)
+
+    def take_tool_temperatures(self, other: Commands) -> None:
+        """What G10 has said to others of the same machine holds here; heaters stay as they are."""
+        self._tool_c |= other._tool_c
 
     def follow_tool(self) -> None:
         """Another tool is in use, without a command: the program stands aside, stops or resumes."""

@@ -226,6 +226,11 @@ class MotionCommands:
         words = command.words()
         if not words:
             reply.say(self.home_offset_line())
+        self.home_offset_mm |= self.home_offsets(words)
+        return None
+
+    def home_offsets(self, words: dict[str, float]) -> dict[str, float]:
+        """The offsets that M206 gives, mm, by axis. Raises CommandError."""
         offsets = {a: words[a.upper()] for a in self.home_offset_mm if a.upper() in words}
         for name, mm in offsets.items():
             axis = self._machine.axes[name]
@@ -234,8 +239,7 @@ class MotionCommands:
                 raise CommandError.bad_value(
                     name.upper(), mm, f"at most the {longest:g} mm of the axis"
                 )
-        self.home_offset_mm |= offsets
-        return None
+        return offsets
 
     def home_offset_line(self) -> str:
         """M206 with what holds now."""
@@ -252,17 +256,22 @@ class MotionCommands:
 
     def _tool_offset(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
-        offsets = self._printer.job.tool_offsets
-        tool = int(words.get("T", words.get("H", self._printer.job.tool)))
-        if not 0 <= tool < len(offsets):
-            raise CommandError.bad_value("T", tool, f"a tool below {len(offsets)}")
-        axes = {letter: value for letter, value in words.items() if letter in "XYZ"}
+        tool, axes = self.tool_offset(words, self._printer.job.tool)
         if not axes:
             for line in self.tool_offset_lines():
                 reply.say(line)
         for letter, value in axes.items():
             self._printer.job.set_tool_offset(tool, "XYZ".index(letter), value)
         return None
+
+    def tool_offset(self, words: dict[str, float], active: int) -> tuple[int, dict[str, float]]:
+        """The tool that M218 means, and the offsets that it gives, mm, by X, Y, Z. Raises
+        CommandError."""
+        tools = len(self._printer.job.tool_offsets)
+        tool = int(words.get("T", words.get("H", active)))
+        if not 0 <= tool < tools:
+            raise CommandError.bad_value("T", tool, f"a tool below {tools}")
+        return tool, {letter: value for letter, value in words.items() if letter in "XYZ"}
 
     def tool_offset_lines(self) -> Iterator[str]:
         """M218 for each tool but the first."""

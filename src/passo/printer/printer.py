@@ -95,6 +95,7 @@ class Printer:
             | self.tunes.planned
             | self.driver_commands.planned
         )
+        self.command_listeners: list[Callable[[Command, Reply], None]] = []  # of what was done
         self.stop_listeners: list[Callable[[str], None]] = []
         self.fault_listeners: list[Callable[[HeaterFault], None]] = []
         self.greeting: Callable[[], str] = str  # what a console that opens should hear
@@ -446,12 +447,16 @@ class Printer:
         """By a handler of a living printer, or as in a print without consoles."""
         try:
             if handler is None:
-                return self.commands.run(command)
-            command.check()
-            return handler(command, reply)
+                wait = self.commands.run(command)
+            else:
+                command.check()
+                wait = handler(command, reply)
         except (CommandError, LinkLostError) as error:
             reply.fail(str(error))
             return None
+        for listener in self.command_listeners:
+            listener(command, reply)
+        return wait
 
     def run_command(self, command: Command, reply: Reply) -> Wait | None:
         """Carries out a command that the interpreter handed out."""

@@ -1,0 +1,65 @@
+"""Speed, flows and fans of a print, as far as its file alone does not tell them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from passo.printer.words import Command
+
+if TYPE_CHECKING:
+    from passo import _core
+    from passo.job.runner import Runner
+    from passo.printer.commands import Commands
+    from passo.printer.printer import Printer
+    from passo.printer.waits import Reply
+
+_SET_BY = ("M106", "M107", "M220", "M221")
+
+
+def overrides_of(job: _core.Job, commands: Commands) -> dict[str, float]:
+    """What holds for what is read next, each a factor: "speed", "flow" with the extruder's number,
+    "fan" with its name."""
+    flows = {f"flow {extruder}": flow for extruder, flow in enumerate(job.flows)}
+    fans = {f"fan {name}": commands.fans.get(name, 0.0) for name in commands.commanded_fans}
+    return {"speed": job.speed_factor, **flows, **fans}
+
+
+def override(job: _core.Job, commands: Commands, name: str, factor: float) -> None:
+    """Sets one of them, for what is read next. What the machine does not have is left alone."""
+    what, _, which = name.partition(" ")
+    if what == "speed":
+        job.set_speed_factor(factor)
+    elif what == "flow" and int(which) < len(job.flows):
+        job.set_flow(int(which), factor)
+    elif what == "fan" and which in commands.commanded_fans:
+        commands.set_output(which, factor)
+
+
+class Overrides:
+    """Those that hold when the print from the card begins, and what consoles set since; each with
+    the bytes of the file that were read before. What the file itself sets is read again there."""
+
+    def __init__(self, printer: Printer, runner: Runner) -> None:
+        self._printer, self._runner = printer, runner
+        self._seen: dict[str, float] = {}
+        self.held: dict[str, tuple[int, float]] = {}
+        printer.command_listeners.append(self._carried_out)
+
+    def begin(self) -> None:
+        """A print begins, or goes on after an interruption."""
+        self._seen = self._now()
+        offset = self._runner.offset
+        self.held = {name: (offset, factor) for name, factor in self._seen.items()}
+
+    def _now(self) -> dict[str, float]:
+        return overrides_of(self._printer.job, self._printer.commands)
+
+    def _carried_out(self, command: Command, reply: Reply) -> None:
+        if not self._runner.active or command.code not in _SET_BY:
+            return
+        before, self._seen = self._seen, self._now()
+        if self._runner.printing_from(reply):
+            return
+        offset = self._runner.offset
+        changed = {n: (offset, x) for n, x in self._seen.items() if x != before.get(n)}
+        self.held = self.held | changed

@@ -1,0 +1,128 @@
+"""The beginning of a program, read for where it leaves the machine."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING
+
+from passo import _core
+from passo.job.overrides import override
+from passo.job.program import at_rest, read_program
+from passo.job.runner import Reader
+from passo.printer.commands import Commands
+from passo.printer.switches import axes_of_arms, home_point
+from passo.printer.waits import Homing, Wait
+from passo.printer.words import Command
+
+if TYPE_CHECKING:
+    from passo.printer.printer import Printer
+
+_CHUNK = 1 << 16
+
+
+class _Observed(Commands):
+    """Commands of a plan, each shown to `observer` first."""
+
+    observer: Callable[[Command], None] | None = None
+
+    def run(self, command: Command) -> Wait | None:
+        """See `Commands.run`."""
+        if self.observer is not None:
+            self.observer(command)
+        return super().run(command)
+
+
+class Past:
+    """The beginning of a program, `end` bytes of it, read without motion with the settings that the
+    printer has and the overrides of its print: where the machine is then (`job`), and in which
+    state the program. `settings` are commands for what it has set of the printer, other than
+    offsets of axes: `homed_mm` as they were when it homed, `home_offset_mm` those at its end.
+    Raises InputError."""
+
+    def __init__(
+        self, printer: Printer, reader: Reader, end: int, overrides: dict[str, tuple[int, float]]
+    ) -> None:
+        self._printer, self._reader, self._end = printer, reader, end
+        machine = printer.machine
+        self.job = job = _core.Job(machine.core_spec(), False, False, False)
+        self.commands = _Observed.of_plan(machine, job)
+        self.commands.take_tool_temperatures(printer.commands)
+        self.settings: list[str] = []
+        self.home_offset_mm = dict(printer.motion.home_offset_mm)
+        self.homed_mm = dict(self.home_offset_mm)
+        self._set_up()
+        self.commands.observer = self._observe
+        rest = at_rest(job)
+
+        def settle(wait: Wait) -> None:
+            if isinstance(wait, Homing):
+                self._home(wait.letters)
+            else:
+                rest(wait)
+
+        for _ in read_program(job, self.commands, self._pieces(overrides), "", settle):
+            pass
+
+    def _set_up(self) -> None:
+        """The printer's settings, as far as they concern what a program means."""
+        job = self.job
+        for tool, offset in enumerate(self._printer.job.tool_offsets):
+            for axis, mm in enumerate(offset):
+                job.set_tool_offset(tool, axis, mm)
+        job.select(True)
+        for line in self._printer.settings():
+            job.feed(line.encode() + b"\n")
+            while job.advance() == _core.JobStatus.EVENT:
+                self.commands.run(Command(*job.event))
+        job.select(False)
+
+    def _pieces(self, overrides: dict[str, tuple[int, float]]) -> Iterator[bytes]:
+        """The text, and each override when what stood before it has been read. One that was set
+        while more had been read ahead acted on all that was not printed yet."""
+        self._reader.seek(0)
+        at = 0
+        for name, (offset, factor) in sorted(overrides.items(), key=lambda item: item[1][0]):
+            until = min(offset, self._end)
+            while at < until and (data := self._reader.read(min(_CHUNK, until - at))):
+                at += len(data)
+                yield data
+            override(self.job, self.commands, name, factor)
+        while at < self._end and (data := self._reader.read(min(_CHUNK, self._end - at))):
+            at += len(data)
+            yield data
+
+    def _observe(self, command: Command) -> None:
+        """Settings that only a printer has, not a plan. Raises CommandError."""
+        words, motion, job = command.words(), self._printer.motion, self.job
+        if command.code == "M206":
+            self.home_offset_mm |= motion.home_offsets(words)
+        elif command.code == "M218":
+            tool, offsets = motion.tool_offset(words, job.tool)
+            for axis, mm in offsets.items():
+                job.set_tool_offset(tool, "XYZ".index(axis), mm)
+                self.settings.append(f"M218 T{tool} {axis}{mm:.10g}")
+        elif command.code == "M92":
+            own = "E" in words and "T" not in words and len(self._printer.machine.extruders) > 1
+            self.settings.append(f"M92 {command.text}" + (f" T{job.tool}" if own else ""))
+        elif command.code == "M302":
+            self.settings.append(f"M302 {command.text}")
+
+    def _home(self, letters: str) -> None:
+        job, machine = self.job, self._printer.machine
+        job.flush()
+        if not machine.homing:
+            job.settle_position()
+            return
+        job.abandon()
+        if "B" in letters and "b" not in machine.axes:
+            return  # it went back to where it was
+        letters = letters.replace("O", "")
+        names = {n for n in "xyz" if not letters or n.upper() in letters}
+        if names & set(axes_of_arms(machine)):
+            names |= set(axes_of_arms(machine))
+        offsets = {n: mm for n, mm in self.home_offset_mm.items() if n in names}
+        self.homed_mm |= offsets
+        point = home_point(machine)
+        job.set_axes(
+            [(i, point[i] + offsets.get(n, 0.0)) for i, n in enumerate("xyz") if n in names]
+        )
