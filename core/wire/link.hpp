@@ -83,7 +83,10 @@ class Link {
     lost_ = false;
   }
   // Ticks that a byte takes on a serial line: a frame that is sent has come when its last byte has.
-  void set_byte_ticks(double ticks) { byte_ticks_ = ticks; }
+  void set_byte_ticks(double ticks) {
+    byte_ticks_ = ticks;
+    window_.set_byte_ticks(ticks);
+  }
   bool synchronous() const { return sync_.ready(); }
   const ClockSync& clock() const { return sync_; }
   // True when the board left its questions unanswered for some four seconds.

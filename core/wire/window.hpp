@@ -2,18 +2,28 @@
 #pragma once
 #include <algorithm>
 #include <cstdint>
+#include <utility>
 
 #include "device.hpp"
 #include "frame.hpp"
 
 namespace passo::wire {
 
-// The retransmission timer follows RFC 6298 with bounds of 25 ms and 5 s.
+// The retransmission timer is that of RFC 6298 (smoothed round trip plus four times its variation),
+// bounded by 25 ms and 5 s, with what differs on a line of its own, where nobody else's load can be
+// the cause of a loss and a step is due at the end of the horizon:
+// - it runs from when the frame's last byte has gone out, which no round trip contains either;
+// - it doubles only while the board has not answered at all, or after kSteady silent repetitions,
+//   and any good frame of the board ends that;
+// - where a board refuses copies of what it had, their time since the first sending counts as a
+//   round trip. RFC 6298 waits longer instead until one can be measured.
 class Window {
  public:
   static constexpr uint64_t kBlocks = 12;
   // A frame under construction may overrun its end by a command.
   static constexpr size_t kOverrun = 24;
+  // Repetitions at the same distance: 100 ms, less than any command leaves ahead of its time.
+  static constexpr int kSteady = 4;
 
   explicit Window(double clock_hz)
       : rto_min_(Ticks(0.025 * clock_hz)), rto_max_(Ticks(5 * clock_hz)),
@@ -22,11 +32,17 @@ class Window {
   // Bytes that the board can take in before it has worked; 0: no such limit.
   void set_receive_window(size_t bytes) { receive_window_ = bytes; }
 
+  // Ticks that a byte takes on the line; 0: as good as none.
+  void set_byte_ticks(double ticks) { byte_ticks_ = ticks; }
+
   // Forgets what is unanswered: the board begins anew and may count from anywhere.
   void restart() {
     acked_ = last_ack_ = next_;
     bytes_ = 0;
     synchronous_ = resend_ = measured_ = false;
+    silent_ = 0;
+    doubtful_ = kNever;
+    line_free_ = 0;
     rto_ = rto_start_;
   }
 
@@ -48,8 +64,9 @@ class Window {
     Block& b = block(next_);
     b.length = uint8_t(seal_frame(b.data, payload, next_));
     b.sent = now;
+    b.gone = on_the_line(b.length, now);
     b.again = false;
-    if (idle()) deadline_ = now + rto_;
+    if (idle()) deadline_ = b.gone + rto_;
     bytes_ += b.length;
     ++next_;
     out.insert(out.end(), b.data, b.data + b.length);
@@ -69,11 +86,17 @@ class Window {
       }
     }
     if (number > next_) return false;
+    silent_ = 0;
+    if (measured_) rto_ = base_;
     if (number > acked_) {
       const Block& last = block(number - 1);
-      if (!last.again) measure(now - last.sent);
+      Ticks trip = std::max<Ticks>(now - last.gone, 0);
+      doubtful_ = last.again ? trip : kNever;
+      if (!last.again) measure(trip);
       for (; acked_ < number; ++acked_) bytes_ -= block(acked_).length;
-      deadline_ = now + rto_;
+      deadline_ = std::max(now, idle() ? now : block(acked_).gone) + rto_;
+    } else if (empty && doubtful_ != kNever && number <= ignored_) {
+      measure(std::exchange(doubtful_, kNever));
     }
     if (!empty) return true;
     if (number > last_ack_) {
@@ -89,7 +112,7 @@ class Window {
     if (idle()) return;
     bool late = now >= deadline_;
     if (!late && !resend_) return;
-    if (late) rto_ = std::min(rto_ * 2, rto_max_);
+    if (late && (!measured_ || ++silent_ > kSteady)) rto_ = std::min(rto_ * 2, rto_max_);
     resend_ = false;
     // Copies of what did arrive will be refused: those refusals mean nothing.
     ignored_ = next_;
@@ -101,7 +124,7 @@ class Window {
       out.insert(out.end(), b.data, b.data + b.length);
     }
     retransmitted_bytes_ += out.size() - before;
-    deadline_ = now + rto_;
+    deadline_ = on_the_line(out.size() - before, now) + rto_;
   }
   Ticks deadline() const { return idle() ? kNever : deadline_; }
   // False if the frame had to be sent again, or is long gone.
@@ -115,8 +138,8 @@ class Window {
   struct Block {
     uint8_t data[kFrameMax + kOverrun];
     uint8_t length = 0;
-    bool again = false;  // also of numbers that renumbering has left out
-    Ticks sent = 0;
+    bool again = false;        // also of numbers that renumbering has left out
+    Ticks sent = 0, gone = 0;  // first; and when its last byte left then
   };
 
   Block blocks_[kSequenceMask + 1];
@@ -124,11 +147,20 @@ class Window {
   uint64_t last_ack_ = 1, ignored_ = 0;
   size_t bytes_ = 0, receive_window_ = 0;
   bool synchronous_ = false, resend_ = false, measured_ = false;
-  Ticks rto_min_, rto_max_, rto_start_, rto_, deadline_ = kNever;
+  Ticks rto_min_, rto_max_, rto_start_, rto_, base_ = 0, deadline_ = kNever;
   Ticks smooth_ = 0, variation_ = 0;
+  double byte_ticks_ = 0;
+  Ticks line_free_ = 0;      // when all bytes so far have gone out
+  int silent_ = 0;           // repetitions since the board was heard
+  Ticks doubtful_ = kNever;  // from the first sending of a repeated frame to its answer
   uint64_t retransmitted_bytes_ = 0;
 
   Block& block(uint64_t number) { return blocks_[number & kSequenceMask]; }
+
+  // When the last of some bytes has gone out.
+  Ticks on_the_line(size_t bytes, Ticks now) {
+    return line_free_ = std::max(line_free_, now) + Ticks(byte_ticks_ * double(bytes));
+  }
 
   void renumber(uint64_t number) {
     Block only = block(acked_);
@@ -150,7 +182,7 @@ class Window {
       variation_ += (error - variation_) / 4;
       smooth_ += (trip - smooth_) / 8;
     }
-    rto_ = std::clamp(smooth_ + 4 * variation_, rto_min_, rto_max_);
+    rto_ = base_ = std::clamp(smooth_ + 4 * variation_, rto_min_, rto_max_);
   }
 };
 

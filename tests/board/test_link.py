@@ -57,6 +57,7 @@ class Wire:
         self.delay = delay
         self.rate = rate
         self.byte = byte
+        self.line_free = {True: 0, False: 0}  # when the line to the board is, or that to the host
         self.flying: list[tuple[int, bool, bytes]] = []
         self.sent: list[tuple[int, bytes]] = []
         self.spoil: Callable[[bytes], bytes] = lambda data: data
@@ -92,9 +93,10 @@ class Wire:
                     pieces = (
                         [data] if self.byte == 0 else [data[i : i + 1] for i in range(len(data))]
                     )
-                    for i, piece in enumerate(pieces):
-                        arrival = self.now + self.delay + (i + 1) * self.byte
-                        self.flying.append((arrival, to_board, piece))
+                    for piece in pieces:
+                        free = max(self.now, self.line_free[to_board]) + self.byte
+                        self.line_free[to_board] = free
+                        self.flying.append((free + self.delay, to_board, piece))
             times = [wake, self.host_time(device.next_deadline), *(f[0] for f in self.flying)]
             self.now = max(min(times), self.now if self.flying or down else self.now + 1)
 
@@ -266,9 +268,66 @@ def test_a_silent_board_is_reported_and_asked_with_growing_patience():
     assert bench.link.lost
     copies = [at for at, data in wire.sent if data[:1] == b"\x7e"]
     gaps = [b - a for a, b in pairwise(copies)]
-    assert gaps[0] == 50 * MS
-    assert all(b == 2 * a for a, b in pairwise(gaps[:7]))
+    assert gaps[:4] == [25 * MS] * 4
+    assert all(b == 2 * a for a, b in pairwise(gaps[3:11]))
     assert max(gaps) == 5 * HZ
+
+
+def spoil_last(data: bytes) -> bytes:
+    return data[:-2] + bytes([data[-2] ^ 1]) + data[-1:]
+
+
+@pytest.mark.parametrize("byte", [0, 640, 1389], ids=["USB", "250000 baud", "115200 baud"])
+@pytest.mark.parametrize("loss", [lambda data: b"", spoil_last], ids=["lost", "spoilt"])
+@pytest.mark.parametrize("times", [1, 2, 3])
+def test_a_frame_lost_so_often_in_a_row_still_comes_in_time(times, loss, byte):
+    bench = Bench()
+    bench.link.set_byte_ticks(byte)
+    wire = Wire(bench, delay=MS // 4, byte=byte)
+    plan = busy_plan(5, 120)
+    base = start(bench, plan)
+    left = times
+
+    def spoil(data: bytes) -> bytes:
+        nonlocal left
+        if left == 0 or wire.now < base - 200 * MS:
+            return data
+        if "queue_step" not in "".join(decode(data, bench.connection.dictionary)):
+            return data
+        left -= 1
+        return loss(data)
+
+    wire.spoil_orders = spoil
+    wire.run(base + max(plan.clocks[0][-1], plan.clocks[1][-1]) + HZ)
+    assert left == 0
+    assert bench.device.fault == ""
+    assert_executed(bench, plan, base)
+
+
+def test_what_waits_for_a_slow_line_is_not_repeated():
+    bench = Bench()
+    bench.link.set_byte_ticks(16_000)  # 1 ms a byte: a full frame takes 64 ms
+    wire = Wire(bench, byte=16_000)
+    before = bench.link.retransmitted_bytes
+    for _ in range(700):
+        bench.link.send("clear_shutdown", [])
+    wire.run(wire.now + 5 * HZ)
+    assert bench.link.retransmitted_bytes == before
+    assert wire.line_free[True] - wire.start > HZ // 2
+
+
+def test_a_trip_that_has_become_long_is_learnt():
+    bench = Bench()
+    wire = Wire(bench, delay=MS // 4)
+    wire.run(wire.now + 3 * HZ)
+    before = bench.link.retransmitted_bytes
+    wire.delay = 40 * MS
+    wire.run(wire.now + 10 * HZ)
+    repeated = bench.link.retransmitted_bytes
+    assert 0 < repeated - before < 200
+    wire.run(wire.now + 20 * HZ)
+    assert bench.link.retransmitted_bytes == repeated
+    assert not bench.link.lost
 
 
 def test_messages_not_yet_sent_can_be_revoked():

@@ -258,7 +258,7 @@ def test_a_board_brings_its_budget(i3_text: str) -> None:
     spec = config.load("i3").core_spec()["budget"]
     assert spec["steps_s"] == pytest.approx(0.65 * 16e6 / 164)
     assert spec["commands_s"] == pytest.approx(0.3 * 16e6 / 1950)
-    assert spec["burst"] == 459 / 2
+    assert spec["burst"] == 401 / 2
     assert spec["by_link"] is False
     slow = config.load_text(i3_text + "budget = { link_bytes_s = 8300 }\nmove_count = 100\n")
     serial = 'link = "serial"\nport = "/dev/x"\nbaud = 83_000\n'

@@ -42,7 +42,7 @@ def test_shares_and_places(dense):
     assert link.line == commands.line == slots.line
     per_s = commands.load * 16e6 / 1950
     assert link.load == pytest.approx((8.3 * per_s + 1200) / 23_750)
-    assert slots.load == pytest.approx(0.2 * per_s / 459)
+    assert slots.load == pytest.approx(0.2 * per_s / 401)
     assert found.commits == pytest.approx(1200 / 23_750)
     fastest = 50 * 80 * 164 / 16e6  # on the long moves
     assert found.densest["steps"].load == pytest.approx(fastest)

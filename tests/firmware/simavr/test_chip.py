@@ -7,13 +7,15 @@ from itertools import pairwise
 import pytest
 from tests.board.bench import TABLE
 
-from passo import _core
+from passo import _core, config
 from passo.board.boards import Boards
 from passo.board.description import BoardDescription, Endstop, Output, Sensor, Stepper
 from passo.board.endstops import Endstops
 from passo.errors import MachineError
+from passo.printer.wiring import board_description
+from passo.toolchain.targets import board_target
 
-from .boards import HZ, MELZI, OTHER_PINS, RAMPS, RAMPS_PINS, bench, motors
+from .boards import HZ, MELZI, MELZI_PINS, OTHER_PINS, RAMPS, RAMPS_PINS, bench, motors
 from .host import AvrConnection
 
 OCR2A, TCCR2A, TCCR2B, DDRH = 0xB3, 0xB0, 0xB1, 0x101
@@ -27,6 +29,26 @@ def test_the_dictionary_names_chip_and_pins():
     assert dictionary.enumerations["pin"]["PD7"] == 31
     assert "PE0" not in dictionary.enumerations["pin"]
     assert connection.move_count > 900
+    connection.bench.close()
+
+
+@pytest.mark.parametrize(
+    ("machine", "moves"), [("i3", 423), ("mk3s", 415), ("dual-extruder", 401), ("cnc", 479)]
+)
+def test_a_ramps_holds_at_least_the_moves_of_its_file(machine, moves):
+    description = board_description(config.load(machine))
+    chip = bench()
+    for channel in range(16):
+        chip.set_voltage(channel, 4.7)
+    connection = AvrConnection(description, chip)
+    connection.connect()
+    assert connection.move_count == moves >= description.move_count == 401
+    chip.close()
+
+
+def test_a_melzi_holds_the_moves_of_its_file():
+    connection = motors(4, MELZI, MELZI_PINS)
+    assert connection.move_count == board_target("melzi").board.move_count == 1024
     connection.bench.close()
 
 
