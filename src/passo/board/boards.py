@@ -54,14 +54,9 @@ class Boards:
     def _settle_clocks(self) -> None:
         begin, hz = self.now, self.board.clock_hz
         self.run(begin + int(SETTLING_S * hz))
-        self.run(begin + int(self.settling_s * hz))
-
-    @property
-    def settling_s(self) -> float:
-        """For so long several boards are asked for their clocks before motion depends on them; how
-        much answers vary is known after `SETTLING_S`."""
         jitter_s = max(connection.link.clock_jitter_s for connection in self.connections)
-        return min(SETTLING_S + _SETTLING_PER_JITTER * jitter_s, _LONGEST_SETTLING_S)
+        wanted_s = SETTLING_S + _SETTLING_PER_JITTER * jitter_s
+        self.run(begin + int(min(wanted_s, _LONGEST_SETTLING_S) * hz))
 
     @property
     def now(self) -> int:

@@ -87,7 +87,6 @@ class _Reconnection:
             self.silent.discard(connection)
             if len(self._connections) > 1:
                 await self._passes(SETTLING_S)
-                await self._passes(printer.connection.settling_s - SETTLING_S)
         serials = {c: await self._stood_behind(c) for c in self._connections}
         printer.drive.wait()  # none has shut down
         serial = min(serials.values())
