@@ -490,3 +490,11 @@ def test_a_print_that_asks_for_statistics_goes_on_without_them(s, folder):
     s.host.expect("echo:there is no place to store settings", 5)
     printed(s)
     assert s.positions()["x"] == 5.0
+
+
+def test_m29_may_name_the_file_as_printrun_does(tmp_path):
+    with Scenario("i3", card=str(tmp_path)) as s:
+        for line in ("M28 gear.g", "G1 X1"):
+            s.host.ok(line)
+        assert "Done saving file." in s.host.ok("M29 gear.g")
+        assert (tmp_path / "gear.g").read_text() == "G1 X1\n"

@@ -142,7 +142,7 @@ def test_another_host_goes_on_where_both_have_stopped(tmp_path) -> None:
     for cable in cables.values():
         cable.cut()
         assert cable.board.device.fault == ""
-    assert net_steps(cables.values()) == {"x": 4800, "y": 3820, "z": 400, "e": 0}
+    assert net_steps(cables.values()) == {"x": 4800, "y": 3820, "z": 400, "e": 478}  # the fill
     scenario.__exit__()
     for cable in cables.values():
         cable.close()

@@ -156,7 +156,7 @@ TABLE: tuple[Row, ...] = (
         bare="C",
     ),
     Row("M28", _Q, _I, "name", "What follows goes into a file, until M29.", bare=None),
-    Row("M29", _Q, _I, "", "Ends the file that is written: now it is on the card."),
+    Row("M29", _Q, _I, "", "Ends the file that is written: now it is on the card.", bare=None),
     Row("M30", _P, _I, "name", "Deletes a file. In a program it ends it.", bare=None),
     Row("M31", _Q, _I, "", "Tells how long the print has taken."),
     Row("M32", _Q, _I, "name", "Selects a file and prints it.", bare=None),
