@@ -36,7 +36,8 @@ void bind_wire(nb::module_& m) {
            "What the clock of this link's board reads, as far as it is known.")
       .def("sleep", &Pump::sleep, "until"_a, "The host does nothing until then; boards live on.")
       .def("cut", &Pump::cut, "Takes the cable away.")
-      .def_prop_ro("device_cpu_s", &Pump::device_cpu)
+      .def_prop_ro("device_share", &Pump::device_share,
+                   "The part of its processor time that the devices take, from a sample.")
       .def("record", &Pump::record, "on"_a)
       .def("take_recorded",
            [](Pump& p) {

@@ -19,7 +19,7 @@ inline constexpr int64_t kNoMessage = std::numeric_limits<int64_t>::max();
 // A ring that grows; one thread at a time may use it, and once it is shared, whoever holds it.
 class MessageQueue {
  public:
-  MessageQueue() : ring_(1 << 12) {}
+  MessageQueue() : ring_(1 << 8) {}
   bool empty() const { return head_ == tail_; }
   size_t size() const { return tail_ - head_; }
   void push(const Message& message) {

@@ -54,8 +54,7 @@ class Search {
     least.store(least_ + m + 1);
     unsigned crossed = above(least, most);
     if (crossed || n <= m + 4)
-      return finish<m / 4 + 1>(lo, hi, std::min(n, m + std::countr_zero(crossed | 16)), last,
-                               executed);
+      return finish<m / 4 + 1>(hi, std::min(n, m + std::countr_zero(crossed | 16)), last, executed);
     if constexpr (m + 4 < kPairs) {
       return block<m + 4>(lo, hi, n, last, executed, most.last(), least.last());
     } else {
@@ -64,13 +63,13 @@ class Search {
         execute(command, command.count, last, executed);
         return command;
       }
-      return finish<kPairs / 4>(lo, hi, kPairs, last, executed);
+      return finish<kPairs / 4>(hi, kPairs, last, executed);
     }
   }
 
   // The longest command of at most `count` steps, all within the first `blocks`.
   template <int blocks>
-  PASSO_SEARCH_INLINE Command finish(const double* lo, const double* hi, int count, double last,
+  PASSO_SEARCH_INLINE Command finish(const double* hi, int count, double last,
                                      double* executed) const {
     Command command{0, 0, 0};
     for (; count >= 2 && command.count == 0; --count) command = shortened<blocks>(count);

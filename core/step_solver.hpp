@@ -3,6 +3,8 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "machine.hpp"
@@ -11,6 +13,19 @@
 #include "simd.hpp"
 
 namespace passo {
+
+// What a vector of these is lengthened by is left unset, to be written once.
+template <typename T>
+struct LeftUnset : std::allocator<T> {
+  template <typename U>
+  struct rebind {
+    using other = LeftUnset<U>;
+  };
+  template <typename U, typename... Values>
+  void construct(U* p, Values&&... values) {
+    if constexpr (sizeof...(Values) > 0) std::construct_at(p, std::forward<Values>(values)...);
+  }
+};
 
 // Steps in order of time. A run is a stretch of one direction.
 struct Steps {
@@ -22,7 +37,7 @@ struct Steps {
     size_t first;      // index in `ticks`
     double tolerance;  // ticks; 0: the board's own
   };
-  std::vector<double> ticks;
+  std::vector<double, LeftUnset<double>> ticks;
   std::vector<Run> runs;
   std::vector<Widening> widenings;  // where the tolerance changes, from the board's own at first
 

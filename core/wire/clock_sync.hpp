@@ -92,11 +92,13 @@ class ClockSync {
  private:
   static constexpr double kTripAging = 1e-6;  // seconds in each second
   static constexpr double kExcessGain = 1.0 / 16;
-  static constexpr double kMemorySeconds = 40, kSpanSeconds = 0.5;
+  static constexpr double kMemorySeconds = 40, kSpanSeconds = 0.15;
   static constexpr double kRateRange = 0.01;  // of the worst resonators, either way
   // A rate must widen the corridor by so many seconds for each unit by which it differs from what
-  // was known before: a short while tells nothing of it.
+  // was known before: a short while tells nothing of it. Least of all one span, in which nothing
+  // bounds the rate, since what was read and what was heard may be as far apart as it is long.
   static constexpr double kPriorSeconds = 0.2;
+  static_assert(kSpanSeconds < kPriorSeconds);
   static constexpr double kJumpSeconds = 0.5e-3;  // so narrow no corridor is: a clock has jumped
   static constexpr int kSteps = 48;               // of the search for the rate
 
@@ -154,9 +156,15 @@ class ClockSync {
   double worth(double rate) const {
     return width(rate) - kPriorSeconds * hz_ * std::fabs(rate - prior_);
   }
-  // The rate of the greatest worth, which is concave: by golden section.
+  // The rate of the greatest worth, which is concave: by golden section. What was known stays if no
+  // rate beside it does better.
   void find_rate() {
-    constexpr double kGolden = 0.6180339887498949;
+    constexpr double kGolden = 0.6180339887498949, kFine = 1e-12;
+    const double known = worth(prior_);
+    if (known >= worth(prior_ - kFine) && known >= worth(prior_ + kFine)) {
+      rate_ = prior_;
+      return;
+    }
     double low = 1 - kRateRange, high = 1 + kRateRange;
     double left = high - kGolden * (high - low), right = low + kGolden * (high - low);
     double at_left = worth(left), at_right = worth(right);
@@ -176,8 +184,6 @@ class ClockSync {
       }
     }
     rate_ = 0.5 * (low + high);
-    // Not one millionth of a millionth beside what was known, if that does as well.
-    if (worth(prior_) >= worth(rate_)) rate_ = prior_;
   }
 };
 

@@ -119,7 +119,10 @@ class JobStream {
     hash_ = StreamHash();
     queue_steps_ = messages_ = 0;
     staged_ = kNever;
-    for (Pin& pin : pins_) pin.kick.forget();
+    for (Pin& pin : pins_) {
+      pin.kick.forget();
+      pin.told = 0;  // the board may have begun anew
+    }
     running_ = true;
   }
   void stop() { running_ = false; }
@@ -197,25 +200,26 @@ class JobStream {
       bool slot = m.kind == MessageKind::queue_step || m.kind == MessageKind::pin ||
                   m.kind == MessageKind::tail || (commits_ && m.kind == MessageKind::reset_clock);
       if (slot && ends_.size() >= slots_ && !free_slots(now)) break;
-      Pin* pin = m.kind == MessageKind::pin ? &pins_[m.target] : nullptr;
-      Kick kick;
-      uint32_t value = 0;
-      if (pin) {
-        kick = pin->kick;
-        value = kick.told(m.interval, pin->value, m.clock + base_);
+      uint8_t* end = nullptr;
+      if (m.kind == MessageKind::pin) {
+        Pin& pin = pins_[m.target];
+        // The end of a kick and what is told again come at clocks of their own.
+        const Ticks clock = std::max(m.clock + base_, pin.told);
+        Kick kick = pin.kick;
+        uint32_t value = kick.told(m.interval, pin.value, clock);
+        end = put_value(payload + size, pin, clock, value);
+        if (size_t(end - payload) > kPayloadMax) return Fill::full;
+        pin.kick = kick;
+        pin.tell(clock, value);
+      } else {
+        end = encode(m, payload + size);
+        if (word == Word::and_ask) end = put(end, query_);
+        if (size_t(end - payload) > kPayloadMax) return Fill::full;
       }
-      uint8_t* end =
-          pin ? put_value(payload + size, *pin, m.clock + base_, value) : encode(m, payload + size);
-      if (word == Word::and_ask) end = put(end, query_);
-      if (size_t(end - payload) > kPayloadMax) return Fill::full;
       size = size_t(end - payload);
       first = std::min(first, m.clock + base_);
       need = std::min(need, needed_at(m));
       if (slot) ends_.push_back(std::max(m.clock, m.end_clock) + base_);
-      if (pin) {
-        pin->kick = kick;
-        pin->tell(m.clock + base_, value);
-      }
       queue_steps_ += m.kind == MessageKind::queue_step;
       if (!retimer_) count(m);
       queue.pop();

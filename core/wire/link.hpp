@@ -276,7 +276,9 @@ class Link {
 
  private:
   static constexpr double kLostSeconds = 4;
-  static constexpr int kQuickSamples = 8, kQuickSamplesOfSeveral = 300, kSamplesPerState = 8;
+  static_assert(JobStream::kLongestCommand <= Window::kOverrun);
+  static constexpr int kQuickSamples = 8, kQuickSamplesOfSeveral = 300;
+  static constexpr int kSamplesPerState = 8;  // where the clock is asked for often
   static constexpr double kQuickSeconds = 0.05, kSyncSeconds = 0.9839;
   // Of several boards: usually, and at the beginning and where answers come when they like.
   static constexpr double kSyncOfSeveralSeconds = 0.0983, kOftenSeconds = 0.0113;
@@ -292,6 +294,7 @@ class Link {
   JobStream job_;
   Lateness lateness_;
   Ticks due_ = kNever;                  // host time by which poll() should be called
+  Ticks woke_ = kNever, clock_ = 0;     // host time of the last look, and the board's clock then
   std::shared_ptr<Timeline> timeline_;  // none: the board is alone
   size_t seat_ = 0;
   bool main_ = true, halted_ = false;
@@ -340,10 +343,12 @@ class Link {
   // The board's clock, as far as it is known; what was due before now is late.
   Ticks wake(Ticks now) {
     if (!sync_.ready()) return 0;
-    Ticks clock = sync_.clock_at(now);
-    lateness_.woke(now > due_ ? sync_.clock_at(due_) : clock, clock);
+    if (now == woke_) return clock_;
+    woke_ = now;
+    clock_ = sync_.clock_at(now);
+    lateness_.woke(now > due_ ? sync_.clock_at(due_) : clock_, clock_);
     due_ = std::max(due_, now);
-    return clock;
+    return clock_;
   }
   // What keeps more of the job from leaving.
   Cause obstacle(Ticks clock) const {
@@ -541,6 +546,7 @@ class Link {
     else if (sync_.ready())
       sync_.add(uint32_t(std::get<int64_t>(values.at(0))), heard, answered);
     ++samples_;
+    woke_ = kNever;  // the clock is known better
     if (timeline_) follow_timeline(answered);
   }
 };

@@ -44,8 +44,10 @@ class Pump {
     now_ = std::max(now_, until);
     for (End& end : ends_) end.device->poll(end.own(now_), end.up);
   }
-  // CPU seconds of the devices, from a sample of one exchange in kSample.
-  double device_cpu() const { return device_cpu_; }
+  // The part of run()'s work that is the devices', from a sample of one exchange in kSample.
+  double device_share() const {
+    return device_cpu_ > 0 ? device_cpu_ / (device_cpu_ + link_cpu_) : 0;
+  }
   // Bytes that the host sent to the first board, frames and all, from now on.
   void record(bool on) {
     recording_ = on;
@@ -102,11 +104,11 @@ class Pump {
   Ticks now_;
   Bytes recorded_;
   bool recording_ = false, cut_ = false;
-  static constexpr unsigned kSample = 1009;
+  static constexpr unsigned kSample = 101;
   static constexpr double kNewsSeconds = 0.05;
   double (*cpu_clock_)();
   unsigned exchanges_ = 0;
-  double device_cpu_ = 0;
+  double device_cpu_ = 0, link_cpu_ = 0;
 
   // Carries bytes until none move: what one link has heard another may have to tell its board.
   // Returns the links' next deadline.
@@ -121,27 +123,30 @@ class Pump {
   Ticks exchange(End& end, bool& moved) {
     const Ticks now = end.own(now_);
     for (;;) {
+      bool sampled = cpu_clock_ && exchanges_++ % kSample == 0;
+      if (sampled) cpu_clock_();  // the first call after a while takes longer than the next
+      double begun = clock(sampled), asked = clock(sampled);
       end.down.clear();
       Ticks next = end.link->poll(now, end.down);
       if (recording_ && &end == &ends_[0])
         recorded_.insert(recorded_.end(), end.down.begin(), end.down.end());
-      bool sampled = cpu_clock_ && exchanges_++ % kSample == 0;
-      double idle = 0, before = 0;
-      if (sampled) {
-        cpu_clock_();  // the first call after a while takes longer than the next
-        idle = cpu_clock_();
-        before = cpu_clock_();
-      }
+      double sent = clock(sampled);
       if (!end.down.empty()) end.device->feed(end.down.data(), end.down.size(), now);
       end.device->poll(now, end.up);
-      // The clock's own cost, before - idle, is taken off.
-      if (sampled) device_cpu_ += kSample * (cpu_clock_() - before - (before - idle));
-      moved |= !end.down.empty() || !end.up.empty();
-      if (end.up.empty()) return next;
-      end.link->feed(end.up.data(), end.up.size(), now);
+      double answered = clock(sampled);
+      const bool heard = !end.up.empty();
+      moved |= !end.down.empty() || heard;
+      if (heard) end.link->feed(end.up.data(), end.up.size(), now);
       end.up.clear();
+      if (sampled) {
+        double reading = asked - begun;  // what the clock itself takes
+        device_cpu_ += answered - sent - reading;
+        link_cpu_ += sent - asked + clock(true) - answered - 2 * reading;
+      }
+      if (!heard) return next;
     }
   }
+  double clock(bool sampled) const { return sampled ? cpu_clock_() : 0; }
 };
 
 }  // namespace passo::wire

@@ -118,7 +118,7 @@ class Retimer {
   void steps(const Message& m, Way& motor) {
     const Apart& apart_of = motors_[m.target].apart;
     const bool moves = m.kind == MessageKind::queue_step;
-    const int64_t count = m.count, start = m.end_clock - m.span(count);
+    const int64_t count = m.count, start = m.start();
     motor.told = m.end_clock;
     motor.dir = m.dir;
     if (map_.whole() && motor.last == clock_of(start)) {

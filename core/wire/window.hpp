@@ -22,7 +22,8 @@ class Window {
   static constexpr uint64_t kBlocks = 12;
   // A frame under construction may overrun its end by a command.
   static constexpr size_t kOverrun = 24;
-  // Repetitions at the same distance: 100 ms, less than any command leaves ahead of its time.
+  // Repetitions at the same distance. At the shortest they take 100 ms, less than any command
+  // leaves ahead of its time.
   static constexpr int kSteady = 4;
 
   explicit Window(double clock_hz)

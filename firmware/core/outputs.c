@@ -293,7 +293,10 @@ void command_set_digital_out_pwm_cycle(const uint32_t *args) {
     shut_down(SHUTDOWN_OUTPUT_BUSY);
   } else {
     uint32_t cycle = args[1] > 0 ? args[1] : 1;
-    if (!output->toggling) output->value = output->value != 0 ? cycle : 0;
+    if (!output->toggling)
+      output->value = output->value != 0 ? cycle : 0;
+    else
+      output->kept_seconds = 0;  // its value is one of the cycle before
     output->default_value = output->default_value != 0 ? cycle : 0;
     output->full = cycle;
   }

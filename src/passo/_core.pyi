@@ -816,7 +816,8 @@ class Pump:
         """Takes the cable away."""
 
     @property
-    def device_cpu_s(self) -> float: ...
+    def device_share(self) -> float:
+        """The part of its processor time that the devices take, from a sample."""
 
     def record(self, on: bool) -> None: ...
 

@@ -12,8 +12,9 @@ from hypothesis import strategies as st
 
 from passo import _core
 from passo.board.dictionary import decode
+from passo.simulator import SimulatedBoard
 
-from .bench import HZ, MS, Bench, Planner, description, executed
+from .bench import HZ, MS, PLANT, Bench, Planner, description, executed
 
 Noise = Callable[[bytes, random.Random], bytes]
 
@@ -343,6 +344,42 @@ def test_messages_not_yet_sent_can_be_revoked():
     plan.queue.clear()
     bench.run(3.0)
     assert bench.simulated.net_steps("x") == 501
+
+
+def test_words_for_a_pin_keep_their_order_where_the_end_of_a_kick_is_late():
+    bench = Bench()
+    (fan, *_) = bench.board.output_targets
+    bench.link.set_kick(fan, 3 * HZ // 10, HZ // 100, HZ)
+    plan = Planner()
+    plan.pin(fan, HZ // 5, 50_000)
+    plan.pin(fan, 56 * HZ // 100, 0)
+    bench.simulated.trace_output("fan")
+    base = bench.connection.start_job(plan.queue)
+    wire = Wire(bench)
+    wire.run(base + HZ // 4)
+    wire.now = base + 52 * HZ // 100  # nobody looks after the link: the kick should be over
+    wire.run(base + HZ)
+    late = base + 57 * HZ // 100
+    begin = (base + HZ // 5, HZ // 100)
+    assert bench.simulated.take_changes("fan") == [begin, (late, 50_000), (late, 0)]
+    assert not bench.link.shut_down
+
+
+@pytest.mark.parametrize("seed", range(1, 13))
+def test_the_clock_is_never_far_off_from_the_first_answer_on(seed):
+    device = SimulatedBoard(description(), PLANT, 0).device
+    far = _core.Distant(device, 0, 20e-6, 3 * MS // 10, MS // 10, seed)
+    link = _core.Link(float(HZ))
+    link.set_dictionary(_core.board_commands(), _core.board_reports(), 0)
+    pump = _core.Pump(link, far)
+    link.follow_clock(0)
+    wrong = [
+        (link.clock_at(pump.now) - far.clock_at(pump.now)) / HZ
+        for _ in range(300)
+        if pump.run(pump.now + 10 * MS) == _core.Stop.TIME and link.synchronous
+    ]
+    assert len(wrong) > 290
+    assert max(abs(seconds) for seconds in wrong) < 150e-6
 
 
 def hash_of(messages: list[tuple[int, int, int, int]], chunk: int) -> int:

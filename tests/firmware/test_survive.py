@@ -245,6 +245,33 @@ def test_a_kept_heater_takes_the_lesser_power():
     assert host.board.device.take_edges(heater) == [(on, 1), (on + HEATER_LONGEST, 0)]
 
 
+def test_what_is_pulsed_in_another_cycle_is_not_kept():
+    board = RawBoard()
+    for line in (
+        "allocate_oids count=3",
+        "config_digital_out oid=0 pin=PB4 value=0 default_value=0 max_duration=40000",
+        "set_digital_out_pwm_cycle oid=0 cycle_ticks=10000",
+        "config_analog_in oid=1 pin=PK5",
+        "config_stepper oid=2 step_pin=PF0 dir_pin=PF1 invert_step=0 step_pulse_ticks=32",
+        "finalize_config crc=1",
+        f"query_analog_in oid=1 clock={board.clock(1000)} sample_ticks=1000 sample_count=1"
+        " rest_ticks=100000 bytes_per_report=2 min_value=0 max_value=1023 range_check_count=4",
+        "survive_arm",
+        "survive_output oid=0 value=5000 seconds=60",
+    ):
+        board.tell(line)
+    heater = board.dictionary.enumerations["pin"]["PB4"]
+    board.device.trace_edges(heater)
+    on = board.now + 1000
+    board.tell(f"queue_digital_out oid=0 clock={on & 0xFFFFFFFF} on_ticks=5000")
+    board.wait(15_000)
+    board.tell("set_digital_out_pwm_cycle oid=0 cycle_ticks=1000")
+    board.wait(16_000_000)
+    pulses = [(on + i * 10_000 + at, 1 - at // 5000) for i in range(4) for at in (0, 5000)]
+    assert board.device.take_edges(heater) == pulses
+    assert board.device.fault == ""
+
+
 def test_a_laser_is_off_before_the_machine_brakes():
     host = Host()
     host.tell("survive_output oid=2 value=0 seconds=0")

@@ -206,9 +206,9 @@ class Print:
             if result.final_steps[s] != wanted
         ]
         wire = self.connection.main.wire
-        board = wire.device_cpu_s if isinstance(wire, _core.Pump) else 0.0
+        board = self._wire_cpu_s * (wire.device_share if isinstance(wire, _core.Pump) else 0.0)
         result.cpu_s = job.cpu() | {
-            "wire": max(self._wire_cpu_s - board, 0.0),
+            "wire": self._wire_cpu_s - board,
             "board": board,
             "total": cpu_s(),
         }

@@ -29,10 +29,6 @@ class BenchPump:
         self._next_world = bench.cycle
         self._faults: dict[str, int] = {}
 
-    @property
-    def device_cpu_s(self) -> float:
-        return 0.0
-
     def board_clock(self, _: _core.Link) -> int:
         return self.now
 
