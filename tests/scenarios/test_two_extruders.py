@@ -29,7 +29,8 @@ def machine(text: str = "") -> MachineConfig:
 
 def filament(s: Scenario) -> tuple[float, float]:
     """What the motors have pushed, mm."""
-    return tuple(round(s.board.net_steps(e) / PER_MM, 1) for e in ("e", "e1"))  # type: ignore
+    first, second = (round(s.board.net_steps(e) / PER_MM, 1) for e in ("e", "e1"))
+    return first, second
 
 
 def moved(s: Scenario, *lines: str) -> tuple[float, float]:
@@ -37,7 +38,8 @@ def moved(s: Scenario, *lines: str) -> tuple[float, float]:
     for line in lines:
         s.host.ok(line, 60)
     s.host.ok("M400", 60)
-    return tuple(round(b - a, 1) for a, b in zip(before, filament(s), strict=True))  # type: ignore
+    first, second = (round(b - a, 1) for a, b in zip(before, filament(s), strict=True))
+    return first, second
 
 
 @pytest.fixture
