@@ -60,8 +60,10 @@ class Machine:
             yield from self._moves(job, limits)
 
     def step_times_s(self, moves: Iterator[PlannedMove], stepper: str) -> Iterator[float]:
-        """Ideal time of every step of a motor along these moves, in s. Raises ValueError for a motor
-        that the machine does not have."""
+        """Ideal time of every step of a motor along these moves, in s.
+
+        Raises ValueError for a motor that the machine does not have.
+        """
         rows = self._spec["steppers"]
         i = [row["name"] for row in rows].index(stepper)
         solver, hz = _core.Motion(self._spec, True), self.config.board.clock_hz

@@ -15,7 +15,7 @@ def printing(tmp_path):
     with Scenario(FIRMWARE, card=str(card), state=str(state)) as s:
         s.host.ok("M302 P1")
         s.host.ok("M32 a.g")
-        s.until(lambda: s.positions()["z"] > 0.6 and s.printer.job.clock > 0, 200)
+        assert s.until(lambda: s.positions()["z"] > 0.6 and s.printer.job.clock > 0, 200)
         s.passes(20)
         yield s
 
