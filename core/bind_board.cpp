@@ -64,6 +64,12 @@ HeatedBody& body_of(Bench& b, uint32_t sensor_pin) {
   throw nb::key_error("no body has this sensor");
 }
 
+// Sets a fault of a body.
+template <auto Member, class Value>
+void set_fault(Bench& b, uint32_t sensor_pin, Value value) {
+  body_of(b, sensor_pin).*Member = value;
+}
+
 }  // namespace
 
 void bind_board(nb::module_& m) {
@@ -140,30 +146,14 @@ void bind_board(nb::module_& m) {
       .def(
           "invert_output", [](Bench& b, uint32_t pin) { b.plant().low_is_on.push_back(pin); },
           "pin"_a, "What hangs on this output pin is on when the pin is low.")
-      .def(
-          "force_adc",
-          [](Bench& b, uint32_t sensor_pin, double ratio) {
-            body_of(b, sensor_pin).forced_ratio = ratio;
-          },
-          "sensor_pin"_a, "ratio"_a,
-          "A fault: the ADC sees this share of full scale; negative ends it.")
-      .def(
-          "force_heater",
-          [](Bench& b, uint32_t sensor_pin, double duty) {
-            body_of(b, sensor_pin).forced_duty = duty;
-          },
-          "sensor_pin"_a, "duty"_a,
-          "A fault: the heater does this whatever its pin says; negative ends it.")
-      .def(
-          "add_noise",
-          [](Bench& b, uint32_t sensor_pin, double share) { body_of(b, sensor_pin).noise = share; },
-          "sensor_pin"_a, "share"_a, "A fault: the ADC errs by up to this share of full scale.")
-      .def(
-          "drop_sensor",
-          [](Bench& b, uint32_t sensor_pin, bool fallen) {
-            body_of(b, sensor_pin).fallen = fallen;
-          },
-          "sensor_pin"_a, "fallen"_a, "A fault: the sensor feels the room instead of its body.")
+      .def("force_adc", &set_fault<&HeatedBody::forced_ratio, double>, "sensor_pin"_a, "ratio"_a,
+           "A fault: the ADC sees this share of full scale; negative ends it.")
+      .def("force_heater", &set_fault<&HeatedBody::forced_duty, double>, "sensor_pin"_a, "duty"_a,
+           "A fault: the heater does this whatever its pin says; negative ends it.")
+      .def("add_noise", &set_fault<&HeatedBody::noise, double>, "sensor_pin"_a, "share"_a,
+           "A fault: the ADC errs by up to this share of full scale.")
+      .def("drop_sensor", &set_fault<&HeatedBody::fallen, bool>, "sensor_pin"_a, "fallen"_a,
+           "A fault: the sensor feels the room instead of its body.")
       .def(
           "temperature",
           [](Bench& b, uint32_t sensor_pin) { return body_of(b, sensor_pin).body_c; },

@@ -7,6 +7,8 @@
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
+#include <functional>
+
 #include "bind_bytes.hpp"
 #include "message_queue.hpp"
 #include "wire/link.hpp"
@@ -18,11 +20,11 @@ using namespace passo::wire;
 
 namespace {
 
-// A call of a link whose thread may be using it.
+// Calls F with a link that its thread may be using.
 template <auto F, class... A>
 auto held(Link& link, A... arguments) {
   std::lock_guard lock(link.guard());
-  return (link.*F)(arguments...);
+  return std::invoke(F, link, arguments...);
 }
 
 }  // namespace
@@ -136,11 +138,7 @@ void bind_link(nb::module_& m) {
             return l.clock().host_at(clock);
           },
           "clock"_a)
-      .def_prop_ro("clock_rate",
-                   [](Link& l) {
-                     std::lock_guard lock(l.guard());
-                     return l.clock().rate();
-                   })
+      .def_prop_ro("clock_rate", &held<[](Link& l) { return l.clock().rate(); }>)
       .def(
           "add_stepper",
           [](Link& l, size_t target, const std::string& name, uint32_t oid, bool invert) {
@@ -205,13 +203,8 @@ void bind_link(nb::module_& m) {
           "queue"_a.none(), nb::keep_alive<1, 2>())
       .def("start_job", &held<&Link::start_job, Ticks, double>, "base_clock"_a, "main_hz"_a,
            "Both are the main board's.")
-      .def_prop_ro(
-          "clock_jitter_s",
-          [](Link& l) {
-            std::lock_guard lock(l.guard());
-            return l.clock().jitter_s();
-          },
-          "What answers usually take longer than the quickest ones, seconds.")
+      .def_prop_ro("clock_jitter_s", &held<[](Link& l) { return l.clock().jitter_s(); }>,
+                   "What answers usually take longer than the quickest ones, seconds.")
       .def("use_commits", &held<&Link::use_commits, Ticks>, "horizon"_a,
            "The job comes in commits, and leaves so many ticks ahead.")
       .def(
@@ -229,11 +222,7 @@ void bind_link(nb::module_& m) {
       .def_prop_ro("delivered", &held<&Link::delivered>,
                    "Everything of the job so far is at the board.")
       .def("go_on", &held<&Link::go_on>)
-      .def("stop_job",
-           [](Link& l) {
-             std::lock_guard lock(l.guard());
-             l.job().stop();
-           })
+      .def("stop_job", &held<[](Link& l) { l.job().stop(); }>)
       .def(
           "add_heater",
           [](Link& l, const HeaterOptions& options) -> Heater& {
@@ -253,18 +242,9 @@ void bind_link(nb::module_& m) {
       .def_prop_ro("frames", &held<&Link::frames>)
       .def_prop_ro("retransmitted_bytes", &held<&Link::retransmitted_bytes>)
       .def_prop_ro("bad_frames", &held<&Link::bad_frames>)
-      .def(
-          "take_slack",
-          [](Link& l) {
-            std::lock_guard lock(l.guard());
-            return l.lateness().take_recent();
-          },
-          "The least since this was last asked.")
-      .def_prop_ro("least_slack",
-                   [](Link& l) {
-                     std::lock_guard lock(l.guard());
-                     return l.lateness().least();
-                   })
+      .def("take_slack", &held<[](Link& l) { return l.lateness().take_recent(); }>,
+           "The least since this was last asked.")
+      .def_prop_ro("least_slack", &held<[](Link& l) { return l.lateness().least(); }>)
       .def_prop_ro(
           "late_frames",
           [](Link& l) {
@@ -274,28 +254,11 @@ void bind_link(nb::module_& m) {
             return frames;
           },
           "How many frames were at the board less than LATE_S before it needed them, by cause.")
-      .def_prop_ro(
-          "longest_stall",
-          [](Link& l) {
-            std::lock_guard lock(l.guard());
-            return l.lateness().longest_stall();
-          },
-          "The most that it was looked after too late, ticks.")
-      .def_prop_ro("queue_steps",
-                   [](Link& l) {
-                     std::lock_guard lock(l.guard());
-                     return l.job().queue_steps();
-                   })
-      .def_prop_ro("messages",
-                   [](Link& l) {
-                     std::lock_guard lock(l.guard());
-                     return l.job().messages();
-                   })
-      .def_prop_ro("stream_hash",
-                   [](Link& l) {
-                     std::lock_guard lock(l.guard());
-                     return l.job().hash();
-                   })
+      .def_prop_ro("longest_stall", &held<[](Link& l) { return l.lateness().longest_stall(); }>,
+                   "The most that it was looked after too late, ticks.")
+      .def_prop_ro("queue_steps", &held<[](Link& l) { return l.job().queue_steps(); }>)
+      .def_prop_ro("messages", &held<[](Link& l) { return l.job().messages(); }>)
+      .def_prop_ro("stream_hash", &held<[](Link& l) { return l.job().hash(); }>)
       .def(
           "feed",
           [](Link& l, const nb::bytes& data, Ticks now) {

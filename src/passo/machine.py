@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from passo import _core, config
 from passo.job.program import run_program
 from passo.printer.commands import Commands
+from passo.printer.slots import slot_of_axis
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -59,12 +60,23 @@ class Machine:
             yield from self._moves(job, limits)
 
     def step_times_s(self, moves: Iterator[PlannedMove], stepper: str) -> Iterator[float]:
-        """Ideal time of every step of a motor along these moves, in s."""
-        names = [row["name"] for row in self._spec["steppers"]]
-        solver = _core.Motion(self._spec, True)
-        hz, count = self.config.board.clock_hz, 0
+        """Ideal time of every step of a motor along these moves, in s.
+
+        Raises ValueError for a motor that the machine does not have.
+        """
+        rows = self._spec["steppers"]
+        i = [row["name"] for row in rows].index(stepper)
+        solver, hz = _core.Motion(self._spec, True), self.config.board.clock_hz
+        slots = [slot_of_axis(axis) for axis in range(len(self._spec["axes"]))]
+        count, place = 0, None
         for move in moves:
-            ticks, count = solver.ideal_ticks(move.core, names.index(stepper), count)
+            start, end = ([at[s] for s in slots] for at in (move.core.start_mm, move.core.end_mm))
+            # The first one, or homing has set axes; filament goes on from where it is.
+            if start != place and rows[i]["drive"] != "extruder":
+                solver.set_position([*start, 0.0])
+                count = solver.counts()[i]
+            ticks, count = solver.ideal_ticks(move.core, i, count)
+            place = end
             yield from (tick / hz for tick in ticks)
 
     def print(self, path: str | os.PathLike[str]) -> PrintResult:

@@ -102,10 +102,10 @@ def test_a_pause_brakes_parks_and_goes_on_from_the_very_point(folder):
         undisturbed = steps(s)
     with Scenario("i3", card=str(folder)) as s:
         s.host.ok("M32 square.gcode")
-        s.until(lambda: s.positions()["e"] > 2, 60)
+        assert s.until(lambda: s.positions()["e"] > 2, 60)
         before = s.loop.time()
         s.host.ok("M25")
-        s.until(lambda: s.printer.drive.standing, 2)
+        assert s.until(lambda: s.printer.drive.standing, 2)
         assert s.loop.time() - before <= 0.25
         stopped = s.positions()
         s.passes(4)
@@ -125,7 +125,7 @@ def test_cancelling_leaves_the_heaters_off_and_the_file_selected(s):
     s.host.ok("M106 S255")
     s.host.ok("M140 S60")
     s.host.ok("M32 square.gcode")
-    s.until(lambda: s.positions()["e"] > 2, 60)
+    assert s.until(lambda: s.positions()["e"] > 2, 60)
     s.host.ok("M524")
     s.passes(1)
     stopped = s.positions()
@@ -141,7 +141,7 @@ def test_cancelling_leaves_the_heaters_off_and_the_file_selected(s):
 
 def test_a_host_cancels_with_pause_and_rewind(s):
     s.host.ok("M32 square.gcode")
-    s.until(lambda: s.positions()["e"] > 2, 60)
+    assert s.until(lambda: s.positions()["e"] > 2, 60)
     s.host.ok("M25")
     s.passes(3)
     s.host.ok("M26 S0")

@@ -8,6 +8,7 @@ Registers that no model knows keep what is written to them.
 from __future__ import annotations
 
 import struct
+from abc import ABC, abstractmethod
 from collections import deque
 from typing import Any
 
@@ -36,7 +37,7 @@ _STACKED = (
 )
 
 
-class Cortex:
+class Cortex(ABC):
     """A chip with an image in its flash. `edges` are (clock, pin, level), pins counted 32 a port;
     `analog` is what the converter's channels see; `fed` counts what has been done to the
     watchdog."""
@@ -168,6 +169,7 @@ class Cortex:
             return self.look()
         return None
 
+    @abstractmethod
     def write(self, address: int, value: int) -> None:
         """What a write to a module's register does, besides being kept."""
 
@@ -193,9 +195,9 @@ class Cortex:
         """The inputs of a port that are high."""
         return sum(level << pin % 32 for pin, level in self.inputs.items() if pin // 32 == port)
 
+    @abstractmethod
     def pulse(self, timer: str, channel: str) -> tuple[float, float]:
         """The share of its cycle that an output is on, and the cycle in seconds."""
-        raise NotImplementedError
 
     def _write_core(self, offset: int, value: int) -> None:
         if offset == 0x10:

@@ -144,6 +144,7 @@ def finalized(case: Case) -> Host:
     host.send("finalize_config crc=7")
     state = host.send("get_config")["config"]
     assert (state["is_config"], state["crc"], state["is_shutdown"]) == (1, 7, 0)
+    assert state["move_count"] >= board_target(case.board).board.move_count
     return host
 
 

@@ -11,9 +11,9 @@ from tests.oracles import flow as oracle
 from passo._core import Job, JobStatus
 
 
-def job_of(text, machine="unbounded", *, with_steps=False):
+def job_of(text, machine=None, *, with_steps=False):
     """A job that has read a whole program; events `M221 E F` are carried out as F of extruder E."""
-    job = Job(spec(machine), with_steps)
+    job = Job(machine or spec("unbounded"), with_steps)
     job.keep_moves(True)
     job.feed(text.encode())
     job.finish()
@@ -37,15 +37,7 @@ def test_each_extruder_has_its_own():
         "tools": [{"extruder": 0, "offset": [0.0] * 3}, {"extruder": 1, "offset": [0.0] * 3}],
     }
     text = "M83\nM221 E1 F0.5\nG1 X1 E2\nT1\nG1 X2 E2\nT0\nG1 X3 E2\nM221 E0 F2\nG1 X4 E2\n"
-    job = Job(two, False)
-    job.keep_moves(True)
-    job.feed(text.encode())
-    job.finish()
-    while (status := job.advance()) is not JobStatus.END:
-        assert status is JobStatus.EVENT
-        if job.event[2] == 221:
-            job.set_flow(int(job.event[5][1]), float(job.event[5][4:]))
-    job.flush()
+    job = job_of(text, two)
     assert lengths(job.take_moves()) == [2, 1, 2, 4]
     assert job.flows == [2, 0.5]
 

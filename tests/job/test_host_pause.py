@@ -31,7 +31,8 @@ def s():
 def at(s: Scenario) -> tuple[float, float, float, float]:
     """How far motors have gone since the start of the test: X, Y, Z, E in mm."""
     places = s.positions()
-    return tuple(round(places[n], 2) for n in ("x", "y", "z", "e"))  # type: ignore[return-value]
+    x, y, z, e = (round(places[n], 2) for n in ("x", "y", "z", "e"))
+    return x, y, z, e
 
 
 def actions(host: Host) -> list[str]:

@@ -76,7 +76,7 @@ def test_a_print_goes_on_after_a_power_cut(machine, places):
     with Scenario(machine, **arguments) as s:
         s.host.ok("M140 S50")
         s.host.ok("M32 wall.gcode")
-        s.until(lambda: s.positions()["e"] > 6.5, 200)
+        assert s.until(lambda: s.positions()["e"] > 6.5, 200)
         left = s.positions()
     program, moment = journal_of(state)
     assert program.path == "/wall.gcode"
@@ -112,7 +112,7 @@ def test_a_recovery_that_is_stopped_leaves_the_heaters_off(places):
         s.passes(20)
     with Scenario("i3", **arguments) as s:
         s.host.send("M1000")
-        s.until(lambda: s.printer.heating, 60)
+        assert s.until(lambda: s.printer.heating, 60)
         s.passes(1)
         s.host.send("M108")
         s.host.expect("it was stopped", 2)
@@ -167,7 +167,7 @@ def test_a_halted_print_can_be_gone_on_with_in_the_same_session(places):
     arguments, _ = places
     with Scenario("i3", **arguments) as s:
         s.host.ok("M32 wall.gcode")
-        s.until(lambda: s.positions()["e"] > 4, 200)
+        assert s.until(lambda: s.positions()["e"] > 4, 200)
         s.host.send("M112")
         s.host.expect("halted", 5)
         s.host.ok("M999")
@@ -265,7 +265,7 @@ def test_a_print_whose_heater_has_another_name_now_is_not_gone_on_with(places):
     with Scenario("i3", **arguments) as s:
         s.host.ok("M140 S50")
         s.host.ok("M32 wall.gcode")
-        s.until(lambda: s.positions()["e"] > 1, 200)
+        assert s.until(lambda: s.positions()["e"] > 1, 200)
     program, moment = journal_of(state)
     journal = Journal(state)
     renamed = replace(
@@ -324,7 +324,7 @@ def test_a_board_without_survive_shuts_down_and_the_journal_goes_on(places):
         assert not s.printer.connection.main.survives
         s.host.ok("M104 S60")
         s.host.ok("M32 wall.gcode")
-        s.until(lambda: s.positions()["e"] > 6.5, 200)
+        assert s.until(lambda: s.positions()["e"] > 6.5, 200)
         port, drive = s.printer.connection.main.port, s.printer.drive
         port.unplug()
         s.host.expect("connection to the board has ended", 5)

@@ -1,6 +1,8 @@
 """The board is back, but where its motors stand cannot be proved: the printer keeps warm and says
 so, and the print goes on once its axes are home."""
 
+from contextlib import contextmanager
+
 import pytest
 from tests.console.scenario import Scenario
 from tests.job.disturbed import spiral
@@ -15,7 +17,7 @@ def printing(tmp_path):
     with Scenario(FIRMWARE, card=str(card), state=str(state)) as s:
         s.host.ok("M302 P1")
         s.host.ok("M32 a.g")
-        s.until(lambda: s.positions()["z"] > 0.6 and s.printer.job.clock > 0, 200)
+        assert s.until(lambda: s.positions()["z"] > 0.6 and s.printer.job.clock > 0, 200)
         s.passes(20)
         yield s
 
@@ -32,12 +34,23 @@ def goes_on(s):
     s.host.expect("Done printing", 900)
 
 
+@contextmanager
+def turned_by_hand(s, monkeypatch):
+    """As the board tells, X has made five steps that nobody has ordered."""
+    positions = type(s.printer.positions)
+    real = positions.counts
+
+    def counts(*given):
+        return {name: count + 5 * (name == "x") for name, count in real(*given).items()}
+
+    with monkeypatch.context() as patch:
+        patch.setattr(positions, "counts", counts)
+        yield patch
+
+
 def test_a_motor_that_was_turned_by_hand(printing, monkeypatch):
     s = printing
-    real = type(s.printer.positions).counts
-    shifted = lambda *a: {n: c + 5 * (n == "x") for n, c in real(*a).items()}  # noqa: E731
-    with monkeypatch.context() as patch:
-        patch.setattr(type(s.printer.positions), "counts", shifted)
+    with turned_by_hand(s, monkeypatch):
         break_link(s, 2.0)
         s.host.expect("motor x stopped at", 10)
     s.host.expect("The printer is ready again", 10)
@@ -78,8 +91,6 @@ def test_a_board_that_has_shut_down_halts_the_printer_cold(printing):
 
 def test_m112_in_that_moment_halts_it_cold(printing, monkeypatch):
     s = printing
-    real = type(s.printer.positions).counts
-    shifted = lambda *a: {n: c + 5 * (n == "x") for n, c in real(*a).items()}  # noqa: E731
     tell = s.printer.tell
 
     def panic(text):
@@ -87,8 +98,7 @@ def test_m112_in_that_moment_halts_it_cold(printing, monkeypatch):
         if text == "// action:pause":
             s.printer.halt("M112")
 
-    with monkeypatch.context() as patch:
-        patch.setattr(type(s.printer.positions), "counts", shifted)
+    with turned_by_hand(s, monkeypatch) as patch:
         patch.setattr(s.printer, "tell", panic)
         break_link(s, 2.0)
         s.host.expect("Make it safe, then send M999", 10)

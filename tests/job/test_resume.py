@@ -33,7 +33,7 @@ def left_after(places, *lines):
     """Where the motors are when the power goes in the fifth layer, these lines a moment before."""
     with Scenario("i3", **places) as s:
         s.host.ok("M32 wall.gcode")
-        s.until(lambda: s.positions()["e"] > 6.5, 200)
+        assert s.until(lambda: s.positions()["e"] > 6.5, 200)
         for line in lines:
             s.host.ok(line)
             s.passes(3)
@@ -85,10 +85,10 @@ def test_a_vase_is_recorded_as_seldom_as_its_z_allows(places, monkeypatch):
     monkeypatch.setattr(Journal, "record", lambda s, m: (records.append(m), record(s, m)))
     with Scenario("i3", **places) as s:
         s.host.ok("M32 vase.gcode")
-        s.until(lambda: s.positions()["e"] > 1, 60)
+        assert s.until(lambda: s.positions()["e"] > 1, 60)
         records.clear()
         start = s.loop.time()
-        s.until(lambda: s.positions()["e"] > 13, 200)
+        assert s.until(lambda: s.positions()["e"] > 13, 200)
         seconds = s.loop.time() - start
         rise = 12 * 40 / 3000
         assert len(records) <= seconds + rise / 0.02 + 2
@@ -117,7 +117,7 @@ def test_only_steps_of_z_that_matter_are_written(places):
     """A machine that homes upwards finds its Z by itself."""
     with Scenario("delta", **places) as s:
         s.host.ok("M32 wall.gcode")
-        s.until(lambda: s.positions()["e"] > 6.5, 200)
+        assert s.until(lambda: s.positions()["e"] > 6.5, 200)
         written = len(Journal(Path(places["state"])).path.read_bytes().split(b"\n"))
         assert written <= s.printer.drive.now_s + 4
 
@@ -153,7 +153,7 @@ def test_a_full_disk_leaves_no_stale_offer(places, monkeypatch):
 
     with Scenario("i3", **places) as s:
         s.host.ok("M32 wall.gcode")
-        s.until(lambda: s.positions()["e"] > 2, 200)
+        assert s.until(lambda: s.positions()["e"] > 2, 200)
         monkeypatch.setattr(Journal, "record", full)
         s.host.expect("cannot be gone on with after a power cut: No space left", 3)
         s.host.expect("Done printing", 300)

@@ -6,6 +6,9 @@ from pathlib import Path
 
 import pytest
 from tests.console.scenario import Scenario
+from tests.job.disturbed import steps
+
+from passo import config
 
 
 def printing(folder: Path, text: str) -> Scenario:
@@ -74,3 +77,23 @@ def test_a_move_of_a_quarter_of_an_hour_can_be_stopped_and_asked():
         s.passes(2)
         s.host.ok("M112", 1)
         assert s.printer.halted == "emergency stop by M112"
+
+
+def test_a_further_axis_that_is_moved_in_a_pause_comes_back(tmp_path: Path) -> None:
+    text = config.shipped_text("i3").replace("[steppers.e]", "[steppers.u]")
+    text = text.replace("[extruders.e]", "[axes.u]\nmin_mm = -100.0\nhome_mm = 0.0\nmax_mm = 100.0")
+    turns = [f"G1 X{50 + 40 * (i % 2)} U{i} F1500" for i in range(10)]
+    program = ["G28", "G92 U0", "G1 X50 Y50 Z5 F6000", *turns, "M400"]
+    (tmp_path / "a.g").write_text("\n".join(program) + "\n")
+
+    def net(moved_mm: float) -> dict[str, int]:
+        with Scenario(config.load_text(text), card=str(tmp_path)) as s:
+            s.host.ok("M32 a.g")
+            assert s.until(lambda: s.printer.job.line_at(s.printer.drive.now) >= 8, 300)
+            s.host.ok("M25")
+            for line in ("G91", f"G1 U{moved_mm:g} F300", "M24"):
+                s.host.ok(line)
+            s.host.expect("Done printing", 300)
+            return steps(s)
+
+    assert net(20) == net(0)

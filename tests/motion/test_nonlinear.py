@@ -13,8 +13,23 @@ from passo._core import Motion
 from .machines import REACH, nonlinear
 
 share = st.integers(-1000, 1000).map(lambda n: n / 1000)
-point = st.tuples(share, share, share)
+point = st.tuples(share, share, share)  # of half the box that a machine reaches
 paths = st.lists(st.tuples(point, st.integers(5, 250)), min_size=1, max_size=5)
+
+
+def in_the_middle(name, with_steps=True):
+    """A motion of one of REACH, the nozzle in the middle; its machine and its plain geometry."""
+    spec, geometry = nonlinear(name)
+    motion = Motion(spec, with_steps)
+    motion.set_position([*map(float, REACH[name][0]), 0.0])
+    return motion, spec, geometry
+
+
+def push_shares(motion, name, path):
+    centre, half = REACH[name]
+    for where, feed in path:
+        target = [c + h * s for c, h, s in zip(centre, half, where, strict=True)]
+        motion.push([*target, 0.0], float(feed))
 
 
 def nozzle(move, tick):
@@ -26,16 +41,9 @@ def nozzle(move, tick):
 @given(path=paths)
 @settings(max_examples=10, deadline=None)
 def test_steps_stand_where_the_inverse_says(name, path):
-    spec, geometry = nonlinear(name)
-    centre, _ = REACH[name]
-    motion = Motion(spec, True)
-    start = [*map(float, centre), 0.0]
-    motion.set_position(start)
+    motion, spec, geometry = in_the_middle(name)
     begin = motion.counts()
-    _, half = REACH[name]
-    for where, feed in path:
-        target = [c + h * s for c, h, s in zip(centre, half, where, strict=True)]
-        motion.push([*target, 0.0], float(feed))
+    push_shares(motion, name, path)
     motion.flush()
     moves = motion.take_moves()
     messages = motion.take_messages()
@@ -62,13 +70,8 @@ def test_steps_stand_where_the_inverse_says(name, path):
 @given(path=paths)
 @settings(max_examples=10, deadline=None)
 def test_no_motor_beyond_its_limits(name, path):
-    spec, geometry = nonlinear(name)
-    centre, half = REACH[name]
-    motion = Motion(spec, False)
-    motion.set_position([*map(float, centre), 0.0])
-    for where, feed in path:
-        target = [c + h * s for c, h, s in zip(centre, half, where, strict=True)]
-        motion.push([*target, 0.0], float(feed))
+    motion, spec, geometry = in_the_middle(name, with_steps=False)
+    push_shares(motion, name, path)
     motion.flush()
     h = 1e-3 * oracle.HZ
     for move in motion.take_moves():

@@ -132,7 +132,7 @@ def test_a_record_that_is_revoked_comes_again():
     motion.replan_from(0.5 * oracle.HZ)
     motion.flush()
     moves = motion.take_moves()
-    pins = [(m[2], m[4]) for m in motion.take_messages() if m[0] == "pin"]
+    pins = oracle.pins(motion.take_messages())
     assert pins == [(round(moves[1].start_ticks), 7)]
 
 
@@ -183,12 +183,8 @@ def test_a_dwell_ends_early_and_what_was_due_behind_it_is_done(follows):
     motion.flush()
     assert [m.start_ticks for m in motion.take_moves()] == [cut] * follows
     messages = motion.take_messages()
-    assert [(m[2], m[4]) for m in messages if m[0] == "pin"] == [(cut, 7)]
+    assert oracle.pins(messages) == [(cut, 7)]
     assert_arrived(motion, messages, [20.0 if follows else 10.0, 0.0, 0.0, 0.0])
-
-
-def pins(messages):
-    return [(m[2], m[4]) for m in messages if m[0] == "pin"]
 
 
 def test_a_record_at_the_very_clock_of_a_cut_is_done_once():
@@ -202,7 +198,7 @@ def test_a_record_at_the_very_clock_of_a_cut_is_done_once():
     assert motion.replan_from(oracle.HZ) == oracle.HZ
     motion.flush()
     motion.take_moves()
-    assert [v for _, v in pins(motion.take_messages())] == [7, 8]
+    assert [v for _, v in oracle.pins(motion.take_messages())] == [7, 8]
 
 
 def test_a_record_behind_a_stop_keeps_its_place_when_the_move_before_it_is_cut():
@@ -218,7 +214,7 @@ def test_a_record_behind_a_stop_keeps_its_place_when_the_move_before_it_is_cut()
     motion.replan_from(0.1 * oracle.HZ)
     motion.flush()
     starts = [round(m.start_ticks) for m in motion.take_moves()]
-    assert pins(motion.take_messages()) == [(starts[1], 7), (starts[2], 8)]
+    assert oracle.pins(motion.take_messages()) == [(starts[1], 7), (starts[2], 8)]
 
 
 def test_what_is_recorded_at_a_stop_does_not_take_the_place_of_what_is_held():
@@ -236,7 +232,7 @@ def test_what_is_recorded_at_a_stop_does_not_take_the_place_of_what_is_held():
     motion.release()
     motion.flush()
     moves = motion.take_moves()
-    assert pins(motion.take_messages()) == [
+    assert oracle.pins(motion.take_messages()) == [
         (round(stopped), 9),
         (round(moves[1].start_ticks), 7),
         (round(moves[1].end_ticks), 8),

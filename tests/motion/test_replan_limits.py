@@ -16,6 +16,7 @@ from tests.oracles import motion as oracle
 from passo._core import Motion
 
 from .machines import REACH, cartesian, nonlinear
+from .test_nonlinear import in_the_middle, point, push_shares
 from .test_replan import push_all
 from .test_steps import paths
 
@@ -124,23 +125,15 @@ def test_each_axis_keeps_its_limits(path, changes):
     assert_limits(executed, clocks, lambda p: p, [*spec["axes"], *spec["extruders"]])
 
 
-share = st.integers(-1000, 1000).map(lambda n: n / 1000)
-lines = st.lists(
-    st.tuples(st.tuples(share, share, share), st.integers(20, 250)), min_size=1, max_size=4
-)
+lines = st.lists(st.tuples(point, st.integers(20, 250)), min_size=1, max_size=4)
 
 
 @pytest.mark.parametrize("name", REACH)
 @given(path=lines, changes=cuts)
 @settings(max_examples=20, deadline=None)
 def test_each_arm_keeps_its_limits(name, path, changes):
-    spec, geometry = nonlinear(name)
-    centre, half = REACH[name]
-    motion = Motion(spec, True)
-    motion.set_position([*map(float, centre), 0.0])
-    for where, feed in path:
-        target = [c + h * s for c, h, s in zip(centre, half, where, strict=True)]
-        motion.push([*target, 0.0], float(feed))
+    motion, spec, geometry = in_the_middle(name)
+    push_shares(motion, name, path)
     executed, clocks = carried_out(motion, changes)
 
     def motors(point):

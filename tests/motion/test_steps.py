@@ -119,7 +119,7 @@ def test_records_stand_at_their_boundary():
     motion.record(3, 0)
     motion.flush()
     moves = motion.take_moves()
-    pins = [(m[2], m[4]) for m in motion.take_messages() if m[0] == "pin"]
+    pins = oracle.pins(motion.take_messages())
     assert pins == [(round(moves[1].start_ticks), 128), (round(moves[1].end_ticks), 0)]
     assert moves[0].end_speed == moves[1].start_speed == 50.0
 

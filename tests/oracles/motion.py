@@ -60,6 +60,11 @@ def executed_ticks(messages, target):
     return out
 
 
+def pins(messages):
+    """(clock, value) of each record of an output."""
+    return [(clock, value) for kind, _, clock, _, value, *_ in messages if kind == "pin"]
+
+
 def assert_within_bound(executed, ideal, tolerance_ticks=32.0):
     """|executed - ideal| ≤ min(tolerance, ¼ of the smaller gap) + ½ tick, every step; one tolerance
     for all, or a list of one a step."""

@@ -55,7 +55,7 @@ def stops(monkeypatch, cable):
     with scenario(monkeypatch, "i3", "X", cable=cable) as s:
         found = []
         s.host.send("G28 X")
-        s.until(lambda: found.append(s.positions()["x"]) or len(found) > 300, 10)
+        assert s.until(lambda: found.append(s.positions()["x"]) or len(found) > 300, 10)
         return -min(found)
 
 
@@ -71,7 +71,7 @@ def test_a_motor_runs_on_for_the_way_of_the_news(monkeypatch):
 def test_boards_that_lose_each_other_stop_all_motors(monkeypatch, moved):
     with scenario(monkeypatch, "i3", *moved) as s:
         s.host.send("G28 X")
-        s.until(lambda: s.positions()["x"] < 10, 10)
+        assert s.until(lambda: s.positions()["x"] < 10, 10)
         s.printer.board.cut_cable("tool")
         s.passes(0.1)
         stopped = s.positions()["x"]

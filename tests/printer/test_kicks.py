@@ -94,6 +94,9 @@ def test_the_most_power_is_the_fans_own():
         (begin, most), (end, asked) = s.board.take_changes("part")
         assert (most, asked) == (round(0.8 * FULL), round(0.16 * FULL))
         assert end - begin == HZ // 2
+        s.host.ok("M106 S300")
+        s.passes(2)
+        assert [v for _, v in s.board.take_changes("part")] == [most]
 
 
 PROGRAM = "G28\nG1 X10 F600\nM106 S51\nG1 X20\nM107\nG1 X30\nM106 S51\nG1 X31\nM106 S80\n"

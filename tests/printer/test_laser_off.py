@@ -104,7 +104,7 @@ def test_it_goes_off_with_the_last_move_of_a_print(s, file, ended):
     assert s.until(lambda: share(s) == pytest.approx(0.5, abs=0.005), 2.0)
     s.host.expect("Done printing|stopped: .*: S is -1", 10)
     if ended == "failed":
-        s.until(lambda: s.printer.drive.standing, 3.0)
+        assert s.until(lambda: s.printer.drive.standing, 3.0)
         s.passes(0.4)
     assert share(s) == 0.0
     s.host.ok("G1 X80 F3000")

@@ -68,7 +68,7 @@ def printing(request, tmp_path):
         wire = Wire(connection.link, s.board, connection.now)
         connection.wire = wire
         s.host.ok("M32 a.g")
-        s.until(lambda: s.printer.job.line_at(s.printer.drive.now) > FIRST + 20, 60)
+        assert s.until(lambda: s.printer.job.line_at(s.printer.drive.now) > FIRST + 20, 60)
         yield s, wire
 
 

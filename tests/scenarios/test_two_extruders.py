@@ -6,6 +6,7 @@ import re
 
 import pytest
 from tests.console.scenario import Host, Scenario
+from tests.job.disturbed import steps
 from tests.scenarios.test_extruder_axes import text as extruder_axes
 
 from passo import config
@@ -29,7 +30,8 @@ def machine(text: str = "") -> MachineConfig:
 
 def filament(s: Scenario) -> tuple[float, float]:
     """What the motors have pushed, mm."""
-    return tuple(round(s.board.net_steps(e) / PER_MM, 1) for e in ("e", "e1"))  # type: ignore
+    first, second = (round(s.board.net_steps(e) / PER_MM, 1) for e in ("e", "e1"))
+    return first, second
 
 
 def moved(s: Scenario, *lines: str) -> tuple[float, float]:
@@ -37,7 +39,8 @@ def moved(s: Scenario, *lines: str) -> tuple[float, float]:
     for line in lines:
         s.host.ok(line, 60)
     s.host.ok("M400", 60)
-    return tuple(round(b - a, 1) for a, b in zip(before, filament(s), strict=True))  # type: ignore
+    first, second = (round(b - a, 1) for a, b in zip(before, filament(s), strict=True))
+    return first, second
 
 
 @pytest.fixture
@@ -60,10 +63,33 @@ def printing(tmp_path):
         yield scenario
 
 
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory) -> dict[str, int]:
+    """Steps of the whole print."""
+    folder = tmp_path_factory.mktemp("card")
+    (folder / "a.g").write_text(BOTH)
+    with Scenario(machine(), card=str(folder)) as scenario:
+        scenario.host.ok("M32 a.g")
+        scenario.host.expect("Done printing", 300)
+        assert filament(scenario) == pytest.approx((12, 12), abs=0.1)
+        return steps(scenario)
+
+
 @pytest.mark.parametrize(
-    "lines", [("M400",), ("T0", "M400"), ("T0", "G92 E0", "T1"), ("T0", "G1 X100 F6000", "M400")]
+    "lines",
+    [
+        (),
+        ("M400",),
+        ("T0", "M400"),
+        ("T0", "T1"),
+        ("T0", "G92 E0", "T1"),
+        ("T0", "G1 X100 F6000", "M400"),
+        ("T0", "G1 X100 F6000", "M400", "T1"),
+    ],
 )
-def test_a_pause_draws_back_the_filament_that_is_printed_and_gives_it_back(printing, lines):
+def test_a_pause_draws_back_the_filament_that_is_printed_and_gives_it_back(
+    printing, undisturbed, lines
+):
     printing.host.ok("M25")
     printing.passes(8)
     at_stop = printing.printer.job.stop_position[E]
@@ -72,7 +98,7 @@ def test_a_pause_draws_back_the_filament_that_is_printed_and_gives_it_back(print
         printing.host.ok(line, 20)
     printing.host.ok("M24")
     printing.host.expect("Done printing", 60)
-    assert filament(printing) == pytest.approx((12, 12), abs=0.1)
+    assert steps(printing) == undisturbed
 
 
 def test_filament_that_is_pushed_in_a_pause_is_that_of_the_tool_in_use(printing):
@@ -151,7 +177,7 @@ def test_filament_of_axes_may_be_pushed_in_a_pause(tmp_path, line):
     own = re.sub(r"\[park\]\n(.+\n)*", "", extruder_axes())
     with Scenario(machine(own), card=str(tmp_path)) as s:
         s.host.ok("M32 a.g")
-        s.until(lambda: s.printer.job.line_at(s.printer.drive.now) >= 8, 300)
+        assert s.until(lambda: s.printer.job.line_at(s.printer.drive.now) >= 8, 300)
         for command in ("M25", "M400", "G91", line, "M24"):
             s.host.ok(command, 60)
         s.host.expect("Done printing", 60)

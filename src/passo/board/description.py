@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Literal, TypeAlias
 
 from passo import _core
@@ -253,10 +254,7 @@ def together(boards: Mapping[str, BoardDescription]) -> BoardDescription:
     sensors: list[Sensor] = []
     endstops: list[Endstop] = []
     for name, board in boards.items():
-
-        def named(pin: str, name: str = name) -> str:
-            return named_on(name, pin)
-
+        named = partial(named_on, name)
         for i, s in zip(board.stepper_targets, board.steppers, strict=True):
             steppers[i] = replace(s, step_pin=named(s.step_pin), dir_pin=named(s.dir_pin))
         for i, o in zip(board.output_targets, board.outputs, strict=True):

@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from passo.cli.tables import columns
 from passo.errors import ExitStatus, FirmwareError, Problem
 
 if TYPE_CHECKING:
@@ -76,10 +77,7 @@ def _list(arguments: argparse.Namespace) -> int:
     table = [("BOARD", "MCU", "CONSOLE", "FLASHED WITH", "STATE")]
     for row in rows:
         table.append((row["board"], row["mcu"], row["console"], row["flash"] or "-", row["state"]))
-    widths = [max(len(row[column]) for row in table) for column in range(len(table[0]))]
-    for row in table:
-        cells = (cell.ljust(width) for cell, width in zip(row, widths, strict=True))
-        print("  ".join(cells).rstrip())
+    print(columns(table))
     return ExitStatus.DONE
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 
+from passo.cli.tables import columns
 from passo.errors import ExitStatus
 
 
@@ -37,8 +38,5 @@ def run(arguments: argparse.Namespace) -> int:
         size = " x ".join(f"{length:g}" for length in machine.size_mm)
         steppers = " ".join(machine.steppers)
         table.append((machine.name, machine.geometry.kind, size, steppers, machine.board.name))
-    widths = [max(len(row[column]) for row in table) for column in range(len(table[0]))]
-    for row in table:
-        cells = (cell.ljust(width) for cell, width in zip(row, widths, strict=True))
-        print("  ".join(cells).rstrip())
+    print(columns(table))
     return ExitStatus.DONE

@@ -11,6 +11,16 @@ if TYPE_CHECKING:
     from passo.job.result import PrintResult
 
 
+def columns(rows: Sequence[Sequence[str]]) -> str:
+    """Rows, the heading first, in columns as wide as they need."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = (
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True))
+        for row in rows
+    )
+    return "\n".join(line.rstrip() for line in lines)
+
+
 def duration(seconds: float) -> str:
     """`1 h 02 min 03 s`, without what is zero in front; tenths below a minute."""
     if seconds < 60:

@@ -34,6 +34,7 @@ class RecoveryCommands:
         self._overrides = Overrides(printer, runner)
         self._recorded = Moment(0, 0.0)
         self._seen_z_mm = 0.0
+        self._settlings = 0
         self._interrupted = self._journal.read()
         self.instead = ""  # what was not done because of it, to be told with the offer
         self.planned: dict[str, Handler] = {"M1000": self._go_on}

@@ -75,5 +75,5 @@ def reference() -> str:
 
 
 def _parameters(row: Row) -> str:
-    alone = "any letter" if row.bare == ANY else " ".join(row.bare or "")
-    return "; alone: ".join(filter(None, (row.parameters, alone)))
+    letters = "any letter" if row.bare == ANY else " ".join(row.bare or "")
+    return "; ".join(filter(None, (row.parameters, letters and f"alone: {letters}")))

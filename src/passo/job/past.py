@@ -83,12 +83,14 @@ class Past:
         at = 0
         for name, (offset, factor) in sorted(overrides.items(), key=lambda item: item[1][0]):
             until = min(offset, self._end)
-            while at < until and (data := self._reader.read(min(_CHUNK, until - at))):
-                at += len(data)
-                yield data
+            yield from self._next(until - at)
+            at = until
             override(self.job, self.commands, name, factor)
-        while at < self._end and (data := self._reader.read(min(_CHUNK, self._end - at))):
-            at += len(data)
+        yield from self._next(self._end - at)
+
+    def _next(self, size: int) -> Iterator[bytes]:
+        while size > 0 and (data := self._reader.read(min(_CHUNK, size))):
+            size -= len(data)
             yield data
 
     def _observe(self, command: Command) -> None:

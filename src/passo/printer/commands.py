@@ -379,7 +379,7 @@ class Commands:
         elif "S" not in words and _OF_FANS.search(command.text) is not None:
             share = None
         else:
-            share = words.get("S", 255) / 255
+            share = min(words.get("S", 255) / 255, 1.0)
         at_once = _AT_ONCE.search(command.text) is not None
         return FanOrder(words.get("P"), share, at_once)
 

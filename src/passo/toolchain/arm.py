@@ -13,11 +13,11 @@ from pathlib import Path
 
 from passo.config.chips import Chip
 from passo.toolchain.avr import FirmwareError
-from passo.toolchain.declarations import Constant, gather
+from passo.toolchain.declarations import Constant
 from passo.toolchain.formats import with_boot_sum
 from passo.toolchain.image import Image
 from passo.toolchain.sources import core_sources
-from passo.toolchain.tables import dictionary, write_tables
+from passo.toolchain.tables import write_board
 
 # The folders of each chip in firmware/hal/arm: the chip's own, and that of its family.
 CHIPS = {
@@ -191,15 +191,16 @@ def build(
 ) -> Image:
     """Builds an image with the compiler `command` into the folder `output`. Raises FirmwareError if
     the compiler fails, or if the image does not fit."""
-    output.mkdir(parents=True, exist_ok=True)
     chip = board.chip
     code = sources(board, firmware)
-    found = gather(code)
-    content = dictionary(
-        found, version=version, constants=constants(board), enumerations=enumerations(chip)
+    content, tables = write_board(
+        code,
+        board_header(board),
+        output,
+        version=version,
+        constants=constants(board),
+        enumerations=enumerations(chip),
     )
-    tables = write_tables(found, content, output)
-    (output / "board.h").write_text(board_header(board), encoding="utf-8")
     script = memory(chip) + (firmware / "hal" / "arm" / "link.ld").read_text(encoding="utf-8")
     (output / "image.ld").write_text(script, encoding="utf-8")
     elf, image = output / "passo.elf", output / "passo.bin"

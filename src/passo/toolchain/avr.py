@@ -7,11 +7,12 @@ import subprocess
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-from passo.toolchain.declarations import Constant, gather
+from passo.toolchain.declarations import Constant
 from passo.toolchain.image import Image
 from passo.toolchain.sources import core_sources
-from passo.toolchain.tables import dictionary, write_tables
+from passo.toolchain.tables import write_board
 
 # Registers that belong to the interrupts of firmware/hal/avr: nothing else may use them.
 RESERVED = tuple(range(2, 10))
@@ -172,20 +173,34 @@ def constants(board: AvrBoard) -> dict[str, Constant]:
     }
 
 
+def declared(
+    board: AvrBoard, code: Sequence[Path], output: Path, version: str
+) -> tuple[dict[str, Any], list[Path]]:
+    """As `write_board`, for this board."""
+    return write_board(
+        code,
+        board_header(board),
+        output,
+        version=version,
+        constants=constants(board),
+        enumerations=enumerations(board),
+    )
+
+
+def check_sizes(board: AvrBoard, flash: int, ram: int) -> None:
+    """Raises FirmwareError if an image of so many bytes does not fit the chip, with a stack."""
+    if flash > board.chip.flash or ram > board.chip.ram - STACK:
+        raise FirmwareError(f"{flash} bytes of flash, {ram} of RAM: more than {board.mcu} has")
+
+
 def build(board: AvrBoard, firmware: Path, output: Path, version: str = "") -> Image:
     """Builds an image with avr-gcc into the folder `output`.
 
     Raises FirmwareError if avr-gcc is missing or fails, if the image is too large, or if anything
     but the interrupts uses a reserved register.
     """
-    output.mkdir(parents=True, exist_ok=True)
     code = sources(board, firmware)
-    found = gather(code)
-    content = dictionary(
-        found, version=version, constants=constants(board), enumerations=enumerations(board)
-    )
-    tables = write_tables(found, content, output)
-    (output / "board.h").write_text(board_header(board), encoding="utf-8")
+    content, tables = declared(board, code, output, version)
     elf, image = output / "passo.elf", output / "passo.hex"
     folders = [output, firmware / "core", firmware / "hal", firmware / "hal" / "avr"]
     include = [f"-I{folder}" for folder in folders]
@@ -194,8 +209,7 @@ def build(board: AvrBoard, firmware: Path, output: Path, version: str = "") -> I
     sizes = _sizes(elf)
     flash = sizes[".text"] + sizes.get(".data", 0)
     ram = sizes.get(".data", 0) + sizes.get(".bss", 0)
-    if flash > board.chip.flash or ram > board.chip.ram - STACK:
-        raise FirmwareError(f"{flash} bytes of flash, {ram} of RAM: more than {board.mcu} has")
+    check_sizes(board, flash, ram)
     offenders = reserved_register_users(_compiled(elf))
     if offenders:
         raise FirmwareError(f"registers of the interrupts are used by {', '.join(offenders)}")

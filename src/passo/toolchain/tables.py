@@ -4,11 +4,17 @@ from __future__ import annotations
 
 import json
 import zlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from passo.toolchain.declarations import Constant, DeclarationError, Declarations, message_name
+from passo.toolchain.declarations import (
+    Constant,
+    DeclarationError,
+    Declarations,
+    gather,
+    message_name,
+)
 
 # `identify` and its answer are the only messages whose numbers every host knows.
 _IDENTIFY_RESPONSE = 0
@@ -78,6 +84,24 @@ def dictionary(
 def compress(content: Mapping[str, Any]) -> bytes:
     """A dictionary as the board carries it; the same bytes for the same content."""
     return zlib.compress(json.dumps(content, sort_keys=True, separators=(",", ":")).encode(), 9)
+
+
+def write_board(
+    sources: Sequence[Path],
+    header: str,
+    directory: Path,
+    *,
+    version: str,
+    constants: Mapping[str, Constant],
+    enumerations: Mapping[str, Mapping[str, int | tuple[int, int]]],
+) -> tuple[dict[str, Any], list[Path]]:
+    """Writes the tables of what the sources declare, and `header` as board.h, into `directory`.
+    Returns the data dictionary and the tables' C sources. Raises DeclarationError."""
+    found = gather(sources)
+    content = dictionary(found, version=version, constants=constants, enumerations=enumerations)
+    tables = write_tables(found, content, directory)
+    _write(directory / "board.h", header)
+    return content, tables
 
 
 def write_tables(found: Declarations, content: Mapping[str, Any], directory: Path) -> list[Path]:

@@ -1,0 +1,507 @@
+"""The error catalogue: what may go wrong, said once, the same on every console, page and log.
+
+An entry names the part of Passo or of the printer that it concerns, the sentence (with the measured
+value and the limit in it), the next action for the person who reads it, and the exit status.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import IntEnum
+
+
+class ExitStatus(IntEnum):
+    """What the `passo` command returns to the shell."""
+
+    DONE = 0
+    USAGE = 2
+    BAD_CONFIG = 3
+    BAD_INPUT = 4
+    MACHINE_FAULT = 5
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One row of the catalogue; `says` is a format string over a problem's values."""
+
+    part: str
+    says: str
+    action: str
+    status: ExitStatus
+
+
+def _config(says: str, action: str) -> Entry:
+    return Entry("config", says, action, ExitStatus.BAD_CONFIG)
+
+
+def _input(part: str, says: str, action: str) -> Entry:
+    return Entry(part, says, action, ExitStatus.BAD_INPUT)
+
+
+def _card(says: str, action: str) -> Entry:
+    return Entry("card", says, action, ExitStatus.BAD_INPUT)
+
+
+def _firmware(says: str, action: str, status: ExitStatus = ExitStatus.USAGE) -> Entry:
+    return Entry("firmware", says, action, status)
+
+
+def _heat(says: str, action: str) -> Entry:
+    return Entry("heat", says, f"{action}, then rearm it", ExitStatus.MACHINE_FAULT)
+
+
+def _late(says: str, action: str) -> Entry:
+    head = "commands reached the board {value} they were due, where {limit:.0f} ms should be left"
+    return Entry("link", f"{head}: {says}", action, ExitStatus.MACHINE_FAULT)
+
+
+def _driver(says: str, action: str) -> Entry:
+    return Entry("driver", f"motor {{axis}}: {says}", action, ExitStatus.MACHINE_FAULT)
+
+
+CATALOGUE: Mapping[str, Entry] = {
+    "config.unknown-machine": _config(
+        "there is no machine called {value!r}",
+        "Name a shipped machine (see `passo machines`) or the path of a TOML file",
+    ),
+    "config.unreadable": _config("cannot be read: {value}", "Check the path and its permissions"),
+    "config.syntax": _config("is not valid TOML: {value}", "Mend the syntax at this place"),
+    "config.unknown-key": _config("{key} is not a known key", "Remove it or correct its name"),
+    "config.missing-key": _config("{key} is missing: expected {limit}", "Add the key"),
+    "config.value": _config("{key} is {value!r}: expected {limit}", "Correct the value"),
+    "config.conflict": _config("{key} is {value!r}: expected {limit}", "Change or remove it"),
+    "input.unreadable": _input("file", "cannot be read: {value}", "Check the path and permissions"),
+    "input.empty": _input("file", "holds no command", "Slice the model again"),
+    "input.garbage": _input(
+        "gcode", "is not G-code: {value}", "Give a sliced text file, not a model or a binary"
+    ),
+    "input.number": _input(
+        "gcode",
+        "the word {value!r} has no valid number",
+        "Write a decimal number of at most 1e9 without exponent",
+    ),
+    "input.out-of-range": _input(
+        "motion",
+        "{axis} {value:.3f} mm is beyond the limit of {limit:.3f} mm",
+        "Move the model on the bed, or choose the right machine",
+    ),
+    "input.unreachable": _input(
+        "geometry",
+        "the point {value} mm cannot be reached by this machine: {limit}",
+        "Move the model on the bed, or choose the right machine",
+    ),
+    "input.actuator": _input(
+        "geometry",
+        "motor {axis} would go to {value:.3f}, beyond its limit of {limit:.3f}",
+        "Move the model on the bed, or choose the right machine",
+    ),
+    "input.too-long": _input(
+        "motion",
+        "extruder {axis} would move {value:.0f} mm of filament in one move, of at most {limit:.0f}",
+        "Correct E, which counts from G92 unless M83 is in force, or use several moves",
+    ),
+    "input.feedrate": _input(
+        "gcode", "the feed rate F{value:g} must be above 0", "Give the speed in mm per minute"
+    ),
+    "input.arc": _input(
+        "gcode",
+        "the arc has no circle: {value} does not fit its end",
+        "Give I and J, or an R of at least half the distance",
+    ),
+    "input.radii": _input(
+        "gcode",
+        "the arc begins {value:.3f} mm from its centre and ends {limit:.3f} mm from it",
+        "Correct I, J or K, which count from where the arc begins, or its end",
+    ),
+    "input.checksum": _input(
+        "gcode",
+        "the checksum {value} is wrong: the line's is *{limit}",
+        "Send the line again",
+    ),
+    "input.no-line": _input(
+        "file", "there is no line {value}: the file has {limit}", "Name a line of the file"
+    ),
+    "input.point": _input(
+        "heat",
+        "{value!r} is no pair of temperatures from 0 to 400 °C",
+        "Write the shown and the true temperature as 200:187",
+    ),
+    "input.missing-tool": _input(
+        "printer",
+        "tool T{value} does not exist: the machine has {limit} tool(s)",
+        "Choose a machine with this tool, or slice without it",
+    ),
+    "output.unwritable": _input(
+        "file", "cannot be written: {value}", "Check the path, its permissions and the free space"
+    ),
+    "card.absent": _card(
+        "there is no card: {value}", "Insert the card or correct the path, then mount it again"
+    ),
+    "card.format": _card(
+        "holds no FAT32 file system: {key} is {value}, expected {limit}",
+        "Format the card as FAT32 on a computer, after saving what is on it",
+    ),
+    "card.broken": _card(
+        "the file system is damaged: {key} is {value}, expected {limit}",
+        "Check and mend the card on a computer (fsck.fat or chkdsk)",
+    ),
+    "card.not-found": _card("is not on the card", "List the card and name what is there"),
+    "card.directory": _card("is a directory, not a file", "Name a file in it"),
+    "card.not-directory": _card("is a file, not a directory", "Name a directory of the card"),
+    "card.exists": _card("exists already", "Choose another name"),
+    "card.name": _card(
+        "the name {value!r} is not allowed on a card: expected {limit}", "Choose another name"
+    ),
+    "card.full": _card(
+        "the card is full: {value} bytes are needed, {limit} are free",
+        "Delete files or take another card",
+    ),
+    "card.too-long": _card(
+        "would be {value} bytes long, beyond the limit of {limit}", "Write it in several parts"
+    ),
+    "card.read-only": _card(
+        "cannot be written: {value}", "Remove the write protection (the card's switch, permissions)"
+    ),
+    "card.busy": _card("is in use: {value}", "Wait until that has ended, or stop it"),
+    "card.removed": _card(
+        "was removed while in use, or fails: {value}",
+        "Insert the card again and mount it; replace it if that recurs",
+    ),
+    "console.unopened": Entry(
+        "console",
+        "{axis} cannot be opened: {value}",
+        "Check the name, its permissions, and that nobody else has it",
+        ExitStatus.USAGE,
+    ),
+    "card.no-name": _card("no file is named", "Name one behind the command, as M20 lists it"),
+    "card.no-console": _card("only a console can send a file", "Send it from a console"),
+    "job.no-file": _input("job", "no file is selected", "Select one (M23), after listing the card"),
+    "settings.nowhere": _input(
+        "settings", "there is no place to store settings", "Start with --state DIRECTORY"
+    ),
+    "settings.none": _input("settings", "no settings are stored", "Store them first (M500)"),
+    "settings.unreadable": _input(
+        "settings",
+        "the stored settings are not used: {value}",
+        "Store new ones (M500); until then the machine file's hold",
+    ),
+    "settings.unwritable": _input(
+        "settings",
+        "the settings were not stored: {value}",
+        "Check the directory, its permissions and the room on the disk",
+    ),
+    "job.failed": _input("job", "{value}", "Mend it and go on after it (M24), or cancel (M524)"),
+    "history.unusable": _input(
+        "job",
+        "the history of prints cannot be used: {value}",
+        "Let nobody else have it open; if it is damaged, move it away and start again",
+    ),
+    "job.no-part": _input(
+        "job",
+        "needs {value}, which the machine file does not have any more",
+        "Give back the name and start again, or forget the print (M1000 C)",
+    ),
+    "job.other-file": _input(
+        "job",
+        "is not the file that was printed, or cannot be gone on with here",
+        "Put back the card with that file, or forget the print (M1000 C)",
+    ),
+    "job.other-machine": _input(
+        "job", "was printed on another machine", "Forget the print (M1000 C)"
+    ),
+    "job.nothing-interrupted": _input(
+        "job", "no print was interrupted", "Select a file (M23) and start it (M24)"
+    ),
+    "job.printing": _input(
+        "job", "{value} is being printed", "Wait until it is done, or cancel it (M524)"
+    ),
+    "machine.switch-missed": Entry(
+        "homing",
+        "{axis} was not homed: {value} was not pressed within {limit} towards {position}",
+        "Look whether the axis moved towards it, and what M119 says while you press it",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.switch-lost": Entry(
+        "homing",
+        "{axis} was not homed: {value} and a motor of it are on boards that lost each other",
+        "Look at the cables of the boards, and at how busy this computer is",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.switch-stuck": Entry(
+        "homing",
+        "{axis} was not homed: {value} is still pressed {limit} away from {position}",
+        "Check its wiring and the ! in front of its pin, or give it a longer way back",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "input.cold": _input(
+        "heat",
+        "cold extrusion prevented: the hotend is too cold for filament to move",
+        "Heat it first (M109), or allow it (M302 P1)",
+    ),
+    "option.unknown": _input(
+        "settings",
+        "UnknownOption: there is no option {value}",
+        "Name one as APrinter does, such as XStepsPerUnit",
+    ),
+    "command.no-mains": _input(
+        "command", "the mains are off", "Switch them on (M80), then send the command again"
+    ),
+    "command.fixed": _input(
+        "command",
+        "{value} is fixed while the printer runs",
+        "Change it in the machine file and start again",
+    ),
+    "command.value": _input(
+        "command", "{axis} is {value}: expected {limit}", "Send the command with such a value"
+    ),
+    "heat.unknown": _input(
+        "heat",
+        "there is no {axis} with number {value}; the machine has {limit}",
+        "Give another T or P, or add the heater to the machine file",
+    ),
+    "heat.no-pid": _input(
+        "heat", "heater {axis} is not controlled by PID", "Change its control in the machine file"
+    ),
+    "heat.no-model": _input(
+        "heat",
+        "heater {axis} is not controlled by its model",
+        "Change its control in the machine file",
+    ),
+    "heat.no-thermistor": _input(
+        "heat", "the sensor of {axis} is no thermistor", "Change it in the machine file"
+    ),
+    "heat.unsafe-target": _input(
+        "heat",
+        "heater {axis} was switched off: {value:g} C is outside of its safe range, {limit} C",
+        "Give a temperature within it, or change min_c and max_c of the heater",
+    ),
+    "input.unsaved": _input("moves", "no position was saved as {value}", "Save one with G60 first"),
+    "input.not-homed": _input(
+        "homing",
+        "axis {axis} does not know where it is",
+        "Home it (G28), or say where it is (G92)",
+    ),
+    "input.homing": _input(
+        "homing", "{axis} has to wait until all axes are at home", "Send it again when G28 is done"
+    ),
+    "machine.slow-heater": Entry(
+        "heat",
+        "heater {axis} has reached only {value:.1f} °C of {limit:.1f} °C in an hour",
+        "Check its cartridge, its supply and its sensor's place",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "heat.sensor-open": _heat(
+        "heater {axis} was switched off: its sensor is open, it says {value:.1f} °C where at least"
+        " {limit:.1f} °C is possible",
+        "Check the sensor's plug and wires",
+    ),
+    "heat.sensor-short": _heat(
+        "heater {axis} was switched off: its sensor is short-circuited, it says {value:.1f} °C"
+        " where at most {limit:.1f} °C is allowed",
+        "Check the sensor's wires where they may touch",
+    ),
+    "heat.sensor-erratic": _heat(
+        "heater {axis} was switched off: its sensor, at {value:.1f} °C now, keeps jumping by more"
+        " than {limit:.1f} °C",
+        "Check the sensor's plug and wires where they move",
+    ),
+    "heat.min-temperature": _heat(
+        "heater {axis} was switched off: it is at {value:.1f} °C, below its least {limit:.1f} °C",
+        "Check the sensor, and that the room is not too cold",
+    ),
+    "heat.max-temperature": _heat(
+        "heater {axis} was switched off: it is at {value:.1f} °C, above its limit of {limit:.1f}"
+        " °C",
+        "Let it cool, and check its sensor and its control",
+    ),
+    "heat.heating-failed": _heat(
+        "heater {axis} was switched off: it is at {value:.1f} °C and did not come to {limit:.1f} °C"
+        " in time",
+        "Check its cartridge, its supply, and that its sensor sits where it heats",
+    ),
+    "heat.runaway": _heat(
+        "heater {axis} was switched off: it fell to {value:.1f} °C and stayed below {limit:.1f} °C",
+        "Check its cartridge, its supply, and that its sensor sits where it heats",
+    ),
+    "heat.stuck-on": _heat(
+        "heater {axis} gets hotter without power: it is at {value:.1f} °C, above {limit:.1f} °C",
+        "Cut its supply at once: its switch may be broken",
+    ),
+    "heat.model-deviation": _heat(
+        "heater {axis} was switched off: at {value:.1f} °C it does not behave as its model, by more"
+        " than {limit:.2f} of full power",
+        "Check cartridge, sensor and fan, or tune its model again",
+    ),
+    "driver.silent": _driver(
+        "its driver, a {value} on {limit}, does not answer",
+        "Switch the motors' supply on, check the driver's seat, jumpers and these pins, then M999",
+    ),
+    "driver.deaf": _driver(
+        "its driver, a {value} on {limit}, does not take its settings",
+        "Check the wire to it and that no other driver has its address, then M999",
+    ),
+    "driver.other-chip": _driver(
+        "the driver on {limit} is another chip than the machine file says, of version {value}",
+        "Correct the motor's driver in the machine file, or the pins",
+    ),
+    "driver.reset": _driver(
+        "its driver, a {value}, was reset: its settings are gone",
+        "Check the plugs and wires of the motors' supply, then M999",
+    ),
+    "driver.short-to-ground": _driver(
+        "coil {value} has a short circuit to ground; its driver has switched it off",
+        "Cut the power, check the motor's cable and plug, then M999",
+    ),
+    "driver.short-to-supply": _driver(
+        "coil {value} has a short circuit to the supply; its driver has switched it off",
+        "Cut the power, check the motor's cable and plug, then M999",
+    ),
+    "driver.overheated": _driver(
+        "its driver, a {value}, has switched it off, for it is too hot",
+        "Let it cool, check its fan and heat sink or lower its current (M906), then M999",
+    ),
+    "driver.hot": _driver(
+        "its driver, a {value}, is hot and will soon switch it off",
+        "Cool it better, or lower its current (M906)",
+    ),
+    "driver.undervoltage": _driver(
+        "its driver, a {value}, has too little voltage to switch on fully",
+        "Check the motors' supply and its plugs, then M999",
+    ),
+    "driver.stopped": _driver(
+        "its driver, a {value}, has switched it off for a moment, for heat or a short circuit",
+        "Check the motor's cable and the driver's cooling, then M999",
+    ),
+    "firmware.board": _firmware(
+        "there is no board called {value!r}",
+        "Name one of `passo firmware list`, or the path of a machine file",
+    ),
+    "firmware.none": _firmware(
+        "there is no firmware of Passo for {axis}: {value}", "See `passo firmware list`"
+    ),
+    "firmware.image": _firmware(
+        "{value} is no image for {axis}: expected {limit}",
+        "Build one (`passo firmware build`), or name the right file",
+    ),
+    "firmware.port": _firmware(
+        "{axis} cannot be flashed through {value}: expected {limit}",
+        "Plug the board in and name its port with --port",
+    ),
+    "firmware.no-port": _firmware(
+        "no port was named for {axis}: it needs {limit}",
+        "Plug the board in and name its port with --port",
+    ),
+    "firmware.nobody": _firmware(
+        "nobody pressed Enter after: {value}", "Flash from a terminal, where hands can help"
+    ),
+    "firmware.tool": _firmware(
+        "the program {value} is missing, which {axis} needs", "Install it, and try again"
+    ),
+    "firmware.build": _firmware(
+        "the firmware of {axis} could not be built: {value}",
+        "Check the pins of the motors, and the compiler",
+        ExitStatus.BAD_INPUT,
+    ),
+    "firmware.flash": _firmware(
+        "{axis} was not flashed: {value}",
+        "Check cable, port and what hands must do, and try again",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "firmware.silent": _firmware(
+        "{axis} does not tell who it is at {value}",
+        "Do what hands must do after flashing, then reset the board; or flash it again",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "firmware.other": _firmware(
+        "{axis} runs another image than the one that was flashed: {value}",
+        "Flash it again, and check that this is the board on that port",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.unreachable": Entry(
+        "board",
+        "the board cannot be reached at {axis}: {value}",
+        "Check its cable and supply, and link and port in the machine file",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.silent": Entry(
+        "board",
+        "the board does not answer {value}",
+        "Check its supply, the baud rate, and that its firmware is Passo's or Klipper's",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.dictionary": Entry(
+        "board",
+        "the board's dictionary does not fit the machine file: {value}",
+        "Choose the right board in the machine file, or build the firmware for it",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.closed": Entry(
+        "board",
+        "the connection to the board has ended",
+        "Check its cable and supply, and start again",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.link-failed": Entry(
+        "board",
+        "the connection to the board was ended: {value}",
+        "Check that its firmware is Passo's or Klipper's and fits the machine file",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "late.stall": _late(
+        "the computer did not let Passo run for {held:.2f} s",
+        "End other programs on it, or give Passo a higher priority",
+    ),
+    "late.plan": _late(
+        "the moves were planned {held:.2f} s late",
+        "End other programs on the computer, take a faster one, or slice with fewer short moves",
+    ),
+    "late.bytes": _late(
+        "the link took no more bytes for {held:.2f} s",
+        "Raise the baud rate, or state in the board's budget how many bytes/s the link carries",
+    ),
+    "late.retransmits": _late(
+        "bytes were lost and sent again for {held:.2f} s, {bytes} of them so far",
+        "Use a shorter cable away from the motors' wires, or 115200 baud",
+    ),
+    "late.slots": _late(
+        "the board's {slots} places for commands were taken for {held:.2f} s",
+        "Give the board a budget in the machine file, or print at lower speed",
+    ),
+    "machine.alone": Entry(
+        "board",
+        "the board was not told in time how to go on, and has stopped by itself",
+        "Let the computer do less beside, use a shorter or faster link, or start again",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.began-anew": Entry(
+        "board",
+        "the board has begun anew since the link was lost, and its place is not known any more",
+        "Home the machine; M1000 resumes a print from the card",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.place-unknown": Entry(
+        "board",
+        "the board does not tell where it stopped when the link was lost",
+        "Home the machine; M1000 resumes a print from the card",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.displaced": Entry(
+        "board",
+        "motor {axis} stopped at {value} steps when the link was lost, not at {limit}",
+        "Home the machine; M1000 resumes a print from the card",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.program": Entry(
+        "program",
+        "a fault of the program, {value}",
+        "Report it, with the last lines that the host has sent",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.shutdown": Entry(
+        "board",
+        "the board shut down: {value}",
+        "Read the cause, make the printer safe, and start again",
+        ExitStatus.MACHINE_FAULT,
+    ),
+}
