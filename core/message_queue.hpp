@@ -19,23 +19,23 @@ inline constexpr int64_t kNoMessage = std::numeric_limits<int64_t>::max();
 // A ring that grows; one thread at a time may use it, and once it is shared, whoever holds it.
 class MessageQueue {
  public:
-  MessageQueue() : ring_(1 << 8) {}
+  MessageQueue() : ring_(kSmallest) {}
   bool empty() const { return head_ == tail_; }
   size_t size() const { return tail_ - head_; }
   void push(const Message& message) {
-    if (tail_ - kept_ == ring_.size()) grow();
-    ring_[tail_++ & (ring_.size() - 1)] = message;
+    if (tail_ - kept_ > mask_) grow();
+    ring_[tail_++ & mask_] = message;
   }
   // Behind all messages whose clocks are not later.
   void insert(const Message& message) {
     push(message);
     for (size_t i = tail_ - 1; i != head_; --i) {
-      Message &before = ring_[(i - 1) & (ring_.size() - 1)], &here = ring_[i & (ring_.size() - 1)];
+      Message &before = ring_[(i - 1) & mask_], &here = ring_[i & mask_];
       if (before.clock <= here.clock) break;
       std::swap(before, here);
     }
   }
-  const Message& operator[](size_t i) const { return ring_[(head_ + i) & (ring_.size() - 1)]; }
+  const Message& operator[](size_t i) const { return at(head_ + i); }
   const Message& front() const { return (*this)[0]; }
   int64_t next_clock() const { return empty() ? kNoMessage : front().clock; }
   void pop() {
@@ -89,13 +89,17 @@ class MessageQueue {
   void clear() { tail_ = head_; }
 
  private:
-  const Message& at(size_t i) const { return ring_[i & (ring_.size() - 1)]; }
+  const Message& at(size_t i) const { return ring_[i & mask_]; }
   void grow() {
     std::vector<Message> bigger(ring_.size() * 2);
-    for (size_t i = kept_; i != tail_; ++i) bigger[i & (bigger.size() - 1)] = at(i);
+    const size_t mask = bigger.size() - 1;
+    for (size_t i = kept_; i != tail_; ++i) bigger[i & mask] = at(i);
     ring_.swap(bigger);
+    mask_ = mask;
   }
-  std::vector<Message> ring_;  // size is a power of two
+  static constexpr size_t kSmallest = 256;  // little enough for the nearest cache
+  std::vector<Message> ring_;               // its size is a power of two
+  size_t mask_ = kSmallest - 1;             // size less one
   size_t kept_ = 0, head_ = 0, tail_ = 0;
   size_t first_ = 0;  // of what followed keep()
   int64_t taken_until_ = 0;

@@ -71,6 +71,7 @@ class JobStream {
     pins_[target] = {
         prefix(commands, kind == PinKind::pwm ? "queue_pwm_out" : "queue_digital_out", oid),
         StreamHash::of_name(name), inverted_full, longest};
+    renews_ = renews_ || longest > 0;
   }
   // How a pin of this board is started. Other messages know nothing of that.
   void set_kick(size_t target, Kick kick) {
@@ -81,18 +82,18 @@ class JobStream {
   // is there; kNever if none.
   Ticks renew_at() const {
     Ticks next = kNever;
+    if (!renews_ || !running_) return next;
     for (const Pin& pin : pins_)
-      if (running_ && pin.longest > 0 && pin.value > 0)
-        next = std::min(next, pin.told + pin.longest / 2);
+      if (pin.longest > 0 && pin.value > 0) next = std::min(next, pin.told + pin.longest / 2);
     return next;
   }
   // The command for a pin that is due at board clock `now`, behind all that is on its way; empty if
   // none is.
   Bytes renew(Ticks now) {
     Bytes payload;
+    if (renew_at() > now) return payload;
     for (Pin& pin : pins_) {
-      if (!running_ || pin.longest == 0 || pin.value == 0 || now < pin.told + pin.longest / 2)
-        continue;
+      if (pin.longest == 0 || pin.value == 0 || now < pin.told + pin.longest / 2) continue;
       pin.told = std::max(pin.told + 1, now + 2 * quantum_);
       uint8_t buffer[kLongestCommand];
       payload.assign(buffer, put_value(buffer, pin, pin.told, pin.value));
@@ -238,7 +239,8 @@ class JobStream {
     auto held = queue_->hold();
     bool ready = retimer_ && !retimer_->ready().empty();
     Ticks clock = kNever;
-    for (const Pin& pin : pins_) clock = std::min(clock, pin.kick.end());
+    if (kicks_)
+      for (const Pin& pin : pins_) clock = std::min(clock, pin.kick.end());
     if (ready || !queue_->empty()) {
       Ticks next = ready      ? retimer_->ready().front().clock
                    : retimer_ ? retimer_->clock_of(queue_->front().clock)
@@ -280,6 +282,7 @@ class JobStream {
   Prefix commit_{}, query_{};
   bool commits_ = false;
   bool kicks_ = false;       // of some pin
+  bool renews_ = false;      // some pin is told its value again and again
   bool complete_ = false;    // what is at the board, or on its way, waits for a commit
   std::vector<Ticks> ends_;  // board clocks at which slots in use are free again; unordered
   size_t slots_ = 0;
