@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 import vcd.reader
 
+from passo import config
 from passo.cli.main import main
 
 SHORT = "G28\nM106 S255\nG1 X10 Y5 Z1 E1 F3000\nG1 X0 Y0\nG2 X4 Y0 I2 J0\n"
@@ -108,3 +111,32 @@ def test_report_is_one_page(short, tmp_path):
     assert "short.gcode on i3" in text
     assert "http" not in text
     assert '"steps' not in text.partition("const data")[0]
+
+
+@pytest.mark.parametrize(
+    "machine", ["i3", "corexy", "delta", "rotary-delta", "scara", "dual-extruder"]
+)
+def test_report_shows_the_step_rate_of_every_motor(tmp_path, machine):
+    model = config.load(machine)
+    x, y = ((model.axes[a].min_mm + model.axes[a].max_mm) / 2 for a in "xy")
+    program = f"""G28
+G1 X{x} Y{y + 25} Z20 F2400
+G1 X{x + 30} Y{y + 38} E2
+G1 X{x - 20} Y{y + 45} Z22 E4
+G1 E-20
+"""
+    if machine == "dual-extruder":
+        program += f"T1\nG92 E0\nG1 X{x} Y{y} E30\n"
+    path, page, steps = (tmp_path / name for name in ("a.gcode", "a.html", "a.npz"))
+    path.write_text(program)
+    assert main(["report", str(path), "--machine", machine, "--output", str(page)]) == 0
+    words = ["--machine", machine, "--ideal", "--output", str(steps)]
+    assert main(["steps", str(path), *words]) == 0
+    text = page.read_text(encoding="utf-8").partition("const data = ")[2]
+    rates = json.JSONDecoder().raw_decode(text)[0]["rates"]
+    executed = np.load(steps)
+    assert set(rates) == {k.removesuffix("_ideal_s") for k in executed if k.endswith("_ideal_s")}
+    for name, shown in rates.items():
+        times, ways = executed[f"{name}_ideal_s"], executed[f"{name}_dir"]
+        same = ways[5:] == ways[:-5]  # five steps on, in one direction
+        assert max(shown) == pytest.approx(np.max(5 / (times[5:] - times[:-5])[same]), rel=0.02)

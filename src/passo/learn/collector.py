@@ -2,12 +2,48 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from passo import _core
 
 _MOST_PATHS = 120_000  # lines drawn at most, over all layers
 _BUCKETS = 1200  # columns of the charts over time
+_APART_MM = 2.0  # where the planner looks at the slopes of a line, too
+
+
+# How many steps a motor makes for each mm of a move's path, where they are most.
+Density = Callable[[_core.Move], float]
+
+
+def of_axis(slot: int, steps_per_unit: float, extruder: int | None = None) -> Density:
+    """Of a motor that follows one place of a move's positions; an extruder's follows E in its own
+    moves."""
+
+    def density(move: _core.Move) -> float:
+        if extruder not in (None, move.extruder):
+            return 0.0
+        return abs(move.end_mm[slot] - move.start_mm[slot]) / move.length * steps_per_unit
+
+    return density
+
+
+def of_actuator(geometry: _core.Geometry, actuator: int, steps_per_unit: float) -> Density:
+    """Of a motor of the geometry: where it is most of places `_APART_MM` apart."""
+
+    def density(move: _core.Move) -> float:
+        (x0, y0, z0), (x1, y1, z1) = move.start_mm[:3], move.end_mm[:3]
+        start, end = (x0, y0, z0), (x1, y1, z1)
+        way = math.dist(start, end)
+        if way == 0:
+            return 0.0
+        parts = math.ceil(way / _APART_MM)
+        places = (way * i / parts for i in range(parts + 1))
+        slope = max(abs(geometry.slopes(actuator, start, end, s)[0]) for s in places)
+        return slope * way / move.length * steps_per_unit
+
+    return density
 
 
 @dataclass(slots=True)
@@ -23,9 +59,9 @@ class Collector:
     """Takes planned moves in order. Lines are thinned by half whenever they get too many, and the
     columns over time are joined in pairs, so that memory stays the same for any file."""
 
-    def __init__(self, clock_hz: int, steps_per_mm: dict[str, tuple[int, float]]) -> None:
+    def __init__(self, clock_hz: int, motors: dict[str, Density]) -> None:
         self._hz = clock_hz
-        self._motors = steps_per_mm
+        self._motors = motors
         self._every, self._count = 1, 0
         self.bucket_s = 0.25
         self.buckets: list[Bucket] = []
@@ -58,15 +94,12 @@ class Collector:
         if move.kind == "dwell":
             return
         accel = max(abs(move.acceleration), move.deceleration)
-        share = {
-            name: abs(move.end_mm[axis] - move.start_mm[axis]) / move.length * per_mm
-            for name, (axis, per_mm) in self._motors.items()
-        }
+        rates = {name: of(move) * move.cruise_speed for name, of in self._motors.items()}
         for bucket in self.buckets[first : last + 1]:
             bucket.speed = max(bucket.speed, move.cruise_speed)
             bucket.accel = max(bucket.accel, accel)
-            for name, rate in share.items():
-                bucket.rates[name] = max(bucket.rates.get(name, 0.0), rate * move.cruise_speed)
+            for name, rate in rates.items():
+                bucket.rates[name] = max(bucket.rates.get(name, 0.0), rate)
 
     def _join(self) -> None:
         pairs = [self.buckets[i : i + 2] for i in range(0, len(self.buckets), 2)]

@@ -99,8 +99,9 @@ def _move(move: _core.Move, hz: int, names: list[str]) -> str:
         return f"Planned: the machine waits {move.cruise_ticks / hz:.3f} s."
     ends = (move.start_mm, move.end_mm)
     start, end = (", ".join(f"{a} {p[i]:.3f}" for i, a in enumerate("XYZE")) for p in ends)
-    shape = "trapezoid" if move.cruise_length > 1e-9 else "triangle"
     slow = move.length - move.accelerate_length - move.cruise_length
+    cruises, ramps = move.cruise_length > 1e-9, move.accelerate_length + slow > 1e-9
+    shape = "trapezoid" if cruises and ramps else "constant speed" if cruises else "triangle"
     wide = f"  its steps may miss their ideal times by {move.tolerance_ticks / hz * 1e6:.1f} µs"
     return "\n".join(
         (

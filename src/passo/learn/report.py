@@ -9,9 +9,10 @@ from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from passo import _core
 from passo.job.atomic import replaced
 from passo.job.printing import Policy, Print
-from passo.learn.collector import Collector
+from passo.learn.collector import Collector, Density, of_actuator, of_axis
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -34,7 +35,7 @@ def write_report(
     job.watch(lambda: collector.take(job.job.take_moves()))
     result = job.run(path)
     page = files("passo.learn").joinpath("report.html").read_text(encoding="utf-8")
-    data = _data(collector, job, result, machine)
+    data = _data(collector, job, result, machine, list(motors))
     title = html.escape(f"{Path(path).name} on {machine.name}")
     page = page.replace("@TITLE@", title)
     page = page.replace("@DATA@", json.dumps(data, separators=(",", ":")).replace("</", "<\\/"))
@@ -43,22 +44,27 @@ def write_report(
     return result
 
 
-def _motors(machine: MachineConfig) -> dict[str, tuple[int, float]]:
-    """Motors that follow one coordinate: name → (place in a move's positions, steps by mm)."""
+def _motors(machine: MachineConfig) -> dict[str, Density]:
     spec = machine.core_spec()
-    plain = spec["geometry"]["kind"] == "cartesian"
-    motors: dict[str, tuple[int, float]] = {}
+    geometry = _core.Geometry(spec["geometry"])
+    motors: dict[str, Density] = {}
     for row in spec["steppers"]:
+        index, steps = row["index"], row["steps_per_unit"]
         if row["drive"] == "extruder":
-            motors[row["name"]] = (3, row["steps_per_unit"])
-        elif row["drive"] == "axis" or plain:
-            slot = row["index"] if row["index"] < 3 else row["index"] + 1
-            motors[row["name"]] = (slot, row["steps_per_unit"])
+            motors[row["name"]] = of_axis(3, steps, index)
+        elif row["drive"] == "axis":
+            motors[row["name"]] = of_axis(index if index < 3 else index + 1, steps)
+        else:
+            motors[row["name"]] = of_actuator(geometry, index, steps)
     return motors
 
 
 def _data(
-    collector: Collector, job: Print, result: PrintResult, machine: MachineConfig
+    collector: Collector,
+    job: Print,
+    result: PrintResult,
+    machine: MachineConfig,
+    motors: list[str],
 ) -> dict[str, Any]:
     x, y, _ = (machine.axes[name] for name in "xyz")
     paths = [
@@ -72,8 +78,7 @@ def _data(
         "speed": [round(b.speed, 1) for b in collector.buckets],
         "accel": [round(b.accel) for b in collector.buckets],
         "rates": {
-            name: [round(b.rates.get(name, 0.0)) for b in collector.buckets]
-            for name in _motors(machine)
+            name: [round(b.rates.get(name, 0.0)) for b in collector.buckets] for name in motors
         },
         "celsius": {name: _thin(rows) for name, rows in job.temperatures.items()},
         "limits": result.limits,
