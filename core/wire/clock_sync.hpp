@@ -100,7 +100,8 @@ class ClockSync {
   static constexpr double kPriorSeconds = 0.2;
   static_assert(kSpanSeconds < kPriorSeconds);
   static constexpr double kJumpSeconds = 0.5e-3;  // so narrow no corridor is: a clock has jumped
-  static constexpr int kSteps = 48;               // of the search for the rate
+  static constexpr int kMostTangents = 64;        // usually four to eight are enough
+  static constexpr double kFineTicks = 1e-4;      // rounding is less, and does not matter more
 
   struct Point {
     double time, clock;  // since the origin
@@ -133,57 +134,57 @@ class ClockSync {
     }
     last_time_ = asked;
     find_rate();
-    if (width(rate_) < -kJumpSeconds * hz_) {
+    Corridor c = corridor(rate_);
+    if (c.upper - c.lower < -kJumpSeconds * hz_) {
       spans_.assign(1, now);
       prior_ = rate_;
+      c = corridor(rate_);
     }
-    value_ = 0.5 * (upper(rate_) + lower(rate_));
+    value_ = 0.5 * (c.upper + c.lower);
   }
-  // The corridor at a rate: its bounds at last_time_, and its width.
-  double upper(double rate) const {
-    double least = std::numeric_limits<double>::max();
-    for (const Span& s : spans_)
-      least = std::min(least, s.read.clock - (s.read.time - last_time_) * rate);
-    return least;
+  // The corridor at a rate: its bounds at last_time_, and the points that they go through.
+  struct Corridor {
+    double upper = std::numeric_limits<double>::max();
+    double lower = std::numeric_limits<double>::lowest();
+    double read = 0, heard = 0;  // times of the points, since last_time_
+  };
+  Corridor corridor(double rate) const {
+    Corridor c;
+    for (const Span& s : spans_) {
+      double read = s.read.time - last_time_, heard = s.heard.time - last_time_;
+      double upper = s.read.clock - read * rate, lower = s.heard.clock - heard * rate;
+      if (upper < c.upper) c.upper = upper, c.read = read;
+      if (lower > c.lower) c.lower = lower, c.heard = heard;
+    }
+    return c;
   }
-  double lower(double rate) const {
-    double most = std::numeric_limits<double>::lowest();
-    for (const Span& s : spans_)
-      most = std::max(most, s.heard.clock - (s.heard.time - last_time_) * rate);
-    return most;
+  // What a rate is worth, and how that grows with it, on that side of prior_ where it has a kink.
+  struct Tangent {
+    double rate, worth, slope;
+
+    double at(double other) const { return worth + slope * (other - rate); }
+  };
+  Tangent tangent(double rate, bool above) const {
+    const Corridor c = corridor(rate);
+    const double held = kPriorSeconds * hz_;
+    return {rate, c.upper - c.lower - held * std::fabs(rate - prior_),
+            c.heard - c.read + (above ? -held : held)};
   }
-  double width(double rate) const { return upper(rate) - lower(rate); }
-  double worth(double rate) const {
-    return width(rate) - kPriorSeconds * hz_ * std::fabs(rate - prior_);
-  }
-  // The rate of the greatest worth, which is concave: by golden section. What was known stays if no
-  // rate beside it does better.
+  Tangent tangent(double rate) const { return tangent(rate, rate > prior_); }
+  // The rate of the greatest worth. That is concave, of straight pieces: two tangents on either
+  // side meet above the top, or on it.
   void find_rate() {
-    constexpr double kGolden = 0.6180339887498949, kFine = 1e-12;
-    const double known = worth(prior_);
-    if (known >= worth(prior_ - kFine) && known >= worth(prior_ + kFine)) {
-      rate_ = prior_;
-      return;
+    rate_ = prior_;
+    if (tangent(rate_, true).slope <= 0 && tangent(rate_, false).slope >= 0) return;
+    Tangent low = tangent(1 - kRateRange), high = tangent(1 + kRateRange);
+    for (int i = 0; i < kMostTangents; ++i) {
+      rate_ = low.slope <= 0 ? low.rate : high.rate;
+      if (low.slope <= 0 || high.slope >= 0) return;
+      rate_ = low.rate + (high.at(low.rate) - low.worth) / (low.slope - high.slope);
+      const Tangent here = tangent(rate_);
+      if (here.worth >= low.at(rate_) - kFineTicks) return;
+      (here.slope > 0 ? low : high) = here;
     }
-    double low = 1 - kRateRange, high = 1 + kRateRange;
-    double left = high - kGolden * (high - low), right = low + kGolden * (high - low);
-    double at_left = worth(left), at_right = worth(right);
-    for (int i = 0; i < kSteps; ++i) {
-      if (at_left < at_right) {
-        low = left;
-        left = right;
-        at_left = at_right;
-        right = low + kGolden * (high - low);
-        at_right = worth(right);
-      } else {
-        high = right;
-        right = left;
-        at_right = at_left;
-        left = high - kGolden * (high - low);
-        at_left = worth(left);
-      }
-    }
-    rate_ = 0.5 * (low + high);
   }
 };
 
