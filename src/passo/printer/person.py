@@ -64,5 +64,9 @@ class PersonCommands:
         if "S" in words:
             self.kill_s = max(words["S"], 0.0)
         else:
-            reply.say(f"M85 S{self.kill_s:g}")
+            reply.say(self.kill_line())
         return None
+
+    def kill_line(self) -> str:
+        """M85 with what holds now."""
+        return f"M85 S{self.kill_s:.10g}"
