@@ -292,8 +292,20 @@ TABLE: tuple[Row, ...] = (
         " corners obey that. There are no least speeds.",
     ),
     Row("M206", _Q, _N, "X Y Z (mm)", "Added to the axes' home positions."),
-    Row("M207", _M, _N, "S(mm) F Z(mm) R(mm) W(mm)", "Sets how G10 retracts; W: with S1."),
-    Row("M208", _M, _N, "S(mm) F W(mm)", "Sets how G11 takes it back; W: after G10 S1."),
+    Row(
+        "M207",
+        _M,
+        _N,
+        "S(mm) F Z(mm) R(mm) W(mm)",
+        "Sets how G10 retracts; W: with S1; R as M208 S.",
+    ),
+    Row(
+        "M208",
+        _M,
+        _N,
+        "S(mm) F W(mm)",
+        "Sets what G11 adds, or leaves out below 0; W: after G10 S1.",
+    ),
     Row(
         "M209",
         _M,
