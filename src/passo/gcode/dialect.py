@@ -325,6 +325,14 @@ TABLE: tuple[Row, ...] = (
     Row("M221", _P, _I, "T S(%)", "Scales a tool's extrusion; from beside of what is planned too."),
     Row("M290", _P, _I, "X Y Z (mm)", "Shifts all that is not done yet, in mid-move.", bare="R"),
     Row("M302", _Q, _I, "S(°C) P", "Allows cold extrusion, or tells whether it is."),
+    Row(
+        "M300",
+        _Q,
+        _N,
+        "S(Hz) P(ms)",
+        "Beeps where the machine file has a [beeper]; S0 is a rest.",
+        bare=ANY,
+    ),
     Row("M301", _Q, _I, "H P I D", "A heater's PID gains, in 1/255 of full power; H-1 is the bed."),
     Row(
         "M303",
@@ -415,7 +423,6 @@ TABLE: tuple[Row, ...] = (
             ("M7", "There is no coolant."),
             ("M8", "There is no coolant."),
             ("M9", "There is no coolant."),
-            ("M300", "There is no beeper."),
             ("M413", "A print can always be resumed where there is a place for its journal."),
             ("M486", "Labels of objects have no use yet."),
             ("M862", "It asks whether this is a Prusa printer."),

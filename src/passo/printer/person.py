@@ -42,9 +42,10 @@ class PersonCommands:
         return Person(text, max(seconds, 0.0))
 
     def ask(self, text: str) -> None:
-        """Hosts show the text and a button that goes on."""
+        """Hosts show the text and a button that goes on; a beeper beeps."""
         for words in (f"prompt_begin {text}", "prompt_button Continue", "prompt_show"):
             self._printer.tell(f"// action:{words}")
+        self._printer.beeper.call()
 
     def _answer(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
