@@ -5,9 +5,12 @@ from itertools import pairwise
 
 import pytest
 from tests.console.scenario import Host, Scenario
+from tests.job.test_adopted import killed
 
 from passo import config
+from passo.board.ports import InProcess
 from passo.errors import ConfigError
+from passo.printer import wiring
 
 PIN = "D12"
 APART_S = 0.25  # from the end of a tone to the next, at least
@@ -129,6 +132,15 @@ def test_many_tones_keep_their_sender_waiting(s):
 # -- who ends it ----------------------------------------------------------------------------------
 
 
+def test_a_stop_ends_rests_too(s):
+    s.host.send(*["M300 S0 P5000"] * 10)
+    s.passes(1)
+    s.host.ok("M410")
+    s.host.ok("M300 S440 P100")
+    s.passes(2)
+    assert heard(s) == [(440, 0.1)]
+
+
 @pytest.mark.parametrize("stop", ["M410", "M112"])
 def test_a_stop_silences_what_has_not_begun(s, stop):
     s.host.send("M300 S500 P400", "M300 S600 P400", "G1 X35 F600", "M300 S700")
@@ -226,6 +238,28 @@ def test_a_board_that_is_left_alone_ends_the_tone():
         s.board.device.poll(s.printer.connection.now + 4 * s.machine.board.clock_hz)
         assert heard(s) == [(500, 2.0)]
         s.host.expect("Printer halted: the connection to the board has ended", 20)
+
+
+def test_a_tone_of_the_host_before_ends_by_itself(monkeypatch):
+    """A board that another host has left alone has its end; the next tone comes behind it."""
+    before = Scenario(machine(board=OWN))
+    before.board.trace_output("beeper")
+    before.host.send("M300 S500 P4000")
+    assert before.until(lambda: before.board.output_value("beeper") > 0, 5)
+    board, clock = killed(before)
+    assert board.output_value("beeper") > 0
+
+    def connect(machine):
+        ports = [InProcess(board.device, clock)]
+        return wiring._connected(wiring.board_descriptions(machine), ports, adopt=True), board
+
+    monkeypatch.setattr("passo.printer.printer.connect", connect)
+    with Scenario(machine(board=OWN)) as s:
+        assert s.printer.connection.adopted
+        s.host.ok("M300 S600 P100")
+        s.passes(8)
+        assert board.device.fault == ""
+        assert heard(s) == [(500, 4.0), (600, 0.1)]
 
 
 def test_one_on_a_further_board():

@@ -346,10 +346,10 @@ class Connection:
         return [o for o in self.board.outputs if o.name not in heated]
 
     def _switch_off_loads(self) -> None:
-        """Fans and the laser; motors stay on, lest they lose their place."""
+        """Fans and the laser; motors stay on, lest they lose their place. A tone ends by itself."""
         self._switch_off_lasers()
         for o in self._unheated():
-            if o.kind == "digital" and o.cycle_ticks > 0:
+            if o.kind == "digital" and o.cycle_ticks > 0 and o.max_duration_ticks == 0:
                 value = int(inverted(o.pin))
                 self.command(f"update_digital_out oid={self.oids.outputs[o.name]} value={value}")
 

@@ -12,6 +12,7 @@ from passo.printer.waits import Handler, Procedure, Reply, Wait
 from passo.printer.words import Command
 
 if TYPE_CHECKING:
+    from passo.board.boards import Boards
     from passo.config.board import Board
     from passo.printer.printer import Printer
 
@@ -60,19 +61,22 @@ class Beeper:
         self._highest_hz, self._longest_s = highest_hz(board), longest_tone_s(board)
         self.planned: dict[str, Handler] = {"M300": self._beep} if self._there else {}
         self._era = 0  # marks of an earlier one are forgotten
-        self.begin()
-
-    def begin(self) -> None:
-        """The board has begun anew, and is silent."""
-        self.forget()
-        # Clocks of the main board: the last tone's end, with rests, and when the board is silent.
+        # Clocks of the main board: the last tone's end, with rests, and when its board is silent.
         self._next = self._silent = 0
+
+    def begin(self, boards: Boards) -> None:
+        """The boards have begun anew; or go on, maybe with a tone that another host has begun."""
+        self._silent = 0
+        if boards.adopted:
+            self._silent = boards.now + int((LONGEST_S + LEAD_S) * boards.board.clock_hz)
+        self.forget()
 
     def forget(self) -> None:
         """Tones that have not begun will not."""
         self._era = (self._era + 1) % _ERAS
         self._planned = 0  # tones that are not due yet
         self._due: deque[tuple[int, int]] = deque()
+        self._next = self._silent  # rests are over
 
     def call(self) -> None:
         """One beep for a person who is wanted."""

@@ -125,7 +125,7 @@ class Printer:
         self._shaded = False  # the laser is dark for now, and will be lit again
         machine = self.machine
         self.mains.begin(connection)
-        self.beeper.begin()
+        self.beeper.begin(connection)
         connection.run(connection.now + int(_FIRST_REPORTS_S * machine.board.clock_hz))
         self.connection = connection
         connection.set_on_fault(self._heater_failed)
