@@ -72,6 +72,26 @@ def test_m112_acts_behind_many_lines_of_its_console(s, numbers):
     s.host.expect("^X:7.000 ")
 
 
+def test_m112_acts_out_of_its_order(s):
+    """The line before it was lost, and a host that pipes does not hear that it is asked for it."""
+    lines = list(numbered(["M110", *["G1 X80 F600"] * 3, "M112"], 0))
+    s.host.send(*lines[:2], *lines[3:])
+    assert s.printer.halted == "emergency stop by M112"
+    s.host.expect("^Resend: 2$")
+    assert s.host.heard.count("Resend: 2") == 2
+
+
+def test_m112_out_of_its_order_is_text_of_a_file_that_is_sent(tmp_path):
+    with Scenario("i3", card=str(tmp_path)) as s:
+        lines = list(numbered(["M110", "M28 a.g", "G1 X1", "M112", "M29"], 0))
+        s.host.send(*lines[:2], lines[3])
+        s.host.expect("^Resend: 2$")
+        s.host.send(*lines[2:])
+        s.host.expect("Done saving file")
+        assert s.printer.halted == ""
+    assert (tmp_path / "a.g").read_text() == "G1 X1\nM112\n"
+
+
 def test_m410_forgets_all_moves_in_hand(s):
     start = len(s.host.heard)
     s.host.ok("G1 X80 F600")

@@ -103,6 +103,8 @@ class Session:
                 seen = self._ahead.see(command, line.number, self._upload)
                 self._lines.append((line, command, seen))
             else:
+                if (command := command_of(line.text)).code == "M112":  # no stop waits for a resend
+                    self._ahead.see(command, line.resend, self._upload)
                 self._lines.append(line)
         if heard and self._resting:
             self._work()
