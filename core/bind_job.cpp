@@ -139,6 +139,7 @@ void bind_job(nb::module_& m) {
       .value("END", Job::Status::end);
   nb::enum_<Fault>(m, "Fault")
       .value("NUMBER", Fault::number)
+      .value("RANGE", Fault::range)
       .value("WORD", Fault::word)
       .value("CHECKSUM", Fault::checksum)
       .value("LINE_TOO_LONG", Fault::line_too_long)

@@ -32,6 +32,7 @@ struct Event {
 
 enum class Fault : uint8_t {
   number,
+  range,  // beyond point[0] or the limit
   word,
   checksum,
   line_too_long,
@@ -313,7 +314,7 @@ class Interpreter {
  private:
   static constexpr double kPi = 3.141592653589793;
   static constexpr double kLeastRetract = 0.1, kMostRetract = 10;  // mm, of M209
-  static constexpr double kLongestChange = 5000;                   // mm, of M603
+  static constexpr double kLongestChange = 5000;                   // mm, of M603 and M207
   static constexpr double kThinnest = 0.1, kThickest = 10;         // mm, of filament
   struct Item {
     Found found;
@@ -395,6 +396,13 @@ class Interpreter {
     item.found = Found::error;
     item.error = {lines().number(), fault, readable(word), value, limit, {0, 0, 0}};
     pending_.push_back(std::move(item));
+  }
+  // Whether a word's value is within the least and the most; else the line fails.
+  bool within(char letter, double value, double least, double most) {
+    if (value >= least && value <= most) return true;
+    fail(Fault::range, std::string(1, letter), value, most);
+    pending_.back().error.point[0] = least;
+    return false;
   }
   void note_clamp(int j, double value, double limit) {
     if (clamped_[j].times++ == 0)

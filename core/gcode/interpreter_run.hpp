@@ -188,7 +188,8 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
         if (laser_.energy) m.energy_ws = std::max(0.0, value_of(laser_.energy, 0));
         m.duration_s = std::max(m.duration_s, m.energy_ws / laser_.most_w);
         if (m.duration_s > kLongestDwell)
-          return fail(Fault::number, has('S') ? "S" : "P", m.duration_s, kLongestDwell);
+          return has('S') ? void(within('S', m.duration_s, 0, kLongestDwell))
+                          : void(within('P', m.duration_s * 1000, 0, kLongestDwell * 1000));
         if (m.duration_s > 0) {
           Item item{};
           item.found = Found::move;
@@ -286,8 +287,7 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
         double tool = value_of('T', double(tool_)), mm = value_of('D', 1);
         if (!(tool >= 0 && tool < double(machine_->tools.size())))
           return fail(Fault::missing_tool, "T", tool, double(machine_->tools.size()));
-        if (mm != 0 && !(mm >= kThinnest && mm <= kThickest))
-          return fail(Fault::number, "D", mm, kThickest);
+        if (mm != 0 && !within('D', mm, kThinnest, kThickest)) return;
         int extruder = machine_->tools[size_t(tool)].extruder;
         if (has('D') && mm > 0 && extruder >= 0) diameter_[size_t(extruder)] = mm;
         volumetric_ = mm > 0 && value_of('S', 1) != 0;
@@ -303,6 +303,9 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
         if (run_filament(code, w, end)) return;
         break;
       case 207:
+        for (char letter : {'S', 'Z', 'W'})
+          if (!within(letter, value_of(letter, 0), 0, kLongestChange)) return;
+        if (!within('R', value_of('R', 0), -kLongestChange, kLongestChange)) return;
         retract_mm_ = value_of('S', retract_mm_);
         retract_feed_ = has('F') ? value_of('F', 0) / 60 : retract_feed_;
         retract_hop_ = value_of('Z', retract_hop_);
@@ -310,6 +313,8 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
         swap_mm_ = value_of('W', swap_mm_);
         return;
       case 208:
+        for (char letter : {'S', 'W'})
+          if (!within(letter, value_of(letter, 0), -kLongestChange, kLongestChange)) return;
         recover_mm_ = value_of('S', recover_mm_);
         swap_recover_mm_ = value_of('W', swap_recover_mm_);
         recover_feed_ = has('F') ? value_of('F', 0) / 60 : recover_feed_;

@@ -17,7 +17,8 @@ inline void Interpreter::run_saved(bool save, const Word* w, const Word* end) {
     have |= 1u << k;
     value[k] = x->number ? x->value * unit_ : 0;
   }
-  if (!(slot == 0 || slot == 1)) return fail(Fault::number, "S", slot, kSaved - 1);
+  if (!within('S', slot, 0, kSaved - 1)) return;
+  if (slot != std::floor(slot)) return fail(Fault::number, "S", slot, kSaved - 1);
   Saved& saved = saved_[int(slot)];
   if (save) {
     saved.valid = true;
@@ -73,10 +74,8 @@ inline bool Interpreter::run_filament(int code, const Word* w, const Word* end) 
   Change& change = change_[size_t(machine_->tools[size_t(tool)].extruder)];
   double load = length_of('L', change.load_mm), unload = length_of('U', change.unload_mm);
   double lift = std::clamp(length_of('Z', 0), 0.0, std::max(0.0, high_[kZ] - position_[kZ]));
-  if (!(load >= 0 && unload >= 0 && std::max(load, unload) <= kLongestChange)) {
-    fail(Fault::number, load > kLongestChange || load < 0 ? "L" : "U",
-         load > kLongestChange || load < 0 ? load : unload, kLongestChange);
-  } else if (code == 603) {
+  if (!within('L', load, 0, kLongestChange) || !within('U', unload, 0, kLongestChange)) return true;
+  if (code == 603) {
     change = {load, unload};
   } else if (cold >> kE & 1) {
     fail(Fault::cold, "E", 0, 0);
@@ -118,7 +117,8 @@ inline void Interpreter::run_retract(bool in, bool swap) {
   } else {
     queue_step(kZ, -hop_, kInfinity);
     hop_ = 0;
-    queue_step(kE, drawn.mm + (drawn.swapped ? swap_recover_mm_ : recover_mm_),
+    double extra = drawn.swapped ? swap_recover_mm_ : recover_mm_;
+    queue_step(kE, std::max(drawn.mm + extra, 0.0),  // less than nothing is not pushed
                recover_feed_ > 0 ? recover_feed_ : retract_feed_);
   }
 }

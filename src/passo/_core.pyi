@@ -1156,35 +1156,37 @@ class JobStatus(enum.Enum):
 class Fault(enum.Enum):
     NUMBER = 0
 
-    WORD = 1
+    RANGE = 1
 
-    CHECKSUM = 2
+    WORD = 2
 
-    LINE_TOO_LONG = 3
+    CHECKSUM = 3
 
-    FEEDRATE = 4
+    LINE_TOO_LONG = 4
 
-    ARC = 5
+    FEEDRATE = 5
 
-    RADII = 6
+    ARC = 6
 
-    OUT_OF_RANGE = 7
+    RADII = 7
 
-    MISSING_TOOL = 8
+    OUT_OF_RANGE = 8
 
-    NOT_HOMED = 9
+    MISSING_TOOL = 9
 
-    COLD = 10
+    NOT_HOMED = 10
 
-    GARBAGE = 11
+    COLD = 11
 
-    UNSAVED = 12
+    GARBAGE = 12
 
-    UNREACHABLE = 13
+    UNSAVED = 13
 
-    ACTUATOR = 14
+    UNREACHABLE = 14
 
-    TOO_LONG = 15
+    ACTUATOR = 15
+
+    TOO_LONG = 16
 
 class Job:
     """A G-code program through one machine. Not thread-safe."""

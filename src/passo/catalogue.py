@@ -168,6 +168,10 @@ CATALOGUE: Mapping[str, Entry] = {
         "was removed while in use, or fails: {value}",
         "Insert the card again and mount it; replace it if that recurs",
     ),
+    "card.changed": _card(
+        "was changed on the computer while in use: {value}",
+        "Select it again (M23) and print it from its beginning",
+    ),
     "console.unopened": Entry(
         "console",
         "{axis} cannot be opened: {value}",

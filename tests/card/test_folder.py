@@ -188,9 +188,9 @@ def test_a_file_that_shrinks_and_a_card_that_goes(card: FolderCard, tmp_path: Pa
         writer.write(bytes(100))
     reader, writer = card.open("a.g"), card.create("b.g")
     os.truncate(tmp_path / "card/a.g", 50)
-    with pytest.raises(CardError) as raised:
+    with pytest.raises(CardError, match="it has 50 bytes instead of 100") as raised:
         reader.read()
-    assert code(raised) == "card.removed"
+    assert code(raised) == "card.changed"
     card.close()
     card.close()
     attempts: list[Callable[[], object]] = [
@@ -204,6 +204,40 @@ def test_a_file_that_shrinks_and_a_card_that_goes(card: FolderCard, tmp_path: Pa
             attempt()
         assert code(raised) == "card.removed"
     assert [path.name for path in (tmp_path / "card").iterdir()] == ["a.g"]
+
+
+def test_a_file_that_is_written_to_while_it_is_read(card: FolderCard, tmp_path: Path):
+    """Not a byte of what was read may be of a later file."""
+    path = tmp_path / "card/a.g"
+    path.write_bytes(b"old " * 1000)
+    with card.open("a.g") as reader:
+        assert reader.read(8) == b"old old "
+        with path.open("r+b") as file:
+            file.write(b"new " * 1000)
+        os.utime(path, ns=(0, 1))
+        with pytest.raises(CardError, match="while in use: it was written to") as raised:
+            reader.read(8)
+        assert code(raised) == "card.changed"
+
+
+@pytest.mark.parametrize("removed", [True, False])
+def test_a_file_that_is_replaced_is_read_to_its_end_once(
+    card: FolderCard, tmp_path: Path, removed: bool
+):
+    path, other = tmp_path / "card/a.g", tmp_path / "card/b.g"
+    path.write_bytes(b"old " * 1000)
+    other.write_bytes(b"new " * 1000)
+    with card.open("a.g") as reader:
+        reader.read(8)
+        if removed:
+            path.unlink()
+        else:
+            other.replace(path)
+        assert reader.read() == b"old " * 998
+        reader.seek(0)
+        with pytest.raises(CardError, match="it was replaced or removed") as raised:
+            reader.read(8)
+        assert code(raised) == "card.changed"
 
 
 def test_times_beyond_reason(card: FolderCard, tmp_path: Path):

@@ -67,7 +67,8 @@ def test_numbered_lines_are_taken_in_their_order(protocol):
 )
 def test_a_damaged_line_is_asked_for_again(protocol, line, reason):
     fed(protocol, numbered(0, "M110 N3"))
-    assert fed(protocol, line) == [Refusal(reason, 4)]
+    (refusal,) = fed(protocol, line)
+    assert refusal[:2] == Refusal(reason, 4)[:2]
     assert COMMUNICATION.search(reason)
     assert fed(protocol, numbered(4, "G1 X1")) == [Line("G1 X1", 4)]
 

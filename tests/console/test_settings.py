@@ -19,6 +19,9 @@ CHANGES = (
     "M207 S2 F1800 Z0.5",
     "M145 S0 H201 B61 F200",
     "M302 S150",
+    "M84 S90",
+    "M85 S7200.5",
+    "M540 S1",
 )
 
 
@@ -50,6 +53,42 @@ def test_the_report_sent_back_gives_the_same_state(s):
     for line in changed:
         assert s.host.ok(line) == ["ok"], line
     assert report(s) == changed
+    assert (s.printer.motors.idle_s, s.printer.person.kill_s) == (90, 7200.5)
+    assert s.printer.endstops.stops
+
+
+def test_idle_times_and_the_stop_at_endstops_are_settings(tmp_path):
+    """They are stored, come back at the next start and go with M502."""
+    with Scenario("i3", state=str(tmp_path)) as s:
+        assert [x for x in report(s) if x.startswith(("M84", "M85", "M540"))] == [
+            "M84 S600",
+            "M85 S0",
+            "M540 S0",
+        ]
+        for line in ("M84 S90", "M85 S60", "M540 S1", "M500"):
+            s.host.ok(line)
+    with Scenario("i3", state=str(tmp_path)) as s:
+        assert (s.printer.motors.idle_s, s.printer.person.kill_s) == (90, 60)
+        assert s.printer.endstops.stops
+        s.passes(61)
+        assert s.printer.halted == "idle for 60 s (M85)"
+        s.host.ok("M999")
+        s.host.expect("ready again", 3)
+        s.host.ok("M502")
+        assert s.host.ok("M85")[0] == "M85 S0"
+        assert s.host.ok("M540")[0] == "M540 S0"
+
+
+def test_factors_of_the_moment_are_no_settings(tmp_path):
+    """M220 and M221 belong to one print: they are neither reported nor stored."""
+    with Scenario("i3", state=str(tmp_path)) as s:
+        before = report(s)
+        for line in ("M220 S50", "M221 S80", "M500"):
+            s.host.ok(line)
+        assert report(s) == before
+    with Scenario("i3", state=str(tmp_path)) as s:
+        assert "50%" not in " ".join(s.host.ok("M220"))
+        assert "80%" not in " ".join(s.host.ok("M221"))
 
 
 def test_the_machine_files_retraction_comes_back_whole(s):

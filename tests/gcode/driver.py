@@ -27,6 +27,7 @@ class Outcome:
     moves: list[Any] = field(default_factory=list)
     events: list[tuple[int, str, int, int, str, str]] = field(default_factory=list)
     errors: list[tuple[int, Fault, str, float, float]] = field(default_factory=list)
+    points: list[tuple[float, float, float]] = field(default_factory=list)  # of the errors
     statistics: dict[str, Any] = field(default_factory=dict)
     clamped: list[Any] = field(default_factory=list)
 
@@ -70,3 +71,4 @@ def _drain(job: Job, out: Outcome) -> None:
             out.events.append(job.event)
         elif status == JobStatus.ERROR:
             out.errors.append(job.error[:5])
+            out.points.append(job.error[5])

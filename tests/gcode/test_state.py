@@ -108,6 +108,20 @@ def test_recovery_with_extra_length():
     assert [m.cruise_speed for m in out.moves[1:]] == pytest.approx([20, 10])
 
 
+def test_a_refused_retraction_changes_nothing():
+    out = run("M207 S2 F1200\nG1 E5\nM207 S-1 F600 Z1\nM208 S9000 F600\nG10\nG11\n")
+    assert [e[0] for e in out.errors] == [3, 4]
+    assert [end[2:] for end in out.ends] == [(0, 5), (0, 3), (0, 5)]
+    assert [m.cruise_speed for m in out.moves[1:]] == pytest.approx([20, 20])
+
+
+def test_recovery_with_less_length():
+    """Less than nothing is never pushed back: G11 does not retract."""
+    out = run("M207 S2\nM208 S-0.5\nG1 E5\nG10\nG11\nM207 R-3\nG10\nG11\n")
+    assert out.errors == []
+    assert [end[3] for end in out.ends] == pytest.approx([5, 3, 4.5, 2.5])
+
+
 def test_g10_with_a_tool_number_sets_temperatures():
     out = run("G10 P0 R140 S205\n")
     assert out.commands == ["G10 P0 R140 S205"]

@@ -205,7 +205,7 @@ def test_each_command_of_a_line_begins_where_the_one_before_ended():
         ("G1 F0", Fault.FEEDRATE, "F"),
         ("G1 X1 F-5", Fault.FEEDRATE, "F"),
         ("M207 F0", Fault.FEEDRATE, "F"),
-        ("G4 S1000001", Fault.NUMBER, "S"),
+        ("G60 S0.5", Fault.NUMBER, "S"),
         ("G2 X10 I5 P100000000", Fault.ARC, "P"),
         ("M99999999999999999999", Fault.NUMBER, "M"),
         ("G99999999999999999999 X1", Fault.NUMBER, "G"),
@@ -215,4 +215,28 @@ def test_each_command_of_a_line_begins_where_the_one_before_ended():
 def test_numbers_that_make_no_sense(line, fault, word):
     out = run(f"G1 X1\nX5 Y5\n{line}\n")
     assert [e[:3] for e in out.errors] == [(3, fault, word)]
+    assert len(out.moves) == 2
+
+
+@pytest.mark.parametrize(
+    ("line", "word", "value", "least", "most"),
+    [
+        ("M207 S-2", "S", -2, 0, 5000),
+        ("M207 S5001", "S", 5001, 0, 5000),
+        ("M207 S1 Z-0.4", "Z", -0.4, 0, 5000),
+        ("M207 W-1", "W", -1, 0, 5000),
+        ("M207 R-5000.5", "R", -5000.5, -5000, 5000),
+        ("M208 S-6000", "S", -6000, -5000, 5000),
+        ("M208 W6000", "W", 6000, -5000, 5000),
+        ("M603 L-1", "L", -1, 0, 5000),
+        ("M702 U5001", "U", 5001, 0, 5000),
+        ("M200 D0.05", "D", 0.05, 0.1, 10),
+        ("G4 S1000001", "S", 1000001, 0, 1e6),
+        ("G60 S2", "S", 2, 0, 1),
+    ],
+)
+def test_values_beyond_their_range(line, word, value, least, most):
+    out = run(f"G1 X1\nX5 Y5\n{line}\n")
+    assert out.errors == [(3, Fault.RANGE, word, value, most)]
+    assert out.points == [(least, 0, 0)]
     assert len(out.moves) == 2

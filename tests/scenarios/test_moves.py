@@ -213,6 +213,23 @@ def test_volumes_become_lengths(s):
     assert "tool" in s.host.ok("M200 T7 D1.75")[0]
 
 
+def test_a_retraction_out_of_range_is_refused(s, tmp_path):
+    """On a console and in a file, with the word, its value and what it may be."""
+    s.host.ok("M207 S2 F1200 Z0.4")
+    assert "S is -1: expected 0 to 5000" in s.host.ok("M207 S-1 Z1")[0]
+    assert "Z is -0.4: expected 0 to 5000" in s.host.ok("M207 Z-.4")[0]
+    assert "F-60 must be above 0" in s.host.ok("M208 F-60")[0]
+    kept = [x for x in s.host.ok("M503 S0") if x.startswith(("M207", "M208"))]
+    assert [x.partition(" R")[0].partition(" W")[0] for x in kept] == [
+        "M207 S2 F1200 Z0.4",
+        "M208 S0 F1200",
+    ]
+    (tmp_path / "a.g").write_text("G4 P1\nM207 S9000\n")
+    with Scenario("i3", card=str(tmp_path)) as other:
+        other.host.ok("M32 a.g")
+        other.host.expect("^echo:Print of a.g stopped: a.g:2: S is 9000: expected 0 to 5000", 5)
+
+
 def test_a_slicer_s_own_retractions_become_those_of_the_firmware(s):
     """Moves of filament alone, from 0.1 to 10 mm; their own lengths count only for the program."""
     s.host.ok("M207 S1.5 F1800 Z0.4")

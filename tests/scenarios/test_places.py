@@ -44,8 +44,8 @@ def test_a_place_that_is_none_is_refused(s):
     before = s.positions()
     for line, why in (
         ("G61", "no position was saved as S0. Save one with G60 first."),
-        ("G60 S2", "S2"),
-        ("G61 S7", "S7"),
+        ("G60 S2", "S is 2: expected 0 to 1"),
+        ("G61 S7", "S is 7: expected 0 to 1"),
     ):
         assert why in s.host.ok(line)[0], line
     s.host.ok("G60")

@@ -192,6 +192,10 @@ class Boards:
         """As `Connection.switch`."""
         self.connection_of("outputs", output).switch(output, on)
 
+    def tone(self, output: str, hz: float, seconds: float, after_s: float) -> None:
+        """As `Connection.tone`."""
+        self.connection_of("outputs", output).tone(output, hz, seconds, after_s)
+
     def full_scale(self, output: str) -> int:
         """As `Connection.full_scale`."""
         return self.connection_of("outputs", output).full_scale(output)

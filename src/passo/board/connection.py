@@ -299,6 +299,21 @@ class Connection:
             f"update_digital_out oid={self.oids.outputs[output]} value={int(on != inverted(pin))}"
         )
 
+    def tone(self, output: str, hz: float, seconds: float, after_s: float) -> None:
+        """Pulses an output with a cycle, off so far, at `hz` and half of its power, for so many
+        seconds, `after_s` from now; the board has its end with its beginning. KeyError if there is
+        no such output."""
+        pin = next(o.pin for o in self.board.outputs if o.name == output)
+        oid = self.oids.outputs[output]
+        cycle = round(self.board.clock_hz / hz)
+        begin = self._clock_after(after_s)
+        end = begin + int(seconds * self.board.clock_hz)
+        self.command(f"set_digital_out_pwm_cycle oid={oid} cycle_ticks={cycle}")
+        for clock, on_ticks in ((begin, cycle // 2), (end, cycle if inverted(pin) else 0)):
+            self.command(
+                f"queue_digital_out oid={oid} clock={clock & 0xFFFFFFFF} on_ticks={on_ticks}"
+            )
+
     def set_sensor(self, heater: str, sensor: Sensor) -> None:
         """Another idea of a heater's sensor: its table and its range, from the next report on. Name
         and pin stay. KeyError if there is no such heater."""
@@ -331,10 +346,10 @@ class Connection:
         return [o for o in self.board.outputs if o.name not in heated]
 
     def _switch_off_loads(self) -> None:
-        """Fans and the laser; motors stay on, lest they lose their place."""
+        """Fans and the laser; motors stay on, lest they lose their place. A tone ends by itself."""
         self._switch_off_lasers()
         for o in self._unheated():
-            if o.kind == "digital" and o.cycle_ticks > 0:
+            if o.kind == "digital" and o.cycle_ticks > 0 and o.max_duration_ticks == 0:
                 value = int(inverted(o.pin))
                 self.command(f"update_digital_out oid={self.oids.outputs[o.name]} value={value}")
 

@@ -98,7 +98,9 @@ class FolderCard(Card):
             return self._existing(folder, where, parts[-1])
 
     def open(self, path: str) -> Reader:
-        """As `Card.open`: the file has the size that it had then."""
+        """As `Card.open`: what is read is the file as it was then. Reading raises CardError
+        `card.changed` once it was rewritten in place, and at its beginning once another file has
+        its name; one that was replaced in the midst of being read is still read to its end."""
         with self._file(path) as (folder, where, name):
             entry = self._existing(folder, where, name)
             full = f"{where}/{entry.name}"
@@ -110,7 +112,19 @@ class FolderCard(Card):
             except OSError:
                 self._files.end_read(full)
                 raise
-            size = os.fstat(file).st_size
+            opened = os.fstat(file)
+
+        def check_unchanged(offset: int) -> None:
+            now = os.fstat(file)
+            if now.st_size != opened.st_size:
+                value = f"it has {now.st_size} bytes instead of {opened.st_size}"
+            elif now.st_mtime_ns != opened.st_mtime_ns:
+                value = "it was written to"
+            elif not (now.st_nlink or offset):
+                value = "it was replaced or removed"
+            else:
+                return
+            raise CardError.of("card.changed", full, value=value)
 
         def fetch(offset: int, into: memoryview) -> None:
             done = 0
@@ -120,6 +134,7 @@ class FolderCard(Card):
                     count = os.preadv(file, [into[done:]], offset + done)
                 except OSError as error:
                     raise CardError.of("card.removed", full, value=error.strerror) from error
+                check_unchanged(offset)  # after the read: what was read was there before a change
                 if not count:
                     raise CardError.of(
                         "card.removed", full, value=f"it ends at {offset + done} bytes"
@@ -131,7 +146,7 @@ class FolderCard(Card):
             with self._lock:
                 self._files.end_read(full)
 
-        return Reader(size, fetch, released)
+        return Reader(opened.st_size, fetch, released)
 
     def create(self, path: str) -> Writer:
         """As `Card.create`: a file that is replaced stays until the new one is whole."""

@@ -1,4 +1,4 @@
-"""What is wired to a board besides motors and heaters: fans, a laser, the mains."""
+"""What is wired to a board besides motors and heaters: fans, a laser, the mains, a beeper."""
 
 from __future__ import annotations
 
@@ -57,6 +57,13 @@ class Mains(Model):
 
     pin: Pin
     on_at_start: bool = True
+
+
+class Beeper(Model):
+    """What sounds at M300: a buzzer without a tone of its own, which the board pulses in
+    software."""
+
+    pin: Pin
 
 
 Fans = dict[Name, Fan]

@@ -10,7 +10,7 @@ from pydantic import Field
 from passo.config.base import AxisName, ExtruderName, Model, Name, Pair, Uuid
 from passo.config.board import Board, Socket
 from passo.config.drives import Drivable, Driven, axis_order
-from passo.config.electronics import Fans, Laser, Mains
+from passo.config.electronics import Beeper, Fans, Laser, Mains
 from passo.config.heat import Heaters
 from passo.config.homing import Homing
 from passo.config.motion import Axis, Extruder, Idle, Limits, Park, Stepper, Steppers, Tool
@@ -52,6 +52,7 @@ class MachineConfig(Model):
     fans: Fans = {}
     laser: Laser | None = None
     mains: Mains | None = None
+    beeper: Beeper | None = None
     board: Board
     boards: dict[Name, Board] = {}
 

@@ -149,6 +149,8 @@ def bindings(machine: MachineConfig) -> list[Binding]:
         add("laser.pin", machine.laser.pin, None)
     if machine.mains:
         add("mains.pin", machine.mains.pin, None)
+    if machine.beeper:
+        add("beeper.pin", machine.beeper.pin, None)
     add("board.status_led", board.status_led, "LED" if "LED" in board.pins else None)
     return found
 

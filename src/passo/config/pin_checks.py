@@ -91,7 +91,8 @@ def machine_claims(data: Raw) -> Iterator[Claim]:
         for stepper, pin in table(content, "stepper_pins").items():
             yield from _claim(("homing", name, "stepper_pins", stepper), pin)
     yield from _claim(("laser", "pin"), table(data, "laser").get("pin"), "pwm")
-    yield from _claim(("mains", "pin"), table(data, "mains").get("pin"))
+    for part in ("mains", "beeper"):
+        yield from _claim((part, "pin"), table(data, part).get("pin"))
 
 
 def _board(data: Raw, name: str) -> Raw:
@@ -244,7 +245,7 @@ class _Owners:
             owner = self.pins.setdefault(pin, claim)
             if owner is claim:
                 owned.append(claim)
-            elif owner.need != claim.need or claim.need not in _SHARED:
+            elif not _may_share(owner, claim):
                 limit = f"a pin of its own: {pin} belongs to"
                 yield Finding("config.conflict", claim.path, claim.pin, limit, owner=owner.path)
         yield from self._check_steps()
@@ -309,6 +310,13 @@ class _Owners:
         free = [pin for pin in able if pin not in self.pins]
         words = [f"{printed[p]} ({p})" if p in printed and printed[p] != p else p for p in free]
         return f"free here: {', '.join(words)}" if words else "none is free here"
+
+
+def _may_share(owner: Claim, claim: Claim) -> bool:
+    """Wires to several parts; and the machine's beeper may be that of a display."""
+    if claim.path == ("beeper", "pin") and owner.path[-1:] == ("beeper",):
+        return True
+    return owner.need == claim.need and claim.need in _SHARED
 
 
 def _free(ways: tuple[Pulse, ...], chip: Chip) -> bool:

@@ -8,6 +8,7 @@ from pathlib import PurePosixPath
 from typing import TYPE_CHECKING
 
 from passo.card import Card, Entry, open_card
+from passo.card.names import fold
 from passo.console.session import Session
 from passo.console.upload import Upload
 from passo.errors import CardError, CommandError, PassoError
@@ -235,9 +236,19 @@ class CardCommands:
         if not name:
             raise CommandError.of("card.no-name")
         upload.name = self._new_name(name, strict=reply.strict)
-        upload.writer = self.card.create(self._place(upload.name))
+        path = self._place(upload.name)
+        self._let_go(path)
+        upload.writer = self.card.create(path)
         reply.upload = upload
         reply.say(f"Writing to file: {upload.name}")
+
+    def _let_go(self, path: str) -> None:
+        """A file that was printed is selected no more when it is to change."""
+        runner = self._runner
+        folders = {fold(str(PurePosixPath(x).parent)) for x in (path, runner.path)}
+        selected = bool(runner.path) and len(folders) == 1 and self._there(path)
+        if selected and runner.over and self.card.find(path).name == runner.name:
+            runner.release()
 
     def _new_name(self, name: str, *, strict: bool) -> str:
         """The name as it stands, unless a strict console means what follows the letter, or there is
@@ -269,6 +280,7 @@ class CardCommands:
             self._printer.commands.ended = True  # in a program M30 is its end
             return
         path = self._existing(text, letter="")  # no other file than the named one is to go
+        self._let_go(path)
         try:
             self.card.remove(path)
         except CardError as error:

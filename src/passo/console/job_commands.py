@@ -230,7 +230,7 @@ class JobCommands:
             if not hotend.min_c < words["S"] <= hotend.max_c:
                 limit = f"{hotend.min_c:g} to {hotend.max_c:g} C"
                 raise CommandError.bad_value("S", words["S"], limit)
-        if "B" in words:
+        if "B" in words and self._printer.machine.beeper is None:
             reply.note("M600 B", "M600 beeps not: there is no beeper")
         return self._stand_by("Change the filament, then go on with M108", words, reply)
 

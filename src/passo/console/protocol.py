@@ -33,10 +33,11 @@ class Line(NamedTuple):
 
 class Refusal(NamedTuple):
     """A line that is not carried out. The host is told `reason`; with `resend` it is asked for that
-    line, and must send `ok`."""
+    line, and must send `ok`. `text` is what a sound line says that came out of its order."""
 
     reason: str
     resend: int | None
+    text: str = ""
 
 
 class LineProtocol:
@@ -89,7 +90,7 @@ class LineProtocol:
         ):
             return Refusal(f"line {number} has come already", None)
         else:
-            return self._asked_again("Line Number is not Last Line Number+1")
+            return self._asked_again("Line Number is not Last Line Number+1", text)
         return Line(text, number)
 
     def _bare(self, text: str, raw: bytes) -> Line | Refusal | None:
@@ -111,8 +112,8 @@ class LineProtocol:
         self.last = number
         self._taken.clear()
 
-    def _asked_again(self, reason: str) -> Refusal:
-        return Refusal(f"{reason}, Last Line: {self.last}", self.last + 1)
+    def _asked_again(self, reason: str, text: str = "") -> Refusal:
+        return Refusal(f"{reason}, Last Line: {self.last}", self.last + 1, text)
 
 
 def uncommented(text: str) -> str:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import re
-from collections import deque
 from collections.abc import Callable
 from typing import Protocol
 
 from passo.console.ahead import Ahead
+from passo.console.in_hand import Heard, InHand
 from passo.console.protocol import Line, LineProtocol, Refusal
 from passo.console.timers import Timers
 from passo.console.upload import Upload
@@ -18,7 +18,7 @@ from passo.printer.printer import Printer
 from passo.printer.waits import Stopped, Wait
 from passo.printer.words import Command
 
-BACKLOG = 256  # lines in hand before the sender is held up
+AT_ONCE = 1024  # lines that are carried out before others have their turn: all of one read
 WAIT_S = 1.0  # an idle console says `wait` this often
 _PLAIN = str.maketrans({"°": "", "µ": "u", "²": "2"})
 _NO_TEXT = ("M29", "M110", "M932", "M933")  # not even while a file is written
@@ -58,9 +58,10 @@ class Session:
     def __init__(self, printer: Printer, wire: Wire) -> None:
         self._printer, self._wire = printer, wire
         self._protocol = LineProtocol()
-        self._lines: deque[tuple[Line, Command, bool] | Refusal] = deque()  # True: `Ahead` saw it
+        self._lines = InHand()
         self._loop = asyncio.get_running_loop()
         self._task: asyncio.Task[None] | None = None
+        self._soon: asyncio.Handle | None = None  # goes on with lines in hand
         self._ok = ""
         self._timers = Timers(self._loop)
         self._ahead = Ahead(printer)
@@ -102,10 +103,12 @@ class Session:
                 seen = self._ahead.see(command, line.number, self._upload)
                 self._lines.append((line, command, seen))
             else:
+                if (command := command_of(line.text)).code == "M112":  # no stop waits for a resend
+                    self._ahead.see(command, line.resend, self._upload)
                 self._lines.append(line)
-        if heard and self._task is None:
+        if heard and self._resting:
             self._work()
-        if len(self._lines) > BACKLOG and not self._held:
+        if self._lines.full and not self._held:
             self._held = True
             self._wire.hold(True)
 
@@ -114,6 +117,8 @@ class Session:
         self.closed = True
         self._timers.stop()
         self._lines.clear()
+        if self._soon is not None:
+            self._soon.cancel()
         if self._upload is not None:
             self._upload.abort()
             self._upload = None
@@ -130,7 +135,7 @@ class Session:
     def end(self, then: Callable[[], None]) -> None:
         """No more lines come: those in hand are carried out, then it closes."""
         self._then = then
-        if self._task is None:
+        if self._resting:
             self._work()
 
     # -- answers ----------------------------------------------------------------------------------
@@ -173,10 +178,26 @@ class Session:
 
     # -- work -------------------------------------------------------------------------------------
 
+    @property
+    def _resting(self) -> bool:
+        """Nothing carries out lines, and nothing is about to."""
+        return self._task is None and self._soon is None
+
+    def _next(self) -> Heard:
+        """Takes the next line in hand, and lets more come in when there is room."""
+        heard = self._lines.popleft()
+        if self._held and self._lines.half_empty:
+            self._held = False
+            self._wire.hold(False)
+        return heard
+
     def _work(self) -> None:
-        """Carries out lines until one has to wait."""
-        while self._lines:
-            heard = self._lines.popleft()
+        """Carries out lines until one has to wait, or others have waited for long enough."""
+        self._soon = None
+        for _ in range(AT_ONCE):
+            if not self._lines:
+                break
+            heard = self._next()
             given_up = self._given_up > 0
             self._given_up -= given_up
             self._ok = ""
@@ -195,10 +216,9 @@ class Session:
             except Exception as error:
                 self._not_done(error)
             self._acknowledge(line.number)
-        if self._held:
-            self._held = False
-            self._wire.hold(False)
-        if self._then is not None and not self.closed:
+        if self._lines:
+            self._soon = self._loop.call_soon(self._work)
+        elif self._then is not None and not self.closed:
             self.close()
             self._then()
 
@@ -327,7 +347,7 @@ class Session:
         if self.advanced_ok:
             free = max(0, MOST_QUEUED - self._printer.job.queued)
             text += f" N{number}" if number is not None else ""
-            text += f" P{free} B{max(0, BACKLOG - len(self._lines))}"
+            text += f" P{free} B{self._lines.room}"
         self.say(f"{text} {self._ok}" if self._ok else text)
         self._timers.restart("wait")
 

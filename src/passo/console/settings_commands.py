@@ -53,7 +53,9 @@ class SettingsCommands:
             yield "Filament change", list(motion.change_lines())
         if self._printer.drivers.states:
             yield "Motor drivers", list(self._printer.driver_commands.setting_lines())
-        yield "Idle times", [f"M84 S{self._printer.motors.idle_s:.10g}"]
+        idle = f"M84 S{self._printer.motors.idle_s:.10g}"
+        yield "Idle times", [idle, self._printer.person.kill_line()]
+        yield "Endstops", [self._printer.endstops.stop_line()]
         yield "Cold extrusion", [f"M302 S{heat.cold_c:.10g} P{int(heat.cold_allowed)}"]
 
     def lines(self) -> Iterator[str]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from passo import _core
 from passo.config.drives import axis_order
-from passo.errors import CommandError, InputError, PassoError
+from passo.errors import CardError, CommandError, InputError, PassoError, Problem
 from passo.job.park import Park
 from passo.printer.drive import TICK_S
 from passo.printer.faults import problem_of
@@ -123,6 +123,11 @@ class Runner:
     def active(self) -> bool:
         """A print is under way, or paused."""
         return self.state in (State.PRINTING, State.PAUSED)
+
+    @property
+    def over(self) -> bool:
+        """No print is under way, paused, or failed and to be gone on with."""
+        return not (self.active or self._left)
 
     # -- what may be done -------------------------------------------------------------------------
 
@@ -360,7 +365,10 @@ class Runner:
         status = _core.JobStatus
         if found == status.NEED_INPUT:
             assert self._reader is not None
-            data = self._reader.read(_CHUNK)
+            try:
+                data = self._reader.read(_CHUNK)
+            except CardError as error:
+                raise CardError(self._placed(error, job.line + 1)) from None  # the next one
             if data:
                 job.feed(data)
             else:
@@ -370,8 +378,7 @@ class Runner:
             try:
                 wait = printer.run_command(command, self._reply)
             except InputError as error:
-                problems = [replace(p, file=self.name, line=command.line) for p in error.problems]
-                raise InputError(problems) from None
+                raise InputError(self._placed(error, command.line)) from None
             if wait is not None:
                 await printer.wait(wait, self._reply)
             if printer.commands.ended:
@@ -384,6 +391,10 @@ class Runner:
         elif found == status.END:
             return await self._finish()
         return False
+
+    def _placed(self, error: PassoError, line: int) -> list[Problem]:
+        """What is wrong, at a line of the file."""
+        return [replace(p, file=self.name, line=line) for p in error.problems]
 
     async def _finish(self) -> bool:
         """Lets the last moves end, and the laser go off with them; a pause in them still counts."""

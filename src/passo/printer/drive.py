@@ -43,10 +43,10 @@ class Drive:
         job: _core.Job,
         *,
         free: bool,
-        set_target: Callable[[int, float], None],
+        on_mark: Callable[[int, int], None],
     ) -> None:
         self._connection, self._job, self._free = connection, job, free
-        self._set_target = set_target
+        self._on_mark = on_mark
         self.on_motion: Callable[[], None] = lambda: None  # before moves leave for the board
         self.on_pass: Callable[[], None] = lambda: None  # whenever time has passed
         self.hz = connection.board.clock_hz
@@ -290,9 +290,9 @@ class Drive:
         self._settle(now)
         self._marks.extend(self._job.take_marks())
         while self._marks and self._marks[0][0] <= now:
-            clock, heater, centi = self._marks.popleft()
+            clock, target, value = self._marks.popleft()
             self._run(clock)
-            self._set_target(heater, centi / 100)
+            self._on_mark(target, value)
         self._run(now)
         self.on_pass()
         self.end_waits()

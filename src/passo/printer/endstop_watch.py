@@ -94,5 +94,9 @@ class EndstopWatch:
             self.stops = words["S"] != 0
             self._watch(self.stops or self._on)
         else:
-            reply.say(f"M540 S{int(self.stops)}")
+            reply.say(self.stop_line())
         return None
+
+    def stop_line(self) -> str:
+        """M540 with what holds now."""
+        return f"M540 S{int(self.stops)}"

@@ -41,6 +41,10 @@ def problem(error: Error, path: str, geometry: GeometryModel) -> Problem:
         return Problem(
             "input.number", path, line, {"value": word + (f"{value:g}" if value else "")}
         )
+    if fault == faults.RANGE:
+        limit = f"{point[0]:g} to {limit:g}"
+        values = {"axis": word, "value": f"{value:g}", "limit": limit}
+        return Problem("command.value", path, line, values)
     if fault == faults.FEEDRATE:
         return Problem("input.feedrate", path, line, {"value": value})
     if fault == faults.ARC:

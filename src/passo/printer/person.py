@@ -42,9 +42,10 @@ class PersonCommands:
         return Person(text, max(seconds, 0.0))
 
     def ask(self, text: str) -> None:
-        """Hosts show the text and a button that goes on."""
+        """Hosts show the text and a button that goes on; a beeper beeps."""
         for words in (f"prompt_begin {text}", "prompt_button Continue", "prompt_show"):
             self._printer.tell(f"// action:{words}")
+        self._printer.beeper.call()
 
     def _answer(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
@@ -64,5 +65,9 @@ class PersonCommands:
         if "S" in words:
             self.kill_s = max(words["S"], 0.0)
         else:
-            reply.say(f"M85 S{self.kill_s:g}")
+            reply.say(self.kill_line())
         return None
+
+    def kill_line(self) -> str:
+        """M85 with what holds now."""
+        return f"M85 S{self.kill_s:.10g}"

@@ -11,6 +11,7 @@ from passo.board.ports import LinkLostError
 from passo.config.drives import axis_order
 from passo.errors import CommandError
 from passo.gcode.dialect import Kind, row_of
+from passo.printer.beeper import Beeper
 from passo.printer.commands import Commands
 from passo.printer.control_commands import ControlCommands
 from passo.printer.drive import MOST_QUEUED, Drive
@@ -59,6 +60,8 @@ class Printer:
         self.watchers: list[Callable[[], None]] = [self._look_after_idleness]  # time has passed
         connection, self.board = connect(machine)
         self.mains = Mains(self)
+        self.beeper = Beeper(self)
+        self.watchers.append(self.beeper.time_passed)
         self.motors = Motors(self)
         self.drivers = DriverWatch(self)
         self.lateness = LatenessWatch(self)
@@ -90,6 +93,7 @@ class Printer:
             | self.heat.planned
             | self.motion.planned
             | self.mains.planned
+            | self.beeper.planned
             | self.motors.planned
             | self.person.planned
             | self.tunes.planned
@@ -121,6 +125,7 @@ class Printer:
         self._shaded = False  # the laser is dark for now, and will be lit again
         machine = self.machine
         self.mains.begin(connection)
+        self.beeper.begin(connection)
         connection.run(connection.now + int(_FIRST_REPORTS_S * machine.board.clock_hz))
         self.connection = connection
         connection.set_on_fault(self._heater_failed)
@@ -129,7 +134,7 @@ class Printer:
         self._from_console = False  # what is read is a console's line
         full = [connection.full_scale(o.name) for o in connection.board.outputs]
         self.commands = Commands(machine, self.job, self, full)
-        self.drive = Drive(connection, self.job, free=self._free, set_target=self._apply_target)
+        self.drive = Drive(connection, self.job, free=self._free, on_mark=self._mark_reached)
         self.commands.record_at_once = self.drive.record_at_once
         self._stopped_tool = 0
         self.drive.on_motion = self._before_motion
@@ -299,6 +304,7 @@ class Printer:
         self.drive.stop()
         self.commands.follow_tool()
         self.cooled_c.clear()
+        self.beeper.forget()
         self.laser_off()
         self.waits.ended = True
 
@@ -523,8 +529,12 @@ class Printer:
         self.stop_all("M410")
         return None
 
-    def _apply_target(self, heater: int, celsius: float) -> None:
-        self.connection.set_target(self.heaters[heater], celsius)
+    def _mark_reached(self, target: int, value: int) -> None:
+        """A heater's target in 1/100 C, or a tone."""
+        if target < len(self.heaters):
+            self.connection.set_target(self.heaters[target], value / 100)
+        else:
+            self.beeper.mark_reached(value)
 
     def _go_on(self, reply: Reply) -> Wait | None:
         status = _core.JobStatus

@@ -22,6 +22,7 @@ from passo.board.ports import Port, in_process, serial_port, tcp_port
 from passo.config.places import MAIN, named_on, placed
 from passo.heat.control import control_of, limits_of, model_of
 from passo.heat.sensors import converter_of, converter_setup, open_is_high, sensor_table, share_at
+from passo.printer.beeper import most_ticks
 from passo.printer.driver_wiring import (
     converter_wires,
     current_settings,
@@ -112,7 +113,8 @@ def _stepper(machine: MachineConfig, spec: dict[str, Any], clock_hz: int) -> Ste
 
 def _outputs(machine: MachineConfig) -> list[tuple[str, str]]:
     """All outputs and their pins as written, by number: those on the timeline, then what switches
-    motors on, what chooses their microsteps, the main board's status LED, and the mains."""
+    motors on, what chooses their microsteps, the main board's status LED, the mains, and the
+    beeper."""
     outputs = list(machine.timed_outputs.items())
     for name, output in enable_outputs(machine).items():
         if output == f"{name}-enable":
@@ -122,6 +124,8 @@ def _outputs(machine: MachineConfig) -> list[tuple[str, str]]:
         outputs.append(("status-led", machine.board.status_led))
     if machine.mains:
         outputs.append(("mains", machine.mains.pin))
+    if machine.beeper:
+        outputs.append(("beeper", machine.beeper.pin))
     return outputs
 
 
@@ -138,6 +142,9 @@ def _output(machine: MachineConfig, name: str, written: str, clock_hz: int) -> O
         return Output(name, pin, "digital", round(clock_hz / fan.pwm_hz), kick=kick)
     if name == "laser":
         return Output(name, pin, "pwm", round(0.001 * clock_hz), longest)
+    if name == "beeper":
+        config = machine.all_boards[placed(written)[0]]
+        return Output(name, pin, "digital", round(clock_hz / 1000), most_ticks(config))
     if name == "status-led":
         return Output(name, pin, cycle_ticks=clock_hz, blinks=True)
     return Output(name, pin, "digital")

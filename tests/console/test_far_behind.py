@@ -1,0 +1,217 @@
+"""Commands that act ahead of every queue, behind thousands of lines of their own console."""
+
+import asyncio
+import os
+import socket
+import tracemalloc
+
+import pytest
+from tests.console.scenario import Host, Scenario
+
+from passo import config
+from passo.clock import VirtualLoop
+from passo.console.in_hand import MOST_BYTES, MOST_LINES
+from passo.console.lines import open_pty
+from passo.console.printer_console import furnished
+from passo.console.session import AT_ONCE
+from passo.console.wires import open_tcp
+from passo.printer.drive import MOST_QUEUED
+
+MANY = 20_000  # lines, of 0.3 MB
+
+
+def numbered(lines, first=1):
+    """The lines with numbers and checksums."""
+    for number, line in enumerate(lines, first):
+        text = f"N{number} {line}"
+        check = 0
+        for byte in text.encode():
+            check ^= byte
+        yield f"{text}*{check}"
+
+
+def piped(command, *, numbers):
+    """A file sent without waiting for `ok`, and the command at its end."""
+    lines = ["M109 S200", *(f"G1 X{20 + i % 100} F6000" for i in range(MANY)), command]
+    return list(numbered(lines)) if numbers else lines
+
+
+@pytest.fixture
+def s():
+    with Scenario("i3") as scenario:
+        scenario.host.ok("G92 X20 Y20 Z20")
+        yield scenario
+
+
+def oks(host, start=0):
+    return sum(x.startswith("ok") for x in host.heard[start:])
+
+
+# -- a console of lines ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("numbers", [False, True])
+def test_m112_acts_behind_many_lines_of_its_console(s, numbers):
+    start = len(s.host.heard)
+    s.host.send(*piped("M112", numbers=numbers))
+    assert s.printer.halted == "emergency stop by M112"
+    s.passes(1)
+    assert s.printer.connection.heaters["hotend"].target == 0
+    assert oks(s.host, start) == MANY + 2
+    assert s.positions()["x"] == 20.0
+    number = MANY + 3 if numbers else 1
+    s.host.ok("M999")
+    s.host.expect("ready again", 3)
+    if not numbers:
+        s.host.ok(next(numbered(["M110"], 0)))
+    s.host.send(next(numbered(["G92 X7"], number))[:-1] + "x")
+    s.host.expect(f"^Resend: {number}$")
+    s.host.expect("^ok")
+    for i, line in enumerate(("G92 X7", "M114")):
+        s.host.send(next(numbered([line], number + i)))
+    s.host.expect("^X:7.000 ")
+
+
+def test_m112_acts_out_of_its_order(s):
+    """The line before it was lost, and a host that pipes does not hear that it is asked for it."""
+    lines = list(numbered(["M110", *["G1 X80 F600"] * 3, "M112"], 0))
+    s.host.send(*lines[:2], *lines[3:])
+    assert s.printer.halted == "emergency stop by M112"
+    s.host.expect("^Resend: 2$")
+    assert s.host.heard.count("Resend: 2") == 2
+
+
+def test_m112_out_of_its_order_is_text_of_a_file_that_is_sent(tmp_path):
+    with Scenario("i3", card=str(tmp_path)) as s:
+        lines = list(numbered(["M110", "M28 a.g", "G1 X1", "M112", "M29"], 0))
+        s.host.send(*lines[:2], lines[3])
+        s.host.expect("^Resend: 2$")
+        s.host.send(*lines[2:])
+        s.host.expect("Done saving file")
+        assert s.printer.halted == ""
+    assert (tmp_path / "a.g").read_text() == "G1 X1\nM112\n"
+
+
+def test_m410_forgets_all_moves_in_hand(s):
+    start = len(s.host.heard)
+    s.host.ok("G1 X80 F600")
+    s.host.send(*(["G1 X20"] * MANY), "M104 S50")
+    s.passes(1)
+    s.host.send("M410")
+    s.until(lambda: s.printer.drive.standing, 1)
+    at = s.positions()["x"]
+    assert 29 < at < 31
+    s.passes(2)
+    assert s.positions()["x"] == at
+    assert oks(s.host, start) == MANY + 3
+    assert s.printer.connection.heaters["hotend"].target == 50
+    refused = [x for x in s.host.heard if "it was in hand when the machine was stopped" in x]
+    assert len(refused) >= MANY - MOST_QUEUED
+
+
+def test_m108_ends_the_wait_in_front_of_many_lines(s):
+    start = len(s.host.heard)
+    s.host.send("M109 S200", *["M110"] * MANY)
+    s.passes(1)
+    s.host.send("M108")
+    s.passes(0.1)
+    assert oks(s.host, start) == MANY + 2
+    assert s.printer.connection.heaters["hotend"].target == 200
+
+
+def test_others_have_their_turn_while_many_lines_are_carried_out(s):
+    other = Host(s)
+
+    async def both():
+        s.host.session.receive(b"M118 mine\n" * MANY)
+        other.session.receive(b"M118 theirs\n")
+
+    s.run(both())
+    s.passes(1)
+    assert oks(s.host) == MANY + 1
+    assert other.heard.index("theirs") == AT_ONCE
+
+
+@pytest.mark.parametrize(
+    ("line", "most"), [("M110", MOST_LINES), ("M117 " + "x" * 1019, MOST_BYTES // 1024)]
+)
+def test_what_is_in_hand_is_bounded(s, line, most):
+    """A sender is held up, and let go on when half of it is done."""
+    s.host.ok("M110")
+    data = f"{line}\n".encode() * 64
+    start, sent = len(s.host.heard), 0
+    s.host.send("M0")
+    s.passes(0.1)
+    tracemalloc.start()
+    while not s.host.held:
+        s.host.send_bytes(data)
+        sent += 64
+    used, _ = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert most <= sent < most + 64
+    assert used < 24e6
+    s.host.send_bytes(b"M108\n")  # of what had been read already
+    s.until(lambda: not s.host.held, 1)
+    s.passes(1)
+    assert oks(s.host, start) == sent + 2
+
+
+# -- a real way in --------------------------------------------------------------------------------
+
+
+class Pipe:
+    """A host that writes as fast as it may, and does not read."""
+
+    def __init__(self, fd):
+        self.fd = fd
+        os.set_blocking(fd, False)
+
+    async def write(self, data):
+        """Until all is written, or nothing can be for long."""
+        data, refused = memoryview(data), 0
+        while data and refused < 100:
+            try:
+                data, refused = data[os.write(self.fd, data) :], 0
+            except BlockingIOError:
+                refused += 1
+            await asyncio.sleep(0)
+        return len(data)
+
+
+@pytest.mark.parametrize("way", ["pty", "tcp"])
+@pytest.mark.parametrize("numbers", [False, True])
+def test_m112_comes_through_a_pipe_that_is_full_of_lines(way, numbers, tmp_path):
+    data = "".join(f"{x}\n" for x in piped("M112", numbers=numbers)).encode()
+    sessions = []
+
+    async def body():
+        printer = furnished(config.load("i3"))
+        runs = asyncio.get_running_loop().create_task(printer.run())
+        if way == "pty":
+            console = await open_pty(printer, str(tmp_path / "port"), sessions.append)
+            fd = os.open(tmp_path / "port", os.O_RDWR | os.O_NOCTTY)
+        else:
+            console = await open_tcp(printer, "127.0.0.1", 0, 1, sessions.append)
+            port = int(console.place.rpartition(":")[2])
+            fd = socket.create_connection(("127.0.0.1", port)).detach()
+        before = data[: data[:-1].rindex(b"\n") + 1]
+        assert await Pipe(fd).write(before) == 0
+        await asyncio.sleep(0.5)
+        held = not printer.halted and printer.connection.heaters["hotend"].target == 200
+        assert await Pipe(fd).write(data[len(before) :]) == 0
+        await asyncio.sleep(0.1)
+        halted = printer.halted
+        os.close(fd)
+        console.close()
+        runs.cancel()
+        await asyncio.gather(runs, return_exceptions=True)
+        await asyncio.sleep(1)
+        return held, halted, printer.connection.heaters["hotend"].target
+
+    loop = VirtualLoop()
+    held, halted, target = loop.run_until_complete(body())
+    loop.close()
+    assert held
+    assert halted == "emergency stop by M112"
+    assert target == 0
+    assert len(sessions) == 1
