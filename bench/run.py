@@ -132,9 +132,9 @@ def main() -> None:
         ).stdout.strip()
         print(f"commit {commit}, {os.cpu_count()} CPUs, {path.name}")
         print(
-            f"{'machine':22}{'cal s':>7}{'wire s':>8}{'print s':>8}{'moves/s':>9}{'Msteps/s':>9}{'ns/step':>8}"
-            f"{'steps/cmd':>10}{'B/cmd':>7}{'max us':>7}{'rms us':>7}{'MB':>5}"
-            f"{'x wire':>8}{'x print':>8}"
+            f"{'machine':22}{'cal s':>7}{'wire s':>8}{'print s':>8}{'moves/s':>9}"
+            f"{'Msteps/s':>9}{'ns/step':>8}{'steps/cmd':>10}{'B/cmd':>7}{'max us':>7}"
+            f"{'rms us':>7}{'MB':>5}{'x wire':>8}{'x print':>8}"
         )
         for file in sorted(MACHINES.glob("*.toml")):
             before = yardstick()
