@@ -110,6 +110,7 @@ class Interpreter {
   // The machine is at `position`, its extruders where they are told to be: what the program still
   // meant to do in this line is forgotten, and its positions follow the machine's.
   void abandon(const double* position, const std::vector<double>& extruders) {
+    take_back(meant_mm());
     pending_.clear();
     arc_ = Arc();
     next_word_ = 0;
@@ -184,29 +185,7 @@ class Interpreter {
   void set_flow(size_t extruder, double flow) { filament_[extruder].flow = flow; }
   // The plan behind which the program goes on has been changed so, and what is left of a line
   // changes too.
-  void change_flow(size_t extruder, FlowChange& change) {
-    Filament& filament = filament_[extruder];
-    double from = extruder_[extruder], owed = filament.owed;
-    filament.flow = change.flow();
-    filament.owed = change.owed(owed);
-    if (owed > 0) filament.scale *= filament.owed / owed;
-    extruder_[extruder] = change.place(from);
-    if (extruder != active_) return;
-    position_[kE] = extruder_[extruder];
-    auto pass = [&](double to, double& flow) {
-      double was_owed = owed, end = to;
-      owed = flow > 0 ? owed_after(owed, to - from) : owed;
-      change.apply(from, end, flow, was_owed);
-      from = to;
-      return end;
-    };
-    for (Item& item : pending_)
-      if (item.found == Found::move && item.move.kind != MoveKind::dwell)
-        item.move.target[kE] = pass(item.move.target[kE], item.move.flow);
-    if (!arc_.active()) return;
-    double start = change.place(from), end = pass(from + arc_.left(kE), move_.flow);
-    arc_.set_left(kE, start, end - start);
-  }
+  void change_flow(size_t extruder, FlowChange& change);
   // Nothing that was drawn back is to come back.
   void forget_retraction() {
     for (Filament& filament : filament_) filament.owed = 0;
@@ -412,6 +391,11 @@ class Interpreter {
     pending_.push_back(std::move(item));
   }
 
+  // mm of filament that the program's E counts already, of moves that have not been taken.
+  double meant_mm() const;
+  // The program's E counts so much filament no more.
+  void take_back(double mm) { logical_e_ -= mm / e_scale(); }
+
   bool is_filament(int j) const { return filament_slots_ >> j & 1; }
   // Letters whose words count from where they are.
   uint32_t relative() const {
@@ -602,5 +586,6 @@ class Interpreter {
 
 }  // namespace passo
 
+#include "gcode/interpreter_filament.hpp"
 #include "gcode/interpreter_run.hpp"
 #include "gcode/interpreter_steps.hpp"
