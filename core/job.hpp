@@ -122,6 +122,7 @@ class Job {
     }
     m.kind = travels ? MoveKind::travel : MoveKind::extrude;
     m.extruder = uint16_t(interpreter.extruder());
+    m.tool = uint16_t(interpreter.tool());
     m.feed_mm_s = feed_mm_s;
     m.radius_mm = kInfinity;
     m.rapid = true;     // no laser burns on it
@@ -137,7 +138,7 @@ class Job {
   // end would be out of range, or the axis does not know where it is: error() says which.
   std::optional<double> shift_from(double ticks, int j, double mm) {
     if (!may_shift(ticks, j, mm)) return std::nullopt;
-    double cut = motion.shift_from(ticks, j, mm, interpreter.extruder());
+    double cut = motion.shift_from(ticks, j, mm, interpreter.extruder(), interpreter.tool());
     if (aside_) {
       aside_->shift(j, mm);
       interpreter.shift_zero(j, mm);
@@ -149,7 +150,7 @@ class Job {
   // The same in its place among the moves.
   bool shift(int j, double mm) {
     if (!may_shift(kInfinity, j, mm)) return false;
-    motion.push_shift(j, mm, interpreter.extruder());
+    motion.push_shift(j, mm, interpreter.extruder(), interpreter.tool());
     interpreter.shift(j, mm);
     return true;
   }
@@ -206,7 +207,7 @@ class Job {
 
   // The tool in use is the one that has stopped, not the one that the program was read ahead to.
   void use_stopped() {
-    if (auto extruder = motion.stopped_extruder()) interpreter.use_extruder(*extruder);
+    if (auto tool = motion.stopped_tool()) interpreter.take_tool(*tool);
   }
 
   double now() const { return cpu_clock_ ? cpu_clock_() : 0; }

@@ -122,11 +122,6 @@ class Interpreter {
   }
   // This tool is in use, if it has an extruder. Nothing where extruders are axes.
   void take_tool(size_t tool);
-  // The first tool with this extruder is in use, unless the one in use has it.
-  void use_extruder(size_t extruder) {
-    for (size_t tool = 0; active_ != extruder && tool < machine_->tools.size(); ++tool)
-      if (machine_->tools[tool].extruder == int(extruder)) take_tool(tool);
-  }
   // Takes up the program again as `before` left it, except for what the console has not said yet.
   void resume(const Interpreter& before) {
     Interpreter mine = std::move(*this);
@@ -504,6 +499,7 @@ class Interpreter {
     if (m.kind == MoveKind::dwell && m.duration_s > 0) {
       std::copy(position_, position_ + kAxes, m.target);
       m.extruder = uint16_t(active_);
+      m.tool = uint16_t(tool_);
       m.beam = m.energy_ws / (m.duration_s * laser_.full_w);
       move_ = m;
       move_.kind = MoveKind::dwell;
@@ -527,6 +523,7 @@ class Interpreter {
         uint16_t(std::min(marked_layers_ > 0 ? uint32_t(marked_layers_) : risen_layers_, 65535u));
     m.feature = feature_;
     m.extruder = uint16_t(active_);
+    m.tool = uint16_t(tool_);
     if (laser_.any()) shine(m);
     if (!extruder_.empty()) {
       m.owed_mm = filament_[active_].owed;
