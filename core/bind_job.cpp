@@ -362,10 +362,15 @@ void bind_job(nb::module_& m) {
           },
           "Goes on with what was suspended; the machine must be back at stop_position.")
       .def(
-          "use_tool", [](JobView& self, size_t tool) { self.job.interpreter.take_tool(tool); },
+          "use_tool",
+          [](JobView& self, size_t tool) {
+            const auto& tools = self.job.motion.machine().tools;
+            if (tool >= std::max<size_t>(tools.size(), 1)) throw nb::index_error("no such tool");
+            self.job.interpreter.take_tool(tool);
+          },
           "tool"_a,
           "This tool is in use, with its offset, as if the program had selected it; nothing moves. "
-          "It must be one of the machine's. No-op without tools.")
+          "Tool 0 may be named without tools, too.")
       .def("forget_suspended", [](JobView& self) { self.job.forget_suspended(); })
       .def_prop_ro(
           "machine_position",

@@ -1337,7 +1337,7 @@ class Job:
 
     def use_tool(self, tool: int) -> None:
         """
-        This tool is in use, with its offset, as if the program had selected it; nothing moves. It must be one of the machine's. No-op without tools.
+        This tool is in use, with its offset, as if the program had selected it; nothing moves. Tool 0 may be named without tools, too.
         """
 
     def forget_suspended(self) -> None: ...
