@@ -131,12 +131,17 @@ nb::typed<nb::list, Table> steppers(JobView& self) {
 void bind_job(nb::module_& m) {
   m.attr("LOAD_MM_S") = Interpreter::kLoadMmS;
   m.attr("UNLOAD_MM_S") = Interpreter::kUnloadMmS;
+  m.attr("LONGEST_CHANGE_MM") = Interpreter::kLongestChange;
   nb::enum_<Job::Status>(m, "JobStatus")
       .value("NEED_INPUT", Job::Status::need_input)
       .value("EVENT", Job::Status::event)
       .value("ERROR", Job::Status::error)
       .value("FULL", Job::Status::full)
       .value("END", Job::Status::end);
+  nb::enum_<Job::Within>(m, "Within", "What a move outside of any program must keep to.")
+      .value("LIMITS", Job::Within::limits, "The machine's limits.")
+      .value("REACH", Job::Within::reach, "What its actuators reach: it has been there.")
+      .value("ANYTHING", Job::Within::anything, "Nothing: it does not know where it is.");
   nb::enum_<Fault>(m, "Fault")
       .value("NUMBER", Fault::number)
       .value("WORD", Fault::word)
@@ -392,13 +397,14 @@ void bind_job(nb::module_& m) {
           "where they are slower, and none while nothing moves. 0: records alone set it.")
       .def(
           "move_to",
-          [](JobView& self, const std::vector<double>& target, double feed_mm_s, bool limited) {
+          [](JobView& self, const std::vector<double>& target, double feed_mm_s,
+             Job::Within within) {
             if (target.size() != kAxes) throw nb::value_error("eight positions");
-            return self.job.move_to(target.data(), feed_mm_s, limited);
+            return self.job.move_to(target.data(), feed_mm_s, within);
           },
-          "target"_a, "feed_mm_s"_a, "limited"_a = true,
-          "A straight move in machine coordinates (NaN: stay), outside of soft limits. False if an "
-          "actuator does not reach it, unless its limits are not to count.")
+          "target"_a, "feed_mm_s"_a, "within"_a = Job::Within::limits,
+          "A straight move in machine coordinates (NaN: stay). False, and nothing is changed, if "
+          "it is too long, or not within what it must keep to: see error.")
       .def(
           "set_axes",
           [](JobView& self, const std::vector<std::pair<int, double>>& places) {

@@ -206,6 +206,7 @@ class Interpreter {
   const std::vector<double>& diameters() const { return diameter_; }
   bool auto_retract() const { return auto_retract_; }
   static constexpr double kLoadMmS = 6, kUnloadMmS = 20;  // speeds of M701 and M702
+  static constexpr double kLongestChange = 5000;          // mm that they move, at most
   struct Change {
     double load_mm, unload_mm;  // M603, of filament
   };
@@ -287,7 +288,6 @@ class Interpreter {
  private:
   static constexpr double kPi = 3.141592653589793;
   static constexpr double kLeastRetract = 0.1, kMostRetract = 10;  // mm, of M209
-  static constexpr double kLongestChange = 5000;                   // mm, of M603
   static constexpr double kThinnest = 0.1, kThickest = 10;         // mm, of filament
   struct Item {
     Found found;

@@ -1141,6 +1141,8 @@ LOAD_MM_S: float = 6.0
 
 UNLOAD_MM_S: float = 20.0
 
+LONGEST_CHANGE_MM: float = 5000.0
+
 class JobStatus(enum.Enum):
     NEED_INPUT = 0
 
@@ -1151,6 +1153,18 @@ class JobStatus(enum.Enum):
     FULL = 3
 
     END = 4
+
+class Within(enum.Enum):
+    """What a move outside of any program must keep to."""
+
+    LIMITS = 0
+    """The machine's limits."""
+
+    REACH = 1
+    """What its actuators reach: it has been there."""
+
+    ANYTHING = 2
+    """Nothing: it does not know where it is."""
 
 class Fault(enum.Enum):
     NUMBER = 0
@@ -1356,9 +1370,9 @@ class Job:
         The laser's share of full power, at the feed rate of the moves that follow; it is less where they are slower, and none while nothing moves. 0: records alone set it.
         """
 
-    def move_to(self, target: Sequence[float], feed_mm_s: float, limited: bool = True) -> bool:
+    def move_to(self, target: Sequence[float], feed_mm_s: float, within: Within = Within.LIMITS) -> bool:
         """
-        A straight move in machine coordinates (NaN: stay), outside of soft limits. False if an actuator does not reach it, unless its limits are not to count.
+        A straight move in machine coordinates (NaN: stay). False, and nothing is changed, if it is too long, or not within what it must keep to: see error.
         """
 
     def set_axes(self, places: Sequence[tuple[int, float]]) -> None:
