@@ -252,7 +252,6 @@ void bind_link(nb::module_& m) {
       .def_prop_ro("wire_bytes", &held<&Link::wire_bytes>)
       .def_prop_ro("frames", &held<&Link::frames>)
       .def_prop_ro("retransmitted_bytes", &held<&Link::retransmitted_bytes>)
-      .def_prop_ro("bad_frames", &held<&Link::bad_frames>)
       .def(
           "take_slack",
           [](Link& l) {

@@ -606,9 +606,6 @@ class Link:
     @property
     def retransmitted_bytes(self) -> int: ...
 
-    @property
-    def bad_frames(self) -> int: ...
-
     def take_slack(self) -> Slack:
         """The least since this was last asked."""
 
@@ -727,8 +724,6 @@ class VirtualBoard(Bench):
     """A complete board in virtual time; pins by number."""
 
     def __init__(self, clock_hz: float, move_count: int, adc_max: int, pwm_max: int, identify: bytes, start: int = 0) -> None: ...
-
-    def last_step(self, step_pin: int) -> int: ...
 
     @property
     def peak_slots(self) -> int: ...
