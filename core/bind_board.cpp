@@ -185,7 +185,6 @@ void bind_board(nb::module_& m) {
                 VirtualBoard({clock_hz, move_count, adc_max, pwm_max, from_bytes(identify), start});
           },
           "clock_hz"_a, "move_count"_a, "adc_max"_a, "pwm_max"_a, "identify"_a, "start"_a = 0)
-      .def("last_step", &VirtualBoard::last_step, "step_pin"_a)
       .def_prop_ro("peak_slots", &VirtualBoard::peak_slots);
   nb::class_<FirmwareBoard, Bench>(m, "FirmwareBoard",
                                    "A board run by the firmware itself, in virtual time.")

@@ -131,12 +131,17 @@ nb::typed<nb::list, Table> steppers(JobView& self) {
 void bind_job(nb::module_& m) {
   m.attr("LOAD_MM_S") = Interpreter::kLoadMmS;
   m.attr("UNLOAD_MM_S") = Interpreter::kUnloadMmS;
+  m.attr("LONGEST_CHANGE_MM") = Interpreter::kLongestChange;
   nb::enum_<Job::Status>(m, "JobStatus")
       .value("NEED_INPUT", Job::Status::need_input)
       .value("EVENT", Job::Status::event)
       .value("ERROR", Job::Status::error)
       .value("FULL", Job::Status::full)
       .value("END", Job::Status::end);
+  nb::enum_<Job::Within>(m, "Within", "What a move outside of any program must keep to.")
+      .value("LIMITS", Job::Within::limits, "The machine's limits.")
+      .value("REACH", Job::Within::reach, "What its actuators reach: it has been there.")
+      .value("ANYTHING", Job::Within::anything, "Nothing: it does not know where it is.");
   nb::enum_<Fault>(m, "Fault")
       .value("NUMBER", Fault::number)
       .value("RANGE", Fault::range)
@@ -363,10 +368,15 @@ void bind_job(nb::module_& m) {
           },
           "Goes on with what was suspended; the machine must be back at stop_position.")
       .def(
-          "use_tool", [](JobView& self, size_t tool) { self.job.interpreter.take_tool(tool); },
+          "use_tool",
+          [](JobView& self, size_t tool) {
+            const auto& tools = self.job.motion.machine().tools;
+            if (tool >= std::max<size_t>(tools.size(), 1)) throw nb::index_error("no such tool");
+            self.job.interpreter.take_tool(tool);
+          },
           "tool"_a,
           "This tool is in use, with its offset, as if the program had selected it; nothing moves. "
-          "It must be one of the machine's. No-op without tools.")
+          "Tool 0 may be named without tools, too.")
       .def("forget_suspended", [](JobView& self) { self.job.forget_suspended(); })
       .def_prop_ro(
           "machine_position",
@@ -388,13 +398,14 @@ void bind_job(nb::module_& m) {
           "where they are slower, and none while nothing moves. 0: records alone set it.")
       .def(
           "move_to",
-          [](JobView& self, const std::vector<double>& target, double feed_mm_s, bool limited) {
+          [](JobView& self, const std::vector<double>& target, double feed_mm_s,
+             Job::Within within) {
             if (target.size() != kAxes) throw nb::value_error("eight positions");
-            return self.job.move_to(target.data(), feed_mm_s, limited);
+            return self.job.move_to(target.data(), feed_mm_s, within);
           },
-          "target"_a, "feed_mm_s"_a, "limited"_a = true,
-          "A straight move in machine coordinates (NaN: stay), outside of soft limits. False if an "
-          "actuator does not reach it, unless its limits are not to count.")
+          "target"_a, "feed_mm_s"_a, "within"_a = Job::Within::limits,
+          "A straight move in machine coordinates (NaN: stay). False, and nothing is changed, if "
+          "it is too long, or not within what it must keep to: see error.")
       .def(
           "set_axes",
           [](JobView& self, const std::vector<std::pair<int, double>>& places) {

@@ -241,7 +241,6 @@ void bind_link(nb::module_& m) {
       .def_prop_ro("wire_bytes", &held<&Link::wire_bytes>)
       .def_prop_ro("frames", &held<&Link::frames>)
       .def_prop_ro("retransmitted_bytes", &held<&Link::retransmitted_bytes>)
-      .def_prop_ro("bad_frames", &held<&Link::bad_frames>)
       .def("take_slack", &held<[](Link& l) { return l.lateness().take_recent(); }>,
            "The least since this was last asked.")
       .def_prop_ro("least_slack", &held<[](Link& l) { return l.lateness().least(); }>)

@@ -179,7 +179,7 @@ void bind_motion(nb::module_& m) {
           "shift_from",
           [](RecordedMotion& self, double ticks, int axis, double mm) {
             if (axis < 0 || axis > 2) throw nb::value_error("X, Y or Z");
-            return self.motion.shift_from(ticks, axis, mm, 0);
+            return self.motion.shift_from(ticks, axis, mm, 0, 0);
           },
           "ticks"_a, "axis"_a, "mm"_a,
           "From this clock on all lies so much further; returns the clock of the cut.")

@@ -57,6 +57,7 @@ struct Held {
     over.layer = first.layer;
     over.feature = first.feature;
     over.extruder = first.extruder;
+    over.tool = first.tool;
     over.moved = uint8_t(1u << j);
     shift(j, mm);
     moves.insert(moves.begin(), over);

@@ -15,6 +15,9 @@ namespace passo {
 class Job {
  public:
   enum class Status : uint8_t { need_input, event, error, full, end };
+  // What a move outside of any program must keep to: the machine's limits; what its actuators
+  // reach, as on the way to where it has been; or nothing, as it does not know where it is.
+  enum class Within : uint8_t { limits, reach, anything };
 
   Job(const Machine& machine, std::vector<double> home, const LaserWords& laser, bool with_steps,
       double (*cpu_clock)())
@@ -107,9 +110,9 @@ class Job {
     aside_.reset();
   }
 
-  // A straight move in machine coordinates, outside of any program and of soft limits. False if
-  // `limited` and an actuator does not reach its way.
-  bool move_to(const double* target, double feed_mm_s, bool limited) {
+  // A straight move in machine coordinates, outside of any program. False, and nothing is changed,
+  // if it is too long or does not keep `within`: error() says how.
+  bool move_to(const double* target, double feed_mm_s, Within within) {
     MoveRequest m{};
     const auto from = position();
     std::copy(from.begin(), from.end(), m.target);
@@ -122,11 +125,14 @@ class Job {
     }
     m.kind = travels ? MoveKind::travel : MoveKind::extrude;
     m.extruder = uint16_t(interpreter.extruder());
+    m.tool = uint16_t(interpreter.tool());
     m.feed_mm_s = feed_mm_s;
     m.radius_mm = kInfinity;
     m.rapid = true;     // no laser burns on it
     m.unscaled = true;  // homing, parking: at the speed that the machine file says
-    if (limited && motion.planner().constraints().checks_reach() && !reach(m)) return false;
+    if (too_long(m) || (within == Within::limits && !in_range(m))) return false;
+    bool reaches = within != Within::anything && motion.planner().constraints().checks_reach();
+    if (reaches && !reach(m)) return false;
     motion.push(m);
     abandon();
     return true;
@@ -137,7 +143,7 @@ class Job {
   // end would be out of range, or the axis does not know where it is: error() says which.
   std::optional<double> shift_from(double ticks, int j, double mm) {
     if (!may_shift(ticks, j, mm)) return std::nullopt;
-    double cut = motion.shift_from(ticks, j, mm, interpreter.extruder());
+    double cut = motion.shift_from(ticks, j, mm, interpreter.extruder(), interpreter.tool());
     if (aside_) {
       aside_->shift(j, mm);
       interpreter.shift_zero(j, mm);
@@ -149,7 +155,7 @@ class Job {
   // The same in its place among the moves.
   bool shift(int j, double mm) {
     if (!may_shift(kInfinity, j, mm)) return false;
-    motion.push_shift(j, mm, interpreter.extruder());
+    motion.push_shift(j, mm, interpreter.extruder(), interpreter.tool());
     interpreter.shift(j, mm);
     return true;
   }
@@ -206,7 +212,7 @@ class Job {
 
   // The tool in use is the one that has stopped, not the one that the program was read ahead to.
   void use_stopped() {
-    if (auto extruder = motion.stopped_extruder()) interpreter.use_extruder(*extruder);
+    if (auto tool = motion.stopped_tool()) interpreter.take_tool(*tool);
   }
 
   double now() const { return cpu_clock_ ? cpu_clock_() : 0; }
@@ -232,11 +238,25 @@ class Job {
 
   bool too_long(const MoveRequest& m) {
     const Machine& machine = motion.machine();
-    if (m.kind == MoveKind::dwell || machine.extruders.empty()) return false;
-    double mm = m.target[kE] - motion.planner().extruder_position(m.extruder);
-    if (std::fabs(mm) <= kMostFilament) return false;
-    error_ = {m.line, Fault::too_long, machine.extruders[m.extruder].name,
-              mm,     kMostFilament,   {0, 0, 0}};
+    if (m.kind == MoveKind::dwell) return false;
+    auto beyond = [&](double from, double to, const std::string& name) {
+      double mm = to - from;
+      if (std::fabs(mm) <= kMostFilament) return false;
+      error_ = {m.line, Fault::too_long, name, mm, kMostFilament, {0, 0, 0}};
+      return true;
+    };
+    for (size_t a = 3; a < machine.axes.size(); ++a) {
+      int j = slot_of_axis(int(a));
+      double from = motion.planner().position()[j];
+      if (machine.axes[a].filament && beyond(from, m.target[j], machine.axes[a].name)) return true;
+    }
+    return !machine.extruders.empty() && beyond(motion.planner().extruder_position(m.extruder),
+                                                m.target[kE], machine.extruders[m.extruder].name);
+  }
+  // Whether the axes that move end within their limits; else fills error_.
+  bool in_range(const MoveRequest& m) {
+    for (int j = 0; j < kAxes; ++j)
+      if ((m.moved >> j & 1) && !interpreter.in_range(j, m.target[j], error_)) return false;
     return true;
   }
 

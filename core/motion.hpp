@@ -190,7 +190,7 @@ class Motion {
   // As replan_from, and all that is still to come lies `mm` further along slot j (X, Y or Z): the
   // machine leans over to it in mid-move, or by a move of its own at the end. What is suspended
   // goes on from the shifted place; what is held begins with the way over to there.
-  double shift_from(double ticks, int j, double mm, size_t extruder) {
+  double shift_from(double ticks, int j, double mm, size_t extruder, size_t tool) {
     if (aside_) {
       aside_->held.shift(j, mm);
       aside_->stop[j] += mm;
@@ -207,16 +207,17 @@ class Motion {
     planner_.take_queue(rest);
     double left = planner_.shift(rest, speed2, j, mm);
     go_on(rest, speed2);
-    if (left != 0) push_shift(j, left, extruder);
+    if (left != 0) push_shift(j, left, extruder, tool);
     return ticks_of_cut_;
   }
   // Shifts what comes behind all moves so far, by a move of its own.
-  void push_shift(int j, double mm, size_t extruder) {
+  void push_shift(int j, double mm, size_t extruder, size_t tool) {
     MoveRequest m{};
     std::copy_n(planner_.position(), kAxes, m.target);
     m.target[j] += mm;
     if (extruder < machine_.extruders.size()) m.target[kE] = planner_.extruder_position(extruder);
     m.extruder = uint16_t(extruder);
+    m.tool = uint16_t(tool);
     m.feed_mm_s = m.radius_mm = kInfinity;
     m.kind = MoveKind::travel;
     m.moved = uint8_t(1u << j);
@@ -318,9 +319,9 @@ class Motion {
     process(false);
   }
   size_t held() const { return held_.moves.size(); }
-  // The extruder that hold_from has stopped; nothing if no move is held.
-  std::optional<size_t> stopped_extruder() const {
-    return held_.moves.empty() ? std::nullopt : std::optional<size_t>(held_.moves.front().extruder);
+  // The tool that hold_from has stopped; nothing if no move is held.
+  std::optional<size_t> stopped_tool() const {
+    return held_.moves.empty() ? std::nullopt : std::optional<size_t>(held_.moves.front().tool);
   }
   ProgramLines& lines() { return lines_; }
   // Where the plan was at `ticks`, in the last second or so: X, Y, Z, the extruder of that move and

@@ -31,7 +31,7 @@ struct Move {
   uint32_t rules;         // number in the planner's RuleBook
   uint32_t line;
   uint32_t records;  // timed records that are due at its start
-  uint16_t layer, feature, extruder;
+  uint16_t layer, feature, extruder, tool;
   LimitId speed_limit, accel_limit;
   MoveKind kind;
   uint8_t moved;

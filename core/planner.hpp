@@ -198,6 +198,7 @@ class Planner {
     m.layer = r.layer;
     m.feature = r.feature;
     m.extruder = r.extruder;
+    m.tool = r.tool;
     m.kind = r.kind;
     m.moved = r.moved;
     m.inner = r.arc_inner;

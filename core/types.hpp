@@ -34,6 +34,7 @@ struct MoveRequest {
   uint16_t layer;        // slicer's layer, 0 before the first
   uint16_t feature;      // index in the interpreter's table of feature names, 0 = none
   uint16_t extruder;     // active extruder
+  uint16_t tool;         // in use; several may have one extruder
   MoveKind kind;
   uint8_t moved;   // bit per axis: the letter stood in the command
   bool arc_inner;  // joins the chord before it on the same arc: no junction limit

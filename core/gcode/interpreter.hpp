@@ -111,6 +111,7 @@ class Interpreter {
   // The machine is at `position`, its extruders where they are told to be: what the program still
   // meant to do in this line is forgotten, and its positions follow the machine's.
   void abandon(const double* position, const std::vector<double>& extruders) {
+    take_back(meant_mm());
     pending_.clear();
     arc_ = Arc();
     next_word_ = 0;
@@ -122,11 +123,6 @@ class Interpreter {
   }
   // This tool is in use, if it has an extruder. Nothing where extruders are axes.
   void take_tool(size_t tool);
-  // The first tool with this extruder is in use, unless the one in use has it.
-  void use_extruder(size_t extruder) {
-    for (size_t tool = 0; active_ != extruder && tool < machine_->tools.size(); ++tool)
-      if (machine_->tools[tool].extruder == int(extruder)) take_tool(tool);
-  }
   // Takes up the program again as `before` left it, except for what the console has not said yet.
   void resume(const Interpreter& before) {
     Interpreter mine = std::move(*this);
@@ -185,29 +181,7 @@ class Interpreter {
   void set_flow(size_t extruder, double flow) { filament_[extruder].flow = flow; }
   // The plan behind which the program goes on has been changed so, and what is left of a line
   // changes too.
-  void change_flow(size_t extruder, FlowChange& change) {
-    Filament& filament = filament_[extruder];
-    double from = extruder_[extruder], owed = filament.owed;
-    filament.flow = change.flow();
-    filament.owed = change.owed(owed);
-    if (owed > 0) filament.scale *= filament.owed / owed;
-    extruder_[extruder] = change.place(from);
-    if (extruder != active_) return;
-    position_[kE] = extruder_[extruder];
-    auto pass = [&](double to, double& flow) {
-      double was_owed = owed, end = to;
-      owed = flow > 0 ? owed_after(owed, to - from) : owed;
-      change.apply(from, end, flow, was_owed);
-      from = to;
-      return end;
-    };
-    for (Item& item : pending_)
-      if (item.found == Found::move && item.move.kind != MoveKind::dwell)
-        item.move.target[kE] = pass(item.move.target[kE], item.move.flow);
-    if (!arc_.active()) return;
-    double start = change.place(from), end = pass(from + arc_.left(kE), move_.flow);
-    arc_.set_left(kE, start, end - start);
-  }
+  void change_flow(size_t extruder, FlowChange& change);
   // Nothing that was drawn back is to come back.
   void forget_retraction() {
     for (Filament& filament : filament_) filament.owed = 0;
@@ -233,6 +207,7 @@ class Interpreter {
   const std::vector<double>& diameters() const { return diameter_; }
   bool auto_retract() const { return auto_retract_; }
   static constexpr double kLoadMmS = 6, kUnloadMmS = 20;  // speeds of M701 and M702
+  static constexpr double kLongestChange = 5000;          // mm that they move, at most
   struct Change {
     double load_mm, unload_mm;  // M603, of filament
   };
@@ -314,7 +289,6 @@ class Interpreter {
  private:
   static constexpr double kPi = 3.141592653589793;
   static constexpr double kLeastRetract = 0.1, kMostRetract = 10;  // mm, of M209
-  static constexpr double kLongestChange = 5000;                   // mm, of M603 and M207
   static constexpr double kThinnest = 0.1, kThickest = 10;         // mm, of filament
   struct Item {
     Found found;
@@ -419,6 +393,11 @@ class Interpreter {
     item.event = {lines().number(), letter, number, minor, readable(name), readable(text)};
     pending_.push_back(std::move(item));
   }
+
+  // mm of filament that the program's E counts already, of moves that have not been taken.
+  double meant_mm() const;
+  // The program's E counts so much filament no more.
+  void take_back(double mm) { logical_e_ -= mm / e_scale(); }
 
   bool is_filament(int j) const { return filament_slots_ >> j & 1; }
   // Letters whose words count from where they are.
@@ -528,6 +507,7 @@ class Interpreter {
     if (m.kind == MoveKind::dwell && m.duration_s > 0) {
       std::copy(position_, position_ + kAxes, m.target);
       m.extruder = uint16_t(active_);
+      m.tool = uint16_t(tool_);
       m.beam = m.energy_ws / (m.duration_s * laser_.full_w);
       move_ = m;
       move_.kind = MoveKind::dwell;
@@ -551,6 +531,7 @@ class Interpreter {
         uint16_t(std::min(marked_layers_ > 0 ? uint32_t(marked_layers_) : risen_layers_, 65535u));
     m.feature = feature_;
     m.extruder = uint16_t(active_);
+    m.tool = uint16_t(tool_);
     if (laser_.any()) shine(m);
     if (!extruder_.empty()) {
       m.owed_mm = filament_[active_].owed;
@@ -610,5 +591,6 @@ class Interpreter {
 
 }  // namespace passo
 
+#include "gcode/interpreter_filament.hpp"
 #include "gcode/interpreter_run.hpp"
 #include "gcode/interpreter_steps.hpp"

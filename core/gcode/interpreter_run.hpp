@@ -465,6 +465,7 @@ inline bool Interpreter::next_chord() {
       double limit = move_.target[j] < low_[j] ? low_[j] : high_[j];
       if (!clamp) {
         fail(Fault::out_of_range, machine_->axes[size_t(j)].name, move_.target[j], limit);
+        take_back(move_.target[kE] - position_[kE] + arc_.left(kE));
         arc_ = Arc();
         return false;
       }

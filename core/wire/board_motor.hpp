@@ -86,7 +86,6 @@ class BoardMotor {
     retire(clock);
     return steps_ + (head_ == tail_ ? 0 : ring_[head_ & (ring_.size() - 1)].done(clock));
   }
-  Ticks last_clock() const { return last_; }
 
   // Keeps the commands that are executed within from…to.
   void trace(Ticks from, Ticks to) {

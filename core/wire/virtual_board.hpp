@@ -88,8 +88,6 @@ class VirtualBoard : public Bench {
 
   int64_t net_steps(uint32_t step_pin) override { return motor(step_pin).net_at(now_); }
   int64_t steps(uint32_t step_pin) override { return motor(step_pin).steps_at(now_); }
-  // Clock of the last step queued.
-  Ticks last_step(uint32_t step_pin) { return motor(step_pin).last_clock(); }
   void trace_steps(uint32_t step_pin, Ticks from, Ticks to) override {
     motor(step_pin).trace(from, to);
   }

@@ -606,9 +606,6 @@ class Link:
     @property
     def retransmitted_bytes(self) -> int: ...
 
-    @property
-    def bad_frames(self) -> int: ...
-
     def take_slack(self) -> Slack:
         """The least since this was last asked."""
 
@@ -727,8 +724,6 @@ class VirtualBoard(Bench):
     """A complete board in virtual time; pins by number."""
 
     def __init__(self, clock_hz: float, move_count: int, adc_max: int, pwm_max: int, identify: bytes, start: int = 0) -> None: ...
-
-    def last_step(self, step_pin: int) -> int: ...
 
     @property
     def peak_slots(self) -> int: ...
@@ -1142,6 +1137,8 @@ LOAD_MM_S: float = 6.0
 
 UNLOAD_MM_S: float = 20.0
 
+LONGEST_CHANGE_MM: float = 5000.0
+
 class JobStatus(enum.Enum):
     NEED_INPUT = 0
 
@@ -1152,6 +1149,18 @@ class JobStatus(enum.Enum):
     FULL = 3
 
     END = 4
+
+class Within(enum.Enum):
+    """What a move outside of any program must keep to."""
+
+    LIMITS = 0
+    """The machine's limits."""
+
+    REACH = 1
+    """What its actuators reach: it has been there."""
+
+    ANYTHING = 2
+    """Nothing: it does not know where it is."""
 
 class Fault(enum.Enum):
     NUMBER = 0
@@ -1340,7 +1349,7 @@ class Job:
 
     def use_tool(self, tool: int) -> None:
         """
-        This tool is in use, with its offset, as if the program had selected it; nothing moves. It must be one of the machine's. No-op without tools.
+        This tool is in use, with its offset, as if the program had selected it; nothing moves. Tool 0 may be named without tools, too.
         """
 
     def forget_suspended(self) -> None: ...
@@ -1359,9 +1368,9 @@ class Job:
         The laser's share of full power, at the feed rate of the moves that follow; it is less where they are slower, and none while nothing moves. 0: records alone set it.
         """
 
-    def move_to(self, target: Sequence[float], feed_mm_s: float, limited: bool = True) -> bool:
+    def move_to(self, target: Sequence[float], feed_mm_s: float, within: Within = Within.LIMITS) -> bool:
         """
-        A straight move in machine coordinates (NaN: stay), outside of soft limits. False if an actuator does not reach it, unless its limits are not to count.
+        A straight move in machine coordinates (NaN: stay). False, and nothing is changed, if it is too long, or not within what it must keep to: see error.
         """
 
     def set_axes(self, places: Sequence[tuple[int, float]]) -> None:

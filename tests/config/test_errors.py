@@ -111,6 +111,8 @@ def test_a_problem_reads_as_a_sentence() -> None:
         ("steps_per_mm = 400.0", "steps_per_mm = 400\nmin_deg = 1", "steppers.z.min_deg", "min_mm"),
         ("steps_per_mm = 400.0", "steps_per_mm = inf", "steppers.z.steps_per_mm", "a finite"),
         ("jerk_mm_s = 0.4", "home_mm = 300", "axes.z.home_mm", "a position between 0 and 250"),
+        ("[board]", "[park]\nposition_mm = [9, 999]\n[board]", "park.position_mm", "Y between"),
+        ("[board]", "[park]\nretract_mm = 2e4\n[board]", "park.retract_mm", "at most 1000"),
         ('name = "i3"', 'name = "I 3"', "name", "a name of lower-case letters"),
         ('name = "i3"', "name = 3", "name", "expected a text in quotes"),
         ("[axes.z]", "[axes.q]", "axes.z", "expected a table with its limits"),

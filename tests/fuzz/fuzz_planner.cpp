@@ -172,7 +172,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         lone.take(queue.front());
       if (p[9] & 1) recover(motion, lone);
       if (p[9] & 8 && motion.held() > 0) {
-        motion.shift_from(0, kZ, p[5] / 100.0, 0);
+        motion.shift_from(0, kZ, p[5] / 100.0, 0, 0);
         at[kZ] = move.target[kZ] = motion.planner().position()[kZ];
       }
       if (p[9] & 16 && motion.held() > 0) motion.record(1, ++records[1]);

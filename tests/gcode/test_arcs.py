@@ -7,9 +7,9 @@ from math import acos, dist, hypot, pi
 
 import pytest
 
-from passo._core import Fault
+from passo._core import Fault, Job, JobStatus
 
-from .driver import run
+from .driver import run, spec
 
 AXES = {"G17": (0, 1, 2), "G18": (2, 0, 1), "G19": (1, 2, 0)}
 
@@ -175,3 +175,34 @@ def test_speed_on_an_arc_is_bounded_by_curvature_and_feed():
     assert max(m.cruise_speed for m in arc("G2 I50 F600").moves) == pytest.approx(10)
     assert all(m.inner for m in out.moves[1:])
     assert not out.moves[0].inner
+
+
+@pytest.mark.parametrize("line", ["G2 X10 Y10 I-8 J-8 E5", "G2 X10 Y10 I0 J-100 E5"])
+def test_of_an_arc_that_leaves_the_limits_the_filament_counts_that_has_moved(line):
+    job = Job(spec("i3"), True)
+    job.feed(f"G1 X10 Y10 E1 F3000\n{line}\n".encode())
+    assert job.advance() == JobStatus.ERROR
+    assert job.error[1] == Fault.OUT_OF_RANGE
+    job.abandon()
+    e = job.machine_position[3]
+    assert 1 < e < 2
+    assert job.program_position[3] == pytest.approx(e, abs=1e-12)
+
+
+def test_of_an_arc_that_is_stopped_the_filament_counts_that_has_moved():
+    job = Job(spec("i3"), True)
+    job.feed(b"G1 X50 Y100 E1 F3000\nG2 X50 Y100 I50 P3 E61\n")
+    assert job.advance(1.0) == JobStatus.FULL  # the arc has not been read to its end
+    job.flush()
+    job.stop_from(0.5 * job.clock)
+    e = job.machine_position[3]
+    assert 1 < e < 60
+    assert job.program_position[3] == pytest.approx(e, abs=1e-12)
+
+
+def test_of_a_move_behind_an_event_of_its_line_no_filament_counts_when_it_is_left_out():
+    job = Job(spec("i3"), True)
+    job.feed(b"G1 X50 E5 S100\n")
+    assert job.advance() == JobStatus.EVENT
+    job.abandon()
+    assert job.program_position == [0, 0, 0, 0]

@@ -6,9 +6,9 @@ from math import inf
 
 import pytest
 
-from passo._core import Fault
+from passo._core import Fault, Job
 
-from .driver import run
+from .driver import run, spec
 
 
 @pytest.mark.parametrize(
@@ -187,3 +187,16 @@ def test_layers_and_features_of_slicers():
     assert [m.layer for m in out.moves] == [1, 2]
     assert set(out.statistics["feature_s"]) == {"WALL-OUTER", "FILL"}
     assert run("G1 X1 Z.2 E1\nG1 X2 E2\nG1 Z2\nG1 Z.4\nG1 X1 E3\n").statistics["layers"] == 2
+
+
+def test_only_a_tool_that_there_is_can_be_used():
+    job = Job(spec("multi-material"), False)
+    job.use_tool(4)
+    assert job.tool == 4
+    with pytest.raises(IndexError, match="no such tool"):
+        job.use_tool(5)
+    assert job.tool == 4
+    without = Job(spec("laser"), False)
+    without.use_tool(0)
+    with pytest.raises(IndexError, match="no such tool"):
+        without.use_tool(1)

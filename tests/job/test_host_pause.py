@@ -124,7 +124,16 @@ def test_the_temperature_counts_in_a_file_too(tmp_path):
 
 @pytest.mark.parametrize(
     ("words", "told"),
-    [("T1", "T is 1: expected 0, the tool in use"), ("S400", "S is 400: expected 5 to 285 C")],
+    [
+        ("T1", "T is 1: expected 0, the tool in use"),
+        ("S400", "S is 400: expected 5 to 285 C"),
+        ("X900 Y30", "X is 900: expected 0 to 250 mm"),
+        ("X60 Y-1", "Y is -1: expected 0 to 220 mm"),
+        ("Z251", "Z is 251: expected -250 to 250 mm"),
+        ("E5001", "E is 5001: expected -5000 to 5000 mm"),
+        ("L5001", "L is 5001: expected -5000 to 5000 mm"),
+        ("U100000000", "U is 1e+08: expected -5000 to 5000 mm"),
+    ],
 )
 def test_what_m600_cannot_do_is_said(s, words, told):
     before = at(s)

@@ -1,4 +1,4 @@
-"""What only a machine whose parts are all sound can tell about its home."""
+"""What only a machine whose parts are all sound can tell about its home and parking place."""
 
 from __future__ import annotations
 
@@ -26,6 +26,16 @@ def check_home(machine: MachineConfig) -> Iterator[Finding]:
         limit = f"a place where the nozzle can be: {error}"
         value = machine.homing[arms[0]].position
         yield Finding("config.value", ("homing", arms[0], "position"), value, limit)
+
+
+def check_park(machine: MachineConfig) -> Iterator[Finding]:
+    """The nozzle waits where its axes go."""
+    place = machine.park.position_mm if machine.park else None
+    for name, mm in zip("xy", place or (), strict=False):
+        low, high = machine.axes[name].min_mm, machine.axes[name].max_mm
+        if not low <= mm <= high:
+            limit = f"{name.upper()} between {low:g} and {high:g}"
+            yield Finding("config.value", ("park", "position_mm"), mm, limit)
 
 
 def _check_axes(machine: MachineConfig) -> Iterator[Finding]:

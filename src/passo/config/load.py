@@ -13,7 +13,7 @@ from pydantic import ValidationError
 from passo.config.board_files import Source, put_boards
 from passo.config.checks import check_all
 from passo.config.findings import Finding, did_you_mean, key_text, table
-from passo.config.home_checks import check_home
+from passo.config.home_checks import check_home, check_park
 from passo.config.kinds import KINDS
 from passo.config.lines import Path, key_lines, line_of
 from passo.config.machine import MachineConfig
@@ -90,7 +90,7 @@ def load_text(text: str, file: str = "<text>") -> MachineConfig:
     else:
         findings += check_all(data, (), ())
     if machine is not None and not findings:
-        findings += check_home(machine)
+        findings += [*check_home(machine), *check_park(machine)]
     if findings or machine is None:
         raise ConfigError(_problems(findings, text, file, sources))
     return machine

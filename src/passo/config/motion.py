@@ -122,6 +122,9 @@ class Stepper(Model):
         return DRIVERS[self.driver]
 
 
+_PushedMm = Annotated[float, Field(ge=0, le=1000)]  # of filament, at once
+
+
 class Park(Model):
     """Where the nozzle waits while a print is paused: `raise_mm` above the print, then at X and Y
     of `position_mm` (stays over the print if not given), with the filament drawn back.
@@ -130,9 +133,9 @@ class Park(Model):
     position_mm: Pair | None = None
     raise_mm: NotNegative = 10.0
     speed_mm_s: Positive = 100.0
-    retract_mm: NotNegative = 2.0
+    retract_mm: _PushedMm = 2.0
     retract_mm_s: Positive = 30.0
-    prime_mm: NotNegative = 5.0
+    prime_mm: _PushedMm = 5.0
     prime_mm_s: Positive = 5.0
 
 

@@ -12,6 +12,7 @@ from passo.console.statistics import Print, Statistics, spoken
 from passo.errors import CommandError, PassoError
 from passo.job.forecast import Forecast, forecast
 from passo.job.host_pause import HostPause
+from passo.job.park import check_words
 from passo.job.runner import Runner, State
 from passo.printer.waits import Handler, Procedure, Reply, Wait
 from passo.printer.words import Command
@@ -220,8 +221,10 @@ class JobCommands:
         return None
 
     def _change_filament(self, command: Command, reply: Reply) -> Wait | None:
-        """Raises CommandError for a tool that is not in use, and what its hotend cannot reach."""
+        """Raises CommandError for a tool that is not in use, what its hotend cannot reach, and
+        where the nozzle cannot go."""
         words = command.words()
+        check_words(words, self._printer.machine)
         tool = self._printer.job.tool
         if words.get("T", tool) != tool:
             raise CommandError.bad_value("T", words["T"], f"{tool}, the tool in use")

@@ -8,12 +8,27 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from passo import _core
+from passo._core import Within
 from passo.config.drives import axis_order
+from passo.config.machine import MachineConfig
+from passo.errors import CommandError
 from passo.printer.slots import E, X, Y, Z, slot_of_axis
 from passo.printer.waits import Silence, Temperatures
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
+
+
+def check_words(words: Mapping[str, float], machine: MachineConfig) -> None:
+    """Raises CommandError for a word of M600, see `Park.leave`, that is not within the limits of
+    this machine, or of what M701 pushes at once."""
+    z = machine.axes["z"]
+    longest = {"Z": z.max_mm - z.min_mm} | dict.fromkeys("ELU", _core.LONGEST_CHANGE_MM)
+    ranges = {letter: (-mm, mm) for letter, mm in longest.items()}
+    ranges |= {a.upper(): (machine.axes[a].min_mm, machine.axes[a].max_mm) for a in "xy"}
+    for letter, (low, high) in ranges.items():
+        if letter in words and not low <= words[letter] <= high:
+            raise CommandError.bad_value(letter, words[letter], f"{low:g} to {high:g} mm")
 
 
 class Park:
@@ -71,7 +86,8 @@ class Park:
 
     async def come_back(self) -> None:
         """To where the print was left, over it first and then down. A babystep meanwhile
-        moves that place, also where there is no parking."""
+        moves that place, also where there is no parking. Raises CommandError, and there is
+        nothing to go on with, if arms do not reach it from where they are."""
         printer = self._printer
         park = printer.machine.park
         if self._celsius is not None:
@@ -90,9 +106,12 @@ class Park:
             # Axes that do not know where they are have not been moved by anybody.
             known = [slot for slot in self._places if slot not in job.locked_axes]
             across = {slot: at[slot] for slot in known if slot != Z}
-            drive.move(across, park.speed_mm_s if park else math.inf)
+            reached = drive.move(across, park.speed_mm_s if park else math.inf, Within.REACH)
             if Z in known:
-                drive.move({Z: at[Z]}, math.inf)
+                reached = reached and drive.move({Z: at[Z]}, math.inf, Within.REACH)
+            if not reached:
+                job.forget_suspended()
+                raise CommandError([printer.commands.problem()])
             if self._away and park is not None and printer.can_extrude():
                 self._push(self._retracted_mm, park.retract_mm_s)
             self._away = False

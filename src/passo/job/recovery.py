@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from passo._core import Within
 from passo.errors import CommandError
 from passo.job.journal import Moment, Program
 from passo.job.past import Past
@@ -139,7 +140,7 @@ class Recovery:
 
     async def _go(self, target: dict[int, float], speed_mm_s: float) -> None:
         printer = self._printer
-        if not printer.drive.move(target, speed_mm_s):
+        if not printer.drive.move(target, speed_mm_s, Within.REACH):
             raise CommandError.of("job.other-file", self._program.path)
         printer.drive.flush()
         await printer.drive.until(lambda: printer.drive.standing or printer.interrupted)

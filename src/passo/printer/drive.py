@@ -8,6 +8,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
+from passo._core import Within
 from passo.printer.slots import SLOTS
 
 if TYPE_CHECKING:
@@ -124,12 +125,17 @@ class Drive:
         self._dirty = True
         self._woken.set()
 
-    def move(self, target: Mapping[int, float], speed_mm_s: float, *, limited: bool = True) -> bool:
+    def move(
+        self,
+        target: Mapping[int, float],
+        speed_mm_s: float,
+        within: Within = Within.LIMITS,
+    ) -> bool:
         """Adds a straight move to these places, by slot, in machine mm; what is not named stays.
-        False if `limited` and an actuator does not reach it."""
+        False, and nothing moves, if it is too long or not `within` that: see the job's error."""
         places = [target.get(slot, math.nan) for slot in range(SLOTS)]
         self.before_moves()
-        reached = self._job.move_to(places, speed_mm_s, limited)
+        reached = self._job.move_to(places, speed_mm_s, within)
         self.after_moves()
         return reached
 

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from passo._core import Within
 from passo.board.endstops import Endstops
 from passo.config.drives import axis_order
 from passo.errors import CommandError
@@ -105,7 +106,9 @@ class Homer:
         slots = [slot_of_axis(i) for i in range(len(self._axes))]
         straight = self._machine.geometry.lifts_together
         across = {slot: to[slot] for slot in slots if slot != Z or straight}
-        reached = drive.move(across, math.inf) and drive.move({Z: to[Z]}, math.inf)
+        reached = drive.move(across, math.inf, Within.REACH) and drive.move(
+            {Z: to[Z]}, math.inf, Within.REACH
+        )
         drive.flush()
         await self._still()
         self._printer.raise_if_interrupted()
@@ -129,7 +132,7 @@ class Homer:
         job.set_axes(list(enumerate(geometry.inverse(before))))
         try:
             a, b, _ = geometry.inverse(target)
-            printer.drive.move({X: a, Y: b}, math.inf, limited=False)
+            printer.drive.move({X: a, Y: b}, math.inf, Within.ANYTHING)
             printer.drive.flush()
             await self._still()
         finally:
@@ -269,7 +272,7 @@ class Homer:
                 if time >= end:
                     target[way.slot] = self._at(way.slot) + way.sign * speed * (end - passed)
                     square += speed * speed
-            drive.move(target, math.sqrt(square), limited=False)
+            drive.move(target, math.sqrt(square), Within.ANYTHING)
             passed = end
         printer.drive.flush()
         try:
@@ -313,7 +316,7 @@ class Homer:
         for way, distance in zip(ways, by, strict=True):
             target[way.slot] = self._at(way.slot) + way.sign * distance
             square += way.config.fast**2
-        printer.drive.move(target, math.sqrt(square), limited=False)
+        printer.drive.move(target, math.sqrt(square), Within.ANYTHING)
         printer.drive.flush()
         await self._still()
         printer.raise_if_interrupted()
