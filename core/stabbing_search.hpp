@@ -129,23 +129,22 @@ class Search {
   PASSO_SEARCH_INLINE Command extend(const double* lo, const double* hi, int n, double last) const {
     const double least = least_[kPairs], most = most_[kPairs], centre = middle(least, most);
     Command best{0, 0, 0};
-    double low = 0, high = 0;
+    double high = 0;
     for (double add : {centre, centre - 1, centre + 1, centre - 2, centre + 2}) {
       if (!possible(add, least, most)) continue;
-      double l, h;
-      int count = reach(lo, hi, n, last, add, l, h);
+      double h;
+      int count = reach(lo, hi, n, last, add, h);
       if (count <= best.count) continue;
       best = {count, 0, add};
-      low = l;
       high = h;
     }
     if (best.count == 0) return best;
     return {best.count, at_most(high), best.add};
   }
 
-  // Number of steps that hold with this add, and the range of the interval.
+  // Number of steps that hold with this add, and the largest interval.
   PASSO_SEARCH_INLINE int reach(const double* lo, const double* hi, int n, double last, double add,
-                                double& low, double& high) const {
+                                double& high) const {
     const Vector origin(last), stride(2 * add);
     Vector x = Vector(add) * Vector::load(kStabbing.halves), lows(-kFar), highs(kFar);
     int m = 0;
@@ -157,7 +156,7 @@ class Search {
       lows = l;
       highs = h;
     }
-    low = lows.most();
+    double low = lows.most();
     high = highs.least();
     for (; m < n; ++m) {
       double r = kStabbing.reciprocal[m + 1], at = 0.5 * add * m;

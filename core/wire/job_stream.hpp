@@ -269,7 +269,7 @@ class JobStream {
     uint64_t name;
     uint32_t inverted_full;
     Ticks longest;
-    Kick kick;
+    Kick kick{};
     uint32_t value = 0;
     Ticks told = 0;  // board clock of the last word
 

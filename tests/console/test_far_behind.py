@@ -213,9 +213,9 @@ def test_m112_comes_through_a_pipe_that_is_full_of_lines(way, numbers, tmp_path)
         halted = printer.halted
         os.close(fd)
         console.close()
+        await asyncio.sleep(1)
         runs.cancel()
         await asyncio.gather(runs, return_exceptions=True)
-        await asyncio.sleep(1)
         return held, halted, printer.connection.heaters["hotend"].target
 
     loop = VirtualLoop()
