@@ -417,8 +417,8 @@ def test_cards_on_four_wires(name: str, clock: str, command: str, data: list[str
     ("name", "most"),
     [
         *((name, 303_000) for name in ("radds", "ramps-fd", "duet-0.6")),
-        *((f"stm32f4{kind}-discovery", 487_000) for kind in ("07", "29")),
-        *(("4pi", 335_000), ("pico", 359_000)),
+        *((f"stm32f4{kind}-discovery", 451_000) for kind in ("07", "29")),
+        *(("4pi", 320_000), ("pico", 359_000)),
         *(("teensy3-mk20dx128", 190_000), ("teensy3-mk20dx256", 261_000)),
     ],
 )

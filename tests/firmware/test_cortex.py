@@ -5,6 +5,7 @@ from __future__ import annotations
 import struct
 from dataclasses import dataclass
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -176,6 +177,24 @@ def test_it_steps_in_time(case: Case) -> None:
     assert all(fall - rise >= 2 * us for rise, fall in zip(rises, falls, strict=True))
     assert [level for _, pin, level in host.chip.edges if pin == direction] == [1, 0]
     assert host.send("stepper_get_position oid=0")["stepper_position"]["pos"] == 30
+
+
+def test_steps_that_are_late_keep_pulse_and_low_time(case: Case) -> None:
+    host = finalized(case)
+    us = case.hz // 1_000_000
+    start = host.chip.clock + case.hz // 100
+    host.chip.edges.clear()
+    host.send(
+        f"reset_step_clock oid=0 clock={start}",
+        "set_next_step_dir oid=0 dir=1",
+        f"queue_step oid=0 interval={2 * us + 1} count=40 add=0",  # no time for a pause
+    )
+    host.chip.run(0.02)
+    edges = [(clock, level) for clock, pin, level in host.chip.edges if pin == case.step[1]]
+    assert [level for _, level in edges] == [1, 0] * 40
+    assert min(b - a for (a, _), (b, _) in pairwise(edges)) >= 2 * us
+    # They catch up as far as that lets them.
+    assert edges[-1][0] - edges[0][0] < 40 * 2 * 2 * us + 40 * 400 * case.hz / case.model.CORE_HZ
 
 
 def test_three_motors_keep_up_with_the_budget_of_the_board(case: Case) -> None:

@@ -54,7 +54,7 @@ void hal_alarm(uint32_t clock) { set(&timers, clock); }
 void stepgen_alarm(uint32_t clock) { set(&steps, clock); }
 
 void stepgen_wait(uint32_t clock) {
-  while ((int32_t)(chip_clock() - clock) < 0) {
+  while ((int32_t)(chip_clock() - clock) <= 0) {
   }
 }
 

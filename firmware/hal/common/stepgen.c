@@ -14,8 +14,15 @@ static struct axis {
   struct move *oldest, *waiting, *newest;
 } axes[HAL_STEPPERS];
 static uint8_t axis_count;
+// Steps that are late do not begin before `low_until`: drivers want the pin to be low between two
+// pulses for as long as a pulse takes.
+static bool late;
+static uint32_t low_until;
 
-void stepgen_start(void) { axis_count = 0; }
+void stepgen_start(void) {
+  axis_count = 0;
+  late = false;
+}
 
 bool stepgen_setup(uint8_t index, uint16_t step_pin, uint16_t direction_pin, bool invert,
                    uint16_t pulse_ticks) {
@@ -55,7 +62,8 @@ static void set_alarm(void) {
   for (struct axis *axis = axes; axis < axes + axis_count; ++axis)
     if (axis->active && (soonest == NULL || (int32_t)(axis->next - soonest->next) < 0))
       soonest = axis;
-  if (soonest != NULL) stepgen_alarm(soonest->next);
+  if (soonest == NULL) return;
+  stepgen_alarm(late && (int32_t)(soonest->next - low_until) < 0 ? low_until : soonest->next);
 }
 
 void stepgen_interrupt(void) {
@@ -69,13 +77,19 @@ void stepgen_interrupt(void) {
     if (axis->pulse_ticks > pulse_ticks) pulse_ticks = axis->pulse_ticks;
     due[due_count++] = axis;
   }
-  if (due_count > 0) stepgen_wait(hal_clock() + pulse_ticks);
+  // The clock is read again only where it matters: that takes time.
+  uint32_t end = hal_clock() + pulse_ticks, soon = end + 2u * pulse_ticks, next = soon;
+  if (due_count > 0) stepgen_wait(end);
   while (due_count > 0) {
     struct axis *axis = due[--due_count];
     hal_output_write(&axis->step, axis->invert);
     if (--axis->count == 0) load(axis);
-    if (axis->active) advance(axis);
+    if (!axis->active) continue;
+    advance(axis);
+    if ((int32_t)(axis->next - next) < 0) next = axis->next;
   }
+  if (next != soon) low_until = hal_clock() + pulse_ticks;
+  late = next != soon && (int32_t)(next - low_until) < 0;
   set_alarm();
 }
 
@@ -117,6 +131,7 @@ void stepgen_stop(uint8_t index) {
   axis->active = false;
   axis->waiting = NULL;
   axis->stopped = true;
+  late = false;
   hal_irq_restore(irq);
 }
 

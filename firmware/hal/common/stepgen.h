@@ -16,7 +16,8 @@
 // What the chip's layer gives. Calls stepgen_interrupt() at `clock` or as soon after as can be; a
 // newer clock replaces the older.
 void stepgen_alarm(uint32_t clock);
-// Returns when `clock` has come: a few microseconds at most.
+// Returns when `clock` is over, since it may be reckoned from the end of a tick: a few microseconds
+// at most.
 void stepgen_wait(uint32_t clock);
 
 // Forgets all axes, as after power-on.
