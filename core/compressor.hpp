@@ -233,13 +233,15 @@ class Compressor {
     }
   }
 
+  // The least distance of a step from one that is done, whichever way it goes.
+  double apart() const { return std::max(reversal_, least_); }
   bool resets(double first) const { return renew_ || first - double(last_) > kIdle; }
 
   // After a cut or a stop a step may be due at once, at or before the last executed one, or when
   // the clock is to be set anew.
   void set_apart() {
     crowded_ = false;
-    double apart = std::max(reversal_, least_);
+    const double apart = this->apart();
     bool anew = resets(steps_.ticks[1]);
     double least = std::max(double(last_), anew ? double(floor_) : steps_.ticks[0]);
     if (steps_behind_) least = std::max(least, double(floor_) - apart + 1);
@@ -250,7 +252,8 @@ class Compressor {
   // Returns the index of the first step that still waits.
   size_t compress_all(size_t known, double frontier, bool still) {
     const size_t n = steps_.ticks.size();
-    steps_.ticks.push_back(1e18);
+    // Behind a stop the next step may be due at once, and is then set apart from the last one.
+    steps_.ticks.push_back(still ? steps_.ticks.back() + apart() : 1e18);
     size_t done = 1;
     for (bool last = false; !last;) {
       size_t end = std::min(n, done + kBlock);

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import random
 
 import numpy as np
 import pytest
@@ -37,6 +38,24 @@ def test_npz_within_the_bound(short, tmp_path, machine):
         assert len(ticks) > 0
         assert (np.abs(ticks - ideal) <= bound + 1e-2).all()
         assert (np.diff(ticks) > 0).all()
+
+
+def test_steps_around_a_stop_are_within_the_bound(tmp_path):
+    """A target between two steps: the last step is due as the motor stops, and the next one, back,
+    as it starts."""
+    rng = random.Random(3)
+    path, output = tmp_path / "stops.gcode", tmp_path / "steps.npz"
+    moves = [f"G1 X{5 + rng.randrange(800) * 0.0125 + 0.00625:.5f} F3000" for _ in range(200)]
+    path.write_text("G28\n" + "\nM400\n".join(moves) + "\n")
+    assert main(["steps", str(path), "--output", str(output), "--ideal"]) == 0
+    data = np.load(output)
+    ticks, ideal = data["x_ticks"], data["x_ideal_s"] * float(data["clock_hz"])
+    gaps = np.diff(ideal, prepend=-1e12, append=1e12)
+    bound = np.minimum(32, np.minimum(gaps[:-1], gaps[1:]) / 4) + 0.5
+    assert len(ticks) > 10_000
+    assert np.max(np.abs(ticks - ideal) - bound) <= 1e-2
+    turns = data["x_dir"][1:] != data["x_dir"][:-1]
+    assert np.min(np.diff(ticks)[turns]) >= 32  # A4988: 1 us pulse, and 0.2 us about the direction
 
 
 def test_a_cut_of_time(short, tmp_path):

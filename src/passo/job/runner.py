@@ -15,7 +15,7 @@ from passo.errors import CardError, CommandError, InputError, PassoError, Proble
 from passo.job.park import Park
 from passo.printer.drive import TICK_S
 from passo.printer.faults import problem_of
-from passo.printer.waits import Reply, Stopped
+from passo.printer.waits import Reply, Stopped, Wait
 from passo.printer.words import Command
 
 if TYPE_CHECKING:
@@ -66,6 +66,7 @@ class Runner:
         self.first_line = 1  # number of the first line fed
         self._begin = 0  # offset of the first byte fed since the source was restarted
         self._returns = False  # a pause is over, its end is still to be done
+        self._waits_for: Wait | None = None  # what the last command waits for, if that is not over
         self._parked = False
         self._locked = set[int]()  # axes that did not know where they are when it began
         self._again = False  # to be started as soon as the last print has ended
@@ -253,6 +254,7 @@ class Runner:
         printer = self._printer
         self._failed = ""
         self._returns = False
+        self._waits_for = None
         try:
             while self.active:
                 if self.state is State.PAUSED:
@@ -349,6 +351,8 @@ class Runner:
             printer.resume_job()
         printer.select(console=False)
         printer.program = self._reply
+        if self._waits_for is not None:
+            return await self._wait()
         drive.before_moves()
         try:
             horizon = drive.now + _AHEAD_S * drive.hz
@@ -376,19 +380,28 @@ class Runner:
         elif found == status.EVENT:
             command = Command(*job.event)
             try:
-                wait = printer.run_command(command, self._reply)
+                self._waits_for = printer.run_command(command, self._reply)
             except InputError as error:
                 raise InputError(self._placed(error, command.line)) from None
-            if wait is not None:
-                await printer.wait(wait, self._reply)
-            if printer.commands.ended:
-                printer.commands.ended = False
-                return await self._finish()
+            return await self._wait()
         elif found == status.ERROR:
             problem = problem_of(job, self.name, printer.machine.geometry)
             job.abandon()
             raise CommandError([problem])
         elif found == status.END:
+            return await self._finish()
+        return False
+
+    async def _wait(self) -> bool:
+        """Waits for what the last command waits for; later, if a pause puts moves before it aside.
+        True at the program's end."""
+        printer = self._printer
+        if self._waits_for is not None:
+            if not await printer.wait(self._waits_for, self._reply, aside=lambda: self._returns):
+                return False
+            self._waits_for = None
+        if printer.commands.ended:
+            printer.commands.ended = False
             return await self._finish()
         return False
 

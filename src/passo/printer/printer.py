@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterable, Sequence
 from contextlib import ExitStack, contextmanager
+from functools import partial
 from typing import TYPE_CHECKING
 
 from passo import _core
@@ -43,6 +44,8 @@ if TYPE_CHECKING:
 
 LASER_OFF_S = 3.0  # of standing with the laser on, no print being under way
 _FIRST_REPORTS_S = 0.6  # all sensors have spoken by then
+# What stops a machine at once waits in a file, which is read ahead, for the moves before it.
+_IN_THEIR_TURN = ("M25", "M112", "M410", "M524")
 
 
 class Printer:
@@ -468,6 +471,8 @@ class Printer:
         """Carries out a command that the interpreter handed out."""
         self.drive.before_moves()
         handler = self.planned.get(command.code) or self.immediate.get(command.code)
+        if handler is not None and command.code in _IN_THEIR_TURN and not self._from_console:
+            return Still(partial(self._stop_in_turn, handler, command, reply))
         before = self.commands.unknown.get(command.code)
         wait = self._carried_out(handler, command, reply)
         if handler is None:
@@ -476,16 +481,27 @@ class Printer:
             reply.say(f'echo:Unknown command: "{command.code}"')
         return wait
 
+    def _stop_in_turn(self, handler: Handler, command: Command, reply: Reply) -> None:
+        self._carried_out(handler, command, reply)
+
     def _note(self, code: str, reply: Reply) -> None:
         """Says of a command that does nothing why it does not."""
         row = row_of(code)
         if row is not None and row.kind in (Kind.QUIET, Kind.NOT_BUILT):
             reply.note(row.code, f"{row.code} does nothing here. {row.text}")
 
-    async def wait(self, wait: Wait, reply: Reply, *, ends: bool = False) -> None:
-        """Waits with the machine at rest, or not at all if it `ends` as M108 ends it. Raises
-        Stopped when it was halted meanwhile."""
-        await self.waits.wait(wait, reply, ends=ends)
+    async def wait(
+        self,
+        wait: Wait,
+        reply: Reply,
+        *,
+        ends: bool = False,
+        aside: Callable[[], bool] = lambda: False,
+    ) -> bool:
+        """Waits with the machine at rest, or not at all if it `ends` as M108 ends it. False, and
+        the wait has not begun, if the moves before it stand `aside`. Raises Stopped when it was
+        halted meanwhile."""
+        return await self.waits.wait(wait, reply, ends=ends, aside=aside)
 
     @property
     def interrupted(self) -> bool:

@@ -55,37 +55,49 @@ class Waiting:
         await printer.drive.until(let_in)
         return self._impatient
 
-    async def wait(self, wait: Wait, reply: Reply, *, ends: bool = False) -> None:
-        """Waits with the machine at rest, or not at all if it `ends` at once. Raises Stopped when
-        it was halted meanwhile."""
+    async def wait(
+        self,
+        wait: Wait,
+        reply: Reply,
+        *,
+        ends: bool = False,
+        aside: Callable[[], bool] = lambda: False,
+    ) -> bool:
+        """Waits with the machine at rest, or not at all if it `ends` at once. False, and the wait
+        has not begun, if the moves before it stand `aside`. Raises Stopped when it was halted
+        meanwhile."""
         within_another, self.busy = self.busy, True
         try:
-            await self._wait(wait, reply, ends)
+            return await self._wait(wait, reply, ends, aside)
         finally:
             self.busy = within_another
 
-    async def _wait(self, wait: Wait, reply: Reply, ends: bool) -> None:
+    async def _wait(self, wait: Wait, reply: Reply, ends: bool, aside: Callable[[], bool]) -> bool:
         self.ended = self._impatient = ends
         if isinstance(wait, Still):
-            await self._still()
+            if not await self._still(aside):
+                return False
             if wait.then is not None:
                 self._raise_if_ended()
                 wait.then()
         else:
             with self._printer.dark():
-                await self._still()
+                if not await self._still(aside):
+                    return False
                 if isinstance(wait, Homing):
                     self._raise_if_ended()
                 await self._at_rest(wait, reply)
         self._printer.raise_if_halted()
+        return True
 
-    async def _still(self) -> None:
+    async def _still(self, aside: Callable[[], bool]) -> bool:
         printer = self._printer
         printer.drive.flush()
         await printer.drive.until(
-            lambda: printer.drive.standing or self._impatient or bool(printer.halted)
+            lambda: printer.drive.standing or self._impatient or bool(printer.halted) or aside()
         )
         printer.raise_if_halted()
+        return not aside()
 
     async def _at_rest(self, wait: Wait, reply: Reply) -> None:
         printer = self._printer
