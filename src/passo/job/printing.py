@@ -115,9 +115,9 @@ class Print:
             self.job.wait_until(ready)
             self._heat_s += (self.job.clock - start) / self._hz
 
-    def run(self, path: str | os.PathLike[str]) -> PrintResult:
-        """Prints the file to its end. Raises InputError, or MachineError, also for M112 and M410,
-        which end a print as soon as they are read."""
+    def run(self, path: str | os.PathLike[str], end: int | None = None) -> PrintResult:
+        """Prints the file to its end, or up to this line, which is left out. Raises InputError, or
+        MachineError, also for M112 and M410, which end a print as soon as they are read."""
         result = PrintResult(file=str(path), machine=self._machine.name)
         self.base = self.connection.start_job(self.job)
         warm = heated(self.job, self.wait_for)
@@ -130,7 +130,7 @@ class Print:
         if self._trace_s > 0:
             for stepper in self.connection.board.steppers:
                 self.board.trace_steps(stepper.name, 0, self.base + round(self._trace_s * self._hz))
-        for share in run_program(self.job, self._commands, path, settle):
+        for share in run_program(self.job, self._commands, path, settle, end):
             self._share = share
             self._watch()
             self._run_to(self.job.handed_out - _HORIZON_S * self._hz)
