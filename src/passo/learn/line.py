@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
-from passo.gcode.dialect import row_of
+from passo.gcode.dialect import Kind, row_of
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -93,7 +93,7 @@ def _without_comments(text: str) -> str:
         depth += char == "("
         kept.append(" " if depth else char)
         depth -= char == ")" and depth > 0
-    return "".join(kept).strip()
+    return "".join(kept).rstrip()  # blanks before a name make it words
 
 
 class _Reader:
@@ -133,10 +133,14 @@ class _Reader:
                 return [*found, Spoken(str(word), [text] if text else [])]
             else:
                 to = self._end_of(word, at)
-                code, own = _code(word), [str(w) for w in before + words[at:to]]
+                code = _code(word)
                 row = row_of(code)
+                if row is not None and row.kind is Kind.MOTION:
+                    before = []  # the interpreter's own commands have only words behind them
+                own = [str(w) for w in before + words[at:to]]
                 if row is not None and row.bare is None and at < to:
-                    own = [self._text[word.end : words[to - 1].end].strip()]
+                    text = self._text[word.end : words[to - 1].end].strip()
+                    own = [*(str(w) for w in before), text]
                 if code in _BEFORE_MOVES:
                     found.append(Spoken(code, []))
                     found += [Spoken("", own)] if own else []
