@@ -289,6 +289,18 @@ CATALOGUE: Mapping[str, Entry] = {
     "input.homing": _input(
         "homing", "{axis} has to wait until all axes are at home", "Send it again when G28 is done"
     ),
+    "machine.emergency-stop": Entry(
+        "job",
+        "emergency stop by M112",
+        "Take it out of the file, or end the program there with M2",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.stopped": Entry(
+        "job",
+        "the print was stopped by M410",
+        "Take it out of the file, or end the program there with M2",
+        ExitStatus.MACHINE_FAULT,
+    ),
     "machine.slow-heater": Entry(
         "heat",
         "heater {axis} has reached only {value:.1f} °C of {limit:.1f} °C in an hour",

@@ -123,6 +123,121 @@ def test_explain_of_lines_without_a_move(short, capsys):
     assert "there is no line 99: the file has 5" in capsys.readouterr().err
 
 
+def explained(capsys, path, line, *words):
+    assert main(["explain", f"{path}:{line}", *words]) == 0
+    return capsys.readouterr().out
+
+
+LINES = {
+    "T0": ["T0: Selects a tool."],
+    "G80": ["G80: unknown here, skipped."],
+    "N2 G1 X5 F600*55": [
+        "The line has the number 2, which is skipped; its checksum 55 is right.",
+        "G1: Moves in a straight line",
+        "  X5",
+        "  F600",
+    ],
+    "N4 M104 S100*96": [
+        "The line has the number 4, which is skipped; its checksum 96 is right.",
+        "M104: Sets the hotend's temperature",
+        "  S100",
+    ],
+    "(first X3) G1 X20": ["G1: Moves in a straight line", "  X20"],
+    "(only X3) ; G1": ["There is no command on this line."],
+    "SET_VELOCITY_LIMIT ACCEL=500": ["SET_VELOCITY_LIMIT: Sets limits of speed", "  ACCEL=500"],
+    "PRINT_START BED=60": ["PRINT_START: unknown here, skipped.", "  BED=60"],
+    "foo": ["FOO: unknown here, skipped."],
+    "G91 G1 X5 F600 M106 S3": [
+        "G91: Positions are relative",
+        "G1: Moves in a straight line",
+        "  X5",
+        "  F600",
+        "M106: Sets a fan's speed.",
+        "  S3",
+    ],
+    "G90 X3": ["G90: Positions are absolute.", "A move in the way of the last one", "  X3"],
+    "Y2 (x) X1": ["A move in the way of the last one", "  Y2", "  X1"],
+    "S20 M3": ["M3: Laser or spindle on.", "  S20"],
+    "M117 hello X3": ["M117: A message", "  hello X3"],
+    "M862.3 P": ["M862.3: It asks", "  P"],
+    "G1 X2 T1.5 M400 G4 P5": [
+        "G1: Moves in a straight line",
+        "  X2",
+        "  T1.5",
+        "M400: Waits",
+        "G4: Waits.",
+        "  P5",
+    ],
+}
+
+
+@pytest.mark.parametrize("line", LINES)
+def test_explain_tells_the_commands_of_a_line(capsys, tmp_path, line):
+    path = tmp_path / "a.gcode"
+    path.write_text(f"G28\n{line}\n")
+    rows = explained(capsys, path, 2).split("\n\n")[1].splitlines()
+    assert len(rows) == len(LINES[line])
+    for row, begins in zip(rows, LINES[line], strict=True):
+        assert row == begins if begins.startswith("  ") else row.startswith(begins)
+
+
+CORNERS = """G28
+G91
+G1 X5 F600
+G1 X5 E1
+M400
+G1 X5
+G4 P100
+G1 Y5
+G1 E2
+G1 E2
+G1 E-2
+G1 X5 F6000
+G1 X5 F600
+G1 Y5 F6000
+G1 X-0.02 Y0.1
+G1 Y20
+M400
+G1 X0.05
+G1 X20
+"""
+LAW = "junction deviation: v"
+
+
+@pytest.mark.parametrize(
+    ("line", "before", "after"),
+    [
+        (3, "there is no move before it", "the extruder, or a further axis, whose speed may jump"),
+        (4, "turns by 0.0°, at most 5.00 mm/s", "stands there: a command between the moves waits"),
+        (6, "stands there: a command between the moves waits", "for it waits."),
+        (8, "for it waits.", "one of the moves has no X, Y or Z; the machine stands there."),
+        (10, "bound by the slower of the two moves", "for the extruder turns back"),
+        (13, "bound by the slower of the two moves; the corner itself does not", "turns by 90.0°"),
+        (15, "the path turns by 11.3°, at most 39.30 mm/s", LAW),
+        (19, "at 17.32 mm/s: what comes before or after it allows no more", "is no move after it."),
+    ],
+)
+def test_explain_tells_what_bounds_a_corner(capsys, tmp_path, line, before, after):
+    path = tmp_path / "a.gcode"
+    path.write_text(CORNERS)
+    corners = [
+        part for part in explained(capsys, path, line).split("\n\n") if part.startswith("Junction ")
+    ]
+    assert before in corners[0]
+    assert after in corners[1]
+    assert [LAW in corner for corner in corners] == [line == 15] * 2
+
+
+@pytest.mark.parametrize("bad", ["G1 X300", "M112", "M104 S"])
+def test_explain_does_not_mind_what_is_wrong_behind_the_line(capsys, tmp_path, bad):
+    path = tmp_path / "a.gcode"
+    path.write_text(f"G28\nG1 X5 F600\n{bad}\nG1 X7\n")
+    assert "a travel move of 5.000 mm" in explained(capsys, path, 2)
+    for line in (3, 4):
+        assert main(["explain", f"{path}:{line}"]) in (4, 5)
+        assert f"{path}:3: " in capsys.readouterr().err
+
+
 def test_report_is_one_page(short, tmp_path):
     page = tmp_path / "r.html"
     assert main(["report", short, "--output", str(page)]) == 0

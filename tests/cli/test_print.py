@@ -175,6 +175,31 @@ def test_letters_that_need_no_number_and_texts(capsys, tmp_path):
     assert [w.split(": ")[1].split()[0] for w in warnings] == ["G29", "M0"]
 
 
+@pytest.mark.parametrize(
+    ("line", "sentence"),
+    [
+        ("M112", "emergency stop by M112"),
+        ("N7 M112*38 ; now", "emergency stop by M112"),
+        ("G91 M112", "emergency stop by M112"),
+        ("M410", "the print was stopped by M410"),
+    ],
+)
+def test_a_stop_in_a_file_ends_its_print(capsys, tmp_path, line, sentence):
+    path = tmp_path / "p.gcode"
+    path.write_text(f"G28\nG1 X5 F600\n{line}\nG1 X10\n")
+    assert main(["print", str(path)]) == 5
+    out, err = capsys.readouterr()
+    assert (out, err.count("\n")) == ("", 1)
+    assert err.startswith(f"{path}:3: {sentence}. ")
+    code = sentence.split()[-1]
+    assert main(["estimate", str(path), "--json"]) == 0  # it tells how long the file would be
+    result = json.loads(capsys.readouterr().out)
+    assert result["moves"] == 2
+    assert result["warnings"] == [
+        f"{path}:3: {code} stops a print; the plan goes on behind it (1 time)"
+    ]
+
+
 @pytest.mark.parametrize("path", ["missing.gcode", "."])
 def test_unreadable_paths(capsys, path):
     assert main(["print", path]) == 4

@@ -225,7 +225,13 @@ TABLE: tuple[Row, ...] = (
         nan=True,
     ),
     Row("M110", _Q, _I, "N", "The number of the line before the next one."),
-    Row("M112", _Q, _A, "", "Everything off at once; M999 begins anew."),
+    Row(
+        "M112",
+        _P,
+        _A,
+        "",
+        "Everything off at once; M999 begins anew. A print without consoles fails there.",
+    ),
     Row("M113", _Q, _I, "S(s)", "How often a command that waits says so."),
     Row(
         "M114",
@@ -349,7 +355,14 @@ TABLE: tuple[Row, ...] = (
     Row("M350", _Q, _N, "", "Tells the microsteps of the drivers that can be set up."),
     Row("M400", _P, _X, "", "Waits until the machine is still."),
     Row("M408", _Q, _I, "S(0-3)", "The printer's state as JSON; S2 with machine, S3 with print."),
-    Row("M410", _Q, _A, "", "Brakes to a stop and forgets what was planned, and moves in hand."),
+    Row(
+        "M410",
+        _P,
+        _A,
+        "",
+        "Brakes to a stop and forgets what was planned, and moves in hand. A print without consoles"
+        " fails there.",
+    ),
     Row("M500", _Q, _N, "", "Stores the settings."),
     Row("M501", _Q, _N, "", "Takes the stored settings."),
     Row("M502", _Q, _N, "", "Takes the machine file's settings."),

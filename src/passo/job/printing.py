@@ -16,6 +16,7 @@ from passo.errors import MachineError
 from passo.job.program import heated, run_program
 from passo.job.result import PrintResult, cpu_s, peak_rss_mb
 from passo.printer.commands import Commands
+from passo.printer.waits import Stop, Wait
 from passo.printer.wiring import connect_simulated
 
 if TYPE_CHECKING:
@@ -25,6 +26,7 @@ _LEAD_S = 0.25  # what is planned after a wait starts this much later
 _HORIZON_S = 0.2  # the board is sent commands less than this before they are due
 _SLICE_S = 0.5  # temperatures are looked at this often while waiting
 _PATIENCE_S = 3600.0  # a heater that takes longer is broken
+_STOPS = {"M112": "machine.emergency-stop", "M410": "machine.stopped"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,15 +115,22 @@ class Print:
             self.job.wait_until(ready)
             self._heat_s += (self.job.clock - start) / self._hz
 
-    def run(self, path: str | os.PathLike[str]) -> PrintResult:
-        """Prints the file to its end. Raises InputError or MachineError."""
+    def run(self, path: str | os.PathLike[str], end: int | None = None) -> PrintResult:
+        """Prints the file to its end, or up to this line, which is left out. Raises InputError, or
+        MachineError, also for M112 and M410, which end a print as soon as they are read."""
         result = PrintResult(file=str(path), machine=self._machine.name)
         self.base = self.connection.start_job(self.job)
-        settle = heated(self.job, self.wait_for)
+        warm = heated(self.job, self.wait_for)
+
+        def settle(wait: Wait) -> None:
+            if isinstance(wait, Stop):
+                raise MachineError.of(_STOPS[wait.code], str(path), wait.line)
+            warm(wait)
+
         if self._trace_s > 0:
             for stepper in self.connection.board.steppers:
                 self.board.trace_steps(stepper.name, 0, self.base + round(self._trace_s * self._hz))
-        for share in run_program(self.job, self._commands, path, settle):
+        for share in run_program(self.job, self._commands, path, settle, end):
             self._share = share
             self._watch()
             self._run_to(self.job.handed_out - _HORIZON_S * self._hz)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
+from itertools import islice
 
 from passo import _core
 from passo.errors import CommandError, InputError, Problem, WordError
@@ -97,13 +98,17 @@ def _with_option(problem: Problem) -> Problem:
 
 
 def run_program(
-    job: _core.Job, commands: Commands, path: str | os.PathLike[str], settle: Settle | None = None
+    job: _core.Job,
+    commands: Commands,
+    path: str | os.PathLike[str],
+    settle: Settle | None = None,
+    end: int | None = None,
 ) -> Iterator[float]:
-    """`read_program` with a file; yields the share of it that is read. Without `settle` nothing is
-    waited for. Raises InputError."""
+    """`read_program` with a file, or its lines before the one of number `end`; yields the share of
+    it that is read. Without `settle` nothing is waited for. Raises InputError."""
     name = str(path)
     with open_source(path) as source:
         size = max(os.fstat(source.fileno()).st_size, 1)
-        pieces = chunks(source, name)
+        pieces = chunks(source, name) if end is None else islice(source, end - 1)
         for _ in read_program(job, commands, pieces, name, settle or at_rest(job)):
             yield min(source.tell() / size, 1.0)

@@ -4,25 +4,19 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass, field
-from math import acos, degrees, sqrt
 from typing import TYPE_CHECKING
 
 from passo import _core
-from passo.errors import InputError
-from passo.gcode.dialect import BY_CODE
+from passo.errors import InputError, PassoError
 from passo.job.printing import Policy, Print
 from passo.job.source import open_source
-from passo.printer.words import Command, words_of
+from passo.learn.corner import corner
+from passo.learn.line import read_line
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
 
 _MOST_COMMANDS = 12
-LAWS = {
-    "deviation": "junction deviation: v² = a·δ·s/(1-s), s = sin(half the angle between the moves)",
-    "cornering_distance": "cornering distance: no axis changes its share of the speed too fast",
-    "jerk": "jerk: no axis changes its speed by more than its jerk",
-}
 
 
 @dataclass(slots=True)
@@ -44,18 +38,20 @@ class _Seen:
 
 
 def explain(machine: MachineConfig, path: str | os.PathLike[str], line: int, policy: Policy) -> str:
-    """Prints the file on the simulated board and tells what became of one line.
+    """Prints the file on the simulated board and tells what became of one line. What is wrong with
+    a later line ends the print there.
 
-    Raises InputError (no such line, or the file is bad) or MachineError.
+    Raises InputError (no such line, or the file is bad up to it) or MachineError.
     """
     text = _line(path, line)
-    job = Print(machine, policy)
-    seen = _Seen()
-    job.job.keep_moves(True)
-    job.watch(lambda: seen.take(job.job.take_moves(), line))
-    job.trace_until(1e9)
-    job.run(path)
-    parts = [f"{path}:{line}: {text}", _words(text)]
+    try:
+        job, seen = _printed(machine, path, line, policy)
+    except PassoError as error:
+        bad = error.problems[0].line
+        if bad is None or bad <= line:
+            raise
+        job, seen = _printed(machine, path, line, policy, bad)
+    parts = [f"{path}:{line}: {text}", _commands(text, machine)]
     if not seen.moves:
         parts.append("This line moves nothing, so there is no plan and no step of its own.")
         return "\n\n".join(parts)
@@ -65,13 +61,30 @@ def explain(machine: MachineConfig, path: str | os.PathLike[str], line: int, pol
     if len(shown) < len(seen.moves):
         parts.append(f"The line became {len(seen.moves)} planned moves; the first and the last:")
     parts += [_move(move, hz, names) for move in shown]
-    parts.append(_junction("before", seen.before, seen.moves[0], machine))
-    parts.append(_junction("after", seen.moves[-1], seen.after, machine))
+    parts.append(f"Junction before: {corner(seen.before, seen.moves[0], machine)}.")
+    parts.append(f"Junction after: {corner(seen.moves[-1], seen.after, machine)}.")
     begin, end = seen.moves[0].start_ticks, seen.moves[-1].end_ticks
     runs = _runs(job, begin, end)
     parts.append(_steps(job, runs, hz))
     parts.append(_wire(runs, hz))
     return "\n\n".join(parts)
+
+
+def _printed(
+    machine: MachineConfig,
+    path: str | os.PathLike[str],
+    line: int,
+    policy: Policy,
+    end: int | None = None,
+) -> tuple[Print, _Seen]:
+    """The print of the file, or of its lines before `end`, and the moves of one line."""
+    job = Print(machine, policy)
+    seen = _Seen()
+    job.job.keep_moves(True)
+    job.watch(lambda: seen.take(job.job.take_moves(), line))
+    job.trace_until(1e9)
+    job.run(path, end)
+    return job, seen
 
 
 def _line(path: str | os.PathLike[str], line: int) -> str:
@@ -83,15 +96,18 @@ def _line(path: str | os.PathLike[str], line: int) -> str:
     raise InputError.of("input.no-line", str(path), line, value=line, limit=number)
 
 
-def _words(text: str) -> str:
-    words = words_of(text.partition(";")[0])
-    if not words:
-        return "There is no command on this line."
-    rows = [f"  {letter}{number:g}" for letter, number in words]
-    code = Command(0, words[0][0], int(words[0][1]), 0, "", "").code
-    row = BY_CODE.get(code)
-    meaning = f"{code}: {row.text}" if row else "A move in the way of the command before."
-    return "Words:\n" + "\n".join(rows) + f"\n{meaning}"
+def _commands(text: str, machine: MachineConfig) -> str:
+    line = read_line(text, machine)
+    rows: list[str] = []
+    if line.number:
+        checked = f"; its checksum {line.checksum} is right" if line.checksum else ""
+        rows.append(f"The line has the number {line.number}, which is skipped{checked}.")
+    if not line.commands:
+        rows.append("There is no command on this line.")
+    for command in line.commands:
+        rows.append(command.meaning)
+        rows += [f"  {word}" for word in command.words]
+    return "\n".join(rows)
 
 
 def _move(move: _core.Move, hz: int, names: list[str]) -> str:
@@ -118,24 +134,6 @@ def _move(move: _core.Move, hz: int, names: list[str]) -> str:
             *([wide + ": the board's budget of commands"] if move.tolerance_ticks > 0 else []),
         )
     )
-
-
-def _junction(
-    where: str, a: _core.Move | None, b: _core.Move | None, machine: MachineConfig
-) -> str:
-    if a is None or b is None:
-        return f"Junction {where}: the machine stands still."
-    cap = f"at most {b.start_cap:.2f} mm/s, taken at {b.start_speed:.2f} mm/s"
-    if b.inner:
-        return f"Junction {where}: the same path goes on, {cap}."
-    u, v = ([e - s for s, e in zip(m.start_mm, m.end_mm, strict=True)][:3] for m in (a, b))
-    lengths = sqrt(sum(x * x for x in u)) * sqrt(sum(x * x for x in v))
-    law = LAWS[machine.limits.junction]
-    if lengths == 0:
-        return f"Junction {where}: one of the moves has no X, Y or Z, {cap}."
-    cosine = sum(p * q for p, q in zip(u, v, strict=True)) / lengths
-    angle = degrees(acos(min(max(cosine, -1.0), 1.0)))
-    return f"Junction {where}: the path turns by {angle:.1f}°, {cap}\n  {law}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,7 +13,7 @@ from passo.gcode.dialect import Kind, row_of
 from passo.geometry.base import Unreachable
 from passo.printer.faults import problem, problem_of
 from passo.printer.slots import E
-from passo.printer.waits import Homing, Person, Still, Temperatures, Wait
+from passo.printer.waits import Homing, Person, Still, Stop, Temperatures, Wait
 from passo.printer.words import Command
 
 if TYPE_CHECKING:
@@ -63,8 +63,8 @@ class NoHeat:
 class Commands:
     """Carries out what the job's interpreter hands out. One object a job; not thread-safe.
 
-    `unknown`, `not_built` and `waits` count the codes that nobody knows, those that do nothing and
-    those that wait for a person: code → (first line, times).
+    `unknown`, `not_built`, `waits` and `stops` count the codes that nobody knows, those that do
+    nothing, those that wait for a person and those that end a print: code → (first line, times).
     """
 
     @classmethod
@@ -79,6 +79,7 @@ class Commands:
         self.unknown: dict[str, tuple[int, int]] = {}
         self.not_built: dict[str, tuple[int, int]] = {}
         self.waits: dict[str, tuple[int, int]] = {}
+        self.stops: dict[str, tuple[int, int]] = {}
         self.missing_tools: dict[str, tuple[int, int]] = {}
         self.refused: dict[str, tuple[int, int]] = {}
         names = machine.timed_outputs
@@ -99,6 +100,8 @@ class Commands:
             "M2": self._end,
             "M30": self._end,
             "EOF": self._end,
+            "M112": self._stop,
+            "M410": self._stop,
             "M3": self._spindle_start,
             "M4": self._spindle_start,
             "M5": self._spindle_stop,
@@ -165,6 +168,7 @@ class Commands:
             (self.unknown, "{} is unknown and was skipped"),
             (self.not_built, "{} does nothing here and was skipped"),
             (self.waits, "{} waits for a person; nobody is here, so it took no time"),
+            (self.stops, "{} stops a print; the plan goes on behind it"),
             (self.missing_tools, "tool {} does not exist and was ignored"),
             (self.refused, "{}"),
             (self._clamped(), "{}"),
@@ -224,6 +228,10 @@ class Commands:
     def _end(self, _: Command) -> Wait:
         self.ended = True
         return Still()
+
+    def _stop(self, command: Command) -> Wait:
+        _count(self.stops, command.code, command.line)
+        return Stop(command.code, command.line)
 
     def fans_off(self) -> None:
         """All fans, as soon as the moves so far are done."""

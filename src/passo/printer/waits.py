@@ -60,7 +60,16 @@ class Homing:
     letters: str
 
 
-Wait: TypeAlias = Still | Temperatures | Person | Tuning | Procedure | Homing
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """For ever: M112 or M410 (`code`) in this line of a program has ended a print without consoles.
+    A plan alone goes on."""
+
+    code: str
+    line: int
+
+
+Wait: TypeAlias = Still | Temperatures | Person | Tuning | Procedure | Homing | Stop
 
 
 class Reply(Protocol):

@@ -1,0 +1,101 @@
+"""What bounds the speed between two planned moves, in words."""
+
+from __future__ import annotations
+
+from math import acos, degrees, sqrt
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from passo import _core
+    from passo.config.machine import MachineConfig
+
+LAWS = {
+    "deviation": "junction deviation: v² = a·δ·s/(1-s), s = sin(θ/2), θ the angle that the moves"
+    " enclose; and v² is at most ½·a·d·tan(θ/2) of either move, d its length",
+    "cornering_distance": "cornering distance: no axis changes its share of the speed too fast",
+    "jerk": "jerk: no axis changes its speed by more than its jerk",
+}
+_E = 3  # slot of the extruder in a move's places; further axes follow
+_STRAIGHT_DEG = 0.01
+_STILL_MM_S = 1e-3
+_SAME = 1e-6  # share by which two speeds may differ and be the same
+
+
+def corner(a: _core.Move | None, b: _core.Move | None, machine: MachineConfig) -> str:
+    """What becomes of the speed between `a` and `b`, None where there is no move."""
+    if a is None or b is None:
+        return f"the machine stands there: there is no move {'before' if a is None else 'after'} it"
+    if "dwell" in (a.kind, b.kind):
+        return "the machine stands there, for it waits"
+    turn = _turn(a, b)
+    path = "one of the moves has no X, Y or Z" if turn is None else f"the path turns by {turn:.1f}°"
+    if b.inner:
+        path = "the same path goes on"
+    if b.start_cap < _STILL_MM_S:
+        return f"{path}; the machine stands there{_why_it_stands(a, b, turn, machine)}"
+    text = f"{path}, at most {b.start_cap:.2f} mm/s, taken at {b.start_speed:.2f} mm/s"
+    if b.start_speed < b.start_cap * (1 - _SAME):
+        text += ": what comes before or after it allows no more"
+    return f"{text}\n  bound by {_bound(a, b, turn, machine)}"
+
+
+def _way(move: _core.Move) -> list[float]:
+    return [end - start for start, end in zip(move.start_mm, move.end_mm, strict=True)]
+
+
+def _turn(a: _core.Move, b: _core.Move) -> float | None:
+    """The angle between the moves, degrees; None if one of them has no X, Y or Z."""
+    u, v = _way(a)[:_E], _way(b)[:_E]
+    lengths = sqrt(sum(x * x for x in u)) * sqrt(sum(x * x for x in v))
+    if lengths == 0:
+        return None
+    cosine = sum(p * q for p, q in zip(u, v, strict=True)) / lengths
+    return degrees(acos(min(max(cosine, -1.0), 1.0)))
+
+
+def _why_it_stands(a: _core.Move, b: _core.Move, turn: float | None, machine: MachineConfig) -> str:
+    law = machine.limits.junction
+    if turn is not None and turn > 180 - _STRAIGHT_DEG:
+        return f"\n  {LAWS[law]}"
+    if a.extruder != b.extruder and (turn is None or law == "cornering_distance"):
+        return ", for the extruder changes"
+    if turn is None and law != "cornering_distance":
+        if any(_way(a)[:_E]) != any(_way(b)[:_E]):
+            return ""
+        if not _alongside(a, b):
+            return ", for the extruder turns back or the axes share the way in another manner"
+    waits = "a command between the moves waits for that"
+    if law != "deviation" or _jump_speed(a, b, machine) == 0:
+        return f": {waits}, or an axis may not jump at all"
+    return f": {waits}"
+
+
+def _alongside(a: _core.Move, b: _core.Move) -> bool:
+    pairs = zip(_way(a), _way(b), strict=True)
+    return all(abs(x / a.length - y / b.length) <= 1e-9 for x, y in pairs)
+
+
+def _bound(a: _core.Move, b: _core.Move, turn: float | None, machine: MachineConfig) -> str:
+    """Whose limit the greatest speed of the corner is."""
+    law = machine.limits.junction
+    if b.start_cap >= min(a.speed_cap, b.speed_cap) * (1 - _SAME):
+        return "the slower of the two moves; the corner itself does not bound it"
+    jump = _jump_speed(a, b, machine) if law == "deviation" or b.inner else None
+    straight = b.inner or turn is None or turn < _STRAIGHT_DEG
+    if straight or (jump is not None and b.start_cap >= jump * (1 - _SAME)):
+        own = "cornering distance" if law == "cornering_distance" else "jerk"
+        return f"the extruder, or a further axis, whose speed may jump only as its {own} allows"
+    return LAWS[law]
+
+
+def _jump_speed(a: _core.Move, b: _core.Move, machine: MachineConfig) -> float | None:
+    """The path speed, mm/s, at which the extruder jumps by its jerk; None where it does not."""
+    before, after = (_way(move)[_E] / move.length for move in (a, b))
+    jerks = [extruder.jerk_mm_s for extruder in machine.extruders.values()]
+    if not jerks:
+        return None
+    if a.extruder == b.extruder:
+        jumps = [(abs(after - before), jerks[b.extruder])]
+    else:
+        jumps = [(abs(before), jerks[a.extruder]), (abs(after), jerks[b.extruder])]
+    return min((jerk / change for change, jerk in jumps if change > 1e-12), default=None)
