@@ -22,7 +22,7 @@ NOTES = {
     "M300 S440 P200": "M300 does nothing here. Beeps where the machine file has a [beeper]",
     "M413 S0": "M413 does nothing here. A print can always be resumed",
     "M907 X500": "M907 does nothing here. M906 and the machine file set motor currents.",
-    "M862.3 P MK3S": "M862 does nothing here. It asks whether this is a Prusa printer.",
+    "M862.3 P MK3S": "M862.3 does nothing here. It asks whether this is a Prusa printer.",
     "G27": "G27 does nothing here. The head parks when a print pauses",
     "M420 S1": "M420 does nothing here. Bed levelling is not built.",
     "M800": "M800 does nothing here. M1000 goes on with a print",
