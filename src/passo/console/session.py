@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable
 from typing import Protocol
 
-from passo.console.ahead import Ahead
+from passo.console.ahead import RESUMES, Ahead
 from passo.console.in_hand import Heard, InHand
 from passo.console.protocol import Line, LineProtocol, Refusal
 from passo.console.timers import Timers
@@ -227,11 +227,12 @@ class Session:
         printer, code = self._printer, command.code
         if seen and code in ("M28", "M29"):
             self._ahead.reached()
+        resumed = seen and code in RESUMES and self._ahead.resumed()
         refused = self._refused(code)
         stored = not refused and self._stored(line, code)
         if not seen and not (stored and self._upload is not None and self._upload.takes_all):
             self._ahead.act(command)  # it was to be text for a file, and has become none
-        if refused or stored or self._halted(code):
+        if refused or stored or resumed or self._halted(code):
             return False
         if printer.act(command, self):
             revives = code == "M999" and bool(printer.halted)
