@@ -19,7 +19,7 @@ def test_a_relay_tune_finds_gains_that_hold_the_temperature(tmp_path):
         answer = s.host.ok("M303 H0 S200 C5 U", 1200)
         assert answer[:2] == [
             "PID Autotune start",
-            "Hotend:0 Temp:200 Cycles:5 Method:0 (applied and stored)",
+            "Hotend:0 Temp:200 Cycles:5 Method:0 Apply result",
         ]
         assert any("PID Autotune finished!" in line for line in answer)
         assert "echo:busy: heating" in answer
@@ -76,7 +76,7 @@ def test_a_model_is_found_by_its_step_response_and_stays(tmp_path):
     with Scenario(by_model(), state=str(tmp_path)) as s:
         first = s.host.ok("M307 H0")[0]
         answer = s.host.ok("M303 H0 S200 U", 3600)
-        assert answer[:2] == ["MPC Autotune start", "Hotend:0 Temp:200 (applied and stored)"]
+        assert answer[:2] == ["MPC Autotune start", "Hotend:0 Temp:200 Apply result"]
         found = model_of(s)
         assert found[:2] == (pytest.approx(380, rel=0.05), pytest.approx(120, rel=0.05))
         s.passes(0.5)
@@ -113,7 +113,7 @@ def test_a_model_s_figures_are_looked_at():
 
 
 @pytest.mark.parametrize(
-    ("words", "note"), [("", ""), (" U0", ""), (" U1", " (applied)"), (" U", " (applied)")]
+    ("words", "note"), [("", ""), (" U0", ""), (" U1", " Apply result"), (" U", " Apply result")]
 )
 def test_a_tune_says_what_becomes_of_what_it_finds(words, note):
     with Scenario("i3") as s:
