@@ -29,6 +29,7 @@ NOTES = {
     "EXCLUDE_OBJECT_START NAME=a": "EXCLUDE_OBJECT_START does nothing here. Labels",
     "M205 X8 Y8 S0": "M205: X Y without effect, for corners obey J, the junction deviation",
     "M106 X100": "M106 sets speeds, by S",
+    "M106 P0 F250": "M106 sets no frequency; the machine file has it",
 }
 
 
@@ -38,6 +39,17 @@ def test_what_does_nothing_says_why_once_a_console(s, line):
     assert (note.startswith(f"echo:{NOTES[line]}"), ok) == (True, "ok")
     assert s.host.ok(line) == ["ok"]
     assert Host(s).ok(line) == [note, "ok"]
+
+
+def test_a_frequency_sets_no_speed_of_a_fan(s):
+    s.host.ok("M106 S51 F")
+    assert s.printer.commands.fans == {"part": 0.2}
+    s.host.ok("M106 P0 F250")
+    assert s.printer.commands.fans == {"part": 0.2}
+    s.host.ok("M106 F250 S102")
+    assert s.printer.commands.fans == {"part": 0.4}
+    s.host.ok("M106 F")
+    assert s.printer.commands.fans == {"part": 1.0}
 
 
 def test_a_note_is_no_failure(s):

@@ -210,7 +210,7 @@ TABLE: tuple[Row, ...] = (
         _N,
         "S(0-255) P F",
         "Sets a fan's speed. F: at once. Without S it is full, but settings of the machine file"
-        " alone (U I H L X T) change nothing.",
+        " alone (U I H L X T, F with a number) change nothing.",
         bare="F",
     ),
     Row("M107", _P, _N, "P F", "Turns a fan off. F: at once.", bare="F"),

@@ -380,11 +380,11 @@ class Commands:
         words = command.words()
         if command.code == "M107":
             share = 0.0
-        elif "S" not in words and _OF_FANS.search(command.text) is not None:
+        elif "S" not in words and ("F" in words or _OF_FANS.search(command.text) is not None):
             share = None
         else:
             share = min(words.get("S", 255) / 255, 1.0)
-        at_once = _AT_ONCE.search(command.text) is not None
+        at_once = "F" not in words and _AT_ONCE.search(command.text) is not None
         return FanOrder(words.get("P"), share, at_once)
 
     def set_fan(self, order: FanOrder) -> None:
