@@ -22,10 +22,10 @@ class Ahead:
         self._resumed: deque[bool] = deque()  # whether those of RESUMES in hand have acted
 
     def see(self, command: Command, number: int | None, upload: Upload | None) -> bool:
-        """Acts on M108, M112, M410 and M876, and on what ends a host's pause, unless they are text for a file that is open, or that
-        a line in hand will open; `upload` is where lines go now. In a file whose lines have numbers
-        one without is no text. False for text; `reached` is to be called for each other M28, M29,
-        and `resumed` for each other M24, M602.
+        """Acts on M108, M112, M410 and M876, and on what ends a host's pause, unless they are text
+        for a file that is open, or that a line in hand will open; `upload` is where lines go now.
+        In a file whose lines have numbers one without is no text. False for text; `reached` is to
+        be called for each other M28, M29, and `resumed` for each other M24, M602.
         """
         code = command.code
         into_file = self._opens if self._in_hand else upload is not None and upload.takes_all
