@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import asyncio
 import contextlib
-import os
 import signal
 import sys
 from pathlib import Path
@@ -140,7 +139,7 @@ def run(arguments: argparse.Namespace) -> int:
         where = f"{machine.board.port} keeps its own time"
         print(f"passo serve: error: the board at {where}: leave --clock out", file=sys.stderr)
         return ExitStatus.USAGE
-    links = [os.path.abspath(path) for path in arguments.pty]
+    links = [Path(path).parent.resolve() / Path(path).name for path in arguments.pty]
     if twice := next((path for path in links if links.count(path) > 1), None):
         print(f"passo serve: error: --pty {twice} is given twice", file=sys.stderr)
         return ExitStatus.USAGE
