@@ -22,13 +22,14 @@ NOTES = {
     "M300 S440 P200": "M300 does nothing here. Beeps where the machine file has a [beeper]",
     "M413 S0": "M413 does nothing here. A print can always be resumed",
     "M907 X500": "M907 does nothing here. M906 and the machine file set motor currents.",
-    "M862.3 P MK3S": "M862 does nothing here. It asks whether this is a Prusa printer.",
+    "M862.3 P MK3S": "M862.3 does nothing here. It asks whether this is a Prusa printer.",
     "G27": "G27 does nothing here. The head parks when a print pauses",
     "M420 S1": "M420 does nothing here. Bed levelling is not built.",
     "M800": "M800 does nothing here. M1000 goes on with a print",
     "EXCLUDE_OBJECT_START NAME=a": "EXCLUDE_OBJECT_START does nothing here. Labels",
     "M205 X8 Y8 S0": "M205: X Y without effect, for corners obey J, the junction deviation",
     "M106 X100": "M106 sets speeds, by S",
+    "M106 P0 F250": "M106 sets no frequency; the machine file has it",
 }
 
 
@@ -38,6 +39,17 @@ def test_what_does_nothing_says_why_once_a_console(s, line):
     assert (note.startswith(f"echo:{NOTES[line]}"), ok) == (True, "ok")
     assert s.host.ok(line) == ["ok"]
     assert Host(s).ok(line) == [note, "ok"]
+
+
+def test_a_frequency_sets_no_speed_of_a_fan(s):
+    s.host.ok("M106 S51 F")
+    assert s.printer.commands.fans == {"part": 0.2}
+    s.host.ok("M106 P0 F250")
+    assert s.printer.commands.fans == {"part": 0.2}
+    s.host.ok("M106 F250 S102")
+    assert s.printer.commands.fans == {"part": 0.4}
+    s.host.ok("M106 F")
+    assert s.printer.commands.fans == {"part": 1.0}
 
 
 def test_a_note_is_no_failure(s):

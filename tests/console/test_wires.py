@@ -372,6 +372,11 @@ async def test_a_client_that_sends_no_line_end_takes_no_memory(s):
         (["--pty", "{file}"], "cannot be opened: File exists"),
         (["--pty", "/nowhere/port"], "the pty /nowhere/port cannot be opened: No such file"),
         (["--stdin"], "standard input cannot be opened: it, or standard output, is a file"),
+        (["--pty", ""], "argument --pty: the path is empty"),
+        (["--pty", "{file}/../a", "--pty", "{file}/../a"], "/a is given twice"),
+        (["--tcp-clients", "0"], "'0' is no number of clients from 1 to 65535"),
+        (["--tcp-clients", "-1"], "'-1' is no number of clients"),
+        (["--state", "{file}"], "/file is no folder"),
         (["--clock", "soon"], "'soon' is not real, fast, or a factor above 0"),
     ],
 )
@@ -386,6 +391,20 @@ def test_what_cannot_be_opened_is_said_in_a_sentence(
     said = capfd.readouterr().err
     assert sentence in said
     assert "Traceback" not in said
+
+
+@pytest.mark.parametrize(
+    ("redirection", "why"), [("</dev/null", "a device without events"), ("<&-", "is closed")]
+)
+def test_standard_input_that_says_nothing_is_none(redirection, why):
+    line = f'"$0" -m passo serve --stdin {redirection}'
+    told = subprocess.run(
+        ["sh", "-c", line, sys.executable], capture_output=True, text=True, timeout=60
+    )
+    assert told.returncode == 2
+    assert "standard input cannot be opened: it, or standard output, is" in told.stderr
+    assert why in told.stderr
+    assert "Traceback" not in told.stderr
 
 
 def test_standard_input_that_ends_is_carried_out_to_its_last_line():

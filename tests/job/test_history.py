@@ -102,7 +102,7 @@ def test_prints_that_a_host_sends_are_told(tmp_path):
         s.host.send("M112")
         s.host.expect("halted", 5)
         s.passes(1)
-        s.host.ok("M999")
+        s.host.send("M999")
         s.host.expect("ready again", 5)
         s.host.ok("M75")
         s.passes(10)

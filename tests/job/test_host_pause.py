@@ -66,6 +66,23 @@ def test_the_nozzle_leaves_the_print_and_comes_back(s, command, answer):
     assert way(before, at(s)) == pytest.approx((10, 0, 0, 1), abs=0.02)
 
 
+@pytest.mark.parametrize("answer", ["M108", "M876 S0", "M602", "M24"])
+def test_the_console_that_has_paused_can_go_on_by_itself(s, answer):
+    s.host.send("M601")
+    s.passes(20)
+    s.host.silent(5, "^ok")
+    before = len(s.host.heard)
+    s.host.send(answer, "G4 S3", "M118 after")
+    s.host.expect("^// action:resume", 10)
+    s.passes(2)
+    s.host.silent(0.5, "after")  # the dwell is not cut short by an answer whose turn comes
+    s.host.expect("after", 5)
+    s.passes(1)
+    heard = s.host.heard[before:]
+    assert heard.count("ok") == 4
+    assert not [line for line in heard if "file" in line]  # M24 has begun nothing else
+
+
 def test_words_of_m600_say_how_it_parks(s):
     """E takes back and Z lifts by so much, X and Y are the place, U unloads and L loads."""
     before = at(s)
@@ -216,7 +233,7 @@ def test_an_emergency_stop_ends_the_pause(s):
     Host(s).ok("M112")
     s.host.expect("Printer halted", 5)
     s.host.expect("^ok", 5)
-    s.host.ok("M999")
+    s.host.send("M999")
     s.host.expect("ready again", 10)
     s.host.ok("G92 X0 Y0 Z0")
     s.host.ok("G1 X5 F6000")
@@ -309,7 +326,7 @@ def test_a_halt_ends_it(mild):
     s.passes(1)
     s.host.ok("M112")
     s.host.expect("Printer halted", 5)
-    s.host.ok("M999")
+    s.host.send("M999")
     s.host.expect("ready again", 10)
     s.host.ok("G92 X0 Y0 Z0")
     s.host.ok("G1 X5 F6000")

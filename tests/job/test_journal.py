@@ -170,7 +170,7 @@ def test_a_halted_print_can_be_gone_on_with_in_the_same_session(places):
         assert s.until(lambda: s.positions()["e"] > 4, 200)
         s.host.send("M112")
         s.host.expect("halted", 5)
-        s.host.ok("M999")
+        s.host.send("M999")
         s.host.expect("ready again", 5)
         s.host.ok("M302 P1")
         assert "from line" in s.host.ok("M1000", 600)[-2]

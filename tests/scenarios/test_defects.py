@@ -9,6 +9,7 @@ from tests.printer.test_homing import dual_scara
 
 import passo
 from passo import config
+from passo.cli.main import main
 from passo.config.load import shipped_text
 from passo.errors import ConfigError
 
@@ -47,6 +48,28 @@ def test_commands_in_lower_case_are_the_same_commands(s):
 def test_an_unknown_command_is_named_every_time(s):
     for _ in range(3):
         assert s.host.ok("G999") == ['echo:Unknown command: "G999"', "ok"]
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["G1.1 X2", "G28.2", "G38.2 Z1", "G92.1 X0", "G92.1", "M104.5 S50", "M106.1 S9", "M112.1"],
+)
+def test_a_code_with_a_subcode_of_no_meaning_is_unknown(s, line):
+    for _ in range(2):
+        assert s.host.ok(line) == [f'echo:Unknown command: "{line.split()[0]}"', "ok"]
+    assert x_of(s) == 0
+    assert s.printer.connection.heaters["hotend"].target == 0
+    assert not s.printer.halted
+
+
+def test_a_file_is_told_once_of_each_such_code(tmp_path, capsys):
+    (tmp_path / "a.gcode").write_text("G28\nG1.1 X2\nG1.1 X3\nM104.5 S50\nM862.3 P MK3S\n")
+    assert main(["print", str(tmp_path / "a.gcode"), "--clock", "virtual"]) == 0
+    told = [x.partition("a.gcode:")[2] for x in capsys.readouterr().err.splitlines()]
+    assert [x for x in told if "unknown" in x] == [
+        "2: G1.1 is unknown and was skipped (2 times)",
+        "4: M104.5 is unknown and was skipped (1 time)",
+    ]
 
 
 def test_large_numbers_of_commands_do_not_wrap(s):

@@ -16,6 +16,36 @@ def status(s, line="M408"):
     return json.loads(s.host.ok(line)[0])
 
 
+def test_nothing_has_power_after_an_emergency_stop(s):
+    s.host.ok("M140 S60 F")
+    s.passes(2)
+    assert "B@:127" in s.host.ok("M105")[0]
+    s.host.ok("M112")
+    assert s.host.ok("M105")[0].endswith("@:0 B@:0")
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ("P150", "100%"),
+        ("P-7", "0%"),
+        ("P30 R-2", "30%, 0 min left"),
+        ("P30 R5", "30%, 5 min left"),
+    ],
+)
+def test_progress_is_from_0_to_100_percent(s, words, told):
+    s.host.ok(f"M73 {words}")
+    assert s.host.ok("M73") == [f"echo:Progress: {told}", "ok"]
+
+
+def test_a_file_that_cannot_be_deleted_and_one_without_a_name(tmp_path):
+    with Scenario("i3", card=str(tmp_path)) as s:
+        assert s.host.ok("M30 no.gcode")[0].startswith("echo:Deletion failed, File: no.gcode. ")
+        assert "name" in s.host.ok("M28 F")[0]
+        s.host.ok("M29")
+    assert not list(tmp_path.iterdir())
+
+
 def test_m408_tells_the_state_as_json(s):
     s.passes(1)
     first = status(s)

@@ -37,7 +37,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help=f"a serial device, at any rate; {_BAUD} if none is given",
     )
     consoles.add_argument(
-        "--pty", action="append", default=[], metavar="PATH", help="a pseudo terminal, linked there"
+        "--pty",
+        action="append",
+        type=_path,
+        default=[],
+        metavar="PATH",
+        help="a pseudo terminal, linked there",
     )
     consoles.add_argument(
         "--tcp",
@@ -56,10 +61,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="the SD card: a folder, a FAT32 image, or a block device",
     )
     parser.add_argument(
-        "--state", metavar="DIR", help="where settings and the history of prints are kept"
+        "--state",
+        type=_state,
+        metavar="DIR",
+        help="where settings and the history of prints are kept",
     )
     parser.add_argument(
-        "--tcp-clients", type=int, default=2, metavar="N", help="clients of a TCP console (2)"
+        "--tcp-clients", type=_clients, default=2, metavar="N", help="clients of a TCP console (2)"
     )
     parser.add_argument(
         "--advanced-ok",
@@ -79,6 +87,27 @@ def _clock(text: str) -> float | None:
     if not 0 < scale <= 1000:
         raise argparse.ArgumentTypeError(f"{text!r} is not real, fast, or a factor above 0")
     return scale
+
+
+def _path(text: str) -> str:
+    if not text:
+        raise argparse.ArgumentTypeError("the path is empty")
+    return text
+
+
+def _clients(text: str) -> int:
+    if not (text.isascii() and text.isdigit() and 0 < int(text) < 1 << 16):
+        raise argparse.ArgumentTypeError(f"{text!r} is no number of clients from 1 to 65535")
+    return int(text)
+
+
+def _state(text: str) -> str:
+    """A folder, or where one can come to be."""
+    if not text:
+        raise argparse.ArgumentTypeError("the path is empty")
+    if Path(text).exists() and not Path(text).is_dir():
+        raise argparse.ArgumentTypeError(f"{text} is no folder")
+    return text
 
 
 def _tcp(text: str) -> tuple[str, int]:
@@ -109,6 +138,10 @@ def run(arguments: argparse.Namespace) -> int:
     if machine.board.link != "simulated" and arguments.clock != 1.0:
         where = f"{machine.board.port} keeps its own time"
         print(f"passo serve: error: the board at {where}: leave --clock out", file=sys.stderr)
+        return ExitStatus.USAGE
+    links = [Path(path).parent.resolve() / Path(path).name for path in arguments.pty]
+    if twice := next((path for path in links if links.count(path) > 1), None):
+        print(f"passo serve: error: --pty {twice} is given twice", file=sys.stderr)
         return ExitStatus.USAGE
     scale = 1.0 if arguments.clock is None else arguments.clock
     with asyncio.Runner(loop_factory=lambda: new_loop(scale)) as runner:

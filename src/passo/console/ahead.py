@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections import deque
+
 from passo.console.upload import Upload
 from passo.printer.printer import Printer
 from passo.printer.words import Command
+
+RESUMES = ("M24", "M602")
 
 
 class Ahead:
@@ -15,11 +19,13 @@ class Ahead:
         self._in_hand = 0  # M28 and M29 whose turn has not come
         self._opens = False  # the last of them begins a file
         self._numbered = False  # what comes for the file has numbers
+        self._resumed: deque[bool] = deque()  # whether those of RESUMES in hand have acted
 
     def see(self, command: Command, number: int | None, upload: Upload | None) -> bool:
-        """Acts on M108, M112, M410 and M876, unless they are text for a file that is open, or that
-        a line in hand will open; `upload` is where lines go now. In a file whose lines have numbers
-        one without is no text. False for text; `reached` is to be called for each other M28, M29.
+        """Acts on M108, M112, M410 and M876, and on what ends a host's pause, unless they are text
+        for a file that is open, or that a line in hand will open; `upload` is where lines go now.
+        In a file whose lines have numbers one without is no text. False for text; `reached` is to
+        be called for each other M28, M29, and `resumed` for each other M24, M602.
         """
         code = command.code
         into_file = self._opens if self._in_hand else upload is not None and upload.takes_all
@@ -31,12 +37,26 @@ class Ahead:
             self._in_hand += 1
             self._opens = code == "M28"
             self._numbered = False
+        if code in RESUMES:
+            self._resumed.append(self._resume())
         self.act(command)
         return True
 
     def reached(self) -> None:
         """The turn of one of the M28 and M29 in hand has come."""
         self._in_hand -= 1
+
+    def resumed(self) -> bool:
+        """The turn of one of RESUMES has come; True if it has ended a pause when it came in."""
+        return self._resumed.popleft()
+
+    def _resume(self) -> bool:
+        """Ends the pause of a print that a host sends, if there is one."""
+        printer = self._printer
+        paused = printer.job.suspended and printer.waits.busy and not printer.busy()
+        if paused:
+            printer.go_on()
+        return paused
 
     def act(self, command: Command) -> None:
         """What such a command does, if it is one."""

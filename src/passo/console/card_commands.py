@@ -227,7 +227,7 @@ class CardCommands:
     def _begin_writing(self, text: str, reply: Reply, *, log: bool) -> None:
         if not isinstance(reply, Session):
             raise CommandError.of("card.no-console")
-        name = _unquoted(text)
+        name = "" if text.strip().upper() == "F" else _unquoted(text)  # the letter, without a name
         if reply.upload is not None and reply.upload.writer is not None:
             raise CardError.of("card.busy", reply.upload.name, value="it is being written")
         upload = Upload(None, name, log=log)
@@ -279,9 +279,9 @@ class CardCommands:
         if self._runner.printing_from(reply):
             self._printer.commands.ended = True  # in a program M30 is its end
             return
-        path = self._existing(text, letter="")  # no other file than the named one is to go
-        self._let_go(path)
         try:
+            path = self._existing(text, letter="")  # no other file than the named one is to go
+            self._let_go(path)
             self.card.remove(path)
         except CardError as error:
             reply.fail(f"Deletion failed, File: {_unquoted(text)}. {error}")

@@ -201,8 +201,10 @@ class JobCommands:
 
     def _progress(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
-        self._percent = words.get("P", self._percent)
-        self._minutes_left = words.get("R", self._minutes_left)
+        if "P" in words:
+            self._percent = min(max(words["P"], 0.0), 100.0)
+        if "R" in words:
+            self._minutes_left = max(words["R"], 0.0)
         if words:
             return None
         parts: list[str] = []

@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable
 from typing import Protocol
 
-from passo.console.ahead import Ahead
+from passo.console.ahead import RESUMES, Ahead
 from passo.console.in_hand import Heard, InHand
 from passo.console.protocol import Line, LineProtocol, Refusal
 from passo.console.timers import Timers
@@ -227,13 +227,19 @@ class Session:
         printer, code = self._printer, command.code
         if seen and code in ("M28", "M29"):
             self._ahead.reached()
+        resumed = seen and code in RESUMES and self._ahead.resumed()
         refused = self._refused(code)
         stored = not refused and self._stored(line, code)
         if not seen and not (stored and self._upload is not None and self._upload.takes_all):
             self._ahead.act(command)  # it was to be text for a file, and has become none
-        if refused or stored or self._halted(code):
+        if refused or stored or resumed or self._halted(code):
             return False
-        if printer.act(command, self) or (given_up and self._was_stopped(code)):
+        if printer.act(command, self):
+            revives = code == "M999" and bool(printer.halted)
+            if revives:
+                self._task = self._loop.create_task(self._revive(line, printer.life.answered()))
+            return revives
+        if given_up and self._was_stopped(code):
             return False
         if not (printer.has_room() and printer.turn.take()):
             self._begin(line, code, None, queued=True)
@@ -277,6 +283,18 @@ class Session:
         if not self.closed:
             self._acknowledge(line.number)
             self._work()
+
+    async def _revive(self, line: Line, answered: asyncio.Future[None]) -> None:
+        """M999: what is next finds the printer ready again, or halted as before."""
+        self.every("busy", self.busy_s, self._say_busy)
+        try:
+            await answered
+        finally:
+            self.every("busy", 0, None)
+            self._task, self._overtaken = None, False
+        self._halted("")  # says so
+        self._acknowledge(line.number)
+        self._work()
 
     def _stopped(self, _: str) -> None:
         """M410, or a switch that was hit: moves in hand are forgotten with those planned. What

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+import selectors
 import sys
 from collections.abc import Callable
 from typing import Protocol
@@ -186,9 +187,20 @@ async def open_stdin(printer: Printer, opened: Opened, ended: Callable[[], None]
     all its lines are done. Raises ConsoleError."""
     wire = _Standard(printer, opened, "standard input")
     wire.ended = ended
+    # Python has no stream where its caller has closed one.
+    if sys.stdin is None or sys.stdout is None:  # pyright: ignore[reportUnnecessaryComparison]
+        raise ConsoleError.of(
+            "console.unopened", axis=wire.place, value="it, or standard output, is closed"
+        )
     try:
+        with selectors.DefaultSelector() as selector:
+            # The loop would find out too late that no event comes from there, as from /dev/null.
+            selector.register(sys.stdin, selectors.EVENT_READ)
+            selector.register(sys.stdout, selectors.EVENT_WRITE)
         return await join(wire, os.dup(sys.stdin.fileno()), os.dup(sys.stdout.fileno()))
     except (ValueError, OSError):
         raise ConsoleError.of(
-            "console.unopened", axis=wire.place, value="it, or standard output, is a file"
+            "console.unopened",
+            axis=wire.place,
+            value="it, or standard output, is a file, or a device without events",
         ) from None

@@ -210,7 +210,7 @@ TABLE: tuple[Row, ...] = (
         _N,
         "S(0-255) P F",
         "Sets a fan's speed. F: at once. Without S it is full, but settings of the machine file"
-        " alone (U I H L X T) change nothing.",
+        " alone (U I H L X T, F with a number) change nothing.",
         bare="F",
     ),
     Row("M107", _P, _N, "P F", "Turns a fan off. F: at once.", bare="F"),
@@ -438,7 +438,10 @@ TABLE: tuple[Row, ...] = (
             ("M9", "There is no coolant."),
             ("M413", "A print can always be resumed where there is a place for its journal."),
             ("M486", "Labels of objects have no use yet."),
-            ("M862", "It asks whether this is a Prusa printer."),
+            *(
+                (code, "It asks whether this is a Prusa printer.")
+                for code in ("M862", *(f"M862.{i}" for i in range(1, 7)))
+            ),
             ("M900", "Linear advance is not built."),
             ("M907", "M906 and the machine file set motor currents."),
             ("EXCLUDE_OBJECT_DEFINE", "Labels of objects have no use yet."),
@@ -480,5 +483,5 @@ BY_CODE = {row.code: row for row in TABLE}
 
 
 def row_of(code: str) -> Row | None:
-    """The row of a command; M862.3 has that of M862."""
-    return BY_CODE.get(code) or BY_CODE.get(code.partition(".")[0])
+    """The row of a command. G1.1 is not G1: it has none."""
+    return BY_CODE.get(code)

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 _OF_FANS = re.compile(r"[UIHLXT]", re.IGNORECASE)  # settings of M106
 _LETTERED = re.compile(r"([TPBC])\s*(\d*)", re.IGNORECASE)
 _AT_ONCE = re.compile(r"\bF", re.IGNORECASE)
+_BY_INTERPRETER = re.compile(r"([A-Z]-?\d+\.\d{6} )+")  # words of its events
 _BABYSTEP_MM = 2.0  # at most, with one command
 _FLOW = (1.0, 1000.0)  # percent of M221
 _PERCENT = (10.0, 1000.0)  # of M220
@@ -203,6 +204,9 @@ class Commands:
     def _set_actuators(self, command: Command) -> None:
         """G92 with letters of motors: where the nozzle is follows from all of them. Raises
         CommandError where they lead nowhere, or another one is not known."""
+        if not _BY_INTERPRETER.fullmatch(command.text):  # somebody has written G92.1
+            _count(self.unknown, command.code, command.line)
+            return
         geometry, job = self._machine.geometry, self._job
         words = command.words()
         given = {n: words[n.upper()] for n in geometry.actuators if n.upper() in words}
@@ -384,11 +388,11 @@ class Commands:
         words = command.words()
         if command.code == "M107":
             share = 0.0
-        elif "S" not in words and _OF_FANS.search(command.text) is not None:
+        elif "S" not in words and ("F" in words or _OF_FANS.search(command.text) is not None):
             share = None
         else:
             share = min(words.get("S", 255) / 255, 1.0)
-        at_once = _AT_ONCE.search(command.text) is not None
+        at_once = "F" not in words and _AT_ONCE.search(command.text) is not None
         return FanOrder(words.get("P"), share, at_once)
 
     def set_fan(self, order: FanOrder) -> None:

@@ -54,7 +54,9 @@ class HeatCommands:
         if order.number is not None and order.number not in numbers:
             limit = ", ".join(map(str, numbers)) or "no fan"
             raise CommandError.bad_value("P", order.number, limit)
-        if order.share is None:
+        if "F" in command.words():
+            reply.note("M106 F", "M106 sets no frequency; the machine file has it")
+        elif order.share is None:
             reply.note("M106", "M106 sets speeds, by S; the machine file has the settings")
         commands.set_fan(order)
         return None

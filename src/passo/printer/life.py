@@ -22,16 +22,32 @@ class Life:
 
     def __init__(self, printer: Printer) -> None:
         self._printer = printer
-        self._revived = asyncio.Event()
+        self._revived = asyncio.Event()  # somebody has sent M999, and no M112 since
+        self._asking: list[asyncio.Future[None]] = []  # who waits for what becomes of M999
         self._warm = False  # what is warm stays so when the printer begins anew
 
     def revive(self) -> None:
         """Somebody has made the halted machine safe."""
         self._revived.set()
 
-    def stay_cold(self) -> None:
-        """M112, also while the printer begins anew by itself."""
+    def answered(self) -> asyncio.Future[None]:
+        """Done when the printer is ready again, or M999 has led to nothing."""
+        asking: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        self._asking.append(asking)
+        return asking
+
+    def stop(self) -> None:
+        """M112, also while the printer begins anew, by itself or after M999."""
         self._warm = False
+        self._answer()
+
+    def _answer(self) -> None:
+        """M999 is done, or has led to nothing."""
+        self._revived.clear()
+        for asking in self._asking:
+            if not asking.done():
+                asking.set_result(None)
+        self._asking.clear()
 
     async def run(self) -> None:
         """Lets time pass until cancelled."""
@@ -87,7 +103,7 @@ class Life:
         self._make_safe()
         printer.tell(f"Error:Printer halted: {printer.halted}. Make it safe, then send M999")
         printer.drive.end_waits()
-        await self._asked_to_revive()
+        await self._revived.wait()
 
     def _make_safe(self) -> None:
         """The board may only have been silent for a moment: it must not go on when it is back."""
@@ -96,10 +112,6 @@ class Life:
             printer.connection.set_target(name, 0.0)
         printer.connection.stop_job()
         printer.connection.emergency_stop()
-
-    async def _asked_to_revive(self) -> None:
-        await self._revived.wait()
-        self._revived.clear()
 
     async def _all_have_stopped(self) -> None:
         """Takes the turn: who had it has heard of the halt by then, and waits for nothing of the
@@ -113,6 +125,8 @@ class Life:
         """Begins anew; as often as somebody asks, until the board can be reached."""
         heaters = self._printer.connection.heaters.items()
         warm = {n: h.target for n, h in heaters if self._warm and not h.fault}
+        if not self._warm:
+            await self._revived.wait()  # M112 may have come since somebody asked
         while True:
             try:
                 self._begin_anew()
@@ -121,9 +135,10 @@ class Life:
             except MachineError as error:
                 warm = {}
                 self._printer.tell(f"Error:{error} Then send M999 again")
-                await self._asked_to_revive()
+                self._answer()
+                await self._revived.wait()
             else:
-                self._revived.clear()  # asked twice: it is done
+                self._answer()
                 return
 
     def _begin_anew(self) -> None:

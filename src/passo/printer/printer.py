@@ -263,7 +263,7 @@ class Printer:
 
     def halt(self, reason: str) -> None:
         """M112: heaters, motors and everything else off at once, until M999."""
-        self.life.stay_cold()
+        self.life.stop()
         if self.halted:
             return
         self.halted = reason.rstrip(".")

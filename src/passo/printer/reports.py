@@ -55,19 +55,21 @@ class Reports:
         hotends = [n for n, h in printer.machine.heaters.items() if h.kind == "hotend"]
         for name, config in printer.machine.heaters.items():
             heater = printer.connection.heaters[name]
+            # What the board said last of a heater is from before it was halted.
+            power = 0 if printer.halted else round(heater.power * 127)
             letter = _LETTERS[config.kind]
             reading = f":{heater.celsius:.2f} /{heater.target:.2f}"
             if config.kind == "hotend":
                 number = hotends.index(name)
                 if number == min(printer.job.tool, len(hotends) - 1):
                     parts.insert(0, f"T{reading}")
-                    powers.insert(0, f"@:{round(heater.power * 127)}")
+                    powers.insert(0, f"@:{power}")
                 if len(hotends) > 1:
                     parts.append(f"T{number}{reading}")
-                    powers.append(f"@{number}:{round(heater.power * 127)}")
+                    powers.append(f"@{number}:{power}")
             else:
                 parts.append(f"{letter}{reading}")
-                powers.append(f"{letter}@:{round(heater.power * 127)}")
+                powers.append(f"{letter}@:{power}")
         return " ".join(parts + powers)
 
     def position(self) -> str:

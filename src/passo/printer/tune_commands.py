@@ -52,8 +52,7 @@ class TuneCommands:
         self._controls.take_back(name)  # from a tune that a halt has cut off
         asked = words.get("U", 1.0 if "U" in command.text.upper() else 0.0) != 0
         apply = asked and fits
-        stored = " and stored" if self._printer.store_settings else ""
-        for line in tune.begin(f" (applied{stored})" if apply else ""):
+        for line in tune.begin(" Apply result" if apply else ""):
             reply.say(line)
         return Tuning(lambda: self._run(name, tune, reply), lambda: self._end(name, tune, apply))
 

@@ -1,0 +1,97 @@
+"""M999 is a wait: its `ok` comes when the printer is ready again, or has not become so."""
+
+import pytest
+from tests.console.scenario import Host, Scenario
+
+
+@pytest.fixture
+def s():
+    with Scenario("i3", free=True) as scenario:
+        yield scenario
+
+
+def at_once(s, *texts):
+    """Hosts send in the same moment: nothing happens between."""
+
+    async def receive():
+        for host, text in texts:
+            host.session.receive(text)
+
+    s.run(receive())
+
+
+def test_the_lines_behind_it_find_the_printer_ready(s):
+    s.host.ok("M112")
+    s.passes(1)
+    s.host.send("M999", "G28", "M104 S50", "G1 X5 F6000", "M400")
+    for _ in range(5):
+        s.host.expect("^ok", 120)
+    assert not [line for line in s.host.heard if "Printer stopped" in line]
+    assert s.printer.connection.heaters["hotend"].target == 50
+    assert s.positions()["x"] == 5
+
+
+def test_directly_behind_the_emergency_stop(s):
+    s.host.send("M112", "M999", "G92 X0 Y0 Z0", "G1 X5 F6000", "M400")
+    for _ in range(5):
+        s.host.expect("^ok", 10)
+    assert not s.printer.halted
+    ready = s.host.heard.index("echo:The printer is ready again. Home it before you move it")
+    assert s.host.heard[:ready].count("ok") == 1  # of M112
+    assert s.host.ok("M114")[0].startswith("X:5.00")
+
+
+def test_an_emergency_stop_meanwhile_acts(s):
+    other = Host(s)
+    at_once(s, (s.host, b"M112\nM999\n"), (other, b"M112\n"))
+    s.host.expect("Printer stopped: emergency stop by M112")
+    assert s.host.ok("G28") == [
+        "echo:Printer stopped: emergency stop by M112. Make it safe, then send M999",
+        "ok",
+    ]
+    s.passes(5)
+    assert s.printer.halted
+    other.ok("M999")
+    assert not s.printer.halted
+
+
+def test_without_a_halt_it_does_nothing(s):
+    assert s.host.ok("M999") == ["ok"]
+
+
+def test_others_are_answered_while_it_waits(s):
+    other = Host(s)
+    at_once(s, (s.host, b"M112\nM999\n"), (other, b"M105\n"))
+    other.expect("ready again")
+    ready = other.heard.index("echo:The printer is ready again. Home it before you move it")
+    assert [line for line in other.heard[:ready] if line.startswith("ok T:")]
+
+
+def test_a_host_that_goes_meanwhile_leaves_a_printer_that_is_ready(s):
+    other = Host(s)
+
+    async def go():
+        s.host.session.receive(b"M112\nM999\n")
+        s.host.session.close()
+
+    s.run(go())
+    other.expect("ready again")
+    assert not s.printer.halted
+
+
+def test_it_ends_where_the_board_cannot_be_reached(s, monkeypatch):
+    from passo.errors import MachineError
+
+    s.host.ok("M112")
+    s.passes(1)
+
+    def gone(_):
+        raise MachineError.of("machine.program", value="no board")
+
+    monkeypatch.setattr("passo.printer.life.reconnected", gone)
+    heard = s.host.ok("M999")
+    assert "Then send M999 again" in heard[0]
+    assert "Printer stopped" in heard[1]
+    monkeypatch.undo()
+    s.host.ok("M999")
+    assert not s.printer.halted
