@@ -168,3 +168,28 @@ def test_bytes_that_are_no_text(tmp_path: Path) -> None:
     path.write_bytes(b"name = '\xff'")
     with pytest.raises(ConfigError, match=r"byte 8 is not UTF-8"):
         config.load(path)
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("x = " + 5000 * "[" + 5000 * "]", "many.toml: is not valid TOML: it is nested too deeply"),
+        (f"[{3000 * 'a.'}a]", "many.toml: is not valid TOML: it is nested too deeply"),
+        (f"x = {5000 * '9'}", "many.toml: is not valid TOML: an integer has too many digits"),
+        (
+            f"a = 1\nx = [0x{5000 * 'f'}]",
+            "many.toml:2: x[0] is 'an integer of 20000 bits': "
+            "expected an integer of at most 64 bits",
+        ),
+    ],
+)
+def test_what_no_parser_holds_is_one_sentence(text: str, sentence: str) -> None:
+    (problem,) = problems_of(text)
+    assert str(problem).startswith(f"{sentence}. ")
+    assert problem.entry.status == 3
+
+
+def test_a_byte_order_mark_is_no_part_of_the_text(tmp_path: Path, i3_text: str) -> None:
+    path = tmp_path / "mark.toml"
+    path.write_bytes(b"\xef\xbb\xbf" + i3_text.encode())
+    assert config.load(path).name == "i3"
