@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import subprocess
 import sys
 from importlib.resources import files
+from pathlib import Path
 
 import pytest
 from tests.console.scenario import Scenario
@@ -420,3 +422,46 @@ def test_options_are_named_where_there_are_some(line, option, capsys, tmp_path):
         refusal = s.host.ok(line)[0]
         assert refusal.startswith("echo:")
         assert "--" not in refusal
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["print", "FILE"],
+        ["print", "FILE", "--json"],
+        ["print", "missing.gcode", "--json"],
+        ["estimate", "FILE", "--json"],
+        ["check", "missing.toml", "--json"],
+        ["machines"],
+    ],
+)
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_standard_output_that_is_full_is_one_sentence(tmp_path, words, unbuffered):
+    path = tmp_path / "a.gcode"
+    path.write_text("G28\nG1 X10 F6000\n")
+    words = [word.replace("FILE", str(path)) for word in words]
+    with Path("/dev/full").open("w") as full:
+        command = [sys.executable, "-m", "passo", *words]
+        environment = os.environ | {"PYTHONUNBUFFERED": unbuffered}
+        run = subprocess.run(
+            command, stdout=full, stderr=subprocess.PIPE, text=True, env=environment
+        )
+    assert run.returncode == 4
+    assert run.stderr.splitlines()[-1] == (
+        "standard output: cannot be written: No space left on device."
+        " Check the path, its permissions and the free space."
+    )
+    assert "Traceback" not in run.stderr
+    assert "ignored" not in run.stderr
+
+
+def test_a_reader_that_has_gone_is_no_error():
+    command = f"{sys.executable} -m passo machines | true; echo ${{PIPESTATUS[0]}}"
+    run = subprocess.run(["bash", "-c", command], capture_output=True, text=True)
+    assert (run.stdout, run.stderr) == ("0\n", "")
+
+
+def test_a_closed_standard_output_is_no_error():
+    command = f"{sys.executable} -m passo machines >&-"
+    run = subprocess.run(["bash", "-c", command], capture_output=True, text=True)
+    assert (run.returncode, run.stderr) == (0, "")

@@ -1,5 +1,6 @@
 """Wrong machine files: every problem at once, each with line, key, value and what was expected."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -168,3 +169,69 @@ def test_bytes_that_are_no_text(tmp_path: Path) -> None:
     path.write_bytes(b"name = '\xff'")
     with pytest.raises(ConfigError, match=r"byte 8 is not UTF-8"):
         config.load(path)
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("x = " + 5000 * "[" + 5000 * "]", "many.toml: is not valid TOML: it is nested too deeply"),
+        (f"[{3000 * 'a.'}a]", "many.toml: is not valid TOML: it is nested too deeply"),
+        (f"x = {5000 * '9'}", "many.toml: is not valid TOML: an integer has too many digits"),
+        (
+            f"a = 1\nx = [0x{5000 * 'f'}]",
+            "many.toml:2: x[0] is 'an integer of 20000 bits': "
+            "expected an integer of at most 64 bits",
+        ),
+    ],
+)
+def test_what_no_parser_holds_is_one_sentence(text: str, sentence: str) -> None:
+    (problem,) = problems_of(text)
+    assert str(problem).startswith(f"{sentence}. ")
+    assert problem.entry.status == 3
+
+
+def test_a_byte_order_mark_is_no_part_of_the_text(tmp_path: Path, i3_text: str) -> None:
+    path = tmp_path / "mark.toml"
+    path.write_bytes(b"\xef\xbb\xbf" + i3_text.encode())
+    assert config.load(path).name == "i3"
+
+
+@pytest.mark.parametrize(
+    ("new", "key", "limit"),
+    [
+        ("steps_per_mm = 1e8", "steps_per_mm", "a number of at most 1000000"),
+        ("steps_per_mm = 1e-300", "steps_per_mm", "a number of at least 0.001"),
+        (
+            "rotation_distance_mm = 1e-300",
+            "rotation_distance_mm",
+            "0.001 to 1,000,000 microsteps per mm or degree, and these parts make 3.2e+303",
+        ),
+        (
+            "rotation_distance_mm = 1e12",
+            "rotation_distance_mm",
+            "0.001 to 1,000,000 microsteps per mm or degree, and these parts make 3.2e-09",
+        ),
+    ],
+)
+def test_scales_that_no_motor_has(i3_text: str, new: str, key: str, limit: str) -> None:
+    text = i3_text.replace("steps_per_mm = 80.0", new, 1)
+    (problem,) = problems_of(text)
+    assert problem.values["key"] == f"steppers.x.{key}"
+    assert problem.values["limit"] == limit
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "limit"),
+    [
+        ("speed_mm_s", "1e300", "a number of at most 1000000"),
+        ("accel_mm_s2", "1e300", "a number of at most 10000000"),
+        ("max_mm", "1e300", "a number of at most 1000000"),
+        ("jerk_mm_s", "1e300", "a number of at most 1000000"),
+    ],
+)
+def test_motion_that_no_machine_has(i3_text: str, key: str, value: str, limit: str) -> None:
+    text = re.sub(rf"(?m)^{key} = .*\n", "", i3_text.partition("[axes.y]")[0])
+    text += f"{key} = {value}\n[axes.y]{i3_text.partition('[axes.y]')[2]}"
+    (problem,) = problems_of(text)
+    assert problem.values["key"] == f"axes.x.{key}"
+    assert problem.values["limit"] == limit

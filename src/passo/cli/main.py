@@ -14,7 +14,7 @@ import sys
 from collections.abc import Sequence
 
 import passo
-from passo.errors import ExitStatus, PassoError
+from passo.errors import ExitStatus, PassoError, Problem
 
 # Modules and models are many objects and no garbage: looking through them every 700 objects, as
 # Python does by itself, is a tenth of the start.
@@ -51,14 +51,24 @@ def _parser(name: str | None) -> argparse.ArgumentParser:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Runs `passo argv…` and returns its exit status: 0 done, 2 usage, 3 bad machine file,
-    4 bad input, 5 machine fault, 130 interrupted. Errors go to stderr, one line each."""
+    4 bad input or an output that cannot be written, 5 machine fault, 130 interrupted. Errors go to
+    stderr, one line each."""
     gc.set_threshold(_GC_THRESHOLD)
-    words = list(sys.argv[1:] if argv is None else argv)
+    try:
+        status = _run(list(sys.argv[1:] if argv is None else argv))
+    except OSError:
+        if (failed := _flush("\n")) is None:
+            raise  # standard output takes a line: it came from elsewhere
+        return failed
+    failed = _flush()
+    return status if failed is None else failed
+
+
+def _run(words: list[str]) -> int:
     name = next((word for word in words if not word.startswith("-")), None)
     try:
         arguments = _parser(name).parse_args(words)
         status: int = importlib.import_module(f"passo.cli.{arguments.command}").run(arguments)
-        sys.stdout.flush()
     except PassoError as error:
         for problem in error.problems:
             print(problem, file=sys.stderr)
@@ -68,7 +78,25 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("Interrupted.", file=sys.stderr)
         return 130
+    return status
+
+
+def _flush(more: str = "") -> int | None:
+    """Writes what is left for standard output; the exit status if that fails, and then whatever
+    else it is told goes nowhere."""
+    if sys.stdout is None:  # closed by who started this
+        return None
+    try:
+        sys.stdout.write(more)
+        sys.stdout.flush()
     except BrokenPipeError:  # the reader, `head` say, has gone: nothing is left to tell it
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return ExitStatus.DONE
+        status = ExitStatus.DONE
+    except OSError as error:
+        values = {"value": error.strerror or str(error)}
+        problem = Problem("output.unwritable", "standard output", None, values)
+        print(problem, file=sys.stderr)
+        status = problem.entry.status
+    else:
+        return None
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     return status

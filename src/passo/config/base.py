@@ -30,6 +30,13 @@ NAME, PIN, LETTER, AXIS, EXTRUDER, UUID = PATTERNS
 
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
+# What no machine exceeds, in mm or degrees and s: behind it the plan's numbers lose their steps.
+LEAST_SCALE, MOST_SCALE = 1e-3, 1e6
+Scale = Annotated[float, Field(ge=LEAST_SCALE, le=MOST_SCALE)]
+Speed = Annotated[float, Field(gt=0, le=1e6)]
+Acceleration = Annotated[float, Field(gt=0, le=1e7)]
+Jerk = Annotated[float, Field(ge=0, le=1e6)]
+Position = Annotated[float, Field(ge=-1e6, le=1e6)]
 Fraction = Annotated[float, Field(ge=0, le=1)]
 Name = Annotated[str, Field(pattern=NAME)]
 Pin = Annotated[str, Field(pattern=PIN)]
@@ -37,5 +44,5 @@ Letter = Annotated[str, Field(pattern=LETTER)]
 AxisName = Annotated[str, Field(pattern=AXIS)]
 ExtruderName = Annotated[str, Field(pattern=EXTRUDER)]
 Uuid = Annotated[str, Field(pattern=UUID)]
-Point = Annotated[list[float], Field(min_length=3, max_length=3)]
-Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
+Point = Annotated[list[Position], Field(min_length=3, max_length=3)]
+Pair = Annotated[list[Position], Field(min_length=2, max_length=2)]

@@ -134,7 +134,7 @@ def _read_dictionary(board: Tables, path: Path, folder: FilePath) -> Iterator[Fi
         board.setdefault("clock_hz", int(found["config"]["CLOCK_FREQ"]))
     except OSError as error:
         yield Finding("config.value", path, name, f"a file to read ({error.strerror})")
-    except (ValueError, KeyError, TypeError, zlib.error):
+    except (ValueError, KeyError, TypeError, RecursionError, zlib.error):
         yield Finding("config.value", path, name, "a data dictionary of Klipper's protocol")
     else:
         board["pins"] = {**{pin: pin for pin in pins}, **table(board, "pins")}

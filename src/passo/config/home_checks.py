@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from passo.config.base import LEAST_SCALE, MOST_SCALE
 from passo.config.findings import Finding
 from passo.config.machine import MachineConfig
 from passo.geometry.base import Point, Unreachable
@@ -49,3 +50,15 @@ def _check_axes(machine: MachineConfig) -> Iterator[Finding]:
     except (Unreachable, ArithmeticError) as error:
         limit = f"a home that the arms reach: {error}"
         yield Finding("config.value", ("axes", "x"), f"at home at {x:g}, {y:g}, {z:g}", limit)
+
+
+def check_scales(machine: MachineConfig) -> Iterator[Finding]:
+    """Each motor's scale, from whatever parts it comes, is one that a motor may have."""
+    for name, stepper in machine.steppers.items():
+        if not LEAST_SCALE <= stepper.steps_per_unit <= MOST_SCALE:
+            key = "gear_ratio" if stepper.rotation_distance_mm is None else "rotation_distance_mm"
+            limit = (
+                f"{LEAST_SCALE:g} to {MOST_SCALE:,.0f} microsteps per mm or degree, and these parts"
+                f" make {stepper.steps_per_unit:g}"
+            )
+            yield Finding("config.value", ("steppers", name, key), getattr(stepper, key), limit)

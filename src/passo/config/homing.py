@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from passo.config.base import Model, Name, Pin, Positive
+from passo.config.base import Model, Name, Pin, Position, Positive, Speed
 
 
 class Homing(Model):
@@ -21,11 +21,11 @@ class Homing(Model):
     """
 
     direction: Literal["min", "max"]
-    position: float
+    position: Position
     pin: Pin | None = None
     stepper_pins: dict[Name, Pin] = {}
-    fast: Positive = 40.0
+    fast: Speed = 40.0
     retract: Positive = 3.0
-    slow: Positive = 4.0
+    slow: Speed = 4.0
     max_travel: Annotated[float, Field(gt=0, le=10_000)] | None = None
     by_default: bool = True

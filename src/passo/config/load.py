@@ -5,15 +5,16 @@ from __future__ import annotations
 import os
 import re
 import tomllib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path as FilePath
+from typing import cast
 
 from pydantic import ValidationError
 
 from passo.config.board_files import Source, put_boards
 from passo.config.checks import check_all
 from passo.config.findings import Finding, did_you_mean, key_text, table
-from passo.config.home_checks import check_home, check_park
+from passo.config.home_checks import check_home, check_park, check_scales
 from passo.config.kinds import KINDS
 from passo.config.lines import Path, key_lines, line_of
 from passo.config.machine import MachineConfig
@@ -52,7 +53,7 @@ def load(name_or_path: str | os.PathLike[str]) -> MachineConfig:
 
 def _load_file(path: FilePath) -> MachineConfig:
     try:
-        text = path.read_bytes().decode()
+        text = path.read_bytes().decode("utf-8-sig")
     except OSError as error:
         reason = error.strerror or str(error)
         raise ConfigError.of("config.unreadable", str(path), value=reason) from None
@@ -65,12 +66,24 @@ def _load_file(path: FilePath) -> MachineConfig:
 def load_text(text: str, file: str = "<text>") -> MachineConfig:
     """The machine that a TOML text describes; `file` names it in messages. Raises ConfigError."""
     try:
+        return _machine(text, file)
+    except RecursionError:  # in the parser, or in what walks through its tables
+        raise ConfigError.of("config.syntax", file, value="it is nested too deeply") from None
+
+
+def _machine(text: str, file: str) -> MachineConfig:
+    try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         place = _SYNTAX_PLACE.match(str(error))
         message, line = (place[1], place[2]) if place else (str(error), None)
         at = int(line) if line else text.rstrip("\n").count("\n") + 1
         raise ConfigError.of("config.syntax", file, at, value=message) from None
+    except ValueError:  # Python's limit of decimal digits
+        reason = "an integer has too many digits"
+        raise ConfigError.of("config.syntax", file, value=reason) from None
+    if beyond := [*_beyond_64_bits(data)]:
+        raise ConfigError(_problems(beyond, text, file, []))
     folder = FilePath(file).parent
     sources: list[Source] = []
     findings = [*put_boards(data, folder, sources), *with_sensor_files(data, folder)]
@@ -90,10 +103,23 @@ def load_text(text: str, file: str = "<text>") -> MachineConfig:
     else:
         findings += check_all(data, (), ())
     if machine is not None and not findings:
-        findings += [*check_home(machine), *check_park(machine)]
+        findings += [*check_home(machine), *check_park(machine), *check_scales(machine)]
     if findings or machine is None:
         raise ConfigError(_problems(findings, text, file, sources))
     return machine
+
+
+def _beyond_64_bits(value: object, path: Path = ()) -> Iterator[Finding]:
+    """Integers that TOML does not have: no later part needs to mind them."""
+    if isinstance(value, dict):
+        for key, item in cast("dict[str, object]", value).items():
+            yield from _beyond_64_bits(item, (*path, key))
+    elif isinstance(value, list):
+        for index, item in enumerate(cast("list[object]", value)):
+            yield from _beyond_64_bits(item, (*path, index))
+    elif isinstance(value, int) and not -(2**63) <= value < 2**63:
+        size = f"an integer of {value.bit_length()} bits"
+        yield Finding("config.value", path, size, "an integer of at most 64 bits")
 
 
 def _problems(

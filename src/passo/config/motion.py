@@ -6,7 +6,21 @@ from typing import Annotated, Any, Literal, cast
 
 from pydantic import Field, model_validator
 
-from passo.config.base import Fraction, Model, Name, NotNegative, Pair, Pin, Point, Positive
+from passo.config.base import (
+    Acceleration,
+    Fraction,
+    Jerk,
+    Model,
+    Name,
+    NotNegative,
+    Pair,
+    Pin,
+    Point,
+    Position,
+    Positive,
+    Scale,
+    Speed,
+)
 from passo.config.drivers import DRIVERS, DriverName, DriverTimes
 from passo.config.trinamic import Tmc
 
@@ -27,12 +41,12 @@ class Axis(Model):
 
     extruder: bool = False
     heater: str | None = None
-    min_mm: float = 0.0
-    max_mm: float
-    home_mm: float | None = None
-    speed_mm_s: Positive
-    accel_mm_s2: Positive
-    jerk_mm_s: NotNegative = 10.0
+    min_mm: Position = 0.0
+    max_mm: Position
+    home_mm: Position | None = None
+    speed_mm_s: Speed
+    accel_mm_s2: Acceleration
+    jerk_mm_s: Jerk = 10.0
     cornering_distance_steps: Positive = 40.0
 
     @model_validator(mode="before")
@@ -47,9 +61,9 @@ class Axis(Model):
 class Extruder(Model):
     """A filament motor. `jerk_mm_s` is the speed change that it may make at once at a junction."""
 
-    speed_mm_s: Positive
-    accel_mm_s2: Positive
-    jerk_mm_s: NotNegative = 1.0
+    speed_mm_s: Speed
+    accel_mm_s2: Acceleration
+    jerk_mm_s: Jerk = 1.0
 
 
 class Tool(Model):
@@ -74,8 +88,8 @@ class Stepper(Model):
     """
 
     drives: str | None = None
-    steps_per_mm: Positive | None = None
-    steps_per_degree: Positive | None = None
+    steps_per_mm: Scale | None = None
+    steps_per_degree: Scale | None = None
     rotation_distance_mm: Positive | None = None
     full_steps_per_rotation: Annotated[int, Field(gt=0)] = 200
     microsteps: Literal[1, 2, 4, 8, 16, 32, 64, 128, 256] = MICROSTEPS
@@ -92,14 +106,14 @@ class Stepper(Model):
     step_pin: Pin | None = None
     direction_pin: Pin | None = None
     enable_pin: Pin | None = None
-    speed_mm_s: Positive | None = None
-    accel_mm_s2: Positive | None = None
-    min_mm: float | None = None
-    max_mm: float | None = None
-    speed_deg_s: Positive | None = None
-    accel_deg_s2: Positive | None = None
-    min_deg: float | None = None
-    max_deg: float | None = None
+    speed_mm_s: Speed | None = None
+    accel_mm_s2: Acceleration | None = None
+    min_mm: Position | None = None
+    max_mm: Position | None = None
+    speed_deg_s: Speed | None = None
+    accel_deg_s2: Acceleration | None = None
+    min_deg: Position | None = None
+    max_deg: Position | None = None
 
     @property
     def steps_per_unit(self) -> float:
@@ -132,11 +146,11 @@ class Park(Model):
 
     position_mm: Pair | None = None
     raise_mm: NotNegative = 10.0
-    speed_mm_s: Positive = 100.0
+    speed_mm_s: Speed = 100.0
     retract_mm: _PushedMm = 2.0
-    retract_mm_s: Positive = 30.0
+    retract_mm_s: Speed = 30.0
     prime_mm: _PushedMm = 5.0
-    prime_mm_s: Positive = 5.0
+    prime_mm_s: Speed = 5.0
 
 
 class Idle(Model):
@@ -156,10 +170,10 @@ class Limits(Model):
     could speed up for less than `least_speed_gain`, a share of the faster of its ends, does not.
     """
 
-    print_accel_mm_s2: Positive | None = None
-    travel_accel_mm_s2: Positive | None = None
-    retract_accel_mm_s2: Positive | None = None
-    speed_mm_s: Positive | None = None
+    print_accel_mm_s2: Acceleration | None = None
+    travel_accel_mm_s2: Acceleration | None = None
+    retract_accel_mm_s2: Acceleration | None = None
+    speed_mm_s: Speed | None = None
     junction: Literal["deviation", "cornering_distance", "jerk"] = "deviation"
     junction_deviation_mm: Positive = 0.02
     minimum_cruise_ratio: Fraction = 0.0
