@@ -49,9 +49,9 @@ def test_the_example_on_the_i3(capsys, unpacked):
 
 
 GOLDEN = {
-    ("demo", "i3"): "6d351476a445dd5a",
-    ("gear_arcs", "mk3s"): "ecaba23352f621b0",
-    ("plate_toolchanger", "dual-extruder"): "9547cfbcc1c9757b",
+    ("demo", "i3"): "20d6249dff5b5169",
+    ("gear_arcs", "mk3s"): "a1c1f5b0906e9640",
+    ("plate_toolchanger", "dual-extruder"): "ac1011b70327d55a",
 }
 
 

@@ -25,15 +25,15 @@ BUILDS = {
     ),
 }
 EXPECTED = """\
-cartesian 19800 3993624bd4178d67
-corexy 22211 09ce06ec1bb98fa9
-delta 42770 32c348851def650a
-rotary_delta 37448 f47f62eff875383c
-scara 30962 899adf29fe8cb1a3
-short of commands 19751 13b200538a28ef56
-above a bent bed 43466 5e505609be3e8242
-demo 232871 6d670657abd8938c
-gear_arcs 378449 c079d009cd04ff49
+cartesian 19800 c2d106dbb11dcbfa
+corexy 22211 c0745377718e53da
+delta 42770 aaafb2785ebceff8
+rotary_delta 37448 07bedb0083858814
+scara 30962 0ba9a95004c046c2
+short of commands 19751 9e79a9e72de68e98
+above a bent bed 43466 cffd80bb898d858a
+demo 232871 e459137c9cc152a2
+gear_arcs 378449 c70871fa92d08056
 """
 
 
