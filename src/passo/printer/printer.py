@@ -468,11 +468,10 @@ class Printer:
         """Carries out a command that the interpreter handed out."""
         self.drive.before_moves()
         handler = self.planned.get(command.code) or self.immediate.get(command.code)
-        before = self.commands.unknown.get(command.code)
         wait = self._carried_out(handler, command, reply)
         if handler is None:
             self._note(command.code, reply)
-        if self.commands.unknown.get(command.code) != before:
+        if handler is None and not self.commands.knows(command):
             reply.say(f'echo:Unknown command: "{command.code}"')
         return wait
 
