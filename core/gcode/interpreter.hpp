@@ -289,6 +289,7 @@ class Interpreter {
  private:
   static constexpr double kPi = 3.141592653589793;
   static constexpr double kLeastRetract = 0.1, kMostRetract = 10;  // mm, of M209
+  static constexpr size_t kLongestName = 100;                      // bytes, of a command
   static constexpr double kThinnest = 0.1, kThickest = 10;         // mm, of filament
   struct Item {
     Found found;
@@ -390,6 +391,7 @@ class Interpreter {
   void emit(char letter, int number, int minor, std::string_view name, std::string_view text) {
     Item item{};
     item.found = Found::event;
+    name = name.substr(0, kLongestName);
     item.event = {lines().number(), letter, number, minor, readable(name), readable(text)};
     pending_.push_back(std::move(item));
   }
@@ -411,7 +413,7 @@ class Interpreter {
     double value[26];
     uint32_t have = 0;
     for (;;) {
-      while (p < end && (*p == ' ' || *p == '\r' || *p == '\t')) ++p;
+      while (p < end && (*p == ' ' || *p == '\t')) ++p;
       if (p == end || *p == ';') break;
       unsigned k = unsigned(*p - 'A');
       if (k >= 26 || (letter_slot_[k] < 0 && k != 5)) return Found::error;

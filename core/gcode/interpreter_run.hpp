@@ -60,7 +60,9 @@ inline void Interpreter::run_line(const char* p, const char* end) {
   }
   strip_comments(text, note);
   if (!note.empty() && text.empty()) return comment(note);
+  text.erase(0, std::min(text.find_first_not_of(" \t"), text.size()));
   if (text.empty()) return;
+  if (text[0] == '/') return emit(0, 0, 0, "/", text.substr(1));  // left out where this is set
   if (text.size() > 1 && std::isalpha(uint8_t(text[0])) != 0 &&
       (std::isalpha(uint8_t(text[1])) || text[1] == '_')) {
     size_t stop = 0;
@@ -71,7 +73,7 @@ inline void Interpreter::run_line(const char* p, const char* end) {
     for (char& c : name) c = char(std::toupper(uint8_t(c)));
     return emit(0, 0, 0, name, text.substr(std::min(stop + 1, text.size())));
   }
-  if (text[0] == '_') {
+  if (text[0] == '_' || text[0] == '$' || text[0] == '@') {  // $H of grbl, @pause of a host
     size_t stop = text.find(' ');
     return emit(0, 0, 0, text.substr(0, stop),
                 stop == std::string::npos ? "" : text.substr(stop + 1));
@@ -95,9 +97,21 @@ inline void Interpreter::run_words() {
     return true;
   };
   if (!std::isalpha(uint8_t(w->letter)))
-    return fail(Fault::garbage, std::string(text.substr(0, 20)), 0, 0);
+    return fail(uint8_t(w->letter) < 0x7f ? Fault::word : Fault::garbage,
+                std::string(text.substr(w->begin, 20)), 0, 0);
   auto starts = [&](const Word& x) { return (x.letter == 'G' || x.letter == 'M') && x.number; };
   auto tool = [&](const Word& x) { return x.letter == 'T' && x.whole(); };
+  auto unknown = [&](const Word* next) {
+    size_t to = next < end ? next->begin : text.size();
+    emit(0, 0, 0, unknown_name(text, *w), text.substr(w->end, to - w->end));
+  };
+  if (begins && w->letter == 'O' && letter_slot_['O' - 'A'] < 0) {  // the program's number and name
+    const Word* next = w + 1;
+    while (next < end && !(starts(*next) && !std::isalpha(uint8_t(text[next->begin - 1])))) ++next;
+    unknown(next);
+    next_word_ = next < end ? size_t(next - words_.data()) : 0;
+    return;
+  }
   const Word* first = w;
   if (!starts(*w) && !tool(*w)) {
     const Word* next = w;
@@ -112,7 +126,10 @@ inline void Interpreter::run_words() {
       if (!moves && !begins) return;  // further words of a tool
       if (!moves) {
         if (w->letter == 'S' && w->number) return emit('S', 0, 0, "", text);
-        return fail(Fault::word, std::string(text.substr(w->begin, w->end - w->begin)), 0, 0);
+        std::string name = unknown_name(text, *w);
+        if (std::strchr("GMST", w->letter) && (w->number || name.size() == 1))
+          return fail(Fault::word, name, 0, 0);
+        return unknown(end);
       }
       run_modal(w, next);
       if (next == end) return;
@@ -489,19 +506,13 @@ inline void Interpreter::select_tool(const Word& word) {
   if (!sound(word)) return;
   int tool = int(word.value);
   if (tool == 0 && machine_->tools.empty()) return;  // extruders are axes
-  if (tool >= 0) {
-    if (size_t(tool) >= machine_->tools.size() || machine_->tools[size_t(tool)].extruder < 0) {
-      if (size_t(tool) >= machine_->tools.size()) {
-        if (!ignore_tools)
-          fail(Fault::missing_tool, "T", tool, double(machine_->tools.size()));
-        else
-          emit('T', tool, 1, "", "");
-        return;
-      }
-    } else {
-      take_tool(size_t(tool));
-    }
+  if (tool < 0)
+    return emit(0, 0, 0, "T" + std::to_string(tool), "");  // it may mean none: no change
+  if (size_t(tool) >= machine_->tools.size()) {
+    if (!ignore_tools) return fail(Fault::missing_tool, "T", tool, double(machine_->tools.size()));
+    return emit('T', tool, 1, "", "");
   }
+  take_tool(size_t(tool));
   emit('T', tool, 0, "", "");
 }
 

@@ -1,6 +1,7 @@
 // Text → lines → words. One lexer for files, consoles and single lines; memory is bounded by the
 // longest line that is not a comment.
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -52,7 +53,8 @@ inline bool read_number(const char*& p, const char* end, double& value) {
   return true;
 }
 
-// Cuts a stream of bytes into lines.
+// Cuts a stream of bytes into lines, which end with LF, CR LF or CR. A byte order mark in front of
+// the first line goes.
 class Lines {
  public:
   static constexpr size_t kLongest = 65536;  // bytes of a line, comment not counted
@@ -63,6 +65,7 @@ class Lines {
   void feed(const char* data, size_t n) {
     if (at_ > 0) {
       buffer_.erase(0, at_);
+      feed_at_ -= std::min(feed_at_, at_);
       at_ = 0;
       scanned_ = 0;
     }
@@ -78,34 +81,54 @@ class Lines {
 
   // The next line without its end. False: more input is needed, or all is read.
   bool next(const char*& begin, const char*& end) {
-    for (;;) {
-      const char* from = buffer_.data() + at_;
-      const char* stop = buffer_.data() + buffer_.size();
-      const char* newline = static_cast<const char*>(
-          std::memchr(from + scanned_, '\n', size_t(stop - from) - scanned_));
-      if (!newline && !finished_) {
-        shorten(from, stop);
-        return false;
-      }
-      if (!newline && from == stop && !cut_) return false;
-      begin = from;
-      end = newline ? newline : stop;
-      if (size_t(end - begin) > kLongest) shorten_whole(begin, end);
-      at_ = size_t((newline ? newline + 1 : stop) - buffer_.data());
-      scanned_ = 0;
-      ++number_;
-      too_long_ = dropped_;
-      dropped_ = cut_ = false;
-      return true;
+    const char* from = buffer_.data() + at_;
+    const char* stop = buffer_.data() + buffer_.size();
+    const char* newline = line_end();
+    if (!newline && !finished_) {
+      shorten(from, stop);
+      return false;
     }
+    if (newline && *newline == '\r' && newline + 1 == stop && !finished_) {
+      scanned_ = size_t(newline - from);  // what comes next may be its LF
+      return false;
+    }
+    if (!newline && from == stop && !cut_) return false;
+    begin = from;
+    end = newline ? newline : stop;
+    if (number_ == 0 && end - begin >= 3 && std::memcmp(begin, "\xef\xbb\xbf", 3) == 0) begin += 3;
+    if (size_t(end - begin) > kLongest) shorten_whole(begin, end);
+    const char* behind = newline ? newline + 1 : stop;
+    if (newline && *newline == '\r' && behind < stop && *behind == '\n') ++behind;
+    at_ = size_t(behind - buffer_.data());
+    scanned_ = 0;
+    ++number_;
+    too_long_ = dropped_;
+    dropped_ = cut_ = false;
+    return true;
   }
 
  private:
   std::string buffer_;
-  size_t at_ = 0, scanned_ = 0;
+  size_t at_ = 0, scanned_ = 0;  // no CR in the first scanned_ bytes of the line at at_
+  size_t feed_at_ = 0;           // no LF from at_ to here
   uint64_t fed_ = 0;
   uint32_t number_ = 0;
   bool finished_ = false, dropped_ = false, too_long_ = false, cut_ = false;
+
+  // The first LF or CR of the line; null if there is none yet. The LF is looked for once for all
+  // lines that end with a CR before it.
+  const char* line_end() {
+    const char* all = buffer_.data();
+    feed_at_ = std::max(feed_at_, at_);
+    if (feed_at_ < buffer_.size() && all[feed_at_] != '\n') {
+      const void* found = std::memchr(all + feed_at_, '\n', buffer_.size() - feed_at_);
+      feed_at_ = found ? size_t(static_cast<const char*>(found) - all) : buffer_.size();
+    }
+    const size_t from = std::min(at_ + scanned_, feed_at_);
+    if (const void* found = std::memchr(all + from, '\r', feed_at_ - from))
+      return static_cast<const char*>(found);
+    return feed_at_ < buffer_.size() ? all + feed_at_ : nullptr;
+  }
 
   // A long line in one piece, as if it had come in pieces.
   void shorten_whole(const char* begin, const char*& end) {
@@ -125,6 +148,7 @@ class Lines {
     cut_ = true;
     buffer_.resize(at_ + keep);
     scanned_ = keep;
+    feed_at_ = buffer_.size();
   }
 };
 

@@ -1,5 +1,6 @@
 // A line's words: letter and number, with the place in the text.
 #pragma once
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <string>
@@ -17,6 +18,16 @@ struct Word {
   size_t begin, end;  // in the text
   bool whole() const { return number && value == std::floor(value); }
 };
+
+// A command that nobody knows, as it is written: `text` is the line, which begins with it.
+inline std::string unknown_name(std::string_view text, const Word& word) {
+  size_t stop =
+      word.number ? word.end : std::min(text.find_first_of(" \t", word.begin), text.size());
+  std::string name(1, word.letter);
+  for (size_t i = word.begin + 1; i < stop; ++i)
+    if (!std::isspace(uint8_t(text[i]))) name += text[i];
+  return name;
+}
 
 // Old files are not always UTF-8: then bytes beyond ASCII become '?', for what leaves the core.
 inline std::string readable(std::string_view text) {

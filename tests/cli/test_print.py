@@ -100,7 +100,7 @@ BAD = {
     "noise": (bytes(range(256)) * 40, [], 4, ":1: is not G-code"),
     "long line": (b"G1 X" + b"1" * 10_000_000, [], 4, "a line is longer than 64 KiB"),
     "nan": (b"G28\nG1 XNaN\n", [], 4, ":2: the word 'X' has no valid number"),
-    "huge": (b"G28\nG1 X2000000000\n", [], 4, ":2: the word 'X2e+09'"),
+    "huge": (b"G28\nG1 X2000000000\n", [], 4, ":2: the word 'X2000000000'"),
     "F0": (b"G1 X10 F0\n", [], 4, ":1: the feed rate F0 must be above 0"),
     "out of range": (b"G1 X300 F3000\n", [], 4, ":1: X 300.000 mm is beyond the limit of 250.000"),
     "endless": (b"G1 E1000000000\n", [], 4, ":1: extruder e would move 1000000000 mm of filament"),
@@ -154,7 +154,7 @@ def test_with_json_every_failure_is_an_object(capsys, tmp_path, command):
         ("M104 Sabc", "S"),
         ("M204 P1000 T", "T"),
         ("M220 S nan", "S"),
-        ("M205 J2000000000", "J2e+09"),
+        ("M205 J2000000000", "J2000000000"),
         ("m84 s", "S"),
     ],
 )
@@ -290,6 +290,52 @@ def test_an_unsafe_temperature_is_a_warning_and_heats_nothing(tmp_path, capsys):
     assert main(["print", str(path), "--json"]) == 0
     (warning,) = json.loads(capsys.readouterr().out)["warnings"]
     assert warning.startswith(f"{path}:2: M104: heater hotend was switched off: 999 C is outside")
+
+
+def test_what_is_written_for_others_is_one_warning_each(capsys, tmp_path):
+    """A file with a byte order mark, and without any line feed."""
+    foreign = ["O1000", "D5", "H1", "Q5", "T?", "Tx", "Tc", "/G1 X5", "$H", "@pause", "T-1"]
+    plain, path = tmp_path / "plain.gcode", tmp_path / "p.gcode"
+    plain.write_text("G28\nG1 X10 Y10 E1 F3000\nG1 X100 E5\n")
+    lines = ["%", *foreign, "G28", "G1 X10 Y10 E1 F3000", *foreign, "G1 X100 E5", ""]
+    path.write_bytes(b"\xef\xbb\xbf" + "\r".join(lines).encode())
+    result = printed(capsys, str(path))
+    names = ["O1000", "D5", "H1", "Q5", "T?", "TX", "TC", "/", "$H", "@pause", "T-1"]
+    assert result["warnings"] == [
+        f"{path}:{i}: {name} is unknown and was skipped (2 times)"
+        for i, name in enumerate(names, 2)
+    ]
+    assert result["stream_hash"] == printed(capsys, str(plain))["stream_hash"]
+
+
+def test_codes_without_end_are_counted_together(capsys, tmp_path):
+    path = tmp_path / "p.gcode"
+    path.write_text("".join(f"O{i}\n" for i in range(1, 1501)))
+    warnings = printed(capsys, str(path))["warnings"]
+    assert len(warnings) == 1001
+    assert warnings[999] == f"{path}:1000: O1000 is unknown and was skipped (1 time)"
+    assert warnings[1000] == f"{path}:1001: any other code is unknown and was skipped (500 times)"
+
+
+@pytest.mark.parametrize(
+    ("line", "word"),
+    [
+        ("G1 X2000000000", "X2000000000"),
+        ("G1 X-1000000000.5", "X-1000000000.5"),
+        ("G1 X1" + "0" * 20, "X1" + "0" * 20),
+        ("G1 X1" + "0" * 40, "X1e+40"),
+        ("M204 S2000000000", "S2000000000"),
+        ("SET_VELOCITY_LIMIT VELOCITY=1e400", "VELOCITY=1e400"),
+        ("SET_VELOCITY_LIMIT ACCEL=inf", "ACCEL=inf"),
+        ("SET_VELOCITY_LIMIT ACCEL=2000000000", "ACCEL=2000000000"),
+        ("SET_VELOCITY_LIMIT SQUARE_CORNER_VELOCITY=nan", "SQUARE_CORNER_VELOCITY=nan"),
+    ],
+)
+def test_a_word_beyond_1e9_is_named_as_written(capsys, tmp_path, line, word):
+    path = tmp_path / "p.gcode"
+    path.write_text(f"G28\n{line}\n")
+    assert main(["print", str(path)]) == 4
+    assert f"{path}:2: the word '{word}' has no valid number" in capsys.readouterr().err
 
 
 SENSELESS = {

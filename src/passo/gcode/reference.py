@@ -33,6 +33,11 @@ A line is read from left to right.
   (`G90 X10`).
 - M117 and other commands whose argument is text, not words, take the rest of the line.
 - A name of two letters or more (`SET_VELOCITY_LIMIT ACCEL=500`) takes the whole line.
+- What is written for others is an unknown command, which a console hears of and a print without
+  consoles is warned of once for each: a program number (`O1000`, with the name behind it), words
+  that belong to no command (`D5`, `H1`), `T?` and `T-1`, lines that begin with `$` or `@`. So are
+  lines that begin with `/`, which are skipped.
+- Lines end with LF, CR LF or CR. A byte order mark in front of the first one means nothing.
 
 ## Arcs
 

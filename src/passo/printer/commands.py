@@ -8,13 +8,13 @@ from math import inf, sqrt
 from typing import TYPE_CHECKING, NamedTuple, Protocol, Self
 
 from passo.config.drives import axis_order
-from passo.errors import CommandError, Problem
+from passo.errors import CommandError, Problem, WordError
 from passo.gcode.dialect import Kind, row_of
 from passo.geometry.base import Unreachable
 from passo.printer.faults import problem, problem_of
 from passo.printer.slots import E
 from passo.printer.waits import Homing, Person, Still, Stop, Temperatures, Wait
-from passo.printer.words import Command
+from passo.printer.words import LARGEST, Command
 
 if TYPE_CHECKING:
     from passo import _core
@@ -25,6 +25,7 @@ _OF_FANS = re.compile(r"[UIHLXT]", re.IGNORECASE)  # settings of M106
 _LETTERED = re.compile(r"([TPBC])\s*(\d*)", re.IGNORECASE)
 _AT_ONCE = re.compile(r"\bF", re.IGNORECASE)
 _BY_INTERPRETER = re.compile(r"([A-Z]-?\d+\.\d{6} )+")  # words of its events
+_MOST_CODES = 1000  # that are counted each on its own, however many a file makes up
 _BABYSTEP_MM = 2.0  # at most, with one command
 _FLOW = (1.0, 1000.0)  # percent of M221
 _PERCENT = (10.0, 1000.0)  # of M220
@@ -139,7 +140,7 @@ class Commands:
             else:
                 self.tool_changed(command.number)
             return None
-        code = "S" if command.letter == "S" else command.code
+        code = _key(command)
         command.check()
         handler = self._handlers.get(code)
         if handler is not None:
@@ -153,6 +154,11 @@ class Commands:
             _count(self.waits, code, command.line)
             return Person(row.text)
         return None
+
+    def knows(self, command: Command) -> bool:
+        """Whether a command means anything, if only that it does nothing here."""
+        code = _key(command)
+        return command.letter == "T" or code in self._handlers or row_of(code) is not None
 
     def refuse(self, command: Command, error: CommandError) -> None:
         """A command that was not carried out, in a print that goes on."""
@@ -534,6 +540,9 @@ class Commands:
                 values[key] = float(text)
             except ValueError:
                 _count(self.unknown, f"{command.code} {key}={text}", command.line)
+                continue
+            if not abs(values[key]) <= LARGEST:
+                raise WordError.of("input.number", value=f"{key}={text[:30]}")
         for key, limit in _OF_VELOCITY_LIMIT.items():
             if not 0 < values.get(key, 1) < inf:
                 raise CommandError.bad_value(key, values[key], f"above 0 {limit}")
@@ -556,5 +565,11 @@ class Commands:
 
 
 def _count(table: dict[str, tuple[int, int]], code: str, line: int) -> None:
+    if code not in table and len(table) >= _MOST_CODES:
+        code = "any other code"
     first, times = table.get(code, (line, 0))
     table[code] = (first, times + 1)
+
+
+def _key(command: Command) -> str:
+    return "S" if command.letter == "S" else command.code

@@ -5,6 +5,7 @@ from __future__ import annotations
 from passo import _core
 from passo.errors import Problem
 from passo.geometry.base import GeometryModel, Point, Unreachable
+from passo.printer.words import written
 
 Error = tuple[int, _core.Fault, str, float, float, Point]  # as the core tells it
 
@@ -39,7 +40,7 @@ def problem(error: Error, path: str, geometry: GeometryModel) -> Problem:
         return Problem("input.missing-tool", path, line, {"value": int(value), "limit": int(limit)})
     if fault == faults.NUMBER:
         return Problem(
-            "input.number", path, line, {"value": word + (f"{value:g}" if value else "")}
+            "input.number", path, line, {"value": word + (written(value) if value else "")}
         )
     if fault == faults.RANGE:
         limit = f"{point[0]:g} to {limit:g}"

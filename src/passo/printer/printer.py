@@ -473,11 +473,10 @@ class Printer:
         handler = self.planned.get(command.code) or self.immediate.get(command.code)
         if handler is not None and command.code in _IN_THEIR_TURN and not self._from_console:
             return Still(partial(self._stop_in_turn, handler, command, reply))
-        before = self.commands.unknown.get(command.code)
         wait = self._carried_out(handler, command, reply)
         if handler is None:
             self._note(command.code, reply)
-        if self.commands.unknown.get(command.code) != before:
+        if handler is None and not self.commands.knows(command):
             reply.say(f'echo:Unknown command: "{command.code}"')
         return wait
 

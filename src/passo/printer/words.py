@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from decimal import Decimal
 from typing import NamedTuple
 
 from passo.errors import WordError
@@ -10,7 +11,7 @@ from passo.gcode.dialect import row_of
 
 _WORD = re.compile(r"([A-Z])\s*(?:([-+]?(?:\d+\.?\d*|\.\d+))|(\"[^\"]*\")|(nan)\b)?", re.IGNORECASE)
 _PAIR = re.compile(r"([A-Za-z_][A-Za-z0-9_]*)\s*=\s*(\"[^\"]*\"|\S+)")
-_LARGEST = 1e9  # as in the words of moves
+LARGEST = 1e9  # as in the words of moves
 
 
 class Command(NamedTuple):
@@ -39,8 +40,8 @@ class Command(NamedTuple):
         for match in _WORD.finditer(self.text):
             letter, number, text, nan = match[1].upper(), *match.groups()[1:]
             if number is not None:
-                if abs(float(number)) > _LARGEST:
-                    raise WordError.of("input.number", value=f"{letter}{float(number):g}")
+                if abs(float(number)) > LARGEST:
+                    raise WordError.of("input.number", value=letter + written(float(number)))
             elif not (text or letter in row.bare or (nan and row.nan and letter == "S")):
                 raise WordError.of("input.number", value=letter)
 
@@ -53,10 +54,16 @@ class Command(NamedTuple):
         return {match[1].upper(): match[2].strip('"') for match in _PAIR.finditer(self.text)}
 
 
+def written(value: float) -> str:
+    """A number without exponent, as people write it; one of more than 30 digits with it."""
+    digits = f"{value:.15g}"
+    return f"{Decimal(digits):f}" if abs(value) < 1e30 else f"{value:g}"
+
+
 def words_of(text: str) -> list[tuple[str, float]]:
     """All words of a line with a number of at most 1e9, in order: (letter, number)."""
     return [
         (m[1].upper(), number)
         for m in _WORD.finditer(text)
-        if m[2] is not None and abs(number := float(m[2])) <= _LARGEST
+        if m[2] is not None and abs(number := float(m[2])) <= LARGEST
     ]
