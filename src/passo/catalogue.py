@@ -73,6 +73,9 @@ CATALOGUE: Mapping[str, Entry] = {
     "config.conflict": _config("{key} is {value!r}: expected {limit}", "Change or remove it"),
     "input.unreadable": _input("file", "cannot be read: {value}", "Check the path and permissions"),
     "input.empty": _input("file", "holds no command", "Slice the model again"),
+    "input.no-known-command": _input(
+        "file", "holds no command that is known", "Give a sliced file, not a model or a text"
+    ),
     "input.garbage": _input(
         "gcode", "is not G-code: {value}", "Give a sliced text file, not a model or a binary"
     ),

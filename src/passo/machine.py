@@ -65,7 +65,10 @@ class Machine:
         Raises ValueError for a motor that the machine does not have.
         """
         rows = self._spec["steppers"]
-        i = [row["name"] for row in rows].index(stepper)
+        names = [row["name"] for row in rows]
+        if stepper not in names:
+            raise ValueError(f"there is no motor {stepper!r}, but {', '.join(names)}")
+        i = names.index(stepper)
         solver, hz = _core.Motion(self._spec, True), self.config.board.clock_hz
         slots = [slot_of_axis(axis) for axis in range(len(self._spec["axes"]))]
         count, place = 0, None

@@ -79,6 +79,13 @@ def test_a_cut_that_ends_before_it_begins_is_usage(short, tmp_path, capsys, end)
     assert not output.exists()
 
 
+def test_ideal_times_have_no_place_in_a_vcd(short, tmp_path, capsys):
+    output = tmp_path / "steps.vcd"
+    assert main(["steps", short, "--output", str(output), "--ideal"]) == 2
+    assert capsys.readouterr() == ("", f"--ideal: {output} has no place for it, name an .npz.\n")
+    assert not output.exists()
+
+
 def test_vcd_has_the_same_edges(short, tmp_path):
     waves, arrays = tmp_path / "steps.vcd", tmp_path / "steps.npz"
     assert main(["steps", short, "--output", str(waves)]) == 0

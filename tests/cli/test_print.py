@@ -376,7 +376,7 @@ def cornered_s(capsys, tmp_path, line, law="jerk"):
     machine.write_text(shipped.replace('junction = "deviation"', f'junction = "{law}"'))
     path = tmp_path / "p.gcode"
     corners = [f"G1 X{1 + i} Y{i + 1}\nG1 X{2 + i}" for i in range(50)]
-    path.write_text("\n".join(["G28", line, "G1 X1 F9000", *corners]))
+    path.write_text("\n".join(["G28", line, "G1 X1 F9000", *corners, ""]))
     result = printed(capsys, str(path), "--machine", str(machine))
     return result["move_time_s"], result["warnings"]
 
@@ -401,6 +401,8 @@ def test_m205_sets_the_junction_deviation(capsys, tmp_path):
     seconds, (warning,) = cornered_s(capsys, tmp_path, "M205 X8 E4.5 S0 T0", "deviation")
     assert seconds == usual
     assert ":2: M205: X E without effect, for corners obey J, the junction deviation" in warning
+    _, (warning,) = cornered_s(capsys, tmp_path, "M205 X0 Y0 B0 S0 T0", "deviation")
+    assert ":2: M205: X Y without effect" in warning
 
 
 def test_a_slow_link_is_named_with_its_worst_line(capsys, tmp_path):
@@ -511,3 +513,66 @@ def test_a_closed_standard_output_is_no_error():
     command = f"{sys.executable} -m passo machines >&-"
     run = subprocess.run(["bash", "-c", command], capture_output=True, text=True)
     assert (run.returncode, run.stderr) == (0, "")
+
+
+@pytest.mark.parametrize("command", ["print", "estimate", "steps", "report"])
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("solid a\nfacet normal 0 0 1\nendsolid a\n", "holds no command that is known."),
+        ("Dear printer,\nplease print two.\nG9999\n", "holds no command that is known."),
+        ("; nothing\n\n(at all)\n%\n", "holds no command."),
+    ],
+)
+def test_a_text_without_commands_is_bad_input(capsys, tmp_path, command, text, says):
+    path, output = tmp_path / "a.gcode", tmp_path / "a.npz"
+    path.write_text(text)
+    words = ["--output", str(output)] if command in ("steps", "report") else []
+    assert main([command, str(path), *words]) == 4
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"{path}: {says} ")
+    assert not output.exists()
+
+
+@pytest.mark.parametrize("text", ["G90\n", "n1 g 021\n", "M117 hi\n", "T0\n", "M862.3 P1\n"])
+def test_commands_without_a_move_are_a_print(capsys, tmp_path, text):
+    path = tmp_path / "a.gcode"
+    path.write_text(text)
+    assert printed(capsys, str(path))["moves"] == 0
+
+
+@pytest.mark.parametrize(
+    ("text", "lines"),
+    [
+        ("G28\nG1 X10 F600\nG1 X2", [3]),
+        ("G28\nG1 X10 F600\nN3 g1", [3]),
+        ("G28\nG1 X10 F600\nG1 X2\n", []),
+        ("G28\nG1 X10 F600\nM84", []),
+        ("G28\nG1 X10 F600\nG10", []),
+        ("G28\nG1 X10 F600\nM2\nG1 X2", []),
+    ],
+)
+def test_a_file_that_ends_within_a_move_may_be_cut(capsys, tmp_path, text, lines):
+    path = tmp_path / "a.gcode"
+    path.write_text(text)
+    told = [
+        f"{path}:{line}: the file ends in the middle of a line, it may be cut short"
+        for line in lines
+    ]
+    assert printed(capsys, str(path))["warnings"] == told
+    capsys.readouterr()
+    assert main(["estimate", str(path), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["warnings"] == told
+
+
+@pytest.mark.parametrize(("text", "status"), [("G28\nG1 X10 F600\n", 0), ("", 4)])
+def test_a_pipe_is_a_file(text, status):
+    command = [sys.executable, "-m", "passo", "estimate", "/dev/stdin"]
+    run = subprocess.run(command, input=text, capture_output=True, text=True)
+    assert run.returncode == status
+    assert run.stderr.startswith("/dev/stdin: holds no command.") == (status == 4)
+
+
+def test_an_empty_name_is_named(capsys):
+    assert main(["print", ""]) == 4
+    assert capsys.readouterr().err.startswith("'': cannot be read: the name is empty.")

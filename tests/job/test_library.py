@@ -45,5 +45,5 @@ def test_ideal_times_of_steps_are_those_of_a_print(tmp_path, name):
 
 def test_a_motor_that_is_not_there():
     machine = passo.Machine.load("i3")
-    with pytest.raises(ValueError, match="'y1' is not in list"):
+    with pytest.raises(ValueError, match="there is no motor 'y1', but x, y, z, e"):
         next(machine.step_times_s(iter(()), "y1"))

@@ -41,6 +41,9 @@ def run(arguments: argparse.Namespace) -> int:
     if not arguments.output.lower().endswith((".npz", ".vcd")):
         print(f"{arguments.output}: the ending must be .npz or .vcd.", file=sys.stderr)
         return ExitStatus.USAGE
+    if arguments.ideal and not arguments.output.lower().endswith(".npz"):
+        print(f"--ideal: {arguments.output} has no place for it, name an .npz.", file=sys.stderr)
+        return ExitStatus.USAGE
     trace = trace_steps(
         config.load(arguments.machine),
         arguments.file,

@@ -9,7 +9,7 @@ from itertools import islice
 
 from passo import _core
 from passo.errors import CommandError, InputError, Problem, WordError
-from passo.job.source import chunks, open_source
+from passo.job.source import Text, chunks, open_source
 from passo.printer.commands import Commands
 from passo.printer.waits import Homing, Temperatures, Wait
 from passo.printer.words import Command
@@ -105,10 +105,19 @@ def run_program(
     end: int | None = None,
 ) -> Iterator[float]:
     """`read_program` with a file, or its lines before the one of number `end`; yields the share of
-    it that is read. Without `settle` nothing is waited for. Raises InputError."""
+    it that is read. Without `settle` nothing is waited for. Raises InputError, at the end of a file
+    also for a text without any command that is known."""
     name = str(path)
     with open_source(path) as source:
-        size = max(os.fstat(source.fileno()).st_size, 1)
-        pieces = chunks(source, name) if end is None else islice(source, end - 1)
-        for _ in read_program(job, commands, pieces, name, settle or at_rest(job)):
-            yield min(source.tell() / size, 1.0)
+        size = os.fstat(source.fileno()).st_size
+        text = Text(chunks(source, name) if end is None else islice(source, end - 1))
+        for _ in read_program(job, commands, text, name, settle or at_rest(job)):
+            yield min(text.offset / size, 1.0) if size else 0.0
+    if end is not None:
+        return
+    plan = job.statistics()
+    if text.cut:
+        commands.cut_at = plan["lines"]
+    if not text.known and not plan["moves"]:
+        code = "input.no-known-command" if commands.unknown else "input.empty"
+        raise InputError.of(code, name)

@@ -94,6 +94,7 @@ class Commands:
         if machine.laser:
             job.set_laser(*self._outputs["laser"])
         self.ended = False
+        self.cut_at = 0  # the line in the middle of which the file ended
         self.record_at_once = job.record  # without a living printer there is no such haste
         self._handlers: dict[str, Callable[[Command], Wait | None]] = {
             "G28": self._home,
@@ -170,7 +171,8 @@ class Commands:
 
     def warnings(self, file: str) -> list[str]:
         """One sentence for each code that meant nothing, waited for nobody, or was ignored, for
-        each axis whose targets were moved to the limit, and for moves that were left out."""
+        each axis whose targets were moved to the limit, for moves that were left out, and for a
+        file that was cut short."""
         sentences = (
             (self.unknown, "{} is unknown and was skipped"),
             (self.not_built, "{} does nothing here and was skipped"),
@@ -180,11 +182,12 @@ class Commands:
             (self.refused, "{}"),
             (self._clamped(), "{}"),
         )
+        cut = f"{file}:{self.cut_at}: the file ends in the middle of a line, it may be cut short"
         return [
             f"{file}:{line}: {text.format(code)} ({times} {'time' if times == 1 else 'times'})"
             for table, text in sentences
             for code, (line, times) in table.items()
-        ]
+        ] + ([cut] if self.cut_at else [])
 
     def _clamped(self) -> dict[str, tuple[int, int]]:
         geometry = self._machine.geometry
@@ -477,7 +480,7 @@ class Commands:
             self.axis_limits(jerk, "jerk", live=live)
         acts = {"deviation": {"J"}, "jerk": jerk.keys()}.get(law, set[str]())
         # Without a limit, as with S0, no speed is too low and no segment too short.
-        idle = [letter for letter, value in words.items() if letter not in acts and value != 0]
+        idle = [k for k, value in words.items() if k not in acts and (value or k not in "BSTV")]
         return f"M205: {' '.join(idle)} without effect, for {_CORNERS[law]}" if idle else ""
 
     def _speed(self, command: Command) -> None:
