@@ -98,7 +98,7 @@ Table statistics(JobView& self) {
   d["feature_s"] = features;
   std::vector<double> position;
   for (size_t i = 0; i < machine.axes.size(); ++i)
-    position.push_back(job.motion.planner().position()[slot_of_axis(int(i))]);
+    position.push_back(job.interpreter.position()[slot_of_axis(int(i))]);
   for (size_t i = 0; i < machine.extruders.size(); ++i)
     position.push_back(job.motion.planner().extruder_position(i));
   d["position_mm"] = position;

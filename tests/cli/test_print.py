@@ -310,7 +310,7 @@ def test_what_is_written_for_others_is_one_warning_each(capsys, tmp_path):
 
 def test_codes_without_end_are_counted_together(capsys, tmp_path):
     path = tmp_path / "p.gcode"
-    path.write_text("".join(f"O{i}\n" for i in range(1, 1501)))
+    path.write_text("".join(f"O{i}\n" for i in range(1, 1501)) + "M400\n")
     warnings = printed(capsys, str(path))["warnings"]
     assert len(warnings) == 1001
     assert warnings[999] == f"{path}:1000: O1000 is unknown and was skipped (1 time)"

@@ -39,7 +39,7 @@ def told(machine, line):
         if moves and any(re.match(r"S\d", word) for word in command.words):
             codes.append("S")
         if command.code and command.code not in MOTION:
-            codes.append(command.code)
+            codes.append("S" if re.match(r"S\d", command.code) else command.code)
     return codes
 
 

@@ -121,7 +121,7 @@ class _Reader:
                     found.append(Spoken("", [str(word) for word in before]))
                     before = []
                 elif at == len(words) and not found:
-                    found.append(Spoken(before[0].letter, [str(word) for word in before]))
+                    found.append(Spoken(str(before[0]), [str(word) for word in before[1:]]))
                 if at == len(words):
                     break
             word = words[at]

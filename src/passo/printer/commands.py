@@ -158,6 +158,8 @@ class Commands:
 
     def knows(self, command: Command) -> bool:
         """Whether a command means anything, if only that it does nothing here."""
+        if command.code == "G92.1":
+            return _BY_INTERPRETER.fullmatch(command.text) is not None
         code = _key(command)
         return command.letter == "T" or code in self._handlers or row_of(code) is not None
 
