@@ -93,7 +93,7 @@ def _without_comments(text: str) -> str:
         depth += char == "("
         kept.append(" " if depth else char)
         depth -= char == ")" and depth > 0
-    return "".join(kept).rstrip()  # blanks before a name make it words
+    return "".join(kept).strip()
 
 
 class _Reader:
