@@ -98,7 +98,7 @@ Table statistics(JobView& self) {
   d["feature_s"] = features;
   std::vector<double> position;
   for (size_t i = 0; i < machine.axes.size(); ++i)
-    position.push_back(job.interpreter.position()[slot_of_axis(int(i))]);
+    position.push_back(job.motion.planner().position()[slot_of_axis(int(i))]);
   for (size_t i = 0; i < machine.extruders.size(); ++i)
     position.push_back(job.motion.planner().extruder_position(i));
   d["position_mm"] = position;
@@ -232,6 +232,23 @@ void bind_job(nb::module_& m) {
                                    e.number, e.minor, e.name, e.text);
           },
           "(line, letter, number, minor, name, text) of the event that advance stopped at.")
+      .def(
+          "listen", [](JobView& self, uint32_t line) { self.job.interpreter.listen(line); },
+          "line"_a, "Before this line of the program is read: notes its commands, see heard.")
+      .def_prop_ro(
+          "heard",
+          [](const JobView& self) {
+            const Heard& heard = self.job.interpreter.heard();
+            std::vector<std::tuple<std::string, std::vector<std::string>, std::string>> commands;
+            for (const auto& c : heard.commands) commands.emplace_back(c.code, c.words, c.text);
+            return std::make_tuple(heard.number, heard.checked, commands);
+          },
+          "(number, whether it had a checksum, [(code, words, text), …]) of the line listened to. "
+          "The "
+          "code is empty for a move in the way of the last one, the text is what follows the code.")
+      .def_prop_ro(
+          "ends_in_move", [](JobView& self) { return self.job.interpreter.ends_in_move(); },
+          "All was read, and the last line is a move without an end of line.")
       .def_prop_ro(
           "error", [](const JobView& self) { return as_tuple(self.job.error()); },
           "(line, fault, word, value, limit, point) of the error that advance stopped at.")
@@ -504,6 +521,9 @@ void bind_job(nb::module_& m) {
       .def_prop_ro(
           "handed_out", [](JobView& self) { return self.job.motion.stream().handed_out(); },
           "Clock of the last message, ticks.")
+      .def_prop_ro(
+          "commands", [](JobView& self) { return self.job.interpreter.commands(); },
+          "How many were read, unknown ones too.")
       .def_prop_ro("line", [](JobView& self) { return self.job.interpreter.line(); })
       .def_prop_ro("layer", [](JobView& self) { return self.job.interpreter.layers(); })
       .def_prop_ro("tool", [](JobView& self) { return self.job.interpreter.tool(); })

@@ -58,6 +58,18 @@ struct GcodeError {
   double point[3] = {0, 0, 0};  // of what cannot be reached, mm
 };
 
+// A line as it was understood: its number, whether it had a checksum, and its commands in order.
+struct Heard {
+  struct Command {
+    std::string code;  // as the dialect writes it; empty: a move in the way of the last one
+    std::vector<std::string> words;
+    std::string text;  // what follows the code, as it is written; nothing of moves
+  };
+  std::string number;
+  bool checked = false;
+  std::vector<Command> commands;
+};
+
 // APrinter's words of a laser, in W·s for a move and in W·s/mm from now on; 0: no such word.
 struct LaserWords {
   char energy = 0, density = 0;
@@ -221,6 +233,13 @@ class Interpreter {
   double logical(int j) const {
     return j == kE ? logical_e_ : position_[j] - origin_[j] - (j == kZ ? hop_ : 0);
   }
+  // Notes what becomes of the program's line of this number, see heard().
+  void listen(uint32_t line) { listened_ = line; }
+  const Heard& heard() const { return heard_; }
+  // Commands so far, unknown ones too.
+  uint64_t commands() const { return commands_; }
+  // All was read, and the last line is a move without an end of line.
+  bool ends_in_move() const { return lines().unended() && moved_line_ == lines().number(); }
   const MoveRequest& move() const { return move_; }
   const Event& event() const { return event_; }
   const GcodeError& error() const { return error_; }
@@ -265,7 +284,8 @@ class Interpreter {
         fail(Fault::line_too_long, "", 0, 0);
         continue;
       }
-      if (end - p > 3 && (p[0] == 'G') && (p[1] == '1' || p[1] == '0') && p[2] == ' ') {
+      if (end - p > 3 && (p[0] == 'G') && (p[1] == '1' || p[1] == '0') && p[2] == ' ' &&
+          !listening()) {
         Found found = fast_move(p + 3, end, p[1] == '0');
         if (found == Found::move) return found;
         if (found == Found::end) continue;
@@ -353,6 +373,9 @@ class Interpreter {
   Arc arc_;
   std::string text_;  // of the line, comments removed
   std::vector<Word> words_;
+  uint32_t listened_ = 0, moved_line_ = 0;
+  Heard heard_;
+  uint64_t commands_ = 0;
   size_t next_word_ = 0;  // not 0: from here on the line waits until its moves so far are taken
 
   Lines& lines() { return sources_[source_]; }
@@ -366,6 +389,9 @@ class Interpreter {
     return machine_->tools.empty() ? 0 : machine_->tools[tool_].offset[j];
   }
 
+  bool listening() const { return lines().number() == listened_ && !source_; }
+  // A command begins, with these words of its line, or with a text that is none.
+  void hear(std::string_view code, const Word* first, const Word* last, std::string_view text = "");
   void fail(Fault fault, const std::string& word, double value, double limit) {
     Item item{};
     item.found = Found::error;
@@ -427,6 +453,8 @@ class Interpreter {
       feed_ = value[5] * unit_ / 60;
     }
     motion_ = rapid ? 0 : 1;
+    ++commands_;
+    moved_line_ = lines().number();
     return straight(value, have & ~(1u << 5), feed_, 0, rapid) ? Found::move : Found::end;
   }
 
@@ -575,6 +603,7 @@ class Interpreter {
     }
   }
 
+  void pass_on(std::string_view name, std::string_view text);
   void run_line(const char* p, const char* end);
   void run_words();
   void run_command(const Word& command, const Word* first, const Word* last, std::string_view text);

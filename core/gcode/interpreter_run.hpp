@@ -21,10 +21,35 @@ inline bool own_command(char letter, int code, int minor) {
          code == 701 || code == 702;
 }
 
+// What follows these is a move in the modal way.
+inline bool before_modal(char letter, int code, int minor) {
+  return letter == 'G' && minor == 0 && ((code >= 17 && code <= 21) || code == 90 || code == 91);
+}
+
 // Words of these that need no number; the dialect table says the same.
 inline bool may_stand_alone(char letter, int code, char word) {
   if (letter == 'G') return code == 61 && std::strchr("ABCDEHIJKUVWXYZ", word);
   return code == 702 && word == 'C';
+}
+
+inline void Interpreter::hear(std::string_view code, const Word* first, const Word* last,
+                              std::string_view text) {
+  ++commands_;
+  if (!listening()) return;
+  std::vector<std::string> words;
+  for (; first < last; ++first)
+    words.push_back(
+        readable(std::string_view(text_).substr(first->begin, first->end - first->begin)));
+  while (!text.empty() && std::isspace(uint8_t(text.front()))) text.remove_prefix(1);
+  while (!text.empty() && std::isspace(uint8_t(text.back()))) text.remove_suffix(1);
+  heard_.commands.push_back(
+      {readable(code.substr(0, kLongestName)), std::move(words), readable(text)});
+}
+
+// A command that is no letter and number, or that nobody knows.
+inline void Interpreter::pass_on(std::string_view name, std::string_view text) {
+  hear(name, nullptr, nullptr, text);
+  emit(0, 0, 0, name, text);
 }
 
 inline void Interpreter::run_line(const char* p, const char* end) {
@@ -49,11 +74,13 @@ inline void Interpreter::run_line(const char* p, const char* end) {
         double given;
         if (!read_number(s, text.data() + text.size(), given) || given != sum)
           return fail(Fault::checksum, text.substr(star), sum, 0);
+        heard_.checked |= listening();
         text.resize(star);
         q = text.data();
         after = q + 1;
         read_number(after, q + text.size(), number);
       }
+      if (listening()) heard_.number.assign(q + 1, after);
       text.erase(0, size_t(after - q));
       while (!text.empty() && std::isspace(uint8_t(text[0]))) text.erase(0, 1);
     }
@@ -62,7 +89,7 @@ inline void Interpreter::run_line(const char* p, const char* end) {
   if (!note.empty() && text.empty()) return comment(note);
   text.erase(0, std::min(text.find_first_not_of(" \t"), text.size()));
   if (text.empty()) return;
-  if (text[0] == '/') return emit(0, 0, 0, "/", text.substr(1));  // left out where this is set
+  if (text[0] == '/') return pass_on("/", text.substr(1));  // left out where this is set
   if (text.size() > 1 && std::isalpha(uint8_t(text[0])) != 0 &&
       (std::isalpha(uint8_t(text[1])) || text[1] == '_')) {
     size_t stop = 0;
@@ -71,12 +98,11 @@ inline void Interpreter::run_line(const char* p, const char* end) {
       ++stop;
     std::string name = text.substr(0, stop);
     for (char& c : name) c = char(std::toupper(uint8_t(c)));
-    return emit(0, 0, 0, name, text.substr(std::min(stop + 1, text.size())));
+    return pass_on(name, text.substr(std::min(stop + 1, text.size())));
   }
   if (text[0] == '_' || text[0] == '$' || text[0] == '@') {  // $H of grbl, @pause of a host
     size_t stop = text.find(' ');
-    return emit(0, 0, 0, text.substr(0, stop),
-                stop == std::string::npos ? "" : text.substr(stop + 1));
+    return pass_on(text.substr(0, stop), stop == std::string::npos ? "" : text.substr(stop + 1));
   }
   text_.swap(text);
   split_words(text_, words_);
@@ -88,7 +114,7 @@ inline void Interpreter::run_line(const char* p, const char* end) {
 // axes or F: then they are a move in the modal way. What follows a move waits until that is taken.
 inline void Interpreter::run_words() {
   std::string_view text = text_;
-  const Word *w = words_.data() + next_word_, *end = words_.data() + words_.size();
+  Word *w = words_.data() + next_word_, *end = words_.data() + words_.size();
   bool begins = next_word_ == 0;
   next_word_ = 0;
   auto waits = [&] {
@@ -103,18 +129,18 @@ inline void Interpreter::run_words() {
   auto tool = [&](const Word& x) { return x.letter == 'T' && x.whole(); };
   auto unknown = [&](const Word* next) {
     size_t to = next < end ? next->begin : text.size();
-    emit(0, 0, 0, unknown_name(text, *w), text.substr(w->end, to - w->end));
+    pass_on(unknown_name(text, *w), text.substr(w->end, to - w->end));
   };
   if (begins && w->letter == 'O' && letter_slot_['O' - 'A'] < 0) {  // the program's number and name
-    const Word* next = w + 1;
+    Word* next = w + 1;
     while (next < end && !(starts(*next) && !std::isalpha(uint8_t(text[next->begin - 1])))) ++next;
     unknown(next);
     next_word_ = next < end ? size_t(next - words_.data()) : 0;
     return;
   }
-  const Word* first = w;
+  Word* first = w;
   if (!starts(*w) && !tool(*w)) {
-    const Word* next = w;
+    Word* next = w;
     bool moves = false;
     while (next < end && !starts(*next)) {
       moves |=
@@ -125,7 +151,10 @@ inline void Interpreter::run_words() {
     if (moves || next == end) {
       if (!moves && !begins) return;  // further words of a tool
       if (!moves) {
-        if (w->letter == 'S' && w->number) return emit('S', 0, 0, "", text);
+        if (w->letter == 'S' && w->number) {
+          hear("S", w, end);
+          return emit('S', 0, 0, "", text);
+        }
         std::string name = unknown_name(text, *w);
         if (std::strchr("GMST", w->letter) && (w->number || name.size() == 1))
           return fail(Fault::word, name, 0, 0);
@@ -148,7 +177,7 @@ inline void Interpreter::run_words() {
     }
     if (text_command(*w)) return run_command(*w, w + 1, w + 1, text.substr(w->end));
     bool motion = w->letter == 'G' && w->value >= 0 && w->value <= 3 && w->whole();
-    const Word* next = w + 1;
+    Word* next = w + 1;
     for (; next < end; ++next) {
       if (starts(*next) && !(motion && next->letter == 'M' && (!next->whole() || laser_.has('M'))))
         break;
@@ -161,7 +190,8 @@ inline void Interpreter::run_words() {
     std::string args(first < w ? std::string(text.substr(from, w->begin - from)) +
                                      std::string(text.substr(w->end, to - w->end))
                                : std::string(text.substr(from, to - from)));
-    run_command(*w, w + 1, next, args);
+    std::rotate(first, w, w + 1);  // words before it are its own, too
+    run_command(*first, first + 1, next, args);
     w = next;
     first = w;
     if (w < end && waits()) return;
@@ -172,6 +202,12 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
                                      std::string_view text) {
   if (!sound(command)) return;
   int code = int(command.value), minor = int(std::lround((command.value - code) * 10));
+  std::string name = command.letter + std::to_string(code);
+  if (minor != 0) name += "." + std::to_string(minor);
+  if (before_modal(command.letter, code, minor))
+    hear(name, w, w);
+  else
+    hear(name, w, end, text);
   while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
   auto value_of = [&](char letter, double otherwise) {
     for (const Word* x = w; x < end; ++x)
@@ -193,6 +229,7 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
       case 2:
       case 3:
         motion_ = code;
+        moved_line_ = lines().number();
         return run_motion(code, w, end);
       case 4: {
         MoveRequest m{};
@@ -347,6 +384,9 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
 // Words without a motion command of their own.
 inline void Interpreter::run_modal(const Word* w, const Word* end) {
   if (motion_ < 0) motion_ = 1;
+  if (w == end) return;
+  moved_line_ = lines().number();
+  hear("", w, end);
   run_motion(motion_, w, end);
 }
 
@@ -505,9 +545,9 @@ inline void Interpreter::take_tool(size_t tool) {
 inline void Interpreter::select_tool(const Word& word) {
   if (!sound(word)) return;
   int tool = int(word.value);
-  if (tool == 0 && machine_->tools.empty()) return;  // extruders are axes
-  if (tool < 0)
-    return emit(0, 0, 0, "T" + std::to_string(tool), "");  // it may mean none: no change
+  if (tool == 0 && machine_->tools.empty()) return;              // extruders are axes
+  if (tool < 0) return pass_on("T" + std::to_string(tool), "");  // it may mean none: no change
+  hear("T" + std::to_string(tool), nullptr, nullptr);
   if (size_t(tool) >= machine_->tools.size()) {
     if (!ignore_tools) return fail(Fault::missing_tool, "T", tool, double(machine_->tools.size()));
     return emit('T', tool, 1, "", "");

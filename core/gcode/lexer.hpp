@@ -75,6 +75,7 @@ class Lines {
   void finish() { finished_ = true; }
   bool finished() const { return finished_; }
   uint32_t number() const { return number_; }
+  bool unended() const { return unended_; }  // the last line of all, without a line end
   // Bytes fed that belong to the lines handed out so far.
   uint64_t offset() const { return fed_ - (buffer_.size() - at_); }
   bool too_long() const { return too_long_; }
@@ -101,6 +102,7 @@ class Lines {
     if (newline && *newline == '\r' && behind < stop && *behind == '\n') ++behind;
     at_ = size_t(behind - buffer_.data());
     scanned_ = 0;
+    unended_ = !newline;
     ++number_;
     too_long_ = dropped_;
     dropped_ = cut_ = false;
@@ -113,7 +115,7 @@ class Lines {
   size_t feed_at_ = 0;           // no LF from at_ to here
   uint64_t fed_ = 0;
   uint32_t number_ = 0;
-  bool finished_ = false, dropped_ = false, too_long_ = false, cut_ = false;
+  bool finished_ = false, dropped_ = false, too_long_ = false, cut_ = false, unended_ = false;
 
   // The first LF or CR of the line; null if there is none yet. The LF is looked for once for all
   // lines that end with a CR before it.

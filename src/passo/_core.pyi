@@ -1253,6 +1253,21 @@ class Job:
         (line, letter, number, minor, name, text) of the event that advance stopped at.
         """
 
+    def listen(self, line: int) -> None:
+        """
+        Before this line of the program is read: notes its commands, see heard.
+        """
+
+    @property
+    def heard(self) -> tuple[str, bool, list[tuple[str, list[str], str]]]:
+        """
+        (number, whether it had a checksum, [(code, words, text), …]) of the line listened to. The code is empty for a move in the way of the last one, the text is what follows the code.
+        """
+
+    @property
+    def ends_in_move(self) -> bool:
+        """All was read, and the last line is a move without an end of line."""
+
     @property
     def error(self) -> tuple[int, Fault, str, float, float, tuple[float, float, float]]:
         """
@@ -1432,6 +1447,10 @@ class Job:
     @property
     def handed_out(self) -> int:
         """Clock of the last message, ticks."""
+
+    @property
+    def commands(self) -> int:
+        """How many were read, unknown ones too."""
 
     @property
     def line(self) -> int: ...

@@ -11,6 +11,7 @@ import vcd.reader
 
 from passo import config
 from passo.cli.main import main
+from passo.config.load import shipped_text
 
 SHORT = "G28\nM106 S255\nG1 X10 Y5 Z1 E1 F3000\nG1 X0 Y0\nG2 X4 Y0 I2 J0\n"
 
@@ -139,13 +140,13 @@ LINES = {
     "T0": ["T0: Selects a tool."],
     "G80": ["G80: unknown here, skipped."],
     "N2 G1 X5 F600*55": [
-        "The line has the number 2, which is skipped; its checksum 55 is right.",
+        "The line has the number 2, which is skipped; its checksum is right.",
         "G1: Moves in a straight line",
         "  X5",
         "  F600",
     ],
     "N4 M104 S100*96": [
-        "The line has the number 4, which is skipped; its checksum 96 is right.",
+        "The line has the number 4, which is skipped; its checksum is right.",
         "M104: Sets the hotend's temperature",
         "  S100",
     ],
@@ -281,3 +282,15 @@ G1 E-20
         times, ways = executed[f"{name}_ideal_s"], executed[f"{name}_dir"]
         same = ways[5:] == ways[:-5]  # five steps on, in one direction
         assert max(shown) == pytest.approx(np.max(5 / (times[5:] - times[:-5])[same]), rel=0.02)
+
+
+def test_explain_measures_in_steps_where_the_law_does(capsys, tmp_path):
+    machine, path = tmp_path / "m.toml", tmp_path / "a.gcode"
+    law = 'junction = "cornering_distance"'
+    machine.write_text(shipped_text("i3").replace('junction = "deviation"', law))
+    path.write_text("G28\nG1 X10 F6000\nG1 Y10 E1\n")
+    told = explained(capsys, path, 3, "--machine", str(machine))
+    assert "a print move of 800.000 steps, from" in told
+    assert "reaches 8000.00 (at most 8000.00)" in told
+    assert "taken at 3098.39 steps/s" in told  # the root of 3000·80·40
+    assert " mm/s" not in told

@@ -199,17 +199,17 @@ def test_a_byte_order_mark_is_no_part_of_the_text(tmp_path: Path, i3_text: str) 
 @pytest.mark.parametrize(
     ("new", "key", "limit"),
     [
-        ("steps_per_mm = 1e8", "steps_per_mm", "a number of at most 1000000"),
+        ("steps_per_mm = 1e8", "steps_per_mm", "a number of at most 100000"),
         ("steps_per_mm = 1e-300", "steps_per_mm", "a number of at least 0.001"),
         (
             "rotation_distance_mm = 1e-300",
             "rotation_distance_mm",
-            "0.001 to 1,000,000 microsteps per mm or degree, and these parts make 3.2e+303",
+            "0.001 to 100,000 microsteps per mm or degree, and these parts make 3.2e+303",
         ),
         (
             "rotation_distance_mm = 1e12",
             "rotation_distance_mm",
-            "0.001 to 1,000,000 microsteps per mm or degree, and these parts make 3.2e-09",
+            "0.001 to 100,000 microsteps per mm or degree, and these parts make 3.2e-09",
         ),
     ],
 )

@@ -69,6 +69,8 @@ def _drain(job: Job, out: Outcome) -> None:
     while (status := job.advance()) not in (JobStatus.END, JobStatus.NEED_INPUT):
         if status == JobStatus.EVENT:
             out.events.append(job.event)
+            if out.commands[-1].startswith("G28"):
+                job.settle_position()
         elif status == JobStatus.ERROR:
             out.errors.append(job.error[:5])
             out.points.append(job.error[5])

@@ -1,4 +1,4 @@
-"""The commands that are told of a line are those that the interpreter hands out."""
+"""What the interpreter tells of a line is what it makes of it."""
 
 import random
 import re
@@ -7,7 +7,6 @@ import pytest
 
 from passo import _core, config
 from passo.gcode.dialect import BY_CODE, Kind
-from passo.learn.line import read_line
 from passo.printer.words import Command
 
 MOTION = {code for code, row in BY_CODE.items() if row.kind is Kind.MOTION and code != "T"}
@@ -16,9 +15,10 @@ M106|M2.0|M3.5|M400|M862.3|M0 Click|M117 hi M3|M600 X1|T0|T1|T1.5|N5|foo|_do it|
 ((b) M3)|; M5""".replace("\n", "|").split("|")
 
 
-def handed_out(machine, line):
-    """Codes in their order; None where the line is an error."""
+def read(machine, line):
+    """The codes handed out, and the commands heard; None where the line is an error."""
     job = _core.Job(machine.core_spec(), False)
+    job.listen(1)
     job.feed(line.encode() + b"\n")
     job.finish()
     codes = []
@@ -28,18 +28,18 @@ def handed_out(machine, line):
         if found == _core.JobStatus.EVENT:
             command = Command(*job.event)
             codes.append("S" if command.letter == "S" else command.code)
-    return [code for code in codes if code not in MOTION]
+    return [code for code in codes if code not in MOTION], job.heard, job.commands
 
 
-def told(machine, line):
-    """The same of what is told; a laser's power in a move is handed out by itself."""
+def told(commands):
+    """The codes of the same; a laser's power in a move is handed out by itself."""
     codes = []
-    for command in read_line(line, machine).commands:
-        moves = command.code in ("", "G0", "G1", "G2", "G3")
-        if moves and any(re.match(r"S\d", word) for word in command.words):
+    for code, words, _ in commands:
+        moves = code in ("", "G0", "G1", "G2", "G3")
+        if moves and any(re.match(r"S *\d", word) for word in words):
             codes.append("S")
-        if command.code and command.code not in MOTION:
-            codes.append("S" if re.match(r"S\d", command.code) else command.code)
+        if code and code not in MOTION:
+            codes.append(code)
     return codes
 
 
@@ -48,8 +48,48 @@ def test_random_lines(name):
     machine, chance, good = config.load(name), random.Random(4), 0
     for _ in range(1000):
         line = chance.choice(("", " ")).join(chance.choices(PIECES, k=chance.randint(1, 6)))
-        codes = handed_out(machine, line)
-        if codes is not None:
+        found = read(machine, line)
+        if found is not None:
             good += 1
-            assert told(machine, line) == codes, line
+            codes, (_, _, commands), count = found
+            assert told(commands) == codes, line
+            assert count == len(commands)
     assert good > 500
+
+
+@pytest.mark.parametrize(
+    ("line", "heard"),
+    [
+        (
+            "N7 G1 X5 y.5 F600 (fast) M104 S200 *104",
+            (
+                "7",
+                True,
+                [
+                    ("G1", ["X5", "y.5", "F600"], "X5 y.5 F600"),
+                    ("M104", ["S200"], "S200"),
+                ],
+            ),
+        ),
+        ("x1 e.5 ; more", ("", False, [("", ["x1", "e.5"], "")])),
+        ("G91 X5", ("", False, [("G91", [], ""), ("", ["X5"], "")])),
+        ("S12000 M3", ("", False, [("M3", ["S12000"], "S12000")])),
+        ("M117 Hi  you", ("", False, [("M117", [], "Hi  you")])),
+        ("set_fan SPEED=1 A=2", ("", False, [("SET_FAN", [], "SPEED=1 A=2")])),
+        ("T0", ("", False, [("T0", [], "")])),
+        ("; nothing", ("", False, [])),
+    ],
+)
+def test_a_line_is_told(line, heard):
+    codes = read(config.load("i3"), line)
+    assert codes is not None
+    assert codes[1] == heard
+
+
+def test_words_before_a_command_are_its_own():
+    job = _core.Job(config.load("i3").core_spec(), False)
+    job.feed(b"P300 G4\n")
+    job.finish()
+    assert job.advance() == _core.JobStatus.END
+    job.flush()
+    assert job.statistics()["dwell_s"] == 0.3

@@ -103,9 +103,7 @@ def _clients(text: str) -> int:
 
 def _state(text: str) -> str:
     """A folder, or where one can come to be."""
-    if not text:
-        raise argparse.ArgumentTypeError("the path is empty")
-    if Path(text).exists() and not Path(text).is_dir():
+    if Path(_path(text)).exists() and not Path(text).is_dir():
         raise argparse.ArgumentTypeError(f"{text} is no folder")
     return text
 

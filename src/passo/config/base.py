@@ -31,7 +31,7 @@ NAME, PIN, LETTER, AXIS, EXTRUDER, UUID = PATTERNS
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
 # What no machine exceeds, in mm or degrees and s: behind it the plan's numbers lose their steps.
-LEAST_SCALE, MOST_SCALE = 1e-3, 1e6
+LEAST_SCALE, MOST_SCALE = 1e-3, 1e5
 Scale = Annotated[float, Field(ge=LEAST_SCALE, le=MOST_SCALE)]
 Speed = Annotated[float, Field(gt=0, le=1e6)]
 Acceleration = Annotated[float, Field(gt=0, le=1e7)]

@@ -83,7 +83,7 @@ class HostPause:
             if not printer.halted:
                 printer.suspend_job()
                 try:
-                    await printer.wait(Procedure(lambda: self.stand_by(text, {})), Silence())
+                    await printer.waits.wait(Procedure(lambda: self.stand_by(text, {})), Silence())
                 except Stopped:
                     pass  # who has stopped it has been told
                 except PassoError as error:

@@ -122,7 +122,7 @@ class Park:
         printer, self._celsius = self._printer, None
         hotend = printer.commands.heater("hotend")
         printer.set_target(hotend, celsius, at_once=True)
-        await printer.wait(Temperatures((hotend,), cooling=True), Silence())
+        await printer.waits.wait(Temperatures((hotend,), cooling=True), Silence())
 
     async def _still(self) -> None:
         printer = self._printer

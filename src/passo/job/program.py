@@ -9,7 +9,7 @@ from itertools import islice
 
 from passo import _core
 from passo.errors import CommandError, InputError, Problem, WordError
-from passo.job.source import Text, chunks, open_source
+from passo.job.source import chunks, open_source
 from passo.printer.commands import Commands
 from passo.printer.waits import Homing, Temperatures, Wait
 from passo.printer.words import Command
@@ -110,14 +110,12 @@ def run_program(
     name = str(path)
     with open_source(path) as source:
         size = os.fstat(source.fileno()).st_size
-        text = Text(chunks(source, name) if end is None else islice(source, end - 1))
+        text = chunks(source, name) if end is None else islice(source, end - 1)
         for _ in read_program(job, commands, text, name, settle or at_rest(job)):
-            yield min(text.offset / size, 1.0) if size else 0.0
+            yield min(job.offset / size, 1.0) if size else 0.0
     if end is not None:
         return
-    plan = job.statistics()
-    if text.cut:
-        commands.cut_at = plan["lines"]
-    if not text.known and not plan["moves"]:
-        code = "input.no-known-command" if commands.unknown else "input.empty"
-        raise InputError.of(code, name)
+    if job.ends_in_move:
+        commands.cut_at = job.line
+    if job.commands == sum(times for _, times in commands.unknown.values()):
+        raise InputError.of("input.no-known-command" if job.commands else "input.empty", name)

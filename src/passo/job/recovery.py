@@ -120,7 +120,7 @@ class Recovery:
         for name in printer.heaters:
             target = self._moment.targets_c.get(name, 0.0)
             printer.set_target(name, target, at_once=True)
-        await printer.wait(Temperatures(hot), Silence())
+        await printer.waits.wait(Temperatures(hot), Silence())
         printer.raise_if_interrupted()
         for fan in printer.commands.commanded_fans:
             printer.set_fan(fan, fans.get(fan, 0.0))

@@ -397,7 +397,9 @@ class Runner:
         True at the program's end."""
         printer = self._printer
         if self._waits_for is not None:
-            if not await printer.wait(self._waits_for, self._reply, aside=lambda: self._returns):
+            if not await printer.waits.wait(
+                self._waits_for, self._reply, aside=lambda: self._returns
+            ):
                 return False
             self._waits_for = None
         if printer.commands.ended:

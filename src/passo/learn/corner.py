@@ -33,10 +33,16 @@ def corner(a: _core.Move | None, b: _core.Move | None, machine: MachineConfig) -
         path = "the same path goes on"
     if b.start_cap < _STILL_MM_S:
         return f"{path}; the machine stands there{_why_it_stands(a, b, turn, machine)}"
-    text = f"{path}, at most {b.start_cap:.2f} mm/s, taken at {b.start_speed:.2f} mm/s"
+    unit = path_unit(machine)
+    text = f"{path}, at most {b.start_cap:.2f} {unit}/s, taken at {b.start_speed:.2f} {unit}/s"
     if b.start_speed < b.start_cap * (1 - _SAME):
         text += ": what comes before or after it allows no more"
     return f"{text}\n  bound by {_bound(a, b, turn, machine)}"
+
+
+def path_unit(machine: MachineConfig) -> str:
+    """What moves are measured in: steps of the axis that makes most, or mm."""
+    return "steps" if machine.limits.junction == "cornering_distance" else "mm"
 
 
 def _way(move: _core.Move) -> list[float]:

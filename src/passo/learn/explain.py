@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import os
+import re
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from passo import _core
 from passo.errors import InputError, PassoError
+from passo.gcode.dialect import row_of
 from passo.job.printing import Policy, Print
 from passo.job.source import open_source
-from passo.learn.corner import corner
-from passo.learn.line import read_line
+from passo.learn.corner import corner, path_unit
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -51,7 +52,7 @@ def explain(machine: MachineConfig, path: str | os.PathLike[str], line: int, pol
         if bad is None or bad <= line:
             raise
         job, seen = _printed(machine, path, line, policy, bad)
-    parts = [f"{path}:{line}: {text}", _commands(text, machine)]
+    parts = [f"{path}:{line}: {text}", _commands(job.job)]
     if not seen.moves:
         parts.append("This line moves nothing, so there is no plan and no step of its own.")
         return "\n\n".join(parts)
@@ -60,7 +61,7 @@ def explain(machine: MachineConfig, path: str | os.PathLike[str], line: int, pol
     shown = seen.moves if len(seen.moves) <= 3 else [seen.moves[0], seen.moves[-1]]
     if len(shown) < len(seen.moves):
         parts.append(f"The line became {len(seen.moves)} planned moves; the first and the last:")
-    parts += [_move(move, hz, names) for move in shown]
+    parts += [_move(move, hz, names, path_unit(machine)) for move in shown]
     parts.append(f"Junction before: {corner(seen.before, seen.moves[0], machine)}.")
     parts.append(f"Junction after: {corner(seen.moves[-1], seen.after, machine)}.")
     begin, end = seen.moves[0].start_ticks, seen.moves[-1].end_ticks
@@ -81,6 +82,7 @@ def _printed(
     job = Print(machine, policy)
     seen = _Seen()
     job.job.keep_moves(True)
+    job.job.listen(line)
     job.watch(lambda: seen.take(job.job.take_moves(), line))
     job.trace_until(1e9)
     job.run(path, end)
@@ -96,21 +98,30 @@ def _line(path: str | os.PathLike[str], line: int) -> str:
     raise InputError.of("input.no-line", str(path), line, value=line, limit=number)
 
 
-def _commands(text: str, machine: MachineConfig) -> str:
-    line = read_line(text, machine)
+def _commands(job: _core.Job) -> str:
+    number, checked, commands = job.heard
     rows: list[str] = []
-    if line.number:
-        checked = f"; its checksum {line.checksum} is right" if line.checksum else ""
-        rows.append(f"The line has the number {line.number}, which is skipped{checked}.")
-    if not line.commands:
+    if number:
+        sum_ = "; its checksum is right" if checked else ""
+        rows.append(f"The line has the number {number}, which is skipped{sum_}.")
+    if not commands:
         rows.append("There is no command on this line.")
-    for command in line.commands:
-        rows.append(command.meaning)
-        rows += [f"  {word}" for word in command.words]
+    for code, words, text in commands:
+        row = row_of("T" if re.fullmatch(r"T-?\d+", code) else code)
+        if not code:
+            rows.append("A move in the way of the last one before, G1 if there was none.")
+        elif code == "S":
+            rows.append("S: The power of laser or spindle.")
+        else:
+            rows.append(f"{code}: {row.text if row else 'unknown here, skipped.'}")
+        if text and (row is None or row.bare is None or not words):
+            rows.append(f"  {text}")
+        else:
+            rows += [f"  {word}" for word in words]
     return "\n".join(rows)
 
 
-def _move(move: _core.Move, hz: int, names: list[str]) -> str:
+def _move(move: _core.Move, hz: int, names: list[str], unit: str) -> str:
     if move.kind == "dwell":
         return f"Planned: the machine waits {move.cruise_ticks / hz:.3f} s."
     ends = (move.start_mm, move.end_mm)
@@ -121,16 +132,16 @@ def _move(move: _core.Move, hz: int, names: list[str]) -> str:
     wide = f"  its steps may miss their ideal times by {move.tolerance_ticks / hz * 1e6:.1f} µs"
     return "\n".join(
         (
-            f"Planned: a {move.kind} move of {move.length:.3f} mm, from {start} to {end}",
-            f"  {shape}: starts at {move.start_speed:.2f} mm/s, reaches {move.cruise_speed:.2f}"
+            f"Planned: a {move.kind} move of {move.length:.3f} {unit}, from {start} to {end}",
+            f"  {shape}: starts at {move.start_speed:.2f} {unit}/s, reaches {move.cruise_speed:.2f}"
             f" (at most {move.speed_cap:.2f}), ends at {move.end_speed:.2f}",
-            f"  speeds up over {move.accelerate_length:.3f} mm"
+            f"  speeds up over {move.accelerate_length:.3f} {unit}"
             f" in {move.accelerate_ticks / hz * 1e3:.2f} ms"
-            f", cruises {move.cruise_length:.3f} mm in {move.cruise_ticks / hz * 1e3:.2f} ms"
-            f", slows down over {slow:.3f} mm in {move.decelerate_ticks / hz * 1e3:.2f} ms",
+            f", cruises {move.cruise_length:.3f} {unit} in {move.cruise_ticks / hz * 1e3:.2f} ms"
+            f", slows down over {slow:.3f} {unit} in {move.decelerate_ticks / hz * 1e3:.2f} ms",
             f"  from {move.start_ticks / hz:.6f} s to {move.end_ticks / hz:.6f} s of print time",
             f"  speed is bound by: {names[move.speed_limit]}"
-            f"; acceleration {abs(move.acceleration):.0f} mm/s² by: {names[move.accel_limit]}",
+            f"; acceleration {abs(move.acceleration):.0f} {unit}/s² by: {names[move.accel_limit]}",
             *([wide + ": the board's budget of commands"] if move.tolerance_ticks > 0 else []),
         )
     )

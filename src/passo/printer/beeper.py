@@ -22,7 +22,7 @@ _LOWEST_HZ = 20
 # Each tone takes two timer interrupts a cycle. Steps have a faster one, but what a processor has
 # left for the others is little on a chip of 8 bits; 1000 Hz is what heaters and fans may have.
 _HIGHEST_HZ, _HIGHEST_HZ_OF_8_BITS = 5000, 1000
-_8_BITS_CLOCK_HZ = 20_000_000
+_8_BITS = ("atmega", "at90", "attiny")  # names of such chips begin so
 _MOST_TONES = 64  # planned or waiting, before M300 waits
 _APART_S = 0.01  # from the end of a tone until the board may be told of the next
 _CALL = (1000, 300)  # Hz and ms, for a person
@@ -43,8 +43,7 @@ def most_ticks(board: Board) -> int:
 
 def highest_hz(board: Board) -> int:
     """The highest tone of a beeper on this board, Hz."""
-    small = board.mcu.startswith("at") or board.clock_hz <= _8_BITS_CLOCK_HZ
-    return _HIGHEST_HZ_OF_8_BITS if small else _HIGHEST_HZ
+    return _HIGHEST_HZ_OF_8_BITS if board.mcu.startswith(_8_BITS) else _HIGHEST_HZ
 
 
 class Beeper:

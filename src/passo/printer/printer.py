@@ -203,7 +203,7 @@ class Printer:
             self.connection.set_target(name, celsius)
         if cooled:
             self.drive.before_moves()  # it stands idle no longer
-            await self.wait(Temperatures(tuple(cooled)), Silence())
+            await self.waits.wait(Temperatures(tuple(cooled)), Silence())
 
     def lock(self, axes: Iterable[str]) -> None:
         """These axes no longer know where they are."""
@@ -444,7 +444,7 @@ class Printer:
         as soon as they begin. Raises Stopped or MachineError."""
         try:
             while wait is not None:
-                await self.wait(wait, reply, ends=first_ends or all_end())
+                await self.waits.wait(wait, reply, ends=first_ends or all_end())
                 first_ends = False
                 self.select(console=True)
                 wait = self._go_on(reply)
@@ -472,7 +472,7 @@ class Printer:
         self.drive.before_moves()
         handler = self.planned.get(command.code) or self.immediate.get(command.code)
         if handler is not None and command.code in _IN_THEIR_TURN and not self._from_console:
-            return Still(partial(self._stop_in_turn, handler, command, reply))
+            return Still(partial(self._carried_out, handler, command, reply))
         wait = self._carried_out(handler, command, reply)
         if handler is None:
             self._note(command.code, reply)
@@ -480,27 +480,11 @@ class Printer:
             reply.say(f'echo:Unknown command: "{command.code}"')
         return wait
 
-    def _stop_in_turn(self, handler: Handler, command: Command, reply: Reply) -> None:
-        self._carried_out(handler, command, reply)
-
     def _note(self, code: str, reply: Reply) -> None:
         """Says of a command that does nothing why it does not."""
         row = row_of(code)
         if row is not None and row.kind in (Kind.QUIET, Kind.NOT_BUILT):
             reply.note(row.code, f"{row.code} does nothing here. {row.text}")
-
-    async def wait(
-        self,
-        wait: Wait,
-        reply: Reply,
-        *,
-        ends: bool = False,
-        aside: Callable[[], bool] = lambda: False,
-    ) -> bool:
-        """Waits with the machine at rest, or not at all if it `ends` as M108 ends it. False, and
-        the wait has not begun, if the moves before it stand `aside`. Raises Stopped when it was
-        halted meanwhile."""
-        return await self.waits.wait(wait, reply, ends=ends, aside=aside)
 
     @property
     def interrupted(self) -> bool:

@@ -17,7 +17,7 @@ class Stopped(Exception):
 class Still:
     """Until the machine has done all moves so far; `then` is what may be done only now."""
 
-    then: Callable[[], None] | None = None
+    then: Callable[[], object] | None = None
 
 
 @dataclass(frozen=True, slots=True)
