@@ -174,7 +174,7 @@ def test_letters_that_need_no_number_and_texts(capsys, tmp_path):
     lines += ["M117 Print X of Y", "M0 Click S", "M20 L", "M23 Part.gco", 'M569 S1 X Y"a"', "M503"]
     path.write_text("\n".join([*lines, "G29 A J", "M862.3 P MK3S"]))
     warnings = printed(capsys, str(path))["warnings"]
-    assert [w.split(": ")[1].split()[0] for w in warnings] == ["G29", "M0"]
+    assert [w.split(": ")[1].split()[0] for w in warnings] == ["G29", "M23", "M569", "M0"]
 
 
 @pytest.mark.parametrize(
@@ -576,3 +576,13 @@ def test_a_pipe_is_a_file(text, status):
 def test_an_empty_name_is_named(capsys):
     assert main(["print", ""]) == 4
     assert capsys.readouterr().err.startswith("'': cannot be read: the name is empty.")
+
+
+def test_what_only_a_served_printer_can_do_is_told(capsys, tmp_path):
+    path = tmp_path / "p.gcode"
+    path.write_text("M302 S0\nG28\nM92 E415\nM206 X1\nG1 X5 F600\nM92 E95.5\nM81\n")
+    assert printed(capsys, str(path))["warnings"] == [
+        f"{path}:3: M92 is for a printer that is served and was skipped (2 times)",
+        f"{path}:4: M206 is for a printer that is served and was skipped (1 time)",
+        f"{path}:7: M81 is for a printer that is served and was skipped (1 time)",
+    ]

@@ -14,6 +14,7 @@ class Kind(Enum):
     PRINTER = "printer"  # a handler of the printer
     PERSON = "person"  # waits for a person; a headless print goes on
     QUIET = "quiet"  # means nothing without a console, and does no harm
+    SERVED = "served"  # changes a printer that is served; a print without consoles is warned
     NOT_BUILT = "not built"  # means nothing here: a console hears why, a headless print is warned
 
 
@@ -43,7 +44,7 @@ ANY = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 _AXES = "ABCDEHIJKUVWXYZ"  # also names of motors
 
 _M, _P, _H, _Q = Kind.MOTION, Kind.PRINTER, Kind.PERSON, Kind.QUIET
-_B = Kind.NOT_BUILT
+_S, _B = Kind.SERVED, Kind.NOT_BUILT
 _I, _N, _X, _A = When.IMMEDIATE, When.PLANNED, When.EXCLUSIVE, When.AHEAD
 
 TABLE: tuple[Row, ...] = (
@@ -135,18 +136,18 @@ TABLE: tuple[Row, ...] = (
         bare=None,
     ),
     Row("M21", _Q, _I, "", "Opens the card anew."),
-    Row("M22", _Q, _I, "", "Leaves the card."),
+    Row("M22", _S, _I, "", "Leaves the card."),
     Row(
         "M23",
-        _Q,
+        _S,
         _I,
         "name, or F(file) D(directory) R",
         "Selects a file to print; D and R choose the directory that names count from.",
         bare=None,
     ),
-    Row("M24", _Q, _I, "S(byte)", "Prints the selected file, or ends a pause."),
+    Row("M24", _S, _I, "S(byte)", "Prints the selected file, or ends a pause."),
     Row("M25", _H, _I, "", "Pauses the print: brakes on the path, and parks."),
-    Row("M26", _Q, _I, "S(byte)", "The next start begins at this byte; in a pause S0 cancels."),
+    Row("M26", _S, _I, "S(byte)", "The next start begins at this byte; in a pause S0 cancels."),
     Row(
         "M27",
         _Q,
@@ -155,11 +156,11 @@ TABLE: tuple[Row, ...] = (
         "Tells how far the print is, by itself every S seconds; C names the file.",
         bare="C",
     ),
-    Row("M28", _Q, _I, "name", "What follows goes into a file, until M29.", bare=None),
-    Row("M29", _Q, _I, "", "Ends the file that is written: now it is on the card.", bare=None),
+    Row("M28", _S, _I, "name", "What follows goes into a file, until M29.", bare=None),
+    Row("M29", _S, _I, "", "Ends the file that is written: now it is on the card.", bare=None),
     Row("M30", _P, _I, "name", "Deletes a file. In a program it ends it.", bare=None),
     Row("M31", _Q, _I, "", "Tells how long the print has taken."),
-    Row("M32", _Q, _I, "name", "Selects a file and prints it.", bare=None),
+    Row("M32", _S, _I, "name", "Selects a file and prints it.", bare=None),
     Row(
         "M33",
         _Q,
@@ -182,14 +183,14 @@ TABLE: tuple[Row, ...] = (
     Row("M77", _Q, _I, "", "Stops the print timer and tells it.", bare=None),
     Row("M78", _Q, _I, "S78", "Tells what was printed; S78 forgets it."),
     Row("M80", _Q, _X, "S", "Mains on; S tells whether they are.", bare="S"),
-    Row("M81", _Q, _X, "", "Heaters and motors off, and the mains where they have a pin."),
+    Row("M81", _S, _X, "", "Heaters and motors off, and the mains where they have a pin."),
     Row("M82", _M, _N, "", "The extruder's positions are absolute."),
     Row("M83", _M, _N, "", "The extruder's positions are relative."),
     Row("M84", _P, _X, "X Y Z E S(s)", "As M18.", bare=_AXES),
-    Row("M85", _Q, _I, "S(s)", "Everything off after standing idle so long; 0: never."),
+    Row("M85", _S, _I, "S(s)", "Everything off after standing idle so long; 0: never."),
     Row(
         "M92",
-        _Q,
+        _S,
         _X,
         "X Y Z E T, H(microsteps) L(mm)",
         "Steps for a millimetre; H and L tell which layer heights are whole steps of Z's motor.",
@@ -246,8 +247,8 @@ TABLE: tuple[Row, ...] = (
     Row("M117", _Q, _I, "text", "A message for displays and hosts.", bare=None),
     Row("M118", _Q, _I, "E1 A1 text", "A line for all consoles.", bare=None),
     Row("M119", _Q, _I, "", "Tells which switches are pressed."),
-    Row("M120", _Q, _I, "", "Endstops are watched while the machine moves."),
-    Row("M121", _Q, _I, "", "Endstops count only for homing."),
+    Row("M120", _S, _I, "", "Endstops are watched while the machine moves."),
+    Row("M121", _S, _I, "", "Endstops count only for homing."),
     Row(
         "M122",
         _Q,
@@ -297,7 +298,7 @@ TABLE: tuple[Row, ...] = (
         "Corners: the junction deviation (J), or the axes' jerk, at most the machine's, where its"
         " corners obey that. There are no least speeds.",
     ),
-    Row("M206", _Q, _N, "X Y Z (mm)", "Added to the axes' home positions."),
+    Row("M206", _S, _N, "X Y Z (mm)", "Added to the axes' home positions."),
     Row(
         "M207",
         _M,
@@ -319,7 +320,7 @@ TABLE: tuple[Row, ...] = (
         "S",
         "S1: moves of E alone, by 0.1 to 10 mm, retract as G10 and G11 do.",
     ),
-    Row("M218", _Q, _N, "T X Y Z (mm)", "A tool's offset."),
+    Row("M218", _S, _N, "T X Y Z (mm)", "A tool's offset."),
     Row(
         "M220",
         _P,
@@ -339,19 +340,19 @@ TABLE: tuple[Row, ...] = (
         "Beeps where the machine file has a [beeper]; S0 is a rest.",
         bare=ANY,
     ),
-    Row("M301", _Q, _I, "H P I D", "A heater's PID gains, in 1/255 of full power; H-1 is the bed."),
+    Row("M301", _S, _I, "H P I D", "A heater's PID gains, in 1/255 of full power; H-1 is the bed."),
     Row(
         "M303",
-        _Q,
+        _S,
         _X,
         "H S(°C) C R U M",
         "Tunes a heater: a relay's swings, M1 its model.",
         bare="U",
     ),
-    Row("M304", _Q, _I, "P I D", "As M301 for the bed."),
-    Row("M305", _Q, _I, "H A B C R L O", "A heater's thermistor: R25, beta, C, pull-up, offsets."),
+    Row("M304", _S, _I, "P I D", "As M301 for the bed."),
+    Row("M305", _S, _I, "H A B C R L O", "A heater's thermistor: R25, beta, C, pull-up, offsets."),
     Row("M306", _Q, _I, "H", "Tells a heater's limits."),
-    Row("M307", _Q, _I, "H A C D F R", "A heater's model: °C, s, s of its sensor, fan, room."),
+    Row("M307", _S, _I, "H A C D F R", "A heater's model: °C, s, s of its sensor, fan, room."),
     Row("M350", _Q, _N, "", "Tells the microsteps of the drivers that can be set up."),
     Row("M400", _P, _X, "", "Waits until the machine is still."),
     Row("M408", _Q, _I, "S(0-3)", "The printer's state as JSON; S2 with machine, S3 with print."),
@@ -363,19 +364,19 @@ TABLE: tuple[Row, ...] = (
         "Brakes to a stop and forgets what was planned, and moves in hand. A print without consoles"
         " fails there.",
     ),
-    Row("M500", _Q, _N, "", "Stores the settings."),
-    Row("M501", _Q, _N, "", "Takes the stored settings."),
-    Row("M502", _Q, _N, "", "Takes the machine file's settings."),
+    Row("M500", _S, _N, "", "Stores the settings."),
+    Row("M501", _S, _N, "", "Takes the stored settings."),
+    Row("M502", _S, _N, "", "Takes the machine file's settings."),
     Row("M503", _Q, _N, "S0", "Tells the settings as commands.", bare="SC"),
     Row("M504", _Q, _N, "", "Checks the stored settings."),
-    Row("M524", _Q, _I, "", "Cancels the print."),
+    Row("M524", _S, _I, "", "Cancels the print."),
     Row("M530", _Q, _I, "S", "A host's print begins (S1) or ends (S0): its time is counted."),
     Row("M531", _Q, _I, "name", "The name of a host's print.", bare=None),
     Row("M532", _Q, _I, "X(%) L", "As M73 P."),
-    Row("M540", _Q, _I, "S", "S1: an endstop that is hit stops the machine; tells it without S."),
+    Row("M540", _S, _I, "S", "S1: an endstop that is hit stops the machine; tells it without S."),
     Row(
         "M569",
-        _Q,
+        _S,
         _N,
         "S X Y Z E T",
         "Tells of the drivers; S1: stealthChop, S0: spreadCycle.",
@@ -391,33 +392,33 @@ TABLE: tuple[Row, ...] = (
         " is the tool in use; B has no beeper.",
     ),
     Row("M601", _H, _X, "", "Parks, waits for a person, and comes back."),
-    Row("M602", _Q, _I, "", "Ends a pause."),
+    Row("M602", _S, _I, "", "Ends a pause."),
     Row("M603", _M, _N, "T L(mm) U(mm)", "Lengths of filament that M701 loads and M702 unloads."),
     Row("M701", _M, _N, "T L(mm) Z(mm)", "Loads filament, lifted by Z meanwhile."),
     Row("M702", _M, _N, "T U(mm) Z(mm)", "Unloads filament, lifted by Z meanwhile.", bare="C"),
     Row("M876", _Q, _I, "S P", "The answer to a prompt."),
-    Row("M906", _Q, _N, "X Y Z E(mA) T", "Currents of the drivers that can be set up."),
+    Row("M906", _S, _N, "X Y Z E(mA) T", "Currents of the drivers that can be set up."),
     Row("M911", _Q, _N, "", "Tells which drivers were hot."),
     Row("M912", _Q, _N, "X Y Z E", "Forgets that drivers were hot.", bare=_AXES),
     Row("M921", _Q, _I, "S(s)", "Tells what each heater's controller does, every S seconds."),
-    Row("M922", _Q, _I, "", "Heaters that a fault has switched off may heat again."),
+    Row("M922", _S, _I, "", "Heaters that a fault has switched off may heat again."),
     Row("M925", _Q, _I, "I(option)", "Tells one of APrinter's options.", bare=None),
     Row(
         "M926",
-        _Q,
+        _S,
         _I,
         "I(option) V",
         "Notes a new value of an option, the first one without V.",
         bare=None,
     ),
-    Row("M928", _Q, _I, "name", "As M28, and the lines are carried out as well.", bare=None),
-    Row("M930", _Q, _X, "", "Applies the options that M926 has noted."),
+    Row("M928", _S, _I, "name", "As M28, and the lines are carried out as well.", bare=None),
+    Row("M930", _S, _X, "", "Applies the options that M926 has noted."),
     Row("M932", _Q, _I, "", "After a failure nothing of this console is carried out."),
     Row("M933", _Q, _I, "", "Ends M932."),
     Row("M937", _Q, _I, "", "Corrections of the bed: none yet."),
     Row("M940", _Q, _I, "", "The network is the computer's."),
-    Row("M999", _Q, _I, "", "A halted printer begins anew."),
-    Row("M1000", _Q, _X, "C", "Goes on with a print that was interrupted; C forgets it.", bare="C"),
+    Row("M999", _S, _I, "", "A halted printer begins anew."),
+    Row("M1000", _S, _X, "C", "Goes on with a print that was interrupted; C forgets it.", bare="C"),
     Row("T", _M, _N, "", "Selects a tool."),
     Row(
         "SET_VELOCITY_LIMIT",

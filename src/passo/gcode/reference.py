@@ -56,8 +56,10 @@ _WHEN = """## When a command acts
 
 A print without consoles (`passo print`, `passo estimate`) knows nothing of hosts and cards: what
 has a dot in the last column has no effect there, and what has a *p* waits for a person, which
-takes no time. What has a dash does nothing anywhere; like all that nobody carries out, it is
-accepted: a console hears why, once, and a print without consoles is warned.
+takes no time. What has an *s* sets up a printer that is served, or its jobs and heat: a print
+without consoles skips it with a warning. What has a dash does nothing anywhere; like all that
+nobody carries out, it is accepted: a console hears why, once, and a print without consoles is
+warned.
 
 | command | parameters | when | what it does | |
 |---|---|---|---|---|"""
@@ -66,6 +68,7 @@ _MARK = {
     Kind.PRINTER: "",
     Kind.PERSON: "*p*",
     Kind.QUIET: "·",
+    Kind.SERVED: "*s*",
     Kind.NOT_BUILT: "–",
 }
 

@@ -65,8 +65,9 @@ class NoHeat:
 class Commands:
     """Carries out what the job's interpreter hands out. One object a job; not thread-safe.
 
-    `unknown`, `not_built`, `waits` and `stops` count the codes that nobody knows, those that do
-    nothing, those that wait for a person and those that end a print: code → (first line, times).
+    `unknown`, `not_built`, `served`, `waits` and `stops` count the codes that nobody knows, those
+    that do nothing, those of a printer that is served, those that wait for a person and those that
+    end a print: code → (first line, times).
     """
 
     @classmethod
@@ -80,6 +81,7 @@ class Commands:
         self._machine, self._job, self._heat = machine, job, heat
         self.unknown: dict[str, tuple[int, int]] = {}
         self.not_built: dict[str, tuple[int, int]] = {}
+        self.served: dict[str, tuple[int, int]] = {}
         self.waits: dict[str, tuple[int, int]] = {}
         self.stops: dict[str, tuple[int, int]] = {}
         self.missing_tools: dict[str, tuple[int, int]] = {}
@@ -151,6 +153,8 @@ class Commands:
             _count(self.unknown, code, command.line)
         elif row.kind is Kind.NOT_BUILT:
             _count(self.not_built, code, command.line)
+        elif row.kind is Kind.SERVED:
+            _count(self.served, code, command.line)
         elif row.kind is Kind.PERSON:
             _count(self.waits, code, command.line)
             return Person(row.text)
@@ -178,6 +182,7 @@ class Commands:
         sentences = (
             (self.unknown, "{} is unknown and was skipped"),
             (self.not_built, "{} does nothing here and was skipped"),
+            (self.served, "{} is for a printer that is served and was skipped"),
             (self.waits, "{} waits for a person; nobody is here, so it took no time"),
             (self.stops, "{} stops a print; the plan goes on behind it"),
             (self.missing_tools, "tool {} does not exist and was ignored"),

@@ -483,7 +483,7 @@ class Printer:
     def _note(self, code: str, reply: Reply) -> None:
         """Says of a command that does nothing why it does not."""
         row = row_of(code)
-        if row is not None and row.kind in (Kind.QUIET, Kind.NOT_BUILT):
+        if row is not None and row.kind in (Kind.QUIET, Kind.SERVED, Kind.NOT_BUILT):
             reply.note(row.code, f"{row.code} does nothing here. {row.text}")
 
     @property
