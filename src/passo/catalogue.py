@@ -259,8 +259,18 @@ CATALOGUE: Mapping[str, Entry] = {
         "{value} is fixed while the printer runs",
         "Change it in the machine file and start again",
     ),
+    "command.halted": _input(
+        "command",
+        "the board is stopped and tells nothing: {value}",
+        "Make the printer safe, then send M999",
+    ),
     "command.value": _input(
         "command", "{axis} is {value}: expected {limit}", "Send the command with such a value"
+    ),
+    "command.nothing-moves": _input(
+        "command",
+        "{axis} names nothing that moves here: expected {limit}",
+        "Send the command with such a letter",
     ),
     "heat.unknown": _input(
         "heat",

@@ -134,3 +134,20 @@ def test_m92_tells_the_heights_of_whole_steps(s, words, layer):
     assert ok == "ok"
     assert s.host.ok("M92")[0] == before
     assert "H is 0" in s.host.ok("M92 H0 L1")[0]
+
+
+@pytest.mark.parametrize(
+    ("machine", "line", "told"),
+    [
+        ("delta", "M92 X100", "X names nothing that moves here: expected E, A, B, C"),
+        ("delta", "M203 A100", "A names nothing that moves here: expected X, Y, Z"),
+        ("i3", "M201 X500 U5", "U names nothing that moves here: expected X, Y, Z"),
+        ("i3", "M92 X200000", "X is 200000: expected 0.001 to 100,000 microsteps per mm"),
+        ("i3", "M220 S5", "echo:M220: 5 % is not within 10 to 1000 %, 10 % is taken"),
+        ("i3", "M220 S4000", "echo:M220: 4000 % is not within 10 to 1000 %, 1000 % is taken"),
+    ],
+)
+def test_letters_that_move_nothing_and_limits_are_told(machine, line, told):
+    with Scenario(machine) as s:
+        assert told in s.host.ok(line)[0]
+        assert s.host.ok("M201")[0].startswith("M201 X")

@@ -55,6 +55,29 @@ def test_an_emergency_stop_meanwhile_acts(s):
     assert not s.printer.halted
 
 
+def test_an_emergency_stop_behind_it_in_the_same_moment_holds(s):
+    s.host.ok("M112")
+    s.passes(1)
+    s.host.send("M999", "M112", "G28")
+    s.host.expect("ready again", 3)
+    s.host.expect("Printer stopped: emergency stop by M112", 3)
+    s.passes(5)
+    assert s.printer.halted == "emergency stop by M112"
+
+
+@pytest.mark.parametrize("question", ["M119", "M114 R", "M114 D"])
+def test_a_stopped_board_tells_nothing_more(s, question):
+    s.host.send("M112")
+    s.passes(1)
+    *_, told, ok = s.host.ok(question)
+    assert told == (
+        "echo:the board is stopped and tells nothing: emergency stop by M112."
+        " Make the printer safe, then send M999."
+    )
+    assert ok == "ok"
+    assert s.host.ok("M114")[0].startswith("X:0.000 Y:0.000 Z:0.000 E:0.0000 Count")
+
+
 def test_without_a_halt_it_does_nothing(s):
     assert s.host.ok("M999") == ["ok"]
 

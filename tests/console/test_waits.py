@@ -105,7 +105,7 @@ def test_a_fault_of_the_program_halts_and_costs_no_ok(s, monkeypatch, line, plac
     s.host.ok("M140 S60")
     s.passes(1)
     with monkeypatch.context() as patch:
-        patch.setattr(s.printer, place, broken)
+        patch.setattr(s.printer.waits if place == "wait" else s.printer, place, broken)
         answer = s.host.ok(line)
     assert answer[-1] == "ok"
     assert any(FAULT in x for x in answer)

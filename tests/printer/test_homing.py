@@ -372,3 +372,22 @@ def test_a_switch_that_bounces_is_found_at_its_edge(zone_mm):
         assert s.host.ok("G1 X5 F6000") == ["ok"]
         s.host.ok("M400")
         assert 5.0 <= s.positions()["x"] <= 5.0 + zone_mm
+
+
+@pytest.mark.parametrize("stop", ["M410", "M108"])
+@pytest.mark.parametrize(("axis", "mm"), [("x", 20), ("z", 2.5)])
+def test_an_axis_that_was_stopped_on_its_way_is_where_it_went(axis, mm, stop):
+    with Scenario("i3") as s:
+        s.host.ok("G92 X120 Y120 Z102")
+        before = s.positions()[axis]
+        s.host.send(f"G28 {axis}")
+        s.passes(0.7)
+        s.host.send(stop)
+        s.passes(2)
+        moved = s.positions()[axis] - before
+        assert -1.2 * mm < moved < -0.8 * mm
+        told = dict(word.split(":") for word in s.host.ok("M114 R")[0].split()[:3])
+        assert float(told[axis.upper()]) == pytest.approx(
+            {"x": 120, "z": 102}[axis] + moved, abs=0.002
+        )
+        assert s.printer.job.locked_axes == ["xyz".index(axis)]

@@ -65,7 +65,7 @@ class JsonStatus:
                 "extrFactors": [round(100 * flow, 1) for flow in job.flows],
             },
             "temps": temps,
-            "time": round(printer.drive.now_s, 1),
+            "time": round(max(printer.drive.now_s, 0.0), 1),
             "pending": self._options.pending_values(),
         }
 

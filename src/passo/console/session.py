@@ -230,8 +230,10 @@ class Session:
         resumed = seen and code in RESUMES and self._ahead.resumed()
         refused = self._refused(code)
         stored = not refused and self._stored(line, code)
-        if not seen and not (stored and self._upload is not None and self._upload.takes_all):
-            self._ahead.act(command)  # it was to be text for a file, and has become none
+        text = stored and self._upload is not None and self._upload.takes_all
+        # What was to be text for a file has become none; an M999 may have come before an M112.
+        if not text and (not seen or code == "M112"):
+            self._ahead.act(command)
         if refused or stored or resumed or self._halted(code):
             return False
         if printer.act(command, self):

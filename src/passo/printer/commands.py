@@ -430,10 +430,13 @@ class Commands:
         planned anew. Raises CommandError."""
         given = {letter: value for letter, value in words.items() if letter != "T"}
         unit = "mm/s²" if what == "accel" else "mm/s"
+        known = [name.upper() for name in axis_order(self._machine.axes)]
         for letter, value in given.items():
             if value < 0 or (value == 0 and what != "jerk"):
                 limit = f"{'at least' if what == 'jerk' else 'above'} 0 {unit}"
                 raise CommandError.bad_value(letter, value, limit)
+            if letter != "E" and letter not in known:
+                raise CommandError.of("command.nothing-moves", axis=letter, limit=", ".join(known))
         for letter, value in given.items():
             name = self.extruder(words) if letter == "E" else letter.lower()
             if name is not None:
@@ -491,18 +494,23 @@ class Commands:
         return f"M205: {' '.join(idle)} without effect, for {_CORNERS[law]}" if idle else ""
 
     def _speed(self, command: Command) -> None:
-        factor = self.speed_factor(command.words())
+        factor, note = self.speed_factor(command.words())
         if factor is not None:
             self._job.set_speed_factor(factor)
+        if note:
+            _count(self.refused, note, command.line)
 
-    def speed_factor(self, words: dict[str, float]) -> float | None:
-        """M220: the factor that S gives, None without it. Raises CommandError."""
+    def speed_factor(self, words: dict[str, float]) -> tuple[float | None, str]:
+        """M220: the factor that S gives, None without it, and a note if S is beyond the limits, of
+        which the nearer one is taken. Raises CommandError."""
         if "S" not in words:
-            return None
-        low, high = _PERCENT
-        if words["S"] <= 0:
-            raise CommandError.bad_value("S", words["S"], f"{low:g} to {high:g} percent")
-        return min(max(words["S"], low), high) / 100
+            return None, ""
+        percent, (low, high) = words["S"], _PERCENT
+        if percent <= 0:
+            raise CommandError.bad_value("S", percent, f"{low:g} to {high:g} percent")
+        taken = min(max(percent, low), high)
+        note = f"M220: {percent:g} % is not within {low:g} to {high:g} %, {taken:g} % is taken"
+        return taken / 100, note if taken != percent else ""
 
     def flow(self, command: Command) -> tuple[int, int, float | None] | None:
         """M221: the tool that it means, its extruder, and the factor that S gives. None where the

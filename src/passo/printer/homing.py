@@ -221,12 +221,17 @@ class Homer:
 
         names = [w.name for w in ways if not is_actuator(self._machine, w.name)]
         self._joints = arms
+        moved: list[tuple[_Way, float]] = []  # how far places of axes are off, for the search
         try:
             job.use_joints(arms)
             travel = [self.travel(way.name) for way in ways]
             for way, far in zip(ways, travel, strict=True):
-                self._place(way, way.home - way.sign * far)
+                start = way.home - way.sign * far
+                if way.name in names:
+                    moved.append((way, start - self._at(way.slot)))
+                self._place(way, start)
             await self._seek(ways, travel, fast=True)
+            moved.clear()
             await self._go([-w.config.retract for w in ways], ways)
             for way in ways:
                 for switch in way.switches:
@@ -235,6 +240,8 @@ class Homer:
             slow = [SLOW_OVERRUN * w.config.retract for w in ways]
             await self._seek(ways, slow, fast=False)
         except BaseException:
+            for way, by in moved:
+                self._place(way, self._at(way.slot) - by)
             self._set(point_of_arms(self._arms_at_home(job.machine_position[Z])))
             printer.lock([*of_arms, *names])
             raise

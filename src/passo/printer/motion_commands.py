@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING
 
+from passo.config.base import LEAST_SCALE, MOST_SCALE
 from passo.config.drives import axis_order
 from passo.errors import CommandError
 from passo.printer.waits import Handler, Reply, Still, Wait
@@ -87,10 +88,16 @@ class MotionCommands:
         for letter, value in words.items():
             if letter in "THL":
                 continue
-            if not 1e-3 < value < 1e6:
-                raise CommandError.bad_value(letter, value, "steps per mm above 0")
+            if not LEAST_SCALE <= value <= MOST_SCALE:
+                limit = f"{LEAST_SCALE:g} to {MOST_SCALE:,.0f} microsteps per mm or degree"
+                raise CommandError.bad_value(letter, value, limit)
             name = self._printer.commands.extruder(words) if letter == "E" else letter.lower()
-            changes += [(i, value) for i in self._places(name)]
+            places = self._places(name)
+            if not places:
+                names = (name.upper() for name in self._machine.drivable.by_name if len(name) == 1)
+                limit = ", ".join(names)
+                raise CommandError.of("command.nothing-moves", axis=letter, limit=limit)
+            changes += [(i, value) for i in places]
         return Still(lambda: self._rescale(changes))
 
     def _layers(self, words: dict[str, float]) -> str:
@@ -311,11 +318,13 @@ class MotionCommands:
 
     def _speed(self, command: Command, reply: Reply, *, live: bool) -> Wait | None:
         job = self._printer.job
-        factor = self._printer.commands.speed_factor(command.words())
+        factor, note = self._printer.commands.speed_factor(command.words())
         if factor is None:
             reply.say(f"Speed factor override: {job.speed_factor * 100:g}")
             return None
         job.set_speed_factor(factor, live)
+        if note:
+            reply.say(f"echo:{note}")
         if live:
             self._printer.drive.replan()
         return None

@@ -101,8 +101,14 @@ class Reports:
             reply.say(f"Real: {self._real()}")
         return None
 
+    def _require_board(self) -> None:
+        """Raises CommandError while the boards are stopped: they answer no questions then."""
+        if self._printer.halted:
+            raise CommandError.of("command.halted", value=self._printer.halted)
+
     def _real(self) -> str:
-        """As `position`, of what the motors have done so far."""
+        """As `position`, of what the motors have done so far. Raises CommandError."""
+        self._require_board()
         places, counts = self._printer.positions.now()
         e = places.pop("E", None)
         words = [f"{letter}:{round(at, 3) + 0.0:.3f}" for letter, at in places.items()]
@@ -111,6 +117,7 @@ class Reports:
         return f"{' '.join(words)} Count {' '.join(steps)}"
 
     def _switches(self, _: Command, reply: Reply) -> Wait | None:
+        self._require_board()
         reply.say("Reporting endstop status")
         machine = self._printer.machine
         homes = {s.name: machine.homing[s.home].direction for s in switches(machine)}
