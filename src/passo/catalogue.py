@@ -183,6 +183,9 @@ CATALOGUE: Mapping[str, Entry] = {
     ),
     "card.no-name": _card("no file is named", "Name one behind the command, as M20 lists it"),
     "card.no-console": _card("only a console can send a file", "Send it from a console"),
+    "job.at-end": _input(
+        "job", "{value} has been printed to its end", "Rewind it with M26 S0, then send M24"
+    ),
     "job.no-file": _input("job", "no file is selected", "Select one (M23), after listing the card"),
     "settings.nowhere": _input(
         "settings", "there is no place to store settings", "Start with --state DIRECTORY"

@@ -90,3 +90,55 @@ def test_a_fault_that_nobody_has_told_yet_ends_a_wait():
         told, ok = s.host.ok("M109 S200")
         assert told.startswith("echo:heater hotend was switched off: its sensor is short-circuited")
         assert ok == "ok"
+
+
+ASKED = ["prompt_button Continue", "prompt_show"]
+
+
+@pytest.mark.parametrize("command", ["M600", "M601", "M25"])
+@pytest.mark.parametrize("answer", ["M24", "M602", "M876 S0"])
+def test_hosts_know_of_a_pause_in_a_file(tmp_path, command, answer):
+    (tmp_path / "a.g").write_text(f"G92 X20 Y20 Z20\nG1 X30 F6000\n{command}\nG1 X50\n")
+    with Scenario("i3", card=str(tmp_path)) as s:
+        s.host.ok("M23 a.g")
+        s.host.ok("M24")
+        s.host.expect("^// action:paused$", 20)
+        s.passes(10)
+        text = {
+            "M600": "Change the filament, then go on with M24",
+            "M601": "Paused; go on with M24",
+        }
+        asked = [f"prompt_begin {text[command]}", *ASKED] if command in text else []
+        assert actions(s.host) == ["paused", *asked]
+        if command == "M25" and answer == "M876 S0":
+            s.host.ok(answer)  # nobody was asked
+            s.host.silent(5, "resumed")
+            answer = "M24"
+        s.host.ok(answer)
+        s.host.expect("^Done printing file$", 20)
+        assert actions(s.host)[1 + len(asked) :] == [*(["prompt_end"] if asked else []), "resumed"]
+
+
+@pytest.mark.parametrize("answer", ["M24", "M602", "M108", "M876 S0"])
+def test_a_wait_for_a_person_in_a_file_ends_as_a_pause_does(tmp_path, answer):
+    (tmp_path / "a.g").write_text("G92 X20 Y20 Z20\nG1 X30 F6000\nM0 Look\nG1 X50\n")
+    with Scenario("i3", card=str(tmp_path)) as s:
+        s.host.ok("M23 a.g")
+        s.host.ok("M24")
+        s.passes(10)
+        s.host.silent(5, "Done")
+        assert s.host.ok(answer) == ["ok"]
+        s.host.expect("^Done printing file$", 10)
+        assert actions(s.host) == ["prompt_begin Look", *ASKED, "prompt_end"]
+
+
+def test_a_cancel_in_a_pause_asks_nobody_any_more(tmp_path):
+    (tmp_path / "a.g").write_text("G92 X20 Y20 Z20\nG1 X30 F6000\nM600\nG1 X50\n")
+    with Scenario("i3", card=str(tmp_path)) as s:
+        s.host.ok("M23 a.g")
+        s.host.ok("M24")
+        s.host.expect("prompt_show", 20)
+        s.host.ok("M524")
+        s.passes(5)
+        assert actions(s.host)[-1] == "prompt_end"
+        assert "resumed" not in actions(s.host)

@@ -69,8 +69,13 @@ def test_a_file_is_printed_to_its_end(s):
 def test_a_printed_file_stays_selected_and_can_be_rewound(s):
     s.host.ok("M32 square.gcode")
     printed(s)
-    s.host.ok("M24")
-    printed(s, 5)  # nothing is left
+    done = s.host.heard.count("Done printing file")
+    assert s.host.ok("M24")[0] == (
+        "echo:square.gcode has been printed to its end. Rewind it with M26 S0, then send M24."
+    )
+    s.passes(1)
+    assert s.host.heard.count("Done printing file") == done
+    assert "Not SD printing" in s.host.ok("M27")[0]
     s.host.ok("M26")
     s.host.ok("M24")
     s.passes(3)

@@ -249,8 +249,8 @@ def test_m0_waits_for_a_person_or_a_time(s):
     s.host.send("M876 P1")
     s.host.silent(1, "^ok")
     s.host.send("M876 S0")
-    s.host.expect("^ok", 1)
     s.host.expect("prompt_end", 1)
+    s.host.expect("^ok", 1)
 
 
 def test_tool_offsets_move_the_zero(tmp_path):

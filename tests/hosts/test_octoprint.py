@@ -101,3 +101,19 @@ def test_it_comes_back_after_it_left_in_mid_print(printer, program, host, at_end
     host.print(program.path)
     host.finished()
     at_end(printer)
+
+
+def test_it_knows_of_a_pause_in_a_file_on_the_card(printer, program, host, at_end):
+    lines = program.text.split("\n")
+    half = len(lines) // 2
+    change = "\n".join([*lines[:half], "M600", *lines[half:]])
+    (printer.card / "change.gcode").write_text(change)
+    host.connect(port(printer, "pty"))
+    host.wait(lambda: host.get("printer/sd")["ready"] and host.get("files/sdcard")["files"])
+    (listed,) = host.get("files/sdcard")["files"]
+    host.post(f"files/sdcard/{listed['path'].lstrip('/')}", command="select", print=True)
+    host.wait(lambda: host.state == "Paused")
+    host.job(command="pause", action="resume")
+    printer.wait_for("Done printing file")
+    host.wait(lambda: host.state == "Operational")
+    at_end(printer)

@@ -51,12 +51,13 @@ class Ahead:
         return self._resumed.popleft()
 
     def _resume(self) -> bool:
-        """Ends the pause of a print that a host sends, if there is one."""
+        """Ends the pause of a print that a host sends, or a wait for a person, if there is one."""
         printer = self._printer
         paused = printer.job.suspended and printer.waits.busy and not printer.busy()
-        if paused:
+        if paused or printer.waits.person:
             printer.go_on()
-        return paused
+            return True
+        return False
 
     def act(self, command: Command) -> None:
         """What such a command does, if it is one."""

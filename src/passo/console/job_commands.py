@@ -70,6 +70,7 @@ class JobCommands:
         self._watch = Stopwatch(printer)
         self._from_card: Print | None = None
         self._from_host: Print | None = None  # that says by itself when it begins and ends
+        self._paused = False  # the print from the card
         self._percent: float | None = None  # M73
         self._minutes_left: float | None = None
         self.immediate: dict[str, Handler] = {
@@ -82,6 +83,7 @@ class JobCommands:
             "M531": self._host_name,
             "M532": self._host_progress,
             "M602": self._resume,
+            "M876": self._answer,
         }
         self.planned: dict[str, Handler] = {
             "M600": self._change_filament,
@@ -92,6 +94,13 @@ class JobCommands:
         printer.closers.append(self._close)
 
     def _job_changed(self, state: State) -> None:
+        if state is State.PAUSED:
+            self._printer.tell("// action:paused")
+        elif self._paused:
+            self._printer.person.answered()
+            if state is State.PRINTING:
+                self._printer.tell("// action:resumed")
+        self._paused = state is State.PAUSED
         if state is State.PRINTING:
             if self._from_card is None:
                 self._from_host = None  # a host that meant this one
@@ -255,6 +264,16 @@ class JobCommands:
     async def _pause_file(self, text: str, words: Mapping[str, float]) -> None:
         self._printer.tell(f"echo:{text}")
         self._runner.pause(words)
+        self._printer.person.ask(text)
+
+    def _answer(self, command: Command, reply: Reply) -> Wait | None:
+        """M876: of a wait it acted when the line came in. Raises CommandError."""
+        words = command.words()
+        if "S" in words and self._paused and self._printer.person.asking:
+            self._runner.start()
+        elif not words.keys() & {"S", "P"}:
+            reply.say("M876 P1")
+        return None
 
     def _resume(self, _: Command, __: Reply) -> Wait | None:
         if self._runner.state is State.PAUSED:

@@ -44,6 +44,7 @@ class HostPause:
         await self._park.leave(words)
         printer.tell("echo:busy: paused for user")
         await printer.drive.until(lambda: printer.interrupted)
+        printer.person.answered()
         printer.raise_if_halted()
         if gone():
             self._stop("")

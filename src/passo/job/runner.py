@@ -174,6 +174,8 @@ class Runner:
         self._refuse_if_active()
         if self._reader is None:
             raise CommandError.of("job.no-file")
+        if 0 < self.size <= self.offset and not self._left:
+            raise CommandError.of("job.at-end", value=self.name)
         self._again = self._task is not None and not self._task.done()
         if self._again:
             return  # when the one that was just cancelled has let go of the machine

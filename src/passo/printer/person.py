@@ -16,11 +16,12 @@ _WORDS = re.compile(r"\s*(?:[PS]\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:\s+|$))+", re.IGNO
 
 
 class PersonCommands:
-    """M0, M1, M85, M117, M876 of one printer."""
+    """M0, M1, M85, M117 of one printer."""
 
     def __init__(self, printer: Printer) -> None:
         self._printer = printer
         self.message = ""
+        self.asking = False  # hosts show a question
         self.kill_s = 0.0  # M85: idle for so long, everything goes off
         self.planned: dict[str, Handler] = {
             "M0": self._wait,
@@ -29,7 +30,6 @@ class PersonCommands:
         self.immediate: dict[str, Handler] = {
             "M85": self._kill_after,
             "M117": self._show,
-            "M876": self._answer,
         }
 
     def _wait(self, command: Command, _: Reply) -> Wait | None:
@@ -46,14 +46,13 @@ class PersonCommands:
         for words in (f"prompt_begin {text}", "prompt_button Continue", "prompt_show"):
             self._printer.tell(f"// action:{words}")
         self._printer.beeper.call()
+        self.asking = True
 
-    def _answer(self, command: Command, reply: Reply) -> Wait | None:
-        words = command.words()
-        if "S" in words:
-            self._printer.tell("// action:prompt_end")  # it acted when the line came in
-        elif "P" not in words:
-            reply.say("M876 P1")
-        return None
+    def answered(self) -> None:
+        """Somebody has gone on, or there is nothing to go on with: hosts show no question."""
+        if self.asking:
+            self.asking = False
+            self._printer.tell("// action:prompt_end")
 
     def _show(self, command: Command, _: Reply) -> Wait | None:
         self.message = command.text

@@ -169,5 +169,6 @@ class Waiting:
             )
         finally:
             self.person = False
+            printer.person.answered()
         printer.raise_if_halted()
         await printer.warm_again()
