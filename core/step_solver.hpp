@@ -173,6 +173,7 @@ class StepSolver {
   double c_[3];
   int64_t count_ = 0;
   Crossings crossings_;
+  std::vector<double> owed_;  // path positions
   PieceSolver pieces_;
 
   double position(const double* p) const {
@@ -238,8 +239,17 @@ class StepSolver {
     if (!m.cartesian) return;
     machine_.geometry->crossings(spec_.index, path, spec_.steps_per_unit, crossings_);
     TimeLaw law(m, hz_);
-    // After a cut: steps done before their ideal time, or still owed.
+    // After a cut: steps done before their ideal time, which are not done again, or still owed.
     int64_t ahead = count_ - crossings_.k0;
+    auto owe = [&](double s) {
+      size_t n = size_t(std::abs(ahead));
+      owed_.assign(n, s);
+      law.at(owed_.data(), int(n), extend(out, n, ahead > 0 ? -1 : 1));
+      count_ -= ahead;
+      ahead = 0;
+    };
+    if (ahead != 0 && (crossings_.runs.empty() || (ahead > 0) != (crossings_.runs[0].dir > 0)))
+      owe(0);
     for (size_t r = 0; r < crossings_.runs.size(); ++r) {
       size_t first = size_t(crossings_.runs[r].first);
       size_t last = r + 1 < crossings_.runs.size() ? size_t(crossings_.runs[r + 1].first)
@@ -250,6 +260,7 @@ class StepSolver {
       law.at(crossings_.s.data() + first, int(last - first), extend(out, last - first, dir));
       count_ += dir * int64_t(last - first);
     }
+    if (ahead != 0) owe(m.d);
   }
 };
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import floor
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -89,3 +91,76 @@ def test_no_motor_beyond_its_limits(name, path):
                 assert abs(q[2] - q[0]) / 2e-3 <= row["speed"] * 1.01
                 if not corner:
                     assert abs(q[2] - 2 * q[1] + q[0]) / 1e-6 <= row["accel"] * 1.01 + 1e-3
+
+
+WAYS = {  # down a little and sidewards, so that motors turn, too
+    "delta": ((10, -20, 60), (15, -20.5, 40.3)),
+    "rotary-delta": ((-40, -40, 31.4676), (-40, -40, 21.0084)),
+    "scara": ((90, 100, 50), (110.3, 101.7, 50)),
+    "dual-scara": ((-9, 80, 25), (11.3, 81.7, 25)),
+}
+
+
+def steps_beside_the_target(messages, geometry, spec, begin, end):
+    """Steps made less those to where the inverse is, for each of the three motors."""
+    found = []
+    for motor, row in enumerate(spec["steppers"][:3]):
+        made = sum(dir for _, dir in oracle.executed_ticks(messages, motor))
+        wanted = floor(geometry.inverse(end)[motor] * row["steps_per_unit"] + 0.5)
+        found.append(begin[motor] + made - wanted)
+    return found
+
+
+@pytest.mark.parametrize("name", REACH)
+def test_a_cut_beside_a_step_loses_and_doubles_none(name):
+    """A step may be done before or after its ideal time; a cut may come between the two."""
+    start, end = (tuple(map(float, point)) for point in WAYS[name])
+
+    def on_the_way():
+        motion, spec, geometry = in_the_middle(name)
+        motion.set_position([*start, 0.0])
+        begin = motion.counts()
+        motion.push([*end, 0.0], 10.0)
+        motion.flush()
+        return motion, spec, geometry, begin
+
+    motion, *_ = on_the_way()
+    messages = motion.take_messages()
+    for motor in range(3):
+        ticks = [tick for tick, _ in oracle.executed_ticks(messages, motor)]
+        for tick in ticks[:: max(1, len(ticks) // 15)]:
+            for by in (-20, -8, -3, -1, 0, 1, 3, 8, 20):
+                motion, spec, geometry, begin = on_the_way()
+                motion.replan_from(float(tick + by))
+                motion.flush()
+                after = motion.take_messages()
+                lost = steps_beside_the_target(after, geometry, spec, begin, end)
+                assert lost == [0, 0, 0], (motor, tick, by)
+
+
+@pytest.mark.parametrize("name", REACH)
+@given(
+    path=paths,
+    cuts=st.lists(st.tuples(st.floats(0, 1), st.floats(0, 1), st.booleans()), min_size=1),
+)
+@settings(max_examples=25, deadline=None)
+def test_cuts_at_random_clocks_lose_nothing(name, path, cuts):
+    motion, spec, geometry = in_the_middle(name)
+    begin = motion.counts()
+    push_shares(motion, name, path)
+    motion.flush()
+    messages = []
+    for where, sent, hold in cuts[:6]:
+        from_ = motion.clock * where
+        messages += motion.take_messages(before=from_ * sent)
+        if hold:
+            motion.hold_from(from_)
+            motion.wait_until(motion.clock + 1e5)
+            motion.release()
+        else:
+            motion.replan_from(from_)
+        motion.flush()
+    messages += motion.take_messages()
+    end = tuple(c + h * s for c, h, s in zip(*REACH[name], path[-1][0], strict=True))
+    lost = steps_beside_the_target(messages, geometry, spec, begin, end)
+    assert lost == [0, 0, 0]
