@@ -514,6 +514,9 @@ void bind_job(nb::module_& m) {
           "Where the plan was at a clock not much more than a second ago, as machine_position; "
           "None "
           "if it is longer ago.")
+      .def(
+          "passed", [](JobView& self, double ticks) { self.job.motion.pass(ticks); }, "ticks"_a,
+          "Time has passed to this clock, or nothing before it will be planned anew.")
       .def_prop_ro("held", [](JobView& self) { return self.job.motion.held(); })
       .def_prop_ro(
           "clock", [](JobView& self) { return self.job.motion.planner().clock(); },

@@ -129,6 +129,8 @@ class MoveBudget {
     };
     if (curved_motors_ > 0) add(m.curved_steps, curved_motors_);
     for (const Motor& motor : motors_) add(motor.steps, 1);
+    const double of_steps = commands, of_outputs = m.records;  // one each, about as long
+    commands += of_outputs;
     m.commands = commands;
     double room = budget_.burst - ahead_;
     double allowed = budget_.command_rate * soonest.seconds + room;
@@ -138,14 +140,16 @@ class MoveBudget {
     }
     ahead_ = budget_.burst;
     m.command_load = commands / allowed;
-    m.commands = commands / std::min(m.command_load, saving_);
-    if (m.command_load <= saving_) {
-      double square = m.command_load * m.command_load;
+    const double needed = of_steps / std::max(allowed - of_outputs, 1e-9);
+    m.commands = of_steps / std::min(needed, saving_) + of_outputs;
+    if (needed <= saving_) {
+      double square = needed * needed;
       m.tolerance = std::min(own_tolerance_ * square * square, widest_);
       return;
     }
     m.tolerance = widest_;
-    double over = commands / saving_ - room;  // above command_rate × seconds, so never 0
+    double over =
+        of_steps / saving_ + of_outputs - room;  // above command_rate × seconds, so never 0
     double speed = m.d * budget_.command_rate / over;
     m.vn2 = std::min(m.vn2, speed * speed);
     m.speed_limit = limit_;

@@ -35,6 +35,18 @@ class MessageQueue {
       std::swap(before, here);
     }
   }
+  // A pin's value, as insert(); another value of it at the same clock would never be seen.
+  void set_pin(const Message& message) {
+    for (size_t i = tail_; i != head_ && at(i - 1).clock >= message.clock; --i) {
+      Message& there = ring_[(i - 1) & mask_];
+      if (there.clock > message.clock || there.kind != MessageKind::pin ||
+          there.target != message.target)
+        continue;
+      there.interval = message.interval;
+      return;
+    }
+    insert(message);
+  }
   const Message& operator[](size_t i) const { return at(head_ + i); }
   const Message& front() const { return (*this)[0]; }
   int64_t next_clock() const { return empty() ? kNoMessage : front().clock; }

@@ -87,6 +87,13 @@ class Motion {
 
   // A record for output `target`, due when the moves pushed so far are done.
   void record(uint16_t target, uint32_t value) {
+    const size_t near = std::min<size_t>(unattached_, kOutputsSeen);
+    auto same = std::find_if(records_.rbegin(), records_.rbegin() + long(near),
+                             [=](const Record& r) { return r.target == target; });
+    if (target < kMark && same != records_.rbegin() + long(near)) {
+      same->value = value;  // nobody would ever see the one before
+      return;
+    }
     records_.push_back({target, value, 0});
     ++unattached_;
     if (planner_.queued() == 0) place(planner_.clock(), std::exchange(unattached_, 0), true);
@@ -285,6 +292,9 @@ class Motion {
     return ticks_of_cut_;
   }
 
+  // Nothing before `ticks` will be planned anew: what makes no step need not be kept for that.
+  void pass(double ticks) { passed_ = std::max(passed_, ticks); }
+
   // As replan_from, but brakes to a stop on the path. What is left of it waits for `release`, with
   // what is held already. A lit laser goes off at the stop, and on again when it goes on.
   double hold_from(double ticks) {
@@ -367,6 +377,7 @@ class Motion {
   void forget_held() { stand_before(std::exchange(held_, {})); }
 
  private:
+  static constexpr size_t kOutputsSeen = 32;   // records at one place that are looked through
   static constexpr double kKeptSeconds = 1.0;  // of motion that is under way or done already
   Machine machine_;  // its steps per unit and tool offsets may change while it stands
   Planner planner_;
@@ -377,6 +388,7 @@ class Motion {
   StepStream stream_;
   std::deque<Record> records_, placed_, marks_;
   History history_;
+  double passed_ = 0;
   Held held_;
   ProgramLines lines_;
   struct Aside {
@@ -512,7 +524,8 @@ class Motion {
   // What ended before the last command taken can no longer be replanned.
   void forget() {
     auto held = stream_.hold();
-    double past = double(stream_.taken_until()) - kKeptSeconds * machine_.clock_hz;
+    double past = std::max(double(stream_.taken_until()), passed_);
+    past -= kKeptSeconds * machine_.clock_hz;
     if (stream_.commits()) past = std::min(past, double(stream_.oldest_commit()));
     history_.forget(past);
     for (; !placed_.empty() && double(placed_.front().clock) < past; placed_.pop_front())

@@ -94,7 +94,7 @@ class StepStream {
   // An output's value, from `ticks` on. Returns its clock, which is not before what is handed out.
   int64_t set_output(uint16_t target, uint32_t value, double ticks) {
     int64_t clock = not_before(ticks);
-    outputs_.insert({clock, clock, value, 0, 0, target, MessageKind::pin, 0});
+    outputs_.set_pin({clock, clock, value, 0, 0, target, MessageKind::pin, 0});
     return clock;
   }
   int64_t not_before(double ticks) const {

@@ -1437,6 +1437,11 @@ class Job:
         Where the plan was at a clock not much more than a second ago, as machine_position; None if it is longer ago.
         """
 
+    def passed(self, ticks: float) -> None:
+        """
+        Time has passed to this clock, or nothing before it will be planned anew.
+        """
+
     @property
     def held(self) -> int: ...
 

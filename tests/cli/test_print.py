@@ -586,3 +586,9 @@ def test_what_only_a_served_printer_can_do_is_told(capsys, tmp_path):
         f"{path}:4: M206 is for a printer that is served and was skipped (1 time)",
         f"{path}:7: M81 is for a printer that is served and was skipped (1 time)",
     ]
+
+
+def test_a_fan_that_is_set_again_and_again_at_one_place_fills_no_board(capsys, tmp_path):
+    path = tmp_path / "p.gcode"
+    path.write_text("G28\nG1 X5 F600\n" + "M106 S50\nM106 S60\n" * 1000 + "G1 X10\n")
+    assert printed(capsys, str(path))["errors"] == []

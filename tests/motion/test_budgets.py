@@ -59,6 +59,7 @@ def wander(mm, moves, turn, seed):
 
 def planned(spec, targets, feed=300.0):
     motion = Motion(spec)
+    motion.set_position([0.0, 0.0, 0.0, 0.0])
     for target in targets:
         motion.push(target, feed, "print")
     motion.flush()

@@ -10,7 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.oracles import motion as oracle
 
-from passo._core import Motion
+from passo._core import Job, JobStatus, Motion
+from passo.config import load
 
 from .machines import cartesian
 from .test_steps import STEPS_PER_MM, paths, step
@@ -256,3 +257,20 @@ def test_what_is_held_is_shifted_by_going_over_to_it():
         (100.0, -0.25, 0.5),
     ]
     assert_arrived(motion, motion.take_messages(), [100.0, -0.25, 0.5, 0.0])
+
+
+@pytest.mark.parametrize("line", ["G4 P10", "G1 X5.001\nG1 X5"])
+def test_what_makes_no_step_is_forgotten_too(line):
+    """Else a file of it would fill the memory: nothing is handed out that could be taken."""
+    job = Job(load("i3").core_spec())
+    job.feed(f"G1 X5 F600\n{f'{line}{chr(10)}' * 2000}".encode())
+    assert job.advance() == JobStatus.NEED_INPUT
+    job.flush()
+    early = job.clock - 3 * oracle.HZ
+    assert job.position_at(early) is not None
+    job.passed(job.clock)
+    job.feed(f"{line}\n".encode() * 300)
+    assert job.advance() == JobStatus.NEED_INPUT
+    job.flush()
+    assert job.position_at(early) is None
+    assert job.position_at(job.clock - 0.5 * oracle.HZ) is not None

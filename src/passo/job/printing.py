@@ -134,6 +134,7 @@ class Print:
             self._share = share
             self._watch()
             self._run_to(self.job.handed_out - _HORIZON_S * self._hz)
+            self.job.passed(self.job.clock)  # nothing is ever planned anew
         self._run_to(self.job.clock)
         self._apply_marks(float("inf"))
         kick_s = max((fan.kick_start_s for fan in self._machine.fans.values()), default=0.0)

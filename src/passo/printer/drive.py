@@ -300,6 +300,7 @@ class Drive:
             self._run(clock)
             self._on_mark(target, value)
         self._run(now)
+        self._job.passed(now)
         self.on_pass()
         self.end_waits()
 

@@ -1,0 +1,57 @@
+"""Records of outputs: one value a place, and a part of what the board takes."""
+
+from math import inf
+
+import pytest
+from tests.motion.machines import cartesian
+from tests.oracles import motion as oracle
+
+from passo._core import Motion
+
+
+def pins(motion):
+    """Output, clock and value of each pin message."""
+    return [(m[1], m[2], m[4]) for m in motion.take_messages() if m[0] == "pin"]
+
+
+@pytest.mark.parametrize("moves", [True, False])
+def test_of_many_values_at_one_place_the_last_is_sent(moves):
+    """A board has a slot for each until its clock: hundreds would leave no room."""
+    motion = Motion(cartesian())
+    motion.push([5.0, 0.0, 0.0, 0.0], 10.0)
+    if not moves:
+        motion.flush()
+    for i in range(1000):
+        motion.record(i % 2, i)
+    if moves:
+        motion.push([10.0, 0.0, 0.0, 0.0], 10.0)
+    motion.flush()
+    (first, clock, a), (second, same, b) = pins(motion)
+    assert clock == same
+    assert {first: a, second: b} == {0: 998, 1: 999}
+
+
+def test_values_at_different_places_are_all_sent():
+    motion = Motion(cartesian())
+    for i in range(20):
+        motion.record(0, i % 2)
+        motion.push([0.5 * (i + 1), 0.0, 0.0, 0.0], 10.0)
+    motion.flush()
+    found = pins(motion)
+    assert [value for _, _, value in found] == [0, 1] * 10
+    assert len({clock for _, clock, _ in found}) == 20
+
+
+def test_records_are_a_part_of_what_the_link_takes():
+    """At 1000 commands a second 2000 values take 2 s more, whatever the moves want."""
+    limits = {"steps_s": inf, "commands_s": 1000.0, "burst": 10.0, "by_link": True}
+    seconds = []
+    for records in (0, 1):
+        motion = Motion(cartesian() | {"budget": limits})
+        for i in range(2000):
+            for _ in range(records):
+                motion.record(0, i % 256)
+            motion.push([0.1 * (i + 1), 0.0, 0.0, 0.0], 100.0)
+        motion.flush()
+        seconds.append(motion.clock / oracle.HZ)
+    assert 2.0 <= seconds[1] - seconds[0] < 2.4
