@@ -37,6 +37,40 @@ def test_a_pin_has_one_owner_under_all_its_names(i3_text: str, name: str) -> Non
     assert f"PB4 belongs to heaters.hotend.pin ({owner})" in problem
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ('"D9"', '"^D9"', "fans.part.pin is '^D9': expected no ^ before PH6: it does nothing here"),
+        ('"D10"', '"~D10"', "heaters.hotend.pin is '~D10': expected no ~ before PB4"),
+        ('"T0"', '"^T0"', "heaters.hotend.sensor_pin is '^T0': expected no ^ before PK5"),
+        ('"T0"', '"!T0"', "heaters.hotend.sensor_pin is '!T0': expected no ! before PK5"),
+        ('"^X_MIN"', '"~X_MIN"', "homing.x.pin is '~X_MIN': expected no ~ before PE5"),
+        (
+            'socket = "X"',
+            'socket = "X"\nstep_pin = "^X_STEP"',
+            "steppers.x.step_pin is '^X_STEP': expected no ^ before PF0",
+        ),
+    ],
+)
+def test_a_mark_that_does_nothing(i3_text: str, old: str, new: str, says: str) -> None:
+    (problem,) = problems_of(i3_text.replace(old, new, 1))
+    assert says in problem
+
+
+def test_marks_that_do_something(i3_text: str) -> None:
+    text = i3_text.replace('"D9"', '"!D9"').replace('"^X_MIN"', '"!^X_MIN"')
+    config.load_text(text.replace('socket = "X"', 'socket = "X"\nstep_pin = "!X_STEP"'))
+
+
+def test_motors_that_share_their_enable_pin_agree_on_it(i3_text: str) -> None:
+    alike = i3_text.replace('socket = "Y"', 'socket = "Y"\nenable_pin = "X_ENABLE"')
+    config.load_text(alike)
+    (problem,) = problems_of(alike.replace('"X_ENABLE"', '"!X_ENABLE"'))
+    assert "steppers.y.enable_pin is '!X_ENABLE': expected !PD7, as it stands at steppers.x" in (
+        problem
+    )
+
+
 def test_the_bed_and_the_fan_of_a_hhf(i3_text: str) -> None:
     text = i3_text.replace('pin = "D9"', 'pin = "D8"')
     (problem,) = problems_of(text)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from passo.config.findings import table, tables
-from passo.config.places import placed, section
+from passo.config.places import bare, placed, section
 from passo.config.sensors import CONVERTERS, Converter
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ class Binding:
     @property
     def rebound(self) -> bool:
         """Whether the machine uses another pin than the board's own."""
-        return self.original is not None and _bare(self.pin) != _bare(self.original)
+        return self.original is not None and bare(self.pin) != bare(self.original)
 
 
 def put_originals(data: dict[str, Any]) -> None:
@@ -160,7 +160,3 @@ def _switch(board: Board, axis: str, direction: str) -> str | None:
     letter = _TOWERS.get(axis, axis.upper())
     names = (f"{letter}_{direction.upper()}", f"{letter}_STOP")
     return next((name for name in names if name in board.endstops), None)
-
-
-def _bare(pin: str) -> str:
-    return pin.lstrip("!^~")
