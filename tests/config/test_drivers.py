@@ -45,6 +45,8 @@ def test_drivers_become_part_of_the_board():
         ("address = 1", "address = 4", "steppers.y.tmc.address", "a number of at most 3"),
         ("run_current_a = 0.8", "run_current_a = 1.8", "steppers.x.tmc.run_current_a",
          "is 1.8: expected at most 1.74 A with a sense resistor of 0.11 ohm"),
+        ("run_current_a = 1.2\n", "run_current_a = 3.065\n", "steppers.e.tmc.run_current_a",
+         "is 3.065: expected at most 3.064 A with a sense resistor of 0.075 ohm"),
         ("hold_current_a = 0.4", "hold_current_a = 2", "steppers.x.tmc.hold_current_a",
          "at most 1.74 A"),
         ('uart_pin = "D42", ', "", "steppers.z.tmc.uart_pin", "expected a pin, for a TMC2208"),

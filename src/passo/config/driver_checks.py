@@ -13,7 +13,7 @@ from passo.config.board_files import pin_of
 from passo.config.findings import Finding, did_you_mean, number, table, tables
 from passo.config.lines import Path
 from passo.config.places import bare
-from passo.config.trinamic import CHIPS, ChipName, chip_of, largest_current_a
+from passo.config.trinamic import CHIPS, ChipName, chip_of, largest_current_ma
 
 Raw = Mapping[str, Any]
 
@@ -109,11 +109,11 @@ def _check_currents(tmc: Raw, chip: ChipName, path: Path) -> Iterator[Finding]:
     resistor = number(tmc, "sense_resistor_ohm") or CHIPS[chip].resistor_ohm
     if resistor <= 0:
         return
-    most = largest_current_a(chip, resistor)
+    most_a = largest_current_ma(chip, resistor) / 1000
     for key in _CURRENTS:
         ampere = number(tmc, key)
-        if ampere is not None and ampere > most:
-            limit = f"at most {most:.2f} A with a sense resistor of {resistor:g} ohm"
+        if ampere is not None and ampere > most_a:
+            limit = f"at most {most_a:g} A with a sense resistor of {resistor:g} ohm"
             yield Finding("config.value", (*path, key), ampere, limit)
 
 
