@@ -224,6 +224,33 @@ def test_any_function_may_be_bound_anew(i3_text: str) -> None:
     }
 
 
+def test_motors_in_other_sockets_and_with_pins_of_their_own(i3_text: str) -> None:
+    text = i3_text.replace('socket = "X"', 'socket = "?"').replace('socket = "Y"', 'socket = "X"')
+    text = text.replace('socket = "?"', 'socket = "Y"').replace('socket = "Z"', 'socket = "E1"')
+    own = 'step_pin = "D23"\ndirection_pin = "E0_DIR"\nenable_pin = "!D27"'
+    text = text.replace('socket = "E0"', own)
+    rebound = {
+        b.key.removeprefix("steppers."): (b.name, b.original_name)
+        for b in bindings(config.load_text(text))
+        if b.rebound
+    }
+    words = {"step": "STEP", "direction": "DIR", "enable": "ENABLE"}
+    moved = {"x": ("Y", "X"), "y": ("X", "Y"), "z": ("E1", "Z")}
+    assert rebound == {
+        f"{motor}.{key}_pin": (f"{there}_{word}", f"{own}_{word}")
+        for motor, (there, own) in moved.items()
+        for key, word in words.items()
+    } | {"e.step_pin": ("D23", "E0_STEP"), "e.enable_pin": ("!D27", "E0_ENABLE")}
+
+
+def test_the_sockets_of_a_second_motor_and_of_crossed_belts_are_their_own() -> None:
+    for name, keys in (("big-fish-i3", ["z", "z1"]), ("corexy", ["a", "b"])):
+        machine = config.load(name)
+        found = {b.key: b.original_name for b in bindings(machine)}
+        for key in keys:
+            assert found[f"steppers.{key}.step_pin"] == f"{machine.steppers[key].socket}_STEP"
+
+
 def test_shipped_machines_leave_every_pin_where_its_board_has_it() -> None:
     for name in config.shipped_machines():
         assert [b.key for b in bindings(config.load(name)) if b.rebound] == []
