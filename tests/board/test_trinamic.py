@@ -85,6 +85,17 @@ def test_currents(chip, ohm, ampere, irun, vsense, scaler, made):
     assert numbers.hold_a == pytest.approx(ampere / 2, abs=made / (irun + 1))
 
 
+# More standing than running: the range is large enough for both.
+HOLDS = [("TMC2209", 0.11, 0.5, 1.5, 8, 27), ("TMC5160", 0.075, 0.5, 1.0, 15, 31)]
+
+
+@pytest.mark.parametrize(("chip", "ohm", "run", "hold", "irun", "ihold"), HOLDS)
+def test_a_standing_current_above_the_running_one(chip, ohm, run, hold, irun, ihold):
+    numbers = current_numbers(chip, ohm, run, hold)
+    assert (numbers.irun, numbers.ihold) == (irun, ihold)
+    assert (numbers.run_a, numbers.hold_a) == (pytest.approx(run, 0.03), pytest.approx(hold, 0.03))
+
+
 SETTINGS = DriverSettings("TMC2209", 0.8, 0.4, 0.11)
 
 

@@ -6,6 +6,7 @@ import pytest
 from tests.printer.driver_machine import DRIVERS, machine, machine_text
 
 from passo import config
+from passo.board.description import UartPins
 from passo.errors import ConfigError
 from passo.printer.wiring import board_description
 
@@ -44,6 +45,8 @@ def test_drivers_become_part_of_the_board():
         ("address = 1", "address = 4", "steppers.y.tmc.address", "a number of at most 3"),
         ("run_current_a = 0.8", "run_current_a = 1.8", "steppers.x.tmc.run_current_a",
          "is 1.8: expected at most 1.74 A with a sense resistor of 0.11 ohm"),
+        ("run_current_a = 1.2\n", "run_current_a = 3.065\n", "steppers.e.tmc.run_current_a",
+         "is 3.065: expected at most 3.064 A with a sense resistor of 0.075 ohm"),
         ("hold_current_a = 0.4", "hold_current_a = 2", "steppers.x.tmc.hold_current_a",
          "at most 1.74 A"),
         ('uart_pin = "D42", ', "", "steppers.z.tmc.uart_pin", "expected a pin, for a TMC2208"),
@@ -61,9 +64,44 @@ def test_drivers_become_part_of_the_board():
         ("stealthchop_below_mm_s", "stealthchop_below_deg_s",
          "steppers.x.tmc.stealthchop_below_deg_s", "expected stealthchop_below_mm_s here"),
         ("run_current_a = 1.2\n", "", "steppers.e.tmc.run_current_a", "missing"),
+        ('"^D40", address = 1', '"^PG1"', "steppers.y.tmc.address",
+         "is 0: expected an address of its own: it belongs to steppers.x.tmc (m.toml:"),
+        ('uart_pin = "D42"', 'uart_pin = "PG1"', "steppers.z.tmc.uart_pin",
+         "expected a pin of its own: it belongs to steppers.x.tmc"),
+        ('driver = "TMC2209"', 'driver = "TMC2208"', "steppers.y.tmc.uart_pin",
+         "expected a pin of its own: it belongs to steppers.x.tmc"),
+        ("address = 1", 'address = 1, tx_pin = "D32"', "steppers.y.tmc.tx_pin",
+         "is 'D32': expected D40, on which this wire sends at steppers.x.tmc (m.toml:"),
+        ('100, uart_pin = "^D40"', '100, uart_pin = "^D40", tx_pin = "D32"',
+         "steppers.y.tmc.tx_pin",
+         "missing: expected D32, on which this wire sends at steppers.x.tmc (m.toml:"),
+        ('"^D40", address', '"D40", address', "steppers.y.tmc.uart_pin",
+         "is 'D40': expected ^D40, as it stands at steppers.x.tmc.uart_pin (m.toml:"),
+        ('uart_pin = "D42"', 'uart_pin = "!D42"', "steppers.z.tmc.uart_pin",
+         "expected no ! before PL7: it does nothing here"),
+        ('tx_pin = "D44"', 'tx_pin = "^D44"', "steppers.z.tmc.tx_pin",
+         "expected no ^ before PL5: it does nothing here"),
+        ('cs_pin = "D23"', 'cs_pin = "!D23"', "steppers.e.tmc.cs_pin", "expected no ! before PA1"),
+        ('clock_pin = "D25"', 'clock_pin = "!D25"', "steppers.e.tmc.clock_pin", "expected no !"),
     ],
 )  # fmt: skip
 def test_mistakes(old, new, key, sentence):
     found = problems(changed(old, new))
     assert [k for k, _ in found] == [key]
     assert sentence in found[0][1]
+
+
+def test_two_wires_share_no_pin_to_send_on():
+    text = changed('"^D40", address = 1', '"D16", address = 1, tx_pin = "D44"')
+    ((key, sentence),) = problems(text)
+    assert key == "steppers.z.tmc.tx_pin"
+    assert "expected a pin of its own: it belongs to the wire of steppers.y.tmc (m.t" in sentence
+
+
+def test_drivers_on_one_wire_may_name_its_pins_in_different_ways():
+    text = changed('"^D40", address', '"^PG1", tx_pin = "PL7", address').replace(
+        '"^D40" }', '"^D40", tx_pin = "D42" }'
+    )
+    text = text.replace('uart_pin = "D42"', 'uart_pin = "D32"')
+    x, y, *_ = board_description(config.load_text(text)).drivers
+    assert x.wire == y.wire == UartPins("^PG1", "PL7")

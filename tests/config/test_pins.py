@@ -37,6 +37,40 @@ def test_a_pin_has_one_owner_under_all_its_names(i3_text: str, name: str) -> Non
     assert f"PB4 belongs to heaters.hotend.pin ({owner})" in problem
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ('"D9"', '"^D9"', "fans.part.pin is '^D9': expected no ^ before PH6: it does nothing here"),
+        ('"D10"', '"~D10"', "heaters.hotend.pin is '~D10': expected no ~ before PB4"),
+        ('"T0"', '"^T0"', "heaters.hotend.sensor_pin is '^T0': expected no ^ before PK5"),
+        ('"T0"', '"!T0"', "heaters.hotend.sensor_pin is '!T0': expected no ! before PK5"),
+        ('"^X_MIN"', '"~X_MIN"', "homing.x.pin is '~X_MIN': expected no ~ before PE5"),
+        (
+            'socket = "X"',
+            'socket = "X"\nstep_pin = "^X_STEP"',
+            "steppers.x.step_pin is '^X_STEP': expected no ^ before PF0",
+        ),
+    ],
+)
+def test_a_mark_that_does_nothing(i3_text: str, old: str, new: str, says: str) -> None:
+    (problem,) = problems_of(i3_text.replace(old, new, 1))
+    assert says in problem
+
+
+def test_marks_that_do_something(i3_text: str) -> None:
+    text = i3_text.replace('"D9"', '"!D9"').replace('"^X_MIN"', '"!^X_MIN"')
+    config.load_text(text.replace('socket = "X"', 'socket = "X"\nstep_pin = "!X_STEP"'))
+
+
+def test_motors_that_share_their_enable_pin_agree_on_it(i3_text: str) -> None:
+    alike = i3_text.replace('socket = "Y"', 'socket = "Y"\nenable_pin = "X_ENABLE"')
+    config.load_text(alike)
+    (problem,) = problems_of(alike.replace('"X_ENABLE"', '"!X_ENABLE"'))
+    assert "steppers.y.enable_pin is '!X_ENABLE': expected !PD7, as it stands at steppers.x" in (
+        problem
+    )
+
+
 def test_the_bed_and_the_fan_of_a_hhf(i3_text: str) -> None:
     text = i3_text.replace('pin = "D9"', 'pin = "D8"')
     (problem,) = problems_of(text)
@@ -188,6 +222,33 @@ def test_any_function_may_be_bound_anew(i3_text: str) -> None:
         "fans.part.pin": ("PB5", "PH6"),
         "homing.x.pin": ("^PE4", "PE5"),
     }
+
+
+def test_motors_in_other_sockets_and_with_pins_of_their_own(i3_text: str) -> None:
+    text = i3_text.replace('socket = "X"', 'socket = "?"').replace('socket = "Y"', 'socket = "X"')
+    text = text.replace('socket = "?"', 'socket = "Y"').replace('socket = "Z"', 'socket = "E1"')
+    own = 'step_pin = "D23"\ndirection_pin = "E0_DIR"\nenable_pin = "!D27"'
+    text = text.replace('socket = "E0"', own)
+    rebound = {
+        b.key.removeprefix("steppers."): (b.name, b.original_name)
+        for b in bindings(config.load_text(text))
+        if b.rebound
+    }
+    words = {"step": "STEP", "direction": "DIR", "enable": "ENABLE"}
+    moved = {"x": ("Y", "X"), "y": ("X", "Y"), "z": ("E1", "Z")}
+    assert rebound == {
+        f"{motor}.{key}_pin": (f"{there}_{word}", f"{own}_{word}")
+        for motor, (there, own) in moved.items()
+        for key, word in words.items()
+    } | {"e.step_pin": ("D23", "E0_STEP"), "e.enable_pin": ("!D27", "E0_ENABLE")}
+
+
+def test_the_sockets_of_a_second_motor_and_of_crossed_belts_are_their_own() -> None:
+    for name, keys in (("big-fish-i3", ["z", "z1"]), ("corexy", ["a", "b"])):
+        machine = config.load(name)
+        found = {b.key: b.original_name for b in bindings(machine)}
+        for key in keys:
+            assert found[f"steppers.{key}.step_pin"] == f"{machine.steppers[key].socket}_STEP"
 
 
 def test_shipped_machines_leave_every_pin_where_its_board_has_it() -> None:

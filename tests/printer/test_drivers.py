@@ -168,12 +168,27 @@ def test_currents_and_modes_by_command(s):
     assert "Y driver mode: stealthChop" in s.host.ok("M569")
     assert "M906 X500" in "\n".join(s.host.ok("M503"))
     s.host.send("M906 X5000")
-    s.host.expect("X is 5000.*at most 1741 mA", 1)
+    s.host.expect("X is 5000.*at most 1740 mA", 1)
+    s.host.send("M906 X1741")
+    s.host.expect("X is 1741: expected above 0 and at most 1740 mA", 1)
+    s.host.send("M569 S2 X")
+    s.host.expect(r"S is 2: expected 0 \(spreadCycle\) or 1 \(stealthChop\)", 1)
     s.host.send("M112")
     s.host.expect("halted", 2)
     s.host.send("M999")
     s.host.expect("ready again", 5)
     assert field(s, "x", r.IHOLD_IRUN, "irun") == 15  # it outlives the halt
+
+
+def test_a_standing_current_above_the_running_one_is_one_that_the_driver_can_do():
+    drivers = DRIVERS.replace("hold_current_a = 0.4", "hold_current_a = 1.6")
+    with Scenario(machine(drivers)) as s:
+        lines = s.host.ok("M122")
+        assert "X TMC2209 0.82 A running, 1.58 A standing, 16 microsteps, stealthChop" in lines
+        s.host.send("M906 X871")
+        s.host.expect("X is 871: expected above 0 and at most 870 mA", 1)
+        s.host.ok("M906 X870")
+        assert any("1.74 A standing" in line for line in s.host.ok("M122"))
 
 
 def test_microsteps_are_told_and_fixed(s):

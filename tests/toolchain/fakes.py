@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import os
+import struct
 import sys
 import threading
 import tty
@@ -104,7 +105,14 @@ def program(folder: Path, name: str, status: int = 0) -> Path:
     return notes
 
 
-def intel_hex(data: bytes = bytes(range(16))) -> str:
+# How images begin: with a jump; with the end of a stack in the RAM and a start in the flash of a
+# SAM3X8E, and of an MK20DX256.
+AVR_CODE = b"\x0c\x94" + bytes(14)
+SAM_CODE = struct.pack("<2I", 0x2008_8000, 0x8_0009)
+TEENSY_CODE = struct.pack("<2I", 0x2000_8000, 9)
+
+
+def intel_hex(data: bytes = AVR_CODE) -> str:
     """A hex file of one record."""
     record = bytes([len(data), 0, 0, 0]) + data
     total = -sum(record) % 256

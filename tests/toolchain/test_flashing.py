@@ -3,6 +3,7 @@
 import asyncio
 import io
 import json
+import struct
 from collections.abc import Iterator
 from hashlib import sha256
 from pathlib import Path
@@ -14,11 +15,13 @@ from passo.cli.main import main
 from passo.clock import ScaledLoop
 from passo.errors import FirmwareError
 from passo.toolchain.flashing import Person, flash
+from passo.toolchain.formats import intel_hex as whole_hex
+from passo.toolchain.formats import uf2
 from passo.toolchain.images import About, write_about
 
-from .fakes import Board, Port, intel_hex, packed, program
+from .fakes import AVR_CODE, SAM_CODE, TEENSY_CODE, Board, Port, intel_hex, packed, program
 
-UF2 = b"UF2\n" + bytes(508)
+UF2 = uf2(bytes(256), 0x1000_0000)
 
 
 @pytest.fixture
@@ -49,6 +52,12 @@ def about(image: Path, dictionary: bytes, mcu: str = "atmega2560") -> None:
     sizes = (100, 262_144, 10, 8192)
     names = ("ramps", "RAMPS 1.4", mcu, image.name)
     write_about(About(*names, hashes[0], *sizes, "0.1.0-test", "gcc", hashes[1], {}), image)
+
+
+def elf(address: int, content: bytes) -> bytes:
+    """An ELF file of one segment."""
+    head = b"\x7fELF\1\1\1".ljust(28, b"\0") + struct.pack("<I10x2H", 52, 32, 1).ljust(24, b"\0")
+    return head + struct.pack("<8I", 1, 84, address, address, *[len(content)] * 2, 5, 4) + content
 
 
 def flashed(name: str, where: str | None, image: Path, served: Port | None = None) -> list[str]:
@@ -87,7 +96,7 @@ def test_a_melzi_waits_for_hands(tools: Path, image: Path, port: Port) -> None:
 def test_a_due_is_touched_first(tools: Path, tmp_path: Path, port: Port) -> None:
     notes = program(tools, "bossac")
     image = tmp_path / "radds.bin"
-    image.write_bytes(b"\0\0\7\x20")
+    image.write_bytes(SAM_CODE)
     said = flashed("radds", port.name, image, port)
     assert "programming port" in said[0]
     assert said[-1].startswith("radds: written, and it answers")
@@ -99,6 +108,7 @@ def test_a_due_is_touched_first(tools: Path, tmp_path: Path, port: Port) -> None
 
 def test_a_teensy_needs_no_port_and_is_not_asked(tools: Path, image: Path) -> None:
     notes = program(tools, "teensy_loader_cli")
+    image.write_text(intel_hex(TEENSY_CODE))
     said = flashed("teensy3-mk20dx256", None, image)
     assert said[0] == "HANDS: Press the button on the Teensy."
     assert json.loads(notes.read_text()) == ["--mcu=mk20dx256", "-w", "-v", str(image)]
@@ -111,7 +121,7 @@ def test_a_teensy_needs_no_port_and_is_not_asked(tools: Path, image: Path) -> No
 def test_openocd_writes_an_elf(tools: Path, tmp_path: Path) -> None:
     notes = program(tools, "openocd")
     image = tmp_path / "disco.elf"
-    image.write_bytes(b"\x7fELF\1\1\1")
+    image.write_bytes(elf(0x0800_0000, struct.pack("<2I", 0x2000_1000, 0x0800_0009)))
     flashed("stm32f407-discovery", None, image)
     assert json.loads(notes.read_text())[-1] == f"program {{{image}}} verify reset exit"
 
@@ -180,6 +190,10 @@ def test_a_missing_program_is_told_before_hands_do_anything(tools: Path, image: 
         ("a.elf", b"MZ", "stm32f407-discovery", "expected the content of a .elf file"),
         ("a.uf2", bytes(512), "pico", "expected the content of a .uf2 file"),
         ("a.bin", b"", "radds", "expected the content of a .bin file"),
+        ("a.hex", b":00000001FF\n", "ramps", "expected the content of a .hex file"),
+        ("a.hex", 2 * intel_hex().encode(), "ramps", "expected the content of a .hex file"),
+        ("a.elf", b"\x7fELF\1\1\1", "stm32f407-discovery", "expected the content of a .elf file"),
+        ("a.uf2", UF2 + UF2[:-1], "pico", "expected the content of a .uf2 file"),
     ],
 )
 def test_files_that_are_no_image(
@@ -191,6 +205,56 @@ def test_files_that_are_no_image(
     with pytest.raises(FirmwareError, match=says) as caught:
         flashed(board, "/dev/null", image)
     assert caught.value.status == 2
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "board", "says"),
+    [
+        (
+            "a.hex",
+            whole_hex(AVR_CODE.ljust(0x20001, b"\0"), 0),
+            "melzi",
+            "one for the flash of ATmega1284P, 0x0 to 0x1ffff: this has something at 0x20000",
+        ),
+        ("a.bin", SAM_CODE.ljust(0x80001, b"\0"), "radds", "something at 0x100000"),
+        ("a.bin", SAM_CODE.ljust(0x40001, b"\0"), "4pi", "something at 0xc0000"),
+        ("a.uf2", uf2(bytes(256), 0x2000_0000), "pico", "something at 0x20000000"),
+        ("a.elf", elf(0x10000, SAM_CODE), "stm32f407-discovery", "something at 0x10000"),
+        (
+            "a.hex",
+            intel_hex(TEENSY_CODE).encode(),
+            "ramps",
+            "one that ATmega2560 can start: this does not begin like it",
+        ),
+        ("a.hex", intel_hex().encode(), "teensy3-mk20dx256", "one that MK20DX256 can start"),
+        ("a.bin", SAM_CODE, "4pi", "can start"),
+    ],
+)
+def test_images_that_do_not_fit(
+    tmp_path: Path, name: str, content: bytes, board: str, says: str
+) -> None:
+    image = tmp_path / name
+    image.write_bytes(content)
+    with pytest.raises(FirmwareError, match=says) as caught:
+        flashed(board, "/dev/null", image)
+    assert caught.value.status == 2
+
+
+def test_an_image_fills_the_flash(tools: Path, tmp_path: Path, port: Port) -> None:
+    program(tools, "bossac")
+    image = tmp_path / "radds.bin"
+    image.write_bytes(SAM_CODE.ljust(0x80000, b"\0"))
+    assert flashed("radds", port.name, image, port)[-1].startswith("radds: written")
+
+
+def test_an_image_for_another_board_with_the_same_chip(
+    image: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    about(image, packed())
+    words = ["--port", "/dev/null", "--image", str(image), "--dry-run"]
+    assert main(["firmware", "flash", "mks-gen-l", *words]) == 2
+    assert "expected one for MKS Gen L V2.1: this is for RAMPS 1.4" in capsys.readouterr().err
+    assert main(["firmware", "flash", "ramps", *words]) == 0
 
 
 def test_an_image_for_another_chip_or_changed_since(tools: Path, image: Path) -> None:
@@ -214,7 +278,7 @@ def test_ports_that_are_none(tools: Path, image: Path, where: str) -> None:
 def test_a_wrong_port_is_told_before_hands_erase_the_board(tools: Path, tmp_path: Path) -> None:
     program(tools, "bossac")
     image = tmp_path / "duet-0.6.bin"
-    image.write_bytes(b"\0\0\7\x20")
+    image.write_bytes(SAM_CODE)
     said: list[str] = []
     person = Person(said.append, said.append)
     work = flash("duet-0.6", config.load_board("duet-0.6"), "/dev/null", image, person)
@@ -227,7 +291,7 @@ def test_a_wrong_port_is_told_before_hands_erase_the_board(tools: Path, tmp_path
 def test_a_port_may_come_with_what_hands_do(tools: Path, tmp_path: Path, port: Port) -> None:
     notes = program(tools, "bossac")
     image = tmp_path / "duet-0.6.bin"
-    image.write_bytes(b"\0\0\7\x20")
+    image.write_bytes(SAM_CODE)
     link = tmp_path / "port"
     person = Person(lambda _: None, lambda _: link.exists() or link.symlink_to(port.name))
     with asyncio.Runner(loop_factory=lambda: ScaledLoop(10)) as runner:

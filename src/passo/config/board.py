@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import inf
 from typing import Annotated, Any, Literal
 
@@ -19,6 +20,7 @@ from passo.config.budget import (
     Budget,
 )
 from passo.config.chips import Chip, chip, chip_names
+from passo.config.places import bare
 
 WIPER_MAX = 255  # the last position of a digital potentiometer
 
@@ -198,13 +200,19 @@ class Board(Model):
     def pin(self, name: str) -> str:
         """The microcontroller's pin behind a name, with the marks of both in front; two inversions
         are none."""
-        bare = name.lstrip("!^~")
-        return joined_marks(name, self.pins.get(bare, bare))
+        return pin_behind(self.pins, name)
+
+
+def pin_behind(names: Mapping[str, object], written: str) -> str:
+    """The microcontroller's pin behind a name on a board whose names these are, with the marks of
+    both in front; two inversions are none."""
+    name = bare(written)
+    return joined_marks(written, str(names.get(name, name)))
 
 
 def joined_marks(outer: str, inner: str) -> str:
     """The pin of `inner` with the marks of both: `!D10` where D10 is `!PB4` is PB4."""
-    bare = inner.lstrip("!^~")
-    marks = outer[: len(outer) - len(outer.lstrip("!^~"))] + inner[: len(inner) - len(bare)]
+    name = bare(inner)
+    marks = outer[: len(outer) - len(bare(outer))] + inner[: len(inner) - len(name)]
     kept = ("!" if marks.count("!") % 2 else "") + "".join(m for m in "^~" if m in marks)
-    return kept + bare
+    return kept + name

@@ -14,10 +14,11 @@ from functools import cache
 from pathlib import Path as FilePath
 from typing import Any, cast
 
-from passo.config.board import Board, joined_marks
+from passo.config.board import Board, joined_marks, pin_behind
 from passo.config.chips import chip, chip_names, expanded, numbering, numberings
 from passo.config.findings import Finding, array, did_you_mean, table, tables
 from passo.config.lines import Path
+from passo.config.places import placed, section
 
 Tables = dict[str, Any]
 
@@ -196,6 +197,13 @@ def resolve_names(board: Tables) -> None:
         board["console"] = {**console, "pins": _resolved(console["pins"], resolved)}
     if isinstance(board.get("pins", {}), Mapping):
         board["pins"] = {**table(board, "pins"), **resolved}
+
+
+def pin_of(data: Mapping[str, Any], written: str) -> tuple[str, str]:
+    """The board that a pin of a machine file is on, and the microcontroller's pin behind its name,
+    with the marks of both."""
+    board, name = placed(written)
+    return board, pin_behind(table(data, *section(board), "pins"), name)
 
 
 def _texts(content: Mapping[str, Any]) -> dict[str, str]:

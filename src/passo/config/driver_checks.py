@@ -6,11 +6,14 @@ Like the other checks they read raw tables.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any
 
+from passo.config.board_files import pin_of
 from passo.config.findings import Finding, did_you_mean, number, table, tables
 from passo.config.lines import Path
-from passo.config.trinamic import CHIPS, ChipName, chip_of, largest_current_a
+from passo.config.places import bare
+from passo.config.trinamic import CHIPS, ChipName, chip_of, largest_current_ma
 
 Raw = Mapping[str, Any]
 
@@ -19,9 +22,21 @@ _SPI_KEYS = ("cs_pin", "clock_pin", "mosi_pin", "miso_pin")
 _CURRENTS = ("run_current_a", "hold_current_a")
 
 
+@dataclass(frozen=True, slots=True)
+class _Wire:
+    """A one-wire UART as the driver at `path` describes it; pins as `pin_of` tells them, without
+    marks, and `sent_on` as it is written there."""
+
+    path: Path
+    chip: ChipName
+    receives: tuple[str, str]
+    sends: tuple[str, str]
+    sent_on: str
+
+
 def check_drivers(data: Raw) -> Iterator[Finding]:
     """All motors with a table `tmc`."""
-    addresses: dict[tuple[str, float], Path] = {}
+    uarts: list[tuple[Path, ChipName, Raw]] = []
     for name, stepper in tables(data, "steppers"):
         if "tmc" not in stepper:
             continue
@@ -37,13 +52,41 @@ def check_drivers(data: Raw) -> Iterator[Finding]:
         yield from _check_keys(data, stepper, tmc, chip, path)
         yield from _check_currents(tmc, chip, path)
         if isinstance(tmc.get("uart_pin"), str):
-            key = (str(tmc["uart_pin"]).lstrip("!^~"), number(tmc, "address") or 0)
-            owner = addresses.setdefault(key, path)
-            if owner is not path:
-                what, value = ("address", int(key[1])) if chip == "TMC2209" else ("pin", key[0])
-                limit = f"{'an' if what == 'address' else 'a'} {what} of its own: it belongs to"
-                where = (*path, "address" if what == "address" else "uart_pin")
-                yield Finding("config.conflict", where, value, limit, owner=owner)
+            uarts.append((path, chip, tmc))
+    yield from _check_uarts(data, uarts)
+
+
+def _check_uarts(data: Raw, uarts: list[tuple[Path, ChipName, Raw]]) -> Iterator[Finding]:
+    """Those on one wire are TMC2209s, describe it alike and have addresses of their own."""
+    wires: dict[tuple[str, str], _Wire] = {}
+    senders: dict[tuple[str, str], _Wire] = {}
+    addresses: dict[tuple[tuple[str, str], float], Path] = {}
+    for path, chip, tmc in uarts:
+        own = _wire(data, path, chip, tmc)
+        first = wires.setdefault(own.receives, own)
+        sender = senders.setdefault(own.sends, own) if "tx_pin" in tmc else own
+        owner = addresses.setdefault((own.receives, number(tmc, "address") or 0), path)
+        if first is not own and "TMC2208" in (chip, first.chip):
+            limit, value = "a pin of its own: it belongs to", tmc["uart_pin"]
+            yield Finding("config.conflict", (*path, "uart_pin"), value, limit, owner=first.path)
+        elif first.sends != own.sends:
+            code = "config.conflict" if "tx_pin" in tmc else "config.missing-key"
+            limit, value = f"{first.sent_on}, on which this wire sends at", tmc.get("tx_pin")
+            yield Finding(code, (*path, "tx_pin"), value, limit, owner=first.path)
+        elif sender.receives != own.receives:
+            limit = "a pin of its own: it belongs to the wire of"
+            value = tmc["tx_pin"]
+            yield Finding("config.conflict", (*path, "tx_pin"), value, limit, owner=sender.path)
+        elif owner is not path:
+            limit, value = "an address of its own: it belongs to", tmc.get("address", 0)
+            yield Finding("config.conflict", (*path, "address"), value, limit, owner=owner)
+
+
+def _wire(data: Raw, path: Path, chip: ChipName, tmc: Raw) -> _Wire:
+    received_on, given = str(tmc["uart_pin"]), tmc.get("tx_pin")
+    sent_on = given if isinstance(given, str) else received_on
+    (board, receives), (_, sends) = pin_of(data, received_on), pin_of(data, sent_on)
+    return _Wire(path, chip, (board, bare(receives)), (board, bare(sends)), bare(sent_on))
 
 
 def _check_keys(data: Raw, stepper: Raw, tmc: Raw, chip: ChipName, path: Path) -> Iterator[Finding]:
@@ -66,11 +109,11 @@ def _check_currents(tmc: Raw, chip: ChipName, path: Path) -> Iterator[Finding]:
     resistor = number(tmc, "sense_resistor_ohm") or CHIPS[chip].resistor_ohm
     if resistor <= 0:
         return
-    most = largest_current_a(chip, resistor)
+    most_a = largest_current_ma(chip, resistor) / 1000
     for key in _CURRENTS:
         ampere = number(tmc, key)
-        if ampere is not None and ampere > most:
-            limit = f"at most {most:.2f} A with a sense resistor of {resistor:g} ohm"
+        if ampere is not None and ampere > most_a:
+            limit = f"at most {most_a:g} A with a sense resistor of {resistor:g} ohm"
             yield Finding("config.value", (*path, key), ampere, limit)
 
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from passo.config.drives import Drive, Driven, axis_order
 from passo.config.findings import table, tables
-from passo.config.places import placed, section
+from passo.config.places import MAIN, bare, placed, section
 from passo.config.sensors import CONVERTERS, Converter
 
 if TYPE_CHECKING:
@@ -36,7 +38,7 @@ class Binding:
     @property
     def rebound(self) -> bool:
         """Whether the machine uses another pin than the board's own."""
-        return self.original is not None and _bare(self.pin) != _bare(self.original)
+        return self.original is not None and bare(self.pin) != bare(self.original)
 
 
 def put_originals(data: dict[str, Any]) -> None:
@@ -106,26 +108,21 @@ def bindings(machine: MachineConfig) -> list[Binding]:
         own = None if original is None else machine.pin(original)
         found.append(Binding(key, name, machine.pin(name), original, own))
 
+    sockets = _own_sockets(machine)
     for name, stepper in machine.steppers.items():
-        socket = machine.socket(name)
+        used, meant = _socket_pins(machine, stepper.socket), _socket_pins(machine, sockets[name])
         for key, given, word in (
             ("step_pin", stepper.step_pin, "STEP"),
             ("direction_pin", stepper.direction_pin, "DIR"),
             ("enable_pin", stepper.enable_pin, "ENABLE"),
         ):
-            original = f"{stepper.socket}_{word}" if stepper.socket else None
-            add(f"steppers.{name}.{key}", given or original, original)
-        for i in range(1, 1 + len(socket.microstep if socket else ())):
-            own = f"{stepper.socket}_MS{i}"
-            add(f"steppers.{name}.ms{i}", own, own)
+            add(f"steppers.{name}.{key}", given or used.get(word), meant.get(word))
+        for word in used:
+            if word.startswith("MS"):
+                add(f"steppers.{name}.{word.lower()}", used[word], meant.get(word))
         if stepper.tmc:
-            select = f"{stepper.socket}_SELECT" if socket and socket.select else None
-            by_spi = stepper.tmc.uart_pin is None
-            add(
-                f"steppers.{name}.tmc.cs_pin",
-                (stepper.tmc.cs_pin or select) if by_spi else None,
-                select,
-            )
+            select = None if stepper.tmc.uart_pin else stepper.tmc.cs_pin or used.get("SELECT")
+            add(f"steppers.{name}.tmc.cs_pin", select, meant.get("SELECT"))
             for key in _WIRES:
                 add(f"steppers.{name}.tmc.{key}", getattr(stepper.tmc, key), None)
     names = _FunctionNames()
@@ -155,12 +152,40 @@ def bindings(machine: MachineConfig) -> list[Binding]:
     return found
 
 
+def _own_sockets(machine: MachineConfig) -> dict[str, str | None]:
+    """The socket that the board's makers meant for each motor: X, Y and Z for the actuators, E or
+    E0 and so on for the extruders, U for an axis u. Where they meant none, as for a second motor of
+    the same actuator or one on another board, it is the one that the motor is in."""
+    sockets, axes = machine.board.sockets, axis_order(machine.axes)
+    meant: dict[Driven | None, str] = {}
+    for i, name in enumerate(word for word in sockets if re.fullmatch("E[0-9]*", word)):
+        meant[Driven("extruder", i)] = name
+    kinds: tuple[tuple[Drive, Iterable[str]], ...] = (("actuator", "xyz"), ("axis", axes))
+    for drive, words in kinds:
+        for i, word in enumerate(words):
+            if word.upper() in sockets:
+                meant[Driven(drive, i)] = word.upper()
+    own: dict[str, str | None] = {}
+    for name, stepper in machine.steppers.items():
+        first = meant.pop(machine.driven_by(name), None)
+        here = machine.board_of_stepper(name) == MAIN
+        own[name] = first if first and here else stepper.socket
+    return own
+
+
+def _socket_pins(machine: MachineConfig, written: str | None) -> dict[str, str]:
+    """Names of the pins of a socket by their last words, STEP, DIR and so on."""
+    if written is None:
+        return {}
+    board, name = placed(written)
+    socket = machine.all_boards[board].sockets[name]
+    words = ["STEP", "DIR", "ENABLE", *(["SELECT"] if socket.select else [])]
+    words += [f"MS{i}" for i in range(1, 1 + len(socket.microstep))]
+    return {word: f"{written}_{word}" for word in words}
+
+
 def _switch(board: Board, axis: str, direction: str) -> str | None:
     """The board's switch for an end of an axis or for a tower."""
     letter = _TOWERS.get(axis, axis.upper())
     names = (f"{letter}_{direction.upper()}", f"{letter}_STOP")
     return next((name for name in names if name in board.endstops), None)
-
-
-def _bare(pin: str) -> str:
-    return pin.lstrip("!^~")

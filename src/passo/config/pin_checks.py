@@ -6,18 +6,28 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from passo.config.board import WIPER_MAX
+from passo.config.board import WIPER_MAX, pin_behind
 from passo.config.board_files import known_pins
 from passo.config.chips import Chip, Pulse, chip, chip_names
 from passo.config.findings import Finding, array, did_you_mean, key_text, number, table, tables
 from passo.config.lines import Path
 from passo.config.motion import MICROSTEPS
-from passo.config.places import MAIN, named_on, placed, section
+from passo.config.places import MAIN, bare, named_on, placed, section
 from passo.config.sensors import CONVERTERS
 
 Raw = Mapping[str, Any]
 Need = Literal[
-    "digital", "enable", "analog", "pwm", "receive", "send", "clock", "to-device", "from-device"
+    "digital",
+    "enable",
+    "switch",
+    "select",
+    "analog",
+    "pwm",
+    "receive",
+    "send",
+    "clock",
+    "to-device",
+    "from-device",
 ]
 
 # Drivers that are set up over SPI: each needs the chip select of its socket.
@@ -32,6 +42,14 @@ _WIRES: dict[str, Need] = {
     "miso_pin": "from-device",
 }
 _SHARED = ("enable", *_WIRES.values())
+# The marks that do something; before any other pin none does.
+_MARKS: dict[Need, str] = {
+    "digital": "!",
+    "enable": "!",
+    "pwm": "!",
+    "switch": "!^",
+    "receive": "^",
+}
 _NEEDS = {"analog": "an analog input", "pwm": "a pin with hardware PWM"}
 
 
@@ -47,8 +65,8 @@ class Claim:
 
 def check_pins(data: Raw) -> Iterator[Finding]:
     """Boards and sockets exist, parts are on one board each, and each pin and timer has one owner
-    that it suits. Motors may share the pin that enables them, drivers the wires over which they are
-    set up."""
+    that it suits, and no mark that does nothing. Motors may share the pin that enables them,
+    drivers the wires over which they are set up, if they mark them alike."""
     claims = list(machine_claims(data))
     boards = {MAIN: table(data, "board"), **dict(tables(data, "boards"))}
     yield from _check_boards(claims, boards)
@@ -75,21 +93,21 @@ def machine_claims(data: Raw) -> Iterator[Claim]:
             yield from _claim((*path, "socket"), _on(board, pin))
         tmc = table(stepper, "tmc")
         if "cs_pin" in tmc:
-            yield from _claim((*path, "tmc", "cs_pin"), tmc["cs_pin"])
+            yield from _claim((*path, "tmc", "cs_pin"), tmc["cs_pin"], "select")
         elif stepper.get("driver") in _SPI_DRIVERS:
-            yield from _claim((*path, "socket"), _on(board, socket.get("select")))
+            yield from _claim((*path, "socket"), _on(board, socket.get("select")), "select")
         yield from _wires((*path, "tmc"), tmc)
     for part in ("heaters", "fans"):
         for name, content in tables(data, part):
             yield from _claim((part, name, "pin"), content.get("pin"))
             sensor = table(content, "sensor")
-            need: Need = "digital" if sensor.get("kind") in CONVERTERS else "analog"
+            need: Need = "select" if sensor.get("kind") in CONVERTERS else "analog"
             yield from _claim((part, name, "sensor_pin"), content.get("sensor_pin"), need)
             yield from _wires((part, name, "sensor"), sensor)
     for name, content in tables(data, "homing"):
-        yield from _claim(("homing", name, "pin"), content.get("pin"))
+        yield from _claim(("homing", name, "pin"), content.get("pin"), "switch")
         for stepper, pin in table(content, "stepper_pins").items():
-            yield from _claim(("homing", name, "stepper_pins", stepper), pin)
+            yield from _claim(("homing", name, "stepper_pins", stepper), pin, "switch")
     yield from _claim(("laser", "pin"), table(data, "laser").get("pin"), "pwm")
     for part in ("mains", "beeper"):
         yield from _claim((part, "pin"), table(data, part).get("pin"))
@@ -238,7 +256,7 @@ class _Owners:
     def check(self) -> Iterator[Finding]:
         owned: list[Claim] = []
         for claim in (*board_claims(self.board, section(self.name)), *self.claims):
-            pin = self._pin(claim.pin)
+            pin = bare(self._pin(claim))
             if self.known and pin not in self.known:
                 yield self._unknown(claim)
                 continue
@@ -248,19 +266,34 @@ class _Owners:
             elif not _may_share(owner, claim):
                 limit = f"a pin of its own: {pin} belongs to"
                 yield Finding("config.conflict", claim.path, claim.pin, limit, owner=owner.path)
+            elif claim.need in _SHARED and self._marks(owner) != self._marks(claim):
+                limit = f"{placed(owner.pin)[1]}, as it stands at"
+                yield Finding("config.conflict", claim.path, claim.pin, limit, owner=owner.path)
+        for claim in self.claims:
+            yield from self._check_marks(claim)
         yield from self._check_steps()
         if self.chip:
             for claim in owned:
                 yield from self._check_need(claim, self.chip)
 
-    def _pin(self, written: str) -> str:
-        bare = placed(written)[1].lstrip("!^~")
-        return str(self.names.get(bare, bare)).lstrip("!^~")
+    def _pin(self, claim: Claim) -> str:
+        """The microcontroller's, with all marks."""
+        return pin_behind(self.names, placed(claim.pin)[1])
+
+    def _marks(self, claim: Claim) -> set[str]:
+        """Those that do something."""
+        return set(self._pin(claim)) & set(_MARKS.get(claim.need, ""))
+
+    def _check_marks(self, claim: Claim) -> Iterator[Finding]:
+        pin = self._pin(claim)
+        for mark in "!^~":
+            if mark in pin and mark not in self._marks(claim):
+                limit = f"no {mark} before {bare(pin)}: it does nothing here"
+                yield Finding("config.conflict", claim.path, claim.pin, limit)
 
     def _unknown(self, claim: Claim) -> Finding:
         mcu = self.chip.name if self.chip else "the board's dictionary"
-        bare = placed(claim.pin)[1].lstrip("!^~")
-        hint = did_you_mean(bare, {*self.known, *self.names})
+        hint = did_you_mean(bare(placed(claim.pin)[1]), {*self.known, *self.names})
         limit = f"a pin of {mcu} or a name on the board"
         return Finding("config.value", claim.path, claim.pin, limit, hint)
 
@@ -285,7 +318,7 @@ class _Owners:
                 yield Finding("config.conflict", path, word, limit, owner=owner)
 
     def _check_need(self, claim: Claim, chip: Chip) -> Iterator[Finding]:
-        pin = self._pin(claim.pin)
+        pin = bare(self._pin(claim))
         if claim.need == "analog" and pin not in chip.adc:
             yield self._unsuited(claim, list(chip.adc))
         elif claim.need == "pwm":
@@ -306,7 +339,7 @@ class _Owners:
         """The pins among `able` that nobody has, under their names on the board."""
         printed: dict[str, str] = {}
         for name, pin in self.names.items():
-            printed.setdefault(str(pin).lstrip("!^~"), name)
+            printed.setdefault(bare(str(pin)), name)
         free = [pin for pin in able if pin not in self.pins]
         words = [f"{printed[p]} ({p})" if p in printed and printed[p] != p else p for p in free]
         return f"free here: {', '.join(words)}" if words else "none is free here"

@@ -5,12 +5,17 @@ from __future__ import annotations
 MAIN = ""  # the name of the main board, which stands in no pin
 
 
+def bare(pin: str) -> str:
+    """The pin's name without `!`, `^` and `~`."""
+    return pin.lstrip("!^~")
+
+
 def placed(written: str) -> tuple[str, str]:
     """The board that a pin or a socket is on, and the same without the board's name; marks stay in
     front."""
-    bare = written.lstrip("!^~")
-    marks = written[: len(written) - len(bare)]
-    board, colon, rest = bare.partition(":")
+    name = bare(written)
+    marks = written[: len(written) - len(name)]
+    board, colon, rest = name.partition(":")
     return (board, marks + rest) if colon else (MAIN, written)
 
 
@@ -23,5 +28,5 @@ def named_on(board: str, pin: str) -> str:
     """A board's pin as a machine file writes it."""
     if board == MAIN:
         return pin
-    bare = pin.lstrip("!^~")
-    return f"{pin[: len(pin) - len(bare)]}{board}:{bare}"
+    name = bare(pin)
+    return f"{pin[: len(pin) - len(name)]}{board}:{name}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import sqrt
+from math import floor, sqrt
 from typing import Annotated, Literal, NamedTuple, TypeAlias
 
 from pydantic import Field
@@ -42,9 +42,9 @@ def full_scale_a(chip: ChipName, resistor_ohm: float, full_scale_v: float) -> fl
     return full_scale_v / (resistor_ohm + CHIPS[chip].inner_ohm) / sqrt(2)
 
 
-def largest_current_a(chip: ChipName, resistor_ohm: float) -> float:
-    """The most current (A, effective value) that the chip can be set to."""
-    return full_scale_a(chip, resistor_ohm, max(CHIPS[chip].full_scale_v))
+def largest_current_ma(chip: ChipName, resistor_ohm: float) -> int:
+    """The most current (mA, effective value) that the chip can be set to, rounded down."""
+    return floor(1000 * full_scale_a(chip, resistor_ohm, max(CHIPS[chip].full_scale_v)))
 
 
 class Tmc(Model):

@@ -5,11 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from math import floor
 from typing import TYPE_CHECKING
 
 from passo.board.drivers import DriverState
 from passo.board.trinamic import findings, open_coils, threshold_of
-from passo.config.trinamic import largest_current_a
+from passo.config.trinamic import largest_current_ma
 from passo.errors import CommandError
 from passo.printer.waits import Handler, Reply, Wait
 from passo.printer.words import Command
@@ -45,18 +46,19 @@ class DriverCommands:
             return None
         for letter, milliampere in words.items():
             for motor in self._motors(letter, tool, reply):
-                self._set_current(motor, letter, milliampere / 1000)
+                self._set_current(motor, letter, milliampere)
         return None
 
-    def _set_current(self, motor: str, letter: str, ampere: float) -> None:
-        """The current at a standstill keeps its share."""
+    def _set_current(self, motor: str, letter: str, milliampere: float) -> None:
+        """The current at a standstill keeps its share; the driver must be able to do it, too."""
         settings = self._watch.states[motor].settings
-        most = largest_current_a(settings.chip, settings.resistor_ohm)
-        if not 0 < ampere <= most:
-            limit = f"above 0 and at most {most * 1000:.0f} mA"
-            raise CommandError.bad_value(letter, ampere * 1000, limit)
-        hold = settings.hold_a * ampere / settings.run_a
-        self._watch.set(motor, replace(settings, run_a=ampere, hold_a=hold))
+        share = settings.hold_a / settings.run_a
+        most = floor(largest_current_ma(settings.chip, settings.resistor_ohm) / max(1.0, share))
+        if not 0 < milliampere <= most:
+            limit = f"above 0 and at most {most} mA"
+            raise CommandError.bad_value(letter, milliampere, limit)
+        run_a = milliampere / 1000
+        self._watch.set(motor, replace(settings, run_a=run_a, hold_a=run_a * share))
 
     def _microsteps(self, command: Command, reply: Reply) -> Wait | None:
         """They belong to the scale of the motor: both stand in the machine file."""
@@ -76,6 +78,8 @@ class DriverCommands:
             for motor, state in self._watch.states.items():
                 reply.say(f"{motor.upper()} driver mode: {_mode(state)}")
             return None
+        if words["S"] not in (0, 1):
+            raise CommandError.bad_value("S", words["S"], "0 (spreadCycle) or 1 (stealthChop)")
         letters = re.sub(r"[^A-Z]", "", _NUMBERED.sub("", command.text.upper()))
         motors = list(self._watch.states)
         if letters:

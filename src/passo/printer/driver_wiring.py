@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from functools import partial
 from typing import TYPE_CHECKING
 
-from passo.board.description import Driver, Setting, SpiPins, UartPins, bare
+from passo.board.description import Driver, Setting, SpiPins, UartPins
 from passo.board.trinamic import DriverSettings, threshold_of
 from passo.config.board import joined_marks
 from passo.config.places import named_on
@@ -19,15 +19,14 @@ if TYPE_CHECKING:
 
 
 def drivers(machine: MachineConfig) -> Iterator[Driver]:
-    """The drivers that Passo sets up, in the order of the machine file. A UART is known by board
-    and pin, and is as the first of the drivers on it describes it."""
-    uarts: dict[tuple[str, str], UartPins] = {}
+    """The drivers that Passo sets up, in the order of the machine file. Those that share a UART
+    describe it alike."""
     for name, stepper in machine.steppers.items():
         tmc = stepper.tmc
         chip = chip_of(stepper.driver)
         if tmc is None or chip is None:
             continue
-        board, pin = machine.board_of_stepper(name), partial(machine.pin_of_stepper, name)
+        pin = partial(machine.pin_of_stepper, name)
         below = tmc.stealthchop_below_mm_s or tmc.stealthchop_below_deg_s
         settings = DriverSettings(
             chip,
@@ -40,7 +39,6 @@ def drivers(machine: MachineConfig) -> Iterator[Driver]:
         )
         if tmc.uart_pin:
             wire = UartPins(pin(tmc.uart_pin), pin(tmc.tx_pin or tmc.uart_pin))
-            wire = uarts.setdefault((board, bare(wire.rx_pin)), wire)
             yield Driver(name, wire, settings, tmc.address)
         else:
             socket = machine.socket(name)

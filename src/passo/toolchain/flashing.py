@@ -39,7 +39,7 @@ async def flash(
     """
     suffixes = SUFFIXES.get(board.flash.method, ()) if board.flash else ()
     steps = plan(name, board, port, image)
-    about = check_image(image, name, board.mcu, suffixes)
+    about = check_image(image, name, board, suffixes)
     if dry_run:
         for number, step in enumerate(steps, 1):
             person.tell(f"{number}. {step}")

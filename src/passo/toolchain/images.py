@@ -8,10 +8,10 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from passo.config.board import Board
+from passo.config.chips import Chip
 from passo.errors import FirmwareError, Problem
-
-_UF2_MAGIC = b"UF2\n"
-_ELF_MAGIC = b"\x7fELF"
+from passo.toolchain.contents import outside, parts_of, starts
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,51 +55,48 @@ def read_about(image: Path) -> About | None:
         return None
 
 
-def check_image(image: Path, board: str, mcu: str, suffixes: tuple[str, ...]) -> About | None:
-    """Whether a file can be an image for a board: its ending, its content, and, where a JSON file
-    stands beside it, its microcontroller and its hash. Returns what that file says.
+def check_image(image: Path, name: str, board: Board, suffixes: tuple[str, ...]) -> About | None:
+    """Whether a file can be an image for the board that is called `name`: its ending, its content,
+    its addresses, and, where a JSON file stands beside it, its microcontroller, its board and its
+    hash. Returns what that file says.
 
     Raises FirmwareError with the first thing that is wrong.
     """
     if image.suffix not in suffixes:
-        raise _wrong(image, board, f"a file that ends in {' or '.join(suffixes)}")
+        raise _wrong(image, name, f"a file that ends in {' or '.join(suffixes)}")
     try:
         data = image.read_bytes()
     except OSError as error:
-        raise _wrong(image, board, f"a file to read ({error.strerror})") from None
-    if not _looks_right(data, image.suffix):
-        raise _wrong(image, board, f"the content of a {image.suffix} file")
+        raise _wrong(image, name, f"a file to read ({error.strerror})") from None
     about = read_about(image)
-    if about is not None and about.mcu != mcu:
-        raise _wrong(image, board, f"one for {mcu}: this is for {about.mcu} ({about.board})")
-    if about is not None and about.sha256 != hashlib.sha256(data).hexdigest():
-        raise _wrong(image, board, f"the image of {about_path(image).name}: its hash differs")
+    if about is not None:
+        if about.mcu != board.mcu:
+            raise _wrong(
+                image, name, f"one for {board.mcu}: this is for {about.mcu} ({about.board})"
+            )
+        if about.board != board.name:
+            raise _wrong(image, name, f"one for {board.name}: this is for {about.board}")
+        if about.sha256 != hashlib.sha256(data).hexdigest():
+            raise _wrong(image, name, f"the image of {about_path(image).name}: its hash differs")
+    if board.chip is not None:
+        _check_content(image, name, data, board.chip)
     return about
 
 
-def _looks_right(data: bytes, suffix: str) -> bool:
-    if suffix == ".hex":
-        return _is_intel_hex(data)
-    if suffix == ".uf2":
-        return len(data) >= 512 and len(data) % 512 == 0 and data.startswith(_UF2_MAGIC)
-    if suffix == ".elf":
-        return data.startswith(_ELF_MAGIC)
-    return len(data) > 0
+def _check_content(image: Path, name: str, data: bytes, chip: Chip) -> None:
+    try:
+        parts = parts_of(data, image.suffix, chip.flash_start)
+    except ValueError:
+        raise _wrong(image, name, f"the content of a {image.suffix} file") from None
+    beyond = outside(parts, chip)
+    if beyond is not None:
+        last = chip.flash_start + chip.flash_bytes - 1
+        flash = f"the flash of {chip.name}, 0x{chip.flash_start:x} to 0x{last:x}"
+        raise _wrong(image, name, f"one for {flash}: this has something at 0x{beyond:x}")
+    if not starts(parts, chip):
+        raise _wrong(image, name, f"one that {chip.name} can start: this does not begin like it")
 
 
-def _is_intel_hex(data: bytes) -> bool:
-    """Every record's sum is 0 modulo 256, and the last one ends the file."""
-    rows = data.split()
-    for row in rows:
-        try:
-            record = bytes.fromhex(row[1:].decode("ascii"))
-        except ValueError:
-            return False
-        if row[:1] != b":" or len(record) < 5 or len(record) != record[0] + 5 or sum(record) % 256:
-            return False
-    return bool(rows) and rows[-1] == b":00000001FF"
-
-
-def _wrong(image: Path, board: str, expected: str) -> FirmwareError:
-    values = {"value": str(image), "axis": board, "limit": expected}
+def _wrong(image: Path, name: str, expected: str) -> FirmwareError:
+    values = {"value": str(image), "axis": name, "limit": expected}
     return FirmwareError([Problem("firmware.image", values=values)])

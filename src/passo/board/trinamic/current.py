@@ -27,14 +27,14 @@ def current_numbers(
     chip: ChipName, resistor_ohm: float, run_a: float, hold_a: float
 ) -> CurrentNumbers:
     """The nearest that the chip can do: I = (CS + 1) / 32 · full scale, of the smallest range that
-    is large enough. A TMC5160's full scale is itself a share, in 256ths, of what its resistor
-    allows, such that the run current is all of it."""
-    ranges = CHIPS[chip].full_scale_v
-    volts = next((v for v in ranges if full_scale_a(chip, resistor_ohm, v) >= run_a), max(ranges))
+    is large enough for both. A TMC5160's full scale is itself a share, in 256ths, of what its
+    resistor allows, such that the larger of both is all of it."""
+    ranges, most_a = CHIPS[chip].full_scale_v, max(run_a, hold_a)
+    volts = next((v for v in ranges if full_scale_a(chip, resistor_ohm, v) >= most_a), max(ranges))
     full_a = full_scale_a(chip, resistor_ohm, volts)
     scaler = _SCALER_FULL
     if chip == "TMC5160":
-        scaler = min(max(round(_SCALER_FULL * run_a / full_a), _SCALER_LEAST), _SCALER_FULL)
+        scaler = min(max(round(_SCALER_FULL * most_a / full_a), _SCALER_LEAST), _SCALER_FULL)
         full_a *= scaler / _SCALER_FULL
     irun, ihold = _share(run_a, full_a), _share(hold_a, full_a)
     return CurrentNumbers(

@@ -1,0 +1,100 @@
+"""What a flashing program would write of an image, and whether a chip could start with it."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator
+from typing import TypeAlias
+
+from passo.config.chips import Chip
+from passo.toolchain import arm, avr
+
+# Parts of the flash: the address of the first byte, and the bytes, at least one.
+Parts: TypeAlias = list[tuple[int, bytes]]
+
+_UF2_BLOCK = 512
+_UF2_MOST = 476  # bytes of content in a block
+_UF2_MAGIC = (0x0A324655, 0x9E5D5157, 0x0AB16F30)
+_UF2_NOT_FLASH = 1
+
+
+def parts_of(data: bytes, suffix: str, flash_start: int) -> Parts:
+    """The parts of a file with this ending; a plain copy of the flash (`.bin`) is its first bytes.
+    Raises ValueError if its content is not what the ending says."""
+    try:
+        match suffix:
+            case ".hex":
+                found = list(_of_hex(data))
+            case ".uf2":
+                found = list(_of_uf2(data))
+            case ".elf":
+                found = [(part.load, part.content) for part in arm.segments(data)]
+            case _:
+                found = [(flash_start, data)]
+    except (struct.error, avr.FirmwareError) as error:
+        raise ValueError(str(error)) from None
+    found = [(address, content) for address, content in found if content]
+    if not found:
+        raise ValueError("nothing would be written")
+    return found
+
+
+def _of_hex(data: bytes) -> Iterator[tuple[int, bytes]]:
+    """Intel hex: the sum of every record is 0 modulo 256, and the last one ends the file."""
+    base, kind = 0, 0
+    for row in data.split():
+        record = bytes.fromhex(row[1:].decode("ascii"))
+        if row[:1] != b":" or len(record) < 5 or len(record) != record[0] + 5 or sum(record) % 256:
+            raise ValueError("a damaged record")
+        if kind == 1:
+            raise ValueError("a record behind the last one")
+        at, kind, content = int.from_bytes(record[1:3]), record[3], record[4:-1]
+        if kind == 0:
+            yield base + at, content
+        elif kind in (2, 4):
+            base = int.from_bytes(content) << (4 if kind == 2 else 16)
+    if kind != 1:
+        raise ValueError("no last record")
+
+
+def _of_uf2(data: bytes) -> Iterator[tuple[int, bytes]]:
+    for at in range(0, len(data), _UF2_BLOCK):
+        first, second, flags, address, count = struct.unpack_from("<5I", data, at)
+        (end,) = struct.unpack_from("<I", data, at + _UF2_BLOCK - 4)
+        if (first, second, end) != _UF2_MAGIC or count > _UF2_MOST:
+            raise ValueError("a damaged block")
+        if not flags & _UF2_NOT_FLASH:
+            yield address, data[at + 32 : at + 32 + count]
+
+
+def outside(parts: Parts, chip: Chip) -> int | None:
+    """The first address in the parts that is not in the chip's flash, None if there is none."""
+    end = chip.flash_start + chip.flash_bytes
+    for address, content in sorted(parts):
+        if address < chip.flash_start:
+            return address
+        if address + len(content) > end:
+            return max(address, end)
+    return None
+
+
+def starts(parts: Parts, chip: Chip) -> bool:
+    """Whether the flash would begin with what the chip's core starts from: a jump on AVR chips; on
+    Cortex-M the end of a stack in RAM, and the odd address of code in flash. Of a chip whose ROM
+    checks a stage before that, the ROM knows."""
+    if chip.key in arm.STAGED:
+        return True
+    first = {
+        address - chip.flash_start + i: byte
+        for address, content in parts
+        if address < chip.flash_start + 8
+        for i, byte in enumerate(content[:8])
+    }
+    head = bytes(first.get(i, 0xFF) for i in range(8))
+    if chip.core == "avr":
+        (word,) = struct.unpack_from("<H", head)
+        return word & 0xFE0E == 0x940C or word & 0xF000 == 0xC000  # jmp, rjmp
+    stack, code = struct.unpack("<2I", head)
+    in_ram = chip.ram_start < stack <= chip.ram_start + chip.ram_bytes
+    in_flash = chip.flash_start <= code < chip.flash_start + chip.flash_bytes
+    return in_ram and in_flash and code % 2 == 1
