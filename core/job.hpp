@@ -24,6 +24,7 @@ class Job {
       : motion(machine, with_steps, cpu_clock),
         interpreter(motion.machine(), std::move(home), laser), cpu_clock_(cpu_clock) {
     batch_.reserve(Planner::kBatch);
+    extruders_at_.resize(motion.machine().extruders.size());
     motion.set_position(interpreter.position(), interpreter.extruder());
   }
 
@@ -45,17 +46,20 @@ class Job {
         return Status::full;
       double start = now();
       Found found = Found::move;
+      bool admitted = true;  // what is wrong with a move stops the reading at its line
       batch_.clear();
+      begin_at_the_end();
       while (batch_.size() < Planner::kBatch && (found = interpreter.next()) == Found::move) {
         batch_.push_back(interpreter.move());
+        if (!(admitted = admit(batch_.back()))) break;
         if (to_boundary && interpreter.at_boundary()) break;
       }
       double parsed = now();
       cpu_parse += parsed - start;
       double before = motion.cpu().steps + motion.cpu().compress;
-      bool reachable = push_batch();
+      for (const MoveRequest& m : batch_) motion.push(m);
       cpu_plan += now() - parsed - (motion.cpu().steps + motion.cpu().compress - before);
-      if (!reachable) return Status::error;
+      if (!admitted) return Status::error;
       switch (found) {
         case Found::move:
           continue;
@@ -130,6 +134,7 @@ class Job {
     m.radius_mm = kInfinity;
     m.rapid = true;     // no laser burns on it
     m.unscaled = true;  // homing, parking: at the speed that the machine file says
+    begin_at_the_end();
     if (too_long(m) || (within == Within::limits && !in_range(m))) return false;
     bool reaches = within != Within::anything && motion.planner().constraints().checks_reach();
     if (reaches && !reach(m)) return false;
@@ -208,6 +213,8 @@ class Job {
   double (*cpu_clock_)();
   std::optional<Interpreter> aside_;
   std::vector<MoveRequest> batch_;
+  double at_[kAxes] = {};  // where the moves read so far end
+  std::vector<double> extruders_at_;
   GcodeError error_;
 
   // The tool in use is the one that has stopped, not the one that the program was read ahead to.
@@ -217,22 +224,35 @@ class Job {
 
   double now() const { return cpu_clock_ ? cpu_clock_() : 0; }
 
-  bool push_batch() {
-    for (size_t i = 0; i < batch_.size(); ++i) {
-      MoveRequest& m = batch_[i];
-      // Filament alone moves nothing else, also where a move before it was left out.
-      if (m.kind == MoveKind::extrude && left_out.times > 0)
-        std::copy_n(motion.planner().position(), 3, m.target);
-      if (too_long(m)) return false;
-      if (motion.planner().constraints().checks_reach() && m.kind != MoveKind::dwell &&
-          m.kind != MoveKind::extrude && !reach(m)) {
-        if (!interpreter.clamp) return false;
+  // What is read next goes on where the plan ends.
+  void begin_at_the_end() {
+    std::copy_n(motion.planner().position(), kAxes, at_);
+    for (size_t i = 0; i < extruders_at_.size(); ++i)
+      extruders_at_[i] = motion.planner().extruder_position(i);
+  }
+
+  // Whether the last move of the batch may be pushed, which it is unless it is to be left out.
+  // False: error() says why not, and it is taken out.
+  bool admit(MoveRequest& m) {
+    // Filament alone moves nothing else, also where a move before it was left out.
+    if (m.kind == MoveKind::extrude && left_out.times > 0) std::copy_n(at_, 3, m.target);
+    bool sound = !too_long(m);
+    if (sound && motion.planner().constraints().checks_reach() && m.kind != MoveKind::dwell &&
+        m.kind != MoveKind::extrude && !reach(m)) {
+      sound = interpreter.clamp;
+      if (sound) {
         if (left_out.times++ == 0) left_out.first = error_;
-        leave_filament(i);
-        continue;
+        leave_filament(m);
+        batch_.pop_back();
+        return true;
       }
-      motion.push(m);
     }
+    if (!sound) {
+      batch_.pop_back();
+      return false;
+    }
+    std::copy_n(m.target, kAxes, at_);
+    if (!extruders_at_.empty()) extruders_at_[m.extruder] = m.target[kE];
     return true;
   }
 
@@ -247,11 +267,11 @@ class Job {
     };
     for (size_t a = 3; a < machine.axes.size(); ++a) {
       int j = slot_of_axis(int(a));
-      double from = motion.planner().position()[j];
-      if (machine.axes[a].filament && beyond(from, m.target[j], machine.axes[a].name)) return true;
+      if (machine.axes[a].filament && beyond(at_[j], m.target[j], machine.axes[a].name))
+        return true;
     }
-    return !machine.extruders.empty() && beyond(motion.planner().extruder_position(m.extruder),
-                                                m.target[kE], machine.extruders[m.extruder].name);
+    return !machine.extruders.empty() &&
+           beyond(extruders_at_[m.extruder], m.target[kE], machine.extruders[m.extruder].name);
   }
   // Whether the axes that move end within their limits; else fills error_.
   bool in_range(const MoveRequest& m) {
@@ -260,27 +280,22 @@ class Job {
     return true;
   }
 
-  // Move i of the batch is left out: what it would have printed is not printed by the next one.
-  void leave_filament(size_t i) {
-    const MoveRequest& m = batch_[i];
+  // A move is left out: what it would have printed is not printed by the next one.
+  void leave_filament(const MoveRequest& m) {
     const Machine& machine = motion.machine();
     for (size_t a = 3; a < machine.axes.size(); ++a) {
       int j = slot_of_axis(int(a));
-      double mm = m.target[j] - motion.planner().position()[j];
-      if (!machine.axes[a].filament || !(mm > 0)) continue;
-      for (size_t k = i + 1; k < batch_.size(); ++k) batch_[k].target[j] -= mm;
-      interpreter.shift(j, -mm);
+      double mm = m.target[j] - at_[j];
+      if (machine.axes[a].filament && mm > 0) interpreter.shift(j, -mm);
     }
-    double mm = m.target[kE] - motion.planner().extruder_position(m.extruder);
-    if (machine.extruders.empty() || !(mm > 0)) return;  // a retraction is made up for
-    for (size_t k = i + 1; k < batch_.size(); ++k)
-      if (batch_[k].extruder == m.extruder) batch_[k].target[kE] -= mm;
-    interpreter.leave_filament(m.extruder, mm);
+    if (machine.extruders.empty()) return;
+    double mm = m.target[kE] - extruders_at_[m.extruder];
+    if (mm > 0) interpreter.leave_filament(m.extruder, mm);  // a retraction is made up for
   }
 
   // Whether every actuator reaches the whole line; else fills error_.
   bool reach(const MoveRequest& m) {
-    const double* from = motion.planner().position();
+    const double* from = at_;
     double length = 0, p[3];
     for (int j = 0; j < 3; ++j) length += (m.target[j] - from[j]) * (m.target[j] - from[j]);
     int n = std::min(1 + int(std::sqrt(length) / kCheckEvery), 4096);

@@ -11,7 +11,7 @@ from passo import _core
 from passo.errors import CommandError, InputError, Problem, WordError
 from passo.job.source import chunks, open_source
 from passo.printer.commands import Commands
-from passo.printer.waits import Homing, Temperatures, Wait
+from passo.printer.waits import Homing, Still, Temperatures, Wait
 from passo.printer.words import Command
 
 _MOST_MESSAGES = 1 << 15
@@ -33,6 +33,8 @@ def at_rest(job: _core.Job) -> Settle:
             job.settle_position()
         else:
             job.flush()
+        if isinstance(wait, Still) and wait.then is not None:
+            wait.then()
 
     return settle
 

@@ -212,22 +212,26 @@ class Commands:
         self.laser_off()  # homing runs over what lies there
         return Homing(command.text)
 
-    def _set_position(self, command: Command) -> None:
+    def _set_position(self, command: Command) -> Wait:
         """Of axes that do not know where they are; the interpreter does the others."""
         axes = axis_order(self._machine.axes)
-        self._job.set_axes([(axes.index(k.lower()), v) for k, v in command.words().items()])
+        return self._set_axes({axes.index(k.lower()): v for k, v in command.words().items()})
 
-    def _set_actuators(self, command: Command) -> None:
+    def _set_axes(self, places: dict[int, float]) -> Wait:
+        """Once the machine stands: a plan that is under way could not be planned anew."""
+        return Still(lambda: self._job.set_axes(list(places.items())))
+
+    def _set_actuators(self, command: Command) -> Wait | None:
         """G92 with letters of motors: where the nozzle is follows from all of them. Raises
         CommandError where they lead nowhere, or another one is not known."""
         if not _BY_INTERPRETER.fullmatch(command.text):  # somebody has written G92.1
             _count(self.unknown, command.code, command.line)
-            return
+            return None
         geometry, job = self._machine.geometry, self._job
         words = command.words()
         given = {n: words[n.upper()] for n in geometry.actuators if n.upper() in words}
         if not given:
-            return
+            return None
         locked = [i for i in job.locked_axes if i < E]
         if locked and len(given) < len(set(geometry.actuators) - {"z"}):
             raise CommandError.of("input.not-homed", axis="XYZ"[locked[0]])
@@ -243,7 +247,7 @@ class Commands:
                 "command.value", axis="G92", value=command.text, limit=str(error)
             ) from None
         ways = 3 if geometry.lifts_together or 2 not in locked else 2
-        job.set_axes(list(enumerate(point))[:ways])
+        return self._set_axes(dict(list(enumerate(point))[:ways]))
 
     def _end(self, _: Command) -> Wait:
         self.ended = True
