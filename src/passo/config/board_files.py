@@ -14,6 +14,7 @@ from functools import cache
 from pathlib import Path as FilePath
 from typing import Any, cast
 
+from passo.config.baud_checks import check_bauds
 from passo.config.board import Board, joined_marks
 from passo.config.chips import chip, chip_names, expanded, numbering, numberings
 from passo.config.findings import Finding, array, did_you_mean, table, tables
@@ -114,6 +115,7 @@ def _put_board(
         yield Finding("config.value", (*place, "numbering"), printed, limit, hint)
     if "dictionary" in board:
         yield from _read_dictionary(board, (*place, "dictionary"), folder)
+    yield from check_bauds(board, own, place)
     variants = table(board, "variants")
     variant = board.get("variant")
     if variant is not None and variant not in variants:
