@@ -72,13 +72,11 @@ Table statistics(JobView& self) {
     if (plan.limit_s[i] > 0) limits[names[i].c_str()] = plan.limit_s[i];
   d["limit_s"] = limits;
   nb::dict loads;
-  PlanStatistics::Load board = plan.most_steps, link;
-  if (machine.budget.by_link)
-    link = plan.most_commands;
-  else if (plan.most_commands.share > board.share)
-    board = plan.most_commands;
-  if (board.share > 1) loads["board"] = std::make_tuple(board.line, board.share);
-  if (link.share > 1) loads["link"] = std::make_tuple(link.line, link.share);
+  auto exceed = [&](const char* name, const PlanStatistics::Load& load) {
+    if (load.share > 1) loads[name] = std::make_tuple(load.line, load.share);
+  };
+  exceed("steps", plan.most_steps);
+  exceed("commands", plan.most_commands);
   d["loads"] = loads;
   nb::dict densest;
   auto put = [&](const char* name, const PlanStatistics::Peak& p) {

@@ -54,6 +54,57 @@ def test_without_a_bound_link_there_is_no_share_of_it(dense):
     assert use(dense, "").commits == 0
 
 
+TOOL = '\n[boards.tool]\nbase = "ramps"\nlink = "serial"\nport = "/dev/y"\n'
+
+
+def test_of_several_boards_the_one_that_binds_is_told(dense):
+    """The tool's link is slower than the main board's, its processor faster."""
+    tool = TOOL + "baud = 19_200\nmove_count = 2000\nbudget = { cycles_per_step = 100 }\n"
+    found = use(dense, LINK + tool)
+    alone = use(dense, LINK + "baud = 19_200\n")
+    assert found.densest["link"].load == alone.densest["link"].load > 0.9
+    assert found.commits == alone.commits == 0.5
+    assert found.worst.keys() == {"link"}
+    assert found.worst["link"].load == alone.worst["link"].load > 1
+    boards = {name: place.board for name, place in found.densest.items()}
+    assert boards == {"steps": "", "commands": "", "slots": "", "link": "tool"}
+    assert found.worst["link"].board == "tool"
+    assert {place.board for place in alone.densest.values()} == {None}
+    words = dict(found.shares())
+    assert "processor of the main board, for steps" in words
+    assert words["link of the board tool, for brake tails"] == "50% in all moves"
+    told = list(found.told("a.g"))
+    assert told[0].startswith("At its densest the file takes of the boards: processor of the main")
+    assert "times what the link of the board tool takes," in told[1]
+
+
+@pytest.mark.parametrize(
+    ("cycles", "link", "limits"),
+    [
+        ("step = 9000", LINK, {"board": ("tool", "the board tool")}),
+        ("command = 99_000", LINK, {"board": ("tool", "the board tool")}),
+        (
+            "step = 9000",
+            LINK + "baud = 19_200\n",
+            {"board": ("tool", "the board tool"), "link": ("", "the link of the main board")},
+        ),
+    ],
+)
+def test_each_limit_that_did_not_hold_has_its_board(dense, cycles, link, limits):
+    found = use(dense, link + TOOL + f"budget = {{ cycles_per_{cycles} }}\n")
+    words = {
+        name: (p.board, text)
+        for (name, p), (text, _) in zip(found.worst.items(), found.limits(), strict=True)
+    }
+    assert words == limits
+
+
+def test_a_long_pulse_counts_in_the_share_of_steps(dense):
+    slow = TEXT.replace('socket = "X"', 'socket = "X"\ndriver = "TB6560"')
+    found = estimate(config.load_text(slow), dense).budget.densest["steps"]
+    assert found.load == pytest.approx(50 * 80 * (164 + 28 * 16) / 16e6)
+
+
 def test_an_estimate_shows_them(dense, tmp_path, capsys):
     machine = tmp_path / "mine.toml"
     machine.write_text(TEXT + LINK)

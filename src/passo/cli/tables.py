@@ -56,8 +56,8 @@ def _budget(use: BudgetUse, file: str) -> list[tuple[str, str]]:
     densest = [(f"  {name}", share) for name, share in use.shares()]
     pairs = [("at its densest", ""), *densest] if densest else []
     pairs += [
-        (f"more than the {name} takes", f"{place.load:.2f} times at {file}:{place.line}")
-        for name, place in use.worst.items()
+        (f"more than {limit} takes", f"{place.load:.2f} times at {file}:{place.line}")
+        for limit, place in use.limits()
     ]
     if use.widened_s > 0:
         text = f"up to {use.tolerance_us:.1f} µs, for {duration(use.widened_s)}"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import inf
+from math import inf, isinf
 from typing import Annotated, Any, Literal
 
 from pydantic import Field
@@ -106,7 +106,8 @@ class Board(Model):
 
     `compression_tolerance_us` bounds how far a step may be from its ideal time, unless the board's
     budget asks for more; `move_count` is the number of commands that the board can hold. Without a
-    `budget` the planner takes the board and its link to be fast enough. A simulated board is a
+    `budget` the planner takes the board to be fast enough; a board with Klipper's firmware has the
+    one that its clock suggests. A simulated board is a
     model of one ("virtual") or runs Passo's firmware ("passo"): to the tick the same, but slower.
     A simulated board beside the main one begins at the clock `start_s`, which runs `drift_ppm`
     faster than the main board's. `dictionary` is the file of a data dictionary as Klipper's build
@@ -151,22 +152,39 @@ class Board(Model):
 
     def budget_spec(self, pulse_us: float = 0.0) -> dict[str, Any] | None:
         """The budget for the core: rates per second of all motors together, a burst in commands.
-        The board waits while a step's pulse lasts: `pulse_us` is the longest of its motors'."""
-        budget = self.budget
-        if budget is None:
-            return None
-        cpu_hz = budget.cpu_hz or self.clock_hz
-        by_board = budget.command_share * cpu_hz / budget.cycles_per_command
+        `pulse_us` is the longest pulse of its motors. None where nothing bounds either rate."""
+        steps_s, by_board = self._processor_rates(pulse_us)
         by_link = (self.link_bytes_s - self.commit_bytes_s) / COMMAND_BYTES
         burst_s = COMMIT_BURST_S if self.survives else LINK_BURST_S
         commands_s = min(by_board, by_link)
-        waits = max(0.0, pulse_us - PULSE_US) * 1e-6 * cpu_hz
+        if isinf(commands_s):
+            return None
         return {
-            "steps_s": budget.step_share * cpu_hz / (budget.cycles_per_step + waits),
+            "steps_s": steps_s,
             "commands_s": commands_s,
             "burst": min(BURST_S * commands_s, burst_s * by_link, self.move_count / 2),
             "by_link": by_link < by_board,
         }
+
+    def _processor_rates(self, pulse_us: float) -> tuple[float, float]:
+        """Steps and commands per second that the processor takes; infinite without a budget. It
+        waits while a step's pulse lasts, but for Klipper's: that has each longer pulse end in an
+        event of its own, which costs what a step does."""
+        budget = self.budget
+        if budget is None:
+            return inf, inf
+        cpu_hz = budget.cpu_hz or self.clock_hz
+        per_step = budget.cycles_per_step
+        if pulse_us > PULSE_US:
+            waits = (pulse_us - PULSE_US) * 1e-6 * cpu_hz
+            per_step += budget.cycles_per_step if self.is_klippers else waits
+        steps_s = budget.step_share * cpu_hz / per_step
+        return steps_s, budget.command_share * cpu_hz / budget.cycles_per_command
+
+    @property
+    def is_klippers(self) -> bool:
+        """Whether the board runs Klipper's firmware."""
+        return "klipper" in (self.base, self.mcu)
 
     @property
     def survives(self) -> bool:
@@ -174,13 +192,17 @@ class Board(Model):
         taken to run, Passo's firmware."""
         if self.link == "simulated":
             return self.firmware == "passo"
-        return "klipper" not in (self.base, self.mcu)
+        return not self.is_klippers
 
     @property
     def link_bytes_s(self) -> float:
-        """What the link carries, bytes/s; infinite without a bound."""
+        """What the link carries, bytes/s; infinite without a bound. A port of Klipper's firmware
+        may be USB, whose rate is not its baud."""
         serial = BYTES_PER_BAUD * self.baud if self.link == "serial" else inf
-        return (self.budget.link_bytes_s if self.budget else None) or serial
+        stated = self.budget.link_bytes_s if self.budget else None
+        if stated is None:
+            return serial
+        return stated if self.is_klippers else min(stated, serial)
 
     @property
     def commit_bytes_s(self) -> float:

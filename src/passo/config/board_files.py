@@ -14,9 +14,11 @@ from functools import cache
 from pathlib import Path as FilePath
 from typing import Any, cast
 
+from passo.config.baud_checks import check_bauds
 from passo.config.board import Board, joined_marks, pin_behind
+from passo.config.budget import klippers_budget
 from passo.config.chips import chip, chip_names, expanded, numbering, numberings
-from passo.config.findings import Finding, array, did_you_mean, table, tables
+from passo.config.findings import Finding, array, did_you_mean, number, table, tables
 from passo.config.lines import Path
 from passo.config.places import placed, section
 
@@ -50,6 +52,7 @@ def load_board(name: str) -> Board:
         raise KeyError(name)
     data = shipped_tables(name)[0] | {"base": name}
     data.setdefault("clock_hz", 16_000_000)  # of `klipper`, whose boards say it themselves
+    _put_klippers_budget(data)
     resolve_names(data)
     return Board.model_validate(data)
 
@@ -115,12 +118,22 @@ def _put_board(
         yield Finding("config.value", (*place, "numbering"), printed, limit, hint)
     if "dictionary" in board:
         yield from _read_dictionary(board, (*place, "dictionary"), folder)
+    _put_klippers_budget(board)
+    yield from check_bauds(board, own, place)
     variants = table(board, "variants")
     variant = board.get("variant")
     if variant is not None and variant not in variants:
         hint, limit = did_you_mean(variant, variants), "one of the board's variants"
         yield Finding("config.value", (*place, "variant"), variant, limit, hint)
     resolve_names(board)
+
+
+def _put_klippers_budget(board: Tables) -> None:
+    """Puts what Klipper's firmware is taken to need under the board's own budget."""
+    clock_hz, own = number(board, "clock_hz"), board.get("budget", {})
+    klippers = "klipper" in (board.get("base"), board.get("mcu"))
+    if klippers and clock_hz is not None and isinstance(own, Mapping):
+        board["budget"] = {**klippers_budget(clock_hz), **table(board, "budget")}
 
 
 def _read_dictionary(board: Tables, path: Path, folder: FilePath) -> Iterator[Finding]:

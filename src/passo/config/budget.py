@@ -31,9 +31,10 @@ class Budget(Model):
     Steps may take `step_share` of the processor's time at `cycles_per_step`, and what a pulse takes
     beyond 2 µs, commands
     `command_share` at `cycles_per_command`, frames and all. `cpu_hz` is the board's clock unless
-    given. `link_bytes_s` is what the link carries in bytes/s; without it, a serial link carries 95
-    of 100 bytes that fit its `baud`, and others bound nothing. On a board that can stop by itself a
-    part of it is kept for the ways on which it would.
+    given. A serial link carries 95 of 100 bytes that fit its `baud`, and any link no more than
+    `link_bytes_s` (bytes/s) if given; of a board with Klipper's firmware that counts in place of
+    its `baud`. On a board that can stop by itself a part of it is kept for the ways on which it
+    would.
     """
 
     cpu_hz: Annotated[int, Field(ge=1_000_000, le=10_000_000_000)] | None = None
@@ -42,3 +43,27 @@ class Budget(Model):
     step_share: Annotated[float, Field(gt=0, le=1)] = 0.65
     command_share: Annotated[float, Field(gt=0, le=1)] = 0.3
     link_bytes_s: Annotated[float, Field(ge=100)] | None = None
+
+
+# What Klipper's firmware takes. On an ATmega2560 three motors were measured to need 491 ticks for a
+# step each, four 655. On chips with an ARM core a step with a pulse is two events; Klipper's
+# docs/Benchmarks.md has 60 to 102 cycles an event, but of its quickest kind, which these are not.
+# A command is taken to cost what it does with Passo's firmware on an AVR.
+_AVR_HZ = 20_000_000  # the fastest clock of an AVR
+_AVR_CYCLES_PER_STEP = 164
+_CYCLES_PER_STEP = 300
+_CYCLES_PER_COMMAND = 1950
+_RP2040_HZ = 12_000_000  # what an RP2040 counts; no AVR that Klipper knows has that clock
+_RP2040_CPU_HZ = 120_000_000  # and how fast it runs at least
+
+
+def klippers_budget(clock_hz: float) -> dict[str, float]:
+    """The budget, as a machine file holds it, of a board with Klipper's firmware of which only the
+    clock is known."""
+    if clock_hz == _RP2040_HZ:
+        return klippers_budget(_RP2040_CPU_HZ) | {"cpu_hz": _RP2040_CPU_HZ}
+    avr = clock_hz <= _AVR_HZ
+    return {
+        "cycles_per_step": _AVR_CYCLES_PER_STEP if avr else _CYCLES_PER_STEP,
+        "cycles_per_command": _CYCLES_PER_COMMAND,
+    }

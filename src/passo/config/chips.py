@@ -40,6 +40,8 @@ class _Data(Model):
     ram_start: Annotated[int, Field(ge=0)]
     adc_bits: Literal[10, 12]
     alarm: str = "SysTick"
+    uarts: dict[str, Annotated[int, Field(gt=0)]] = {}
+    uart_divisor: Annotated[int, Field(ge=1)] = 1
     pins: list[str]
     adc: list[str] = []
     adc_channels: dict[str, int] = {}
@@ -57,7 +59,8 @@ class Pulse:
 @dataclass(frozen=True)
 class Chip:
     """A microcontroller. `pins` are in the order of its ports; `adc` gives the channel of each
-    analog input, `pwm` the timers' channels that reach a pin; `alarm` wakes the firmware. Sizes and
+    analog input, `pwm` the timers' channels that reach a pin; `alarm` wakes the firmware. The baud
+    rates of a UART are its frequency in `uarts` by whole numbers from `uart_divisor` on. Sizes and
     addresses in bytes."""
 
     key: str
@@ -69,6 +72,8 @@ class Chip:
     ram_start: int
     adc_bits: int
     alarm: str
+    uarts: dict[str, int]
+    uart_divisor: int
     pins: tuple[str, ...]
     adc: dict[str, int]
     timers: dict[str, Timer]
@@ -125,6 +130,8 @@ def chip(name: str) -> Chip:
         ram_start=data.ram_start,
         adc_bits=data.adc_bits,
         alarm=data.alarm,
+        uarts=data.uarts,
+        uart_divisor=data.uart_divisor,
         pins=tuple(expanded(data.pins)),
         adc=data.adc_channels or {pin: i for i, pin in enumerate(expanded(data.adc))},
         timers=data.timers,

@@ -135,13 +135,18 @@ class MachineConfig(Model):
             "output_boards": self._output_boards(),
         }
 
-    def _budget_spec(self) -> dict[str, Any] | None:
-        """The least of all boards in each figure: none of them is asked for more."""
-        specs = [
-            spec
+    @property
+    def budget_specs(self) -> dict[str, dict[str, Any]]:
+        """The budgets of the boards that have one, as `Board.budget_spec` gives them, by name."""
+        return {
+            name: spec
             for name, board in self.all_boards.items()
             if (spec := board.budget_spec(self._longest_pulse_us(name)))
-        ]
+        }
+
+    def _budget_spec(self) -> dict[str, Any] | None:
+        """The least of all boards in each figure: none of them is asked for more."""
+        specs = self.budget_specs.values()
         if not specs:
             return None
         fewest = min(specs, key=lambda s: s["commands_s"])

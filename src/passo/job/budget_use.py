@@ -8,22 +8,37 @@ from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 from passo.config.budget import COMMAND_BYTES
+from passo.config.places import MAIN
 
 if TYPE_CHECKING:
     from passo.config.board import Board
+    from passo.config.machine import MachineConfig
 
 _HORIZON_S = 0.15  # commands for so long ahead are on the board
 _COMMITTED_S = 0.2  # the same where motion comes in commits
 
 _BURST = ", in a burst that is sent ahead"
+_NAMES = {
+    "steps": "processor{}, for steps",
+    "commands": "processor{}, for commands",
+    "slots": "move slots{}",
+    "link": "link{}",
+}
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """A place of a file: its line, and what it asks for as a share of what there is."""
+    """A place of a file: its line, and what it asks for as a share of what there is. `board` is the
+    one of several boards that has least of it: empty for the main one, None if there is but one."""
 
     line: int
     load: float
+    board: str | None = None
+
+    @property
+    def of_board(self) -> str:
+        """` of the board tool`; nothing if there is but one."""
+        return "" if self.board is None else f" of {_board(self.board)}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,8 +47,9 @@ class BudgetUse:
     `widened_s` seconds steps may be farther from their ideal times, by `tolerance_us` at most.
 
     `densest`: of the plan as it is, the share of the processor's time for steps and for commands,
-    of the link's bytes, and of the board's slots; `commits` is the share of the link's bytes that
-    brake tails take whenever the machine moves. Empty without a budget.
+    of the link's bytes, and of the board's slots; each of the board where that share is largest.
+    `commits` is the share of that link's bytes that brake tails take whenever the machine moves.
+    Empty without a budget.
     """
 
     worst: dict[str, Place] = field(default_factory=dict[str, Place])
@@ -46,60 +62,93 @@ class BudgetUse:
         """What a console should hear before a print: nothing without a budget."""
         if self.densest:
             told = "; ".join(f"{name} {share}" for name, share in self.shares())
-            yield f"At its densest the file takes of the board: {told}"
-        for name, place in self.worst.items():
+            several = any(place.board is not None for place in self.densest.values())
+            yield f"At its densest the file takes of the board{'s' if several else ''}: {told}"
+        for limit, place in self.limits():
             yield (
-                f"{file}:{place.line} asks for {place.load:.2f} times what the {name} takes,"
+                f"{file}:{place.line} asks for {place.load:.2f} times what {limit} takes,"
                 " and gets less even steps or lower speed"
             )
+
+    def limits(self) -> Iterator[tuple[str, Place]]:
+        """`worst`, with what did not hold in words: `the link of the board tool`."""
+        for name, place in self.worst.items():
+            if name == "board" and place.board is not None:
+                yield _board(place.board), place
+            else:
+                yield f"the {name}{place.of_board}", place
 
     def shares(self) -> list[tuple[str, str]]:
         """What is taken, and the share with its line; nothing without a budget. More than there is,
         in some 0.15 s, is a burst: the plan sends a part of it ahead."""
-        names = {
-            "steps": "processor, for steps",
-            "commands": "processor, for commands",
-            "slots": "move slots",
-            "link": "link",
-        }
         found = [
             (
-                names[name],
+                _NAMES[name].format(place.of_board),
                 f"{place.load:.0%} at line {place.line}{_BURST if place.load > 1 else ''}",
             )
             for name, place in self.densest.items()
         ]
         if self.commits > 0:
-            found.append(("link, for brake tails", f"{self.commits:.0%} in all moves"))
+            link = f"link{self.densest['link'].of_board}"
+            found.append((f"{link}, for brake tails", f"{self.commits:.0%} in all moves"))
         return found
 
 
-def budget_use(plan: Mapping[str, Any], board: Board) -> BudgetUse:
-    """From the statistics of a job on this board."""
-    worst = {name: Place(line, load) for name, (line, load) in plan["loads"].items()}
-    link = board.link_bytes_s
+def budget_use(plan: Mapping[str, Any], machine: MachineConfig) -> BudgetUse:
+    """From the statistics of a job on this machine."""
+    densest = _densest(plan["densest"], machine)
     return BudgetUse(
-        worst,
+        _worst(plan["loads"], machine),
         plan["widened_s"],
-        plan["widest_ticks"] * 1e6 / board.clock_hz,
-        _densest(plan["densest"], board),
-        board.commit_bytes_s / link if board.budget and isfinite(link) else 0.0,
+        plan["widest_ticks"] * 1e6 / machine.board.clock_hz,
+        densest,
+        _commits(densest, machine),
     )
 
 
-def _densest(peaks: Mapping[str, tuple[int, float]], board: Board) -> dict[str, Place]:
-    budget = board.budget
-    if budget is None:
-        return {}
-    cpu_hz = budget.cpu_hz or board.clock_hz
+def _board(name: str) -> str:
+    return "the main board" if name == MAIN else f"the board {name}"
+
+
+def _worst(loads: Mapping[str, tuple[int, float]], machine: MachineConfig) -> dict[str, Place]:
+    """The loads on the boards that bind steps and commands, the greater one of each limit."""
+    specs, found = machine.budget_specs, dict[str, Place]()
+    for kind, (line, load) in loads.items():
+        name = min(specs, key=lambda name: specs[name][f"{kind}_s"])
+        limit = "link" if kind == "commands" and specs[name]["by_link"] else "board"
+        if limit not in found or load > found[limit].load:
+            found[limit] = Place(line, load, name if machine.boards else None)
+    return found
+
+
+def _densest(peaks: Mapping[str, tuple[int, float]], machine: MachineConfig) -> dict[str, Place]:
+    found: dict[str, Place] = {}
+    for name, spec in machine.budget_specs.items():
+        for kind, (line, load) in _shares(peaks, machine.all_boards[name], spec["steps_s"]).items():
+            if kind not in found or load > found[kind].load:
+                found[kind] = Place(line, load, name if machine.boards else None)
+    return {kind: found[kind] for kind in _NAMES if kind in found}
+
+
+def _shares(
+    peaks: Mapping[str, tuple[int, float]], board: Board, most_steps_s: float
+) -> dict[str, tuple[int, float]]:
+    """Line and share of all that the plan takes of one board."""
     (step_line, steps_s), (line, commands_s) = peaks["steps_s"], peaks["commands_s"]
     ahead_s = _COMMITTED_S if board.survives else _HORIZON_S
-    found = {
-        "steps": Place(step_line, steps_s * budget.cycles_per_step / cpu_hz),
-        "commands": Place(line, commands_s * budget.cycles_per_command / cpu_hz),
-        "slots": Place(line, min(1.0, commands_s * ahead_s / board.move_count)),
-    }
+    found = {"slots": (line, min(1.0, commands_s * ahead_s / board.move_count))}
+    if budget := board.budget:
+        cpu_hz = budget.cpu_hz or board.clock_hz
+        found["steps"] = step_line, budget.step_share * steps_s / most_steps_s
+        found["commands"] = line, commands_s * budget.cycles_per_command / cpu_hz
     if isfinite(board.link_bytes_s):
         asked = commands_s * COMMAND_BYTES + board.commit_bytes_s
-        found["link"] = Place(line, asked / board.link_bytes_s)
+        found["link"] = line, asked / board.link_bytes_s
     return found
+
+
+def _commits(densest: Mapping[str, Place], machine: MachineConfig) -> float:
+    if "link" not in densest:
+        return 0.0
+    board = machine.all_boards[densest["link"].board or MAIN]
+    return board.commit_bytes_s / board.link_bytes_s

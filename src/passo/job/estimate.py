@@ -68,6 +68,6 @@ def estimate(
         layers_s=plan["layer_s"],
         features_s=plan["feature_s"],
         limits_s=plan["limit_s"],
-        budget=budget_use(plan, machine.board),
+        budget=budget_use(plan, machine),
         warnings=commands.warnings(str(path)),
     )

@@ -42,7 +42,7 @@ async def forecast(machine: MachineConfig, reader: Reader) -> Forecast | None:
     finally:
         reader.close()
     plan = job.statistics()
-    return Forecast(plan["move_s"] + plan["dwell_s"], budget_use(plan, machine.board))
+    return Forecast(plan["move_s"] + plan["dwell_s"], budget_use(plan, machine))
 
 
 def _pieces(reader: Reader) -> Iterator[bytes]:

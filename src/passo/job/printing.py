@@ -200,7 +200,7 @@ class Print:
         spec = machine.core_spec()
         result.heat_time_s = self._heat_s
         axes, extruders = ([row["name"] for row in spec[key]] for key in ("axes", "extruders"))
-        result.take_plan(job, axes, extruders, machine.board)
+        result.take_plan(job, axes, extruders, machine)
         result.take_steps(job, self._hz)
         steppers = [row["name"] for row in spec["steppers"]]
         result.steps = {s: self.board.steps(s) for s in steppers}

@@ -11,7 +11,7 @@ from passo import _core
 from passo.job.budget_use import BudgetUse, budget_use
 
 if TYPE_CHECKING:
-    from passo.config.board import Board
+    from passo.config.machine import MachineConfig
 
 
 @dataclass(slots=True)
@@ -51,7 +51,7 @@ class PrintResult:
         return asdict(self)
 
     def take_plan(
-        self, job: _core.Job, axes: list[str], extruders: list[str], board: Board
+        self, job: _core.Job, axes: list[str], extruders: list[str], machine: MachineConfig
     ) -> None:
         """Copies what the plan knows."""
         plan = job.statistics()
@@ -61,7 +61,7 @@ class PrintResult:
         self.filament_mm = dict(zip(extruders, plan["filament_mm"], strict=True))
         self.final_position_mm = dict(zip([*axes, *extruders], plan["position_mm"], strict=True))
         self.limits = plan["limit_s"]
-        self.budget = budget_use(plan, board)
+        self.budget = budget_use(plan, machine)
         self.print_time_s = self.move_time_s + self.heat_time_s + self.dwell_time_s
 
     def take_steps(self, job: _core.Job, clock_hz: int) -> None:
