@@ -200,6 +200,34 @@ def test_of_two_boards_only_the_silent_one_has_no_temperature(two):
     assert told and float(told[1]) == pytest.approx(s.board.temperature("bed"), abs=1)
 
 
+@pytest.mark.parametrize("lost_s", [0.3, 10.0])
+def test_while_axes_home_heat_stays_for_three_seconds_only(hot, lost_s):
+    s = hot
+    s.host.send("G28")
+    s.passes(1)
+    unplug(s)
+    live_on(s, lost_s)
+    on = s.board.output_value("hotend") > 0
+    assert on == (lost_s < 3)
+    told = s.host.expect("The machine waits")
+    assert told == (
+        "echo:The machine waits: the connection to the board has ended. Axes were homing: their"
+        " place is lost, and heat goes off after 3 s: plug it in again, or give up with M112"
+    )
+    plug(s, 5)
+    assert bool(s.printer.halted) == (not on)
+    s.host.expect("the board does not tell where it stopped" if on else "the board shut down")
+
+
+def test_after_homing_the_board_keeps_warm_again(hot):
+    s = hot
+    s.host.ok("G28", 60)
+    unplug(s)
+    live_on(s, 10)
+    s.host.expect("The board stops by itself and keeps warm for a minute")
+    assert s.board.output_value("hotend") > 0
+
+
 def test_a_halt_while_axes_home_needs_no_warning(hot):
     s = hot
     s.host.send("G28")
