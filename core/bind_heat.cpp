@@ -225,6 +225,8 @@ void bind_heater(nb::module_& m) {
           "fan_target: index of the fan's output among the link's pins.");
   nb::class_<Heater>(m, "Heater", "A heater loop beside the link.")
       .def_prop_ro("celsius", &held<&Heater::celsius>)
+      .def_prop_ro("heard", &held<&Heater::heard>,
+                   "The sensor has reported, and the link has not been lost since.")
       .def_prop_rw("target", &held<&Heater::target>, &held<&Heater::set_target, double>)
       .def_prop_ro("power", &held<&Heater::power>)
       .def_prop_ro("max_power", [](const Heater& h) { return h.options().max_power; })

@@ -65,6 +65,8 @@ class Heater {
   std::mutex& guard() { return guard_; }
   const HeaterOptions& options() const { return o_; }
   double celsius() const { return celsius_; }
+  // The sensor has reported, and the link has not been lost since.
+  bool heard() const { return known_; }
   double target() const { return target_; }
   double power() const { return power_; }
   const heat::Terms& terms() const { return controller_.terms(); }

@@ -293,6 +293,10 @@ class Heater:
     def celsius(self) -> float: ...
 
     @property
+    def heard(self) -> bool:
+        """The sensor has reported, and the link has not been lost since."""
+
+    @property
     def target(self) -> float: ...
 
     @target.setter

@@ -524,6 +524,12 @@ CATALOGUE: Mapping[str, Entry] = {
         "Home the machine; M1000 resumes a print from the card",
         ExitStatus.MACHINE_FAULT,
     ),
+    "machine.unstopped": Entry(
+        "board",
+        "the order to stop has not reached {value}, which may heat for up to a minute",
+        "Cut the printer's power, or bring the link back",
+        ExitStatus.MACHINE_FAULT,
+    ),
     "machine.program": Entry(
         "program",
         "a fault of the program, {value}",

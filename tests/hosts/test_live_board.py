@@ -152,6 +152,23 @@ def test_who_does_not_want_to_wait_for_the_board_stops_the_printer() -> None:
     cable.close()
 
 
+def test_an_emergency_stop_reaches_the_board_when_its_cable_is_back() -> None:
+    cable = Cable(RUNS_FIRMWARE)
+    with Scenario(on("serial", cable.path), loop=asyncio.new_event_loop()) as scenario:
+        host = scenario.host
+        cable.unplug()
+        host.expect("The machine waits", 5.0)
+        host.ok("M112")
+        host.expect("has not reached the board, which may heat for up to a minute", 5.0)
+        assert cable.look(lambda: cable.board.device.fault) == ""
+        cable.plug()
+        host.expect("The order to stop has arrived", 5.0)
+        assert cable.look(lambda: cable.board.device.fault) == "Command request"
+        host.ok("M999")
+        assert scenario.printer.halted == ""
+    cable.close()
+
+
 def test_a_cut_cable_halts_the_printer_of_a_board_that_cannot_stop_by_itself() -> None:
     cable = Cable(MACHINE)
     with Scenario(on("serial", cable.path), loop=asyncio.new_event_loop()) as scenario:

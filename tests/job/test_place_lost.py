@@ -8,6 +8,8 @@ from tests.console.scenario import Scenario
 from tests.job.disturbed import spiral
 from tests.job.test_lost_link import FIRMWARE, break_link
 
+from passo.errors import MachineError
+
 
 @pytest.fixture
 def printing(tmp_path):
@@ -87,6 +89,25 @@ def test_a_board_that_has_shut_down_halts_the_printer_cold(printing):
     s.host.expect("Printer halted: the board shut down: ADC out of range", 10)
     assert s.printer.connection.heaters["hotend"].target == 0.0
     assert "// action:pause" not in s.host.heard
+
+
+def test_a_board_that_cannot_be_reached_anew_is_switched_off(printing, monkeypatch):
+    """What it keeps warm would wait for nobody."""
+    s = printing
+
+    def gone(_):
+        raise MachineError.of("machine.program", value="no board")
+
+    monkeypatch.setattr("passo.printer.life.reconnected", gone)
+    with turned_by_hand(s, monkeypatch):
+        break_link(s, 2.0)
+        s.host.expect("Then send M999 again", 10)
+    s.passes(1)
+    assert s.board.device.fault == "Command request"
+    assert s.board.output_value("hotend") == 0
+    monkeypatch.undo()
+    s.host.send("M999")
+    s.host.expect("ready again", 5)
 
 
 def test_m112_in_that_moment_halts_it_cold(printing, monkeypatch):

@@ -143,14 +143,18 @@ class Boards:
                 return
 
     def wait(self, until_clock: int) -> None:
-        """Lets time pass until `until_clock`, whichever links are lost. Raises MachineError when a
-        board has shut down."""
+        """As `live_on`. Raises MachineError when a board has shut down."""
+        self.live_on(until_clock)
+        self._look_for_shutdown()
+
+    def live_on(self, until_clock: int) -> None:
+        """Lets time pass until `until_clock`, whichever links are lost and boards are shut
+        down."""
         for connection in self.connections:
             main = connection is self.main
             with suppress(LinkLostError):
                 connection.pass_time(until_clock if main else connection.now)
                 connection.take_faults()
-        self._look_for_shutdown()
 
     def _look(self) -> None:
         """At what all boards have told."""
@@ -179,6 +183,10 @@ class Boards:
             if any(entry.name == name for entry in getattr(connection.board, part)):
                 return connection
         raise KeyError(name)
+
+    def reading(self, heater: str) -> float:
+        """As `Connection.reading`."""
+        return self.connection_of("heaters", heater).reading(heater)
 
     def set_target(self, heater: str, celsius: float) -> None:
         """As `Connection.set_target`."""

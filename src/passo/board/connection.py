@@ -34,6 +34,7 @@ LEAD_S = 0.25  # from a word to what it begins
 _FAREWELL_S = 0.6
 BRAKING_S = 10.0  # no machine brakes for longer
 LOOK_S = 0.05  # between two looks whether it stands
+ABSOLUTE_ZERO_C = -273.15  # hosts read it as a number, and nobody takes it for a temperature
 _RESET_S = 0.05  # a board that has been told to reset has begun to by then
 _RESPONSES_KEPT = 1024
 _MOST_STEPS = 0xFFFF  # of one command
@@ -166,12 +167,23 @@ class Connection:
                 self.command(f"survive_output oid={oid} value={off} seconds=0")
 
     async def reopen(self) -> None:
-        """Opens the port again after the link was lost, while the loop goes on. The board has gone
-        on alone, and the job stands until `link.go_on`.
+        """`open_again`, and the board has gone on alone.
 
         Raises LinkLostError if it cannot be reached, PlaceLostError if it does not know any more
         what it did, MachineError if it has shut down.
         """
+        await self.open_again()
+        state = self._ask("get_config", [], "config", {}, tries=1)
+        if state["is_shutdown"]:
+            # The refusal tells why.
+            self._ask("survive_off", [], "is_shutdown", {}, tries=1)
+            raise self.shutdown_error()
+        if not state["is_config"] or state["crc"] != self._crc:
+            raise PlaceLostError.of("machine.began-anew")
+
+    async def open_again(self) -> None:
+        """Opens the port again after the link was lost, while the loop goes on. The job stands
+        until `link.go_on`. Raises LinkLostError."""
         self._late.clear()
         if self.port.live:
             await asyncio.to_thread(self.port.open)
@@ -181,13 +193,17 @@ class Connection:
             self.wire.use_board_clock()
             if self._timeline is not None:
                 self.wire.join(self._timeline)
-        state = self._ask("get_config", [], "config", {}, tries=1)
-        if state["is_shutdown"]:
-            # The refusal tells why.
-            self._ask("survive_off", [], "is_shutdown", {}, tries=1)
-            raise self.shutdown_error()
-        if not state["is_config"] or state["crc"] != self._crc:
-            raise PlaceLostError.of("machine.began-anew")
+
+    def order_stop(self) -> None:
+        """Tells the board to shut down, and asks it whether it has; it leaves when time next
+        passes."""
+        self.command("emergency_stop")
+        self.command("get_config")
+
+    def has_shut_down(self) -> bool:
+        """The board has told that it is shut down, or has answered so since `order_stop`."""
+        answers = self.take_responses("config")
+        return self.link.shut_down or any(state["is_shutdown"] for _, state in answers)
 
     @property
     def lost(self) -> bool:
@@ -286,6 +302,13 @@ class Connection:
         if self.link.lost:
             raise self.silence("get_clock")
         return stop == _core.Stop.HEATERS
+
+    def reading(self, heater: str) -> float:
+        """What a heater's sensor says now, °C; absolute zero while the board tells nothing of it.
+        KeyError if there is no such heater."""
+        loop = self.heaters[heater]
+        silent = not loop.heard or self.link.shut_down or self.lost
+        return ABSOLUTE_ZERO_C if silent else loop.celsius
 
     def set_target(self, heater: str, celsius: float) -> None:
         """Sets a heater's target; 0 turns it off. One that has failed keeps it for when it is

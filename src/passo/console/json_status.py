@@ -83,7 +83,8 @@ class JsonStatus:
     def _heater(self, name: str) -> tuple[float, float, int]:
         heater = self._printer.connection.heaters[name]
         state = _FAULT if heater.fault else _ACTIVE if heater.target > 0 else _OFF
-        return round(heater.celsius, 1), round(heater.target, 1), state
+        celsius = self._printer.connection.reading(name)
+        return round(celsius, 1), round(heater.target, 1), state
 
     def _machine(self) -> dict[str, Any]:
         machine = self._printer.machine

@@ -53,6 +53,7 @@ class Drive:
         self.hz = connection.board.clock_hz
         self.horizon_s = HORIZON_S
         self.interrupted = False  # boards have stopped by themselves, who knows where
+        self.commits = False  # boards that are left alone brake, and keep warm for a minute
         if connection.survives:
             self.horizon_s = COMMITS_AHEAD_S + TICK_S
             connection.use_commits(COMMITS_AHEAD_S)
@@ -204,6 +205,7 @@ class Drive:
         else:
             self._job.stop_commits()
         self._connection.arm(on)
+        self.commits = on
 
     def recover_from(self, serial: int) -> bool:
         """The boards have stopped by themselves behind a commit: all that was to follow is held.
@@ -260,7 +262,7 @@ class Drive:
                 self._woken.clear()
                 idle = not self._waiting and self.standing and not self._dirty
                 timeout = 10 * TICK_S if idle else TICK_S
-                await _either(self._woken, timeout) if idle else await asyncio.sleep(timeout)
+                await either(self._woken, timeout) if idle else await asyncio.sleep(timeout)
 
     async def _free_stride(self) -> None:
         quiet_s = self._loop.time() - self._heard_s
@@ -270,7 +272,7 @@ class Drive:
             await asyncio.sleep(0)
             return
         self._woken.clear()
-        await _either(self._woken, GATHER_S / 2 if moving else None)
+        await either(self._woken, GATHER_S / 2 if moving else None)
 
     def await_answer(self) -> None:
         """Time passes also where nothing waits for it, until the board has told that it stopped."""
@@ -289,6 +291,13 @@ class Drive:
     def wait(self) -> None:
         """The same, whichever links are lost. Raises MachineError when a board has shut down."""
         self._connection.wait(max(self.base + self.now, self._connection.now))
+
+    def live_on(self, seconds: float) -> None:
+        """So much time has passed at the boards, whatever has become of them and of their links."""
+        boards, until = self._connection, self._connection.now
+        if not boards.live:  # questions may have let it run ahead of the loop's
+            until = max(until + int(seconds * self.hz), self.base + self.now)
+        boards.live_on(until)
 
     def _pass(self, now: int) -> None:
         if self._job.queued > 0:
@@ -340,7 +349,7 @@ class Drive:
                 future.set_result(None)
 
 
-async def _either(event: asyncio.Event, timeout: float | None) -> None:
+async def either(event: asyncio.Event, timeout: float | None) -> None:
     """Until the event, or the time is over."""
     try:
         async with asyncio.timeout(timeout):

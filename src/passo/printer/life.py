@@ -10,6 +10,7 @@ from passo.board.ports import LinkLostError
 from passo.errors import MachineError
 from passo.printer.drive import TICK_S
 from passo.printer.reconnection import reconnect
+from passo.printer.stopping import stop_boards
 from passo.printer.waits import Silence
 from passo.printer.wiring import reconnected
 
@@ -103,6 +104,11 @@ class Life:
         self._make_safe()
         printer.tell(f"Error:Printer halted: {printer.halted}. Make it safe, then send M999")
         printer.drive.end_waits()
+        await self._until_revived()
+
+    async def _until_revived(self) -> None:
+        """Waits for M999; until then each board is told to stop that has not heard of it."""
+        await stop_boards(self._printer, self._revived)
         await self._revived.wait()
 
     def _make_safe(self) -> None:
@@ -126,7 +132,7 @@ class Life:
         heaters = self._printer.connection.heaters.items()
         warm = {n: h.target for n, h in heaters if self._warm and not h.fault}
         if not self._warm:
-            await self._revived.wait()  # M112 may have come since somebody asked
+            await self._until_revived()  # M112 may have come since somebody asked
         while True:
             try:
                 self._begin_anew()
@@ -136,7 +142,8 @@ class Life:
                 warm = {}
                 self._printer.tell(f"Error:{error} Then send M999 again")
                 self._answer()
-                await self._revived.wait()
+                self._make_safe()
+                await self._until_revived()
             else:
                 self._answer()
                 return

@@ -17,6 +17,7 @@ from passo.board.connection import (
 )
 from passo.board.ports import LinkLostError
 from passo.printer.drive import TICK_S
+from passo.printer.wiring import MAX_DURATION_S
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -37,10 +38,7 @@ async def reconnect(printer: Printer, lost: LinkLostError) -> None:
     reconnection = _Reconnection(printer)
     plug = ": plug it in again, or give up with M112" if reconnection.silent else ""
     problem = str(lost).partition(".")[0]
-    printer.tell(
-        f"echo:The machine waits: {problem}. {reconnection.who} stops by itself and keeps warm for "
-        f"a minute{plug}"
-    )
+    printer.tell(f"echo:The machine waits: {problem}. {reconnection.outlook}{plug}")
     while not printer.halted:
         try:
             await reconnection.take_over()
@@ -69,9 +67,13 @@ class _Reconnection:
         self._apart: tuple[int, int, list[int]] | None = None
 
     @property
-    def who(self) -> str:
-        """What has to be waited for."""
-        return "The board" if len(self._connections) == 1 else "Each board"
+    def outlook(self) -> str:
+        """What the boards do meanwhile."""
+        if not self._printer.drive.commits:
+            after = f"heat goes off after {MAX_DURATION_S:g} s"
+            return f"Axes were homing: their place is lost, and {after}"
+        who = "The board" if len(self._connections) == 1 else "Each board"
+        return f"{who} stops by itself and keeps warm for a minute"
 
     def look_for_silent(self) -> None:
         """Finds the boards whose links are lost."""

@@ -48,7 +48,8 @@ class Reports:
         }
 
     def temperatures(self) -> str:
-        """`T:21.5 /0.0 B:21.0 /0.0 @:0 B@:0`: measured, target, power of 127."""
+        """`T:21.5 /0.0 B:21.0 /0.0 @:0 B@:0`: measured (-273.15 where the board tells nothing),
+        target, power of 127."""
         printer = self._printer
         parts: list[str] = []
         powers: list[str] = []
@@ -58,7 +59,7 @@ class Reports:
             # What the board said last of a heater is from before it was halted.
             power = 0 if printer.halted else round(heater.power * 127)
             letter = _LETTERS[config.kind]
-            reading = f":{heater.celsius:.2f} /{heater.target:.2f}"
+            reading = f":{printer.connection.reading(name):.2f} /{heater.target:.2f}"
             if config.kind == "hotend":
                 number = hotends.index(name)
                 if number == min(printer.job.tool, len(hotends) - 1):

@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
     from passo.simulator import Actuator, Cable, SimulatedBoard, SimulatedMachine
 
-_MAX_DURATION_S = 3.0
+MAX_DURATION_S = 3.0  # a heater that is on must be told so again, or the board shuts down
 _AWAY = 20.0  # mm or degrees
 _ASKEW = 0.5
 
@@ -131,7 +131,7 @@ def _outputs(machine: MachineConfig) -> list[tuple[str, str]]:
 
 def _output(machine: MachineConfig, name: str, written: str, clock_hz: int) -> Output:
     pin = machine.pin(written)
-    longest = round(_MAX_DURATION_S * clock_hz)
+    longest = round(MAX_DURATION_S * clock_hz)
     if name in machine.heaters:
         cycle = round(clock_hz / machine.heaters[name].pwm_hz)
         return Output(name, pin, "digital", cycle, longest)
