@@ -146,9 +146,10 @@ class Scenario:
         async def wait() -> bool:
             end = self.loop.time() + within
             while not condition():
-                if self.loop.time() >= end:
+                left = end - self.loop.time()
+                if left < 1e-9:  # rounding must not make it another look later
                     return False
-                await asyncio.sleep(0.01)
+                await asyncio.sleep(min(0.01, left))
             return True
 
         if self._task.done():
