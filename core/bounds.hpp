@@ -12,6 +12,7 @@
 #include "machine.hpp"
 #include "move.hpp"
 #include "rules.hpp"
+#include "sampling.hpp"
 
 namespace passo {
 
@@ -106,22 +107,24 @@ class Bounds {
   // down the whole line. With q', q'' the derivatives of an actuator by path length: |q'| v ≤ V and
   // |q''| v² + |q'| a ≤ A; half of A at most goes to curvature. Where the bed is not flat, q' and
   // q'' are the greatest that its steepest slope, up or down, makes of them. Its creases, between
-  // the cells of the map, are no bends: there Z changes its speed at once, by little.
+  // the cells of the map, are no bends: there Z changes its speed at once, by little. Samples are
+  // even, and closer together where the geometry bends sharply.
   void split(const Move& m, const Rules& rules, std::vector<Move>& parts) {
     parts.clear();
     double mm2 = 0;
     for (int j = 0; j < 3; ++j) mm2 += (m.p1[j] - m.p0[j]) * (m.p1[j] - m.p0[j]);
-    int n = std::clamp(int(std::ceil(std::sqrt(mm2) / kSampleEvery)), 1, kMostSamples);
-    samples_.resize(size_t(n) + 1);
-    for (int i = 0; i <= n; ++i) samples_[size_t(i)] = sample(m, *rules.constraints, m.d * i / n);
-    int first = 0;
-    while (first < n) {
-      Sample part = worse(samples_[size_t(first)], samples_[size_t(first) + 1]);
+    choose_places(m, std::sqrt(mm2));
+    samples_.resize(places_.size());
+    for (size_t i = 0; i < places_.size(); ++i)
+      samples_[i] = sample(m, *rules.constraints, places_[i].s);
+    size_t first = 0, end = samples_.size() - 1;
+    while (first < end) {
+      Sample part = worse(samples_[first], samples_[first + 1]);
       double fastest = part.v, hardest = part.a;
-      int last = first + 1;
-      while (last < n) {
-        Sample next = worse(part, samples_[size_t(last) + 1]);
-        Sample here = worse(samples_[size_t(last)], samples_[size_t(last) + 1]);
+      size_t last = first + 1;
+      while (last < end) {
+        Sample next = worse(part, samples_[last + 1]);
+        Sample here = worse(samples_[last], samples_[last + 1]);
         fastest = std::max(fastest, here.v);
         hardest = std::max(hardest, here.a);
         if (next.v < kAlike * fastest || next.a < kAlike * hardest) break;
@@ -130,7 +133,7 @@ class Bounds {
       }
       parts.push_back(m);
       Move& p = parts.back();
-      cut(m, double(first) / n, double(last) / n, p);
+      cut(m, places_[first].fraction, places_[last].fraction, p);
       p.inner = m.inner || first > 0;
       if (part.v * part.v < p.vn2) p.vn2 = part.v * part.v, p.speed_limit = part.speed_id;
       if (part.a < p.a) p.a = p.b = part.a, p.accel_limit = part.accel_id;
@@ -167,7 +170,24 @@ class Bounds {
   const Machine& machine_;
   JunctionRule junction_;
   bool curved_;  // some actuators do not go evenly along a line
+  struct Place {
+    double fraction, s;  // of a move's length
+  };
+  std::vector<Place> places_;
   std::vector<Sample> samples_;
+
+  void choose_places(const Move& m, double mm) {
+    int n = std::clamp(int(std::ceil(mm / kSampleEvery)), 1, kMostSamples);
+    const Sampling sampling(*machine_.geometry, m.p0, m.p1, mm, n);
+    places_.assign(1, {0, 0});
+    for (int i = 1; i <= n; ++i) {
+      sampling.before(i, [&](double fraction) {
+        places_.push_back({fraction, m.d * fraction});
+        return true;
+      });
+      places_.push_back({double(i) / n, m.d * i / n});
+    }
+  }
 
   static Sample worse(const Sample& x, const Sample& y) {
     return {std::min(x.v, y.v), std::min(x.a, y.a), std::max(x.steps, y.steps),

@@ -9,6 +9,7 @@
 
 #include "gcode/interpreter.hpp"
 #include "motion.hpp"
+#include "sampling.hpp"
 
 namespace passo {
 
@@ -293,18 +294,37 @@ class Job {
     if (mm > 0) interpreter.leave_filament(m.extruder, mm);  // a retraction is made up for
   }
 
-  // Whether every actuator reaches the whole line; else fills error_.
+  // Whether every actuator reaches the whole line, and without a jump; else fills error_.
   bool reach(const MoveRequest& m) {
     const double* from = at_;
-    double length = 0, p[3];
-    for (int j = 0; j < 3; ++j) length += (m.target[j] - from[j]) * (m.target[j] - from[j]);
-    int n = std::min(1 + int(std::sqrt(length) / kCheckEvery), 4096);
+    const Geometry& geometry = *motion.machine().geometry;
+    double mm = 0, p[3];
+    for (int j = 0; j < 3; ++j) mm += (m.target[j] - from[j]) * (m.target[j] - from[j]);
+    mm = std::sqrt(mm);
+    int n = std::min(1 + int(mm / kCheckEvery), 4096);
+    const Sampling sampling(geometry, from, m.target, mm, n);
+    auto reaches = [&](double at) {
+      for (int j = 0; j < 3; ++j) p[j] = from[j] + (m.target[j] - from[j]) * at;
+      return reach_point(p, m.line);
+    };
     for (int i = 1; i <= n; ++i) {
+      if (!sampling.before(i, reaches)) return false;
       for (int j = 0; j < 3; ++j)
         p[j] = i == n ? m.target[j] : from[j] + (m.target[j] - from[j]) * i / n;
       if (!reach_point(p, m.line)) return false;
     }
-    return true;
+    return !geometry.jumps(from, m.target) || stop_at_jump(from, m);
+  }
+  // Finds the place. Always false.
+  bool stop_at_jump(const double* from, const MoveRequest& m) {
+    double low = 0, high = 1, p[3];
+    for (int k = 0; k < 48; ++k) {
+      double middle = 0.5 * (low + high);
+      for (int j = 0; j < 3; ++j) p[j] = from[j] + (m.target[j] - from[j]) * middle;
+      (motion.machine().geometry->jumps(from, p) ? high : low) = middle;
+    }
+    error_ = {m.line, Fault::unreachable, "", 0, 0, {p[0], p[1], p[2]}};
+    return false;
   }
   bool reach_point(const double* p, uint32_t line) {
     const Machine& machine = motion.machine();

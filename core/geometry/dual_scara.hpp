@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 
+#include "facing.hpp"
 #include "sphere.hpp"
 
 namespace passo {
@@ -12,15 +13,16 @@ class DualScara : public Geometry {
   struct Arm {
     double shoulder, proximal, distal, x_offset, y_offset;
     int outside;  // -1: left arm, elbow to the left; +1: right arm
+    Facing facing;
     double sample_mm = 1;
     void local(const double p[3], double out[3]) const {
       out[0] = p[0] - x_offset, out[1] = p[1] - y_offset, out[2] = 0;
     }
     double value(const double p[3]) const {
-      double dx = p[0] - shoulder, dy = p[1], r2 = dx * dx + dy * dy;
-      double cosine = (r2 + proximal * proximal - distal * distal) / (2 * proximal * std::sqrt(r2));
-      if (!(std::fabs(cosine) <= 1)) return std::nan("");
-      return (atan2(dx, dy) + outside * acos(cosine)) * (180 / kPi);
+      double dx = p[0] - shoulder, dy = p[1], r2 = dx * dx + dy * dy, d = std::sqrt(r2);
+      if (!arm_reaches(d, proximal, distal)) return std::nan("");
+      double cosine = (r2 + proximal * proximal - distal * distal) / (2 * proximal * d);
+      return (facing.angle(dx, dy) + outside * acos(cosine)) * (180 / kPi);
     }
     Centre centre(double q) const {
       double s, c, k = kPi / 180;
@@ -41,10 +43,11 @@ class DualScara : public Geometry {
     }
   };
 
+  // `middle`: degrees, of each arm's direction to the nozzle where its angles are in their middle.
   DualScara(double shoulder1, double shoulder2, double proximal1, double proximal2, double distal1,
-            double distal2, double x_offset, double y_offset)
-      : arms_{Arm{shoulder1, proximal1, distal1, x_offset, y_offset, -1},
-              Arm{shoulder2, proximal2, distal2, x_offset, y_offset, 1}} {}
+            double distal2, double x_offset, double y_offset, double middle1, double middle2)
+      : arms_{Arm{shoulder1, proximal1, distal1, x_offset, y_offset, -1, Facing(middle1)},
+              Arm{shoulder2, proximal2, distal2, x_offset, y_offset, 1, Facing(middle2)}} {}
   int actuators() const override { return 3; }
   bool linear(int i, double c[3]) const override {
     c[0] = c[1] = 0;
@@ -83,6 +86,22 @@ class DualScara : public Geometry {
   }
   void crossings(int i, const Path& path, double per_unit, Crossings& out) const override {
     SphereSolver<Arm>::crossings(arms_[size_t(i)], path, per_unit, out);
+  }
+  bool jumps(const double p0[3], const double p1[3]) const override {
+    double a[3], b[3];
+    arms_[0].local(p0, a);
+    arms_[0].local(p1, b);
+    for (const Arm& arm : arms_)
+      if (arm.facing.jumps(a[0] - arm.shoulder, a[1], b[0] - arm.shoulder, b[1])) return true;
+    return false;
+  }
+  double grain(const double p[3], double around) const override {
+    double local[3];
+    arms_[0].local(p, local);
+    auto of = [&](const Arm& arm) {
+      return grain_at(local[0] - arm.shoulder, local[1], around, arm.proximal - arm.distal);
+    };
+    return std::fmin(of(arms_[0]), of(arms_[1]));
   }
 
  private:

@@ -2,6 +2,7 @@
 // registry.hpp is the only other place that names it.
 #pragma once
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -47,6 +48,13 @@ class Geometry {
   virtual void slopes(int i, const Path& path, double s, double& d1, double& d2) const = 0;
   // All crossings of actuator i, with `steps_per_unit` steps to its unit.
   virtual void crossings(int i, const Path& path, double steps_per_unit, Crossings& out) const = 0;
+  // Whether an arm would have to turn back by a full turn on the straight line between two points.
+  virtual bool jumps(const double[3], const double[3]) const { return false; }
+  // Way along a line, in mm, on which slopes may become others altogether, the least of it within
+  // `around` mm of p: small where an actuator has to turn fast.
+  virtual double grain(const double[3], double) const {
+    return std::numeric_limits<double>::infinity();
+  }
 };
 
 }  // namespace passo

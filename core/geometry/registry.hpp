@@ -35,11 +35,13 @@ inline std::unique_ptr<Geometry> make_geometry(const std::string& kind,
                                          number("z_offset"));
   if (kind == "scara")
     return std::make_unique<Scara>(number("arm1"), number("arm2"), number("external_motor") != 0,
-                                   number("x_offset"), number("y_offset"));
+                                   number("x_offset"), number("y_offset"), list("middles").at(0),
+                                   list("middles").at(1));
   if (kind == "dual_scara")
     return std::make_unique<DualScara>(number("shoulder1_x"), number("shoulder2_x"),
                                        number("proximal1"), number("proximal2"), number("distal1"),
-                                       number("distal2"), number("x_offset"), number("y_offset"));
+                                       number("distal2"), number("x_offset"), number("y_offset"),
+                                       list("middles").at(0), list("middles").at(1));
   throw std::invalid_argument("unknown geometry " + kind);
 }
 

@@ -1,5 +1,6 @@
 // SCARA: an upper arm about the origin, a forearm at its end, Z by itself.
 #pragma once
+#include "facing.hpp"
 #include "sphere.hpp"
 
 namespace passo {
@@ -13,15 +14,16 @@ class Scara : public Geometry {
     double near, far;
     bool forearm;
     double x_offset, y_offset;
+    Facing facing;
     double sample_mm = 1;
     void local(const double p[3], double out[3]) const {
       out[0] = p[0] - x_offset, out[1] = p[1] - y_offset, out[2] = 0;
     }
     double value(const double p[3]) const {
-      double r2 = p[0] * p[0] + p[1] * p[1];
-      double cosine = (r2 + near * near - far * far) / (2 * near * std::sqrt(r2));
-      if (!(std::fabs(cosine) <= 1)) return std::nan("");
-      double angle = atan2(p[1], p[0]) + (forearm ? 1 : -1) * acos(cosine);
+      double r2 = p[0] * p[0] + p[1] * p[1], d = std::sqrt(r2);
+      if (!arm_reaches(d, near, far)) return std::nan("");
+      double cosine = (r2 + near * near - far * far) / (2 * near * d);
+      double angle = facing.angle(p[1], p[0]) + (forearm ? 1 : -1) * acos(cosine);
       return angle * (180 / kPi);
     }
     Centre centre(double q) const {
@@ -70,10 +72,13 @@ class Scara : public Geometry {
     }
   };
 
-  Scara(double arm1, double arm2, bool external_motor, double x_offset, double y_offset)
+  // `middle`: degrees, of each arm's direction to the nozzle where its angles are in their middle.
+  Scara(double arm1, double arm2, bool external_motor, double x_offset, double y_offset,
+        double middle1, double middle2)
       : external_(external_motor), arm1_(arm1), arm2_(arm2), x_(x_offset), y_(y_offset),
-        shoulder_{arm1, arm2, false, x_offset, y_offset},
-        forearm_{arm2, arm1, true, x_offset, y_offset}, elbow_{arm1, arm2, x_offset, y_offset} {}
+        shoulder_{arm1, arm2, false, x_offset, y_offset, Facing(middle1)},
+        forearm_{arm2, arm1, true, x_offset, y_offset, Facing(middle2)},
+        elbow_{arm1, arm2, x_offset, y_offset} {}
   int actuators() const override { return 3; }
   bool linear(int i, double c[3]) const override {
     c[0] = c[1] = 0;
@@ -110,6 +115,13 @@ class Scara : public Geometry {
       SphereSolver<Arm>::crossings(i == 0 ? shoulder_ : forearm_, path, per_unit, out);
     else
       SphereSolver<Elbow>::crossings(elbow_, path, per_unit, out);
+  }
+  bool jumps(const double p0[3], const double p1[3]) const override {
+    double y0 = p0[1] - y_, x0 = p0[0] - x_, y1 = p1[1] - y_, x1 = p1[0] - x_;
+    return shoulder_.facing.jumps(y0, x0, y1, x1) || forearm_.facing.jumps(y0, x0, y1, x1);
+  }
+  double grain(const double p[3], double around) const override {
+    return grain_at(p[0] - x_, p[1] - y_, around, arm1_ - arm2_);
   }
 
  private:

@@ -195,12 +195,12 @@ def test_a_joint_on_the_axis_of_a_shoulder_has_no_arm():
         (
             "scara",
             (200.0, 20.0, 0.0),
-            "the arms reach from 0.000 to 300.000 mm from the shoulder, not 302.655 mm",
+            "the arms reach from 0.010 to 299.990 mm from the shoulder, not 302.655 mm",
         ),
         (
             "dual_scara",
             (0.0, 300.0, 0.0),
-            "arm A reaches from 10.000 to 130.000 mm from its shoulder, not 304.138 mm",
+            "arm A reaches from 10.010 to 129.990 mm from its shoulder, not 304.138 mm",
         ),
     ],
 )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import floor
+from math import floor, inf
 
 import numpy as np
 import pytest
@@ -46,6 +46,10 @@ def test_steps_stand_where_the_inverse_says(name, path):
     motion, spec, geometry = in_the_middle(name)
     begin = motion.counts()
     push_shares(motion, name, path)
+    assert_steps_stand_where_the_inverse_says(motion, spec, geometry, begin)
+
+
+def assert_steps_stand_where_the_inverse_says(motion, spec, geometry, begin):
     motion.flush()
     moves = motion.take_moves()
     messages = motion.take_messages()
@@ -61,7 +65,7 @@ def test_steps_stand_where_the_inverse_says(name, path):
             true = geometry.inverse(nozzle(move, tick))[i] * per_unit
             near = [geometry.inverse(nozzle(move, tick + d))[i] * per_unit for d in (-33, 33)]
             slack = max(abs(near[0] - true), abs(near[1] - true)) + 1e-3
-            assert abs(true - wanted) <= slack, (name, row["name"], tick)
+            assert abs(true - wanted) <= slack, (row["name"], tick)
             count += direction
         if moves:
             end = geometry.inverse(tuple(moves[-1].end_mm[:3]))[i] * per_unit
@@ -74,6 +78,10 @@ def test_steps_stand_where_the_inverse_says(name, path):
 def test_no_motor_beyond_its_limits(name, path):
     motion, spec, geometry = in_the_middle(name, with_steps=False)
     push_shares(motion, name, path)
+    assert_no_motor_beyond_its_limits(motion, spec, geometry)
+
+
+def assert_no_motor_beyond_its_limits(motion, spec, geometry):
     motion.flush()
     h = 1e-3 * oracle.HZ
     for move in motion.take_moves():
@@ -164,3 +172,38 @@ def test_cuts_at_random_clocks_lose_nothing(name, path, cuts):
     end = tuple(c + h * s for c, h, s in zip(*REACH[name], path[-1][0], strict=True))
     lost = steps_beside_the_target(messages, geometry, spec, begin, end)
     assert lost == [0, 0, 0]
+
+
+# The shoulder in the bed: arms that can be folded turn faster there than anywhere else.
+NEAR = ({}, [5.0, 1.0, 0.3, 0.02]), ({"arm2": 149.8}, [5.0, 1.0, 0.3, 0.22])
+
+
+def near_a_shoulder(changes, away, with_steps):
+    """A motion with the nozzle to the left of the shoulder, which stands `away` mm in front of the
+    line that follows."""
+    spec, geometry = nonlinear("scara")
+    geometry = geometry.model_copy(update={"x_offset": 100.3, "y_offset": 50.0 - away, **changes})
+    spec["geometry"] = geometry.spec()
+    for row in spec["steppers"][:2]:
+        row |= {"min": -inf, "max": inf}
+    motion = Motion(spec, with_steps)
+    motion.set_position([61.0, 50.0, 0.0, 0.0])
+    return motion, spec, geometry
+
+
+@pytest.mark.parametrize(("changes", "away"), [(c, mm) for c, ways in NEAR for mm in ways])
+@pytest.mark.parametrize("feed", [150.0, 2.0])
+def test_no_motor_beyond_its_limits_next_to_a_shoulder(changes, away, feed):
+    motion, spec, geometry = near_a_shoulder(changes, away, with_steps=False)
+    motion.push([139.0, 50.0, 0.0, 0.0], feed)
+    motion.push([99.7, 50.0 + away, 0.0, 0.0], feed)
+    motion.push([160.0, 140.0, 0.0, 0.0], feed)
+    assert_no_motor_beyond_its_limits(motion, spec, geometry)
+
+
+@pytest.mark.parametrize("away", NEAR[0][1])
+def test_steps_stand_where_the_inverse_says_next_to_a_shoulder(away):
+    motion, spec, geometry = near_a_shoulder({}, away, with_steps=True)
+    begin = motion.counts()
+    motion.push([139.0, 50.0, 0.0, 0.0], 150.0)
+    assert_steps_stand_where_the_inverse_says(motion, spec, geometry, begin)

@@ -88,7 +88,8 @@ int main(int files, char** argv) {
                {"arm2", {150}},
                {"external_motor", {1}},
                {"x_offset", {-60}},
-               {"y_offset", {-60}}},
+               {"y_offset", {-60}},
+               {"middles", {0, 0}}},
               100, 600),
       program);
   Machine short_of_commands = machine("cartesian", {}, 80, 300);

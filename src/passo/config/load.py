@@ -103,6 +103,7 @@ def _machine(text: str, file: str) -> MachineConfig:
     else:
         findings += check_all(data, (), ())
     if machine is not None and not findings:
+        machine = machine.facing_its_middle()
         findings += [*check_home(machine), *check_park(machine), *check_scales(machine)]
     if findings or machine is None:
         raise ConfigError(_problems(findings, text, file, sources))

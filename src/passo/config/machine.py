@@ -109,6 +109,15 @@ class MachineConfig(Model):
         parts = {**self.heaters, **self.fans, **({"laser": self.laser} if self.laser else {})}
         return {name: part.pin for name, part in parts.items()}
 
+    def facing_its_middle(self) -> MachineConfig:
+        """This machine, the angles of its arms counted as its axes and motors have them."""
+        x, y, z = ((axis.min_mm + axis.max_mm) / 2 for axis in (self.axes[n] for n in "xyz"))
+        limits = [(-inf, inf)] * len(self.geometry.actuators)
+        for row in self._steppers_spec():
+            if row["drive"] == "actuator":
+                limits[row["index"]] = row["min"], row["max"]
+        return self.model_copy(update={"geometry": self.geometry.facing((x, y, z), limits)})
+
     def core_spec(self) -> dict[str, Any]:
         """The machine for `passo._core`: all defaults filled in, times in s, other units kept."""
         return {

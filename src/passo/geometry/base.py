@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar
+from collections.abc import Sequence
+from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import BaseModel, ConfigDict, Field
+
+from passo.geometry.shoulder import Limits
 
 Point = tuple[float, float, float]
 Offset = Annotated[float, Field(ge=-1e4, le=1e4)]
@@ -31,6 +34,13 @@ class GeometryModel(BaseModel):
         """Kind and parameters as plain numbers, for the core."""
         return self.model_dump()
 
+    def facing(self, middle: Point, limits: Sequence[Limits]) -> Self:
+        """This geometry on a machine: `middle` is that of its axes, mm, and `limits` are those of
+        the actuators' positions, infinite where there are none. Angles of arms that turn about a
+        shoulder end behind it, as seen from that middle."""
+        del middle, limits
+        return self
+
     def options(self) -> dict[str, float]:
         """Its parameters by APrinter's names, lengths in mm; none of a geometry without any."""
         return {}
@@ -45,6 +55,19 @@ class GeometryModel(BaseModel):
     def forward(self, actuators: Point) -> Point:
         """The nozzle's position (mm) for these actuator positions. Raises Unreachable."""
         raise Unreachable(f"{type(self).__name__} has no point for {actuators}")
+
+    def why_not(self, point: Point) -> str:
+        """Why no line may lead over `point` (mm), which the core has refused."""
+        try:
+            self.inverse(point)
+        except Unreachable as error:
+            return str(error)
+        return self.edge(point)
+
+    def edge(self, point: Point) -> str:
+        """What ends at this point (mm), next to which the motors reach others."""
+        del point
+        return "it lies on the edge of what the motors reach"
 
 
 def trilaterate(centres: tuple[Point, Point, Point], radii: Point) -> Point:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import acos, atan2, cos, degrees, hypot, radians, sin, sqrt
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, PrivateAttr
 
 from passo.geometry.base import GeometryModel, Offset, Point, Unreachable
+from passo.geometry.shoulder import Limits, at_end, direction, reach, turned, why_it_ends
 
 Positive = Annotated[float, Field(gt=0, le=1e4)]
 
@@ -27,6 +29,33 @@ class DualScara(GeometryModel):
     distal2: Positive = 70.0
     x_offset: Offset = 0.0
     y_offset: Offset = 0.0
+    # Each arm's direction to the nozzle, degrees, where its angles are in their middle.
+    _middles: tuple[float, float] = PrivateAttr((0.0, 0.0))
+
+    def spec(self) -> dict[str, Any]:
+        """Kind, parameters and the middles of the angles."""
+        return self.model_dump() | {"middles": list(self._middles)}
+
+    def facing(self, middle: Point, limits: Sequence[Limits]) -> Self:
+        """The angles of each arm end opposite to the bed's middle; of the turns about which they
+        may lie it is the one that the limits are of."""
+        a, b = (degrees(atan2(*self._from_shoulder(arm, middle))) for arm in (0, 1))
+        faced = self.model_copy()
+        faced._middles = (a, b)
+        try:
+            at_a, at_b, _ = faced.inverse(middle)
+        except Unreachable:
+            return faced
+        faced._middles = (a + turned(at_a, limits[0]), b + turned(at_b, limits[1]))
+        return faced
+
+    def edge(self, point: Point) -> str:
+        """Behind a shoulder its angles end."""
+        for arm, shoulder in enumerate((self.shoulder1_x, self.shoulder2_x)):
+            dx, dy = self._from_shoulder(arm, point)
+            if at_end(dx, dy, self._middles[arm]):
+                return why_it_ends(shoulder + self.x_offset, self.y_offset)
+        return super().edge(point)
 
     def options(self) -> dict[str, float]:
         """All of its parameters."""
@@ -41,6 +70,10 @@ class DualScara(GeometryModel):
             "SCARAYOffset": self.y_offset,
         }
 
+    def _from_shoulder(self, arm: int, point: Point) -> tuple[float, float]:
+        shoulder = (self.shoulder1_x, self.shoulder2_x)[arm]
+        return point[0] - self.x_offset - shoulder, point[1] - self.y_offset
+
     def _elbow(self, arm: int, angle: float) -> tuple[float, float]:
         shoulder = (self.shoulder1_x, self.shoulder2_x)[arm]
         proximal = (self.proximal1, self.proximal2)[arm]
@@ -51,17 +84,18 @@ class DualScara(GeometryModel):
         x, y = point[0] - self.x_offset, point[1] - self.y_offset
         angles: list[float] = []
         for arm, outside in ((0, -1), (1, 1)):
-            dx = x - (self.shoulder1_x, self.shoulder2_x)[arm]
+            dx, _ = self._from_shoulder(arm, point)
             proximal = (self.proximal1, self.proximal2)[arm]
             distal = (self.distal1, self.distal2)[arm]
-            reach = hypot(dx, y)
-            cosine = (reach**2 + proximal**2 - distal**2) / (2 * proximal * reach) if reach else 2
-            if abs(cosine) > 1:
+            d = hypot(dx, y)
+            nearest, farthest = reach(proximal, distal)
+            if not nearest <= d <= farthest:
                 raise Unreachable(
-                    f"arm {'AB'[arm]} reaches from {abs(proximal - distal):.3f} to"
-                    f" {proximal + distal:.3f} mm from its shoulder, not {reach:.3f} mm"
+                    f"arm {'AB'[arm]} reaches from {nearest:.3f} to {farthest:.3f} mm from its"
+                    f" shoulder, not {d:.3f} mm"
                 )
-            angles.append(degrees(atan2(dx, y) + outside * acos(cosine)))
+            cosine = (d**2 + proximal**2 - distal**2) / (2 * proximal * d)
+            angles.append(degrees(direction(dx, y, self._middles[arm]) + outside * acos(cosine)))
         (ax, ay), (bx, by) = self._elbow(0, angles[0]), self._elbow(1, angles[1])
         if (bx - ax) * (y - ay) - (by - ay) * (x - ax) <= 0:
             raise Unreachable("the joint at the nozzle would fold through")

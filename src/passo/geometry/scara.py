@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import acos, atan2, cos, degrees, hypot, radians, sin
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, PrivateAttr
 
 from passo.geometry.base import GeometryModel, Offset, Point, Unreachable
+from passo.geometry.shoulder import Limits, at_end, direction, reach, turned, why_it_ends
 
 Positive = Annotated[float, Field(gt=0, le=1e4)]
 
@@ -25,6 +27,31 @@ class Scara(GeometryModel):
     external_motor: bool = True
     x_offset: Offset = 0.0
     y_offset: Offset = 0.0
+    # Each arm's direction to the nozzle, degrees, where its angles are in their middle.
+    _middles: tuple[float, float] = PrivateAttr((0.0, 0.0))
+
+    def spec(self) -> dict[str, Any]:
+        """Kind, parameters and the middles of the angles."""
+        return self.model_dump() | {"middles": list(self._middles)}
+
+    def facing(self, middle: Point, limits: Sequence[Limits]) -> Self:
+        """The angles end opposite to the bed's middle; of the turns about which they may lie it is
+        the one that the limits are of."""
+        towards = degrees(atan2(middle[1] - self.y_offset, middle[0] - self.x_offset))
+        faced = self.model_copy()
+        faced._middles = (towards, towards)
+        try:
+            a, b, _ = faced.inverse(middle)
+        except Unreachable:
+            return faced
+        faced._middles = (towards + turned(a, limits[0]), towards + turned(b, limits[1]))
+        return faced
+
+    def edge(self, point: Point) -> str:
+        """Behind the shoulder the angles end."""
+        x, y = point[0] - self.x_offset, point[1] - self.y_offset
+        behind = at_end(y, x, self._middles[0])
+        return why_it_ends(self.x_offset, self.y_offset) if behind else super().edge(point)
 
     def options(self) -> dict[str, float]:
         """All of its parameters."""
@@ -41,17 +68,20 @@ class Scara(GeometryModel):
         than d's direction by the angle between upper arm and d."""
         x, y = point[0] - self.x_offset, point[1] - self.y_offset
         d = hypot(x, y)
-        cosine = (d**2 - self.arm1**2 - self.arm2**2) / (2 * self.arm1 * self.arm2)
-        if abs(cosine) > 1 or d == 0:
+        nearest, farthest = reach(self.arm1, self.arm2)
+        if not nearest <= d <= farthest:
             raise Unreachable(
-                f"the arms reach from {abs(self.arm1 - self.arm2):.3f} to"
-                f" {self.arm1 + self.arm2:.3f} mm from the shoulder, not {d:.3f} mm"
+                f"the arms reach from {nearest:.3f} to {farthest:.3f} mm from the shoulder,"
+                f" not {d:.3f} mm"
             )
+        cosine = (d**2 - self.arm1**2 - self.arm2**2) / (2 * self.arm1 * self.arm2)
         elbow = acos(cosine)
-        shoulder = atan2(y, x) - acos((d**2 + self.arm1**2 - self.arm2**2) / (2 * self.arm1 * d))
+        towards, inner = direction(y, x, self._middles[0]), 2 * self.arm1 * d
+        shoulder = towards - acos((d**2 + self.arm1**2 - self.arm2**2) / inner)
         if not self.external_motor:
             return degrees(shoulder), degrees(elbow), point[2]
-        forearm = atan2(y, x) + acos((d**2 + self.arm2**2 - self.arm1**2) / (2 * self.arm2 * d))
+        towards, outer = direction(y, x, self._middles[1]), 2 * self.arm2 * d
+        forearm = towards + acos((d**2 + self.arm2**2 - self.arm1**2) / outer)
         return degrees(shoulder), degrees(forearm), point[2]
 
     def forward(self, actuators: Point) -> Point:

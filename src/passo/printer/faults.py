@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from passo import _core
 from passo.errors import Problem
-from passo.geometry.base import GeometryModel, Point, Unreachable
+from passo.geometry.base import GeometryModel, Point
 from passo.printer.words import written
 
 Error = tuple[int, _core.Fault, str, float, float, Point]  # as the core tells it
@@ -28,8 +28,8 @@ def problem(error: Error, path: str, geometry: GeometryModel) -> Problem:
         return Problem("input.too-long", path, line, {"axis": word, "value": value, "limit": limit})
     if fault == faults.UNREACHABLE:
         where = ", ".join(f"{letter} {x:.3f}" for letter, x in zip("XYZ", point, strict=True))
-        reason = _why_not(geometry, point)
-        return Problem("input.unreachable", path, line, {"value": where, "limit": reason})
+        values = {"value": where, "limit": geometry.why_not(point)}
+        return Problem("input.unreachable", path, line, values)
     if fault == faults.NOT_HOMED:
         return Problem("input.not-homed", path, line, {"axis": word.upper()})
     if fault == faults.UNSAVED:
@@ -59,11 +59,3 @@ def problem(error: Error, path: str, geometry: GeometryModel) -> Problem:
     if fault == faults.WORD:
         return Problem("input.garbage", path, line, {"value": f"{word!r} is no command"})
     return Problem("input.garbage", path, line, {"value": "it holds bytes that are no text"})
-
-
-def _why_not(geometry: GeometryModel, point: Point) -> str:
-    try:
-        geometry.inverse(point)
-    except Unreachable as error:
-        return str(error)
-    return "it lies on the edge of what the motors reach"

@@ -1,0 +1,45 @@
+"""Where the angles of an arm that swings about a shoulder in the plane X, Y lie, and end."""
+
+from __future__ import annotations
+
+from math import atan2, degrees, radians, tau
+
+Limits = tuple[float, float]
+
+_LEFT_MM = 0.01  # nearly stretched or folded, an arm would have to turn too fast for any move
+_AT_END_DEG = 1e-4
+
+
+def reach(part1: float, part2: float) -> Limits:
+    """From and to how far from its shoulder, mm, an arm of two parts reaches."""
+    return abs(part1 - part2) + _LEFT_MM, part1 + part2 - _LEFT_MM
+
+
+def direction(y: float, x: float, middle_deg: float) -> float:
+    """atan2 in radians, within half a turn of `middle_deg`."""
+    middle = radians(middle_deg)
+    angle = atan2(y, x)
+    while angle <= middle - tau / 2:
+        angle += tau
+    while angle > middle + tau / 2:
+        angle -= tau
+    return angle
+
+
+def at_end(y: float, x: float, middle_deg: float) -> bool:
+    """Whether this is where the angles end, and so an arm would jump by a full turn."""
+    return abs(degrees(direction(y, x, middle_deg)) - middle_deg) > 180 - _AT_END_DEG
+
+
+def turned(angle_deg: float, limits: Limits) -> float:
+    """What to add to an angle to have it within limits: 0, or else a full turn, or 0."""
+    low, high = limits
+    return next((turn for turn in (0.0, 360.0, -360.0) if low <= angle_deg + turn <= high), 0.0)
+
+
+def why_it_ends(x: float, y: float) -> str:
+    """Why no line crosses the place, behind the shoulder at x, y, mm."""
+    return (
+        f"behind the shoulder at X {x:g}, Y {y:g} its arms would have to turn back by a full turn;"
+        " lead the line round the shoulder's other side"
+    )
