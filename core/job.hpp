@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "gcode/interpreter.hpp"
@@ -225,7 +226,7 @@ class Job {
         std::copy_n(motion.planner().position(), 3, m.target);
       if (too_long(m)) return false;
       if (motion.planner().constraints().checks_reach() && m.kind != MoveKind::dwell &&
-          m.kind != MoveKind::extrude && !reach(m)) {
+          m.kind != MoveKind::extrude && !reach(m) && !(m.hop_mm > 0 && reach_without_hop(i))) {
         if (!interpreter.clamp) return false;
         if (left_out.times++ == 0) left_out.first = error_;
         leave_filament(i);
@@ -234,6 +235,15 @@ class Job {
       motion.push(m);
     }
     return true;
+  }
+  // Move i of the batch and those that share its hop go without it; whether it is reachable then.
+  bool reach_without_hop(size_t i) {
+    size_t k = i;
+    double mm = 0;
+    for (; k < batch_.size() && batch_[k].hop_mm > 0; ++k)
+      batch_[k].target[kZ] -= mm = std::exchange(batch_[k].hop_mm, 0);
+    if (k == batch_.size()) interpreter.drop_hop(mm);
+    return reach(batch_[i]);
   }
 
   bool too_long(const MoveRequest& m) {

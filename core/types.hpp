@@ -31,6 +31,7 @@ struct MoveRequest {
   double owed_mm;        // by which the program has drawn filament back at the start
   double radius_mm;      // arc radius; infinity on straight moves
   uint32_t line;         // 1-based line of the source
+  double hop_mm;         // of a retraction, that is in the target's Z
   uint16_t layer;        // slicer's layer, 0 before the first
   uint16_t feature;      // index in the interpreter's table of feature names, 0 = none
   uint16_t extruder;     // active extruder

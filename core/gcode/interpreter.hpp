@@ -8,6 +8,7 @@
 #include <deque>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "flow.hpp"
@@ -154,12 +155,14 @@ class Interpreter {
     locked_ = mine.locked_;
     cold = mine.cold;
   }
-  // Axis slot j is at this machine position now; the program's zero stays where it was.
+  // Axis slot j is at this machine position now, and no hop is in it; the program's zero stays
+  // where it was.
   void set_axis(int j, double position) {
     position_[j] = position;
     if (j < 3) origin_[j] = tool_offset(j);
   }
   // The active tool's offset is about to become `mm` along axis slot j.
+    if (j == kZ) hop_ = 0;
   void shift_tool(int j, double mm) { origin_[j] += mm - tool_offset(j); }
   // The program's zero moves by so much along slot j (X, Y or Z).
   void shift_zero(int j, double mm) { origin_[j] += mm; }
@@ -172,6 +175,14 @@ class Interpreter {
   }
   // An extruder stays `mm` behind what the program has moved it; the program does not notice.
   void leave_filament(size_t extruder, double mm) {
+  // There is no room for the hop behind the moves taken so far, the last of which has had `mm` of
+  // it.
+  void drop_hop(double mm) {
+    position_[kZ] -= mm;
+    arc_.shift(kZ, -mm);
+    for (Item& item : pending_) item.move.target[kZ] -= std::exchange(item.move.hop_mm, 0);
+    hop_ = 0;
+  }
     extruder_[extruder] -= mm;
     if (extruder == active_) {
       position_[kE] -= mm;
@@ -230,9 +241,7 @@ class Interpreter {
   }
   bool locked(int j) const { return locked_ >> j & 1; }
   // The program's own coordinates of slot j.
-  double logical(int j) const {
-    return j == kE ? logical_e_ : position_[j] - origin_[j] - (j == kZ ? hop_ : 0);
-  }
+  double logical(int j) const { return j == kE ? logical_e_ : meant(j) - origin_[j]; }
   // Notes what becomes of the program's line of this number, see heard().
   void listen(uint32_t line) { listened_ = line; }
   const Heard& heard() const { return heard_; }
@@ -303,7 +312,7 @@ class Interpreter {
       position_[j] = home_[i];
       origin_[j] = j < 3 ? tool_offset(j) : 0;
     }
-    hop_ = 0;
+      if (j == kZ) hop_ = 0;
   }
 
  private:
@@ -360,7 +369,7 @@ class Interpreter {
   std::vector<Drawn> drawn_;  // of each extruder
   bool auto_retract_ = false;
   uint8_t locked_ = 0;  // a bit for each axis slot
-  double hop_ = 0;
+  double hop_ = 0;      // mm by which Z is above what the program means
   double swap_mm_ = 13, swap_recover_mm_ = 0;
   double retract_mm_ = 3, retract_feed_ = 45, retract_hop_ = 0, recover_mm_ = 0, recover_feed_ = 0;
   int marked_layers_ = 0;
@@ -371,7 +380,8 @@ class Interpreter {
   uint64_t arcs_ = 0;
   Clamped clamped_[kAxes];
   Arc arc_;
-  std::string text_;  // of the line, comments removed
+  double arc_hop_ = 0;  // hop_ where it begins
+  std::string text_;    // of the line, comments removed
   std::vector<Word> words_;
   uint32_t listened_ = 0, moved_line_ = 0;
   Heard heard_;
@@ -429,6 +439,8 @@ class Interpreter {
 
   bool is_filament(int j) const { return filament_slots_ >> j & 1; }
   // Letters whose words count from where they are.
+  // Where the program means slot j to be, in machine coordinates.
+  double meant(int j) const { return position_[j] - (j == kZ ? hop_ : 0); }
   uint32_t relative() const {
     return (absolute_ ? 0 : ~0u) | (absolute_ && absolute_e_ ? 0 : filament_letters_);
   }
@@ -488,6 +500,7 @@ class Interpreter {
     const double e_before = logical_e_;
     for (uint32_t left = have; left; left &= left - 1) {
       int k = __builtin_ctz(left), j = letter_slot_[k];
+    double hop = hop_;
       moved |= uint8_t(1u << j);
       double v = value[k] * unit_;
       bool absolute = (relative >> k & 1) == 0;
@@ -501,6 +514,11 @@ class Interpreter {
       if (absolute && j == kZ) t += hop_;
       if (t < low_[j] - 1e-6 || t > high_[j] + 1e-6) {
         double limit = t < low_[j] ? low_[j] : high_[j];
+      if (j == kZ && t > high_[j]) {  // what is left of the hop is what there is room for
+        t -= hop_;
+        hop = std::clamp(high_[j] - t, 0.0, hop_);
+        t += hop;
+      }
         if (!clamp && !locked(j)) {
           logical_e_ = e_before;
           fail(Fault::out_of_range, axis_name(j), t, limit);
@@ -525,6 +543,7 @@ class Interpreter {
     }
     move_.moved = moved;
     move_.flow = extruder_.empty() ? 0 : filament_[active_].flow;
+    hop_ = move_.hop_mm = hop;
     return true;
   }
 
@@ -538,6 +557,7 @@ class Interpreter {
       std::copy(position_, position_ + kAxes, m.target);
       m.extruder = uint16_t(active_);
       m.tool = uint16_t(tool_);
+      m.hop_mm = hop_;
       m.beam = m.energy_ws / (m.duration_s * laser_.full_w);
       move_ = m;
       move_.kind = MoveKind::dwell;

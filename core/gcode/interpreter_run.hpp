@@ -280,10 +280,12 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
         bool back = has('B') && letter_slot_['B' - 'A'] < 0;
         double before[kAxes];
         std::copy(position_, position_ + kAxes, before);
+        before[kZ] = meant(kZ);  // without a hop, which homing Z ends
         if (has('O') && letter_slot_['O' - 'A'] < 0)
           letters += 'O';
         else
           home(letters);
+        before[kZ] += hop_;
         emit('G', 28, 0, "", back ? letters + 'B' : letters);
         if (back) queue_return(before);
         return;
@@ -307,7 +309,7 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
           else if (locked(j))
             learned += letter + std::to_string(value) + " ";
           else
-            origin_[j] = position_[j] - value;
+            origin_[j] = meant(j) - value;
         };
         for (const Word* x = w; x < end; ++x) {
           int j = x->letter >= 'A' && x->letter <= 'Z' ? letter_slot_[x->letter - 'A'] : -1;
@@ -480,6 +482,7 @@ inline void Interpreter::run_arc(bool clockwise, const double* value, uint32_t h
   double feed = move_.feed_mm_s, e_before = logical_e_, start[kAxes];
   std::copy(position_, position_ + kAxes, start);
   const uint64_t clamped = clamped_[u].times + clamped_[v].times;
+  arc_hop_ = hop_;
   if (!target(value, axes, relative())) return;
   const bool whole = clamped == clamped_[u].times + clamped_[v].times;  // not cut to the limits
   double end[kAxes];
@@ -521,6 +524,10 @@ inline bool Interpreter::next_chord() {
     if (move_.target[j] < low_[j] - 1e-6 || move_.target[j] > high_[j] + 1e-6) {
       double limit = move_.target[j] < low_[j] ? low_[j] : high_[j];
       if (!clamp) {
+      if (j == kZ && move_.target[j] > limit && move_.target[j] - arc_hop_ <= limit + 1e-6) {
+        move_.target[j] = limit;  // there is no room for the hop
+        continue;
+      }
         fail(Fault::out_of_range, machine_->axes[size_t(j)].name, move_.target[j], limit);
         take_back(move_.target[kE] - position_[kE] + arc_.left(kE));
         arc_ = Arc();
