@@ -150,6 +150,7 @@ void bind_job(nb::module_& m) {
       .value("LINE_TOO_LONG", Fault::line_too_long)
       .value("FEEDRATE", Fault::feedrate)
       .value("ARC", Fault::arc)
+      .value("CENTRE", Fault::centre)
       .value("RADII", Fault::radii)
       .value("OUT_OF_RANGE", Fault::out_of_range)
       .value("MISSING_TOOL", Fault::missing_tool)

@@ -39,6 +39,7 @@ enum class Fault : uint8_t {
   line_too_long,
   feedrate,
   arc,
+  centre,
   radii,
   out_of_range,
   missing_tool,

@@ -475,6 +475,7 @@ inline void Interpreter::run_arc(bool clockwise, const double* value, uint32_t h
   double radius = (have >> ('R' - 'A') & 1) ? value['R' - 'A'] * unit_ : 0;
   static constexpr int kPlane[3][2] = {{0, 1}, {2, 0}, {1, 2}};  // G17 XY, G18 ZX, G19 YZ
   static constexpr char kCentre[3][2] = {{'I', 'J'}, {'K', 'I'}, {'J', 'K'}};
+  static constexpr const char* kWords[3] = {"I, J and R", "K, I and R", "J, K and R"};
   int u = kPlane[plane_ - 17][0], v = kPlane[plane_ - 17][1];
   uint32_t axes = 0;
   for (int k = 0; k < 26; ++k)
@@ -505,12 +506,12 @@ inline void Interpreter::run_arc(bool clockwise, const double* value, uint32_t h
       return (have >> (letter - 'A') & 1) ? value[letter - 'A'] * unit_ : 0.0;
     };
     double i = centre(kCentre[plane_ - 17][0]), j = centre(kCentre[plane_ - 17][1]);
-    if (i == 0 && j == 0) return none(Fault::arc, std::string(1, kCentre[plane_ - 17][0]), 0, 0);
+    if (i == 0 && j == 0) return none(Fault::centre, kWords[plane_ - 17], 0, 0);
     cu = start[u] + i;
     cv = start[v] + j;
   }
   if (!arc_.begin(start, end, u, v, cu, cv, clockwise, turns))
-    return none(Fault::arc, "P", turns, 0);
+    return none(Fault::range, "P", turns + 1.0, arc_.most_turns());
   if (whole && !arc_.round()) return none(Fault::radii, "", arc_.start_radius(), arc_.end_radius());
   ++arcs_;
   move_.feed_mm_s = feed;

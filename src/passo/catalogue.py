@@ -86,7 +86,7 @@ CATALOGUE: Mapping[str, Entry] = {
     ),
     "input.out-of-range": _input(
         "motion",
-        "{axis} {value:.3f} mm is beyond the limit of {limit:.3f} mm",
+        "{axis} {value:.{decimals}f} mm is beyond the limit of {limit:.{decimals}f} mm",
         "Move the model on the bed, or choose the right machine",
     ),
     "input.unreachable": _input(
@@ -96,7 +96,7 @@ CATALOGUE: Mapping[str, Entry] = {
     ),
     "input.actuator": _input(
         "geometry",
-        "motor {axis} would go to {value:.3f}, beyond its limit of {limit:.3f}",
+        "motor {axis} would go to {value:.{decimals}f}, beyond its limit of {limit:.{decimals}f}",
         "Move the model on the bed, or choose the right machine",
     ),
     "input.too-long": _input(
@@ -110,7 +110,12 @@ CATALOGUE: Mapping[str, Entry] = {
     "input.arc": _input(
         "gcode",
         "the arc has no circle: {value} does not fit its end",
-        "Give I and J, or an R of at least half the distance",
+        "Give the centre, or an R of at least half the distance",
+    ),
+    "input.centre": _input(
+        "gcode",
+        "the arc has neither a centre nor a radius: {value} are missing, or 0",
+        "Give the centre from where the arc begins, or the radius R",
     ),
     "input.radii": _input(
         "gcode",

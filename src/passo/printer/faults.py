@@ -20,10 +20,9 @@ def problem(error: Error, path: str, geometry: GeometryModel) -> Problem:
     line, fault, word, value, limit, point = error
     faults = _core.Fault
     if fault == faults.OUT_OF_RANGE:
-        values = {"axis": word.upper(), "value": value, "limit": limit}
-        return Problem("input.out-of-range", path, line, values)
+        return Problem("input.out-of-range", path, line, _beyond(word.upper(), value, limit))
     if fault == faults.ACTUATOR:
-        return Problem("input.actuator", path, line, {"axis": word, "value": value, "limit": limit})
+        return Problem("input.actuator", path, line, _beyond(word, value, limit))
     if fault == faults.TOO_LONG:
         return Problem("input.too-long", path, line, {"axis": word, "value": value, "limit": limit})
     if fault == faults.UNREACHABLE:
@@ -52,6 +51,8 @@ def problem(error: Error, path: str, geometry: GeometryModel) -> Problem:
         return Problem("input.arc", path, line, {"value": word})
     if fault == faults.RADII:
         return Problem("input.radii", path, line, {"value": value, "limit": limit})
+    if fault == faults.CENTRE:
+        return Problem("input.centre", path, line, {"value": word})
     if fault == faults.CHECKSUM:
         return Problem("input.checksum", path, line, {"value": word, "limit": int(value)})
     if fault == faults.LINE_TOO_LONG:
@@ -63,6 +64,12 @@ def problem(error: Error, path: str, geometry: GeometryModel) -> Problem:
 
 def _why_not(geometry: GeometryModel, point: Point) -> str:
     try:
+def _beyond(axis: str, value: float, limit: float) -> dict[str, str | float]:
+    """Values of a problem, with as many decimals as tell the two apart."""
+    decimals = next((d for d in range(3, 9) if round(value, d) != round(limit, d)), 9)
+    return {"axis": axis, "value": value, "limit": limit, "decimals": decimals}
+
+
         geometry.inverse(point)
     except Unreachable as error:
         return str(error)
