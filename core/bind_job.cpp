@@ -160,7 +160,8 @@ void bind_job(nb::module_& m) {
       .value("UNSAVED", Fault::unsaved)
       .value("UNREACHABLE", Fault::unreachable)
       .value("ACTUATOR", Fault::actuator)
-      .value("TOO_LONG", Fault::too_long);
+      .value("TOO_LONG", Fault::too_long)
+      .value("TOO_SLOW", Fault::too_slow);
   nb::class_<JobView> job(m, "Job", "A G-code program through one machine. Not thread-safe.");
   job.def(
          "__init__",

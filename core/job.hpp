@@ -134,7 +134,7 @@ class Job {
     if (too_long(m) || (within == Within::limits && !in_range(m))) return false;
     bool reaches = within != Within::anything && motion.planner().constraints().checks_reach();
     if (reaches && !reach(m)) return false;
-    motion.push(m);
+    if (!push(m)) return false;
     abandon();
     return true;
   }
@@ -232,7 +232,7 @@ class Job {
         leave_filament(i);
         continue;
       }
-      motion.push(m);
+      if (!push(m)) return false;
     }
     return true;
   }
@@ -244,6 +244,15 @@ class Job {
       batch_[k].target[kZ] -= mm = std::exchange(batch_[k].hop_mm, 0);
     if (k == batch_.size()) interpreter.drop_hop(mm);
     return reach(batch_[i]);
+  }
+  // False, and nothing is changed, if the move is too slow; then error() says so.
+  bool push(const MoveRequest& m) {
+    motion.push(m);
+    const Planner& planner = motion.planner();
+    if (planner.too_slow() == 0) return true;
+    const std::string& limit = planner.constraints().names[planner.slowed_by()];
+    error_ = {m.line, Fault::too_slow, limit, planner.too_slow(), kLongestMove, {0, 0, 0}};
+    return false;
   }
 
   bool too_long(const MoveRequest& m) {

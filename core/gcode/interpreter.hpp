@@ -49,7 +49,8 @@ enum class Fault : uint8_t {
   unsaved,
   unreachable,
   actuator,
-  too_long
+  too_long,
+  too_slow
 };
 
 struct GcodeError {
@@ -161,9 +162,9 @@ class Interpreter {
   void set_axis(int j, double position) {
     position_[j] = position;
     if (j < 3) origin_[j] = tool_offset(j);
+    if (j == kZ) hop_ = 0;
   }
   // The active tool's offset is about to become `mm` along axis slot j.
-    if (j == kZ) hop_ = 0;
   void shift_tool(int j, double mm) { origin_[j] += mm - tool_offset(j); }
   // The program's zero moves by so much along slot j (X, Y or Z).
   void shift_zero(int j, double mm) { origin_[j] += mm; }
@@ -174,8 +175,6 @@ class Interpreter {
     arc_.shift(j, mm);
     for (Item& item : pending_) item.move.target[j] += mm;
   }
-  // An extruder stays `mm` behind what the program has moved it; the program does not notice.
-  void leave_filament(size_t extruder, double mm) {
   // There is no room for the hop behind the moves taken so far, the last of which has had `mm` of
   // it.
   void drop_hop(double mm) {
@@ -184,6 +183,8 @@ class Interpreter {
     for (Item& item : pending_) item.move.target[kZ] -= std::exchange(item.move.hop_mm, 0);
     hop_ = 0;
   }
+  // An extruder stays `mm` behind what the program has moved it; the program does not notice.
+  void leave_filament(size_t extruder, double mm) {
     extruder_[extruder] -= mm;
     if (extruder == active_) {
       position_[kE] -= mm;
@@ -312,8 +313,8 @@ class Interpreter {
       if (!letters.empty() && letters.find(machine_->axes[i].letter) == std::string::npos) continue;
       position_[j] = home_[i];
       origin_[j] = j < 3 ? tool_offset(j) : 0;
-    }
       if (j == kZ) hop_ = 0;
+    }
   }
 
  private:
@@ -438,10 +439,10 @@ class Interpreter {
   // The program's E counts so much filament no more.
   void take_back(double mm) { logical_e_ -= mm / e_scale(); }
 
-  bool is_filament(int j) const { return filament_slots_ >> j & 1; }
-  // Letters whose words count from where they are.
   // Where the program means slot j to be, in machine coordinates.
   double meant(int j) const { return position_[j] - (j == kZ ? hop_ : 0); }
+  bool is_filament(int j) const { return filament_slots_ >> j & 1; }
+  // Letters whose words count from where they are.
   uint32_t relative() const {
     return (absolute_ ? 0 : ~0u) | (absolute_ && absolute_e_ ? 0 : filament_letters_);
   }
@@ -499,9 +500,9 @@ class Interpreter {
     std::copy(position_, position_ + kAxes, move_.target);
     uint8_t moved = 0;
     const double e_before = logical_e_;
+    double hop = hop_;
     for (uint32_t left = have; left; left &= left - 1) {
       int k = __builtin_ctz(left), j = letter_slot_[k];
-    double hop = hop_;
       moved |= uint8_t(1u << j);
       double v = value[k] * unit_;
       bool absolute = (relative >> k & 1) == 0;
@@ -513,13 +514,13 @@ class Interpreter {
       }
       double t = (absolute ? v + origin_[j] : position_[j] + v);
       if (absolute && j == kZ) t += hop_;
-      if (t < low_[j] - 1e-6 || t > high_[j] + 1e-6) {
-        double limit = t < low_[j] ? low_[j] : high_[j];
       if (j == kZ && t > high_[j]) {  // what is left of the hop is what there is room for
         t -= hop_;
         hop = std::clamp(high_[j] - t, 0.0, hop_);
         t += hop;
       }
+      if (t < low_[j] - 1e-6 || t > high_[j] + 1e-6) {
+        double limit = t < low_[j] ? low_[j] : high_[j];
         if (!clamp && !locked(j)) {
           logical_e_ = e_before;
           fail(Fault::out_of_range, axis_name(j), t, limit);
@@ -542,9 +543,9 @@ class Interpreter {
       fail(Fault::cold, j == kE ? "E" : axis_name(j), 0, 0);
       return false;
     }
+    hop_ = move_.hop_mm = hop;
     move_.moved = moved;
     move_.flow = extruder_.empty() ? 0 : filament_[active_].flow;
-    hop_ = move_.hop_mm = hop;
     return true;
   }
 
@@ -556,9 +557,9 @@ class Interpreter {
   bool take(MoveRequest& m) {
     if (m.kind == MoveKind::dwell && m.duration_s > 0) {
       std::copy(position_, position_ + kAxes, m.target);
+      m.hop_mm = hop_;
       m.extruder = uint16_t(active_);
       m.tool = uint16_t(tool_);
-      m.hop_mm = hop_;
       m.beam = m.energy_ws / (m.duration_s * laser_.full_w);
       move_ = m;
       move_.kind = MoveKind::dwell;

@@ -241,9 +241,9 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
         m.radius_mm = m.feed_mm_s = kInfinity;
         if (laser_.energy) m.energy_ws = std::max(0.0, value_of(laser_.energy, 0));
         m.duration_s = std::max(m.duration_s, m.energy_ws / laser_.most_w);
-        if (m.duration_s > kLongestDwell)
-          return has('S') ? void(within('S', m.duration_s, 0, kLongestDwell))
-                          : void(within('P', m.duration_s * 1000, 0, kLongestDwell * 1000));
+        if (m.duration_s > kLongestMove)
+          return has('S') ? void(within('S', m.duration_s, 0, kLongestMove))
+                          : void(within('P', m.duration_s * 1000, 0, kLongestMove * 1000));
         if (m.duration_s > 0) {
           Item item{};
           item.found = Found::move;
@@ -482,8 +482,8 @@ inline void Interpreter::run_arc(bool clockwise, const double* value, uint32_t h
     if ((have >> k & 1) && letter_slot_[k] >= 0) axes |= 1u << k;
   double feed = move_.feed_mm_s, e_before = logical_e_, start[kAxes];
   std::copy(position_, position_ + kAxes, start);
-  const uint64_t clamped = clamped_[u].times + clamped_[v].times;
   arc_hop_ = hop_;
+  const uint64_t clamped = clamped_[u].times + clamped_[v].times;
   if (!target(value, axes, relative())) return;
   const bool whole = clamped == clamped_[u].times + clamped_[v].times;  // not cut to the limits
   double end[kAxes];
@@ -524,11 +524,11 @@ inline bool Interpreter::next_chord() {
   for (int j = 0; j < 3; ++j)
     if (move_.target[j] < low_[j] - 1e-6 || move_.target[j] > high_[j] + 1e-6) {
       double limit = move_.target[j] < low_[j] ? low_[j] : high_[j];
-      if (!clamp) {
       if (j == kZ && move_.target[j] > limit && move_.target[j] - arc_hop_ <= limit + 1e-6) {
         move_.target[j] = limit;  // there is no room for the hop
         continue;
       }
+      if (!clamp) {
         fail(Fault::out_of_range, machine_->axes[size_t(j)].name, move_.target[j], limit);
         take_back(move_.target[kE] - position_[kE] + arc_.left(kE));
         arc_ = Arc();

@@ -104,6 +104,11 @@ CATALOGUE: Mapping[str, Entry] = {
         "extruder {axis} would move {value:.0f} mm of filament in one move, of at most {limit:.0f}",
         "Correct E, which counts from G92 unless M83 is in force, or use several moves",
     ),
+    "input.too-slow": _input(
+        "motion",
+        "the move would take {value:.3g} s, of at most {limit:,.0f} s: its {axis} bounds it",
+        "Correct F, T, M203 or the speeds of the machine file, or use several moves",
+    ),
     "input.feedrate": _input(
         "gcode", "the feed rate F{value:g} must be above 0", "Give the speed in mm per minute"
     ),

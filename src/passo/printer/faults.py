@@ -25,6 +25,8 @@ def problem(error: Error, path: str, geometry: GeometryModel) -> Problem:
         return Problem("input.actuator", path, line, _beyond(word, value, limit))
     if fault == faults.TOO_LONG:
         return Problem("input.too-long", path, line, {"axis": word, "value": value, "limit": limit})
+    if fault == faults.TOO_SLOW:
+        return Problem("input.too-slow", path, line, {"axis": word, "value": value, "limit": limit})
     if fault == faults.UNREACHABLE:
         where = ", ".join(f"{letter} {x:.3f}" for letter, x in zip("XYZ", point, strict=True))
         reason = _why_not(geometry, point)
@@ -49,10 +51,10 @@ def problem(error: Error, path: str, geometry: GeometryModel) -> Problem:
         return Problem("input.feedrate", path, line, {"value": value})
     if fault == faults.ARC:
         return Problem("input.arc", path, line, {"value": word})
-    if fault == faults.RADII:
-        return Problem("input.radii", path, line, {"value": value, "limit": limit})
     if fault == faults.CENTRE:
         return Problem("input.centre", path, line, {"value": word})
+    if fault == faults.RADII:
+        return Problem("input.radii", path, line, {"value": value, "limit": limit})
     if fault == faults.CHECKSUM:
         return Problem("input.checksum", path, line, {"value": word, "limit": int(value)})
     if fault == faults.LINE_TOO_LONG:
@@ -62,14 +64,14 @@ def problem(error: Error, path: str, geometry: GeometryModel) -> Problem:
     return Problem("input.garbage", path, line, {"value": "it holds bytes that are no text"})
 
 
-def _why_not(geometry: GeometryModel, point: Point) -> str:
-    try:
 def _beyond(axis: str, value: float, limit: float) -> dict[str, str | float]:
     """Values of a problem, with as many decimals as tell the two apart."""
     decimals = next((d for d in range(3, 9) if round(value, d) != round(limit, d)), 9)
     return {"axis": axis, "value": value, "limit": limit, "decimals": decimals}
 
 
+def _why_not(geometry: GeometryModel, point: Point) -> str:
+    try:
         geometry.inverse(point)
     except Unreachable as error:
         return str(error)
