@@ -362,8 +362,11 @@ void bind_job(nb::module_& m) {
           "Moves wait for `release`.")
       .def("release", [](JobView& self) { self.job.motion.release(); })
       .def(
-          "stop_from", [](JobView& self, double ticks) { return self.job.stop_from(ticks); },
-          "ticks"_a,
+          "stop_from",
+          [](JobView& self, double ticks, bool program) {
+            return self.job.stop_from(ticks, program);
+          },
+          "ticks"_a, "program"_a = true,
           "Brakes to a stop from this clock on and forgets what was to follow; returns the clock "
           "of "
           "the cut.")

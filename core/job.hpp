@@ -83,13 +83,13 @@ class Job {
       extruders.push_back(motion.planner().extruder_position(i));
     interpreter.abandon(motion.planner().position(), extruders);
   }
-  // Brakes from `ticks` on and forgets all that was to follow.
-  double stop_from(double ticks) {
+  // Brakes from `ticks` on and forgets all that was to follow, of a program its retraction too.
+  double stop_from(double ticks, bool program) {
     double cut = motion.hold_from(ticks);
     use_stopped();
     motion.forget_held();
     interpreter.dark();
-    interpreter.forget_retraction();
+    if (program) interpreter.forget_retraction();
     abandon();
     return cut;
   }

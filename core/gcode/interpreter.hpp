@@ -157,12 +157,10 @@ class Interpreter {
     locked_ = mine.locked_;
     cold = mine.cold;
   }
-  // Axis slot j is at this machine position now, and no hop is in it; the program's zero stays
-  // where it was.
+  // Axis slot j is at this machine position now; the program's zero stays where it was.
   void set_axis(int j, double position) {
     position_[j] = position;
     if (j < 3) origin_[j] = tool_offset(j);
-    if (j == kZ) hop_ = 0;
   }
   // The active tool's offset is about to become `mm` along axis slot j.
   void shift_tool(int j, double mm) { origin_[j] += mm - tool_offset(j); }
@@ -313,7 +311,8 @@ class Interpreter {
       if (!letters.empty() && letters.find(machine_->axes[i].letter) == std::string::npos) continue;
       position_[j] = home_[i];
       origin_[j] = j < 3 ? tool_offset(j) : 0;
-      if (j == kZ) hop_ = 0;
+      double c[3];
+      if (j == kZ || !machine_->geometry->linear(kZ, c)) hop_ = 0;  // all arms home together
     }
   }
 

@@ -278,14 +278,14 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
             letters += x->letter;
         // O: only what does not know where it is, which the caller must find out.
         bool back = has('B') && letter_slot_['B' - 'A'] < 0;
-        double before[kAxes];
+        double before[kAxes], hop = hop_;
         std::copy(position_, position_ + kAxes, before);
-        before[kZ] = meant(kZ);  // without a hop, which homing Z ends
         if (has('O') && letter_slot_['O' - 'A'] < 0)
           letters += 'O';
         else
           home(letters);
-        before[kZ] += hop_;
+        if (locked(kZ)) hop_ = 0;
+        if (back && locked_ == 0) hop_ = hop;  // it goes back to where it was
         emit('G', 28, 0, "", back ? letters + 'B' : letters);
         if (back) queue_return(before);
         return;
@@ -307,7 +307,7 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
           if (j == kE)
             logical_e_ = value;
           else if (locked(j))
-            learned += letter + std::to_string(value) + " ";
+            hop_ = j == kZ ? 0 : hop_, learned += letter + std::to_string(value) + " ";
           else
             origin_[j] = meant(j) - value;
         };

@@ -1344,7 +1344,7 @@ class Job:
 
     def release(self) -> None: ...
 
-    def stop_from(self, ticks: float) -> float:
+    def stop_from(self, ticks: float, program: bool = True) -> float:
         """
         Brakes to a stop from this clock on and forgets what was to follow; returns the clock of the cut.
         """

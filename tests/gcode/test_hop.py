@@ -40,6 +40,12 @@ def test_g11_brings_z_to_where_the_program_means_it_to_be(meanwhile, z):
     assert heights(f"{RETRACTED}{meanwhile}G11\nG1 X1 E1\n")[-1] == pytest.approx(z)
 
 
+def test_arms_that_lift_together_end_the_hop_together():
+    lines = "M207 S1 Z1\nG1 X10 Y20 Z50\nG10\nG28 X\nG1 X0 Y0 Z5\nG11\n"
+    assert heights(lines, "delta")[-1] == 5
+    assert heights(lines.replace("G28 X", "G28 X B"), "delta")[-1] == 5
+
+
 def test_a_saved_place_is_the_programs():
     assert heights(f"{RETRACTED}G60\nG11\nG1 Z30\nG61\n")[-2:] == [30, 10]
     assert heights("G1 Z10\nG60\nG1 Z20\nM207 S1 Z1\nG10\nG61\nG11\n")[-4:] == [21, 11, 10, 10]
