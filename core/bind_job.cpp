@@ -148,6 +148,7 @@ void bind_job(nb::module_& m) {
       .value("LINE_TOO_LONG", Fault::line_too_long)
       .value("FEEDRATE", Fault::feedrate)
       .value("ARC", Fault::arc)
+      .value("CENTRE", Fault::centre)
       .value("RADII", Fault::radii)
       .value("OUT_OF_RANGE", Fault::out_of_range)
       .value("MISSING_TOOL", Fault::missing_tool)
@@ -157,7 +158,8 @@ void bind_job(nb::module_& m) {
       .value("UNSAVED", Fault::unsaved)
       .value("UNREACHABLE", Fault::unreachable)
       .value("ACTUATOR", Fault::actuator)
-      .value("TOO_LONG", Fault::too_long);
+      .value("TOO_LONG", Fault::too_long)
+      .value("TOO_SLOW", Fault::too_slow);
   nb::class_<JobView> job(m, "Job", "A G-code program through one machine. Not thread-safe.");
   job.def(
          "__init__",
@@ -358,8 +360,11 @@ void bind_job(nb::module_& m) {
           "Moves wait for `release`.")
       .def("release", [](JobView& self) { self.job.motion.release(); })
       .def(
-          "stop_from", [](JobView& self, double ticks) { return self.job.stop_from(ticks); },
-          "ticks"_a,
+          "stop_from",
+          [](JobView& self, double ticks, bool program) {
+            return self.job.stop_from(ticks, program);
+          },
+          "ticks"_a, "program"_a = true,
           "Brakes to a stop from this clock on and forgets what was to follow; returns the clock "
           "of "
           "the cut.")

@@ -116,6 +116,7 @@ void push(RecordedMotion& self, const std::vector<double>& target, double feed,
                                : MoveKind::travel;
   r.arc_inner = inner;
   self.motion.push(r);
+  if (self.motion.planner().too_slow() > 0) throw nb::value_error("the move takes beyond 1e6 s");
 }
 
 }  // namespace

@@ -45,8 +45,7 @@ class Bounds {
       if (j < 3) mm += delta[j] * delta[j];
     }
     if (longest < kNoDistance) return false;
-    // Next to a long way of another axis a hair of X, Y, Z cannot measure the path: the slowest
-    // speed along it would be too fast for that axis.
+    // Next to a long way of another axis a hair of X, Y, Z cannot measure the path.
     double least = std::max(kNoDistance, kHair * longest);
     m.cartesian = mm > least * least;
     mm = m.cartesian ? std::sqrt(mm) : longest;
@@ -94,7 +93,6 @@ class Bounds {
     if (delta[kE] != 0) tighten(constraints.extruders[m.extruder], delta[kE]);
     if (m.radius < kInfinity && v * v > a * m.radius * per_mm)
       v = std::sqrt(a * m.radius * per_mm), speed_id = kArc;
-    v = std::max(v, kLowestSpeed * per_mm);
     m.vn2 = v * v;
     m.a = m.b = a;
     m.speed_limit = speed_id;
@@ -156,9 +154,8 @@ class Bounds {
  private:
   static constexpr double kNoDistance = 1e-9;  // mm
   static constexpr double kHair = 1e-4;
-  static constexpr double kLowestSpeed = 0.001;  // mm/s: a move always ends
-  static constexpr double kHighestAccel = 1e7;   // mm/s²
-  static constexpr double kSampleEvery = 2;      // mm
+  static constexpr double kHighestAccel = 1e7;  // mm/s²
+  static constexpr double kSampleEvery = 2;     // mm
   static constexpr int kMostSamples = 256;
   static constexpr double kAlike = 0.7;    // caps within this ratio share a part
   static constexpr double kOfBends = 0.5;  // share of an acceleration that bends may take

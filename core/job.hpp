@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "gcode/interpreter.hpp"
@@ -52,13 +53,13 @@ class Job {
       begin_at_the_end();
       while (batch_.size() < Planner::kBatch && (found = interpreter.next()) == Found::move) {
         batch_.push_back(interpreter.move());
-        if (!(admitted = admit(batch_.back()))) break;
+        if (!(admitted = admit(batch_.back())) || may_be_slow_) break;
         if (to_boundary && interpreter.at_boundary()) break;
       }
       double parsed = now();
       cpu_parse += parsed - start;
       double before = motion.cpu().steps + motion.cpu().compress;
-      for (const MoveRequest& m : batch_) motion.push(m);
+      for (const MoveRequest& m : batch_) admitted = push(m) && admitted;
       cpu_plan += now() - parsed - (motion.cpu().steps + motion.cpu().compress - before);
       if (!admitted) return Status::error;
       switch (found) {
@@ -87,13 +88,13 @@ class Job {
       extruders.push_back(motion.planner().extruder_position(i));
     interpreter.abandon(motion.planner().position(), extruders);
   }
-  // Brakes from `ticks` on and forgets all that was to follow.
-  double stop_from(double ticks) {
+  // Brakes from `ticks` on and forgets all that was to follow, of a program its retraction too.
+  double stop_from(double ticks, bool program) {
     double cut = motion.hold_from(ticks);
     use_stopped();
     motion.forget_held();
     interpreter.dark();
-    interpreter.forget_retraction();
+    if (program) interpreter.forget_retraction();
     abandon();
     return cut;
   }
@@ -139,7 +140,7 @@ class Job {
     if (too_long(m) || (within == Within::limits && !in_range(m))) return false;
     bool reaches = within != Within::anything && motion.planner().constraints().checks_reach();
     if (reaches && !reach(m)) return false;
-    motion.push(m);
+    if (!push(m)) return false;
     abandon();
     return true;
   }
@@ -210,12 +211,15 @@ class Job {
   static constexpr double kCheckEvery = 2;  // mm along lines of nonlinear machines
   // mm of filament in one move: no axis bounds it, and all steps of a move are reckoned at once.
   static constexpr double kMostFilament = 10'000;
+  static constexpr double kSurelyDone = 100;  // s: so quickly at full speed no move is too slow
 
   double (*cpu_clock_)();
   std::optional<Interpreter> aside_;
   std::vector<MoveRequest> batch_;
   double at_[kAxes] = {};  // where the moves read so far end
   std::vector<double> extruders_at_;
+  double slowest_mm_s_ = kInfinity;  // of axes and extruders
+  bool may_be_slow_ = false;         // the move read last
   GcodeError error_;
 
   // The tool in use is the one that has stopped, not the one that the program was read ahead to.
@@ -230,6 +234,10 @@ class Job {
     std::copy_n(motion.planner().position(), kAxes, at_);
     for (size_t i = 0; i < extruders_at_.size(); ++i)
       extruders_at_[i] = motion.planner().extruder_position(i);
+    const Constraints& constraints = motion.planner().constraints();
+    slowest_mm_s_ = motion.planner().rules().now().limits.speed;
+    for (const Row& row : constraints.rows) slowest_mm_s_ = std::min(slowest_mm_s_, row.speed);
+    for (const Row& row : constraints.extruders) slowest_mm_s_ = std::min(slowest_mm_s_, row.speed);
   }
 
   // Whether the last move of the batch may be pushed, which it is unless it is to be left out.
@@ -237,9 +245,10 @@ class Job {
   bool admit(MoveRequest& m) {
     // Filament alone moves nothing else, also where a move before it was left out.
     if (m.kind == MoveKind::extrude && left_out.times > 0) std::copy_n(at_, 3, m.target);
+    bool travels = m.kind != MoveKind::dwell && m.kind != MoveKind::extrude;
     bool sound = !too_long(m);
-    if (sound && motion.planner().constraints().checks_reach() && m.kind != MoveKind::dwell &&
-        m.kind != MoveKind::extrude && !reach(m)) {
+    if (sound && travels && motion.planner().constraints().checks_reach() && !reach(m) &&
+        !(m.hop_mm > 0 && reach_without_hop(m))) {
       sound = interpreter.clamp;
       if (sound) {
         if (left_out.times++ == 0) left_out.first = error_;
@@ -252,9 +261,35 @@ class Job {
       batch_.pop_back();
       return false;
     }
+    may_be_slow_ = slow(m);
     std::copy_n(m.target, kAxes, at_);
     if (!extruders_at_.empty()) extruders_at_[m.extruder] = m.target[kE];
     return true;
+  }
+  // A move, and those of its line that share its hop, go without it; whether it is reachable then.
+  bool reach_without_hop(MoveRequest& m) {
+    const double mm = std::exchange(m.hop_mm, 0);
+    m.target[kZ] -= mm;
+    interpreter.drop_hop(mm);
+    return reach(m);
+  }
+  // It may be too slow, as only its plan can tell: then nothing behind it must have been read.
+  bool slow(const MoveRequest& m) const {
+    double mm = 0;
+    for (int j = 0; j < kAxes; ++j)
+      if (j != kE) mm += std::fabs(m.target[j] - at_[j]);
+    if (!extruders_at_.empty()) mm += std::fabs(m.target[kE] - extruders_at_[m.extruder]);
+    return m.duration_s > kSurelyDone || mm > kSurelyDone * m.feed_mm_s ||
+           mm > kSurelyDone * slowest_mm_s_;
+  }
+  // False, and nothing is changed, if the move is too slow; then error() says so.
+  bool push(const MoveRequest& m) {
+    motion.push(m);
+    const Planner& planner = motion.planner();
+    if (planner.too_slow() == 0) return true;
+    const std::string& limit = planner.constraints().names[planner.slowed_by()];
+    error_ = {m.line, Fault::too_slow, limit, planner.too_slow(), kLongestMove, {0, 0, 0}};
+    return false;
   }
 
   bool too_long(const MoveRequest& m) {

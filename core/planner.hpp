@@ -68,12 +68,18 @@ class Planner {
   }
 
   // Takes a move from where the last one ended, with `records` timed records due at its start.
-  // False if it covers no distance and is dropped.
+  // False if it covers no distance and is dropped, or would take longer than kLongestMove: then
+  // too_slow() says so.
   bool push(const MoveRequest& r, uint32_t records) {
     Move& m = queue_.emplace_back();
     fill(m, r);
     m.records = records;
-    if (!bounds_.apply(m, rules_.now())) {
+    bool moves = bounds_.apply(m, rules_.now());
+    constexpr double kLongest2 = kLongestMove * kLongestMove * (1 + 1e-9);  // beyond rounding
+    bool slow = moves && m.d * m.d > kLongest2 * m.vn2;
+    too_slow_ = slow ? m.d / std::sqrt(m.vn2) : 0;
+    slowed_by_ = m.speed_limit;
+    if (!moves || slow) {
       queue_.pop_back();
       return false;
     }
@@ -88,6 +94,11 @@ class Planner {
     }
     return true;
   }
+
+  // Seconds that the last move pushed would have taken, which was too long, and the limit that
+  // bound its speed; 0: it was not.
+  double too_slow() const { return too_slow_; }
+  LimitId slowed_by() const { return slowed_by_; }
 
   // Settles all that is queued, for a stop at its end.
   void flush() { settle(true); }
@@ -180,6 +191,8 @@ class Planner {
   double position_[kAxes] = {};
   std::vector<double> extruder_;
   double clock_ = 0, speed2_ = 0;
+  double too_slow_ = 0;
+  LimitId slowed_by_ = kFeedrate;
 
   void fill(Move& m, const MoveRequest& r) {
     std::memcpy(m.p0, position_, sizeof m.p0);

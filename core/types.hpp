@@ -11,6 +11,8 @@ namespace passo {
 inline constexpr int kAxes = 8;
 inline constexpr int kX = 0, kY = 1, kZ = 2, kE = 3, kExtra = 4;
 
+inline constexpr double kLongestMove = 1e6;  // s, dwells too
+
 enum class MoveKind : uint8_t {
   travel,
   print,
@@ -29,6 +31,7 @@ struct MoveRequest {
   double fastest_mm_s;   // whatever M220 says; 0: no such limit
   double flow;           // that E was scaled with (M221); 0: not a program's filament
   double owed_mm;        // by which the program has drawn filament back at the start
+  double hop_mm;         // of a retraction, that is in the target's Z
   double radius_mm;      // arc radius; infinity on straight moves
   uint32_t line;         // 1-based line of the source
   uint16_t layer;        // slicer's layer, 0 before the first

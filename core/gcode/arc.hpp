@@ -42,6 +42,7 @@ class Arc {
     sweep_ += (clockwise ? -1 : 1) * kFullTurn * turns;
     double r = std::max(radius0_, radius1_);
     double step = 2 * std::sqrt(2 * std::min(kChordError / std::max(r, 1e-6), 0.1));
+    most_turns_ = std::floor(kMostChords * step / kFullTurn);
     double chords = std::ceil(std::fabs(sweep_) / step);
     if (chords > kMostChords) return false;
     chords_ = std::max(1, int(chords));
@@ -62,6 +63,7 @@ class Arc {
     end_[j] = at + mm;
     start_[j] = end_[j] - mm / (1 - double(done_) / chords_);
   }
+  double most_turns() const { return most_turns_; }  // that begin() takes for sure
   double radius() const { return std::max(radius0_, radius1_); }
   double start_radius() const { return radius0_; }
   double end_radius() const { return radius1_; }
@@ -90,7 +92,7 @@ class Arc {
  private:
   double start_[kAxes], end_[kAxes];
   int u_ = 0, v_ = 1;
-  double cu_ = 0, cv_ = 0, radius0_ = 0, radius1_ = 0, angle_ = 0, sweep_ = 0;
+  double cu_ = 0, cv_ = 0, radius0_ = 0, radius1_ = 0, angle_ = 0, sweep_ = 0, most_turns_ = 0;
   int chords_ = 0, done_ = 0;
 };
 

@@ -8,6 +8,7 @@
 #include <deque>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "flow.hpp"
@@ -38,6 +39,7 @@ enum class Fault : uint8_t {
   line_too_long,
   feedrate,
   arc,
+  centre,
   radii,
   out_of_range,
   missing_tool,
@@ -47,7 +49,8 @@ enum class Fault : uint8_t {
   unsaved,
   unreachable,
   actuator,
-  too_long
+  too_long,
+  too_slow
 };
 
 struct GcodeError {
@@ -170,6 +173,14 @@ class Interpreter {
     arc_.shift(j, mm);
     for (Item& item : pending_) item.move.target[j] += mm;
   }
+  // There is no room for the hop behind the moves taken so far, the last of which has had `mm` of
+  // it.
+  void drop_hop(double mm) {
+    position_[kZ] -= mm;
+    arc_.shift(kZ, -mm);
+    for (Item& item : pending_) item.move.target[kZ] -= std::exchange(item.move.hop_mm, 0);
+    hop_ = 0;
+  }
   // An extruder stays `mm` behind what the program has moved it; the program does not notice.
   void leave_filament(size_t extruder, double mm) {
     extruder_[extruder] -= mm;
@@ -230,9 +241,7 @@ class Interpreter {
   }
   bool locked(int j) const { return locked_ >> j & 1; }
   // The program's own coordinates of slot j.
-  double logical(int j) const {
-    return j == kE ? logical_e_ : position_[j] - origin_[j] - (j == kZ ? hop_ : 0);
-  }
+  double logical(int j) const { return j == kE ? logical_e_ : meant(j) - origin_[j]; }
   // Notes what becomes of the program's line of this number, see heard().
   void listen(uint32_t line) { listened_ = line; }
   const Heard& heard() const { return heard_; }
@@ -302,8 +311,9 @@ class Interpreter {
       if (!letters.empty() && letters.find(machine_->axes[i].letter) == std::string::npos) continue;
       position_[j] = home_[i];
       origin_[j] = j < 3 ? tool_offset(j) : 0;
+      double c[3];
+      if (j == kZ || !machine_->geometry->linear(kZ, c)) hop_ = 0;  // all arms home together
     }
-    hop_ = 0;
   }
 
  private:
@@ -360,7 +370,7 @@ class Interpreter {
   std::vector<Drawn> drawn_;  // of each extruder
   bool auto_retract_ = false;
   uint8_t locked_ = 0;  // a bit for each axis slot
-  double hop_ = 0;
+  double hop_ = 0;      // mm by which Z is above what the program means
   double swap_mm_ = 13, swap_recover_mm_ = 0;
   double retract_mm_ = 3, retract_feed_ = 45, retract_hop_ = 0, recover_mm_ = 0, recover_feed_ = 0;
   int marked_layers_ = 0;
@@ -371,7 +381,8 @@ class Interpreter {
   uint64_t arcs_ = 0;
   Clamped clamped_[kAxes];
   Arc arc_;
-  std::string text_;  // of the line, comments removed
+  double arc_hop_ = 0;  // hop_ where it begins
+  std::string text_;    // of the line, comments removed
   std::vector<Word> words_;
   uint32_t listened_ = 0, moved_line_ = 0;
   Heard heard_;
@@ -427,6 +438,8 @@ class Interpreter {
   // The program's E counts so much filament no more.
   void take_back(double mm) { logical_e_ -= mm / e_scale(); }
 
+  // Where the program means slot j to be, in machine coordinates.
+  double meant(int j) const { return position_[j] - (j == kZ ? hop_ : 0); }
   bool is_filament(int j) const { return filament_slots_ >> j & 1; }
   // Letters whose words count from where they are.
   uint32_t relative() const {
@@ -486,6 +499,7 @@ class Interpreter {
     std::copy(position_, position_ + kAxes, move_.target);
     uint8_t moved = 0;
     const double e_before = logical_e_;
+    double hop = hop_;
     for (uint32_t left = have; left; left &= left - 1) {
       int k = __builtin_ctz(left), j = letter_slot_[k];
       moved |= uint8_t(1u << j);
@@ -499,6 +513,11 @@ class Interpreter {
       }
       double t = (absolute ? v + origin_[j] : position_[j] + v);
       if (absolute && j == kZ) t += hop_;
+      if (j == kZ && t > high_[j]) {  // what is left of the hop is what there is room for
+        t -= hop_;
+        hop = std::clamp(high_[j] - t, 0.0, hop_);
+        t += hop;
+      }
       if (t < low_[j] - 1e-6 || t > high_[j] + 1e-6) {
         double limit = t < low_[j] ? low_[j] : high_[j];
         if (!clamp && !locked(j)) {
@@ -523,6 +542,7 @@ class Interpreter {
       fail(Fault::cold, j == kE ? "E" : axis_name(j), 0, 0);
       return false;
     }
+    hop_ = move_.hop_mm = hop;
     move_.moved = moved;
     move_.flow = extruder_.empty() ? 0 : filament_[active_].flow;
     return true;
@@ -536,6 +556,7 @@ class Interpreter {
   bool take(MoveRequest& m) {
     if (m.kind == MoveKind::dwell && m.duration_s > 0) {
       std::copy(position_, position_ + kAxes, m.target);
+      m.hop_mm = hop_;
       m.extruder = uint16_t(active_);
       m.tool = uint16_t(tool_);
       m.beam = m.energy_ws / (m.duration_s * laser_.full_w);

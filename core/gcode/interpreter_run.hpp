@@ -241,9 +241,9 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
         m.radius_mm = m.feed_mm_s = kInfinity;
         if (laser_.energy) m.energy_ws = std::max(0.0, value_of(laser_.energy, 0));
         m.duration_s = std::max(m.duration_s, m.energy_ws / laser_.most_w);
-        if (m.duration_s > kLongestDwell)
-          return has('S') ? void(within('S', m.duration_s, 0, kLongestDwell))
-                          : void(within('P', m.duration_s * 1000, 0, kLongestDwell * 1000));
+        if (m.duration_s > kLongestMove)
+          return has('S') ? void(within('S', m.duration_s, 0, kLongestMove))
+                          : void(within('P', m.duration_s * 1000, 0, kLongestMove * 1000));
         if (m.duration_s > 0) {
           Item item{};
           item.found = Found::move;
@@ -278,12 +278,14 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
             letters += x->letter;
         // O: only what does not know where it is, which the caller must find out.
         bool back = has('B') && letter_slot_['B' - 'A'] < 0;
-        double before[kAxes];
+        double before[kAxes], hop = hop_;
         std::copy(position_, position_ + kAxes, before);
         if (has('O') && letter_slot_['O' - 'A'] < 0)
           letters += 'O';
         else
           home(letters);
+        if (locked(kZ)) hop_ = 0;
+        if (back && locked_ == 0) hop_ = hop;  // it goes back to where it was
         emit('G', 28, 0, "", back ? letters + 'B' : letters);
         if (back) queue_return(before);
         return;
@@ -305,9 +307,9 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
           if (j == kE)
             logical_e_ = value;
           else if (locked(j))
-            learned += letter + std::to_string(value) + " ";
+            hop_ = j == kZ ? 0 : hop_, learned += letter + std::to_string(value) + " ";
           else
-            origin_[j] = position_[j] - value;
+            origin_[j] = meant(j) - value;
         };
         for (const Word* x = w; x < end; ++x) {
           int j = x->letter >= 'A' && x->letter <= 'Z' ? letter_slot_[x->letter - 'A'] : -1;
@@ -473,12 +475,14 @@ inline void Interpreter::run_arc(bool clockwise, const double* value, uint32_t h
   double radius = (have >> ('R' - 'A') & 1) ? value['R' - 'A'] * unit_ : 0;
   static constexpr int kPlane[3][2] = {{0, 1}, {2, 0}, {1, 2}};  // G17 XY, G18 ZX, G19 YZ
   static constexpr char kCentre[3][2] = {{'I', 'J'}, {'K', 'I'}, {'J', 'K'}};
+  static constexpr const char* kWords[3] = {"I, J and R", "K, I and R", "J, K and R"};
   int u = kPlane[plane_ - 17][0], v = kPlane[plane_ - 17][1];
   uint32_t axes = 0;
   for (int k = 0; k < 26; ++k)
     if ((have >> k & 1) && letter_slot_[k] >= 0) axes |= 1u << k;
   double feed = move_.feed_mm_s, e_before = logical_e_, start[kAxes];
   std::copy(position_, position_ + kAxes, start);
+  arc_hop_ = hop_;
   const uint64_t clamped = clamped_[u].times + clamped_[v].times;
   if (!target(value, axes, relative())) return;
   const bool whole = clamped == clamped_[u].times + clamped_[v].times;  // not cut to the limits
@@ -502,12 +506,12 @@ inline void Interpreter::run_arc(bool clockwise, const double* value, uint32_t h
       return (have >> (letter - 'A') & 1) ? value[letter - 'A'] * unit_ : 0.0;
     };
     double i = centre(kCentre[plane_ - 17][0]), j = centre(kCentre[plane_ - 17][1]);
-    if (i == 0 && j == 0) return none(Fault::arc, std::string(1, kCentre[plane_ - 17][0]), 0, 0);
+    if (i == 0 && j == 0) return none(Fault::centre, kWords[plane_ - 17], 0, 0);
     cu = start[u] + i;
     cv = start[v] + j;
   }
   if (!arc_.begin(start, end, u, v, cu, cv, clockwise, turns))
-    return none(Fault::arc, "P", turns, 0);
+    return none(Fault::range, "P", turns + 1.0, arc_.most_turns());
   if (whole && !arc_.round()) return none(Fault::radii, "", arc_.start_radius(), arc_.end_radius());
   ++arcs_;
   move_.feed_mm_s = feed;
@@ -520,6 +524,10 @@ inline bool Interpreter::next_chord() {
   for (int j = 0; j < 3; ++j)
     if (move_.target[j] < low_[j] - 1e-6 || move_.target[j] > high_[j] + 1e-6) {
       double limit = move_.target[j] < low_[j] ? low_[j] : high_[j];
+      if (j == kZ && move_.target[j] > limit && move_.target[j] - arc_hop_ <= limit + 1e-6) {
+        move_.target[j] = limit;  // there is no room for the hop
+        continue;
+      }
       if (!clamp) {
         fail(Fault::out_of_range, machine_->axes[size_t(j)].name, move_.target[j], limit);
         take_back(move_.target[kE] - position_[kE] + arc_.left(kE));

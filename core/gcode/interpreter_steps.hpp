@@ -4,8 +4,9 @@
 
 namespace passo {
 
-// G60 saves where the machine is as S; G61 goes there with the axes that it names, so far beside it
-// as their words say, with X, Y, Z if it names none. F counts for this move alone.
+// G60 saves where the program means the machine to be as S; G61 goes there with the axes that it
+// names, so far beside it as their words say, with X, Y, Z if it names none. F counts for this move
+// alone.
 inline void Interpreter::run_saved(bool save, const Word* w, const Word* end) {
   double value[26] = {}, feed = kInfinity, slot = 0;
   uint32_t have = 0;
@@ -22,7 +23,7 @@ inline void Interpreter::run_saved(bool save, const Word* w, const Word* end) {
   Saved& saved = saved_[int(slot)];
   if (save) {
     saved.valid = true;
-    std::copy(position_, position_ + kAxes, saved.at);
+    for (int j = 0; j < kAxes; ++j) saved.at[j] = meant(j);
     return emit('G', 60, 0, "", "S" + std::to_string(int(slot)));
   }
   if (!saved.valid) return fail(Fault::unsaved, "S", slot, 0);
@@ -30,7 +31,7 @@ inline void Interpreter::run_saved(bool save, const Word* w, const Word* end) {
   for (int k = 0; k < 26; ++k) {  // as relative words
     if ((have >> k & 1) == 0) continue;
     int j = letter_slot_[k];
-    double by = saved.at[j] + value[k] - position_[j];
+    double by = saved.at[j] + value[k] - meant(j);
     value[k] = (j == kE ? by / e_scale() : by) / unit_;
   }
   if (target(value, have, ~0u)) queue_straight(feed, 0, false);
@@ -47,6 +48,7 @@ inline void Interpreter::queue_step(int j, double by, double feed) {
     if (x.found == Found::move) from = x.move.target;
   std::copy(from, from + kAxes, m.target);
   m.target[j] += by;
+  m.hop_mm = hop_;
   m.feed_mm_s = feed;
   m.radius_mm = kInfinity;
   m.line = line_of_move();
@@ -95,6 +97,7 @@ inline void Interpreter::queue_return(const double* to) {
   for (int j = 0; j < kAxes; ++j)
     if (j != kZ && j != kE) move_.target[j] = to[j];
   move_.moved = 0;
+  move_.hop_mm = hop_;
   queue_straight(kInfinity, 0, true);
   move_.target[kZ] = to[kZ];
   queue_straight(kInfinity, 0, true);
@@ -115,8 +118,7 @@ inline void Interpreter::run_retract(bool in, bool swap) {
     hop_ = std::clamp(retract_hop_, 0.0, std::max(0.0, high_[kZ] - position_[kZ]));
     queue_step(kZ, hop_, kInfinity);
   } else {
-    queue_step(kZ, -hop_, kInfinity);
-    hop_ = 0;
+    queue_step(kZ, -std::exchange(hop_, 0), kInfinity);
     double extra = drawn.swapped ? swap_recover_mm_ : recover_mm_;
     queue_step(kE, std::max(drawn.mm + extra, 0.0),  // less than nothing is not pushed
                recover_feed_ > 0 ? recover_feed_ : retract_feed_);

@@ -15,7 +15,6 @@ inline constexpr double kPowersOfTen[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e
                                           1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
                                           1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
 inline constexpr double kLargestWord = 1e9;
-inline constexpr double kLongestDwell = 1e6;  // s
 
 // Reads a decimal number without exponent. False if there is none; then p stays.
 inline bool read_number(const char*& p, const char* end, double& value) {

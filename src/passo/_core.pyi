@@ -1181,25 +1181,29 @@ class Fault(enum.Enum):
 
     ARC = 6
 
-    RADII = 7
+    CENTRE = 7
 
-    OUT_OF_RANGE = 8
+    RADII = 8
 
-    MISSING_TOOL = 9
+    OUT_OF_RANGE = 9
 
-    NOT_HOMED = 10
+    MISSING_TOOL = 10
 
-    COLD = 11
+    NOT_HOMED = 11
 
-    GARBAGE = 12
+    COLD = 12
 
-    UNSAVED = 13
+    GARBAGE = 13
 
-    UNREACHABLE = 14
+    UNSAVED = 14
 
-    ACTUATOR = 15
+    UNREACHABLE = 15
 
-    TOO_LONG = 16
+    ACTUATOR = 16
+
+    TOO_LONG = 17
+
+    TOO_SLOW = 18
 
 class Job:
     """A G-code program through one machine. Not thread-safe."""
@@ -1344,7 +1348,7 @@ class Job:
 
     def release(self) -> None: ...
 
-    def stop_from(self, ticks: float) -> float:
+    def stop_from(self, ticks: float, program: bool = True) -> float:
         """
         Brakes to a stop from this clock on and forgets what was to follow; returns the clock of the cut.
         """

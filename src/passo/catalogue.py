@@ -86,7 +86,7 @@ CATALOGUE: Mapping[str, Entry] = {
     ),
     "input.out-of-range": _input(
         "motion",
-        "{axis} {value:.3f} mm is beyond the limit of {limit:.3f} mm",
+        "{axis} {value:.{decimals}f} mm is beyond the limit of {limit:.{decimals}f} mm",
         "Move the model on the bed, or choose the right machine",
     ),
     "input.unreachable": _input(
@@ -96,7 +96,7 @@ CATALOGUE: Mapping[str, Entry] = {
     ),
     "input.actuator": _input(
         "geometry",
-        "motor {axis} would go to {value:.3f}, beyond its limit of {limit:.3f}",
+        "motor {axis} would go to {value:.{decimals}f}, beyond its limit of {limit:.{decimals}f}",
         "Move the model on the bed, or choose the right machine",
     ),
     "input.too-long": _input(
@@ -104,13 +104,23 @@ CATALOGUE: Mapping[str, Entry] = {
         "extruder {axis} would move {value:.0f} mm of filament in one move, of at most {limit:.0f}",
         "Correct E, which counts from G92 unless M83 is in force, or use several moves",
     ),
+    "input.too-slow": _input(
+        "motion",
+        "the move would take {value:.3g} s, of at most {limit:,.0f} s: its {axis} bounds it",
+        "Correct F, T, M203 or the speeds of the machine file, or use several moves",
+    ),
     "input.feedrate": _input(
         "gcode", "the feed rate F{value:g} must be above 0", "Give the speed in mm per minute"
     ),
     "input.arc": _input(
         "gcode",
         "the arc has no circle: {value} does not fit its end",
-        "Give I and J, or an R of at least half the distance",
+        "Give the centre, or an R of at least half the distance",
+    ),
+    "input.centre": _input(
+        "gcode",
+        "the arc has neither a centre nor a radius: {value} are missing, or 0",
+        "Give the centre from where the arc begins, or the radius R",
     ),
     "input.radii": _input(
         "gcode",

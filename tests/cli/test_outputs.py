@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 import random
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -294,3 +297,27 @@ def test_explain_measures_in_steps_where_the_law_does(capsys, tmp_path):
     assert "reaches 8000.00 (at most 8000.00)" in told
     assert "taken at 3098.39 steps/s" in told  # the root of 3000·80·40
     assert " mm/s" not in told
+
+
+PLAIN = {"ascii": {"PYTHONIOENCODING": "ascii"}, "C": {"LC_ALL": "C", "PYTHONUTF8": "0"}}
+
+
+@pytest.mark.parametrize("plain", PLAIN)
+def test_what_the_terminal_cannot_show_is_told_otherwise(short, plain):
+    environment = os.environ | {"PYTHONCOERCECLOCALE": "0"} | PLAIN[plain]
+    command = [sys.executable, "-m", "passo", "explain", f"{short}:3"]
+    run = subprocess.run(command, capture_output=True, env=environment)
+    assert (run.returncode, run.stderr) == (0, b"")
+    assert b"mm/s\\xb2" in run.stdout
+
+
+def test_names_that_are_no_text_are_readable(tmp_path):
+    path = tmp_path / os.fsdecode(b"caf\xc3\xa9 \xff.g")
+    path.write_text("G28\nG1 X1 F600\n")
+    page = tmp_path / "page.html"
+    for words in (["estimate", path], ["report", path, "--output", page]):
+        run = subprocess.run([sys.executable, "-m", "passo", *words], capture_output=True)
+        assert run.returncode == 0
+        if words[0] == "estimate":
+            assert "café \\udcff.g" in run.stdout.decode()
+    assert r"<title>café \xff.g on i3</title>" in page.read_text(encoding="utf-8")

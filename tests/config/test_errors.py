@@ -75,7 +75,7 @@ def test_a_problem_reads_as_a_sentence() -> None:
         "many.toml:11: axes.x.speed_mms is not a known key. Did you mean 'speed_mm_s'?"
     )
     assert sentences[13] == (
-        "many.toml:13: axes.x.accel_mm_s2 is -3000: expected a number greater than 0. "
+        "many.toml:13: axes.x.accel_mm_s2 is -3000: expected a number of at least 0.1. "
         "Correct the value."
     )
     assert sentences[18] == (
@@ -225,6 +225,8 @@ def test_scales_that_no_motor_has(i3_text: str, new: str, key: str, limit: str) 
     [
         ("speed_mm_s", "1e300", "a number of at most 1000000"),
         ("accel_mm_s2", "1e300", "a number of at most 10000000"),
+        ("speed_mm_s", "0.00099", "a number of at least 0.001"),
+        ("accel_mm_s2", "1e-300", "a number of at least 0.1"),
         ("max_mm", "1e300", "a number of at most 1000000"),
         ("jerk_mm_s", "1e300", "a number of at most 1000000"),
     ],

@@ -114,13 +114,30 @@ def test_inches_and_modal_arcs():
 
 
 @pytest.mark.parametrize(
-    ("line", "word"),
-    [("G2 X10 Y10", "I"), ("G2 X10 Y10 R1", "R"), ("G2 R5", "R"), ("G2 X10 I0 J0", "I")],
+    ("line", "fault", "word"),
+    [
+        ("G2 X10 Y10 R1", Fault.ARC, "R"),
+        ("G2 R5", Fault.ARC, "R"),
+        ("G2 X10 Y10", Fault.CENTRE, "I, J and R"),
+        ("G2 X10 I0 J0", Fault.CENTRE, "I, J and R"),
+        ("G3 Z12", Fault.CENTRE, "I, J and R"),
+        ("G2 F100", Fault.CENTRE, "I, J and R"),
+        ("G18 G2 X10 J5", Fault.CENTRE, "K, I and R"),
+        ("G19 G2 Y10 R0", Fault.CENTRE, "J, K and R"),
+    ],
 )
-def test_arcs_that_are_none(line, word):
+def test_arcs_that_are_none(line, fault, word):
     out = run(f"G1 X5 Y5\n{line}\n")
-    assert [e[:3] for e in out.errors] == [(2, Fault.ARC, word)]
+    assert [e[:3] for e in out.errors] == [(2, fault, word)]
     assert len(out.moves) == 1
+
+
+def test_an_arc_may_have_so_many_turns():
+    ((line, fault, word, turns, most),) = run("G1 X5 Y5\nG2 I5 P100000000\n").errors
+    assert (line, fault, word, turns) == (2, Fault.RANGE, "P", 1e8)
+    assert most == pytest.approx(135_047)
+    many = f"G1 X5 Y5\nG2 I5 P{most + 2:.0f}\n"
+    assert [e[1] for e in run(many).errors] == [Fault.RANGE]
 
 
 @pytest.mark.parametrize(

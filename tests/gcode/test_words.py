@@ -206,7 +206,7 @@ def test_each_command_of_a_line_begins_where_the_one_before_ended():
         ("G1 X1 F-5", Fault.FEEDRATE, "F"),
         ("M207 F0", Fault.FEEDRATE, "F"),
         ("G60 S0.5", Fault.NUMBER, "S"),
-        ("G2 X10 I5 P100000000", Fault.ARC, "P"),
+        ("G2 X10 I5 P100000000", Fault.RANGE, "P"),
         ("M99999999999999999999", Fault.NUMBER, "M"),
         ("G99999999999999999999 X1", Fault.NUMBER, "G"),
         ("T99999999999999999999", Fault.NUMBER, "T"),

@@ -160,6 +160,28 @@ def test_firmware_retraction(s):
     assert s.positions()["z"] == 20.0
 
 
+@pytest.mark.parametrize(
+    ("meanwhile", "hopped", "z"),
+    [
+        ("G92 Z3", 3, 3),
+        ("G92 X9", 10, 10),
+        ("G28 X", 10, 10),
+        ("G28 Z B", 10, 10),
+        ("G28 X B", 10, 10),
+        ("G28 Z", 0, 0),
+    ],
+)
+def test_a_hop_is_no_part_of_the_programs_z(s, meanwhile, hopped, z):
+    for line in ("G28", "M207 S2 F1200 Z0.4", "G1 Z10 E5 F6000", "G10", meanwhile):
+        s.host.ok(line, 60)
+    assert position(s)["Z"] == pytest.approx(hopped, abs=0.01)
+    s.host.ok("G11")
+    s.host.ok("M400")
+    assert position(s)["Z"] == pytest.approx(z, abs=0.01)
+    assert s.positions()["z"] == pytest.approx(10 if meanwhile == "G92 Z3" else z, abs=0.02)
+    assert s.positions()["e"] == pytest.approx(5, abs=0.01)
+
+
 def test_inches(s):
     s.host.ok("G20")
     s.host.ok("G1 X1 F60")

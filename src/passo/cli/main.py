@@ -54,6 +54,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     4 bad input or an output that cannot be written, 5 machine fault, 130 interrupted. Errors go to
     stderr, one line each."""
     gc.set_threshold(_GC_THRESHOLD)
+    if reconfigure := getattr(sys.stdout, "reconfigure", None):
+        reconfigure(errors="backslashreplace")  # what its encoding lacks is told as on stderr
     try:
         status = _run(list(sys.argv[1:] if argv is None else argv))
     except OSError:

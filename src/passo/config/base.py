@@ -33,8 +33,9 @@ NotNegative = Annotated[float, Field(ge=0)]
 # What no machine exceeds, in mm or degrees and s: behind it the plan's numbers lose their steps.
 LEAST_SCALE, MOST_SCALE = 1e-3, 1e5
 Scale = Annotated[float, Field(ge=LEAST_SCALE, le=MOST_SCALE)]
-Speed = Annotated[float, Field(gt=0, le=1e6)]
-Acceleration = Annotated[float, Field(gt=0, le=1e7)]
+LEAST_SPEED, LEAST_ACCEL = 1e-3, 0.1  # of machine files and of commands that set limits
+Speed = Annotated[float, Field(ge=LEAST_SPEED, le=1e6)]
+Acceleration = Annotated[float, Field(ge=LEAST_ACCEL, le=1e7)]
 Jerk = Annotated[float, Field(ge=0, le=1e6)]
 Position = Annotated[float, Field(ge=-1e6, le=1e6)]
 Fraction = Annotated[float, Field(ge=0, le=1)]

@@ -46,6 +46,19 @@ little, as rounded coordinates make them do: by 0.5 % of the larger one, or by 0
 more, but never by more than 0.5 mm. Such an arc is a spiral; beyond that the line is an error that
 names both distances. P is the number of turns.
 
+## How slow a move may be
+
+F and T may ask for any speed, but a move of more than 1,000,000 s (11.5 days) is an error, which
+names what bounds its speed. M203 and VELOCITY take 0.001 mm/s at least, M201, M204 and ACCEL
+0.1 mm/s²; with less they change nothing, and a warning tells so.
+
+## The hop of a retraction
+
+The hop of G10 (M207 Z) is no part of the program's Z: whatever the program does with G92, G60, G61
+or other tools while the filament is drawn back, G11 ends where it means Z to be. Homing Z ends the
+hop, unless it goes back there (B). Where the limit of Z leaves no room for it, it is as high as
+there is room, and where the motors do not reach, it is left out; G11 takes back what is left of it.
+
 """
 _WHEN = """## When a command acts
 

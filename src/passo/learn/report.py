@@ -36,7 +36,8 @@ def write_report(
     result = job.run(path)
     page = files("passo.learn").joinpath("report.html").read_text(encoding="utf-8")
     data = _data(collector, job, result, machine, list(motors))
-    title = html.escape(f"{Path(path).name} on {machine.name}")
+    name = os.fsencode(Path(path).name).decode("utf-8", "backslashreplace")
+    title = html.escape(f"{name} on {machine.name}")
     page = page.replace("@TITLE@", title)
     page = page.replace("@DATA@", json.dumps(data, separators=(",", ":")).replace("</", "<\\/"))
     with replaced(output) as temporary:

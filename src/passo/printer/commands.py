@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from math import inf, sqrt
+from math import nan, sqrt
 from typing import TYPE_CHECKING, NamedTuple, Protocol, Self
 
+from passo.config.base import LEAST_ACCEL, LEAST_SPEED
 from passo.config.drives import axis_order
 from passo.errors import CommandError, Problem, WordError
 from passo.gcode.dialect import Kind, row_of
@@ -35,7 +36,8 @@ _CORNERS = {
     "cornering_distance": "corners obey the machine file's cornering distances",
     "jerk": "corners obey X Y Z E, the jerk of each axis",
 }
-_OF_VELOCITY_LIMIT = {"VELOCITY": "mm/s", "ACCEL": "mm/s²", "SQUARE_CORNER_VELOCITY": "mm/s"}
+_LEAST = {"speed": (LEAST_SPEED, "mm/s"), "accel": (LEAST_ACCEL, "mm/s²"), "jerk": (0.0, "mm/s")}
+_OF_VELOCITY_LIMIT = {"VELOCITY": "speed", "ACCEL": "accel"}
 _KINDS = {"T": "hotend", "P": "hotend", "B": "bed", "C": "chamber"}
 
 
@@ -433,12 +435,9 @@ class Commands:
         """M201 and M203, and jerk of M205, for the moves that follow, or `live` for all that is
         planned anew. Raises CommandError."""
         given = {letter: value for letter, value in words.items() if letter != "T"}
-        unit = "mm/s²" if what == "accel" else "mm/s"
         known = [name.upper() for name in axis_order(self._machine.axes)]
         for letter, value in given.items():
-            if value < 0 or (value == 0 and what != "jerk"):
-                limit = f"{'at least' if what == 'jerk' else 'above'} 0 {unit}"
-                raise CommandError.bad_value(letter, value, limit)
+            _at_least(letter, value, what)
             if letter != "E" and letter not in known:
                 raise CommandError.of("command.nothing-moves", axis=letter, limit=", ".join(known))
         for letter, value in given.items():
@@ -460,8 +459,8 @@ class Commands:
         """M204, for the moves that follow, or `live` for all that is planned anew. Raises
         CommandError."""
         for letter in "SPVTR":
-            if not words.get(letter, 1) > 0:
-                raise CommandError.bad_value(letter, words[letter], "above 0 mm/s²")
+            if letter in words:
+                _at_least(letter, words[letter], "accel")
         for letter, names in (
             ("S", ("print_accel", "travel_accel")),
             ("P", ("print_accel",)),
@@ -561,13 +560,15 @@ class Commands:
             try:
                 values[key] = float(text)
             except ValueError:
-                _count(self.unknown, f"{command.code} {key}={text}", command.line)
-                continue
+                values[key] = nan
             if not abs(values[key]) <= LARGEST:
                 raise WordError.of("input.number", value=f"{key}={text[:30]}")
-        for key, limit in _OF_VELOCITY_LIMIT.items():
-            if not 0 < values.get(key, 1) < inf:
-                raise CommandError.bad_value(key, values[key], f"above 0 {limit}")
+        for key, what in _OF_VELOCITY_LIMIT.items():
+            if key in values:
+                _at_least(key, values[key], what)
+        corner = values.get("SQUARE_CORNER_VELOCITY")
+        if corner is not None and not corner > 0:
+            raise CommandError.bad_value("SQUARE_CORNER_VELOCITY", corner, "above 0 mm/s")
         ratio = values.get("MINIMUM_CRUISE_RATIO")
         if ratio is not None and not 0 <= ratio < 1:
             raise CommandError.bad_value("MINIMUM_CRUISE_RATIO", ratio, "0 to less than 1")
@@ -579,11 +580,17 @@ class Commands:
             job.set_limit("travel_accel", values["ACCEL"])
         if ratio is not None:
             job.set_limit("minimum_cruise_ratio", ratio)
-        corner = values.get("SQUARE_CORNER_VELOCITY")
         if corner is not None:
             # A right angle: v² = a δ s/(1 - s) with s = √½, so δ = v² (√2 - 1) / a.
             accel = job.limit("print_accel")
             job.set_limit("junction_deviation", corner**2 * (sqrt(2) - 1) / accel)
+
+
+def _at_least(word: str, value: float, what: str) -> None:
+    """Raises CommandError for a limit that no machine has."""
+    least, unit = _LEAST[what]
+    if value < least:
+        raise CommandError.bad_value(word, value, f"at least {least:g} {unit}")
 
 
 def _count(table: dict[str, tuple[int, int]], code: str, line: int) -> None:

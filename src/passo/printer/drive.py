@@ -183,10 +183,11 @@ class Drive:
         self.before_moves()  # where the machine stands, darkness must not come in the past
         self._revoke(self._job.hold_from(self._earliest()))
 
-    def stop(self) -> None:
-        """Brakes to a stop on the path; what is left is forgotten. A lit laser goes dark."""
+    def stop(self, *, program: bool = True) -> None:
+        """Brakes to a stop on the path; what is left is forgotten, of a `program` its retraction
+        too. A lit laser goes dark."""
         self.before_moves()
-        self._revoke(self._job.stop_from(self._earliest()))
+        self._revoke(self._job.stop_from(self._earliest(), program))
 
     def forget_targets(self) -> None:
         """Temperatures that the moves so far would still set are not set any more."""

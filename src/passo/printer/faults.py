@@ -20,12 +20,13 @@ def problem(error: Error, path: str, geometry: GeometryModel) -> Problem:
     line, fault, word, value, limit, point = error
     faults = _core.Fault
     if fault == faults.OUT_OF_RANGE:
-        values = {"axis": word.upper(), "value": value, "limit": limit}
-        return Problem("input.out-of-range", path, line, values)
+        return Problem("input.out-of-range", path, line, _beyond(word.upper(), value, limit))
     if fault == faults.ACTUATOR:
-        return Problem("input.actuator", path, line, {"axis": word, "value": value, "limit": limit})
+        return Problem("input.actuator", path, line, _beyond(word, value, limit))
     if fault == faults.TOO_LONG:
         return Problem("input.too-long", path, line, {"axis": word, "value": value, "limit": limit})
+    if fault == faults.TOO_SLOW:
+        return Problem("input.too-slow", path, line, {"axis": word, "value": value, "limit": limit})
     if fault == faults.UNREACHABLE:
         where = ", ".join(f"{letter} {x:.3f}" for letter, x in zip("XYZ", point, strict=True))
         values = {"value": where, "limit": geometry.why_not(point)}
@@ -50,6 +51,8 @@ def problem(error: Error, path: str, geometry: GeometryModel) -> Problem:
         return Problem("input.feedrate", path, line, {"value": value})
     if fault == faults.ARC:
         return Problem("input.arc", path, line, {"value": word})
+    if fault == faults.CENTRE:
+        return Problem("input.centre", path, line, {"value": word})
     if fault == faults.RADII:
         return Problem("input.radii", path, line, {"value": value, "limit": limit})
     if fault == faults.CHECKSUM:
@@ -59,3 +62,9 @@ def problem(error: Error, path: str, geometry: GeometryModel) -> Problem:
     if fault == faults.WORD:
         return Problem("input.garbage", path, line, {"value": f"{word!r} is no command"})
     return Problem("input.garbage", path, line, {"value": "it holds bytes that are no text"})
+
+
+def _beyond(axis: str, value: float, limit: float) -> dict[str, str | float]:
+    """Values of a problem, with as many decimals as tell the two apart."""
+    decimals = next((d for d in range(3, 9) if round(value, d) != round(limit, d)), 9)
+    return {"axis": axis, "value": value, "limit": limit, "decimals": decimals}

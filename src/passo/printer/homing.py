@@ -287,7 +287,7 @@ class Homer:
                 lambda: self._all_hit(overshoot) or drive.standing or printer.interrupted
             )
             if not drive.standing:
-                drive.stop()
+                drive.stop(program=False)
                 await drive.until(lambda: drive.standing or bool(printer.halted))
             self._all_hit(overshoot)
         finally:
@@ -333,7 +333,7 @@ class Homer:
         printer, drive = self._printer, self._printer.drive
         await drive.until(lambda: drive.standing or printer.interrupted)
         if not drive.standing:
-            drive.stop()
+            drive.stop(program=False)
             await drive.until(lambda: drive.standing or bool(printer.halted))
 
     def _steps(self, way: _Way) -> float:

@@ -10,7 +10,7 @@ from passo.errors import WordError
 from passo.gcode.dialect import row_of
 
 _WORD = re.compile(r"([A-Z])\s*(?:([-+]?(?:\d+\.?\d*|\.\d+))|(\"[^\"]*\")|(nan)\b)?", re.IGNORECASE)
-_PAIR = re.compile(r"([A-Za-z_][A-Za-z0-9_]*)\s*=\s*(\"[^\"]*\"|\S+)")
+_PAIR = re.compile(r"([^\s=]+)(?:\s*=\s*(\"[^\"]*\"|(?![^\s=]+\s*=)\S+)?)?")
 LARGEST = 1e9  # as in the words of moves
 
 
@@ -50,8 +50,14 @@ class Command(NamedTuple):
         return dict(words_of(self.text))
 
     def pairs(self) -> dict[str, str]:
-        """KEY=VALUE parameters of an extended command, keys in upper case."""
-        return {match[1].upper(): match[2].strip('"') for match in _PAIR.finditer(self.text)}
+        """KEY=VALUE parameters of an extended command, keys in upper case. Raises WordError for a
+        key without a value."""
+        pairs: dict[str, str] = {}
+        for match in _PAIR.finditer(self.text):
+            if match[2] is None:
+                raise WordError.of("input.number", value=match[1][:30])
+            pairs[match[1].upper()] = match[2].strip('"')
+        return pairs
 
 
 def written(value: float) -> str:
