@@ -366,7 +366,8 @@ class Job {
     for (const StepperSpec& s : machine.steppers) {
       if (s.drive != Drive::actuator) continue;
       double q = machine.geometry->inverse(s.index, p);
-      if (q >= s.min - 1e-6 && q <= s.max + 1e-6) continue;
+      double half_step = 0.5 / s.steps_per_unit;  // so far the nearest step may lie beyond
+      if (q >= s.min - half_step && q <= s.max + half_step) continue;
       bool nowhere = !(std::fabs(q) < 1e12);
       error_ = {line,
                 nowhere ? Fault::unreachable : Fault::actuator,

@@ -301,6 +301,11 @@ CATALOGUE: Mapping[str, Entry] = {
     "heat.no-thermistor": _input(
         "heat", "the sensor of {axis} is no thermistor", "Change it in the machine file"
     ),
+    "heat.reads-nothing": _input(
+        "heat",
+        "with these values the thermistor of {axis} tells no temperatures from {limit} C apart",
+        "Send its R25, beta and pull-up resistor as they are",
+    ),
     "heat.unsafe-target": _input(
         "heat",
         "heater {axis} was switched off: {value:g} C is outside of its safe range, {limit} C",

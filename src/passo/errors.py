@@ -114,3 +114,10 @@ class FirmwareError(PassoError):
 
 class CardError(PassoError):
     """A card or a file on it cannot be used as asked."""
+
+
+def in_words(error: Exception) -> PassoError:
+    """What nobody has foreseen, as a fault of the program; else the error itself."""
+    if isinstance(error, PassoError):
+        return error
+    return MachineError.of("machine.program", value=f"{type(error).__name__}: {error}")

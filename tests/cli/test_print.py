@@ -277,6 +277,19 @@ def test_wrong_words_are_usage(capsys):
     capsys.readouterr()
 
 
+@pytest.mark.parametrize(
+    ("words", "limit"),
+    [
+        (["print", "x.gcode"], "virtual, real, or a factor from 0.001 to 1,000,000"),
+        (["serve"], "fast, real, or a factor from 0.001 to 1,000"),
+    ],
+)
+@pytest.mark.parametrize("scale", ["1e-9", "0", "1e9", "nan", "inf"])
+def test_a_clock_keeps_to_what_a_computer_can_wait(capsys, words, limit, scale):
+    assert main([*words, "--clock", scale]) == 2
+    assert f"'{scale}' is not {limit}" in capsys.readouterr().err
+
+
 def test_help_imports_nothing_heavy():
     code = "import sys, passo.cli.main as m; m.main(['--help']); print(sorted(sys.modules))"
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

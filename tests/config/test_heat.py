@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from passo import config
+from passo.config.sensor_tables import sensor_table, share_at
 from passo.config.sensors import SensorTable
 from passo.errors import ConfigError
-from passo.heat.sensors import sensor_table, share_at
 
 HEAD = "max_c = 285.0\n"
 
@@ -32,8 +32,24 @@ def test_defaults(i3_text):
         ("sensor = { kind = 'pt100', gain = 1.0 }", "heaters.hotend.sensor.gain is not a known"),
         (
             "sensor = { kind = 'thermistor', beta_k = 0 }",
-            "sensor.beta_k is 0: expected a number",
+            "sensor.beta_k is 0: expected a number of at least 100",
         ),
+        (
+            "sensor = { kind = 'thermistor', beta_k = 1e9 }",
+            "sensor.beta_k is 1000000000.0: expected a number of at most 20000",
+        ),
+        (
+            "sensor = { kind = 'thermistor', r25_ohm = 0.1 }",
+            "sensor.r25_ohm is 0.1: expected a number of at least 1",
+        ),
+        (
+            "sensor = { kind = 'thermistor', r25_ohm = 1 }",
+            "heaters.hotend.sensor is 'thermistor': expected values with which it tells"
+            " temperatures from 5 to 285 °C apart",
+        ),
+        ("sensor = { kind = 'pt100', pullup_ohm = 1e9 }", "from 5 to 285 °C apart"),
+        ("sensor = { kind = 'pt1000-amplifier' }", "from 5 to 285 °C apart"),
+        ("sensor = { kind = 'table', points = [[300, 1], [400, 0]] }", "from 5 to 285 °C apart"),
         ("control = { kind = 'model', kp = 1.0 }", "heaters.hotend.control.kp is not a known key"),
         ("control = { kind = 'pid', drive_min = 1.0 }", "drive_min is 1.0: expected a share of p"),
         ("on_fault = 'job?'", "on_fault is 'job?': expected one of 'machine', 'job' or 'heater'"),
@@ -98,7 +114,7 @@ def test_a_board_says_what_its_pull_ups_are(i3_text):
         ("{ kind = 'thermistor', beta_k = 4092.0 }", 1000.0),
         ("{ kind = 'thermistor', pullup_ohm = 2200.0 }", 2200.0),
         ("{ kind = 'pt1000' }", 1000.0),
-        ("{ kind = 'pt1000-amplifier' }", 4400.0),
+        ("{ kind = 'pt1000-amplifier', gain = 1.0 }", 4400.0),
     ],
 )
 def test_a_sensor_may_know_better(i3_text, sensor, found):

@@ -118,3 +118,46 @@ def test_it_ends_where_the_board_cannot_be_reached(s, monkeypatch):
     monkeypatch.undo()
     s.host.ok("M999")
     assert not s.printer.halted
+
+
+def test_a_fault_of_the_program_in_it_halts_again(s, monkeypatch):
+    s.host.ok("M104 S50")
+    s.host.ok("M112")
+    s.passes(1)
+    with monkeypatch.context() as patch:
+        patch.setattr(s.printer, "take_setting", lambda *_: 1 / 0)
+        heard = s.host.ok("M999")
+    assert heard[0].startswith("Error:a fault of the program, ZeroDivisionError: division by zero.")
+    assert heard[0].endswith("Then send M999 again")
+    assert "a fault of the program" in heard[1]
+    assert s.host.ok("G28")[0].startswith("echo:Printer stopped: a fault of the program")
+    s.passes(5)
+    assert s.printer.halted
+    s.host.ok("M999")
+    assert not s.printer.halted
+    assert s.host.ok("G28", 60) == ["ok"]
+
+
+@pytest.mark.parametrize("line", ["M290 Z0.03", "M220 S50"])
+def test_what_changes_the_plan_does_not_act_while_it_is_halted(s, line):
+    s.host.ok("G28", 60)
+    s.host.send("G28 X")
+    s.passes(0.5)
+    s.host.send(line, "M112")
+    s.host.expect("Printer stopped: emergency stop by M112", 3)
+    assert s.printer.motion.babysteps_mm["z"] == 0
+    assert s.printer.job.speed_factor == 1
+    assert s.host.ok("M410") == ["ok"]
+    s.host.ok("M999")
+    assert s.host.ok("G28", 60) == ["ok"]
+
+
+@pytest.mark.parametrize("seconds", [0.05, 0.5, 1.0, 2.0])
+def test_a_stop_of_a_halted_printer_is_answered_and_does_nothing(s, monkeypatch, seconds):
+    s.host.send("G28")
+    s.passes(seconds)
+    s.host.send("M112")
+    s.passes(0.1)
+    monkeypatch.setattr(s.printer.drive, "stop", lambda: 1 / 0)
+    assert s.host.ok("M410")[-1] == "ok"
+    assert s.printer.halted == "emergency stop by M112"

@@ -269,6 +269,26 @@ def test_tool_offsets_move_the_zero(tmp_path):
         assert "M218 T1 X12 Y0 Z0" in s.host.ok("M218")
 
 
+@pytest.mark.parametrize(("machine", "word"), [("dual-extruder", "T0 "), ("i3", "")])
+def test_an_offset_of_the_first_tool_is_told_kept_and_taken_back(machine, word, tmp_path):
+    with Scenario(machine, state=str(tmp_path)) as s:
+        s.host.ok(f"M218 {word}X5")
+        assert s.host.ok("M218")[0] == "M218 T0 X5 Y0 Z0"
+        assert "M218 T0 X5 Y0 Z0" in s.host.ok("M503 S0")
+        s.host.ok("M500")
+    with Scenario(machine, state=str(tmp_path)) as s:
+        assert s.host.ok("M218")[0] == "M218 T0 X5 Y0 Z0"
+        s.host.ok("G28", 60)
+        s.host.ok("G1 X10 F6000")
+        s.host.ok("M400")
+        assert s.positions()["x"] == pytest.approx(15, abs=0.01)
+        s.host.ok("M502")
+        assert s.host.ok("M218")[0] == "M218 T0 X0 Y0 Z0"
+        s.host.ok("G1 X20")
+        s.host.ok("M400")
+        assert s.positions()["x"] == pytest.approx(20, abs=0.01)
+
+
 def test_babysteps_shift_the_moves_that_follow(s):
     s.host.ok("G28", 60)
     s.host.ok("G1 Z5 F600")

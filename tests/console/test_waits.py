@@ -118,6 +118,48 @@ def test_a_fault_of_the_program_halts_and_costs_no_ok(s, monkeypatch, line, plac
     assert s.host.ok("G28", 60)[-1] == "ok"
 
 
+@pytest.mark.parametrize("again", [False, True], ids=["once", "in each pass"])
+@pytest.mark.parametrize("line", ["G1 X60 F6000", "G28", "M109 S50", "M118 nothing"])
+def test_a_fault_as_time_passes_halts(s, line, again):
+    faulty = [True]
+
+    def watch():
+        if faulty[0]:
+            faulty[0] = again
+            broken()
+
+    s.host.ok("M140 S60")
+    s.passes(1)
+    assert s.board.output_value("bed") > 0
+    s.host.send(line)
+    s.printer.watchers.append(watch)
+    s.host.expect("^Error:Printer halted: a fault of the program", 3)
+    s.passes(0.5)
+    assert FAULT in s.printer.halted
+    assert len(oks(s.host)) == 3  # G92, M140, and this line
+    assert not s.printer.turn.taken
+    assert s.printer.connection.heaters["bed"].target == 0
+    assert s.board.output_value("bed") == 0
+    faulty[0] = False
+    s.host.ok("M999")
+    assert s.host.ok("G28", 60)[-1] == "ok"
+
+
+def test_a_fault_in_what_is_waited_for_halts(s, monkeypatch):
+    s.host.send("M109 S200")
+    s.passes(1)
+    s.host._read = len(s.host.heard)
+    heater = type(s.printer.connection.heaters["hotend"])
+    monkeypatch.setattr(heater, "reached", property(lambda _: broken()), raising=True)
+    s.host.expect(FAULT, 3)
+    s.host.expect("^ok", 1)
+    s.host.expect("^Error:Printer halted: a fault of the program", 1)
+    assert s.printer.connection.heaters["hotend"].target == 0
+    monkeypatch.undo()
+    s.host.ok("M999")
+    assert not s.printer.halted
+
+
 def test_a_fault_behind_a_full_plan_gives_the_turn(s, monkeypatch):
     s.host.ok("G1 X100 F600")
     s.host.send("G1 X120", "M118 after")

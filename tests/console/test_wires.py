@@ -377,7 +377,7 @@ async def test_a_client_that_sends_no_line_end_takes_no_memory(s):
         (["--tcp-clients", "0"], "'0' is no number of clients from 1 to 65535"),
         (["--tcp-clients", "-1"], "'-1' is no number of clients"),
         (["--state", "{file}"], "/file is no folder"),
-        (["--clock", "soon"], "'soon' is not real, fast, or a factor above 0"),
+        (["--clock", "soon"], "'soon' is not fast, real, or a factor from 0.001"),
     ],
 )
 def test_what_cannot_be_opened_is_said_in_a_sentence(

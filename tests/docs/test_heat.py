@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 
 from passo import config
+from passo.config.sensor_tables import sensor_table, share_at
 from passo.config.sensors import CONVERTERS, PlatinumConverter, Thermistor, UniversalConverter
 from passo.heat.control import limits_of
 from passo.heat.rules import RULES
-from passo.heat.sensors import sensor_table, share_at
 
 PAGE = (Path(__file__).parents[2] / "docs" / "heat.md").read_text(encoding="utf-8")
 

@@ -1,6 +1,6 @@
 """What a sensor's table says, the other way round."""
 
-from passo.heat.sensors import Table, share_at
+from passo.config.sensor_tables import Table, share_at
 
 
 def celsius_at(table: Table, share: float) -> float:

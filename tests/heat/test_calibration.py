@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from passo.config.thermistor import Ntc
 from passo.heat.calibration import Point, by_averages, by_least_squares
-from passo.heat.thermistor import Ntc
 
 NTC = Ntc(100_000.0, 3950.0)
 POINTS = [Point(180, 169), Point(200, 177), Point(220, 194), Point(240, 208)]

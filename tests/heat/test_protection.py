@@ -7,7 +7,7 @@ from tests.heat.oven import Oven
 
 from passo import _core
 from passo.board.faults import FaultKind
-from passo.heat.sensors import share_at
+from passo.config.sensor_tables import share_at
 
 MODEL = "model = { rise_c = 380.0, fan_loss = 0.3, time_constant_s = 120.0 }"
 NO_MODEL = "protection = { deviation = 0.0 }"

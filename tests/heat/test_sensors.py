@@ -6,6 +6,8 @@ import pytest
 from tests.heat.oven import Oven
 from tests.heat.tables import celsius_at
 
+from passo.config import platinum
+from passo.config.sensor_tables import open_is_high, sensor_table, share_at
 from passo.config.sensors import (
     Platinum,
     PlatinumAmplifier,
@@ -13,8 +15,6 @@ from passo.config.sensors import (
     Thermistor,
     ThermocoupleAmplifier,
 )
-from passo.heat import platinum
-from passo.heat.sensors import open_is_high, sensor_table, share_at
 from passo.printer.wiring import sensor_of
 
 

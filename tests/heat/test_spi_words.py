@@ -6,8 +6,8 @@ import pytest
 from tests.heat.tables import celsius_at
 
 from passo import _core
+from passo.config.sensor_tables import Table, converter_setup, sensor_table
 from passo.config.sensors import PlatinumConverter, UniversalConverter
-from passo.heat.sensors import Table, converter_setup, sensor_table
 
 MAX31855, MAX6675 = _core.Converter.MAX31855, _core.Converter.MAX6675
 MAX31856, MAX31865 = _core.Converter.MAX31856, _core.Converter.MAX31865

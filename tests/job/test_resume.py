@@ -59,6 +59,32 @@ def test_babysteps_of_a_console_are_not_forgotten(places):
     assert end["x"] == pytest.approx(10.0 - 0.5, abs=0.02)
 
 
+@pytest.mark.parametrize("pause", [("M25", "M24"), ("M25", "G28", "M24"), ("M25", "G28 Z", "M24")])
+def test_babysteps_of_what_stands_aside_outlast_homing(places, pause):
+    left = left_after(places, "M290 Z0.3", *pause)
+    assert recorded(places)[1].babysteps_mm == {"z": 0.3}
+    assert gone_on(places, left)["z"] == pytest.approx(1.6 + 0.3, abs=0.01)
+
+
+def test_babysteps_before_and_behind_homing_in_a_pause_add_up(places):
+    left = left_after(places, "M290 Z0.3", "M25", "G28 Z", "M290 Z0.2", "M24")
+    assert recorded(places)[1].babysteps_mm == {"z": 0.5}
+    assert gone_on(places, left)["z"] == pytest.approx(1.6 + 0.5, abs=0.01)
+
+
+def test_babysteps_of_a_print_that_was_given_up_are_gone_with_it(places):
+    with Scenario("i3", **places) as s:
+        s.host.ok("M32 wall.gcode")
+        assert s.until(lambda: s.positions()["e"] > 6.5, 200)
+        s.host.ok("M290 Z0.3")
+        s.host.ok("M25")
+        s.passes(3)
+        s.host.ok("G28", 60)
+        assert s.printer.motion.program_babysteps_mm()["z"] == 0.3
+        s.host.ok("M524")
+        assert s.printer.motion.program_babysteps_mm()["z"] == 0
+
+
 def test_babysteps_end_where_the_axis_is_homed(places):
     with Scenario("i3", **places) as s:
         s.host.ok("G28", 60)

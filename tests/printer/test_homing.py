@@ -391,3 +391,14 @@ def test_an_axis_that_was_stopped_on_its_way_is_where_it_went(axis, mm, stop):
             {"x": 120, "z": 102}[axis] + moved, abs=0.002
         )
         assert s.printer.job.locked_axes == ["xyz".index(axis)]
+
+
+def test_from_home_a_delta_reaches_what_lies_a_part_of_a_step_beyond():
+    with Scenario("delta") as s:
+        s.host.ok("G28", 60)
+        # On this straight line a carriage rises by 4 µm first; its step is 11 µm.
+        assert s.host.ok("G1 X40 Y0 Z160 F6000") == ["ok"]
+        s.host.ok("M400")
+        assert s.printer.job.machine_position[:3] == pytest.approx([40, 0, 160])
+        s.host.ok("G28", 60)
+        assert "beyond its limit of 318.000" in s.host.ok("G1 X40 Y0 Z160.5 F6000")[0]

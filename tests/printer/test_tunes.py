@@ -194,6 +194,36 @@ def test_a_thermistor_can_be_changed_while_it_runs():
         assert s.printer.connection.heaters["hotend"].celsius < 190
         assert "B4267" in s.host.ok("M305 H0")[0]
         wrong = s.host.ok("M305 H0 A90000 B-3")[0]
-        assert wrong.startswith("echo:B is -3: expected a number greater than 0")
+        assert wrong.startswith("echo:B is -3: expected a number of at least 100")
         assert "A100000 B4267" in s.host.ok("M305 H0")[0]
         assert s.host.ok("M306 H0")[0] == "M306 H0 L5 O285 C255 U1 T1"
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        ("A0.1", "A is 0.1: expected a number of at least 1"),
+        ("R0.001", "R is 0.001: expected a number of at least 1"),
+        ("B999999999", "B is 1e+09: expected a number of at most 20000"),
+        ("A1", "the thermistor of hotend tells no temperatures from 5 to 285 C apart"),
+    ],
+)
+def test_a_thermistor_that_cannot_be_is_refused_and_not_kept(words, says):
+    with Scenario("i3") as s:
+        before = s.host.ok("M305 H0")
+        assert says in s.host.ok(f"M305 H0 {words}")[0]
+        assert s.host.ok("M305 H0") == before
+        s.host.ok("M112")
+        s.passes(1)
+        s.host.ok("M999")
+        assert not s.printer.halted
+        assert s.host.ok("M305 H0") == before
+
+
+@pytest.mark.parametrize("heater", ["E0", "H-1"])
+def test_a_tune_without_heat_is_refused_with_a_reason(heater):
+    with Scenario("i3") as s:
+        assert s.host.ok(f"M303 {heater} S-5") == [
+            "echo:S is -5: expected more than 5 C. Send the command with such a value.",
+            "ok",
+        ]

@@ -10,8 +10,8 @@ from passo.cli.machine_option import add_machine
 from passo.errors import ConfigError, ExitStatus, InputError
 
 if TYPE_CHECKING:
+    from passo.config.thermistor import Ntc
     from passo.heat.calibration import Point
-    from passo.heat.thermistor import Ntc
 
 _ROUNDS_C = (20, 10, 5)
 _START_C, _END_C = 160, 240  # PTFE in a hotend does not last above
@@ -57,8 +57,8 @@ def run(arguments: argparse.Namespace) -> int:
 def _thermistor(arguments: argparse.Namespace) -> Ntc:
     from passo import config
     from passo.config.findings import did_you_mean
+    from passo.config.thermistor import Ntc
     from passo.heat.calibration import LEAST_BETA_K, MOST_BETA_K
-    from passo.heat.thermistor import Ntc
 
     machine = config.load(arguments.machine)
     heater = machine.heaters.get(arguments.heater)

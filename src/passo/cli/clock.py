@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 import time
 
+_LEAST = 1e-3  # hours of print time are then weeks; years are more than a computer can wait
+
 
 def add_clock(parser: argparse.ArgumentParser) -> None:
     """`--clock virtual|real|SCALE`."""
@@ -19,17 +21,20 @@ def add_clock(parser: argparse.ArgumentParser) -> None:
 
 def _scale(text: str) -> float | None:
     """None for virtual time, else print seconds by real second."""
-    if text == "virtual":
-        return None
-    if text == "real":
-        return 1.0
+    return None if text == "virtual" else factor(text, "virtual", 1e6)
+
+
+def factor(text: str, other: str, most: float) -> float:
+    """`real`, or so many times as fast, up to `most`; `other` is the third word that is possible.
+    Raises ArgumentTypeError."""
     try:
-        scale = float(text)
+        times = 1.0 if text == "real" else float(text)
     except ValueError:
-        scale = 0.0
-    if not 0 < scale <= 1e6:
-        raise argparse.ArgumentTypeError(f"{text!r} is not virtual, real, or a factor above 0")
-    return scale
+        times = 0.0
+    if not _LEAST <= times <= most:
+        limit = f"{other}, real, or a factor from {_LEAST:g} to {most:,.0f}"
+        raise argparse.ArgumentTypeError(f"{text!r} is not {limit}")
+    return times
 
 
 class Pace:

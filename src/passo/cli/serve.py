@@ -9,6 +9,7 @@ import signal
 import sys
 from pathlib import Path
 
+from passo.cli.clock import factor
 from passo.cli.machine_option import add_machine
 from passo.errors import ExitStatus
 
@@ -78,15 +79,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _clock(text: str) -> float | None:
     """None for fast, else the scale of time."""
-    if text == "fast":
-        return None
-    try:
-        scale = 1.0 if text == "real" else float(text)
-    except ValueError:
-        scale = 0.0
-    if not 0 < scale <= 1000:
-        raise argparse.ArgumentTypeError(f"{text!r} is not real, fast, or a factor above 0")
-    return scale
+    return None if text == "fast" else factor(text, "fast", 1000)
 
 
 def _path(text: str) -> str:

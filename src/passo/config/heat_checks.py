@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from passo.config.findings import Finding, array, did_you_mean, number, table, tables
 from passo.config.places import placed, section
+from passo.config.sensor_tables import reads_within, sensor_table
+
+if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
 
 Raw = Mapping[str, Any]
 
@@ -78,6 +82,17 @@ def check_pulses(data: Raw) -> Iterator[Finding]:
             if clock_hz is not None and wanted * _LEAST_CYCLE_TICKS > clock_hz:
                 limit = f"at most {clock_hz / _LEAST_CYCLE_TICKS:g} Hz at this board's clock"
                 yield Finding("config.value", (part, name, "pwm_hz"), wanted, limit)
+
+
+def check_sensors(machine: MachineConfig) -> Iterator[Finding]:
+    """Each heater's sensor, with its resistors, reads something where the heater may be."""
+    for name, heater in machine.heaters.items():
+        if not reads_within(sensor_table(heater.sensor), heater.min_c, heater.max_c):
+            limit = (
+                f"values with which it tells temperatures from {heater.min_c:g} to"
+                f" {heater.max_c:g} °C apart"
+            )
+            yield Finding("config.value", ("heaters", name, "sensor"), heater.sensor.kind, limit)
 
 
 def _check_points(path: tuple[str, ...], sensor: Raw) -> Iterator[Finding]:

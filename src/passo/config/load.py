@@ -14,6 +14,7 @@ from pydantic import ValidationError
 from passo.config.board_files import Source, put_boards
 from passo.config.checks import check_all
 from passo.config.findings import Finding, did_you_mean, key_text, table
+from passo.config.heat_checks import check_sensors
 from passo.config.home_checks import check_home, check_park, check_scales
 from passo.config.kinds import KINDS
 from passo.config.lines import Path, key_lines, line_of
@@ -105,6 +106,7 @@ def _machine(text: str, file: str) -> MachineConfig:
     if machine is not None and not findings:
         machine = machine.facing_its_middle()
         findings += [*check_home(machine), *check_park(machine), *check_scales(machine)]
+        findings += check_sensors(machine)
     if findings or machine is None:
         raise ConfigError(_problems(findings, text, file, sources))
     return machine

@@ -9,6 +9,7 @@ from pydantic import Field
 from passo.config.base import Model, Pair, Pin, Positive
 
 _Offset = Annotated[float, Field(ge=-64, le=64)]
+_Ohm = Annotated[float, Field(ge=1, le=1e9)]
 
 
 class Thermistor(Model):
@@ -17,10 +18,10 @@ class Thermistor(Model):
     ends of the ADC, in pairs of steps of 1/1024 of full scale (L and O of M305)."""
 
     kind: Literal["thermistor"] = "thermistor"
-    r25_ohm: Positive = 100_000.0
-    beta_k: Positive = 3950.0
+    r25_ohm: _Ohm = 100_000.0
+    beta_k: Annotated[float, Field(ge=100, le=20_000)] = 3950.0
     c_per_k: Annotated[float, Field(ge=0, le=1e-5)] = 0.0
-    pullup_ohm: Positive = 4700.0
+    pullup_ohm: _Ohm = 4700.0
     adc_offset_low: _Offset = 0.0
     adc_offset_high: _Offset = 0.0
 

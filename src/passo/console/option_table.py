@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, NamedTuple
 from passo import _core
 from passo.board.configuration import SENSOR_PERIOD_S
 from passo.board.description import inverted
+from passo.config import platinum
+from passo.config.sensor_tables import sensor_table
 from passo.config.sensors import Platinum, PlatinumAmplifier, Thermistor
-from passo.heat import platinum
 from passo.heat.rules import M301_FULL_POWER
-from passo.heat.sensors import sensor_table
 from passo.printer.homing import SLOW_OVERRUN
 
 if TYPE_CHECKING:

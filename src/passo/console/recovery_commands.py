@@ -149,7 +149,7 @@ class RecoveryCommands:
             round(z_mm, 6),
             {n: h.target for n, h in printer.connection.heaters.items()},
             self._overrides.held,
-            {axis: mm for axis, mm in printer.motion.babysteps_mm.items() if mm},
+            {axis: mm for axis, mm in printer.motion.program_babysteps_mm().items() if mm},
             printer.positions.origins(),
         )
 

@@ -12,7 +12,7 @@ from passo.console.in_hand import Heard, InHand
 from passo.console.protocol import Line, LineProtocol, Refusal
 from passo.console.timers import Timers
 from passo.console.upload import Upload
-from passo.errors import MachineError, PassoError
+from passo.errors import PassoError, in_words
 from passo.printer.drive import MOST_QUEUED
 from passo.printer.printer import Printer
 from passo.printer.waits import Stopped, Wait
@@ -315,8 +315,7 @@ class Session:
         """A line that failed. After a fault of the program nobody knows what holds: all goes off,
         and the host still gets its `ok`."""
         if not isinstance(error, (Stopped, PassoError)):
-            fault = f"{type(error).__name__}: {error}"
-            error = MachineError.of("machine.program", value=fault)
+            error = in_words(error)
             self._printer.halt(str(error))
         self.fail(str(error))
 
@@ -357,7 +356,7 @@ class Session:
         return True
 
     def _halted(self, code: str) -> bool:
-        if self._printer.halted and code not in self._printer.immediate:
+        if self._printer.halted and not self._printer.answers_halted(code):
             self.fail(f"Printer stopped: {self._printer.halted}. Make it safe, then send M999")
             return True
         return False

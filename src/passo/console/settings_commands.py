@@ -38,7 +38,7 @@ class SettingsCommands:
         yield "Acceleration (units/s2)", [motion.acceleration_line()]
         yield "Corners", motion.junction_lines()
         yield "Home offset", [motion.home_offset_line()]
-        if len(job.tool_offsets) > 1:
+        if job.tool_offsets:
             yield "Tool offsets", list(motion.tool_offset_lines())
         controls = self._printer.controls
         yield "Heater sensors", list(controls.sensor_lines())

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import sqrt
 
-from passo.heat.thermistor import Ntc
+from passo.config.thermistor import Ntc
 
 LEAST_BETA_K, MOST_BETA_K = 1000.0, 10_000.0
 _INVERSE_GOLDEN = (sqrt(5) - 1) / 2

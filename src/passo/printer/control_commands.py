@@ -10,6 +10,7 @@ from pydantic import BaseModel, ValidationError
 from passo import _core
 from passo.config.heat import HeatModel
 from passo.config.model_findings import expected
+from passo.config.sensor_tables import reads_within, sensor_table
 from passo.config.sensors import Thermistor
 from passo.errors import CommandError
 from passo.heat.rules import M301_FULL_POWER, Gains
@@ -176,9 +177,12 @@ class ControlCommands:
                 reply.say(line)
             return None
         new = _with_words(Thermistor, sensor.model_dump(), _SENSOR_KEYS, given)
-        self.sensors[name] = new
         config = self._machine.heaters[name].model_copy(update={"sensor": new})
+        if not reads_within(sensor_table(new), config.min_c, config.max_c):
+            limit = f"{config.min_c:g} to {config.max_c:g}"
+            raise CommandError.of("heat.reads-nothing", axis=name, limit=limit)
         self._printer.connection.set_sensor(name, sensor_of(self._machine, name, config))
+        self.sensors[name] = new
         return None
 
     def sensor_lines(self, *names: str) -> Iterator[str]:

@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from passo._core import Within
+from passo.errors import MachineError
 from passo.printer.slots import SLOTS
 
 if TYPE_CHECKING:
@@ -284,6 +285,13 @@ class Drive:
         """Lets time pass on the board, and no more. Raises MachineError."""
         self._run(self.now)
 
+    async def hear_stop(self) -> None:
+        """Lets time pass on the board, and no more, until it has told that it stopped: raises the
+        MachineError of that."""
+        while True:
+            self._run(self.now + int(TICK_S * self.hz))
+            await asyncio.sleep(TICK_S)
+
     async def catch_up(self) -> None:
         """Waits where questions have let the time of simulated boards run ahead of the loop's."""
         while (ahead := self._connection.now - self.base - self.now) > 0:
@@ -344,10 +352,16 @@ class Drive:
             self._stop_clock = job.clock
 
     def end_waits(self) -> None:
-        """Ends the waits whose conditions hold."""
+        """Ends the waits whose conditions hold. A fault of the program in one is that wait's own.
+        Raises MachineError."""
         for condition, future in list(self._waiting):
-            if not future.done() and condition():
-                future.set_result(None)
+            try:
+                if not future.done() and condition():
+                    future.set_result(None)
+            except MachineError:
+                raise
+            except Exception as error:
+                future.set_exception(error)
 
 
 async def either(event: asyncio.Event, timeout: float | None) -> None:

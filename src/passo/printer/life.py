@@ -1,4 +1,4 @@
-"""How a printer lives on: a board that fails halts it, and M999 begins anew."""
+"""How a printer lives on: a board that fails, or the program, halts it, and M999 begins anew."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from passo.board.connection import PlaceLostError
 from passo.board.ports import LinkLostError
-from passo.errors import MachineError
+from passo.errors import MachineError, in_words
 from passo.printer.drive import TICK_S
 from passo.printer.reconnection import reconnect
 from passo.printer.stopping import stop_boards
@@ -55,15 +55,14 @@ class Life:
         printer = self._printer
         while True:
             try:
-                await printer.drive.run()
-            except MachineError as error:
-                printer.lateness.board_failed()
+                await self._drive()
+            except Exception as error:
                 failure = await self._reconnect(error)
                 if failure is None:
                     continue
                 displaced = not printer.halted and isinstance(failure, PlaceLostError)
                 self._warm = displaced
-                printer.halted = printer.halted or str(failure).rstrip(".")
+                printer.halted = printer.halted or str(in_words(failure)).rstrip(".")
                 if displaced:
                     self._pause()
                 else:
@@ -76,7 +75,20 @@ class Life:
                 finally:
                     printer.turn.give()
 
-    async def _reconnect(self, error: MachineError) -> MachineError | None:
+    async def _drive(self) -> None:
+        """Lets time pass until the board fails. After a fault of the program, which halts the
+        printer, too, the board is well: it tells that it has stopped."""
+        printer = self._printer
+        try:
+            await printer.drive.run()
+        except MachineError:
+            printer.lateness.board_failed()
+            raise
+        except Exception as error:
+            printer.halt(str(in_words(error)))
+            await printer.drive.hear_stop()
+
+    async def _reconnect(self, error: Exception) -> Exception | None:
         """After a lost link goes on where the board has stopped by itself; else what halts it."""
         printer = self._printer
         if printer.halted or not isinstance(error, LinkLostError):
@@ -86,7 +98,7 @@ class Life:
             return error
         try:
             await reconnect(printer, error)
-        except MachineError as failure:
+        except Exception as failure:
             return failure
         return None
 
@@ -138,9 +150,13 @@ class Life:
                 self._begin_anew()
                 for heater, celsius in warm.items():
                     self._printer.connection.set_target(heater, celsius)
-            except MachineError as error:
+            except Exception as error:
                 warm = {}
-                self._printer.tell(f"Error:{error} Then send M999 again")
+                failure = in_words(error)
+                if not self._printer.halted:  # the board is well, but not what came after it
+                    self._printer.halted = str(failure).rstrip(".")
+                    self._make_safe()
+                self._printer.tell(f"Error:{failure} Then send M999 again")
                 self._answer()
                 self._make_safe()
                 await self._until_revived()
@@ -153,9 +169,9 @@ class Life:
         for listener in printer.stop_listeners:
             listener(printer.halted)
         printer.motors.forget()
-        printer.motion.homed("xyz")
         lines = list(printer.settings())
         printer.begin(reconnected(printer.connection))
+        printer.motion.homed("xyz")
         printer.endstops.begin()
         printer.halted = ""
         for line in lines:

@@ -28,6 +28,7 @@ class MotionCommands:
         homed = [a for a in self._axes if not self._machine.axes[a].extruder]
         self.home_offset_mm = dict.fromkeys(homed, 0.0)
         self.babysteps_mm = dict.fromkeys("xyz", 0.0)  # live ones, since the axis was homed
+        self._aside_mm = dict.fromkeys("xyz", 0.0)  # those that only what stands aside still has
         self.immediate: dict[str, Handler] = {
             "M220": lambda c, r: self._speed(c, r, live=True),
             "M221": lambda c, r: self._flow(c, r, live=True),
@@ -281,10 +282,9 @@ class MotionCommands:
         return tool, {letter: value for letter, value in words.items() if letter in "XYZ"}
 
     def tool_offset_lines(self) -> Iterator[str]:
-        """M218 for each tool but the first."""
+        """M218 for each tool."""
         for tool, (x, y, z) in enumerate(self._printer.job.tool_offsets):
-            if tool > 0:
-                yield f"M218 T{tool} X{x:.10g} Y{y:.10g} Z{z:.10g}"
+            yield f"M218 T{tool} X{x:.10g} Y{y:.10g} Z{z:.10g}"
 
     def _flow(self, command: Command, reply: Reply, *, live: bool) -> Wait | None:
         found = self._printer.commands.flow(command)
@@ -309,10 +309,28 @@ class MotionCommands:
         return None
 
     def homed(self, axes: Iterable[str]) -> None:
-        """These axes are at home: how far they were shifted means nothing any more."""
+        """These axes are at home: how far they were shifted means nothing any more, but to what
+        stands aside."""
         axes = list(axes)
         self._printer.positions.trust(axes)
-        self.babysteps_mm |= {axis: 0.0 for axis in axes if axis in self.babysteps_mm}
+        for axis in axes:
+            if axis in self.babysteps_mm:
+                self._aside_mm[axis] += self.babysteps_mm[axis]
+                self.babysteps_mm[axis] = 0.0
+
+    def put_aside(self) -> None:
+        """What is left of the program stands aside from now on, with its babysteps."""
+        self._aside_mm = dict.fromkeys("xyz", 0.0)
+
+    def take_back(self) -> None:
+        """What stood aside goes on, with its babysteps."""
+        self.babysteps_mm = self.program_babysteps_mm()
+
+    def program_babysteps_mm(self) -> dict[str, float]:
+        """Babysteps of the program, mm by axis, also while it stands aside."""
+        if not self._printer.job.suspended:
+            return dict(self.babysteps_mm)
+        return {axis: mm + self._aside_mm[axis] for axis, mm in self.babysteps_mm.items()}
 
     # -- overrides --------------------------------------------------------------------------------
 

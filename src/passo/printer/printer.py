@@ -297,7 +297,10 @@ class Printer:
 
     def stop_all(self, reason: str) -> None:
         """M410: brakes to a stop on the path and forgets all moves that were planned. A print that
-        moves the machine ends: what is left of it would not follow on."""
+        moves the machine ends: what is left of it would not follow on. A halted machine has stopped
+        already."""
+        if self.halted:
+            return
         self.stop()
         for listener in self.stop_listeners:
             listener(reason)
@@ -343,6 +346,7 @@ class Printer:
         """Brakes to a stop on the path and puts what is left aside: other moves may come first."""
         self.drive.hold()
         self.job.suspend()
+        self.motion.put_aside()
         self._stopped_tool = self.job.tool
         self.commands.follow_tool()
 
@@ -354,6 +358,7 @@ class Printer:
     def resume_job(self) -> None:
         """Goes on with what was suspended, the machine being back at its stop position."""
         self.drive.before_moves()
+        self.motion.take_back()
         self.job.resume()
         self.commands.follow_tool()
         self.drive.after_moves()
@@ -377,6 +382,10 @@ class Printer:
             return False
         # Beside a print the plan is always full: a line comes behind what is planned.
         return self.job.queued <= MOST_QUEUED if self.busy() else not self.drive.full
+
+    def answers_halted(self, code: str) -> bool:
+        """A halted printer carries such a command out: it acts at once, and not on the plan."""
+        return code in self.immediate and code not in self.motion.immediate
 
     def beside(self, reply: Reply) -> bool:
         """Who asks is not the one whose moves are planned: a console beside a print from the card,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from passo import _core
+from passo.errors import CommandError
 from passo.heat.relay_tune import RelayTune, TuneError
 from passo.heat.rules import Gains
 from passo.heat.step_tune import StepTune
@@ -33,6 +34,8 @@ class TuneCommands:
         number = self._controls.number_of(name)
         label = f"Hotend:{number}" if number >= 0 else config.kind.upper()
         target = words.get("S", _USUAL_C[config.kind])
+        if target <= (least := max(config.min_c, 0.0)):
+            raise CommandError.bad_value("S", target, f"more than {least:g} C")
         tune: RelayTune | StepTune
         board = self._printer.connection.connection_of("heaters", name).board
         hz = float(board.clock_hz)

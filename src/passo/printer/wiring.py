@@ -20,8 +20,14 @@ from passo.board.description import (
 )
 from passo.board.ports import Port, in_process, serial_port, tcp_port
 from passo.config.places import MAIN, named_on, placed
+from passo.config.sensor_tables import (
+    converter_of,
+    converter_setup,
+    open_is_high,
+    sensor_table,
+    share_at,
+)
 from passo.heat.control import control_of, limits_of, model_of
-from passo.heat.sensors import converter_of, converter_setup, open_is_high, sensor_table, share_at
 from passo.printer.beeper import most_ticks
 from passo.printer.driver_wiring import (
     converter_wires,

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from passo import _core
+from passo.config import platinum
 from passo.config.sensors import (
     AnySensor,
     Converter,
@@ -19,8 +20,7 @@ from passo.config.sensors import (
     ThermocoupleAmplifier,
     UniversalConverter,
 )
-from passo.heat import platinum
-from passo.heat.thermistor import Divider, Ntc
+from passo.config.thermistor import Divider, Ntc
 
 Table: TypeAlias = tuple[tuple[float, float], ...]
 
@@ -48,7 +48,7 @@ def sensor_table(sensor: AnySensor) -> Table:
     """(°C, share of the ADC's full scale) by ascending °C, the share strictly rising or falling.
 
     Beyond its ends the sensor is broken. Rounded to 1e-9, so that the table is the same on every
-    computer.
+    computer. Empty where resistors do not fit the sensor at all.
     """
     if isinstance(sensor, Thermistor):
         ntc = Ntc(sensor.r25_ohm, sensor.beta_k, sensor.c_per_k)
@@ -129,6 +129,12 @@ def _rows(celsius: Iterable[int], share: Callable[[float], float]) -> Table:
     """The rows that an ADC can tell from an open or a shorted cable."""
     rows = [(float(t), round(share(t), 9)) for t in celsius]
     return tuple(row for row in rows if _LEAST_SHARE <= row[1] <= _MOST_SHARE)
+
+
+def reads_within(table: Table, min_c: float, max_c: float) -> bool:
+    """Whether a sensor of this table tells temperatures of this range apart."""
+    apart = all(a[1] != b[1] for a, b in itertools.pairwise(table))
+    return len(table) > 1 and table[0][0] < max_c and min_c < table[-1][0] and apart
 
 
 def share_at(table: Table, celsius: float) -> float:

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from passo.heat.thermistor import Divider, Ntc
+from passo.config.thermistor import Divider, Ntc
 
 BETAS = (3950.0, 4092.0, 4436.0)
 # R25 100 kΩ under 4.7 kΩ: raw of 10 bits, Ω, °C for each β.
