@@ -3,6 +3,8 @@
 import pytest
 from tests.console.scenario import Host, Scenario
 
+from passo import config
+
 LOST = "axis X does not know where it is"
 
 
@@ -70,3 +72,29 @@ def test_m84_m24_and_g28_in_one_burst(tmp_path):
         s.passes(40)
         s.host.ok("M24")
         goes_on(s, 50, 54.95, 5)
+
+
+def test_a_heater_that_fails_on_the_way_is_waited_for_again(tmp_path):
+    """A sensor that breaks while the new filament's temperature is waited for."""
+    mild = 'max_c = 285.0\non_fault = "heater"\n'
+    text = config.shipped_text("i3").replace("max_c = 285.0\n", mild, 1)
+    program = "G92 X20 Y20 Z20\nM302 P1\nG1 X50 F6000\nM600 S100 U20 L20\nG1 X60\n"
+    (tmp_path / "a.g").write_text(program)
+    with Scenario(config.load_text(text), card=str(tmp_path)) as s:
+        s.host.ok("M32 a.g")
+        s.passes(20)
+        low = s.positions()
+        s.host.ok("M24")
+        s.passes(2)
+        s.board.force_sensor("hotend", 0.0)
+        s.host.expect("Print of a.g stays paused: heater hotend was switched off", 10)
+        s.passes(10)
+        assert s.positions() == low
+        s.board.force_sensor("hotend", None)
+        s.passes(2)
+        s.host.ok("M922")
+        s.host.ok("M24")
+        s.host.expect("^Done printing file$", 120)
+        assert s.printer.connection.heaters["hotend"].celsius > 95
+        way = {name: s.positions()[name] - low[name] for name in "xe"}
+        assert way == pytest.approx({"x": 10.0, "e": 22.0}, abs=0.02)
