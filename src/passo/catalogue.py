@@ -277,6 +277,11 @@ CATALOGUE: Mapping[str, Entry] = {
         "the board is stopped and tells nothing: {value}",
         "Make the printer safe, then send M999",
     ),
+    "command.aside": _input(
+        "command",
+        "{value} changes scales, in which the moves of the paused print are counted",
+        "Go on (M24) or cancel (M524), then send the command again",
+    ),
     "command.value": _input(
         "command", "{axis} is {value}: expected {limit}", "Send the command with such a value"
     ),

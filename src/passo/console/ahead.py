@@ -51,20 +51,27 @@ class Ahead:
         return self._resumed.popleft()
 
     def _resume(self) -> bool:
-        """Ends the pause of a print that a host sends, or a wait for a person, if there is one."""
+        """Ends a wait for a person, which a host's pause is too. True if there is no more to do,
+        as where such a pause is about to end; a paused file is still to go on."""
         printer = self._printer
-        paused = printer.job.suspended and printer.waits.busy and not printer.busy()
-        if paused or printer.waits.person:
+        awaited = printer.person.awaited
+        if awaited:
             printer.go_on()
-            return True
-        return False
+        if printer.job.suspended and printer.busy():
+            return False
+        return awaited or (printer.job.suspended and printer.waits.busy)
+
+    def _answers(self, command: Command) -> bool:
+        """M876 that answers what a wait has asked."""
+        asked = self._printer.person.awaited
+        return asked and command.code == "M876" and "S" in command.words()
 
     def act(self, command: Command) -> None:
         """What such a command does, if it is one."""
         code = command.code
         if code == "M112":
             self._printer.halt("emergency stop by M112")
-        elif code == "M108" or (code == "M876" and "S" in command.words()):
+        elif code == "M108" or self._answers(command):
             self._printer.go_on()
         elif code == "M410":
             self._printer.stop_all("M410")

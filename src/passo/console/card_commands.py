@@ -186,8 +186,7 @@ class CardCommands:
     def _start(self, text: str, _: Reply) -> None:
         words = _numbers(text)
         if self._printer.job.suspended and not self._runner.active:
-            self._printer.go_on()  # a host's print stands aside: no other may begin in its midst
-            return
+            return  # a host's print stands aside: no other may begin in its midst
         if "S" in words and self._runner.state is not State.PAUSED:
             self._runner.seek(int(words["S"]))
         self._runner.start()

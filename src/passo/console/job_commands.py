@@ -252,31 +252,38 @@ class JobCommands:
         return self._stand_by("Paused; go on with M108", {}, reply)
 
     def _stand_by(self, text: str, words: Mapping[str, float], reply: Reply) -> Wait | None:
-        """A file pauses and parks; a host that prints is asked to pause, and waits."""
-        if self._runner.printing_from(reply):
-            return Procedure(lambda: self._pause_file(text.replace("M108", "M24"), words))
+        """A file pauses and parks, whoever says so; in its pause the nozzle only leaves the place
+        where it stands. A host that prints is asked to pause, and waits."""
 
         def gone() -> bool:
             return isinstance(reply, Session) and reply.closed
 
-        return Procedure(lambda: self._host_pause.stand_by(text, words, gone))
+        async def stand_by() -> None:
+            if self._runner.stands_aside():
+                await self._host_pause.step_aside(text, words, gone)
+            elif self._runner.active:
+                self._pause_file(text.replace("M108", "M24"), words)
+            else:
+                await self._host_pause.stand_by(text, words, gone)
 
-    async def _pause_file(self, text: str, words: Mapping[str, float]) -> None:
+        return Procedure(stand_by)
+
+    def _pause_file(self, text: str, words: Mapping[str, float]) -> None:
         self._printer.tell(f"echo:{text}")
         self._runner.pause(words)
-        self._printer.person.ask(text)
+        self._printer.person.ask(text, awaited=False)
 
     def _answer(self, command: Command, reply: Reply) -> Wait | None:
         """M876: of a wait it acted when the line came in. Raises CommandError."""
-        words = command.words()
-        if "S" in words and self._paused and self._printer.person.asking:
+        words, person = command.words(), self._printer.person
+        if "S" in words and self._paused and person.asking and not person.awaited:
             self._runner.start()
         elif not words.keys() & {"S", "P"}:
             reply.say("M876 P1")
         return None
 
     def _resume(self, _: Command, __: Reply) -> Wait | None:
+        """M602: of a wait for a person it acted when the line came in. Raises CommandError."""
         if self._runner.state is State.PAUSED:
             self._runner.start()
-        self._printer.go_on()
         return None

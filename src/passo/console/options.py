@@ -69,6 +69,8 @@ class OptionCommands:
         return Still(lambda: self._apply_now(reply))
 
     def _apply_now(self, reply: Reply) -> None:
+        if any(self._options[name].command.startswith("M92 ") for name in self.pending):
+            self._printer.motion.require_scales("M930")
         pending, self.pending = self.pending, {}
         for name, value in pending.items():
             option = self._options[name]

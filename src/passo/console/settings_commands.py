@@ -95,6 +95,7 @@ class SettingsCommands:
         return None
 
     def _load(self, _: Command, reply: Reply) -> Wait | None:
+        self._printer.motion.require_scales("M501")
         stored = self._needed().load()
         if stored is None:
             raise CommandError.of("settings.none")
@@ -103,6 +104,7 @@ class SettingsCommands:
         return None
 
     def _reset(self, _: Command, reply: Reply) -> Wait | None:
+        self._printer.motion.require_scales("M502")
         self.restore(self._defaults)
         reply.say("echo:Factory Settings Loaded")
         return None

@@ -36,26 +36,46 @@ class HostPause:
         turn, or with no line being taken in. Raises Stopped after a stop or a halt, and when the
         host is `gone`: nobody would go on where the nozzle came back to."""
         printer = self._printer
-        self._stopped = False
         printer.tell("// action:pause")
-        printer.person.ask(text)
         if not printer.job.suspended:
             printer.suspend_job()
-        await self._park.leave(words)
-        printer.tell("echo:busy: paused for user")
-        await printer.drive.until(lambda: printer.interrupted)
-        printer.person.answered()
+        try:
+            await self._leave_and_return(self._park, text, words, gone)
+        except BaseException:
+            if printer.job.suspended:
+                printer.job.forget_suspended()  # nobody will go on with it
+            raise
+        printer.resume_job()
+        printer.tell("// action:resume")
+
+    async def step_aside(
+        self, text: str, words: Mapping[str, float], gone: Callable[[], bool] = lambda: False
+    ) -> None:
+        """The same in the pause of a file, which goes on behind it: the nozzle leaves the place
+        where it stands, and comes back there."""
+        await self._leave_and_return(Park(self._printer, here=True), text, words, gone)
+
+    async def _leave_and_return(
+        self, park: Park, text: str, words: Mapping[str, float], gone: Callable[[], bool]
+    ) -> None:
+        printer = self._printer
+        self._stopped = False
+        printer.person.ask(text)
+        try:
+            await park.leave(words)
+            printer.tell("echo:busy: paused for user")
+            await printer.drive.until(lambda: printer.interrupted)
+        finally:
+            printer.person.answered()
         printer.raise_if_halted()
         if gone():
             self._stop("")
         self._raise_if_stopped()
-        await self._park.come_back()
+        await park.come_back()
         self._raise_if_stopped()
-        printer.resume_job()
-        printer.tell("// action:resume")
 
     def _raise_if_stopped(self) -> None:
-        if self._stopped:
+        if self._stopped or not self._printer.job.suspended:
             raise Stopped("it was stopped")
 
     def _stop(self, _: str) -> None:

@@ -8,10 +8,10 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from passo import _core
-from passo._core import Within
 from passo.config.drives import axis_order
 from passo.config.machine import MachineConfig
 from passo.errors import CommandError
+from passo.printer.approach import go_back
 from passo.printer.slots import E, X, Y, Z, slot_of_axis
 from passo.printer.waits import Silence, Temperatures
 
@@ -33,10 +33,13 @@ def check_words(words: Mapping[str, float], machine: MachineConfig) -> None:
 
 class Park:
     """Lifts the nozzle, takes the filament back a little and goes to the machine's parking place,
-    while the print stands aside. Its methods are called with the turn, the job being suspended."""
+    while the print stands aside. Its methods are called with the turn, the job being suspended.
+    It comes back to where the print was left, or, with `here`, to where the nozzle stands when it
+    leaves."""
 
-    def __init__(self, printer: Printer) -> None:
-        self._printer = printer
+    def __init__(self, printer: Printer, *, here: bool = False) -> None:
+        self._printer, self._here = printer, here
+        self._left: list[float] | None = None  # where it stood, with `here`
         self._away = False
         self._retracted_mm = 0.0
         self._load_mm = 0.0
@@ -54,14 +57,15 @@ class Park:
         park = printer.machine.park
         self._away = False
         self._celsius = words.get("S")
+        self._left = printer.job.machine_position if self._here else None
         if park is None or printer.job.locked_axes:
             return
         await printer.drive.until(lambda: printer.drive.standing or bool(printer.halted))
         printer.raise_if_halted()
         if not printer.job.suspended:
             return  # cancelled meanwhile
-        printer.take_stopped_tool()
-        drive, at = printer.drive, printer.job.stop_position
+        self._take_tool()
+        drive, at = printer.drive, self._place()
         extrudes = printer.can_extrude()
         self._retracted_mm = abs(words.get("E", park.retract_mm)) if extrudes else 0.0
         self._load_mm = abs(words.get("L", 0.0))
@@ -78,6 +82,15 @@ class Park:
             self._push(-abs(words.get("U", 0.0)), _core.UNLOAD_MM_S)
         await self._still()
 
+    def _take_tool(self) -> None:
+        """That of the print; none other leaves from `here` than the one that is in use."""
+        if not self._here:
+            self._printer.take_stopped_tool()
+
+    def _place(self) -> list[float]:
+        """Where it comes back to, machine mm."""
+        return self._left or self._printer.job.stop_position
+
     def _push(self, mm: float, speed_mm_s: float) -> None:
         """So much filament out of the nozzle."""
         if mm:
@@ -85,32 +98,29 @@ class Park:
             self._printer.drive.move({E: at + mm}, speed_mm_s)
 
     async def come_back(self) -> None:
-        """To where the print was left, over it first and then down. A babystep meanwhile
-        moves that place, also where there is no parking. Raises CommandError, and there is
-        nothing to go on with, if arms do not reach it from where they are."""
+        """To that place, over it first and then down. A babystep meanwhile moves where the print
+        was left, also where there is no parking. Raises CommandError if a heater fails, or arms do
+        not reach it from where they are; it may be tried again."""
         printer = self._printer
         park = printer.machine.park
         if self._celsius is not None:
             await self._reach(self._celsius)
         await self._still()
         printer.raise_if_halted()
-        drive, job = printer.drive, printer.job
+        job = printer.job
         if job.suspended:
-            printer.take_stopped_tool()
+            self._take_tool()
             await printer.warm_again()
         if self._away and job.suspended and printer.can_extrude():
             self._push(self._load_mm, _core.LOAD_MM_S)
+            self._load_mm = 0.0
         at: list[float] | None = None
-        while job.suspended and at != job.stop_position:
-            at = job.stop_position
+        while job.suspended and at != self._place():
+            at = self._place()
             # Axes that do not know where they are have not been moved by anybody.
             known = [slot for slot in self._places if slot not in job.locked_axes]
-            across = {slot: at[slot] for slot in known if slot != Z}
-            reached = drive.move(across, park.speed_mm_s if park else math.inf, Within.REACH)
-            if Z in known:
-                reached = reached and drive.move({Z: at[Z]}, math.inf, Within.REACH)
-            if not reached:
-                job.forget_suspended()
+            place = {slot: at[slot] for slot in known}
+            if not go_back(printer, place, park.speed_mm_s if park else math.inf):
                 raise CommandError([printer.commands.problem()])
             if self._away and park is not None and printer.can_extrude():
                 self._push(self._retracted_mm, park.retract_mm_s)
@@ -119,10 +129,11 @@ class Park:
 
     async def _reach(self, celsius: float) -> None:
         """The new filament's temperature, for the hotend of the tool in use."""
-        printer, self._celsius = self._printer, None
+        printer = self._printer
         hotend = printer.commands.heater("hotend")
         printer.set_target(hotend, celsius, at_once=True)
         await printer.waits.wait(Temperatures((hotend,), cooling=True), Silence())
+        self._celsius = None
 
     async def _still(self) -> None:
         printer = self._printer

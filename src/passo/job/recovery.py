@@ -12,6 +12,7 @@ from passo.errors import CommandError
 from passo.job.journal import Moment, Program
 from passo.job.past import Past
 from passo.job.runner import Reader
+from passo.printer.approach import go_over
 from passo.printer.faults import problem_of
 from passo.printer.slots import E, X, Y, Z
 from passo.printer.switches import axes_of_arms, home_point
@@ -129,21 +130,23 @@ class Recovery:
         """Over the place, a little filament to fill the nozzle, and down."""
         park = self._printer.machine.park
         speed = park.speed_mm_s if park else math.inf
-        if self._printer.machine.geometry.lifts_together:
-            # At the top the arms reach only the middle.
-            await self._go({Z: at[Z] + (park.raise_mm if park else 0.0)}, math.inf)
         if axes_of_arms(self._printer.machine) == ("x", "y"):
             await self._printer.homer.swing(at[X], at[Y])
         else:
-            await self._go({X: at[X], Y: at[Y]}, speed)
+            place = {X: at[X], Y: at[Y], Z: at[Z]}
+            await self._arrive(reached=go_over(self._printer, place, speed))
         if park and park.prime_mm > 0 and self._printer.can_extrude():
             e = self._printer.job.machine_position[E]
             await self._go({E: e + park.prime_mm}, park.prime_mm_s)
         await self._go({Z: at[Z]}, math.inf)
 
     async def _go(self, target: dict[int, float], speed_mm_s: float) -> None:
+        reached = self._printer.drive.move(target, speed_mm_s, Within.REACH)
+        await self._arrive(reached=reached)
+
+    async def _arrive(self, *, reached: bool) -> None:
         printer = self._printer
-        if not printer.drive.move(target, speed_mm_s, Within.REACH):
+        if not reached:
             raise CommandError.of("job.other-file", self._program.path)
         printer.drive.flush()
         await printer.drive.until(lambda: printer.drive.standing or printer.interrupted)

@@ -164,10 +164,8 @@ class Runner:
     def start(self) -> None:
         """Starts the selected file where it stands, or ends a pause. Raises CommandError."""
         if self.state is State.PAUSED:
-            lost = set(self._printer.job.locked_axes) - self._locked
-            if self._returns and lost:
-                axis = axis_order(self._printer.machine.axes)[min(lost)].upper()
-                raise CommandError.of("input.not-homed", axis=axis)
+            if self._returns:
+                self._require_places()
             self.state = State.PRINTING
             self._resumed.set()
             return
@@ -208,6 +206,19 @@ class Runner:
             if self._printer.in_console_line:
                 self._printer.job.abandon()  # what is left of it is no part of the print
             self._printer.suspend_job()
+
+    def _require_places(self) -> None:
+        """Raises CommandError for an axis that has forgotten in the pause where it is."""
+        if lost := set(self._printer.job.locked_axes) - self._locked:
+            axis = axis_order(self._printer.machine.axes)[min(lost)].upper()
+            raise CommandError.of("input.not-homed", axis=axis)
+
+    def stands_aside(self) -> bool:
+        """Whether a pause goes on, or is about to end: what is left of the print is aside. With the
+        turn."""
+        if self.state is State.PAUSED:
+            self._set_aside()
+        return self.active and self._returns
 
     def cancel(self) -> None:
         """Ends the print: brakes to a stop, heaters and fans off. The file stays selected, from its
@@ -344,13 +355,8 @@ class Runner:
             self._set_aside()
         if self.state is not State.PRINTING:
             return False
-        if self._returns:
-            await self._park.come_back()
-            self._parked = False
-            if self.state is not State.PRINTING:
-                return False
-            self._returns = False
-            printer.resume_job()
+        if self._returns and not await self._come_back():
+            return False
         printer.select(console=False)
         printer.program = self._reply
         if self._waits_for is not None:
@@ -364,6 +370,26 @@ class Runner:
         if found == _core.JobStatus.FULL and not rest_of_line and not drive.full:
             await asyncio.sleep(TICK_S)  # it is the link that does not keep up
         return await self._answer(found)
+
+    async def _come_back(self) -> bool:
+        """Ends a pause; False if there is another one. Of a nozzle that cannot return the print
+        stays paused: what is aside waits until somebody has mended that."""
+        printer = self._printer
+        try:
+            self._require_places()
+            await self._park.come_back()
+        except CommandError as error:
+            if self.active:
+                printer.tell(f"echo:Print of {self.name} stays paused: {error}")
+                self._resumed.clear()
+                self.state = State.PAUSED
+            return False
+        self._parked = False
+        if self.state is not State.PRINTING:
+            return False
+        self._returns = False
+        printer.resume_job()
+        return True
 
     async def _answer(self, found: _core.JobStatus) -> bool:
         """What made the interpreter stop."""

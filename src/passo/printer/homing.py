@@ -12,6 +12,7 @@ from passo.board.endstops import Endstops
 from passo.config.drives import axis_order
 from passo.errors import CommandError
 from passo.geometry.base import Point
+from passo.printer.approach import go_back
 from passo.printer.overshoot import Overshoot
 from passo.printer.slots import E, X, Y, Z, slot_of_axis
 from passo.printer.switches import (
@@ -100,16 +101,10 @@ class Homer:
             await self._return(before)
 
     async def _return(self, to: Sequence[float]) -> None:
-        """Back to a machine position, X and Y first; from the top, where arms that lift together
-        reach only the middle, straight."""
-        drive = self._printer.drive
+        """Back to a machine position."""
         slots = [slot_of_axis(i) for i in range(len(self._axes))]
-        straight = self._machine.geometry.lifts_together
-        across = {slot: to[slot] for slot in slots if slot != Z or straight}
-        reached = drive.move(across, math.inf, Within.REACH) and drive.move(
-            {Z: to[Z]}, math.inf, Within.REACH
-        )
-        drive.flush()
+        reached = go_back(self._printer, {slot: to[slot] for slot in slots}, math.inf)
+        self._printer.drive.flush()
         await self._still()
         self._printer.raise_if_interrupted()
         if not reached:

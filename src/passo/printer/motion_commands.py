@@ -99,6 +99,7 @@ class MotionCommands:
                 limit = ", ".join(names)
                 raise CommandError.of("command.nothing-moves", axis=letter, limit=limit)
             changes += [(i, value) for i in places]
+        self.require_scales("M92")
         return Still(lambda: self._rescale(changes))
 
     def _layers(self, words: dict[str, float]) -> str:
@@ -119,7 +120,13 @@ class MotionCommands:
             f" layer:[{heights}] }}"
         )
 
+    def require_scales(self, code: str) -> None:
+        """Raises CommandError where a command must not change scales now."""
+        if self._printer.job.suspended:
+            raise CommandError.of("command.aside", value=code)
+
     def _rescale(self, changes: list[tuple[int, float]]) -> None:
+        self.require_scales("M92")  # a pause may have come meanwhile
         for i, value in changes:
             self._printer.job.set_steps_per_unit(i, value)
 

@@ -22,6 +22,7 @@ class PersonCommands:
         self._printer = printer
         self.message = ""
         self.asking = False  # hosts show a question
+        self.awaited = False  # it is that of a wait, which an answer ends; not of a paused print
         self.kill_s = 0.0  # M85: idle for so long, everything goes off
         self.planned: dict[str, Handler] = {
             "M0": self._wait,
@@ -38,20 +39,20 @@ class PersonCommands:
         words = dict(words_of(head))
         seconds = words.get("S", words.get("P", 0.0) / 1000)
         text = command.text[len(head) :].strip() or "Waiting; go on with M108"
-        self.ask(text)
         return Person(text, max(seconds, 0.0))
 
-    def ask(self, text: str) -> None:
-        """Hosts show the text and a button that goes on; a beeper beeps."""
+    def ask(self, text: str, *, awaited: bool = True) -> None:
+        """Hosts show the text and a button that goes on; a beeper beeps. `awaited`: a wait ends
+        with the answer."""
         for words in (f"prompt_begin {text}", "prompt_button Continue", "prompt_show"):
             self._printer.tell(f"// action:{words}")
         self._printer.beeper.call()
-        self.asking = True
+        self.asking, self.awaited = True, awaited
 
     def answered(self) -> None:
         """Somebody has gone on, or there is nothing to go on with: hosts show no question."""
         if self.asking:
-            self.asking = False
+            self.asking = self.awaited = False
             self._printer.tell("// action:prompt_end")
 
     def _show(self, command: Command, _: Reply) -> Wait | None:

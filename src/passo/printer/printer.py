@@ -197,13 +197,18 @@ class Printer:
 
     async def warm_again(self) -> None:
         """What a long pause has switched off warms up, unless somebody has set it meanwhile. With
-        the turn. Raises Stopped."""
+        the turn. Raises Stopped, and CommandError where a heater fails."""
         cooled, self.cooled_c = self.cooled_c, {}
         for name, celsius in cooled.items():
             self.connection.set_target(name, celsius)
-        if cooled:
-            self.drive.before_moves()  # it stands idle no longer
+        if not cooled:
+            return
+        self.drive.before_moves()  # it stands idle no longer
+        try:
             await self.waits.wait(Temperatures(tuple(cooled)), Silence())
+        except CommandError:
+            self.cooled_c = cooled | self.cooled_c  # who tries again waits again
+            raise
 
     def lock(self, axes: Iterable[str]) -> None:
         """These axes no longer know where they are."""

@@ -67,10 +67,14 @@ class Waiting:
         has not begun, if the moves before it stand `aside`. Raises Stopped when it was halted
         meanwhile."""
         within_another, self.busy = self.busy, True
+        if isinstance(wait, Person):
+            self._printer.person.ask(wait.message)
         try:
             return await self._wait(wait, reply, ends, aside)
         finally:
             self.busy = within_another
+            if isinstance(wait, Person):
+                self._printer.person.answered()
 
     async def _wait(self, wait: Wait, reply: Reply, ends: bool, aside: Callable[[], bool]) -> bool:
         self.ended = self._impatient = ends
@@ -169,6 +173,6 @@ class Waiting:
             )
         finally:
             self.person = False
-            printer.person.answered()
+        printer.person.answered()
         printer.raise_if_halted()
         await printer.warm_again()

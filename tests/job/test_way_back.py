@@ -1,0 +1,100 @@
+"""The end of a pause: the way back, or the print stays paused and says why there is none."""
+
+import pytest
+from tests.console.scenario import Host, Scenario
+
+from passo import config
+
+LOST = "axis X does not know where it is"
+
+
+def program(x: int, y: int, z: int) -> str:
+    turns = [f"G1 X{x + i % 2 * 5} Y{y + i * 0.05:g} E0.1 F1500" for i in range(100)]
+    return "\n".join(
+        ["G28", "M83", "M302 P1", f"G1 Z{z} F6000", f"G1 X{x} Y{y}", *turns, f"G1 X{x}"]
+    )
+
+
+def paused(machine, text, tmp_path, until_s=15):
+    (tmp_path / "a.g").write_text(text)
+    s = Scenario(machine, card=str(tmp_path))
+    s.host.send("M32 a.g")
+    s.passes(until_s)
+    s.host.send("M25")
+    return s
+
+
+def goes_on(s: Scenario, x: float, y: float, z: float) -> None:
+    """To the end of the file, and no filament is missing."""
+    s.host.expect("^Done printing file$", 120)
+    assert not s.printer.halted
+    assert s.positions()["e"] == pytest.approx(10.0, abs=0.02)
+    assert s.printer.job.machine_position[:3] == pytest.approx([x, y, z], abs=1e-6)
+
+
+@pytest.mark.parametrize("first", [["G28"], ["M84", "G28"]])
+@pytest.mark.parametrize(
+    ("machine", "place"),
+    [("delta", (-10, 5, 5)), ("delta", (40, 0, 165)), ("rotary-delta", (5, 5, 5))],
+)
+def test_arms_come_back_from_the_top(tmp_path, machine, place, first):
+    with paused(machine, program(*place), tmp_path) as s:
+        s.passes(15)
+        for line in first:
+            s.host.ok(line, 60)
+        assert s.printer.job.machine_position[2] > place[2] + 10
+        s.host.ok("M24")
+        goes_on(s, place[0], place[1] + 4.95, place[2])
+
+
+@pytest.mark.parametrize("gap_s", [0.0, 0.02, 0.05])
+def test_m24_before_m84_has_acted(tmp_path, gap_s):
+    with paused("i3", program(50, 50, 5), tmp_path) as s:
+        s.passes(10)
+        s.host.send("M84")
+        s.passes(gap_s)
+        other = Host(s)
+        other.send("M24")
+        other.expect(f"stays paused: {LOST}", 5)
+        s.passes(5)
+        assert s.host.ok("M27")[0].startswith("SD printing byte")
+        assert LOST in other.ok("M24")[0]
+        s.host.ok("G28", 60)
+        other.ok("M24")
+        goes_on(s, 50, 54.95, 5)
+
+
+def test_m84_m24_and_g28_in_one_burst(tmp_path):
+    with paused("i3", program(50, 50, 5), tmp_path) as s:
+        s.host.send("M84", "M24", "G28")
+        Host(s).send("M24")
+        s.host.expect(f"stays paused: {LOST}", 5)
+        s.passes(40)
+        s.host.ok("M24")
+        goes_on(s, 50, 54.95, 5)
+
+
+def test_a_heater_that_fails_on_the_way_is_waited_for_again(tmp_path):
+    """A sensor that breaks while the new filament's temperature is waited for."""
+    mild = 'max_c = 285.0\non_fault = "heater"\n'
+    text = config.shipped_text("i3").replace("max_c = 285.0\n", mild, 1)
+    program = "G92 X20 Y20 Z20\nM302 P1\nG1 X50 F6000\nM600 S100 U20 L20\nG1 X60\n"
+    (tmp_path / "a.g").write_text(program)
+    with Scenario(config.load_text(text), card=str(tmp_path)) as s:
+        s.host.ok("M32 a.g")
+        s.passes(20)
+        low = s.positions()
+        s.host.ok("M24")
+        s.passes(2)
+        s.board.force_sensor("hotend", 0.0)
+        s.host.expect("Print of a.g stays paused: heater hotend was switched off", 10)
+        s.passes(10)
+        assert s.positions() == low
+        s.board.force_sensor("hotend", None)
+        s.passes(2)
+        s.host.ok("M922")
+        s.host.ok("M24")
+        s.host.expect("^Done printing file$", 120)
+        assert s.printer.connection.heaters["hotend"].celsius > 95
+        way = {name: s.positions()[name] - low[name] for name in "xe"}
+        assert way == pytest.approx({"x": 10.0, "e": 22.0}, abs=0.02)
