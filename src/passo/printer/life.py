@@ -155,10 +155,9 @@ class Life:
                 failure = in_words(error)
                 if not self._printer.halted:  # the board is well, but not what came after it
                     self._printer.halted = str(failure).rstrip(".")
-                    self._make_safe()
+                self._make_safe()
                 self._printer.tell(f"Error:{failure} Then send M999 again")
                 self._answer()
-                self._make_safe()
                 await self._until_revived()
             else:
                 self._answer()
