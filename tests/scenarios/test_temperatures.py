@@ -115,7 +115,7 @@ def test_f_makes_a_fan_act_in_the_midst_of_the_moves(s):
     clocks, values = zip(*s.board.take_changes("part"), strict=True)
     assert [round(v / values[0] * 255) for v in values] == [255, 0, 100]
     hz = s.printer.connection.board.clock_hz
-    assert 0.15 < (clocks[0] - asked) / hz < 0.18
+    assert 0.15 < (clocks[0] - asked) / hz < 0.22  # behind the horizon, at the end of a PWM cycle
     assert (clocks[1] - clocks[0]) / hz == pytest.approx(0.5, abs=0.02)
     assert (clocks[2] - asked) / hz > 1.3
     assert s.positions()["x"] == 38
