@@ -525,6 +525,9 @@ void bind_job(nb::module_& m) {
           "clock", [](JobView& self) { return self.job.motion.planner().clock(); },
           "End of the settled plan, ticks.")
       .def_prop_ro(
+          "rests", [](JobView& self) { return self.job.motion.planner().rests(); },
+          "The settled plan ends at rest: what is queued may begin later.")
+      .def_prop_ro(
           "handed_out", [](JobView& self) { return self.job.motion.stream().handed_out(); },
           "Clock of the last message, ticks.")
       .def_prop_ro(

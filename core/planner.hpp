@@ -61,7 +61,9 @@ class Planner {
   }
   // What comes later starts `mm` further along slot j. Only while nothing is queued.
   void move_end(int j, double mm) { position_[j] += mm; }
-  // Time passes with the machine at rest. Only while nothing is queued.
+  // The settled plan ends at rest.
+  bool rests() const { return speed2_ == 0; }
+  // Time passes with the machine at rest. Only while the plan rests.
   void wait_until(double ticks) {
     budget_.rest(std::max(0.0, ticks - clock_) / clock_hz_);
     clock_ = std::max(clock_, ticks);

@@ -304,12 +304,14 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
         bool any = false;
         std::string learned, actuators;
         auto set = [&](char letter, int j, double value) {
-          if (j == kE)
+          if (j == kE) {
             logical_e_ = value;
-          else if (locked(j))
-            hop_ = j == kZ ? 0 : hop_, learned += letter + std::to_string(value) + " ";
-          else
+          } else if (locked(j)) {
+            if (j == kZ) hop_ = 0;
+            learned += letter + std::to_string(value) + " ";
+          } else {
             origin_[j] = meant(j) - value;
+          }
         };
         for (const Word* x = w; x < end; ++x) {
           int j = x->letter >= 'A' && x->letter <= 'Z' ? letter_slot_[x->letter - 'A'] : -1;

@@ -1458,6 +1458,10 @@ class Job:
         """End of the settled plan, ticks."""
 
     @property
+    def rests(self) -> bool:
+        """The settled plan ends at rest: what is queued may begin later."""
+
+    @property
     def handed_out(self) -> int:
         """Clock of the last message, ticks."""
 

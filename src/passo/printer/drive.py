@@ -24,6 +24,7 @@ _SHARE_OF_SLOTS = 4  # a commit takes no more than this part of them
 RUNNING_DRY_S = 0.9  # a plan that ends sooner is settled for a stop, as Python may stall for 0.5 s
 TAKE_BACK_S = 1.0  # that stop is taken back, if more moves came in, when it is so near
 LEAD_S = 0.2  # from a command on a standing machine to its first step
+LEAST_LEAD_S = 0.05  # less than is left after GATHER_S
 GATHER_S = 0.08  # host time in which a standing machine hopes for more moves to plan with
 BUFFER_S = 2.0  # of print time ahead; a console that brings more must wait
 MOST_QUEUED = 2048  # moves that wait for look-ahead
@@ -145,6 +146,7 @@ class Drive:
         """Settles the plan for a stop at its end."""
         if self._job.queued > 0:
             self.on_motion()
+        self._begin_in_time()
         self._job.flush()
         self.after_moves()
 
@@ -341,6 +343,7 @@ class Drive:
                 job.flush()  # a fan may have been switched
             self._dirty = False
             return
+        self._begin_in_time()
         self._dirty = False
         if self._first_move_s is not None:
             if not self._free and self._loop.time() < self._first_move_s + GATHER_S:
@@ -350,6 +353,12 @@ class Drive:
         if job.clock - now < RUNNING_DRY_S * self.hz:
             job.flush()
             self._stop_clock = job.clock
+
+    def _begin_in_time(self) -> None:
+        """After a stall of the program: what should begin about now, from rest, begins later."""
+        job = self._job
+        if job.queued > 0 and job.rests and job.clock < self.now + LEAST_LEAD_S * self.hz:
+            job.wait_until(self.now + LEAD_S * self.hz)
 
     def end_waits(self) -> None:
         """Ends the waits whose conditions hold. A fault of the program in one is that wait's own.
