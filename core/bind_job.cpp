@@ -243,9 +243,9 @@ void bind_job(nb::module_& m) {
             for (const auto& c : heard.commands) commands.emplace_back(c.code, c.words, c.text);
             return std::make_tuple(heard.number, heard.checked, commands);
           },
-          "(number, whether it had a checksum, [(code, words, text), …]) of the line listened to. "
-          "The "
-          "code is empty for a move in the way of the last one, the text is what follows the code.")
+          "(number, whether it had a checksum, [(code, words, text), …]) of the line "
+          "listened to. The code is empty for a move in the way of the last one, the text is what "
+          "follows the code.")
       .def_prop_ro(
           "ends_in_move", [](JobView& self) { return self.job.interpreter.ends_in_move(); },
           "All was read, and the last line is a move without an end of line.")

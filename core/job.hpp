@@ -59,7 +59,11 @@ class Job {
       double parsed = now();
       cpu_parse += parsed - start;
       double before = motion.cpu().steps + motion.cpu().compress;
-      for (const MoveRequest& m : batch_) admitted = push(m) && admitted;
+      for (size_t i = 0; i < batch_.size(); ++i)
+        if (!push(batch_[i])) {
+          admitted = false;
+          break;
+        }
       cpu_plan += now() - parsed - (motion.cpu().steps + motion.cpu().compress - before);
       if (!admitted) return Status::error;
       switch (found) {

@@ -87,10 +87,10 @@ class Motion {
 
   // A record for output `target`, due when the moves pushed so far are done.
   void record(uint16_t target, uint32_t value) {
-    const size_t near = std::min<size_t>(unattached_, kOutputsSeen);
-    auto same = std::find_if(records_.rbegin(), records_.rbegin() + long(near),
-                             [=](const Record& r) { return r.target == target; });
-    if (target < kMark && same != records_.rbegin() + long(near)) {
+    auto near = records_.rbegin() + std::min<long>(unattached_, kOutputsSeen);
+    auto same =
+        std::find_if(records_.rbegin(), near, [=](const Record& r) { return r.target == target; });
+    if (target < kMark && same != near) {
       same->value = value;  // nobody would ever see the one before
       return;
     }
@@ -377,7 +377,7 @@ class Motion {
   void forget_held() { stand_before(std::exchange(held_, {})); }
 
  private:
-  static constexpr size_t kOutputsSeen = 32;   // records at one place that are looked through
+  static constexpr long kOutputsSeen = 32;     // records at one place that are looked through
   static constexpr double kKeptSeconds = 1.0;  // of motion that is under way or done already
   Machine machine_;  // its steps per unit and tool offsets may change while it stands
   Planner planner_;

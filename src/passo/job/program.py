@@ -11,6 +11,7 @@ from passo import _core
 from passo.errors import CommandError, InputError, Problem, WordError
 from passo.job.source import chunks, open_source
 from passo.printer.commands import Commands
+from passo.printer.omissions import Omission
 from passo.printer.waits import Homing, Still, Temperatures, Wait
 from passo.printer.words import Command
 
@@ -118,6 +119,6 @@ def run_program(
     if end is not None:
         return
     if job.ends_in_move:
-        commands.cut_at = job.line
-    if job.commands == sum(times for _, times in commands.unknown.values()):
+        commands.omitted.cut_at = job.line
+    if job.commands == commands.omitted.times(Omission.UNKNOWN):
         raise InputError.of("input.no-known-command" if job.commands else "input.empty", name)

@@ -13,6 +13,7 @@ from passo.errors import CommandError, Problem, WordError
 from passo.gcode.dialect import Kind, row_of
 from passo.geometry.base import Unreachable
 from passo.printer.faults import problem, problem_of
+from passo.printer.omissions import Omission, Omissions
 from passo.printer.slots import E
 from passo.printer.waits import Homing, Person, Still, Stop, Temperatures, Wait
 from passo.printer.words import LARGEST, Command
@@ -26,7 +27,6 @@ _OF_FANS = re.compile(r"[UIHLXT]", re.IGNORECASE)  # settings of M106
 _LETTERED = re.compile(r"([TPBC])\s*(\d*)", re.IGNORECASE)
 _AT_ONCE = re.compile(r"\bF", re.IGNORECASE)
 _BY_INTERPRETER = re.compile(r"([A-Z]-?\d+\.\d{6} )+")  # words of its events
-_MOST_CODES = 1000  # that are counted each on its own, however many a file makes up
 _BABYSTEP_MM = 2.0  # at most, with one command
 _FLOW = (1.0, 1000.0)  # percent of M221
 _PERCENT = (10.0, 1000.0)  # of M220
@@ -67,9 +67,7 @@ class NoHeat:
 class Commands:
     """Carries out what the job's interpreter hands out. One object a job; not thread-safe.
 
-    `unknown`, `not_built`, `served`, `waits` and `stops` count the codes that nobody knows, those
-    that do nothing, those of a printer that is served, those that wait for a person and those that
-    end a print: code → (first line, times).
+    `omitted` counts what it leaves out.
     """
 
     @classmethod
@@ -81,13 +79,6 @@ class Commands:
         self, machine: MachineConfig, job: _core.Job, heat: Heat, full_scale: list[int]
     ) -> None:
         self._machine, self._job, self._heat = machine, job, heat
-        self.unknown: dict[str, tuple[int, int]] = {}
-        self.not_built: dict[str, tuple[int, int]] = {}
-        self.served: dict[str, tuple[int, int]] = {}
-        self.waits: dict[str, tuple[int, int]] = {}
-        self.stops: dict[str, tuple[int, int]] = {}
-        self.missing_tools: dict[str, tuple[int, int]] = {}
-        self.refused: dict[str, tuple[int, int]] = {}
         names = machine.timed_outputs
         self._outputs = {name: (i, full_scale[i]) for i, name in enumerate(names)}
         self._tool = 0
@@ -98,7 +89,7 @@ class Commands:
         if machine.laser:
             job.set_laser(*self._outputs["laser"])
         self.ended = False
-        self.cut_at = 0  # the line in the middle of which the file ended
+        self.omitted = Omissions()
         self.record_at_once = job.record  # without a living printer there is no such haste
         self._handlers: dict[str, Callable[[Command], Wait | None]] = {
             "G28": self._home,
@@ -141,7 +132,7 @@ class Commands:
         CommandError where it is refused, WordError for a word without a number."""
         if command.letter == "T":
             if command.minor:
-                _count(self.missing_tools, f"T{command.number}", command.line)
+                self.omitted.count(Omission.TOOL, f"T{command.number}", command.line)
             else:
                 self.tool_changed(command.number)
             return None
@@ -152,13 +143,13 @@ class Commands:
             return handler(command)
         row = row_of(code)
         if row is None:
-            _count(self.unknown, code, command.line)
+            self.omitted.count(Omission.UNKNOWN, code, command.line)
         elif row.kind is Kind.NOT_BUILT:
-            _count(self.not_built, code, command.line)
+            self.omitted.count(Omission.NOT_BUILT, code, command.line)
         elif row.kind is Kind.SERVED:
-            _count(self.served, code, command.line)
+            self.omitted.count(Omission.SERVED, code, command.line)
         elif row.kind is Kind.PERSON:
-            _count(self.waits, code, command.line)
+            self.omitted.count(Omission.PERSON, code, command.line)
             return Person(row.text)
         return None
 
@@ -171,7 +162,7 @@ class Commands:
 
     def refuse(self, command: Command, error: CommandError) -> None:
         """A command that was not carried out, in a print that goes on."""
-        _count(self.refused, f"{command.code}: {error}", command.line)
+        self.omitted.count(Omission.REFUSED, f"{command.code}: {error}", command.line)
 
     def problem(self, path: str = "") -> Problem:
         """The error that the job stopped at; `path` is the file."""
@@ -181,22 +172,7 @@ class Commands:
         """One sentence for each code that meant nothing, waited for nobody, or was ignored, for
         each axis whose targets were moved to the limit, for moves that were left out, and for a
         file that was cut short."""
-        sentences = (
-            (self.unknown, "{} is unknown and was skipped"),
-            (self.not_built, "{} does nothing here and was skipped"),
-            (self.served, "{} is for a printer that is served and was skipped"),
-            (self.waits, "{} waits for a person; nobody is here, so it took no time"),
-            (self.stops, "{} stops a print; the plan goes on behind it"),
-            (self.missing_tools, "tool {} does not exist and was ignored"),
-            (self.refused, "{}"),
-            (self._clamped(), "{}"),
-        )
-        cut = f"{file}:{self.cut_at}: the file ends in the middle of a line, it may be cut short"
-        return [
-            f"{file}:{line}: {text.format(code)} ({times} {'time' if times == 1 else 'times'})"
-            for table, text in sentences
-            for code, (line, times) in table.items()
-        ] + ([cut] if self.cut_at else [])
+        return self.omitted.warnings(file, self._clamped())
 
     def _clamped(self) -> dict[str, tuple[int, int]]:
         geometry = self._machine.geometry
@@ -227,7 +203,7 @@ class Commands:
         """G92 with letters of motors: where the nozzle is follows from all of them. Raises
         CommandError where they lead nowhere, or another one is not known."""
         if not _BY_INTERPRETER.fullmatch(command.text):  # somebody has written G92.1
-            _count(self.unknown, command.code, command.line)
+            self.omitted.count(Omission.UNKNOWN, command.code, command.line)
             return None
         geometry, job = self._machine.geometry, self._job
         words = command.words()
@@ -256,7 +232,7 @@ class Commands:
         return Still()
 
     def _stop(self, command: Command) -> Wait:
-        _count(self.stops, command.code, command.line)
+        self.omitted.count(Omission.STOP, command.code, command.line)
         return Stop(command.code, command.line)
 
     def fans_off(self) -> None:
@@ -475,7 +451,7 @@ class Commands:
     def _junction(self, command: Command) -> None:
         note = self.junction(command.words())
         if note:
-            _count(self.refused, note, command.line)
+            self.omitted.count(Omission.REFUSED, note, command.line)
 
     def junction(self, words: dict[str, float], *, live: bool = False) -> str:
         """M205, for the moves that follow, or `live` for all that is planned anew: what acts is the
@@ -501,7 +477,7 @@ class Commands:
         if factor is not None:
             self._job.set_speed_factor(factor)
         if note:
-            _count(self.refused, note, command.line)
+            self.omitted.count(Omission.REFUSED, note, command.line)
 
     def speed_factor(self, words: dict[str, float]) -> tuple[float | None, str]:
         """M220: the factor that S gives, None without it, and a note if S is beyond the limits, of
@@ -591,13 +567,6 @@ def _at_least(word: str, value: float, what: str) -> None:
     least, unit = _LEAST[what]
     if value < least:
         raise CommandError.bad_value(word, value, f"at least {least:g} {unit}")
-
-
-def _count(table: dict[str, tuple[int, int]], code: str, line: int) -> None:
-    if code not in table and len(table) >= _MOST_CODES:
-        code = "any other code"
-    first, times = table.get(code, (line, 0))
-    table[code] = (first, times + 1)
 
 
 def _key(command: Command) -> str:

@@ -1,0 +1,54 @@
+"""What a print without consoles leaves out of its program, and says so once for each."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from enum import Enum
+
+_MOST_CODES = 1000  # that are counted each on its own, however many a file makes up
+
+Counts = Mapping[str, tuple[int, int]]
+"""First line and times of each."""
+
+
+class Omission(Enum):
+    """Why something was left out: a sentence about it."""
+
+    UNKNOWN = "{} is unknown and was skipped"
+    NOT_BUILT = "{} does nothing here and was skipped"
+    SERVED = "{} is for a printer that is served and was skipped"
+    PERSON = "{} waits for a person; nobody is here, so it took no time"
+    STOP = "{} stops a print; the plan goes on behind it"
+    TOOL = "tool {} does not exist and was ignored"
+    REFUSED = "{}"
+
+
+class Omissions:
+    """Counts of one program. Not thread-safe."""
+
+    def __init__(self) -> None:
+        self._counts: dict[Omission, dict[str, tuple[int, int]]] = {why: {} for why in Omission}
+        self.cut_at = 0  # the line in the middle of which the file ended
+
+    def count(self, why: Omission, what: str, line: int) -> None:
+        """It was left out once more."""
+        counts = self._counts[why]
+        if what not in counts and len(counts) >= _MOST_CODES:
+            what = "any other code"
+        first, times = counts.get(what, (line, 0))
+        counts[what] = (first, times + 1)
+
+    def times(self, why: Omission) -> int:
+        """How often that was the reason."""
+        return sum(times for _, times in self._counts[why].values())
+
+    def warnings(self, file: str, others: Counts) -> list[str]:
+        """One sentence for each, and for each of the `others`, which are sentences already; and for
+        a file that was cut short."""
+        told = [(why.value, counts) for why, counts in self._counts.items()] + [("{}", others)]
+        cut = f"{file}:{self.cut_at}: the file ends in the middle of a line, it may be cut short"
+        return [
+            f"{file}:{line}: {sentence.format(what)} ({times} {'time' if times == 1 else 'times'})"
+            for sentence, counts in told
+            for what, (line, times) in counts.items()
+        ] + ([cut] if self.cut_at else [])
