@@ -114,8 +114,8 @@ void bind_board(nb::module_& m) {
           },
           "pin"_a, "weights"_a, "position"_a, "at_maximum"_a, "pressed_level"_a,
           "Pressed at or beyond `position` of the weighted sum of actuators: (step pin, weight).")
-      .def("feel", &Bench::feel, "step_pin"_a, "board"_a, "its_step_pin"_a, nb::keep_alive<1, 3>(),
-           "A motor on another board, as the switches of this one feel it.")
+      .def("feel", &Bench::feel, "step_pin"_a, "board"_a, "its_step_pin"_a,
+           "A motor on another board, as the switches of this one feel it while that board lives.")
       .def("place", &Bench::place, "step_pin"_a, "position"_a,
            "Somebody moves the motor's actuator by hand.")
       .def(

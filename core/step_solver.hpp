@@ -149,11 +149,13 @@ class StepSolver {
     if (spec_.drive == Drive::extruder && m.extruder != spec_.index) return;
     if (m.kind == MoveKind::dwell) return;
     out.set_tolerance(m.tolerance);
-    if (m.cartesian && pieces_.raised() && !machine_.joints)
+    // Also by less than what measures the path: by a hair beside much filament.
+    bool travels = m.p0[kX] != m.p1[kX] || m.p0[kY] != m.p1[kY] || m.p0[kZ] != m.p1[kZ];
+    if (travels && pieces_.raised())
       solve_raised(m, out);
     else if (linear_ || machine_.joints)
       solve_linear(m, out);
-    else
+    else if (travels)
       solve_path(m, out);
   }
 
@@ -236,7 +238,6 @@ class StepSolver {
 
   void solve_path(const Move& m, Steps& out) {
     Path path{{m.p0[0], m.p0[1], m.p0[2]}, {m.p1[0], m.p1[1], m.p1[2]}, m.d};
-    if (!m.cartesian) return;
     machine_.geometry->crossings(spec_.index, path, spec_.steps_per_unit, crossings_);
     TimeLaw law(m, hz_);
     // After a cut: steps done before their ideal time, which are not done again, or still owed.

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -73,9 +74,9 @@ class Bench : public Device {
   double position(uint32_t step_pin) { return plant_.position(step_pin, net(step_pin)); }
   // A motor on another board, whose actuator the switches of this one feel as that of `step_pin`.
   // Both boards are at the same time whenever this one looks, to within what it does between two
-  // looks.
+  // looks. A board that is gone is felt no more.
   void feel(uint32_t step_pin, Bench& board, uint32_t its_step_pin) {
-    elsewhere_[step_pin] = {&board, its_step_pin};
+    elsewhere_[step_pin] = {board.self_, its_step_pin};
   }
   // Somebody moves a motor's actuator by hand.
   void place(uint32_t step_pin, double position) {
@@ -83,7 +84,8 @@ class Bench : public Device {
   }
 
  private:
-  std::map<uint32_t, std::pair<Bench*, uint32_t>> elsewhere_;
+  std::shared_ptr<Bench*> self_ = std::make_shared<Bench*>(this);
+  std::map<uint32_t, std::pair<std::weak_ptr<Bench*>, uint32_t>> elsewhere_;
 
  protected:
   Plant plant_;
@@ -94,9 +96,10 @@ class Bench : public Device {
   bool level(uint32_t pin, Ticks clock) {
     return plant_.level(pin, clock, [this](uint32_t step_pin) {
       auto elsewhere = elsewhere_.find(step_pin);
-      return elsewhere == elsewhere_.end()
-                 ? position(step_pin)
-                 : elsewhere->second.first->position(elsewhere->second.second);
+      if (elsewhere != elsewhere_.end())
+        if (auto board = elsewhere->second.first.lock())
+          return (*board)->position(elsewhere->second.second);
+      return position(step_pin);
     });
   }
 };

@@ -664,7 +664,9 @@ class Bench(Device):
         """
 
     def feel(self, step_pin: int, board: Bench, its_step_pin: int) -> None:
-        """A motor on another board, as the switches of this one feel it."""
+        """
+        A motor on another board, as the switches of this one feel it while that board lives.
+        """
 
     def place(self, step_pin: int, position: float) -> None:
         """Somebody moves the motor's actuator by hand."""

@@ -73,6 +73,18 @@ def assert_steps_stand_where_the_inverse_says(motion, spec, geometry, begin):
 
 
 @pytest.mark.parametrize("name", REACH)
+def test_a_hair_of_travel_beside_much_filament_is_made_on_the_way(name):
+    """It does not measure the path any more, but none of its steps waits for the next move."""
+    motion, spec, geometry = in_the_middle(name)
+    begin = motion.counts()
+    target = [c + mm for c, mm in zip(REACH[name][0], (0.09, -0.09, 0.09), strict=True)]
+    motion.push([*target, 2000.0], 100.0)
+    motion.flush()
+    assert motion.counts()[:3] != begin[:3]
+    assert_steps_stand_where_the_inverse_says(motion, spec, geometry, begin)
+
+
+@pytest.mark.parametrize("name", REACH)
 @given(path=paths)
 @settings(max_examples=10, deadline=None)
 def test_no_motor_beyond_its_limits(name, path):
