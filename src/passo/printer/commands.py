@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from math import nan, sqrt
-from typing import TYPE_CHECKING, NamedTuple, Protocol, Self
+from typing import TYPE_CHECKING, ClassVar, NamedTuple, Protocol, Self
 
 from passo.config.base import LEAST_ACCEL, LEAST_SPEED
 from passo.config.drives import axis_order
@@ -91,41 +91,6 @@ class Commands:
         self.ended = False
         self.omitted = Omissions()
         self.record_at_once = job.record  # without a living printer there is no such haste
-        self._handlers: dict[str, Callable[[Command], Wait | None]] = {
-            "G28": self._home,
-            "G92": self._set_position,
-            "G92.1": self._set_actuators,
-            "M2": self._end,
-            "M30": self._end,
-            "EOF": self._end,
-            "M112": self._stop,
-            "M410": self._stop,
-            "M3": self._spindle_start,
-            "M4": self._spindle_start,
-            "M5": self._spindle_stop,
-            "S": self._spindle_power,
-            "M18": lambda _: Still(),
-            "M84": lambda _: Still(),
-            "M400": lambda _: Still(),
-            "M104": lambda c: self._set_temperature(c, "hotend"),
-            "M140": lambda c: self._set_temperature(c, "bed"),
-            "M141": lambda c: self._set_temperature(c, "chamber"),
-            "M109": lambda c: self._reach_temperature(c, "hotend"),
-            "M190": lambda c: self._reach_temperature(c, "bed"),
-            "M191": lambda c: self._reach_temperature(c, "chamber"),
-            "M116": self._reach_all,
-            "M106": lambda c: self.set_fan(self.fan_order(c)),
-            "M107": lambda c: self.set_fan(self.fan_order(c)),
-            "M201": lambda c: self._axis_limits(c, "accel"),
-            "M203": lambda c: self._axis_limits(c, "speed"),
-            "M204": lambda c: self.accelerations(c.words()),
-            "M205": self._junction,
-            "M220": self._speed,
-            "M221": self._flow,
-            "M290": self._babystep,
-            "G10": self._tool_temperatures,
-            "SET_VELOCITY_LIMIT": self._velocity_limit,
-        }
 
     def run(self, command: Command) -> Wait | None:
         """Carries one command out, or counts it as unknown; returns what it waits for. Raises
@@ -138,9 +103,9 @@ class Commands:
             return None
         code = _key(command)
         command.check()
-        handler = self._handlers.get(code)
+        handler = self._HANDLERS.get(code)
         if handler is not None:
-            return handler(command)
+            return handler(self, command)
         row = row_of(code)
         if row is None:
             self.omitted.count(Omission.UNKNOWN, code, command.line)
@@ -158,7 +123,7 @@ class Commands:
         if command.code == "G92.1":
             return _BY_INTERPRETER.fullmatch(command.text) is not None
         code = _key(command)
-        return command.letter == "T" or code in self._handlers or row_of(code) is not None
+        return command.letter == "T" or code in self._HANDLERS or row_of(code) is not None
 
     def refuse(self, command: Command, error: CommandError) -> None:
         """A command that was not carried out, in a print that goes on."""
@@ -560,6 +525,43 @@ class Commands:
             # A right angle: v² = a δ s/(1 - s) with s = √½, so δ = v² (√2 - 1) / a.
             accel = job.limit("print_accel")
             job.set_limit("junction_deviation", corner**2 * (sqrt(2) - 1) / accel)
+
+    # Of the class: an object that refers to itself would keep its job until it is found as garbage.
+    _HANDLERS: ClassVar[dict[str, Callable[[Commands, Command], Wait | None]]] = {
+        "G28": _home,
+        "G92": _set_position,
+        "G92.1": _set_actuators,
+        "M2": _end,
+        "M30": _end,
+        "EOF": _end,
+        "M112": _stop,
+        "M410": _stop,
+        "M3": _spindle_start,
+        "M4": _spindle_start,
+        "M5": _spindle_stop,
+        "S": _spindle_power,
+        "M18": lambda self, _: Still(),
+        "M84": lambda self, _: Still(),
+        "M400": lambda self, _: Still(),
+        "M104": lambda self, c: self._set_temperature(c, "hotend"),
+        "M140": lambda self, c: self._set_temperature(c, "bed"),
+        "M141": lambda self, c: self._set_temperature(c, "chamber"),
+        "M109": lambda self, c: self._reach_temperature(c, "hotend"),
+        "M190": lambda self, c: self._reach_temperature(c, "bed"),
+        "M191": lambda self, c: self._reach_temperature(c, "chamber"),
+        "M116": _reach_all,
+        "M106": lambda self, c: self.set_fan(self.fan_order(c)),
+        "M107": lambda self, c: self.set_fan(self.fan_order(c)),
+        "M201": lambda self, c: self._axis_limits(c, "accel"),
+        "M203": lambda self, c: self._axis_limits(c, "speed"),
+        "M204": lambda self, c: self.accelerations(c.words()),
+        "M205": _junction,
+        "M220": _speed,
+        "M221": _flow,
+        "M290": _babystep,
+        "G10": _tool_temperatures,
+        "SET_VELOCITY_LIMIT": _velocity_limit,
+    }
 
 
 def _at_least(word: str, value: float, what: str) -> None:
