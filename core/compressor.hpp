@@ -310,7 +310,11 @@ class Compressor {
       bool open = last && !still && (last_run || run_end > known);
       while (i < end) {
         if (!last && end == known && end - i < size_t(kMostSteps)) return check(i);
-        if (resets(t[i])) reset_clock(t[i]);
+        if (resets(t[i])) {
+          reset_clock(t[i]);
+          double& lo = lo_[i - base_];  // may reach over the new clock, as the step before is far
+          lo = std::max(lo, double(last_ + 1));
+        }
         int left = int(std::min(end - i, size_t(kMostSteps))), n = std::min(left, kLook);
         double before = double(last_);
         size_t k = i - base_;

@@ -67,7 +67,8 @@ class History {
     m.ahead0 += (done.ahead1 - done.ahead0) * (tau / done.ticks());
     if (done.kind == MoveKind::dwell) {
       done.t_cru = tau;
-      m.duration -= tau / hz_;
+      done.duration = tau / hz_;
+      m.duration -= done.duration;
       speed2 = 0;
     } else {
       auto [s, v] = done.along(tau, hz_);

@@ -579,11 +579,15 @@ class Motion {
     };
     auto later = [&] { return !placed_.empty() && placed_.back().clock > at; };
     for (size_t i = rest.size(); i-- > (under_way ? 1 : 0); next = &rest[i].records) {
-      auto behind = [&] { return double(placed_.back().clock) > rest[i].start + 0.5; };
+      // What this move has brought comes before what came behind it, also within half a tick.
+      auto behind = [&] {
+        return rest[i].records > 0 || double(placed_.back().clock) > rest[i].start + 0.5;
+      };
       for (; later() && placed_.back().alone && behind(); ++*next) back();
-      // One that is due at the very clock of the cut has been.
+      // One that is due at the very clock of the cut has been, before this move.
       uint32_t n = 0;
       for (; n < rest[i].records && later(); ++n) back();
+      for (size_t k = rest[i].records - n; k > 0; --k) placed_[placed_.size() - k].alone = true;
       rest[i].records = n;
     }
     if (under_way) {

@@ -186,7 +186,6 @@ class Planner {
   JunctionRule junction_;
   MoveBudget budget_;
   std::vector<Move> queue_, settled_, parts_;
-  Move before_;            // what stood last in the queue when all of it had settled
   bool moving_ = false;    // there is a move before the next one
   size_t head_ = 0;        // first move of queue_ that is not settled
   size_t since_pass_ = 0;  // moves taken since the last pass
@@ -244,8 +243,7 @@ class Planner {
   // The last move of the queue has come behind those before it.
   void join(bool passes) {
     Move& last = queue_.back();
-    const Move& before = queue_.size() > 1 ? queue_[queue_.size() - 2] : before_;
-    last.vj2 = moving_ ? junction_.cap2(before, last, rules_.of(last.rules)) : 0;
+    last.vj2 = moving_ ? junction_.cap2(queue_[queue_.size() - 2], last, rules_.of(last.rules)) : 0;
     if (budget_.bounds_anything()) {
       if (!moving_) budget_.restart(speed2_);
       budget_.apply(last, moving_ ? last.vj2 : speed2_);
@@ -270,15 +268,12 @@ class Planner {
       if (capped && !flush && final == head_) final = i;
     }
     if (!flush && end - final > kLongest) final = head_ + (end - head_) / 2;
-    if (final == end && end > 0) before_ = queue_.back();
     for (; head_ < final; ++head_) {
       trapezoid(queue_[head_], head_ + 1 < end ? queue_[head_ + 1].v0 : 0);
       settled_.push_back(queue_[head_]);
     }
     if (head_ == end) {
-      queue_.clear();
-      head_ = 0;
-      moving_ = moving_ && speed2_ > 0;
+      stand(clock_);  // where the last way to brake was too short to be a move, too
     } else if (head_ > 4 * kBatch) {
       queue_.erase(queue_.begin(), queue_.begin() + long(head_));
       head_ = 0;

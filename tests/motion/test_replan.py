@@ -218,6 +218,38 @@ def test_a_record_behind_a_stop_keeps_its_place_when_the_move_before_it_is_cut()
     assert oracle.pins(motion.take_messages()) == [(starts[1], 7), (starts[2], 8)]
 
 
+@pytest.mark.parametrize("dwells_first", [True, False])
+def test_a_record_that_is_done_at_a_stop_keeps_its_place_when_the_way_there_is_cut(dwells_first):
+    # It is due at the very clock of the stop, or a third of a tick before it.
+    motion = Motion(cartesian(), True)
+    ways = [([0, 0, 0, 0], 50.0, "dwell", 0, 1.0), ([1, 0, 0, 0], 50.0)]
+    first, second = ways if dwells_first else ways[::-1]
+    motion.push(*first)
+    due = float(oracle.HZ) if dwells_first else 586667.0
+    motion.record(2, 7)
+    motion.push(*second)
+    motion.flush()
+    assert motion.hold_from(due - 0.5) == due
+    motion.record(3, 8)
+    motion.replan_from(0.5 * due)
+    assert [(m[1], m[2], m[4]) for m in motion.take_messages() if m[0] == "pin"] == [
+        (2, due, 7),
+        (3, due, 8),
+    ]
+
+
+def test_a_dwell_that_was_cut_is_no_longer_for_a_cut_before_it():
+    motion = Motion(cartesian(), True)
+    motion.push([10, 0, 0, 0], 50.0)
+    motion.push([10, 0, 0, 0], 50.0, "dwell", duration_s=1.0)
+    motion.flush()
+    total = motion.clock
+    motion.replan_from(total - 0.25 * oracle.HZ)
+    motion.replan_from(0.1 * oracle.HZ)
+    motion.flush()
+    assert motion.clock == pytest.approx(total, abs=2)
+
+
 def test_what_is_recorded_at_a_stop_does_not_take_the_place_of_what_is_held():
     motion = Motion(cartesian(), True)
     motion.push([50, 0, 0, 0], 50.0)
@@ -274,3 +306,21 @@ def test_what_makes_no_step_is_forgotten_too(line):
     job.flush()
     assert job.position_at(early) is None
     assert job.position_at(job.clock - 0.5 * oracle.HZ) is not None
+
+
+def test_what_is_held_waits_also_where_the_last_way_to_brake_is_too_short_to_be_a_move():
+    # Much filament on a hair of way: 0.0024 mm/s at the corner, from which 1 pm is enough to brake.
+    motion = Motion(cartesian(), True)
+    motion.push([0.032, 0, 0, -13.531], 100.0)
+    motion.push([15.4, 0, 0, -13.531], 100.0)
+    motion.flush()
+    corner = motion.take_moves()[1]
+    assert 0.002 < corner.start_speed < 0.003
+    motion.hold_from(corner.start_ticks - 1000)
+    stopped = motion.clock
+    motion.shift_from(stopped, 2, 2.5)
+    motion.hold_from(stopped + oracle.HZ)
+    assert motion.clock == stopped
+    motion.release()
+    motion.flush()
+    assert_arrived(motion, motion.take_messages(), [15.4, 0.0, 2.5, -13.531])
