@@ -7,6 +7,7 @@ import os
 import random
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -247,6 +248,18 @@ def test_explain_does_not_mind_what_is_wrong_behind_the_line(capsys, tmp_path, b
     for line in (3, 4):
         assert main(["explain", f"{path}:{line}"]) in (4, 5)
         assert f"{path}:3: " in capsys.readouterr().err
+
+
+def test_a_report_never_replaces_its_file(short, capsys):
+    text = Path(short).read_bytes()
+    assert main(["report", short, "--output", short]) == 2
+    assert "it is the G-code itself" in capsys.readouterr().err
+    assert Path(short).read_bytes() == text
+
+
+def test_a_time_that_is_no_number_is_told(short, capsys):
+    assert main(["steps", short, "--output", "o.npz", "--from", "soon"]) == 2
+    assert "'soon' is not a time in seconds" in capsys.readouterr().err
 
 
 def test_report_is_one_page(short, tmp_path):

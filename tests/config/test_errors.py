@@ -178,6 +178,13 @@ def test_a_problem_reads_as_a_sentence() -> None:
             "board.console.baud",
             "a whole number",
         ),
+        (
+            'base = "ramps"',
+            'base = "ramps"\nconsole = { baud = inf }',
+            "board.console.baud",
+            "a whole number",
+        ),
+        ('base = "ramps"', 'base = "ramps"\nclock_hz = nan', "board.clock_hz", "a whole number"),
     ],
 )
 def test_one_wrong_place(i3_text: str, old: str, new: str, key: str, expected: str) -> None:

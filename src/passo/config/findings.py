@@ -96,6 +96,8 @@ def array(data: Mapping[str, Any], key: str) -> list[object]:
 
 
 def number(content: Mapping[str, Any], key: str) -> float | None:
-    """The number at `key`, None if it is missing or is no number."""
+    """The number at `key`, None if it is missing or is no finite number."""
     value = content.get(key)
-    return value if isinstance(value, int | float) and not isinstance(value, bool) else None
+    if not isinstance(value, int | float) or isinstance(value, bool):
+        return None
+    return value if isfinite(value) else None
