@@ -250,6 +250,16 @@ def test_explain_does_not_mind_what_is_wrong_behind_the_line(capsys, tmp_path, b
         assert f"{path}:3: " in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_explain_counts_lines_as_the_print_does(capsys, tmp_path, end):
+    path = tmp_path / "p.gcode"
+    path.write_bytes(end.join(["G28", "G1 X5 F600", "G1 X9", "G1 X999", ""]).encode())
+    text = explained(capsys, path, 2)
+    assert text.startswith(f"{path}:2: G1 X5 F600\n")
+    assert "from X 0.000, Y 0.000, Z 0.000, E 0.000 to X 5.000" in text
+    assert "Junction after: the path turns by 0.0°" in text  # line 4 is left out, not line 3
+
+
 def test_a_report_never_replaces_its_file(short, capsys):
     text = Path(short).read_bytes()
     assert main(["report", short, "--output", short]) == 2

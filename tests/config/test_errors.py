@@ -174,6 +174,12 @@ def test_a_problem_reads_as_a_sentence() -> None:
         ),
         (
             'base = "ramps"',
+            'base = "ramps"\nbudget = { command_share = 1e-300 }',
+            "board.budget.command_share",
+            "at least 0.001",
+        ),
+        (
+            'base = "ramps"',
             'base = "ramps"\nconsole = { baud = 0.5 }',
             "board.console.baud",
             "a whole number",

@@ -25,6 +25,7 @@ LINK_BURST_S = 0.06
 COMMIT_BURST_S = 0.035
 
 
+_Share = Annotated[float, Field(ge=0.001, le=1)]
 _Cycles = Annotated[float, Field(gt=0, le=1_000_000)]
 
 
@@ -43,8 +44,8 @@ class Budget(Model):
     cpu_hz: Annotated[int, Field(ge=1_000_000, le=10_000_000_000)] | None = None
     cycles_per_step: _Cycles
     cycles_per_command: _Cycles
-    step_share: Annotated[float, Field(gt=0, le=1)] = 0.65
-    command_share: Annotated[float, Field(gt=0, le=1)] = 0.3
+    step_share: _Share = 0.65
+    command_share: _Share = 0.3
     link_bytes_s: Annotated[float, Field(ge=100)] | None = None
 
 
