@@ -402,6 +402,13 @@ class Interpreter {
     return machine_->tools.empty() ? 0 : machine_->tools[tool_].offset[j];
   }
 
+  // Whether words without a motion command are a move: they name an axis, F, I or J.
+  bool moves(const Word* w, const Word* end) const {
+    return std::any_of(w, end, [this](const Word& x) {
+      return x.letter == 'F' || x.letter == 'I' || x.letter == 'J' ||
+             (x.letter >= 'A' && x.letter <= 'Z' && letter_slot_[x.letter - 'A'] >= 0);
+    });
+  }
   bool listening() const { return lines().number() == listened_ && !source_; }
   // A command begins, with these words of its line, or with a text that is none.
   void hear(std::string_view code, const Word* first, const Word* last, std::string_view text = "");

@@ -26,6 +26,12 @@ inline bool before_modal(char letter, int code, int minor) {
   return letter == 'G' && minor == 0 && ((code >= 17 && code <= 21) || code == 90 || code == 91);
 }
 
+// So it is where it names axes, of these which mean nothing themselves: lengths of tools, the
+// coordinate system, F in mm/min.
+inline bool before_axes(char letter, int code, int minor) {
+  return letter == 'G' && minor == 0 && (code == 43 || code == 54 || code == 94);
+}
+
 // Words of these that need no number; the dialect table says the same.
 inline bool may_stand_alone(char letter, int code, char word) {
   if (letter == 'G') return code == 61 && std::strchr("ABCDEHIJKUVWXYZ", word);
@@ -141,16 +147,11 @@ inline void Interpreter::run_words() {
   Word* first = w;
   if (!starts(*w) && !tool(*w)) {
     Word* next = w;
-    bool moves = false;
-    while (next < end && !starts(*next)) {
-      moves |=
-          next->letter == 'F' || next->letter == 'I' || next->letter == 'J' ||
-          (next->letter >= 'A' && next->letter <= 'Z' && letter_slot_[next->letter - 'A'] >= 0);
-      ++next;
-    }
-    if (moves || next == end) {
-      if (!moves && !begins) return;  // further words of a tool
-      if (!moves) {
+    while (next < end && !starts(*next)) ++next;
+    const bool motion = moves(w, next);
+    if (motion || next == end) {
+      if (!motion && !begins) return;  // further words of a tool
+      if (!motion) {
         if (w->letter == 'S' && w->number) {
           hear("S", w, end);
           return emit('S', 0, 0, "", text);
@@ -204,10 +205,15 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
   int code = int(command.value), minor = int(std::lround((command.value - code) * 10));
   std::string name = command.letter + std::to_string(code);
   if (minor != 0) name += "." + std::to_string(minor);
-  if (before_modal(command.letter, code, minor))
+  const bool modal = before_axes(command.letter, code, minor) && moves(w, end);
+  if (modal || before_modal(command.letter, code, minor))
     hear(name, w, w);
   else
     hear(name, w, end, text);
+  if (modal) {
+    emit(command.letter, code, minor, "", "");
+    return run_modal(w, end);
+  }
   while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
   auto value_of = [&](char letter, double otherwise) {
     for (const Word* x = w; x < end; ++x)
