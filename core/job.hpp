@@ -247,8 +247,12 @@ class Job {
   // Whether the last move of the batch may be pushed, which it is unless it is to be left out.
   // False: error() says why not, and it is taken out.
   bool admit(MoveRequest& m) {
-    // Filament alone moves nothing else, also where a move before it was left out.
-    if (m.kind == MoveKind::extrude && left_out.times > 0) std::copy_n(at_, 3, m.target);
+    // Where a move before it was left out, filament alone moves nothing else, and a dwell nothing.
+    if (left_out.times > 0 && m.kind == MoveKind::extrude) std::copy_n(at_, 3, m.target);
+    if (left_out.times > 0 && m.kind == MoveKind::dwell) {
+      std::copy_n(at_, kAxes, m.target);
+      if (!extruders_at_.empty()) m.target[kE] = extruders_at_[m.extruder];
+    }
     bool travels = m.kind != MoveKind::dwell && m.kind != MoveKind::extrude;
     bool sound = !too_long(m);
     if (sound && travels && motion.planner().constraints().checks_reach() && !reach(m) &&

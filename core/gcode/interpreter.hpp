@@ -310,6 +310,7 @@ class Interpreter {
       if (is_filament(j)) continue;
       if (!letters.empty() && letters.find(machine_->axes[i].letter) == std::string::npos) continue;
       position_[j] = home_[i];
+      cut_ &= uint8_t(~(1u << j));
       origin_[j] = j < 3 ? tool_offset(j) : 0;
       double c[3];
       if (j == kZ || !machine_->geometry->linear(kZ, c)) hop_ = 0;  // all arms home together
@@ -380,6 +381,7 @@ class Interpreter {
   std::vector<std::string> features_;
   uint64_t arcs_ = 0;
   Clamped clamped_[kAxes];
+  uint8_t cut_ = 0;  // a bit for each slot that is at a limit instead of where the program means
   Arc arc_;
   double arc_hop_ = 0;  // hop_ where it begins
   std::string text_;    // of the line, comments removed
@@ -400,6 +402,13 @@ class Interpreter {
     return machine_->tools.empty() ? 0 : machine_->tools[tool_].offset[j];
   }
 
+  // Whether words without a motion command are a move: they name an axis, F, I or J.
+  bool moves(const Word* w, const Word* end) const {
+    return std::any_of(w, end, [this](const Word& x) {
+      return x.letter == 'F' || x.letter == 'I' || x.letter == 'J' ||
+             (x.letter >= 'A' && x.letter <= 'Z' && letter_slot_[x.letter - 'A'] >= 0);
+    });
+  }
   bool listening() const { return lines().number() == listened_ && !source_; }
   // A command begins, with these words of its line, or with a text that is none.
   void hear(std::string_view code, const Word* first, const Word* last, std::string_view text = "");
@@ -500,6 +509,7 @@ class Interpreter {
     uint8_t moved = 0;
     const double e_before = logical_e_;
     double hop = hop_;
+    uint8_t cut = cut_;
     for (uint32_t left = have; left; left &= left - 1) {
       int k = __builtin_ctz(left), j = letter_slot_[k];
       moved |= uint8_t(1u << j);
@@ -511,13 +521,7 @@ class Interpreter {
         move_.target[kE] = position_[kE] + filament_[active_].length(delta, e_scale());
         continue;
       }
-      double t = (absolute ? v + origin_[j] : position_[j] + v);
-      if (absolute && j == kZ) t += hop_;
-      if (j == kZ && t > high_[j]) {  // what is left of the hop is what there is room for
-        t -= hop_;
-        hop = std::clamp(high_[j] - t, 0.0, hop_);
-        t += hop;
-      }
+      double t = absolute ? v + origin_[j] : meant(j) + v;
       if (t < low_[j] - 1e-6 || t > high_[j] + 1e-6) {
         double limit = t < low_[j] ? low_[j] : high_[j];
         if (!clamp && !locked(j)) {
@@ -527,6 +531,13 @@ class Interpreter {
         }
         note_clamp(j, t, limit);
         t = limit;
+        cut |= uint8_t(1u << j);
+      } else if (absolute) {
+        cut &= uint8_t(~(1u << j));
+      }
+      if (j == kZ) {  // of the hop as much as there is room for
+        hop = std::clamp(high_[j] - t, 0.0, hop_);
+        t += hop;
       }
       move_.target[j] = t;
     }
@@ -543,6 +554,7 @@ class Interpreter {
       return false;
     }
     hop_ = move_.hop_mm = hop;
+    cut_ = cut;
     move_.moved = moved;
     move_.flow = extruder_.empty() ? 0 : filament_[active_].flow;
     return true;

@@ -26,6 +26,12 @@ inline bool before_modal(char letter, int code, int minor) {
   return letter == 'G' && minor == 0 && ((code >= 17 && code <= 21) || code == 90 || code == 91);
 }
 
+// So it is where it names axes, of these which mean nothing themselves: lengths of tools, the
+// coordinate system, F in mm/min.
+inline bool before_axes(char letter, int code, int minor) {
+  return letter == 'G' && minor == 0 && (code == 43 || code == 54 || code == 94);
+}
+
 // Words of these that need no number; the dialect table says the same.
 inline bool may_stand_alone(char letter, int code, char word) {
   if (letter == 'G') return code == 61 && std::strchr("ABCDEHIJKUVWXYZ", word);
@@ -66,7 +72,7 @@ inline void Interpreter::run_line(const char* p, const char* end) {
     double number;
     const char* after = q + 1;
     if (read_number(after, q + text.size(), number)) {
-      size_t star = text.find('*');
+      size_t star = last_star(text);
       if (star != std::string::npos) {
         uint8_t sum = 0;
         for (size_t i = 0; i < star; ++i) sum ^= uint8_t(text[i]);
@@ -141,16 +147,11 @@ inline void Interpreter::run_words() {
   Word* first = w;
   if (!starts(*w) && !tool(*w)) {
     Word* next = w;
-    bool moves = false;
-    while (next < end && !starts(*next)) {
-      moves |=
-          next->letter == 'F' || next->letter == 'I' || next->letter == 'J' ||
-          (next->letter >= 'A' && next->letter <= 'Z' && letter_slot_[next->letter - 'A'] >= 0);
-      ++next;
-    }
-    if (moves || next == end) {
-      if (!moves && !begins) return;  // further words of a tool
-      if (!moves) {
+    while (next < end && !starts(*next)) ++next;
+    const bool motion = moves(w, next);
+    if (motion || next == end) {
+      if (!motion && !begins) return;  // further words of a tool
+      if (!motion) {
         if (w->letter == 'S' && w->number) {
           hear("S", w, end);
           return emit('S', 0, 0, "", text);
@@ -204,10 +205,15 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
   int code = int(command.value), minor = int(std::lround((command.value - code) * 10));
   std::string name = command.letter + std::to_string(code);
   if (minor != 0) name += "." + std::to_string(minor);
-  if (before_modal(command.letter, code, minor))
+  const bool modal = before_axes(command.letter, code, minor) && moves(w, end);
+  if (modal || before_modal(command.letter, code, minor))
     hear(name, w, w);
   else
     hear(name, w, end, text);
+  if (modal) {
+    emit(command.letter, code, minor, "", "");
+    return run_modal(w, end);
+  }
   while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
   auto value_of = [&](char letter, double otherwise) {
     for (const Word* x = w; x < end; ++x)
@@ -485,9 +491,10 @@ inline void Interpreter::run_arc(bool clockwise, const double* value, uint32_t h
   double feed = move_.feed_mm_s, e_before = logical_e_, start[kAxes];
   std::copy(position_, position_ + kAxes, start);
   arc_hop_ = hop_;
-  const uint64_t clamped = clamped_[u].times + clamped_[v].times;
+  uint8_t cut = cut_;
   if (!target(value, axes, relative())) return;
-  const bool whole = clamped == clamped_[u].times + clamped_[v].times;  // not cut to the limits
+  cut |= cut_;
+  const bool whole = (cut & (1u << u | 1u << v)) == 0;  // both ends are where the program means
   double end[kAxes];
   std::copy(move_.target, move_.target + kAxes, end);
   auto none = [&](Fault fault, const std::string& word, double value, double limit) {
@@ -498,8 +505,9 @@ inline void Interpreter::run_arc(bool clockwise, const double* value, uint32_t h
   double du = end[u] - start[u], dv = end[v] - start[v], cu, cv;
   if (radius != 0) {
     double d2 = du * du + dv * dv, h2 = radius * radius - d2 / 4;
-    if (d2 == 0 || h2 < -1e-3 * radius * radius)
+    if (whole && (d2 == 0 || h2 < -1e-3 * radius * radius))
       return none(Fault::arc, "R", radius, std::sqrt(d2) / 2);
+    if (d2 == 0) return queue_straight(feed, 0, false);  // both ends were cut to the same place
     double h = std::sqrt(std::max(0.0, h2) / d2) * ((clockwise == (radius > 0)) ? 1 : -1);
     cu = start[u] + du / 2 + dv * h;
     cv = start[v] + dv / 2 - du * h;
@@ -523,22 +531,21 @@ inline void Interpreter::run_arc(bool clockwise, const double* value, uint32_t h
 
 inline bool Interpreter::next_chord() {
   arc_.next(move_.target);
-  for (int j = 0; j < 3; ++j)
-    if (move_.target[j] < low_[j] - 1e-6 || move_.target[j] > high_[j] + 1e-6) {
-      double limit = move_.target[j] < low_[j] ? low_[j] : high_[j];
-      if (j == kZ && move_.target[j] > limit && move_.target[j] - arc_hop_ <= limit + 1e-6) {
-        move_.target[j] = limit;  // there is no room for the hop
-        continue;
-      }
+  for (int j = 0; j < 3; ++j) {
+    const double hop = j == kZ ? arc_hop_ : 0, at = move_.target[j] - hop;
+    if (at < low_[j] - 1e-6 || at > high_[j] + 1e-6) {
+      const double limit = at < low_[j] ? low_[j] : high_[j];
       if (!clamp) {
-        fail(Fault::out_of_range, machine_->axes[size_t(j)].name, move_.target[j], limit);
+        fail(Fault::out_of_range, machine_->axes[size_t(j)].name, at, limit);
         take_back(move_.target[kE] - position_[kE] + arc_.left(kE));
         arc_ = Arc();
         return false;
       }
-      note_clamp(j, move_.target[j], limit);
-      move_.target[j] = limit;
+      note_clamp(j, at, limit);
+      move_.target[j] = limit + hop;
     }
+    if (hop > 0) move_.target[j] = std::min(move_.target[j], high_[j]);  // as there is room for
+  }
   move_.radius_mm = arc_.radius();
   move_.arc_inner = !arc_.first();
   return ready();

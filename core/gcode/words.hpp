@@ -53,6 +53,17 @@ inline std::string readable(std::string_view text) {
   return out;
 }
 
+// Where the last '*' outside of comments is: npos if there is none.
+inline size_t last_star(std::string_view text) {
+  size_t depth = 0, star = std::string_view::npos;
+  for (size_t i = 0; i < text.size() && (text[i] != ';' || depth > 0); ++i) {
+    if (text[i] == '(') ++depth;
+    if (text[i] == ')' && depth > 0) --depth;
+    if (text[i] == '*' && depth == 0) star = i;
+  }
+  return star;
+}
+
 // Comments in parentheses become blanks, what follows ';' goes. `comment` is the text behind ';'.
 inline void strip_comments(std::string& text, std::string& comment) {
   comment.clear();

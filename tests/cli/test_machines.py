@@ -85,6 +85,17 @@ def test_check_of_a_bad_file_as_json(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert err == ""
 
 
+def test_whatever_stands_in_a_bad_file_can_be_written_as_json(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "bad.toml"
+    text = config.shipped_text("i3").replace("max_mm = 250.0", "max_mm = [1979-05-27, nan]")
+    path.write_text(text)
+    assert main(["check", "--json", str(path)]) == 3
+    report = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
+    assert report["problems"][0]["values"]["value"] == ["1979-05-27", "nan"]
+
+
 @pytest.mark.parametrize("words", [[], ["prnit"], ["machines", "--yaml"], ["check"]])
 def test_usage_errors(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     assert main(words) == 2

@@ -7,6 +7,7 @@ import os
 import random
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -247,6 +248,28 @@ def test_explain_does_not_mind_what_is_wrong_behind_the_line(capsys, tmp_path, b
     for line in (3, 4):
         assert main(["explain", f"{path}:{line}"]) in (4, 5)
         assert f"{path}:3: " in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_explain_counts_lines_as_the_print_does(capsys, tmp_path, end):
+    path = tmp_path / "p.gcode"
+    path.write_bytes(end.join(["G28", "G1 X5 F600", "G1 X9", "G1 X999", ""]).encode())
+    text = explained(capsys, path, 2)
+    assert text.startswith(f"{path}:2: G1 X5 F600\n")
+    assert "from X 0.000, Y 0.000, Z 0.000, E 0.000 to X 5.000" in text
+    assert "Junction after: the path turns by 0.0°" in text  # line 4 is left out, not line 3
+
+
+def test_a_report_never_replaces_its_file(short, capsys):
+    text = Path(short).read_bytes()
+    assert main(["report", short, "--output", short]) == 2
+    assert "it is the G-code itself" in capsys.readouterr().err
+    assert Path(short).read_bytes() == text
+
+
+def test_a_time_that_is_no_number_is_told(short, capsys):
+    assert main(["steps", short, "--output", "o.npz", "--from", "soon"]) == 2
+    assert "'soon' is not a time in seconds" in capsys.readouterr().err
 
 
 def test_report_is_one_page(short, tmp_path):

@@ -259,6 +259,17 @@ def test_filament_alone_goes_nowhere_after_a_move_that_was_left_out(capsys, tmp_
     assert result["final_steps"] == printed(capsys, str(path), "--machine", "delta")["final_steps"]
 
 
+@pytest.mark.parametrize("lines", ["G4 P10", "M83\nG1 Y-74 E-1\nG4 P10\nG1 E1"])
+def test_a_dwell_after_a_move_that_was_left_out_leaves_the_machine_where_it_is(
+    capsys, tmp_path, lines
+):
+    path = tmp_path / "p.gcode"
+    path.write_text(f"G1 X20 F3000\nG1 X68 Y89\n{lines}\nG90\nG1 X13 Y-36\n")
+    result = printed(capsys, str(path), "--machine", "delta", "--out-of-range", "clamp")
+    path.write_text("G1 X20 F3000\nG1 X13 Y-36\n")
+    assert result["final_steps"] == printed(capsys, str(path), "--machine", "delta")["final_steps"]
+
+
 @pytest.mark.parametrize("mode", ["M83", "M82"])
 def test_filament_of_a_move_that_was_left_out_is_left_out(capsys, tmp_path, mode):
     """The next move does not print it too, whichever way E is counted; a retraction is kept."""

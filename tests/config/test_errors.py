@@ -125,6 +125,72 @@ def test_a_problem_reads_as_a_sentence() -> None:
         ('base = "ramps"', 'base = "ramps"\nlink = "usb"', "board.link", "one of"),
         ("[fans.part]", "[fans.a]\npin = 'D4'\n[fans.part]", "fans.part.number", "fans.a"),
         ("[fans.part]", "[fans]\npart = 3\n[fans.b]", "fans.part", "expected a table"),
+        ("[board]", "[laser]\npim = 'D4'\n[board]", "laser.pim", "Did you mean 'pin'?"),
+        ("[board]", "[laser]\n[board]", "laser.pin", "expected a text in quotes"),
+        ("[board]", "[bed]\ncenter_mm = [1, 1]\n[board]", "bed.size_mm", "a list in brackets"),
+        ('direction = "min"\n', "", "homing.x.direction", "is missing: expected one of min, max."),
+        (
+            "[geometry]",
+            "[geometry]\nkind = true\n[q]",
+            "geometry.kind",
+            "is 'True': expected one of",
+        ),
+        ("[geometry]\n", "geometry = 3\n[q]\n", "geometry", "is 3: expected a table. "),
+        ('pin = "^X_MIN"\n', "", "homing.x.pin", "is missing: expected either pin, or"),
+        (
+            '"^X_MIN"',
+            '"^X_MIN"\nstepper_pins = { x = "D4" }',
+            "homing.x.pin",
+            "expected either pin",
+        ),
+        ('pin = "^X_MIN"', 'stepper_pins = { q = "D4" }', "homing.x.stepper_pins.q", "a motor of"),
+        ("max_c = 285.0", "max_c = 1979-05-27", "heaters.hotend.max_c", "is 1979-05-27: expected"),
+        (
+            "max_c = 285.0",
+            "max_c = [true, nan]",
+            "heaters.hotend.max_c",
+            "is [true, nan]: expected",
+        ),
+        (
+            "[steppers.z]",
+            "[steppers]\nz = 2\n[steppers.e9]",
+            "steppers.z",
+            "is 2: expected a table",
+        ),
+        ('"^Z_MIN"', '"^Z_MIN"\n[steppers]\nq = 2', "steppers.q", "expected a table"),
+        (
+            "max_c = 285.0",
+            "control = 3\nmax_c = 285.0",
+            "heaters.hotend.control",
+            "is 3: expected a table",
+        ),
+        ('base = "ramps"', 'base = "ramps"\nvariant = []', "board.variant", "the board's variants"),
+        ('socket = "X"', 'socket = "X"\npulse_us = 9e9', "steppers.x.pulse_us", "at most 10000"),
+        (
+            'base = "ramps"',
+            'base = "ramps"\nbudget = { cycles_per_step = 1e300 }',
+            "board.budget.cycles_per_step",
+            "at most 1000000",
+        ),
+        (
+            'base = "ramps"',
+            'base = "ramps"\nbudget = { command_share = 1e-300 }',
+            "board.budget.command_share",
+            "at least 0.001",
+        ),
+        (
+            'base = "ramps"',
+            'base = "ramps"\nconsole = { baud = 0.5 }',
+            "board.console.baud",
+            "a whole number",
+        ),
+        (
+            'base = "ramps"',
+            'base = "ramps"\nconsole = { baud = inf }',
+            "board.console.baud",
+            "a whole number",
+        ),
+        ('base = "ramps"', 'base = "ramps"\nclock_hz = nan', "board.clock_hz", "a whole number"),
     ],
 )
 def test_one_wrong_place(i3_text: str, old: str, new: str, key: str, expected: str) -> None:
@@ -132,6 +198,13 @@ def test_one_wrong_place(i3_text: str, old: str, new: str, key: str, expected: s
     found = [str(p) for p in problems_of(i3_text.replace(old, new, 1)) if p.values["key"] == key]
     assert len(found) == 1
     assert expected in found[0]
+
+
+def test_of_a_board_that_nobody_knows_no_pins_are_told() -> None:
+    text = config.shipped_text("delta")
+    assert len(problems_of(re.sub('base = ".*"', 'base = "skr"', text))) == 1
+    # The nearest one is taken for it: it has other pins.
+    assert len(problems_of(re.sub('base = ".*"', 'base = "rampss"', text))) > 1
 
 
 def test_five_further_axes_are_one_too_many(i3_text: str) -> None:

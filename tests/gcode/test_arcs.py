@@ -185,6 +185,21 @@ def test_an_arc_out_of_range_stops_or_is_clamped():
     assert out.ends[-1] == (5, 5, 0, 0)
 
 
+@pytest.mark.parametrize("line", ["G2 X5 Y15 I0 J10", "G2 X5 Y15 R10", "G2 X-5 Y25 I10 J0"])
+def test_an_arc_that_begins_at_a_limit_instead_is_clamped_too(line):
+    text = f"G1 X-5 Y5\n{line}\nG1 X5 Y15\nG2 X25 Y15 I5\n"
+    out = run(text, clamp=True)
+    assert [e[:2] for e in out.errors] == [(4, Fault.RADII)]  # both ends are there: it is checked
+    assert min(m.end_mm[0] for m in out.moves) == 0
+    assert out.ends[-1][:2] == (5, 15)
+
+
+def test_of_an_arc_between_places_cut_to_the_same_one_the_filament_is_left():
+    out = run("G1 X-5 Y5\nG2 X-9 Y5 R2 E1\n", clamp=True)
+    assert out.errors == []
+    assert out.ends[-1] == (0, 5, 0, 1)
+
+
 def test_speed_on_an_arc_is_bounded_by_curvature_and_feed():
     out = arc("G2 I2 F18000")
     speed = max(m.cruise_speed for m in out.moves)

@@ -10,9 +10,9 @@ from passo.gcode.dialect import BY_CODE, Kind
 from passo.printer.words import Command
 
 MOTION = {code for code, row in BY_CODE.items() if row.kind is Kind.MOTION and code != "T"}
-PIECES = """X5|Y3.5|Z1|E1|F600|S3|S200|P2|p5|I2|R2|L|q|G1|G28|G 4|G17|G54|G80|G90|G91|m84|M1|M104
-M106|M2.0|M3.5|M400|M862.3|M0 Click|M117 hi M3|M600 X1|T0|T1|T1.5|N5|foo|_do it|SET_X A=1|(a G1 X2)
-((b) M3)|; M5""".replace("\n", "|").split("|")
+PIECES = """X5|Y3.5|Z1|E1|F600|S3|S200|P2|p5|I2|R2|L|q|G1|G28|G 4|G17|G54|G43 H1|G94|G80|G90|G91
+m84|M1|M104|M106|M2.0|M3.5|M400|M862.3|M0 Click|M117 hi M3|M600 X1|T0|T1|T1.5|N5|foo|_do it
+SET_X A=1|(a G1 X2)|((b) M3)|; M5""".replace("\n", "|").split("|")
 
 
 def read(machine, line):
@@ -73,6 +73,8 @@ def test_random_lines(name):
         ),
         ("x1 e.5 ; more", ("", False, [("", ["x1", "e.5"], "")])),
         ("G91 X5", ("", False, [("G91", [], ""), ("", ["X5"], "")])),
+        ("G43 H1 Z5", ("", False, [("G43", [], ""), ("", ["H1", "Z5"], "")])),
+        ("G43 H1", ("", False, [("G43", ["H1"], "H1")])),
         ("S12000 M3", ("", False, [("M3", ["S12000"], "S12000")])),
         ("M117 Hi  you", ("", False, [("M117", [], "Hi  you")])),
         ("set_fan SPEED=1 A=2", ("", False, [("SET_FAN", [], "SPEED=1 A=2")])),

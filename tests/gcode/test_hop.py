@@ -84,6 +84,18 @@ def test_what_is_clamped_is_what_the_program_asked_for():
     assert out.ends[-1][2] == 250
 
 
+@pytest.mark.parametrize("line", ["G1 Z-0.5", "G91\nG1 Z-1.5", "G18\nG2 X12 Z1 I1 K-1"])
+def test_a_hop_makes_no_room_below_the_limit(line):
+    """G11 would go there."""
+    lines = f"M207 S1 Z1\nG1 X10 Z1\nG10\n{line}\nG11\n"
+    ((_, fault, axis, value, limit),) = run(lines).errors
+    assert (fault, axis, limit) == (Fault.OUT_OF_RANGE, "z", 0)
+    assert value < 0
+    ends = [end[2] for end in run(lines, clamp=True).ends]
+    assert min(ends[3:-2]) == 1  # above the limit by the hop, until G11 takes that back
+    assert ends[-1] >= 0
+
+
 @pytest.mark.parametrize("code", ["G2", "G3"])
 def test_a_hop_does_not_stop_an_upright_arc(code):
     path = heights(f"M207 S1 Z1\nG1 X10 Z249.5\nG10\nG18\n{code} X10.8 I0.4\nG11\n")

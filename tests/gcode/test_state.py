@@ -200,3 +200,12 @@ def test_only_a_tool_that_there_is_can_be_used():
     without.use_tool(0)
     with pytest.raises(IndexError, match="no such tool"):
         without.use_tool(1)
+
+
+def test_axes_behind_what_means_nothing_here_are_moves():
+    """Headers of many mills: the first cut begins where they go."""
+    out = run("G0 G90 G54 X50 Y40 S300 M3\nG43 H1 Z15\nG94 F600\nG1 Z1\nG43 H2\nG54\n", "cnc")
+    assert out.errors == []
+    assert [end[:3] for end in out.ends] == [(50, 40, 0), (50, 40, 15), (50, 40, 1)]
+    assert out.moves[-1].speed_cap == 10
+    assert out.commands == ["G54", "S0 S300", "M3", "G43", "G94", "G43 H2", "G54"]

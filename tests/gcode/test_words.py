@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from functools import reduce
+from operator import xor
+
 import pytest
 
 from passo._core import Fault
@@ -51,6 +54,22 @@ def test_checksums():
     ((line, fault, word, value, _),) = run("G4 P1\nN3 T0*58\n").errors
     assert (line, fault, word, value) == (2, Fault.CHECKSUM, "*58", 57)
     assert run("N3 T0*58\n").events == []
+
+
+@pytest.mark.parametrize(
+    "line", ["N10 (*** face ***)", "N10 ; 2*3", "N10 G1 X5 (3*4) Y6", "N10 G1 X5 Y6 ; 4*5"]
+)
+def test_a_star_in_a_comment_begins_no_checksum(line):
+    out = run(f"{line}\nG1 X7\n")
+    assert out.errors == []
+    assert out.ends[:-1] == ([(5, 6, 0, 0)] if "Y6" in line else [])
+
+
+def test_a_checksum_is_behind_the_last_star():
+    text = "N3 M117 3*4 (a*b)"
+    sum_ = reduce(xor, text.encode())
+    assert run(f"{text}*{sum_}\n").errors == []
+    assert [e[1] for e in run(f"{text}*{sum_ ^ 1}\n").errors] == [Fault.CHECKSUM]
 
 
 def test_lines_without_a_command_repeat_the_last_motion():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from pathlib import Path
 
@@ -20,6 +21,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Prints the file on the board and writes the page."""
+    if os.path.realpath(arguments.output) == os.path.realpath(arguments.file):
+        print(f"{arguments.output}: it is the G-code itself, name another page.", file=sys.stderr)
+        return ExitStatus.USAGE
     from passo import config
     from passo.learn.report import write_report
 

@@ -25,7 +25,7 @@ def check_bauds(board: Mapping[str, Any], own: Mapping[str, Any], place: Path) -
     if "baud" in own:
         asked[number(board, "baud")] = (*place, "baud")
     for baud, path in asked.items():
-        if baud and baud > 0 and hz > 0 and not makes(hz, it.uart_divisor, int(baud)):
+        if baud and baud >= 1 and hz > 0 and not makes(hz, it.uart_divisor, int(baud)):
             rates = " and ".join(map(str, rates_near(hz, it.uart_divisor, int(baud))))
             limit = f"a baud rate that its {it.name} makes within 2.5 %, the nearest: {rates}"
             yield Finding("config.value", path, baud, limit)

@@ -45,6 +45,11 @@ def shipped_boards() -> list[str]:
     return sorted(path.stem for path in _BOARDS.glob("*.toml"))
 
 
+def meant_board(base: object) -> str | None:
+    """The shipped board of that name, or of the nearest one; None if none is near."""
+    return next(iter(get_close_matches(str(base), shipped_boards(), 1)), None)
+
+
 @cache
 def load_board(name: str) -> Board:
     """The shipped board of that name. KeyError if there is none."""
@@ -103,7 +108,7 @@ def _put_board(
             hint, limit = did_you_mean(base, shipped_boards()), "the name of a shipped board"
             yield Finding("config.value", (*place, "base"), base, limit, hint)
             # Any board lets the other checks go on without reporting its own keys as missing.
-            base = next(iter(get_close_matches(str(base), shipped_boards(), 1)), "ramps")
+            base = meant_board(base) or "ramps"
         beneath, files = shipped_tables(base)
         sources += [replace(file, path=place) for file in files]
         board.update(_merged(beneath, own))
@@ -122,7 +127,7 @@ def _put_board(
     yield from check_bauds(board, own, place)
     variants = table(board, "variants")
     variant = board.get("variant")
-    if variant is not None and variant not in variants:
+    if variant is not None and str(variant) not in variants:
         hint, limit = did_you_mean(variant, variants), "one of the board's variants"
         yield Finding("config.value", (*place, "variant"), variant, limit, hint)
     resolve_names(board)

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from passo.config.base import Model, Positive
+from passo.config.base import Model
 
 # Bytes on the wire of a command, with its share of the frame and of changes of direction: 8.05 to
 # 8.28 on sliced files of 1.6 million commands.
@@ -25,6 +25,10 @@ LINK_BURST_S = 0.06
 COMMIT_BURST_S = 0.035
 
 
+_Share = Annotated[float, Field(ge=0.001, le=1)]
+_Cycles = Annotated[float, Field(gt=0, le=1_000_000)]
+
+
 class Budget(Model):
     """What a board's processor and its link take; the planner keeps to it.
 
@@ -38,10 +42,10 @@ class Budget(Model):
     """
 
     cpu_hz: Annotated[int, Field(ge=1_000_000, le=10_000_000_000)] | None = None
-    cycles_per_step: Positive
-    cycles_per_command: Positive
-    step_share: Annotated[float, Field(gt=0, le=1)] = 0.65
-    command_share: Annotated[float, Field(gt=0, le=1)] = 0.3
+    cycles_per_step: _Cycles
+    cycles_per_command: _Cycles
+    step_share: _Share = 0.65
+    command_share: _Share = 0.3
     link_bytes_s: Annotated[float, Field(ge=100)] | None = None
 
 

@@ -180,8 +180,8 @@ def check_homing(data: Raw, actuators: tuple[str, ...], arms: tuple[str, ...]) -
             limit = "either pin, or stepper_pins with a pin for each motor"
             yield Finding("config.conflict", (*path, "pin"), homing.get("pin"), limit)
         for stepper in pins:
-            content = table(data, "steppers").get(stepper)
-            if content is None or drivable.of(stepper, content.get("drives")) is None:
+            drives = table(data, "steppers", stepper).get("drives")
+            if stepper not in table(data, "steppers") or drivable.of(stepper, drives) is None:
                 limit = "the name of a motor of this axis"
                 yield Finding("config.value", (*path, "stepper_pins", stepper), stepper, limit)
     if any(name in sections for name in arms):

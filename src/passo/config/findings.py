@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from datetime import date, time
 from difflib import get_close_matches
+from math import isfinite
 from typing import Any, cast
 
 from passo.config.lines import Path
@@ -34,6 +36,33 @@ def key_text(path: Path) -> str:
     for part in path:
         text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else part
     return text
+
+
+class _Written(str):
+    """A value as it stands in the file: without the quotes of a text."""
+
+    __slots__ = ()
+
+    def __repr__(self) -> str:
+        return str(self)
+
+
+def as_written(value: object) -> object:
+    """A value for messages and for JSON: what both write in another way than TOML becomes text."""
+    if value is None:
+        return _Written("missing")
+    if isinstance(value, bool):
+        return _Written(str(value).lower())
+    if isinstance(value, date | time):
+        return _Written(value.isoformat())
+    if isinstance(value, float) and not isfinite(value):
+        return _Written(value)
+    if isinstance(value, list):
+        return [as_written(item) for item in cast("list[object]", value)]
+    if isinstance(value, Mapping):
+        content = cast("Mapping[str, object]", value)
+        return {key: as_written(item) for key, item in content.items()}
+    return value
 
 
 def did_you_mean(word: object, known: Iterable[str]) -> str:
@@ -67,6 +96,8 @@ def array(data: Mapping[str, Any], key: str) -> list[object]:
 
 
 def number(content: Mapping[str, Any], key: str) -> float | None:
-    """The number at `key`, None if it is missing or is no number."""
+    """The number at `key`, None if it is missing or is no finite number."""
     value = content.get(key)
-    return value if isinstance(value, int | float) and not isinstance(value, bool) else None
+    if not isinstance(value, int | float) or isinstance(value, bool):
+        return None
+    return value if isfinite(value) else None

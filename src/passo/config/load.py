@@ -13,7 +13,7 @@ from pydantic import ValidationError
 
 from passo.config.board_files import Source, put_boards
 from passo.config.checks import check_all
-from passo.config.findings import Finding, did_you_mean, key_text, table
+from passo.config.findings import Finding, as_written, did_you_mean, key_text, table
 from passo.config.heat_checks import check_sensors
 from passo.config.home_checks import check_home, check_park, check_scales
 from passo.config.kinds import KINDS
@@ -136,7 +136,9 @@ def _problems(
         if finding.owner:
             owner, place = key_text(finding.owner), _place(finding.owner, lines, file, sources)
             limit += f" {owner} ({place})"
-        values = {"key": finding.key, "value": finding.value, "limit": limit}
+        missing = finding.code == "config.missing-key"
+        value = None if missing else as_written(finding.value)
+        values = {"key": finding.key, "value": value, "limit": limit}
         at = line_of(lines, finding.path)
         problems.setdefault(finding.path, Problem(finding.code, file, at, values, finding.hint))
     return sorted(problems.values(), key=lambda problem: problem.line or 0)

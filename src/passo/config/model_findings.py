@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator
 from types import NoneType, UnionType
-from typing import Annotated, Any, Union, get_args, get_origin
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
@@ -23,6 +23,7 @@ _EXPECTED: dict[str, Callable[[dict[str, Any]], str]] = {
     "list_type": lambda _: "a list in brackets",
     "dict_type": lambda _: "a table",
     "model_type": lambda _: "a table",
+    "model_attributes_type": lambda _: "a table",
     "finite_number": lambda _: "a finite number",
     "greater_than": lambda ctx: f"a number greater than {ctx['gt']:.12g}",
     "greater_than_equal": lambda ctx: f"a number of at least {ctx['ge']:.12g}",
@@ -57,6 +58,12 @@ def _kinds(place: Any) -> dict[str, Any]:
     }
 
 
+def _one(place: Any) -> Any:
+    """The type at a place that may be left empty, or the place itself."""
+    members = _members(place)
+    return members[0] if len(members) == 1 else place
+
+
 def _is_model(place: Any) -> bool:
     return isinstance(place, type) and issubclass(place, BaseModel)
 
@@ -89,9 +96,16 @@ def _place(path: Path) -> tuple[Path, Any]:
 
 def _missing(model: Any, key: str) -> str:
     """What the missing key should hold."""
-    annotation = model.model_fields[key].annotation if _is_model(model) else None
-    words = {float: "a number", int: "a whole number", str: "a text in quotes"}
-    return words.get(annotation, "a table") if isinstance(annotation, type) else "a table"
+    place = _one(model.model_fields[key].annotation) if _is_model(model) else None
+    if get_origin(place) is Literal:
+        return f"one of {', '.join(map(str, get_args(place)))}"
+    words: dict[Any, str] = {
+        float: "a number",
+        int: "a whole number",
+        str: "a text in quotes",
+        list: "a list in brackets",
+    }
+    return words.get(get_origin(place) or place, "a table")
 
 
 def expected(error: ErrorDetails) -> str:
@@ -102,7 +116,7 @@ def expected(error: ErrorDetails) -> str:
 
 def _finding(error: ErrorDetails) -> Finding:
     kind, context, value = error["type"], error.get("ctx", {}), error["input"]
-    model, key = _place(error["loc"][:-1])[1], str(error["loc"][-1])
+    model, key = _one(_place(error["loc"][:-1])[1]), str(error["loc"][-1])
     path, place = _place(error["loc"])
     if kind == "extra_forbidden":
         known = model.model_fields if _is_model(model) else ()

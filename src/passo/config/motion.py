@@ -75,6 +75,9 @@ class Tool(Model):
     heater: str | None = None
 
 
+_PulseUs = Annotated[float, Field(ge=0, le=10_000)]
+
+
 class Stepper(Model):
     """A motor with its driver.
 
@@ -98,9 +101,9 @@ class Stepper(Model):
     driver: DriverName = "A4988"
     tmc: Tmc | None = None
     peak_current_a: Positive | None = None
-    pulse_us: NotNegative | None = None
-    direction_setup_us: NotNegative | None = None
-    direction_hold_us: NotNegative | None = None
+    pulse_us: _PulseUs | None = None
+    direction_setup_us: _PulseUs | None = None
+    direction_hold_us: _PulseUs | None = None
     max_rate_hz: Positive | None = None
     socket: str | None = None
     step_pin: Pin | None = None

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from passo.config.board import WIPER_MAX, pin_behind
-from passo.config.board_files import known_pins
+from passo.config.board_files import known_pins, meant_board
 from passo.config.chips import Chip, Pulse, chip, chip_names
 from passo.config.findings import Finding, array, did_you_mean, key_text, number, table, tables
 from passo.config.lines import Path
@@ -66,9 +66,12 @@ class Claim:
 def check_pins(data: Raw) -> Iterator[Finding]:
     """Boards and sockets exist, parts are on one board each, and each pin and timer has one owner
     that it suits, and no mark that does nothing. Motors may share the pin that enables them,
-    drivers the wires over which they are set up, if they mark them alike."""
+    drivers the wires over which they are set up, if they mark them alike. Nothing is said of pins
+    as long as nobody knows what board is meant."""
     claims = list(machine_claims(data))
     boards = {MAIN: table(data, "board"), **dict(tables(data, "boards"))}
+    if any("base" in board and meant_board(board["base"]) is None for board in boards.values()):
+        return
     yield from _check_boards(claims, boards)
     yield from _check_parts(data)
     yield from _check_sockets(data)

@@ -30,7 +30,7 @@ A line is read from left to right.
 - Words before the first command belong to it (`S12000 M3`). If one of them names an axis, F, I or
   J, they are a move of the kind of the last one, G1 if there was none.
 - G17 to G21, G90 and G91 have no words of their own: what stands behind them is such a move
-  (`G90 X10`).
+  (`G90 X10`). So is what names an axis, F, I or J behind G43, G54 and G94 (`G43 H1 Z5`).
 - M117 and other commands whose argument is text, not words, take the rest of the line.
 - A name of two letters or more (`SET_VELOCITY_LIMIT ACCEL=500`) takes the whole line.
 - What is written for others is an unknown command, which a console hears of and a print without

@@ -9,7 +9,7 @@ from itertools import islice
 
 from passo import _core
 from passo.errors import CommandError, InputError, Problem, WordError
-from passo.job.source import chunks, open_source
+from passo.job.source import chunks, lines, open_source
 from passo.printer.commands import Commands
 from passo.printer.omissions import Omission
 from passo.printer.waits import Homing, Still, Temperatures, Wait
@@ -113,7 +113,7 @@ def run_program(
     name = str(path)
     with open_source(path) as source:
         size = os.fstat(source.fileno()).st_size
-        text = chunks(source, name) if end is None else islice(source, end - 1)
+        text = chunks(source, name) if end is None else islice(lines(source), end - 1)
         for _ in read_program(job, commands, text, name, settle or at_rest(job)):
             yield min(job.offset / size, 1.0) if size else 0.0
     if end is not None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from io import TextIOWrapper
 from pathlib import Path
 from stat import S_ISREG
 from typing import BinaryIO
@@ -36,6 +37,14 @@ def chunks(source: BinaryIO, path: str) -> Iterator[bytes]:
         if not data:
             return
         yield data
+
+
+def lines(source: BinaryIO) -> Iterator[bytes]:
+    """The file in lines, which end with LF, CR LF or CR, as the core counts them; then it is
+    closed."""
+    with TextIOWrapper(source, "latin-1", newline="") as text:
+        for line in text:
+            yield line.encode("latin-1")
 
 
 def _unreadable(path: str | os.PathLike[str], reason: str) -> InputError:

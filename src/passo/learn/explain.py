@@ -11,7 +11,7 @@ from passo import _core
 from passo.errors import InputError, PassoError
 from passo.gcode.dialect import row_of
 from passo.job.printing import Policy, Print
-from passo.job.source import open_source
+from passo.job.source import lines, open_source
 from passo.learn.corner import corner, path_unit
 
 if TYPE_CHECKING:
@@ -92,7 +92,7 @@ def _printed(
 def _line(path: str | os.PathLike[str], line: int) -> str:
     number = 0
     with open_source(path) as source:
-        for number, raw in enumerate(source, 1):
+        for number, raw in enumerate(lines(source), 1):
             if number == line:
                 return raw.decode("utf-8", "replace").strip()
     raise InputError.of("input.no-line", str(path), line, value=line, limit=number)
