@@ -189,7 +189,7 @@ class Runner:
         """Brakes to a stop on the path at once; `start` goes on from there. `words` tell how to
         park, see `Park.leave`."""
         self._again = False
-        if self.state is State.PRINTING:
+        if self.state is State.PRINTING and not self._printer.halted:
             self._park_words = words
             self.state = State.PAUSED
             self._resumed.clear()
@@ -232,12 +232,13 @@ class Runner:
             return
         self.ended = "cancelled"
         self.state = State.READY
-        printer.stop()
-        printer.drive.forget_targets()
+        if not printer.halted:
+            printer.stop()
+            printer.drive.forget_targets()
+            self._cool()
         if printer.job.suspended:
             printer.job.forget_suspended()
         self._resumed.set()
-        self._cool()
         self._rewind(0)
 
     def _cool(self) -> None:
