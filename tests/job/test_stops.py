@@ -138,3 +138,17 @@ def test_a_print_that_waits_for_its_turn_is_ended_by_a_halt(tmp_path: Path, code
         s.host.send("M999")
         s.host.expect("ready again", 5)
         s.host.ok("M32 a.g", 10)
+
+
+def test_a_print_may_be_paused_and_gone_on_with_as_soon_as_it_has_started(tmp_path: Path) -> None:
+    with printing(tmp_path, "G1 X10 F3000\n") as s:
+        s.host.send("M25", "M24")
+        s.host.expect("Done printing file", 20)
+        assert s.positions()["x"] == 20 + 10  # from where it stood
+        assert not s.printer.job.suspended
+        s.host.send("M23 a.gco", "M24", "M25", "M24", "M25")
+        s.passes(5)
+        assert s.host.ok("M27")[0].startswith("SD printing")
+        s.host.ok("M24")
+        s.host.expect("Done printing file", 20)
+        assert not s.printer.job.suspended

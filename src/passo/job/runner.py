@@ -177,6 +177,9 @@ class Runner:
         self._again = self._task is not None and not self._task.done()
         if self._again:
             return  # when the one that was just cancelled has let go of the machine
+        self._failed = ""
+        self._returns = False
+        self._waits_for = None
         # The task is there before anybody hears of it, and runs when all have.
         task = asyncio.get_running_loop().create_task(self._print())
         task.add_done_callback(self._over)
@@ -266,9 +269,6 @@ class Runner:
 
     async def _print(self) -> None:
         printer = self._printer
-        self._failed = ""
-        self._returns = False
-        self._waits_for = None
         try:
             while self.active:
                 if self.state is State.PAUSED:
