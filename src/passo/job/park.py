@@ -120,6 +120,8 @@ class Park:
             # Axes that do not know where they are stay. Homing that failed has moved them.
             unknown = job.locked_axes
             job.set_axes([(i, at[self._places[i]]) for i in unknown])
+            for i in unknown:
+                job.lock_axis(i, True)
             place = {slot: at[slot] for i, slot in self._places.items() if i not in unknown}
             if not go_back(printer, place, park.speed_mm_s if park else math.inf):
                 raise CommandError([printer.commands.problem()])
