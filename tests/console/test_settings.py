@@ -114,6 +114,24 @@ def test_stored_settings_come_back_at_the_next_start(tmp_path):
         assert "belongs to another machine" in s.host.ok("M504")[0]
 
 
+@pytest.mark.parametrize("code", ["M501", "M502"])
+def test_settings_come_back_when_the_machine_stands(tmp_path, code):
+    """Its moves were planned in the scales of before."""
+    with Scenario("i3", state=str(tmp_path)) as s:
+        s.host.ok("M500")
+        s.host.ok("M92 X80.5")
+        s.host.ok("G28", 100)
+        s.host.send("G1 X100 F3000", code, "M105", "M92")
+        s.passes(1)
+        s.host.ok("M220 S50")
+        s.host.expect("M92 X80 ", 30)
+        assert s.positions()["x"] == pytest.approx(100 * 80.5 / 80)
+        s.host.ok("G1 X0")
+        s.host.ok("M400", 30)
+        assert s.positions()["x"] == pytest.approx(100 * 0.5 / 80)
+        assert not s.printer.halted
+
+
 @pytest.mark.parametrize(
     ("damage", "reason"),
     [

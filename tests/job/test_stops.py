@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from tests.console.scenario import Scenario
+from tests.console.scenario import Host, Scenario
 from tests.job.disturbed import steps
 
 from passo import config
@@ -118,3 +118,37 @@ def test_arms_that_do_not_reach_the_way_back_leave_the_print_paused(tmp_path: Pa
             assert s.host.ok(line, 60)[-1] == "ok"
         s.host.expect("^Done printing file$", 60)
         assert s.printer.job.machine_position[:2] == [-41, -40]
+
+
+@pytest.mark.parametrize("code", ["M25", "M524"])
+def test_a_print_that_waits_for_its_turn_is_ended_by_a_halt(tmp_path: Path, code: str) -> None:
+    """There is nothing to brake on a board that has stopped."""
+    (tmp_path / "a.g").write_text("G1 X1\n")
+    with Scenario("i3", card=str(tmp_path)) as s:
+        homing = Host(s)
+        homing.send("G28", "M32 a.g")
+        s.passes(3)
+        s.host.send("M350")
+        s.host.send("M112")
+        s.host.send(code, "M27")
+        s.passes(2)
+        assert not [line for line in s.host.heard if "fault of the program" in line]
+        assert s.host.heard.count("ok") == 4
+        assert not s.printer.busy()
+        s.host.send("M999")
+        s.host.expect("ready again", 5)
+        s.host.ok("M32 a.g", 10)
+
+
+def test_a_print_may_be_paused_and_gone_on_with_as_soon_as_it_has_started(tmp_path: Path) -> None:
+    with printing(tmp_path, "G1 X10 F3000\n") as s:
+        s.host.send("M25", "M24")
+        s.host.expect("Done printing file", 20)
+        assert s.positions()["x"] == 20 + 10  # from where it stood
+        assert not s.printer.job.suspended
+        s.host.send("M23 a.gco", "M24", "M25", "M24", "M25")
+        s.passes(5)
+        assert s.host.ok("M27")[0].startswith("SD printing")
+        s.host.ok("M24")
+        s.host.expect("Done printing file", 20)
+        assert not s.printer.job.suspended

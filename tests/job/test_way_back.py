@@ -98,3 +98,39 @@ def test_a_heater_that_fails_on_the_way_is_waited_for_again(tmp_path):
         assert s.printer.connection.heaters["hotend"].celsius > 95
         way = {name: s.positions()[name] - low[name] for name in "xe"}
         assert way == pytest.approx({"x": 10.0, "e": 22.0}, abs=0.02)
+
+
+@pytest.mark.parametrize("machine", ["i3", "corexy", "delta"])
+def test_homing_that_is_given_up_in_the_pause_of_a_print_that_knows_no_place(machine, tmp_path):
+    (tmp_path / "a.g").write_text("M302 P1\nM83\nG1 E20 F120\nG1 E5\n")
+    with Scenario(machine, card=str(tmp_path)) as s:
+        extruder = list(s.positions())[-1]
+        s.host.ok("M32 a.g")
+        s.passes(3)
+        s.host.ok("M25")
+        s.passes(2)
+        s.host.send("G28")
+        s.passes(2)
+        s.host.send("M108")
+        s.passes(1)
+        at = s.positions()
+        s.host.ok("M24")
+        s.host.expect("^Done printing file$", 30)
+        assert s.positions()[extruder] == pytest.approx(25, abs=0.01)
+        assert s.positions() | {extruder: 0} == at | {extruder: 0}
+        assert s.printer.job.locked_axes
+
+
+@pytest.mark.parametrize("after", [0.0, 0.05, 0.1, 0.2])
+def test_axes_that_know_no_place_know_none_behind_a_pause(after, tmp_path):
+    (tmp_path / "a.g").write_text("M302 P1\nM83\nG1 E20 F120\nG1 E5\n")
+    with Scenario("i3", card=str(tmp_path)) as s:
+        s.host.ok("M32 a.g")
+        s.passes(3)
+        s.host.ok("M25")
+        s.passes(2)
+        s.host.ok("M24")
+        s.passes(after)
+        s.host.ok("M524")
+        s.passes(5)
+        assert s.printer.job.locked_axes == [0, 1, 2]

@@ -19,6 +19,7 @@ from passo.printer.waits import Stopped, Wait
 from passo.printer.words import Command
 
 AT_ONCE = 1024  # lines that are carried out before others have their turn: all of one read
+AT_ONCE_S = 0.005  # of host time, likewise: lines like M503 take long
 WAIT_S = 1.0  # an idle console says `wait` this often
 _PLAIN = str.maketrans({"°": "", "µ": "u", "²": "2"})
 _NO_TEXT = ("M29", "M110", "M932", "M933")  # not even while a file is written
@@ -194,8 +195,9 @@ class Session:
     def _work(self) -> None:
         """Carries out lines until one has to wait, or others have waited for long enough."""
         self._soon = None
+        others_s = self._loop.time() + AT_ONCE_S
         for _ in range(AT_ONCE):
-            if not self._lines:
+            if not self._lines or self._loop.time() > others_s:
                 break
             heard = self._next()
             given_up = self._given_up > 0

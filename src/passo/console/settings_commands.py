@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from passo.console.options import OptionCommands
 from passo.errors import CommandError
 from passo.job.settings import Store
-from passo.printer.waits import Handler, Reply, Silence, Wait
+from passo.printer.waits import Handler, Reply, Silence, Still, Wait
 from passo.printer.words import Command
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ class SettingsCommands:
             yield from commands
 
     def restore(self, lines: list[str]) -> None:
-        """Carries out stored commands. Whoever calls has the turn."""
+        """Carries out stored commands. Whoever calls has the turn, and the machine stands."""
         for line in lines:
             self._printer.take_setting(line, Silence())
 
@@ -99,15 +99,18 @@ class SettingsCommands:
         stored = self._needed().load()
         if stored is None:
             raise CommandError.of("settings.none")
-        self.restore(stored)
-        reply.say(f"echo:Stored settings retrieved ({len(stored)} commands)")
-        return None
+        told = f"echo:Stored settings retrieved ({len(stored)} commands)"
+        return Still(lambda: self._take("M501", stored, reply, told))
 
     def _reset(self, _: Command, reply: Reply) -> Wait | None:
         self._printer.motion.require_scales("M502")
-        self.restore(self._defaults)
-        reply.say("echo:Factory Settings Loaded")
-        return None
+        told = "echo:Factory Settings Loaded"
+        return Still(lambda: self._take("M502", self._defaults, reply, told))
+
+    def _take(self, code: str, lines: list[str], reply: Reply, told: str) -> None:
+        self._printer.motion.require_scales(code)  # a pause may have come meanwhile
+        self.restore(lines)
+        reply.say(told)
 
     def _report(self, command: Command, reply: Reply) -> Wait | None:
         headings = command.words().get("S", 1) != 0

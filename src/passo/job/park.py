@@ -45,7 +45,7 @@ class Park:
         self._load_mm = 0.0
         axes = printer.machine.axes
         order = enumerate(axis_order(axes))
-        self._places = [slot_of_axis(i) for i, name in order if not axes[name].extruder]
+        self._places = {i: slot_of_axis(i) for i, name in order if not axes[name].extruder}
         self._celsius: float | None = None
 
     async def leave(self, words: Mapping[str, float] = MappingProxyType({})) -> None:
@@ -117,9 +117,12 @@ class Park:
         at: list[float] | None = None
         while job.suspended and at != self._place():
             at = self._place()
-            # Axes that do not know where they are have not been moved by anybody.
-            known = [slot for slot in self._places if slot not in job.locked_axes]
-            place = {slot: at[slot] for slot in known}
+            # Axes that do not know where they are stay. Homing that failed has moved them.
+            unknown = job.locked_axes
+            job.set_axes([(i, at[self._places[i]]) for i in unknown])
+            for i in unknown:
+                job.lock_axis(i, True)
+            place = {slot: at[slot] for i, slot in self._places.items() if i not in unknown}
             if not go_back(printer, place, park.speed_mm_s if park else math.inf):
                 raise CommandError([printer.commands.problem()])
             if self._away and park is not None and printer.can_extrude():

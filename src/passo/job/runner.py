@@ -177,6 +177,9 @@ class Runner:
         self._again = self._task is not None and not self._task.done()
         if self._again:
             return  # when the one that was just cancelled has let go of the machine
+        self._failed = ""
+        self._returns = False
+        self._waits_for = None
         # The task is there before anybody hears of it, and runs when all have.
         task = asyncio.get_running_loop().create_task(self._print())
         task.add_done_callback(self._over)
@@ -189,7 +192,7 @@ class Runner:
         """Brakes to a stop on the path at once; `start` goes on from there. `words` tell how to
         park, see `Park.leave`."""
         self._again = False
-        if self.state is State.PRINTING:
+        if self.state is State.PRINTING and not self._printer.halted:
             self._park_words = words
             self.state = State.PAUSED
             self._resumed.clear()
@@ -232,12 +235,13 @@ class Runner:
             return
         self.ended = "cancelled"
         self.state = State.READY
-        printer.stop()
-        printer.drive.forget_targets()
+        if not printer.halted:
+            printer.stop()
+            printer.drive.forget_targets()
+            self._cool()
         if printer.job.suspended:
             printer.job.forget_suspended()
         self._resumed.set()
-        self._cool()
         self._rewind(0)
 
     def _cool(self) -> None:
@@ -265,9 +269,6 @@ class Runner:
 
     async def _print(self) -> None:
         printer = self._printer
-        self._failed = ""
-        self._returns = False
-        self._waits_for = None
         try:
             while self.active:
                 if self.state is State.PAUSED:
