@@ -130,8 +130,9 @@ class Heater {
     known_ = reached_ = false;
     protection_.restart();
   }
-  // The share of power that has kept the target of late; 0 until it was reached.
-  double keeping() const { return reached_ ? keeping_ : 0; }
+  // The share of power that has kept the target of late; 0 until it was reached, and of a faulty
+  // heater.
+  double keeping() const { return reached_ && !faulty() ? keeping_ : 0; }
 
   std::deque<HeatSample>& samples() { return samples_; }
 
@@ -167,6 +168,8 @@ class Heater {
     return send;
   }
 
+  // The board was asked for its reports anew, with the sensor's own range.
+  void asked_anew() { wide_ = false; }
   // The board's net hangs while there is no fault: a heater that is off already needs it no more,
   // and whether the whole machine is to stop is then not the board's to decide. Returns true if the
   // query must be sent anew, with `wide` or with its own range.

@@ -194,6 +194,25 @@ def test_what_is_warm_on_either_board_stays_so(monkeypatch, tmp_path):
         assert steps(s) == {"x": 8000, "y": 0, "z": 0, "e": round(60 * 95.5)}
 
 
+@pytest.mark.parametrize("cut_off", [MAIN, "tool"])
+def test_what_is_on_its_way_warms_on_where_the_link_holds(monkeypatch, tmp_path, cut_off):
+    """On the lost board it cools until that is back; neither is taken for a failed heater."""
+    hot = {'"D10"': '"tool:D10"', '"T0"': '"tool:T0"', '"D9"': '"tool:D9"'}
+    with scenario(monkeypatch, tmp_path, "fast", **hot) as s:
+        s.host.ok("G92 X0 Y0 Z0")
+        s.host.send("M104 S200", "M140 S60", "G1 X200 F600", "G1 X0", "M109 S200", "M118 done")
+        s.passes(15)
+        before = {name: s.board.temperature(name) for name in ("hotend", "bed")}
+        cut(s, cut_off, 30.0)
+        for name, board in (("hotend", "tool"), ("bed", MAIN)):
+            warmer = s.board.temperature(name) - before[name]
+            assert warmer < 0.5 if board == cut_off else warmer > 5
+        s.host.expect("The boards are back", 15)
+        s.host.expect("done", 600)
+        assert faults(s) == []
+        assert steps(s) == {"x": 0, "y": 0, "z": 0, "e": 0}
+
+
 @pytest.mark.parametrize("board", [MAIN, "tool"])
 def test_a_board_that_shuts_down_stops_the_other_at_once(monkeypatch, tmp_path, board):
     with scenario(monkeypatch, tmp_path, "fast") as s:

@@ -224,3 +224,23 @@ def test_a_laser_that_a_pause_has_put_out_is_lit_again(tmp_path, delay):
         assert s.board.output_value("laser") > 0
         s.host.expect("Done printing", 30)
         assert s.board.output_value("laser") == 0
+
+
+@pytest.mark.parametrize("policy", ["heater", "job"])
+def test_a_heater_that_has_failed_may_stay_so(policy):
+    """The board asks for nothing that its sensor cannot say, nor does it after the break."""
+    text = config.shipped_text("i3").replace(
+        "max_c = 120.0", f'max_c = 120.0\non_fault = "{policy}"'
+    )
+    with Scenario(config.load_text(f'{text}firmware = "passo"\n')) as s:
+        s.host.ok("M140 S60")
+        s.host.ok("G92 X0 Y0 Z0")
+        s.host.send("G1 X50 F600")
+        s.board.force_sensor("bed", 1.0)
+        s.host.expect("heater bed was switched off", 5)
+        s.host.ok("M108")
+        break_link(s, 2.0)
+        s.host.expect("The board is back", 10)
+        s.passes(20)
+        assert s.board.device.fault == "" and not s.printer.halted
+        assert s.board.net_steps("x") == 4000
