@@ -84,7 +84,7 @@ class _Reconnection:
         again."""
         printer = self._printer
         printer.drive.wait()  # none has shut down
-        for connection in list(self.silent):
+        for connection in [c for c in self._connections if c in self.silent]:
             await connection.reopen()
             self.silent.discard(connection)
             if len(self._connections) > 1:
