@@ -253,6 +253,8 @@ void bind_heater(nb::module_& m) {
           "What is wrong; while it is not None the target is kept, but nothing heats.")
       .def("set_sensor", &held<&Heater::set_sensor, const HeaterOptions&>, "options"_a,
            "Takes over table, broken ends and query of these options, from the next report on.")
+      .def("asked_anew", &held<&Heater::asked_anew>,
+           "The board was asked for the sensor's reports anew, with its own range.")
       .def("rearm", &held<&Heater::rearm>,
            "Ends the fault: the heater heats to the target that it kept.")
       .def(

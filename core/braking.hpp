@@ -31,14 +31,26 @@ inline bool brake(Move& m, double& v2, std::vector<Move>& braking) {
   return false;
 }
 
-// Takes from `rest` the moves on which the machine comes to a stop from speed² v2, or all of them.
-inline std::vector<Move> take_braking(std::vector<Move>& rest, double v2) {
+// Takes from `rest` the moves on which the machine comes to a stop from speed² v2, or all of them;
+// each by its own deceleration, or all by `even`.
+inline std::vector<Move> take_braking(std::vector<Move>& rest, double v2, double even = 0) {
   std::vector<Move> braking;
   size_t i = 0;
-  for (; i < rest.size() && v2 > 0; ++i)
-    if (brake(rest[i], v2, braking)) break;
+  for (; i < rest.size() && v2 > 0; ++i) {
+    const double own = rest[i].b;
+    if (even > 0) rest[i].b = even;
+    if (!brake(rest[i], v2, braking)) continue;
+    rest[i].b = own;
+    break;
+  }
   rest.erase(rest.begin(), rest.begin() + long(i));
   return braking;
+}
+
+inline double length_of(const std::vector<Move>& moves) {
+  double length = 0;
+  for (const Move& m : moves) length += m.d;
+  return length;
 }
 
 // Plans what brake() has found: one deceleration to the stop, from `clock` on.

@@ -7,6 +7,7 @@
 #include <deque>
 #include <vector>
 
+#include "braking.hpp"
 #include "compressor.hpp"
 #include "message_queue.hpp"
 #include "step_solver.hpp"
@@ -18,7 +19,8 @@ class Commits {
   struct Point {
     uint32_t serial;
     int64_t clock;
-    bool rest;  // the machine stands there
+    bool rest;   // the machine stands there
+    double way;  // on which it would stop from there
   };
 
   // A commit spans `period` ticks, and fewer where more than `most` messages would be in it.
@@ -42,7 +44,7 @@ class Commits {
     net_ = std::move(net);
     renew_ = std::move(renew);
     begin_ = serial;
-    points_.assign(1, {serial, clock, true});
+    points_.assign(1, {serial, clock, true, 0});
   }
   // Whether no message of any later commit had been taken when this one was the board's last.
   bool begins_with(const Point& p) const { return p.serial == begin_; }
@@ -151,7 +153,7 @@ class Commits {
   template <typename Out>
   void commit(int64_t clock, bool rest, const std::vector<int64_t>& origin,
               const std::vector<Move>& moves, Out&& out) {
-    Point p{++serial_, clock, rest};
+    Point p{++serial_, clock, rest, length_of(moves)};
     divide(clock);
     for (const Message& m : within_) out(m);
     if (!moves.empty()) tail(clock, origin, moves, out);

@@ -174,14 +174,14 @@ class Motion {
   // nothing, and nothing is changed, if that is not known any more.
   std::optional<double> recover_from(uint32_t serial) {
     auto held = stream_.hold();
-    std::optional<double> clock = stream_.rewind(serial);
-    if (!clock) return std::nullopt;
-    hold_from(*clock);
+    std::optional<Commits::Point> commit = stream_.rewind(serial);
+    if (!commit) return std::nullopt;
+    hold_from(double(commit->clock), commit->way);
     std::deque<Record> late;
     for (const Message& m : stream_.resume_at_rest(serial, int64_t(std::ceil(planner_.clock()))))
       if (m.target != laser_.target()) late.push_back({m.target, m.interval, m.clock});
     held_.record_first(late);
-    return clock;
+    return double(commit->clock);
   }
 
   // Cuts every stepper at the first clock ≥ `ticks` that is not bound by a command already taken
@@ -296,14 +296,18 @@ class Motion {
   void pass(double ticks) { passed_ = std::max(passed_, ticks); }
 
   // As replan_from, but brakes to a stop on the path. What is left of it waits for `release`, with
-  // what is held already. A lit laser goes off at the stop, and on again when it goes on.
-  double hold_from(double ticks) {
+  // what is held already. A lit laser goes off at the stop, and on again when it goes on. `way`:
+  // where the machine has stopped, if other limits held then; 0 if that is not known.
+  double hold_from(double ticks, double way = 0) {
     std::vector<Move> rest;
     double speed2 = cut(ticks, rest);
     planner_.take_queue(rest);
     planner_.stand(ticks_of_cut_);
     held_.put_first(rest, records_, std::exchange(unattached_, 0));
-    std::vector<Move> braking = take_braking(held_.moves, speed2);
+    std::vector<Move> ahead = held_.moves, braking = take_braking(ahead, speed2);
+    if (way > 0 && std::fabs(length_of(braking) - way) > kSameWay * way)
+      braking = take_braking(ahead = held_.moves, speed2, speed2 / (2 * way));
+    held_.moves.swap(ahead);
     // Records behind the last move held are not due at the stop.
     uint32_t due = unattached_ = held_.moves.empty() ? std::exchange(held_.behind, 0) : 0;
     for (const Move& m : braking) due += m.records;
@@ -377,6 +381,7 @@ class Motion {
   void forget_held() { stand_before(std::exchange(held_, {})); }
 
  private:
+  static constexpr double kSameWay = 1e-9;     // share by which ways differ through rounding
   static constexpr long kOutputsSeen = 32;     // records at one place that are looked through
   static constexpr double kKeptSeconds = 1.0;  // of motion that is under way or done already
   Machine machine_;  // its steps per unit and tool offsets may change while it stands

@@ -193,8 +193,8 @@ class StepStream {
   // The earliest clock that rewind() can go back to; only with commits.
   int64_t oldest_commit() const { return commits_->points().front().clock; }
   // Goes back behind the commit `serial`: what came later has not been executed, and waits again.
-  // Returns its clock; nothing, and nothing is changed, if that is not known any more.
-  std::optional<double> rewind(uint32_t serial) {
+  // Returns it; nothing, and nothing is changed, if that is not known any more.
+  std::optional<Commits::Point> rewind(uint32_t serial) {
     if (!commits_) return std::nullopt;
     auto p = commits_->find(serial);
     if (p == commits_->points().end()) return std::nullopt;
@@ -203,7 +203,7 @@ class StepStream {
       if (std::optional<size_t> begin = queue.behind(last_of(*p))) begins.push_back(*begin);
     if (begins.size() < messages_.size()) return std::nullopt;  // of one, but not of all
     for (size_t i = 0; i < begins.size(); ++i) messages_[i].rewind(begins[i], p->clock);
-    return double(p->clock);
+    return *p;
   }
   // Net steps by which each motor is further where it stands behind the commit `next`, whose brake
   // tails are done, than behind the one before that, `serial`. Nothing if they do not follow each

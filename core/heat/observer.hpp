@@ -24,6 +24,8 @@ class Observer {
   void set(const HeatModel& model) { m_ = model; }
   const HeatModel& model() const { return m_; }
 
+  // Begins anew with the next reading.
+  void restart() { known_ = false; }
   // `power` acted for `dt` seconds until the sensor said `celsius`.
   void update(double celsius, double power, double fan, double dt) {
     loss_ = 1 + m_.fan_loss * fan;

@@ -128,16 +128,21 @@ class Heater {
   // There were no reports for a while.
   void interrupted() {
     known_ = reached_ = false;
-    protection_.restart();
+    watch_anew();
   }
-  // The share of power that has kept the target of late; 0 until it was reached.
-  double keeping() const { return reached_ ? keeping_ : 0; }
+  // The share of power that has kept the target of late; 0 until it was reached, and of a faulty
+  // heater.
+  double keeping() const { return reached_ && !faulty() ? keeping_ : 0; }
 
   std::deque<HeatSample>& samples() { return samples_; }
 
   // Takes a report (sum of samples) made at board clock `clock`; true if `value` must be sent.
   bool report(uint32_t sum, Ticks clock, double clock_hz, uint32_t& value) {
     double dt = known_ ? double(clock - clock_) / clock_hz : 0;
+    if (dt > kSilentSeconds) {
+      dt = 0;
+      watch_anew();
+    }
     double share = double(sum) / o_.adc_full;
     bool above = share > o_.high_share, below = share < o_.low_share;
     clock_ = clock;
@@ -167,6 +172,8 @@ class Heater {
     return send;
   }
 
+  // The board was asked for its reports anew, with the sensor's own range.
+  void asked_anew() { wide_ = false; }
   // The board's net hangs while there is no fault: a heater that is off already needs it no more,
   // and whether the whole machine is to stop is then not the board's to decide. Returns true if the
   // query must be sent anew, with `wide` or with its own range.
@@ -178,6 +185,8 @@ class Heater {
 
  private:
   static constexpr double kKeepingSeconds = 20;  // over which the power is averaged
+  // Without a report no power is told, and the board switches its heater off by itself.
+  static constexpr double kSilentSeconds = 3;
   static constexpr size_t kSamplesMax = 4096;
   static constexpr double kFullShare = 0.95;  // of all the power: as good as all
 
@@ -193,6 +202,11 @@ class Heater {
   Ticks clock_ = 0;
   bool known_ = false, reached_ = false, news_ = false, wide_ = false, new_net_ = false;
 
+  // Nobody knows what power acted of late.
+  void watch_anew() {
+    protection_.restart();
+    if (body_) body_->restart();
+  }
   // A relay swings around its target: only being on the way up can be judged by the target.
   double heating_target() const {
     bool tuning = std::holds_alternative<heat::RelayControl>(control());

@@ -142,9 +142,9 @@ class Heaters {
   void tell_keeping(size_t i, int64_t value) {
     const HeaterOptions& o = heaters_[i]->options();
     kept_[i] = value;
-    send_("survive_output", {int64_t(o.output_oid),
-                             int64_t(JobStream::on_wire(uint32_t(value), o.inverted ? o.full : 0)),
-                             int64_t(value > 0 ? kKeptSeconds : 0)});
+    send_("survive_output",
+          {int64_t(o.output_oid),
+           int64_t(JobStream::on_wire(uint32_t(value), o.inverted ? o.full : 0)), kKeptSeconds});
   }
   void set_power(size_t i, uint32_t value, Ticks now) {
     const HeaterOptions& o = heaters_[i]->options();

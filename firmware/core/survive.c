@@ -182,7 +182,8 @@ void command_survive_output(const uint32_t *args) {
   if (output == NULL) return;
   if (args[2] > LONGEST)
     shut_down(SHUTDOWN_SURVIVE_TOO_LONG);
-  else if (args[2] > 0 && !analog_in_watches() && !thermocouple_watches())
+  else if (args[2] > 0 && args[1] != output->default_value && !analog_in_watches() &&
+           !thermocouple_watches())
     shut_down(SHUTDOWN_SURVIVE_UNWATCHED);
   else
     output_keep(output, args[1], (uint8_t)args[2]);

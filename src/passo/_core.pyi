@@ -347,6 +347,9 @@ class Heater:
         Takes over table, broken ends and query of these options, from the next report on.
         """
 
+    def asked_anew(self) -> None:
+        """The board was asked for the sensor's reports anew, with its own range."""
+
     def rearm(self) -> None:
         """Ends the fault: the heater heats to the target that it kept."""
 

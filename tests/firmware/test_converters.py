@@ -83,8 +83,10 @@ def test_a_converter_that_is_no_longer_asked_watches_nothing():
         assert board.tell(line) == []
     ask = f"query_thermocouple oid=1 clock={board.clock(10**6)} rest_ticks={{}} min_value=1"
     board.tell(ask.format(10**6) + " max_value=9")
-    board.tell("survive_output oid=2 value=0 seconds=60")
+    board.tell("survive_output oid=2 value=1 seconds=60")
     assert board.device.fault == ""
     board.tell(ask.format(0) + " max_value=9")
     board.tell("survive_output oid=2 value=0 seconds=60")
+    assert board.device.fault == ""  # it keeps nothing
+    board.tell("survive_output oid=2 value=1 seconds=60")
     assert board.device.fault.startswith("No sensor watches")

@@ -287,6 +287,31 @@ def test_a_laser_is_off_before_the_machine_brakes():
     assert host.board.device.take_edges(fan) == [(on, 1), (limit - GUARD, 0)]
 
 
+def test_a_heater_that_is_on_its_way_is_no_laser():
+    """It has nothing to keep yet, but its host may still reach this board, though not another."""
+    host = Host()
+    host.tell("survive_output oid=7 value=0 seconds=60")
+    heater = host.board.dictionary.enumerations["pin"]["PB4"]
+    host.board.device.trace_edges(heater)
+    limit = host.board.now + 500_000
+    host.move(0, 10_000, 50)
+    host.commit(limit)
+    on = limit - GUARD - 500
+    host.tell(f"queue_digital_out oid=7 clock={on & 0xFFFFFFFF} on_ticks=1")
+    again = host.board.now + 500_000
+    host.board.wait(500_000 - 1000)
+    host.tell(f"queue_digital_out oid=7 clock={again & 0xFFFFFFFF} on_ticks=1")
+    host.board.wait(200_000)
+    assert host.state() == ("held", 1)
+    assert host.board.device.take_edges(heater) == [
+        (on, 1),
+        (on + HEATER_LONGEST, 0),
+        (again, 1),
+        (again + HEATER_LONGEST, 0),
+    ]
+    assert host.board.device.fault == ""
+
+
 def test_the_host_is_told_of_the_decision_and_of_words_that_came_too_late():
     host = Host()
     limit = host.board.now + 500_000

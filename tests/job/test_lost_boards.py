@@ -15,6 +15,7 @@ from tests.job.two_boards import two_boards
 from passo.board.connection import Connection
 from passo.config.places import MAIN
 from passo.printer.drive import LEAD_S
+from passo.printer.reconnection import _Reconnection
 from passo.printer.wiring import connect_simulated
 from passo.simulator import Cable
 
@@ -102,6 +103,16 @@ def test_a_break_within_the_round_trip_of_a_commit(monkeypatch, tmp_path, gone_b
         s.host.expect("done", 60)
         assert faults(s) == []
         assert steps(s) == {"x": 0, "y": 120 * 80, "z": 12 * 400, "e": 0}
+
+
+def test_a_board_stands_behind_the_last_commit_that_was_under_way(monkeypatch, tmp_path):
+    """The link's own question for its state, before that commit, may be answered late."""
+    with scenario(monkeypatch, tmp_path, "far") as s:
+        tool = s.printer.connection.connections[1]
+        s.printer.connection.stop_job()
+        tool.command("survive_query")
+        tool.command(f"survive_commit serial=9 clock={tool.board_clock & 0xFFFFFFFF} rest=1")
+        assert s.run(_Reconnection(s.printer)._stood_behind(tool)) == 9
 
 
 @pytest.mark.parametrize("board", [MAIN, "tool"])
@@ -192,6 +203,51 @@ def test_what_is_warm_on_either_board_stays_so(monkeypatch, tmp_path):
         s.host.expect("done", 60)
         assert faults(s) == []
         assert steps(s) == {"x": 8000, "y": 0, "z": 0, "e": round(60 * 95.5)}
+
+
+@pytest.mark.parametrize("cut_off", [MAIN, "tool"])
+def test_what_is_on_its_way_warms_on_where_the_link_holds(monkeypatch, tmp_path, cut_off):
+    """On the lost board it cools until that is back; neither is taken for a failed heater."""
+    hot = {'"D10"': '"tool:D10"', '"T0"': '"tool:T0"', '"D9"': '"tool:D9"'}
+    with scenario(monkeypatch, tmp_path, "fast", **hot) as s:
+        s.host.ok("G92 X0 Y0 Z0")
+        s.host.send("M104 S200", "M140 S60", "G1 X200 F600", "G1 X0", "M109 S200", "M118 done")
+        s.passes(15)
+        before = {name: s.board.temperature(name) for name in ("hotend", "bed")}
+        cut(s, cut_off, 30.0)
+        for name, board in (("hotend", "tool"), ("bed", MAIN)):
+            warmer = s.board.temperature(name) - before[name]
+            assert warmer < 0.5 if board == cut_off else warmer > 5
+        s.host.expect("The boards are back", 15)
+        s.host.expect("done", 600)
+        assert faults(s) == []
+        assert steps(s) == {"x": 0, "y": 0, "z": 0, "e": 0}
+
+
+def test_only_what_is_lost_again_while_it_warms_up_is_opened_again(monkeypatch, tmp_path):
+    """Opening a port resets many boards, which lose their place."""
+    opened = []
+    open_again = Connection.open_again
+
+    async def spied(self):
+        opened.append(self.name)
+        await open_again(self)
+
+    monkeypatch.setattr(Connection, "open_again", spied)
+    with scenario(monkeypatch, tmp_path, "fast") as s:
+        s.host.ok("M109 S200", 400)
+        s.host.ok("G92 X0 Y0 Z0 E0")
+        s.host.send("G1 X100 Z10 F600", "M400", "M118 done")
+        s.passes(2.0)
+        cut(s, MAIN, 100.0)  # its heat is off by then
+        s.host.expect("The boards are back", 15)
+        s.passes(2.0)
+        opened.clear()
+        cut(s, "tool", 6.0)
+        s.host.expect("done", 100)
+        assert set(opened) == {"tool"}
+        assert faults(s) == []
+        assert steps(s) == {"x": 8000, "y": 0, "z": 4000, "e": 0}
 
 
 @pytest.mark.parametrize("board", [MAIN, "tool"])

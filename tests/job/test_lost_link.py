@@ -224,3 +224,42 @@ def test_a_laser_that_a_pause_has_put_out_is_lit_again(tmp_path, delay):
         assert s.board.output_value("laser") > 0
         s.host.expect("Done printing", 30)
         assert s.board.output_value("laser") == 0
+
+
+@pytest.mark.parametrize("policy", ["heater", "job"])
+def test_a_heater_that_has_failed_may_stay_so(policy):
+    """The board asks for nothing that its sensor cannot say, nor does it after the break."""
+    text = config.shipped_text("i3").replace(
+        "max_c = 120.0", f'max_c = 120.0\non_fault = "{policy}"'
+    )
+    with Scenario(config.load_text(f'{text}firmware = "passo"\n')) as s:
+        s.host.ok("M140 S60")
+        s.host.ok("G92 X0 Y0 Z0")
+        s.host.send("G1 X50 F600")
+        s.board.force_sensor("bed", 1.0)
+        s.host.expect("heater bed was switched off", 5)
+        s.host.ok("M108")
+        break_link(s, 2.0)
+        s.host.expect("The board is back", 10)
+        s.passes(20)
+        assert s.board.device.fault == "" and not s.printer.halted
+        assert s.board.net_steps("x") == 4000
+
+
+@pytest.mark.parametrize("seconds", [0.0, 0.02, 0.05])
+def test_limits_that_have_changed_just_before_it(tmp_path, seconds):
+    """The board has the way to brake by the limits that held before."""
+    lines = ["M302 P1", "G92 X0 Y0 Z0 E0", "G1 X100 Y100 F6000"]
+    lines += [f"G2 X100 Y100 I-{20 + i} J0 E{i} F9000" for i in range(12)]
+    (tmp_path / "a.g").write_text("\n".join([*lines, "G1 X0 Y0 E0"]))
+    with Scenario(FIRMWARE, card=str(tmp_path)) as s:
+        s.host.ok("M32 a.g")
+        s.passes(3)
+        for i in range(8):
+            s.host.ok(f"M204 P{(500, 3000)[i % 2]}")
+            s.passes(seconds)
+            break_link(s, 0.2)
+            s.host.expect("The board is back, and stands where it was told to stop", 10)
+            s.passes(0.8)
+        s.host.expect("Done printing", 100)
+        assert steps(s) == {"x": 0, "y": 0, "z": 0, "e": 0}

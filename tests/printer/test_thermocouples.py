@@ -53,6 +53,19 @@ def test_an_open_thermocouple_switches_off_within_a_second(s):
     assert s.board.output_value("hotend") == 0
 
 
+def test_a_board_without_another_sensor_outlives_its_fault():
+    """A board refuses to keep warm what no sensor watches."""
+    machine = text("max31855", "passo", "heater")
+    begin, end = machine.index("[heaters.bed]"), machine.index("[fans.part]")
+    with Scenario(config.load_text(machine[:begin] + machine[end:], "t.toml")) as s:
+        s.host.ok("M109 S200", 300)
+        s.passes(60)
+        s.board.force_sensor("hotend", 1.0)
+        s.host.expect("heater hotend was switched off", 5)
+        s.passes(60)
+        assert s.board.device.fault == "" and not s.printer.halted
+
+
 @pytest.mark.parametrize("kind", ["max31855", "max31865"])
 def test_another_policy_keeps_the_machine_alive_and_the_heater_can_be_rearmed(firmware, kind):
     """A MAX31865 keeps a fault until it is told to forget it."""

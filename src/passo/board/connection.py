@@ -239,6 +239,8 @@ class Connection:
         was lost."""
         for line in queries(self.board, self.dictionary, self._clock_after(LEAD_S)):
             self.command(line)
+        for heater in self.heaters.values():
+            heater.asked_anew()
 
     def command(self, text: str) -> None:
         """Queues a command, as `name parameter=value …`; it leaves when time next passes.

@@ -34,12 +34,12 @@ async def reconnect(printer: Printer, lost: LinkLostError) -> None:
     shut down."""
     held = printer.job.holds
     printer.drive.interrupted = True
-    printer.connection.stop_job()
     reconnection = _Reconnection(printer)
     plug = ": plug it in again, or give up with M112" if reconnection.silent else ""
     problem = str(lost).partition(".")[0]
     printer.tell(f"echo:The machine waits: {problem}. {reconnection.outlook}{plug}")
     while not printer.halted:
+        printer.connection.stop_job()
         try:
             await reconnection.take_over()
             break
@@ -84,7 +84,7 @@ class _Reconnection:
         again."""
         printer = self._printer
         printer.drive.wait()  # none has shut down
-        for connection in list(self.silent):
+        for connection in [c for c in self._connections if c in self.silent]:
             await connection.reopen()
             self.silent.discard(connection)
             if len(self._connections) > 1:
@@ -133,6 +133,9 @@ class _Reconnection:
         """The last commit of a board whose motors stand."""
         off = connection.dictionary.enumerations["survive"]["off"]
         with self._silence_of(connection):
+            # The link asks for the state as well, and its question may be older than a commit that
+            # is still under way. Behind this answer, none is.
+            connection.ask("get_config", "config")
             for _ in range(int(BRAKING_S / LOOK_S)):
                 if (state := connection.stopped()) is not None:
                     return 0 if state["state"] == off else int(state["serial"])
