@@ -74,7 +74,7 @@ class Compressor {
  public:
   Compressor(const Machine& machine, const StepperSpec& spec, uint16_t target)
       : tolerance_(machine.tolerance),
-        reversal_(double(spec.pulse + spec.dir_hold + spec.dir_setup) + 2),
+        reversal_(double(spec.pulse + std::max(spec.pulse, spec.dir_hold + spec.dir_setup)) + 2),
         least_(std::max(2.0 * double(spec.pulse), std::ceil(machine.clock_hz / spec.max_rate))),
         longest_(kLongestSeconds * machine.clock_hz), lead_(kLeadSeconds * machine.clock_hz),
         margin_(std::max(reversal_, 4 * machine.widest_tolerance()) + 1), target_(target) {
@@ -289,7 +289,7 @@ class Compressor {
         if (k >= base_ && k < to) narrow(k, half);
     }
   }
-  // Around a reversal executed steps keep pulse, hold and set-up apart.
+  // Around a reversal executed steps keep pulse, hold and set-up apart, and a pause as a pulse.
   double half_turn(size_t b) const {
     return std::max(0.0, 0.5 * (steps_.ticks[b] - steps_.ticks[b - 1] - reversal_)) + 0.5;
   }

@@ -49,9 +49,9 @@ def test_the_example_on_the_i3(capsys, unpacked):
 
 
 GOLDEN = {
-    ("demo", "i3"): "20d6249dff5b5169",
+    ("demo", "i3"): "e0802807b5b52a8b",
     ("gear_arcs", "mk3s"): "a1c1f5b0906e9640",
-    ("plate_toolchanger", "dual-extruder"): "ac1011b70327d55a",
+    ("plate_toolchanger", "dual-extruder"): "81594158416929ed",
 }
 
 

@@ -25,15 +25,15 @@ BUILDS = {
     ),
 }
 EXPECTED = """\
-cartesian 19800 c2d106dbb11dcbfa
-corexy 22211 c0745377718e53da
-delta 42770 aaafb2785ebceff8
-rotary_delta 37448 07bedb0083858814
-scara 30962 0ba9a95004c046c2
-short of commands 19751 9e79a9e72de68e98
-above a bent bed 43466 cffd80bb898d858a
-demo 232871 e459137c9cc152a2
-gear_arcs 378449 c70871fa92d08056
+cartesian 19800 1cdf9016c1bae34a
+corexy 22211 4d56f199dd442c69
+delta 42770 968968dff64a6245
+rotary_delta 37448 2f0698b73cc3ebcf
+scara 30962 d3eef1f9024712ab
+short of commands 19751 ae97b74d2c8d6b95
+above a bent bed 43466 37a947c49ae82e46
+demo 232871 b2e82d8d86477f2a
+gear_arcs 378448 c71c859156da914a
 """
 
 

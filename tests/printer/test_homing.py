@@ -147,7 +147,7 @@ def test_an_emergency_stop_while_homing_forgets_where_all_axes_are():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (('pin = "^X_MIN"', ""), "homing.x.pin is None: expected either pin, or stepper_pins"),
+        (('pin = "^X_MIN"', ""), "homing.x.pin is missing: expected either pin, or stepper_pins"),
         (("[homing.x]", "[homing.q]"), "homing.q is not a known key. Known here: x, y, z"),
         (('pin = "^X_MIN"', 'pin = "^Y_MIN"'), "homing.y.pin"),
         (("[homing.x]\n", "[homing.x]\nfast = 0\n"), "homing.x.fast is 0: expected a number"),
