@@ -195,8 +195,9 @@ class Motion {
   }
 
   // As replan_from, and all that is still to come lies `mm` further along slot j (X, Y or Z): the
-  // machine leans over to it in mid-move, or by a move of its own at the end. What is suspended
-  // goes on from the shifted place; what is held begins with the way over to there.
+  // machine leans over to it in mid-move, behind the way to brake, on which a board that is left
+  // alone stops, or by a move of its own at the end. What is suspended goes on from the shifted
+  // place; what is held begins with the way over to there.
   double shift_from(double ticks, int j, double mm, size_t extruder, size_t tool) {
     if (aside_) {
       aside_->held.shift(j, mm);
@@ -212,8 +213,10 @@ class Motion {
     std::vector<Move> rest;
     double speed2 = cut(ticks, rest);
     planner_.take_queue(rest);
-    double left = planner_.shift(rest, speed2, j, mm);
-    go_on(rest, speed2);
+    std::vector<Move> moves = take_braking(rest, speed2);
+    double left = planner_.shift(rest, j, mm);
+    moves.insert(moves.end(), rest.begin(), rest.end());
+    go_on(moves, speed2);
     if (left != 0) push_shift(j, left, extruder, tool);
     return ticks_of_cut_;
   }

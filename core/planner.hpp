@@ -157,8 +157,8 @@ class Planner {
 
   // Shifts these moves, taken from the plan with all of its queue, see Shift; what comes later
   // starts beside where it would have.
-  double shift(std::vector<Move>& moves, double speed2, int j, double mm) {
-    double left = Shift(bounds_, junction_, rules_).apply(moves, speed2, j, mm);
+  double shift(std::vector<Move>& moves, int j, double mm) {
+    double left = Shift(bounds_, junction_, rules_).apply(moves, j, mm);
     position_[j] += mm - left;
     return left;
   }

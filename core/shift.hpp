@@ -18,19 +18,18 @@ class Shift {
   Shift(const Bounds& bounds, const JunctionRule& junction, const RuleBook& rules)
       : bounds_(bounds), junction_(junction), rules_(rules) {}
 
-  // Shifts `moves`, the first of which begins at speed² `speed2`, by `mm` along slot j. Returns
+  // Shifts `moves`, none of which is begun faster than it shall be, by `mm` along slot j. Returns
   // what did not find room in them.
-  double apply(std::vector<Move>& moves, double speed2, int j, double mm) {
+  double apply(std::vector<Move>& moves, int j, double mm) {
     std::vector<Move> out;
     double done = 0;
     for (Move& m : moves) {
       m.p0[j] += done;
       m.p1[j] += done;
-      bool first = out.empty() && speed2 > 0;
       if (done == mm || !m.cartesian)
         out.push_back(m);
       else
-        lean(m, first ? speed2 : 0, j, mm, done, out);
+        lean(m, j, mm, done, out);
     }
     moves.swap(out);
     return mm - done;
@@ -51,29 +50,21 @@ class Shift {
   }
 
   // Appends m, leaning as steeply as costs next to no speed; adds to `done`.
-  void lean(const Move& m, double speed2, int j, double mm, double& done, std::vector<Move>& out) {
+  void lean(const Move& m, int j, double mm, double& done, std::vector<Move>& out) {
     const Rules& rules = rules_.of(m.rules);
-    double slope = kSteepest, corner2 = 0;
+    double slope = kSteepest;
     Move leaning = m;
     for (;; slope *= 0.5) {
       if (slope < kGentlest) return out.push_back(m);
       leaning = m;
       leaning.p1[j] += std::copysign(slope * way(m), mm);
       bounds_.apply(leaning, rules);
-      corner2 = junction_.cap2(m, leaning, rules);
       double least2 = kEqual * m.vn2;
       if (leaning.d >= kEqual * m.d && leaning.a >= kEqual * m.a && leaning.vn2 >= least2 &&
-          corner2 >= least2)
+          junction_.cap2(m, leaning, rules) >= least2)
         break;
     }
     Move rest = m;
-    // Still faster than it shall be: the way to brake comes first.
-    double braking = std::max(0.0, (speed2 - std::min(corner2, leaning.vn2)) / (2 * m.b));
-    if (speed2 > 0 && braking >= m.d) return out.push_back(m);
-    if (speed2 > 0 && braking > 0) {
-      out.push_back(m);
-      split(m, braking / m.d, out.back(), rest);
-    }
     double room = slope * way(rest), wanted = mm - done;
     if (std::fabs(wanted) >= room) {
       done += std::copysign(room, mm);

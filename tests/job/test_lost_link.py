@@ -246,9 +246,10 @@ def test_a_heater_that_has_failed_may_stay_so(policy):
         assert s.board.net_steps("x") == 4000
 
 
+@pytest.mark.parametrize("changes", [("M204 P500", "M204 P3000"), ("M290 Z0.5", "M290 Z-0.5")])
 @pytest.mark.parametrize("seconds", [0.0, 0.02, 0.05])
-def test_limits_that_have_changed_just_before_it(tmp_path, seconds):
-    """The board has the way to brake by the limits that held before."""
+def test_what_has_changed_just_before_it(tmp_path, changes, seconds):
+    """The board has the way to brake by what held before."""
     lines = ["M302 P1", "G92 X0 Y0 Z0 E0", "G1 X100 Y100 F6000"]
     lines += [f"G2 X100 Y100 I-{20 + i} J0 E{i} F9000" for i in range(12)]
     (tmp_path / "a.g").write_text("\n".join([*lines, "G1 X0 Y0 E0"]))
@@ -256,7 +257,7 @@ def test_limits_that_have_changed_just_before_it(tmp_path, seconds):
         s.host.ok("M32 a.g")
         s.passes(3)
         for i in range(8):
-            s.host.ok(f"M204 P{(500, 3000)[i % 2]}")
+            s.host.ok(changes[i % 2])
             s.passes(seconds)
             break_link(s, 0.2)
             s.host.expect("The board is back, and stands where it was told to stop", 10)

@@ -99,8 +99,10 @@ def test_a_long_line_leans_over_at_its_speed():
     motion.take_moves()
     cut = motion.shift_from(1.0 * oracle.HZ, 2, 0.1)
     motion.flush()
-    leaning, behind = motion.take_moves()
+    braking, leaning, behind = motion.take_moves()
     assert cut == oracle.HZ
+    assert braking.end_mm[2] == 0
+    assert braking.end_mm[0] - braking.start_mm[0] == pytest.approx(100**2 / 2 / 3000)
     assert leaning.start_speed == 100.0
     assert leaning.end_speed == pytest.approx(100.0, rel=1e-9)
     assert leaning.end_mm[0] - leaning.start_mm[0] == pytest.approx(4.0, rel=1e-6)
