@@ -128,7 +128,8 @@ class Heater {
   // There were no reports for a while.
   void interrupted() {
     known_ = reached_ = false;
-    watch_anew();
+    protection_.restart();
+    if (body_) body_->restart();
   }
   // The share of power that has kept the target of late; 0 until it was reached, and of a faulty
   // heater.
@@ -139,9 +140,9 @@ class Heater {
   // Takes a report (sum of samples) made at board clock `clock`; true if `value` must be sent.
   bool report(uint32_t sum, Ticks clock, double clock_hz, uint32_t& value) {
     double dt = known_ ? double(clock - clock_) / clock_hz : 0;
-    if (dt > kSilentSeconds) {
-      dt = 0;
-      watch_anew();
+    if (dt > kSilentSeconds) {  // nobody knows what power acted, and for how much of it
+      dt = kSilentSeconds;
+      if (body_) body_->restart();
     }
     double share = double(sum) / o_.adc_full;
     bool above = share > o_.high_share, below = share < o_.low_share;
@@ -202,11 +203,6 @@ class Heater {
   Ticks clock_ = 0;
   bool known_ = false, reached_ = false, news_ = false, wide_ = false, new_net_ = false;
 
-  // Nobody knows what power acted of late.
-  void watch_anew() {
-    protection_.restart();
-    if (body_) body_->restart();
-  }
   // A relay swings around its target: only being on the way up can be judged by the target.
   double heating_target() const {
     bool tuning = std::holds_alternative<heat::RelayControl>(control());

@@ -55,14 +55,26 @@ def test_it_ends_where_it_would_have_ended(printer, wanted, seed):
 def test_a_heater_that_the_board_has_switched_off_meanwhile_has_not_failed(printer):
     """Again and again the link is silent for so long that heat goes off."""
     s = printer
-    (board,) = s.board.boards
     s.host.ok("M190 S85", 900)
     s.host.send("M140 S110")
-    for _ in range(40):
-        s.board.cut_cable(board)
-        s.passes(3.9)
-        s.board.cut_cable(board, False)
-        s.passes(0.8)
+    silences(s, 3.9, 40)
     assert not s.printer.halted, s.printer.halted
     s.until(lambda: s.printer.connection.heaters["bed"].reached, 900)
     assert s.board.temperature("bed") > 105
+
+
+def test_a_fallen_sensor_is_noticed_over_a_link_that_is_mostly_silent(printer):
+    s = printer
+    s.host.ok("M190 S85", 900)
+    s.board.drop_sensor("bed")
+    silences(s, 3.5, 40)
+    assert "bed" in s.printer.halted
+
+
+def silences(s, seconds, times):
+    (board,) = s.board.boards
+    for _ in range(times):
+        s.board.cut_cable(board)
+        s.passes(seconds)
+        s.board.cut_cable(board, False)
+        s.passes(0.8)
