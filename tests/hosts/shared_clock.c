@@ -38,7 +38,7 @@ typedef struct {
 } Seat;
 
 typedef struct {
-  atomic_flag locked;
+  _Atomic pid_t owner;  // process that has the lock, or 0
   _Atomic int64_t now;  // ns
   _Atomic uint32_t waits_begun;
   int64_t leapt;  // when, in the computer's time
@@ -49,10 +49,19 @@ static Clock* shared;
 static pthread_key_t leaving;
 static __thread Seat* mine;
 
+static bool has_ended(pid_t process) { return kill(process, 0) != 0 && errno == ESRCH; }
+
+// A program may be killed while it has the lock: then the next one takes it over.
 static void lock(void) {
-  while (atomic_flag_test_and_set(&shared->locked)) sched_yield();
+  for (pid_t free = 0; !atomic_compare_exchange_strong(&shared->owner, &free, getpid()); free = 0) {
+    pid_t owner = free;
+    if (owner != 0 && has_ended(owner) &&
+        atomic_compare_exchange_strong(&shared->owner, &owner, getpid()))
+      return;
+    sched_yield();
+  }
 }
-static void unlock(void) { atomic_flag_clear(&shared->locked); }
+static void unlock(void) { shared->owner = 0; }
 
 static int64_t computer_time(void) {
   struct timespec t;
@@ -87,7 +96,7 @@ static void advance(void) {
   for (Seat* s = shared->seats; s < shared->seats + kSeats; ++s) {
     if (!s->owner) continue;
     if (!s->waits || s->seen != shared->waits_begun) {
-      if (kill(s->owner, 0) == 0 || errno != ESRCH) return;
+      if (!has_ended(s->owner)) return;
       *s = (Seat){0};  // that program has ended
       continue;
     }
