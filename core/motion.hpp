@@ -307,10 +307,13 @@ class Motion {
     planner_.take_queue(rest);
     planner_.stand(ticks_of_cut_);
     held_.put_first(rest, records_, std::exchange(unattached_, 0));
-    std::vector<Move> ahead = held_.moves, braking = take_braking(ahead, speed2);
-    if (way > 0 && std::fabs(length_of(braking) - way) > kSameWay * way)
-      braking = take_braking(ahead = held_.moves, speed2, speed2 / (2 * way));
-    held_.moves.swap(ahead);
+    double even = 0;  // deceleration that takes the machine so far
+    if (way > 0) {
+      std::vector<Move> ahead = held_.moves;
+      if (std::fabs(length_of(take_braking(ahead, speed2)) - way) > kSameWay * way)
+        even = speed2 / (2 * way);
+    }
+    std::vector<Move> braking = take_braking(held_.moves, speed2, even);
     // Records behind the last move held are not due at the stop.
     uint32_t due = unattached_ = held_.moves.empty() ? std::exchange(held_.behind, 0) : 0;
     for (const Move& m : braking) due += m.records;

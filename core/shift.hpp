@@ -65,7 +65,7 @@ class Shift {
         break;
     }
     Move rest = m;
-    double room = slope * way(rest), wanted = mm - done;
+    double room = slope * way(m), wanted = mm - done;
     if (std::fabs(wanted) >= room) {
       done += std::copysign(room, mm);
       rest.p1[j] += std::copysign(room, mm);

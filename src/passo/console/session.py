@@ -19,7 +19,7 @@ from passo.printer.waits import Stopped, Wait
 from passo.printer.words import Command
 
 AT_ONCE = 1024  # lines that are carried out before others have their turn: all of one read
-AT_ONCE_S = 0.005  # of host time, likewise: lines like M503 take long
+AT_ONCE_S = 0.005  # of the loop's time, likewise: lines like M503 take long
 WAIT_S = 1.0  # an idle console says `wait` this often
 _PLAIN = str.maketrans({"°": "", "µ": "u", "²": "2"})
 _NO_TEXT = ("M29", "M110", "M932", "M933")  # not even while a file is written
