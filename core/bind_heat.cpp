@@ -201,27 +201,32 @@ void bind_heater(nb::module_& m) {
       .def(
           "__init__",
           [](HeaterOptions* self, uint32_t sensor_oid, uint32_t output_oid, bool pwm, uint32_t full,
-             uint32_t adc_full, const SensorQuery& query, double max_power, double tolerance_c,
-             const Points& celsius, double low_share, double high_share, bool open_is_high,
-             const Control& control, const ProtectionLimits& limits,
+             uint32_t adc_full, const SensorQuery& query, double longest_s, double max_power,
+             double tolerance_c, const Points& celsius, double low_share, double high_share,
+             bool open_is_high, const Control& control, const ProtectionLimits& limits,
              const std::optional<HeatModel>& model, int32_t fan_target, double fan_full,
              bool inverted, heat::Converter converter, uint32_t spi_oid,
              const nb::bytes& clears_faults) {
             const auto* clears = reinterpret_cast<const uint8_t*>(clears_faults.c_str());
-            new (self) HeaterOptions{
-                sensor_oid, output_oid,  pwm,
-                full,       adc_full,    query,
-                max_power,  tolerance_c, heat::Curve(celsius),
-                low_share,  high_share,  open_is_high,
-                control,    limits,      model,
-                fan_target, fan_full,    inverted,
-                converter,  spi_oid,     wire::Bytes(clears, clears + clears_faults.size())};
+            new (self)
+                HeaterOptions{sensor_oid,   output_oid,
+                              pwm,          full,
+                              adc_full,     query,
+                              longest_s,    max_power,
+                              tolerance_c,  heat::Curve(celsius),
+                              low_share,    high_share,
+                              open_is_high, control,
+                              limits,       model,
+                              fan_target,   fan_full,
+                              inverted,     converter,
+                              spi_oid,      wire::Bytes(clears, clears + clears_faults.size())};
           },
-          "sensor_oid"_a, "output_oid"_a, "pwm"_a, "full"_a, "adc_full"_a, "query"_a, "max_power"_a,
-          "tolerance_c"_a, "celsius"_a, "low_share"_a, "high_share"_a, "open_is_high"_a,
-          "control"_a, "limits"_a, "model"_a.none(), "fan_target"_a = -1, "fan_full"_a = 1.0,
-          "inverted"_a = false, "converter"_a = heat::Converter::none, "spi_oid"_a = 0,
-          "clears_faults"_a = nb::bytes(""),
+          "sensor_oid"_a, "output_oid"_a, "pwm"_a, "full"_a, "adc_full"_a, "query"_a, "longest_s"_a,
+          "max_power"_a, "tolerance_c"_a, "celsius"_a, "low_share"_a, "high_share"_a,
+          "open_is_high"_a, "control"_a, "limits"_a, "model"_a.none(), "fan_target"_a = -1,
+          "fan_full"_a = 1.0, "inverted"_a = false, "converter"_a = heat::Converter::none,
+          "spi_oid"_a = 0, "clears_faults"_a = nb::bytes(""),
+          "longest_s: how long the board leaves the power on without being told.\n"
           "fan_target: index of the fan's output among the link's pins.");
   nb::class_<Heater>(m, "Heater", "A heater loop beside the link.")
       .def_prop_ro("celsius", &held<&Heater::celsius>)

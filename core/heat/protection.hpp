@@ -2,6 +2,7 @@
 #pragma once
 #include <algorithm>
 #include <cstdint>
+#include <utility>
 
 namespace passo::heat {
 
@@ -54,6 +55,14 @@ class Protection {
   // Begins anew, as if the heater had just been switched on.
   void restart() { *this = Protection(o_); }
 
+  // There were no reports for a while, in which the body may have cooled: a heater that had arrived
+  // is on its way again. On its way it is not given its time anew, only a goal that is not above
+  // what it could reach, lest one that never gets warmer is forgiven with each break of the link.
+  void interrupted() {
+    known_ = false;
+    resumes_ = true;
+  }
+
   // Kind none, or what is wrong and the limit that was broken.
   Fault check(const Sight& s) {
     time_ += s.dt;
@@ -78,7 +87,7 @@ class Protection {
   int outside_ = 0;
   double jumps_ = 0;
   double target_ = 0;  // that the fields below belong to
-  bool arrived_ = false;
+  bool arrived_ = false, resumes_ = false;
   double goal_ = 0, deadline_ = 0;
   double off_since_ = 0, coldest_ = 0, coldest_at_ = 0;
   double deviating_since_ = 0;
@@ -114,11 +123,13 @@ class Protection {
     return jumps_ >= kJumps ? Fault{FaultKind::sensor_erratic, 0, o_.jump_c} : Fault{};
   }
   Fault way_up(const Sight& s) {
-    if (s.target != target_) {
+    bool resumes = std::exchange(resumes_, false);
+    if (s.target != target_ || (resumes && arrived_)) {
       target_ = s.target;
       arrived_ = false;
       aim(s.celsius);
     }
+    if (resumes) goal_ = std::min(goal_, s.celsius + o_.watch_rise_c);
     if (s.target <= 0) return {};
     double least = s.target - o_.runaway_c;
     if (s.celsius >= least) {

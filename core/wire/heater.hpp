@@ -29,6 +29,7 @@ struct HeaterOptions {
   uint32_t full;      // value of full power: PWM_MAX, or the ticks of the software PWM's cycle
   uint32_t adc_full;  // a report of the sensor at the ADC's full scale
   SensorQuery query;
+  double longest_s;              // without being told the board leaves the power on for so long
   double max_power;              // 0…1
   double tolerance_c;            // a target is reached within it
   heat::Curve celsius;           // share of full scale → °C
@@ -66,7 +67,7 @@ class Heater {
   const HeaterOptions& options() const { return o_; }
   double celsius() const { return celsius_; }
   // The sensor has reported, and the link has not been lost since.
-  bool heard() const { return known_; }
+  bool heard() const { return clock_.has_value(); }
   double target() const { return target_; }
   double power() const { return power_; }
   const heat::Terms& terms() const { return controller_.terms(); }
@@ -125,10 +126,11 @@ class Heater {
     protection_.restart();
   }
 
-  // There were no reports for a while.
+  // The board has gone on alone, with no more power than what keeps the heater warm.
   void interrupted() {
-    known_ = reached_ = false;
-    protection_.restart();
+    clock_.reset();
+    reached_ = false;
+    protection_.interrupted();
     if (body_) body_->restart();
   }
   // The share of power that has kept the target of late; 0 until it was reached, and of a faulty
@@ -139,15 +141,14 @@ class Heater {
 
   // Takes a report (sum of samples) made at board clock `clock`; true if `value` must be sent.
   bool report(uint32_t sum, Ticks clock, double clock_hz, uint32_t& value) {
-    double dt = known_ ? double(clock - clock_) / clock_hz : 0;
-    if (dt > kSilentSeconds) {  // nobody knows what power acted, and for how much of it
-      dt = kSilentSeconds;
+    double dt = clock_ ? double(clock - *clock_) / clock_hz : 0;
+    if (dt > o_.longest_s) {  // nobody knows what power acted, and for how much of it
+      dt = o_.longest_s;
       if (body_) body_->restart();
     }
     double share = double(sum) / o_.adc_full;
     bool above = share > o_.high_share, below = share < o_.low_share;
     clock_ = clock;
-    known_ = true;
     celsius_ = o_.celsius.at(share);
     if (body_) body_->update(celsius_, power_, fan_, dt);
     bool failed = false;
@@ -186,8 +187,6 @@ class Heater {
 
  private:
   static constexpr double kKeepingSeconds = 20;  // over which the power is averaged
-  // Without a report no power is told, and the board switches its heater off by itself.
-  static constexpr double kSilentSeconds = 3;
   static constexpr size_t kSamplesMax = 4096;
   static constexpr double kFullShare = 0.95;  // of all the power: as good as all
 
@@ -200,8 +199,8 @@ class Heater {
   std::deque<HeatSample> samples_;
   double target_ = 0, celsius_ = 0, power_ = 0, fan_ = 0, keeping_ = 0;
   uint32_t fan_value_ = 0;
-  Ticks clock_ = 0;
-  bool known_ = false, reached_ = false, news_ = false, wide_ = false, new_net_ = false;
+  std::optional<Ticks> clock_;  // of the last report
+  bool reached_ = false, news_ = false, wide_ = false, new_net_ = false;
 
   // A relay swings around its target: only being on the way up can be judged by the target.
   double heating_target() const {

@@ -283,8 +283,11 @@ def converter_words(converter: Converter, low: float, high: float) -> tuple[int,
     """
 
 class HeaterOptions:
-    def __init__(self, sensor_oid: int, output_oid: int, pwm: bool, full: int, adc_full: int, query: SensorQuery, max_power: float, tolerance_c: float, celsius: Sequence[tuple[float, float]], low_share: float, high_share: float, open_is_high: bool, control: PidControl | OnOffControl | ModelControl | RelayControl, limits: ProtectionLimits, model: HeatModel | None, fan_target: int = -1, fan_full: float = 1.0, inverted: bool = False, converter: Converter = Converter.NONE, spi_oid: int = 0, clears_faults: bytes = ...) -> None:
-        """fan_target: index of the fan's output among the link's pins."""
+    def __init__(self, sensor_oid: int, output_oid: int, pwm: bool, full: int, adc_full: int, query: SensorQuery, longest_s: float, max_power: float, tolerance_c: float, celsius: Sequence[tuple[float, float]], low_share: float, high_share: float, open_is_high: bool, control: PidControl | OnOffControl | ModelControl | RelayControl, limits: ProtectionLimits, model: HeatModel | None, fan_target: int = -1, fan_full: float = 1.0, inverted: bool = False, converter: Converter = Converter.NONE, spi_oid: int = 0, clears_faults: bytes = ...) -> None:
+        """
+        longest_s: how long the board leaves the power on without being told.
+        fan_target: index of the fan's output among the link's pins.
+        """
 
 class Heater:
     """A heater loop beside the link."""

@@ -71,6 +71,23 @@ def test_a_fallen_sensor_is_noticed_over_a_link_that_is_mostly_silent(printer):
     assert "bed" in s.printer.halted
 
 
+def test_a_fallen_sensor_is_noticed_though_the_link_is_lost_again_and_again(printer):
+    """No loss of the link gives a heater that gets no warmer its time anew."""
+    s = printer
+    s.host.ok("M190 S85", 900)
+    s.host.ok("G28", 30)
+    s.host.ok("M32 a.g")
+    s.passes(5)
+    s.board.drop_sensor("bed")
+    most = 0.0
+    for _ in range(100):
+        silences(s, 3.2, 1)
+        most = max(most, s.board.temperature("bed"))
+    assert s.host.heard.count("echo:The board is back, and stands where it was told to stop") > 15
+    assert "bed" in s.printer.halted and "did not come to" in s.printer.halted
+    assert most < 88
+
+
 def silences(s, seconds, times):
     (board,) = s.board.boards
     for _ in range(times):

@@ -245,6 +245,7 @@ def heater_options(
         full=full_scale(output, dictionary),
         adc_full=_core.converter_full(sensor.converter) if sensor.spi else adc_full(dictionary),
         query=sensor_query(board, sensor, dictionary),
+        longest_s=output.max_duration_ticks / board.clock_hz,
         max_power=heater.max_power,
         tolerance_c=heater.tolerance_c,
         celsius=table,
