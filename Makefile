@@ -28,7 +28,7 @@ test: .venv/.built .venv/.dev .venv/hosts/.installed
 	tools/debian.sh g++-aarch64-linux-gnu g++-arm-linux-gnueabihf qemu-user-static dosfstools mtools \
 	  gcc-avr avr-libc libsimavr-dev libelf-dev gcc-arm-none-eabi qemu-system-arm
 	$(BIN)/python -m pytest -n auto --dist loadfile --ignore tests/hosts
-	$(BIN)/python -m pytest tests/hosts  # real time: nothing else may take the processor
+	nice -n -10 $(BIN)/python -m pytest tests/hosts  # real time: it comes first, where that is allowed
 
 check: .venv/.built .venv/.dev
 	$(BIN)/ruff check .

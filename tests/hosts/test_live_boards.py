@@ -73,7 +73,7 @@ def test_a_switch_stops_a_motor_on_the_other_board(scenario, cables):
     assert hit - 40 * 0.05 < stopped <= hit
     main.look(lambda: main.board.force_switch("x", False))
     scenario.until(lambda: tool.look(lambda: tool.board.position("x")) > stopped + 2.9, 10.0)
-    scenario.passes(0.5)
+    scenario.until(lambda: tool.look(lambda: tool.board.position("x")) < stopped + 2.0, 10.0)
     main.look(lambda: main.board.force_switch("x", True))
     host.expect("^ok", 10.0)
     assert scenario.printer.halted == ""
