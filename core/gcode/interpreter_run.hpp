@@ -553,7 +553,7 @@ inline bool Interpreter::next_chord() {
 
 inline void Interpreter::take_tool(size_t tool) {
   if (machine_->tools.empty() || machine_->tools[tool].extruder < 0) return;
-  for (int j = 0; j < 3; ++j) origin_[j] += machine_->tools[tool].offset[j] - tool_offset(j);
+  for (int j = 0; j < 3; ++j) origin_[j] -= machine_->tools[tool].offset[j] - tool_offset(j);
   tool_ = tool;
   active_ = size_t(machine_->tools[tool].extruder);
   position_[kE] = extruder_[active_];

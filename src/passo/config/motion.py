@@ -68,7 +68,8 @@ class Extruder(Model):
 
 class Tool(Model):
     """What T0, T1, … select, in order. Several tools may share an extruder, and a spindle's or a
-    laser's tool has none. `offset_mm` is the nozzle's place relative to the first tool's."""
+    laser's tool has none. `offset_mm` is the nozzle's place relative to the first tool's: the
+    machine stands so much the other way."""
 
     extruder: str | None = None
     offset_mm: Point = [0.0, 0.0, 0.0]
