@@ -547,6 +547,7 @@ inline bool Interpreter::next_chord() {
     if (hop > 0) move_.target[j] = std::min(move_.target[j], high_[j]);  // as there is room for
   }
   move_.radius_mm = arc_.radius();
+  move_.arc_axis = arc_.axis();
   move_.arc_inner = !arc_.first();
   return ready();
 }
