@@ -180,7 +180,7 @@ class Limits(Model):
     speed_mm_s: Speed | None = None
     junction: Literal["deviation", "cornering_distance", "jerk"] = "deviation"
     junction_deviation_mm: Positive = 0.02
-    minimum_cruise_ratio: Fraction = 0.0
+    minimum_cruise_ratio: Annotated[float, Field(ge=0, lt=1)] = 0.0
     least_speed_gain: Fraction = 0.0
 
 
