@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_left
+from itertools import pairwise
 from math import cos, floor, inf, pi, sin
 
 import numpy as np
@@ -112,6 +113,28 @@ def assert_no_motor_beyond_its_limits(motion, spec, geometry):
                 assert abs(q[2] - q[0]) / 2e-3 <= row["speed"] * 1.01
                 if not corner:
                     assert abs(q[2] - 2 * q[1] + q[0]) / 1e-6 <= row["accel"] * 1.01 + 1e-3
+
+
+@pytest.mark.parametrize("name", REACH)
+@given(path=paths)
+@settings(max_examples=10, deadline=None)
+def test_no_interval_is_shorter_than_the_driver_takes(name, path):
+    """Also between the places at which a line is looked at."""
+    spec, _ = nonlinear(name)
+    for row in spec["steppers"][:3]:
+        row |= {"max_rate_hz": 4000.0, "speed": inf, "accel": 1e6}
+    for axis in spec["axes"]:
+        axis |= {"speed": 1e4, "accel": 1e5}
+    spec["limits"] |= {"print_accel": 1e5, "travel_accel": 1e5}
+    motion = Motion(spec | {"budget": None}, True)
+    motion.set_position([*map(float, REACH[name][0]), 0.0])
+    push_shares(motion, name, path)
+    motion.flush()
+    messages = motion.take_messages()
+    for motor in range(3):
+        steps = oracle.executed_ticks(messages, motor)
+        gaps = [b - a for (a, forth), (b, then) in pairwise(steps) if forth == then]
+        assert min(gaps, default=4000) >= 4000 - 1  # 16 MHz; either step is rounded
 
 
 def test_no_tower_beyond_its_limits_on_an_arc():
