@@ -107,6 +107,7 @@ void push(RecordedMotion& self, const std::vector<double>& target, double feed,
   r.feed_mm_s = feed;
   r.duration_s = duration;
   r.radius_mm = radius;
+  r.arc_axis = kZ;
   r.line = line;
   r.flow = flow;
   r.extruder = uint16_t(extruder);

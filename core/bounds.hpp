@@ -91,8 +91,16 @@ class Bounds {
       tighten(row, std::fabs(way) + lift * bed.slope * m.d, lift * bed.bend);
     }
     if (delta[kE] != 0) tighten(constraints.extruders[m.extruder], delta[kE]);
-    if (m.radius < kInfinity && v * v > a * m.radius * per_mm)
-      v = std::sqrt(a * m.radius * per_mm), speed_id = kArc;
+    if (m.radius < kInfinity) {
+      if (v * v > a * m.radius * per_mm) v = std::sqrt(a * m.radius * per_mm), speed_id = kArc;
+      const Turn turn = turn_of(m);
+      for (const Row& row : constraints.rows) {
+        const double* c = row.c;
+        double part = std::fabs(c[0] * turn.to[0] + c[1] * turn.to[1] + c[2] * turn.to[2]);
+        double bend = part * turn.bend;
+        if (bend * v * v > row.accel) v = std::sqrt(row.accel / bend), speed_id = kArc;
+      }
+    }
     m.vn2 = v * v;
     m.a = m.b = a;
     m.speed_limit = speed_id;
@@ -101,12 +109,12 @@ class Bounds {
   }
 
   // Nonlinear geometries: tightens vn2 and a by the actuators' limits along the way, curvature
-  // included, and splits the move where these differ much, so that a narrow place does not slow
-  // down the whole line. With q', q'' the derivatives of an actuator by path length: |q'| v ≤ V and
-  // |q''| v² + |q'| a ≤ A; half of A at most goes to curvature. Where the bed is not flat, q' and
-  // q'' are the greatest that its steepest slope, up or down, makes of them. Its creases, between
-  // the cells of the map, are no bends: there Z changes its speed at once, by little. Samples are
-  // even, and closer together where the geometry bends sharply.
+  // and that of an arc included, and splits the move where these differ much, so that a narrow
+  // place does not slow down the whole line. With q', q'' the derivatives of an actuator by path
+  // length: |q'| v ≤ V and |q''| v² + |q'| a ≤ A; half of A at most goes to curvature. Where the
+  // bed is not flat, q' and q'' are the greatest that its steepest slope, up or down, makes of
+  // them. Its creases, between the cells of the map, are no bends: there Z changes its speed at
+  // once, by little. Samples are even, and closer together where the geometry bends sharply.
   void split(const Move& m, const Rules& rules, std::vector<Move>& parts) {
     parts.clear();
     double mm2 = 0;
@@ -191,6 +199,24 @@ class Bounds {
             x.v < y.v ? x.speed_id : y.speed_id, x.a < y.a ? x.accel_id : y.accel_id};
   }
 
+  // Of an arc: the direction of its centre, or the opposite one, and the acceleration to there by
+  // the square of the speed. A chord's own derivatives know nothing of it.
+  struct Turn {
+    double to[3] = {0, 0, 0}, bend = 0;
+  };
+  static Turn turn_of(const Move& m) {
+    Turn turn;
+    if (!(m.radius < kInfinity)) return turn;
+    const int u = (m.arc_axis + 1) % 3, v = (m.arc_axis + 2) % 3;
+    double du = m.p1[u] - m.p0[u], dv = m.p1[v] - m.p0[v], way2 = du * du + dv * dv;
+    if (!(way2 > 0)) return turn;
+    double way = std::sqrt(way2);
+    turn.to[u] = -dv / way;
+    turn.to[v] = du / way;
+    turn.bend = way2 / (m.d * m.d * m.radius);
+    return turn;
+  }
+
   // What the bed adds to Z along a move, at most: first and second derivative by path length.
   struct Bed {
     double slope = 0, bend = 0;
@@ -234,6 +260,12 @@ class Bounds {
     double q1[8], q2[8];
     int n = std::min(8, machine_.geometry->actuators());
     const Bed bed = bed_below(m);
+    const Turn turn = turn_of(m);
+    Path inwards{{}, {}, 1};
+    for (int j = 0; j < 3; ++j) {
+      inwards.p0[j] = path.p0[j] + (path.p1[j] - path.p0[j]) * (s / m.d);
+      inwards.p1[j] = inwards.p0[j] + turn.to[j];
+    }
     for (int i = 0; i < n; ++i) {
       if (machine_.height_map)
         slopes_above(bed, i, path, s, q1[i], q2[i]);
@@ -241,6 +273,11 @@ class Bounds {
         machine_.geometry->slopes(i, path, s, q1[i], q2[i]);
       q1[i] = std::fabs(q1[i]);
       q2[i] = std::fabs(q2[i]);
+      if (turn.bend > 0) {
+        double first, second;
+        machine_.geometry->slopes(i, inwards, 0, first, second);
+        q2[i] += std::fabs(first) * turn.bend;
+      }
       const Row& row = constraints.actuators[size_t(i)];
       if (q1[i] * v > row.speed) v = row.speed / q1[i], speed_id = row.speed_id;
       if (q2[i] * v * v > kOfBends * row.accel)

@@ -96,8 +96,9 @@ struct Constraints {
     names.push_back(name);
     return LimitId(names.size() - 1);
   }
-  void tighten(Row& row, const StepperSpec& s) {
-    double rate = s.max_rate / s.steps_per_unit;
+  // `share`: of the highest rate of steps, which no interval may exceed.
+  void tighten(Row& row, const StepperSpec& s, double share = 1) {
+    double rate = share * s.max_rate / s.steps_per_unit;
     if (s.speed < row.speed && s.speed <= rate) {
       row.speed = s.speed;
       row.speed_id = add_name("stepper " + s.name + " speed");
@@ -113,7 +114,8 @@ struct Constraints {
   void add_stepper(const Machine& m, const StepperSpec& s, bool linear) {
     if (s.drive == Drive::extruder) return tighten(extruders[size_t(s.index)], s);
     if (s.drive == Drive::axis) return tighten(rows[size_t(s.index)], s);
-    if (!linear) return tighten(actuators[size_t(s.index)], s);
+    // A line is looked at here and there: between these places it may be steeper by 1 %.
+    if (!linear) return tighten(actuators[size_t(s.index)], s, 0.99);
     double c[3];
     m.geometry->linear(s.index, c);
     for (int axis = 0; axis < 3; ++axis)

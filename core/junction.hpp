@@ -132,14 +132,23 @@ class JunctionRule {
   // on a reversal of the axis the larger of the two speeds counts.
   double jerk(const Move& before, const Move& m, double cap, const Constraints& own) const {
     double v = std::sqrt(cap), factor = 1;
-    auto limit = [&](int j, double allowed) {
-      double out = unit(before, j) * v, in = unit(m, j) * v;
+    auto limit = [&](double part0, double part1, double allowed) {  // of the path's speed
+      double out = part0 * v, in = part1 * v;
       double change = out * in < 0 ? std::max(std::fabs(out), std::fabs(in)) : std::fabs(out - in);
       if (change * factor > allowed) factor = allowed / change;
     };
-    for (size_t i = 0; i < machine_.axes.size(); ++i) limit(slot_of_axis(int(i)), own.rows[i].jerk);
-    if (before.extruder == m.extruder && !machine_.extruders.empty())
-      limit(kE, own.extruders[m.extruder].jerk);
+    for (size_t i = 0; i < machine_.axes.size(); ++i) {
+      int j = slot_of_axis(int(i));
+      limit(unit(before, j), unit(m, j), own.rows[i].jerk);
+    }
+    if (machine_.extruders.empty()) return cap * factor * factor;
+    const double last = unit(before, kE), next = unit(m, kE);
+    if (before.extruder == m.extruder) {
+      limit(last, next, own.extruders[m.extruder].jerk);
+    } else {
+      limit(last, 0, own.extruders[before.extruder].jerk);
+      limit(0, next, own.extruders[m.extruder].jerk);
+    }
     return cap * factor * factor;
   }
 };

@@ -35,7 +35,8 @@ struct Move {
   LimitId speed_limit, accel_limit;
   MoveKind kind;
   uint8_t moved;
-  bool inner;  // continues the same path: chord of an arc, split or cut move; no junction law
+  uint8_t arc_axis;  // of MoveRequest
+  bool inner;        // continues the same path: chord of an arc, split or cut move; no junction law
   bool rapid;
   bool cartesian;  // X, Y or Z moves
   bool unscaled;   // M220 leaves it alone

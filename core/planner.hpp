@@ -203,6 +203,7 @@ class Planner {
     m.duration = r.duration_s;
     m.fastest = r.fastest_mm_s;
     m.radius = r.radius_mm;
+    m.arc_axis = r.arc_axis;
     m.from_faster = 0;
     m.flow = r.flow;
     m.owed = r.owed_mm;

@@ -39,10 +39,11 @@ struct MoveRequest {
   uint16_t extruder;     // active extruder
   uint16_t tool;         // in use; several may have one extruder
   MoveKind kind;
-  uint8_t moved;   // bit per axis: the letter stood in the command
-  bool arc_inner;  // joins the chord before it on the same arc: no junction limit
-  bool rapid;      // G0
-  bool unscaled;   // not of a program: M220 leaves it alone
+  uint8_t moved;     // bit per axis: the letter stood in the command
+  uint8_t arc_axis;  // slot perpendicular to the arc's plane
+  bool arc_inner;    // joins the chord before it on the same arc: no junction limit
+  bool rapid;        // G0
+  bool unscaled;     // not of a program: M220 leaves it alone
 };
 
 // One command for the board. Commands of a board are queued in the order of `clock`.

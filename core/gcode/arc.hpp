@@ -63,7 +63,8 @@ class Arc {
     end_[j] = at + mm;
     start_[j] = end_[j] - mm / (1 - double(done_) / chords_);
   }
-  double most_turns() const { return most_turns_; }  // that begin() takes for sure
+  double most_turns() const { return most_turns_; }      // that begin() takes for sure
+  uint8_t axis() const { return uint8_t(3 - u_ - v_); }  // slot perpendicular to its plane
   double radius() const { return std::max(radius0_, radius1_); }
   double start_radius() const { return radius0_; }
   double end_radius() const { return radius1_; }

@@ -160,10 +160,10 @@ class Interpreter {
   // Axis slot j is at this machine position now; the program's zero stays where it was.
   void set_axis(int j, double position) {
     position_[j] = position;
-    if (j < 3) origin_[j] = tool_offset(j);
+    if (j < 3) origin_[j] = -tool_offset(j);
   }
   // The active tool's offset is about to become `mm` along axis slot j.
-  void shift_tool(int j, double mm) { origin_[j] += mm - tool_offset(j); }
+  void shift_tool(int j, double mm) { origin_[j] -= mm - tool_offset(j); }
   // The program's zero moves by so much along slot j (X, Y or Z).
   void shift_zero(int j, double mm) { origin_[j] += mm; }
   // The machine lies so much further along slot j, and all that the program still does with it.
@@ -311,7 +311,7 @@ class Interpreter {
       if (!letters.empty() && letters.find(machine_->axes[i].letter) == std::string::npos) continue;
       position_[j] = home_[i];
       cut_ &= uint8_t(~(1u << j));
-      origin_[j] = j < 3 ? tool_offset(j) : 0;
+      origin_[j] = j < 3 ? -tool_offset(j) : 0;
       double c[3];
       if (j == kZ || !machine_->geometry->linear(kZ, c)) hop_ = 0;  // all arms home together
     }
@@ -398,6 +398,7 @@ class Interpreter {
   const std::string& axis_name(int j) const {
     return machine_->axes[size_t(j < 3 ? j : j - kExtra + 3)].name;
   }
+  // Where the tool's nozzle is, from the first tool's: the machine stands so much the other way.
   double tool_offset(int j) const {
     return machine_->tools.empty() ? 0 : machine_->tools[tool_].offset[j];
   }

@@ -547,13 +547,14 @@ inline bool Interpreter::next_chord() {
     if (hop > 0) move_.target[j] = std::min(move_.target[j], high_[j]);  // as there is room for
   }
   move_.radius_mm = arc_.radius();
+  move_.arc_axis = arc_.axis();
   move_.arc_inner = !arc_.first();
   return ready();
 }
 
 inline void Interpreter::take_tool(size_t tool) {
   if (machine_->tools.empty() || machine_->tools[tool].extruder < 0) return;
-  for (int j = 0; j < 3; ++j) origin_[j] += machine_->tools[tool].offset[j] - tool_offset(j);
+  for (int j = 0; j < 3; ++j) origin_[j] -= machine_->tools[tool].offset[j] - tool_offset(j);
   tool_ = tool;
   active_ = size_t(machine_->tools[tool].extruder);
   position_[kE] = extruder_[active_];

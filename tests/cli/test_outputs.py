@@ -7,6 +7,8 @@ import os
 import random
 import subprocess
 import sys
+from array import array
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +18,7 @@ import vcd.reader
 from passo import config
 from passo.cli.main import main
 from passo.config.load import shipped_text
+from passo.job.vcd import write_vcd
 
 SHORT = "G28\nM106 S255\nG1 X10 Y5 Z1 E1 F3000\nG1 X0 Y0\nG2 X4 Y0 I2 J0\n"
 
@@ -109,6 +112,28 @@ def test_vcd_has_the_same_edges(short, tmp_path):
     data = np.load(arrays)
     for name in "xyze":
         assert rises[f"{name}_step"] == [int(t) * 625 for t in data[f"{name}_ticks"]]
+
+
+@pytest.mark.parametrize(
+    ("clock_hz", "number", "unit"),
+    [
+        (1_000_000, 100, "ns"),
+        (16_000_000, 100, "ps"),
+        (20_000_000, 10, "ns"),
+        (72_000_000, 1, "ps"),
+    ],
+)
+def test_times_of_a_vcd_are_right_to_half_a_unit_after_hours(tmp_path, clock_hz, number, unit):
+    ticks = array("q", [10, 12_345 * clock_hz + 7, 360_000 * clock_hz + 1])
+    path = tmp_path / "steps.vcd"
+    write_vcd(path, clock_hz, {"x": (ticks, array("b", [1, 1, 1]), 1)})
+    lines = path.read_text().splitlines()
+    assert lines[0] == f"$timescale {number} {unit} $end"
+    units_s = Fraction(number, {"ns": 10**9, "ps": 10**12}[unit])
+    rises = [int(lines[i - 1][1:]) for i, line in enumerate(lines) if line == '1"']
+    wrong = [r - Fraction(tick, clock_hz) / units_s for r, tick in zip(rises, ticks, strict=True)]
+    assert len(wrong) == 3
+    assert max(map(abs, wrong)) <= (0.5 if clock_hz == 72_000_000 else 0)
 
 
 def test_nothing_half_written(short, tmp_path):

@@ -51,7 +51,7 @@ def test_the_example_on_the_i3(capsys, unpacked):
 GOLDEN = {
     ("demo", "i3"): "e0802807b5b52a8b",
     ("gear_arcs", "mk3s"): "a1c1f5b0906e9640",
-    ("plate_toolchanger", "dual-extruder"): "81594158416929ed",
+    ("plate_toolchanger", "dual-extruder"): "86559042130e33d7",
 }
 
 

@@ -118,6 +118,12 @@ def test_a_problem_reads_as_a_sentence() -> None:
         ('name = "i3"', "name = 3", "name", "expected a text in quotes"),
         ("[axes.z]", "[axes.q]", "axes.z", "expected a table with its limits"),
         ("[axes.z]", "[axes.q]", "axes.q", "an axis: x, y, z, a, b, c, u, v or w"),
+        (
+            "[limits]",
+            "[limits]\nminimum_cruise_ratio = 1",
+            "limits.minimum_cruise_ratio",
+            "less than 1",
+        ),
         ('junction = "deviation"', 'junction = "jrek"', "limits.junction", "Did you mean 'jerk'?"),
         ('base = "ramps"', 'base = "ramps"\nclock_hz = 1', "board.clock_hz", "at least 1000000"),
         ('base = "ramps"', 'base = "ramps"\nlink = "serial"', "board.port", "a serial device such"),

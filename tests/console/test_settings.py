@@ -271,7 +271,9 @@ def test_m0_waits_for_a_person_or_a_time(s):
     s.host.expect("^ok", 1)
 
 
-def test_tool_offsets_move_the_zero(tmp_path):
+def test_the_machine_stands_off_by_what_the_nozzle_is_beside_the_first_one(tmp_path):
+    """Both nozzles print in the same place: one that is 10 mm to the right of the first gets there
+    10 mm further to the left."""
     with Scenario("dual-extruder") as s:
         s.host.ok("M302 S0")
         s.host.ok("G28", 60)
@@ -279,11 +281,11 @@ def test_tool_offsets_move_the_zero(tmp_path):
         s.host.ok("T1")
         s.host.ok("G1 X50 F6000")
         s.host.ok("M400")
-        with_ten = s.positions()["x"]
+        assert s.positions()["x"] == pytest.approx(50 - 10, abs=0.01)
         s.host.ok("M218 T1 X12 Y0 Z0")
         s.host.ok("G1 X50")
         s.host.ok("M400")
-        assert s.positions()["x"] == pytest.approx(with_ten + 2, abs=0.02)
+        assert s.positions()["x"] == pytest.approx(50 - 12, abs=0.01)
         assert "M218 T1 X12 Y0 Z0" in s.host.ok("M218")
 
 
@@ -299,7 +301,7 @@ def test_an_offset_of_the_first_tool_is_told_kept_and_taken_back(machine, word, 
         s.host.ok("G28", 60)
         s.host.ok("G1 X10 F6000")
         s.host.ok("M400")
-        assert s.positions()["x"] == pytest.approx(15, abs=0.01)
+        assert s.positions()["x"] == pytest.approx(5, abs=0.01)
         s.host.ok("M502")
         assert s.host.ok("M218")[0] == "M218 T0 X0 Y0 Z0"
         s.host.ok("G1 X20")

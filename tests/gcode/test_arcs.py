@@ -209,6 +209,18 @@ def test_speed_on_an_arc_is_bounded_by_curvature_and_feed():
     assert not out.moves[0].inner
 
 
+@pytest.mark.parametrize(("plane", "along"), [("G18", 0), ("G19", 1)])
+def test_no_axis_is_pulled_to_the_centre_of_an_arc_harder_than_it_may(plane, along):
+    """At its top and bottom an upright circle needs Z's acceleration, where only X or Y moves."""
+    radius = 20.0
+    chords = arc(f"G2 K-{radius:g} F12000", before=f"{plane} G1 X100 Y100 Z100 E0").moves
+    pulls = []
+    for m in chords:
+        level = abs(m.end_mm[along] - m.start_mm[along]) / m.length  # Z's share of the pull
+        pulls.append(level * max(m.start_speed, m.cruise_speed, m.end_speed) ** 2 / radius)
+    assert max(pulls) == pytest.approx(100.0, rel=1e-3)  # Z's acceleration, mm/s²
+
+
 @pytest.mark.parametrize("line", ["G2 X10 Y10 I-8 J-8 E5", "G2 X10 Y10 I0 J-100 E5"])
 def test_of_an_arc_that_leaves_the_limits_the_filament_counts_that_has_moved(line):
     job = Job(spec("i3"), True)

@@ -52,7 +52,7 @@ def test_the_tool_that_stands_aside_is_in_use_and_the_program_goes_on_with_the_o
     job.resume()
     job.flush()
     assert job.tool == 1
-    assert job.machine_position[0] == pytest.approx(80 + OFFSET_MM)
+    assert job.machine_position[0] == pytest.approx(80 - OFFSET_MM)
     assert job.program_position[0] == pytest.approx(80)
 
 

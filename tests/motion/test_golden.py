@@ -8,7 +8,7 @@ import pytest
 
 from passo._core import Motion
 
-from .machines import aprinter, cartesian
+from .machines import aprinter, cartesian, stepper
 
 HZ = 16e6
 
@@ -70,6 +70,26 @@ def test_the_jerk_of_a_slow_axis_counts_too():
     for end, length, speed in ((slope, (1e4 + 4) ** 0.5 / 100, 20.0), (print_, 1.0, 10.0)):
         moves, _ = planned(spec, [{"target": [50, 0, 0, 0]}, {"target": end}])
         assert moves[1].start_cap == pytest.approx(speed * length, abs=0.001)
+
+
+@pytest.mark.parametrize(("junction", "speed"), [("jerk", 20.0), ("deviation", 20.0)])
+def test_extruders_that_take_turns_stop_and_start_by_their_own_jerk(junction, speed):
+    """The first may stop at once from 2 mm/s, the second start at 3: with 0.1 mm for a mm each the
+    first bounds the corner."""
+    spec = cartesian(junction=junction)
+    spec["extruders"] = [
+        {"name": name, "speed": 100.0, "accel": 5000.0, "jerk": jerk}
+        for name, jerk in (("e", 2.0), ("e1", 3.0))
+    ]
+    spec["steppers"].append(stepper("e1", "extruder", 1, 95.5))
+    moves, _ = planned(
+        spec,
+        [
+            {"target": [50, 0, 0, 5], "kind": "print"},
+            {"target": [100, 0, 0, 5], "kind": "print", "extruder": 1},
+        ],
+    )
+    assert moves[1].start_cap == pytest.approx(speed, abs=0.001)
 
 
 TIMES = {

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from math import floor, inf
+from bisect import bisect_left
+from itertools import pairwise
+from math import cos, floor, inf, pi, sin
 
 import numpy as np
 import pytest
@@ -111,6 +113,57 @@ def assert_no_motor_beyond_its_limits(motion, spec, geometry):
                 assert abs(q[2] - q[0]) / 2e-3 <= row["speed"] * 1.01
                 if not corner:
                     assert abs(q[2] - 2 * q[1] + q[0]) / 1e-6 <= row["accel"] * 1.01 + 1e-3
+
+
+@pytest.mark.parametrize("name", REACH)
+@given(path=paths)
+@settings(max_examples=10, deadline=None)
+def test_no_interval_is_shorter_than_the_driver_takes(name, path):
+    """Also between the places at which a line is looked at."""
+    spec, _ = nonlinear(name)
+    for row in spec["steppers"][:3]:
+        row |= {"max_rate_hz": 4000.0, "speed": inf, "accel": 1e6}
+    for axis in spec["axes"]:
+        axis |= {"speed": 1e4, "accel": 1e5}
+    spec["limits"] |= {"print_accel": 1e5, "travel_accel": 1e5}
+    motion = Motion(spec | {"budget": None}, True)
+    motion.set_position([*map(float, REACH[name][0]), 0.0])
+    push_shares(motion, name, path)
+    motion.flush()
+    messages = motion.take_messages()
+    for motor in range(3):
+        steps = oracle.executed_ticks(messages, motor)
+        gaps = [b - a for (a, forth), (b, then) in pairwise(steps) if forth == then]
+        assert min(gaps, default=4000) >= 4000 - 1  # 16 MHz; either step is rounded
+
+
+def test_no_tower_beyond_its_limits_on_an_arc():
+    """Near the edge a tower goes faster than the nozzle, towards the arc's centre, too."""
+    motion, spec, geometry = in_the_middle("delta", with_steps=False)
+    x, y, radius = -47.0, 35.0, 8.0
+
+    def at(turn):
+        return [x - radius * cos(turn), y + radius * sin(turn), 20.0, 0.0]
+
+    motion.push(at(0), 100.0)
+    motion.flush()
+    motion.take_moves()
+    for i in range(1, 97):
+        motion.push(at(2 * pi * i / 96), 500.0, radius_mm=radius, inner=i > 1)
+    motion.flush()
+    chords = motion.take_moves()
+    h = 6e-3  # s: some chords, the turns between which are what the tower feels
+    ends = [move.end_ticks for move in chords]
+
+    def towers(seconds):
+        tick = chords[0].start_ticks + seconds * oracle.HZ
+        return geometry.inverse(nozzle(chords[bisect_left(ends, tick)], tick))
+
+    hardest = 0.0
+    for t in np.arange(h, (ends[-1] - chords[0].start_ticks) / oracle.HZ - h, h / 4):
+        for low, here, high in zip(towers(t - h), towers(t), towers(t + h), strict=True):
+            hardest = max(hardest, abs(high - 2 * here + low) / h**2)
+    assert 0.9 < hardest / spec["steppers"][0]["accel"] < 1.01
 
 
 WAYS = {  # down a little and sidewards, so that motors turn, too

@@ -68,7 +68,8 @@ class Extruder(Model):
 
 class Tool(Model):
     """What T0, T1, … select, in order. Several tools may share an extruder, and a spindle's or a
-    laser's tool has none. `offset_mm` is the nozzle's place relative to the first tool's."""
+    laser's tool has none. `offset_mm` is the nozzle's place relative to the first tool's: the
+    machine stands so much the other way."""
 
     extruder: str | None = None
     offset_mm: Point = [0.0, 0.0, 0.0]
@@ -179,7 +180,7 @@ class Limits(Model):
     speed_mm_s: Speed | None = None
     junction: Literal["deviation", "cornering_distance", "jerk"] = "deviation"
     junction_deviation_mm: Positive = 0.02
-    minimum_cruise_ratio: Fraction = 0.0
+    minimum_cruise_ratio: Annotated[float, Field(ge=0, lt=1)] = 0.0
     least_speed_gain: Fraction = 0.0
 
 

@@ -6,25 +6,21 @@ import os
 from array import array
 from collections.abc import Iterator, Mapping
 from heapq import merge
-from math import gcd
 from pathlib import Path
 
 from passo.job.atomic import replaced
 
 
 def timescale(clock_hz: int) -> tuple[int, str, int]:
-    """(number, unit, units by tick) of the coarsest timescale in which a tick is whole.
+    """(number, unit, such units by second) of the coarsest timescale in which a tick is whole.
 
-    Clocks that do not divide a picosecond grid get the nearest picoseconds by tick.
+    Clocks that do not divide a picosecond grid get picoseconds: each time is the nearest one.
     """
-    picoseconds = 10**12 / clock_hz
-    ticks = round(picoseconds)
-    for number in (100, 10, 1):
-        for factor, unit in ((1000, "ns"), (1, "ps")):
-            step = number * factor
-            if ticks % step == 0 and gcd(ticks, step) == step:
-                return number, unit, ticks // step
-    return 1, "ps", ticks
+    for unit, by_second in (("ns", 10**9), ("ps", 10**12)):
+        for number in (100, 10, 1):
+            if by_second // number % clock_hz == 0:
+                return number, unit, by_second // number
+    return 1, "ps", 10**12
 
 
 def _edges(
@@ -56,7 +52,7 @@ def write_vcd(
 
     A direction changes one tick before the first step that it holds for. Raises OSError.
     """
-    number, unit, by_tick = timescale(clock_hz)
+    number, unit, by_second = timescale(clock_hz)
     with replaced(Path(path)) as temporary, temporary.open("w", encoding="ascii") as out:
         out.write(f"$timescale {number} {unit} $end\n$scope module passo $end\n")
         for i, name in enumerate(steppers):
@@ -71,5 +67,5 @@ def write_vcd(
         ):
             if tick > now:
                 now = tick
-                out.write(f"#{tick * by_tick}\n")
+                out.write(f"#{(tick * by_second + clock_hz // 2) // clock_hz}\n")
             out.write(change + "\n")
