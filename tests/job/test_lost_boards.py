@@ -107,6 +107,23 @@ def test_a_break_within_the_round_trip_of_a_commit(monkeypatch, tmp_path, gone_b
         assert steps(s) == {"x": 0, "y": 120 * 80, "z": 12 * 400, "e": 0}
 
 
+@pytest.mark.parametrize("board", [MAIN, "tool"])
+@pytest.mark.parametrize("seconds", [0.2, 0.5, 2.0])
+def test_the_first_move_behind_homing_comes_late(monkeypatch, tmp_path, board, seconds):
+    """Its motors were stopped by switches."""
+    with scenario(monkeypatch, tmp_path, "fast") as s:
+        s.host.ok("G28", 60)
+        s.host.send("G1 X100 Y100 Z5", "M400", "M118 done")
+        s.passes(0.03)
+        cut(s, board, seconds)
+        s.host.expect("The boards are back", 12)
+        s.host.expect("done", 30)
+        assert faults(s) == []
+        assert s.positions() | {"e": 0} == pytest.approx(
+            {"x": 100, "y": 100, "z": 5, "e": 0}, abs=0.02
+        )
+
+
 def test_a_board_stands_behind_the_last_commit_that_was_under_way(monkeypatch, tmp_path):
     """The link's own question for its state, before that commit, may be answered late."""
     with scenario(monkeypatch, tmp_path, "far") as s:
