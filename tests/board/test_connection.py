@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import socket
 import threading
+from dataclasses import replace
 
 import pytest
 
@@ -113,6 +114,14 @@ def test_a_board_without_a_dictionary_is_refused():
     empty = _core.VirtualBoard(16e6, 16, 1023, 255, b"", 0)
     connection = Connection(description(), InProcess(empty))
     with pytest.raises(MachineError, match=r"dictionary does not fit.*damaged"):
+        connection.connect()
+
+
+def test_a_board_that_counts_otherwise_than_its_file_says_is_refused():
+    bench = Bench()
+    other = replace(description(), clock_hz=HZ * 5 // 4)
+    connection = Connection(other, InProcess(bench.device))
+    with pytest.raises(MachineError, match="machine file: its clock has 16 MHz, not 20 MHz"):
         connection.connect()
 
 

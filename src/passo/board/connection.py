@@ -435,9 +435,17 @@ class Connection:
             return
         try:
             self._identify()
+            self._check_clock()
             self._crc = checksum(commands(self.board, self.dictionary))
         except DictionaryError as error:
             raise MachineError.of("machine.dictionary", value=str(error)) from None
+
+    def _check_clock(self) -> None:
+        hz, wanted = self.dictionary.number("CLOCK_FREQ"), self.board.clock_hz
+        if hz not in (0, wanted):
+            raise DictionaryError(
+                f"its clock has {hz / 1e6:g} MHz, not {wanted / 1e6:g} MHz (clock_hz)"
+            )
 
     def _identify(self) -> None:
         data = b""
