@@ -17,7 +17,7 @@ from passo.errors import MachineError
 from passo.simulator import SimulatedBoard
 from passo.simulator.dictionary import compressed_dictionary
 
-from .bench import HZ, PLANT, START, Bench, LateLink, Planner, description, executed
+from .bench import HZ, MS, PLANT, START, Bench, LateLink, Planner, description, executed
 
 
 def test_connect_identifies_configures_and_follows_the_clock():
@@ -108,6 +108,22 @@ def test_a_board_that_is_shut_down_is_reset():
         bench.run(1.0)
     Connection(bench.board, bench.connection.port).connect()
     assert bench.device.fault == ""
+
+
+@pytest.mark.parametrize("ms", [0, 5, 18, 30])
+def test_what_another_link_has_sent_and_is_still_on_its_way_does_not_mislead(ms):
+    bench = Bench()
+    late = _core.Distant(bench.device, 0, 0.0, 10 * MS, 2 * MS, 1)
+    port = InProcess(late, START)
+    first = Connection(bench.board, port)
+    first.connect()
+    for _ in range(11):  # each leaves in a frame of its own
+        first.command("get_config")
+        first.pass_time(first.now)
+    first.pass_time(first.now + ms * MS)
+    second = Connection(bench.board, port)
+    second.connect()
+    assert second.ask("get_config", "config")["is_config"] == 1
 
 
 def test_a_board_without_a_dictionary_is_refused():

@@ -450,9 +450,7 @@ class Connection:
     def _identify(self) -> None:
         data = b""
         while True:
-            same = {"offset": len(data)}
-            answer = self._ask("identify", [len(data), _CHUNK], "identify_response", same)
-            part = answer["data"]
+            part = (self._part(len(data)) if data else self._first_part())["data"]
             if not isinstance(part, bytes) or not part:
                 break
             data += part
@@ -462,6 +460,19 @@ class Connection:
             list(self.dictionary.reports),
             self.dictionary.number("RECEIVE_WINDOW"),
         )
+
+    def _part(self, offset: int, tries: int = _TRIES) -> Values:
+        same = {"offset": offset}
+        return self._ask("identify", [offset, _CHUNK], "identify_response", same, tries)
+
+    def _first_part(self) -> Values:
+        """What the board had said to another link may come first. It misleads about the number that
+        the board expects, which is asked for anew then."""
+        for _ in range(_TRIES - 1):
+            with suppress(BoardSilentError):
+                return self._part(0, tries=1)
+            self.link.restart()
+        return self._part(0, tries=1)
 
     def _follow_clock(self) -> None:
         self.link.follow_clock(self.now)
