@@ -101,6 +101,13 @@ def test_a_board_that_is_configured_otherwise_is_reset():
     assert second.ask("get_config", "config")["is_config"] == 1
 
 
+def test_a_board_that_has_shut_down_says_why_in_place_of_an_answer():
+    bench = Bench()
+    bench.connection.command("emergency_stop")
+    with pytest.raises(MachineError, match="shut down: Command request"):
+        bench.connection.net_steps("x")
+
+
 def test_a_board_that_is_shut_down_is_reset():
     bench = Bench()
     bench.connection.command("emergency_stop")

@@ -548,7 +548,8 @@ class Connection:
         same: Mapping[str, int],
         tries: int = _TRIES,
     ) -> Values:
-        """The report `answer` in which the values of `same` are these."""
+        """The report `answer` in which the values of `same` are these. Raises BoardSilentError, or
+        the reason for which the board has shut down by itself."""
         for _ in range(tries):
             self._collect()
             self.link.send(name, list(values))
@@ -561,6 +562,8 @@ class Connection:
                 if found is not None:
                     return found
                 until += self._ticks(_STEP_S)
+        if self.link.shut_down and not self.link.stopped_with_others:
+            raise self.shutdown_error()
         raise self.silence(name)
 
     def _find(self, answer: str, same: Mapping[str, int]) -> Values | None:
