@@ -525,7 +525,9 @@ class Link {
   }
   Ticks on_the_line(size_t bytes) const { return Ticks(byte_ticks_ * double(bytes)); }
   void take_clock(bool uptime, const std::vector<Value>& values, Ticks answered) {
-    if (!asked_ || question_ == 0) return;
+    // It answers the frame that it acknowledges. After a lost link one may come that was asked for
+    // before; the next question must not be taken for answered by that.
+    if (!asked_ || question_ == 0 || window_.acked() != question_ + 1) return;
     asked_ = false;
     lost_ = false;
     if (!window_.sent_once(question_)) return;  // it is not known which copy was answered

@@ -66,7 +66,7 @@ class Window {
     b.length = uint8_t(seal_frame(b.data, payload, next_));
     b.sent = now;
     b.gone = on_the_line(b.length, now);
-    b.again = false;
+    b.again = !synchronous_;
     if (idle()) deadline_ = b.gone + rto_;
     bytes_ += b.length;
     ++next_;
@@ -128,7 +128,8 @@ class Window {
     deadline_ = on_the_line(out.size() - before, now) + rto_;
   }
   Ticks deadline() const { return idle() ? kNever : deadline_; }
-  // False if the frame had to be sent again, or is long gone.
+  // False if the frame had to be sent again, is long gone, or was the first after a restart, whose
+  // answer may be that to another one.
   bool sent_once(uint64_t number) const {
     return number + kSequenceMask >= next_ && !blocks_[number & kSequenceMask].again;
   }
@@ -139,7 +140,7 @@ class Window {
   struct Block {
     uint8_t data[kFrameMax + kOverrun];
     uint8_t length = 0;
-    bool again = false;        // also of numbers that renumbering has left out
+    bool again = false;        // also of numbers that renumbering has left out, and of the first
     Ticks sent = 0, gone = 0;  // first; and when its last byte left then
   };
 

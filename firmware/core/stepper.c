@@ -157,12 +157,14 @@ void stepper_add_tail(struct stepper *stepper, const uint32_t *args) {
 
 bool stepper_is_late(const struct stepper *stepper) {
   uint32_t clock = stepper->last;
-  if (stepper->halted || stepgen_active(stepper->axis)) return false;
+  bool halted = stepper->halted;
+  if (stepgen_active(stepper->axis)) return false;
   const struct move *first[] = {stepper->staged.first, stepper->next_tail.first};
   for (uint8_t i = 0; i < 2; ++i)
     for (const struct move *move = first[i]; move != NULL; move = move->next) {
-      if (move->count > 0) return before(clock + move->interval, hal_clock());
+      if (move->count > 0) return !halted && before(clock + move->interval, hal_clock());
       clock = move->interval;
+      halted = false;
     }
   return false;
 }

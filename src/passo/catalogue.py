@@ -450,6 +450,10 @@ CATALOGUE: Mapping[str, Entry] = {
     "firmware.tool": _firmware(
         "the program {value} is missing, which {axis} needs", "Install it, and try again"
     ),
+    "firmware.clock": _firmware(
+        "{axis} has a clock of {value} MHz, where the firmware of its chip counts at {limit} MHz",
+        "Leave clock_hz out of the machine file: it is for simulated boards and for AVR chips",
+    ),
     "firmware.build": _firmware(
         "the firmware of {axis} could not be built: {value}",
         "Check the pins of the motors, and the compiler",

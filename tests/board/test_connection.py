@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import socket
 import threading
+from dataclasses import replace
 
 import pytest
 
@@ -16,7 +17,7 @@ from passo.errors import MachineError
 from passo.simulator import SimulatedBoard
 from passo.simulator.dictionary import compressed_dictionary
 
-from .bench import HZ, PLANT, START, Bench, LateLink, Planner, description, executed
+from .bench import HZ, MS, PLANT, START, Bench, LateLink, Planner, description, executed
 
 
 def test_connect_identifies_configures_and_follows_the_clock():
@@ -100,6 +101,13 @@ def test_a_board_that_is_configured_otherwise_is_reset():
     assert second.ask("get_config", "config")["is_config"] == 1
 
 
+def test_a_board_that_has_shut_down_says_why_in_place_of_an_answer():
+    bench = Bench()
+    bench.connection.command("emergency_stop")
+    with pytest.raises(MachineError, match="shut down: Command request"):
+        bench.connection.net_steps("x")
+
+
 def test_a_board_that_is_shut_down_is_reset():
     bench = Bench()
     bench.connection.command("emergency_stop")
@@ -109,10 +117,34 @@ def test_a_board_that_is_shut_down_is_reset():
     assert bench.device.fault == ""
 
 
+@pytest.mark.parametrize("ms", [0, 5, 18, 30])
+def test_what_another_link_has_sent_and_is_still_on_its_way_does_not_mislead(ms):
+    bench = Bench()
+    late = _core.Distant(bench.device, 0, 0.0, 10 * MS, 2 * MS, 1)
+    port = InProcess(late, START)
+    first = Connection(bench.board, port)
+    first.connect()
+    for _ in range(11):  # each leaves in a frame of its own
+        first.command("get_config")
+        first.pass_time(first.now)
+    first.pass_time(first.now + ms * MS)
+    second = Connection(bench.board, port)
+    second.connect()
+    assert second.ask("get_config", "config")["is_config"] == 1
+
+
 def test_a_board_without_a_dictionary_is_refused():
     empty = _core.VirtualBoard(16e6, 16, 1023, 255, b"", 0)
     connection = Connection(description(), InProcess(empty))
     with pytest.raises(MachineError, match=r"dictionary does not fit.*damaged"):
+        connection.connect()
+
+
+def test_a_board_that_counts_otherwise_than_its_file_says_is_refused():
+    bench = Bench()
+    other = replace(description(), clock_hz=HZ * 5 // 4)
+    connection = Connection(other, InProcess(bench.device))
+    with pytest.raises(MachineError, match="machine file: its clock has 16 MHz, not 20 MHz"):
         connection.connect()
 
 

@@ -363,6 +363,35 @@ def test_a_tail_that_comes_too_late_for_its_first_step_behind_a_rest_is_refused(
     assert host.board.device.fault == ""
 
 
+@pytest.mark.parametrize(
+    "lines",
+    [
+        ["reset_step_clock oid=0 clock={clock}", "queue_step oid=0 interval=20000 count=5 add=0"],
+        [
+            "survive_tail oid=0 interval={clock} count=0 add=0 dir=1",
+            "survive_tail oid=0 interval=20000 count=5 add=0 dir=1",
+        ],
+    ],
+)
+def test_a_first_step_behind_a_switch_comes_too_late_as_any_other(lines):
+    """A switch has stopped the motor, and the clock that lets it go on is in the same commit."""
+    host = Host()
+    host.tell("survive_off")
+    host.tell("trsync_start oid=6 report_clock=0 report_ticks=0 expire_reason=4")
+    host.tell("stepper_stop_on_trigger oid=0 trsync_oid=6")
+    host.tell("trsync_trigger oid=6 reason=2")
+    host.tell("survive_arm")
+    clock = host.board.clock(1000)
+    for line in lines:
+        host.tell(line.format(clock=clock))
+    host.board.wait(60_000)
+    host.commit(host.board.now + 500_000)
+    assert host.state() == ("held", 0)
+    host.board.wait(200_000)
+    assert host.position(0) == 0
+    assert host.board.device.fault == ""
+
+
 def test_a_commit_that_is_nearly_over_brakes_at_once():
     host = Host()
     host.move(0, 10_000, 10)

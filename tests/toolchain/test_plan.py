@@ -21,8 +21,8 @@ COMMANDS = {
     "4pi": "bossac -p ttyACM0 -e -w -v -b {}",
     "teensy3-mk20dx128": "teensy_loader_cli --mcu=mk20dx128 -w -v {}",
     "teensy3-mk20dx256": "teensy_loader_cli --mcu=mk20dx256 -w -v {}",
-    "stm32f407-discovery": OPENOCD + " program {{{}}} 0x08000000 verify reset exit",
-    "stm32f429-discovery": OPENOCD + " program {{{}}} 0x08000000 verify reset exit",
+    "stm32f407-discovery": OPENOCD + " 'program {{{}}} 0x08000000 verify reset exit'",
+    "stm32f429-discovery": OPENOCD + " 'program {{{}}} 0x08000000 verify reset exit'",
 }
 # What hands do before and after.
 HANDS = {

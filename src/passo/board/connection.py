@@ -435,16 +435,22 @@ class Connection:
             return
         try:
             self._identify()
+            self._check_clock()
             self._crc = checksum(commands(self.board, self.dictionary))
         except DictionaryError as error:
             raise MachineError.of("machine.dictionary", value=str(error)) from None
 
+    def _check_clock(self) -> None:
+        hz, wanted = self.dictionary.number("CLOCK_FREQ"), self.board.clock_hz
+        if hz not in (0, wanted):
+            raise DictionaryError(
+                f"its clock has {hz / 1e6:g} MHz, not {wanted / 1e6:g} MHz (clock_hz)"
+            )
+
     def _identify(self) -> None:
         data = b""
         while True:
-            same = {"offset": len(data)}
-            answer = self._ask("identify", [len(data), _CHUNK], "identify_response", same)
-            part = answer["data"]
+            part = (self._part(len(data)) if data else self._first_part())["data"]
             if not isinstance(part, bytes) or not part:
                 break
             data += part
@@ -454,6 +460,19 @@ class Connection:
             list(self.dictionary.reports),
             self.dictionary.number("RECEIVE_WINDOW"),
         )
+
+    def _part(self, offset: int, tries: int = _TRIES) -> Values:
+        same = {"offset": offset}
+        return self._ask("identify", [offset, _CHUNK], "identify_response", same, tries)
+
+    def _first_part(self) -> Values:
+        """What the board had said to another link may come first. It misleads about the number that
+        the board expects, which is asked for anew then."""
+        for _ in range(_TRIES - 1):
+            with suppress(BoardSilentError):
+                return self._part(0, tries=1)
+            self.link.restart()
+        return self._part(0, tries=1)
 
     def _follow_clock(self) -> None:
         self.link.follow_clock(self.now)
@@ -529,7 +548,8 @@ class Connection:
         same: Mapping[str, int],
         tries: int = _TRIES,
     ) -> Values:
-        """The report `answer` in which the values of `same` are these."""
+        """The report `answer` in which the values of `same` are these. Raises BoardSilentError, or
+        the reason for which the board has shut down by itself."""
         for _ in range(tries):
             self._collect()
             self.link.send(name, list(values))
@@ -542,6 +562,8 @@ class Connection:
                 if found is not None:
                     return found
                 until += self._ticks(_STEP_S)
+        if self.link.shut_down and not self.link.stopped_with_others:
+            raise self.shutdown_error()
         raise self.silence(name)
 
     def _find(self, answer: str, same: Mapping[str, int]) -> Values | None:

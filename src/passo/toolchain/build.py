@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import passo
-from passo import _core
+from passo import _core, config
 from passo.config.board import Console
 from passo.errors import FirmwareError, Problem
 from passo.toolchain import arm, avr, avr_wheel
@@ -112,6 +112,7 @@ def _make_arm(target: Target, folder: Path, *, older_hosts: bool) -> _Made:
     if compiler is None:
         tools = "arm-none-eabi-gcc (Debian: gcc-arm-none-eabi; or the package ziglang from PyPI)"
         raise _problem("firmware.tool", target, tools)
+    _check_clock(target)
     console, firmware = _console(target), firmware_folder()
     pins = tuple(target.board.pin(pin) for pin in console.pins)
     uart = console.uart or ""
@@ -120,6 +121,16 @@ def _make_arm(target: Target, folder: Path, *, older_hosts: bool) -> _Made:
     made = arm.build(board, firmware, folder, compiler, version)
     image = _for_flashing(target, made.file)
     return _Made(image, made.flash, made.ram, made.dictionary, _name_of(compiler))
+
+
+def _check_clock(target: Target) -> None:
+    """Chips with an ARM core count at one frequency, that of the shipped boards."""
+    hz = target.board.clock_hz
+    boards = (config.load_board(name) for name in config.shipped_boards())
+    own = next(board.clock_hz for board in boards if board.mcu == target.board.mcu)
+    if hz != own:
+        values = {"axis": target.name, "value": f"{hz / 1e6:g}", "limit": f"{own / 1e6:g}"}
+        raise FirmwareError([Problem("firmware.clock", values=values)])
 
 
 def _for_flashing(target: Target, image: Path) -> Path:

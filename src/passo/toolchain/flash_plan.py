@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -46,7 +47,7 @@ class Run:
     words: tuple[str, ...]
 
     def __str__(self) -> str:
-        return " ".join(self.words)
+        return shlex.join(self.words)
 
 
 @dataclass(frozen=True, slots=True)
