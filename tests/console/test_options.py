@@ -104,7 +104,7 @@ def test_a_platinum_sensor_and_currents_of_drivers_are_told():
             "ExtruderHeater0TempResistorR": "4700",
             "ExtruderHeater0TempPtR0": "1000",
             "ExtruderHeater0TempPtA": "0.0039083",
-            "ExtruderHeater0TempPtB": "-5.775e-07",
+            "ExtruderHeater0TempPtB": "-0.0000005775",
             "ZCurrent": "600",
             "ECurrent": "1200",
         }.items():

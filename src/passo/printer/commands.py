@@ -31,7 +31,7 @@ _BY_INTERPRETER = re.compile(r"([A-Z]-?\d+\.\d{6} )+")  # words of its events
 _BABYSTEP_MM = 2.0  # at most, with one command
 _FLOW = (1.0, 1000.0)  # percent of M221
 _PERCENT = (10.0, 1000.0)  # of M220
-_DEVIATION = (0.001, 0.3)  # mm, of M205 J
+_DEVIATION = (1e-5, 0.3)  # mm, of M205 J
 _CORNERS = {
     "deviation": "corners obey J, the junction deviation",
     "cornering_distance": "corners obey the machine file's cornering distances",
@@ -519,7 +519,10 @@ class Commands:
         if corner is not None:
             # A right angle: v² = a δ s/(1 - s) with s = √½, so δ = v² (√2 - 1) / a.
             accel = job.limit("print_accel")
-            job.set_limit("junction_deviation", corner**2 * (sqrt(2) - 1) / accel)
+            low, high = _DEVIATION
+            job.set_limit(
+                "junction_deviation", min(max(corner**2 * (sqrt(2) - 1) / accel, low), high)
+            )
 
     # Of the class: an object that refers to itself would keep its job until it is found as garbage.
     _HANDLERS: ClassVar[dict[str, Callable[[Commands, Command], Wait | None]]] = {

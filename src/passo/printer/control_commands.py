@@ -17,7 +17,7 @@ from passo.errors import CommandError
 from passo.heat.rules import M301_FULL_POWER, Gains
 from passo.printer.waits import Handler, Reply, Wait
 from passo.printer.wiring import sensor_of
-from passo.printer.words import Command
+from passo.printer.words import Command, numeral
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -135,7 +135,7 @@ class ControlCommands:
             control = self.control(name)
             if isinstance(control, _core.PidControl):
                 p, i, d = (g * M301_FULL_POWER for g in (control.kp, control.ki, control.kd))
-                yield f"M301 H{number} P{p:.10g} I{i:.10g} D{d:.10g}"
+                yield f"M301 H{number} P{numeral(p)} I{numeral(i)} D{numeral(d)}"
 
     # -- models -----------------------------------------------------------------------------------
 
@@ -163,7 +163,9 @@ class ControlCommands:
         for number, name in self._numbered(names):
             control = self.control(name)
             if isinstance(control, _core.ModelControl):
-                words = (f"{k}{getattr(control.model, key):.10g}" for k, key in _MODEL_KEYS.items())
+                words = (
+                    f"{k}{numeral(getattr(control.model, key))}" for k, key in _MODEL_KEYS.items()
+                )
                 yield f"M307 H{number} {' '.join(words)}"
 
     # -- sensors and limits -----------------------------------------------------------------------
@@ -194,9 +196,9 @@ class ControlCommands:
             s = self.sensors[name]
             if isinstance(s, Thermistor):
                 yield (
-                    f"M305 H{number} A{s.r25_ohm:.10g} B{s.beta_k:.10g}"
-                    f" C{s.c_per_k:.10f} R{s.pullup_ohm:.10g} L{s.adc_offset_low:.10g}"
-                    f" O{s.adc_offset_high:.10g}"
+                    f"M305 H{number} A{numeral(s.r25_ohm)} B{numeral(s.beta_k)}"
+                    f" C{numeral(s.c_per_k)} R{numeral(s.pullup_ohm)} L{numeral(s.adc_offset_low)}"
+                    f" O{numeral(s.adc_offset_high)}"
                 )
 
     def _limits(self, command: Command, reply: Reply) -> Wait | None:
