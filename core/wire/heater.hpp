@@ -123,6 +123,7 @@ class Heater {
     fault_ = {};
     reached_ = false;
     protection_.restart();
+    if (body_) body_->restart();  // what it took for heat were the readings of a broken sensor
   }
 
   // There were no reports for a while.
