@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
-from passo.errors import PassoError
+from passo.errors import CommandError, PassoError
 from passo.job.park import Park
 from passo.printer.waits import Procedure, Silence, Stopped
 
@@ -63,6 +63,24 @@ class HostPause:
         printer.person.ask(text)
         try:
             await park.leave(words)
+        except BaseException:
+            printer.person.answered()
+            raise
+        while True:
+            await self._answered(gone)
+            try:
+                await park.come_back()
+                break
+            except CommandError as error:
+                printer.tell(f"echo:The print stays aside: {error}")
+                printer.waits.ended = False
+                printer.person.ask(text)
+        self._raise_if_stopped()
+
+    async def _answered(self, gone: Callable[[], bool]) -> None:
+        """Waits until a person who was asked goes on."""
+        printer = self._printer
+        try:
             printer.tell("echo:busy: paused for user")
             await printer.drive.until(lambda: printer.interrupted)
         finally:
@@ -70,8 +88,6 @@ class HostPause:
         printer.raise_if_halted()
         if gone():
             self._stop("")
-        self._raise_if_stopped()
-        await park.come_back()
         self._raise_if_stopped()
 
     def _raise_if_stopped(self) -> None:

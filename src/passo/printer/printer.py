@@ -113,7 +113,7 @@ class Printer:
         self.program: Reply | None = None  # whose moves were planned last
         self.aside = False  # what a host prints stands aside: no more of its lines now
         self.halted = ""  # why nothing moves or heats any more; M999 clears it
-        self.cooled_c: dict[str, float] = {}  # hotends that are off for as long as a pause lasts
+        self.cooled_c: dict[str, float] = {}  # heaters that are off for as long as a pause lasts
         self.waits = Waiting(self)
         self.life = Life(self)
 
@@ -200,8 +200,8 @@ class Printer:
                 self.tell(f"echo:Heater {name} off in a long pause; it warms up before all goes on")
 
     async def warm_again(self) -> None:
-        """What a long pause has switched off warms up, unless somebody has set it meanwhile. With
-        the turn. Raises Stopped, and CommandError where a heater fails."""
+        """What a long pause or a fault has switched off warms up, unless somebody has set it
+        meanwhile. With the turn. Raises Stopped, and CommandError where a heater fails."""
         cooled, self.cooled_c = self.cooled_c, {}
         for name, celsius in cooled.items():
             self.connection.set_target(name, celsius)
@@ -532,6 +532,9 @@ class Printer:
             return
         self.tell(f"echo:{fault}")
         if policy == "job":
+            target = self.connection.heaters[fault.heater].target
+            if target > 0:
+                self.cooled_c[fault.heater] = target  # what is printed waits until it is warm again
             for listener in self.fault_listeners:
                 listener(fault)
 
