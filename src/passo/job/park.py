@@ -57,7 +57,7 @@ class Park:
         printer = self._printer
         park = printer.machine.park
         self._away = False
-        self._warm = printer.can_extrude()
+        self._warm = printer.can_extrude() and not printer.cooled_c  # that has been read rightly
         self._celsius = words.get("S")
         self._left = printer.job.machine_position if self._here else None
         if park is None or printer.job.locked_axes:
@@ -101,8 +101,8 @@ class Park:
 
     async def come_back(self) -> None:
         """To that place, over it first and then down. A babystep meanwhile moves where the print
-        was left, also where there is no parking. Raises CommandError if a heater fails or is off, or
-        arms do not reach it from where they are; it may be tried again."""
+        was left, also where there is no parking. Raises CommandError if a heater fails, or is off,
+        or arms do not reach it from where they are; it may be tried again."""
         printer = self._printer
         park = printer.machine.park
         if self._celsius is not None:

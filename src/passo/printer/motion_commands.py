@@ -215,8 +215,9 @@ class MotionCommands:
             yield "M200 S0"
             return
         for tool, row in enumerate(self._machine.core_spec()["tools"]):
-            if row["extruder"] >= 0:
-                yield f"M200 T{tool} D{numeral(diameters[row['extruder']])}"
+            extruder = int(row["extruder"])
+            if extruder >= 0:
+                yield f"M200 T{tool} D{numeral(diameters[extruder])}"
 
     def change_lines(self) -> Iterator[str]:
         """M603 for each tool."""

@@ -201,18 +201,30 @@ class Printer:
 
     async def warm_again(self) -> None:
         """What a long pause or a fault has switched off warms up, unless somebody has set it
-        meanwhile. With the turn. Raises Stopped, and CommandError where a heater fails."""
+        meanwhile; a bed or chamber that fails is done without. With the turn. Raises Stopped, and
+        CommandError where a hotend fails."""
         cooled, self.cooled_c = self.cooled_c, {}
         for name, celsius in cooled.items():
             self.connection.set_target(name, celsius)
-        if not cooled:
-            return
-        self.drive.before_moves()  # it stands idle no longer
-        try:
-            await self.waits.wait(Temperatures(tuple(cooled)), Silence())
-        except CommandError:
-            self.cooled_c = cooled | self.cooled_c  # who tries again waits again
-            raise
+        if cooled:
+            self.drive.before_moves()  # it stands idle no longer
+        waited = list(cooled)
+        while waited:
+            try:
+                await self.waits.wait(Temperatures(tuple(waited)), Silence())
+                return
+            except CommandError:
+                failed = {n for n in waited if self.connection.heaters[n].fault is not None}
+                if not failed or any(self.machine.heaters[n].kind == "hotend" for n in failed):
+                    self.cooled_c = cooled | self.cooled_c  # who tries again waits again
+                    raise
+                waited = [n for n in waited if n not in failed]
+
+    def rearm_failed(self) -> None:
+        """Somebody was told of the heaters for which a print pauses, and wants it to go on."""
+        for name in self.cooled_c:
+            if self.connection.heaters[name].fault is not None:
+                self.connection.heaters[name].rearm()
 
     def lock(self, axes: Iterable[str]) -> None:
         """These axes no longer know where they are."""
