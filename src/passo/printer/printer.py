@@ -208,7 +208,7 @@ class Printer:
             self.connection.set_target(name, celsius)
         if cooled:
             self.drive.before_moves()  # it stands idle no longer
-        waited = list(cooled)
+        waited: list[str] = list(cooled)
         while waited:
             try:
                 await self.waits.wait(Temperatures(tuple(waited)), Silence())
