@@ -154,3 +154,19 @@ def test_a_hotend_whose_sensor_lies_when_the_print_stands_aside(s):
     s.passes(2)
     other.send("M922", "M24", "M302 P1")
     s.host.expect("Done printing", 300)
+
+
+def test_a_hotend_that_fails_while_a_file_waits_for_a_person(s):
+    other = begin(s, "M109 S200", "M0")
+    s.host.expect("prompt_show", 400)
+    fails(s, "hotend")
+    other.send("M108")
+    s.host.expect("is paused: heater hotend was switched off", 5)
+    s.passes(60)
+    assert s.host.ok("M27")[0].startswith("SD printing")
+    other.send("M922", "M24")
+    s.host.expect("prompt_show", 300)
+    other.send("M108")
+    s.host.expect("Done printing", 300)
+    assert s.positions()["e"] == pytest.approx(8, abs=0.02)
+    assert s.board.temperature("hotend") > 190

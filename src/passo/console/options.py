@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from math import isfinite
 from typing import TYPE_CHECKING
 
 from passo.console.option_table import Option, options
@@ -60,6 +61,8 @@ class OptionCommands:
         name = option.name.lower()
         try:
             value = self._defaults[name] if text is None else float(text)
+            if not isfinite(value):
+                raise ValueError(text)
         except ValueError:
             raise CommandError.of("command.value", axis="V", value=text, limit="a number") from None
         self.pending[name] = value

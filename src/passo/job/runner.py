@@ -15,7 +15,7 @@ from passo.errors import CardError, CommandError, InputError, PassoError, Proble
 from passo.job.park import Park
 from passo.printer.drive import TICK_S
 from passo.printer.faults import problem_of
-from passo.printer.waits import Reply, Stopped, Temperatures, Wait
+from passo.printer.waits import Person, Reply, Stopped, Temperatures, Wait
 from passo.printer.words import Command
 
 if TYPE_CHECKING:
@@ -430,11 +430,14 @@ class Runner:
             try:
                 if not await printer.waits.wait(wait, self._reply, aside=lambda: self._returns):
                     return False
-            except CommandError:
-                if isinstance(wait, Temperatures) and self._pauses_for(wait.heaters):
-                    self.pause()
-                    return False  # it waits again when the pause is over
-                raise
+            except CommandError as error:
+                heaters = wait.heaters if isinstance(wait, Temperatures) else ()
+                heaters = printer.heaters if isinstance(wait, Person) else heaters
+                if not self._pauses_for(heaters):
+                    raise
+                printer.tell(f"echo:Print of {self.name} is paused: {error}")
+                self.pause()
+                return False  # it waits again when the pause is over
             self._waits_for = None
         if printer.commands.ended:
             printer.commands.ended = False
