@@ -572,6 +572,9 @@ inline void Interpreter::select_tool(const Word& word) {
   }
   take_tool(size_t(tool));
   emit('T', tool, 0, "", "");
+  // It has no G11 to come, and would print in the air.
+  if (!extruder_.empty() && !drawn_[active_].back)
+    queue_step(kZ, -std::exchange(hop_, 0), kInfinity);
 }
 
 }  // namespace passo

@@ -124,6 +124,7 @@ class Heater {
     fault_ = {};
     reached_ = false;
     protection_.restart();
+    if (body_) body_->restart();  // what it took for heat were the readings of a broken sensor
   }
 
   // The board has gone on alone, with no more power than what keeps the heater warm.

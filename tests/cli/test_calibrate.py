@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 import sys
 
 import pytest
@@ -17,7 +18,7 @@ def test_given_points(capsys):
     assert out[1].split() == ["180.0", "169.0", "-13.4", "-7.6"]
     assert out[4].split() == ["240.0", "208.0", "-5.6", "+3.3"]
     assert out[-2].split() == ["β", "in", "K", "4436", "4304"]
-    assert out[-1] == "To use the fit: M305 H0 B4304, then M303, then M500."
+    assert out[-1] == "To use the fit: M305 H0 B4304, then M303 H0, then M500."
 
 
 def test_the_guide(capsys, monkeypatch):
@@ -34,6 +35,23 @@ def test_the_guide(capsys, monkeypatch):
     assert "   220.0    204.0" in first
     assert "   160.0    160.0      +0.0      +0.0" in second
     assert out.count("To use the fit") == 2
+
+
+@pytest.mark.parametrize(
+    ("heater", "first", "last", "number"),
+    [
+        ("hotend1", "M104 T1 S160,", "M104 T1 S240,", "H1"),
+        ("bed", "M140 S40,", "M140 S120,", "H-1"),
+    ],
+)
+def test_the_guide_says_how_each_heater_is_heated(capsys, monkeypatch, heater, first, last, number):
+    monkeypatch.setattr(sys, "stdin", io.StringIO("50\n" + 4 * "\n"))
+    assert main(["calibrate", "thermistor", "--machine", "dual-extruder", "--heater", heater]) == 0
+    out = capsys.readouterr().out
+    asked = re.findall(r"M1\d\d [^,]*,", out)
+    assert (asked[0], asked[4]) == (first, last)
+    assert f"M305 {number} B" in out
+    assert f"M303 {number}," in out
 
 
 @pytest.mark.parametrize(

@@ -370,7 +370,7 @@ SENSELESS = {
     "M203 X-5 Y100": "X is -5: expected at least 0.001 mm/s",
     "M204 S0": "S is 0: expected at least 0.1 mm/s²",
     "M204 P500 T-1": "T is -1: expected at least 0.1 mm/s²",
-    "M205 J0": "J is 0: expected 0.001 to 0.3 mm",
+    "M205 J0": "J is 0: expected 1e-05 to 0.3 mm",
     "SET_VELOCITY_LIMIT VELOCITY=0": "VELOCITY is 0: expected at least 0.001 mm/s",
     "SET_VELOCITY_LIMIT ACCEL=-1": "ACCEL is -1: expected at least 0.1 mm/s²",
     "SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO=1": (

@@ -104,7 +104,7 @@ def test_a_platinum_sensor_and_currents_of_drivers_are_told():
             "ExtruderHeater0TempResistorR": "4700",
             "ExtruderHeater0TempPtR0": "1000",
             "ExtruderHeater0TempPtA": "0.0039083",
-            "ExtruderHeater0TempPtB": "-5.775e-07",
+            "ExtruderHeater0TempPtB": "-0.0000005775",
             "ZCurrent": "600",
             "ECurrent": "1200",
         }.items():
@@ -168,6 +168,7 @@ def test_m408_tells_what_is_pending(s):
 def test_what_cannot_be_set_says_so(s):
     assert "fixed while the printer runs" in s.host.ok("M926 IXMaxPos V300")[0]
     assert "V is abc: expected a number" in s.host.ok("M926 IXMaxSpeed Vabc")[0]
+    assert "V is nan: expected a number" in s.host.ok("M926 IXMaxSpeed Vnan")[0]
     s.host.ok("M926 IXMaxSpeed V999")  # beyond the machine file's
     assert s.host.ok("M930")[0] == "echo:XMaxSpeed stays at 300; M203 X999 was not taken"
 

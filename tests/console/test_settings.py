@@ -114,6 +114,31 @@ def test_stored_settings_come_back_at_the_next_start(tmp_path):
         assert "belongs to another machine" in s.host.ok("M504")[0]
 
 
+@pytest.mark.parametrize(
+    ("line", "told"),
+    [
+        ("M206 Z0.00005", "M206 X0 Y0 Z0.00005"),
+        ("M218 T0 X-0.00002", "M218 T0 X-0.00002 Y0 Z0"),
+        ("M301 H0 P1 I0.00001 D2", "M301 H0 P1 I0.00001 D2"),
+        ("M305 H0 C0.0000000123456", "M305 H0 A100000 B3950 C0.0000000123456 R4700 L0 O0"),
+        ("M145 S0 H0.00001", None),
+        ("M207 S0.00001", None),
+        ("M85 S0.00001", "M85 S0.00001"),
+        ("M302 S0.00001", "M302 S0.00001 P0"),
+        ("SET_VELOCITY_LIMIT SQUARE_CORNER_VELOCITY=0.3", None),
+        ("SET_VELOCITY_LIMIT SQUARE_CORNER_VELOCITY=90", "M205 J0.3"),
+    ],
+)
+def test_tiny_numbers_have_no_exponent_whose_e_would_be_a_word(tmp_path, line, told):
+    with Scenario("i3", state=str(tmp_path)) as s:
+        s.host.ok(line)
+        before = report(s)
+        assert told is None or told in before
+        s.host.ok("M500")
+    with Scenario("i3", state=str(tmp_path)) as s:
+        assert report(s) == before
+
+
 @pytest.mark.parametrize("code", ["M501", "M502"])
 def test_settings_come_back_when_the_machine_stands(tmp_path, code):
     """Its moves were planned in the scales of before."""

@@ -74,6 +74,23 @@ def test_a_broken_cable(make, share, kind):
     mended(oven, oven.heater.target)
 
 
+@pytest.mark.parametrize("broken", [0.0, 1.0])
+@pytest.mark.parametrize("name", ["hotend", "bed"])
+def test_what_a_broken_cable_has_said_is_no_heat(name, broken):
+    """It is rearmed as soon as it is mended, while the model's room is still far off."""
+    oven = Oven(name=name)
+    oven.heat(60.0)
+    oven.run(1)
+    oven.board.force_sensor(name, broken)
+    oven.run(20)
+    oven.board.force_sensor(name, None)
+    oven.run(0.5)
+    oven.heater.rearm()
+    oven.run(240)
+    assert [fault.heater for fault in oven.faults] == [name]
+    assert oven.board.temperature(name) == pytest.approx(60, abs=1)
+
+
 SENSORS = {
     "pt100": "",
     "pt1000": "",

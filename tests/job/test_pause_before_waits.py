@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from tests.console.scenario import Scenario
+from tests.console.scenario import Host, Scenario
 
 HOME = ["G28", "G1 X10 Y100 Z20 F6000", "M400"]
 MOVES = "G1 X60 F600\nG1 X100\n"
@@ -86,3 +86,32 @@ def test_stops_in_a_file_come_when_the_moves_before_them_are_done(s, stop, says)
         s.host.ok("M24")
         s.host.expect("Done printing", 60)
         assert s.positions()["x"] == pytest.approx(10, abs=0.02)
+
+
+@pytest.mark.parametrize(("line", "x"), [("M25", 60), ("M84 Y", 10)])
+def test_m108_ends_no_wait_for_moves_behind_which_something_is_to_be_done(s, line, x):
+    for command in HOME:
+        s.host.ok(command, 100)
+    Path(s.card, "a.g").write_text(f"G1 X60 F1200\n{line}\nG1 X10\n")
+    s.host.ok("M32 a.g")
+    s.passes(1)
+    s.host.ok("M108")
+    s.passes(15)
+    assert s.positions()["x"] == pytest.approx(x, abs=0.02)
+    assert (1 in s.printer.job.locked_axes) == (line != "M25")
+    s.host.send("M24")
+    s.passes(15)
+    assert "Done printing file" in s.host.heard
+    assert s.positions()["x"] == pytest.approx(10, abs=0.02)
+
+
+def test_a_console_that_leaves_has_its_motors_off_behind_its_moves(s):
+    for command in HOME:
+        s.host.ok(command, 100)
+    other = Host(s)
+    other.send("G1 X60 F1200", "M84")
+    s.passes(1)
+    other.session.close()
+    s.passes(10)
+    assert s.positions()["x"] == pytest.approx(60, abs=0.02)
+    assert not s.printer.motors.on

@@ -356,3 +356,18 @@ def test_settings_of_the_file_hold_for_the_rest_of_it(machine, places):
         assert (motion.home_offset_mm, job.tool) == whole[1:]
         for stepper in "xy":
             assert s.positions()[stepper] == pytest.approx(steps[stepper], abs=0.03)
+
+
+def test_a_machine_without_switches_goes_on_from_home(tmp_path):
+    """Nobody but a person can bring it there, so it says so."""
+    (tmp_path / "card").mkdir()
+    (tmp_path / "card" / "a.g").write_text("G1 X20 Y10 F600\nG1 X60 Y40\nG1 X10\n")
+    places = {"card": str(tmp_path / "card"), "state": str(tmp_path / "state")}
+    with Scenario("cnc", **places) as s:
+        s.host.ok("M32 a.g")
+        s.passes(4)
+    with Scenario("cnc", **places) as s:
+        assert "goes on with it from X 0 Y 0: without switches it must" in s.printer.greeting()
+        s.host.ok("M1000", 60)
+        s.host.expect("Done printing", 60)
+        assert (s.positions()["x"], s.positions()["y"]) == pytest.approx((10, 40), abs=0.02)

@@ -134,3 +134,15 @@ def test_axes_that_know_no_place_know_none_behind_a_pause(after, tmp_path):
         s.host.ok("M524")
         s.passes(5)
         assert s.printer.job.locked_axes == [0, 1, 2]
+
+
+@pytest.mark.parametrize("unhomed", ["refuse", "allow"])
+def test_arms_that_were_homed_in_the_pause_alone(tmp_path, unhomed):
+    """They knew no place when the print was left, and come back to none that they do not reach."""
+    text = f'unhomed_moves = "{unhomed}"\n' + config.shipped_text("scara")
+    program = "M302 P1\nM83\nG1 E10 F60\nG28\nG1 X120 Y120 Z5 F3000\n"
+    with paused(config.load_text(text), program, tmp_path, 2) as s:
+        s.passes(5)
+        s.host.ok("G28", 60)
+        s.host.ok("M24")
+        goes_on(s, 120, 120, 5)

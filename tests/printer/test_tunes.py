@@ -185,7 +185,7 @@ def test_gains_are_set_in_the_usual_unit():
 
 def test_a_thermistor_can_be_changed_while_it_runs():
     with Scenario("i3") as s:
-        assert s.host.ok("M305 H0")[0].startswith("M305 H0 A100000 B3950 C0.0000000000 R4700")
+        assert s.host.ok("M305 H0")[0].startswith("M305 H0 A100000 B3950 C0 R4700")
         s.host.ok("M109 S200", 300)
         s.passes(60)
         s.host.ok("M305 H0 B4267")

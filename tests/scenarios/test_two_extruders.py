@@ -153,7 +153,7 @@ def test_each_extruder_has_its_own_retraction(s):
 
 def test_extruders_of_one_nozzle_lift_it_once(s):
     s.host.ok("M207 Z0.5")
-    for line, z in (("G10", 5.5), ("T1", 5.5), ("G10", 5.5), ("G11", 5.0), ("T0", 5.0)):
+    for line, z in (("G10", 5.5), ("T1", 5.0), ("G10", 5.5), ("G11", 5.0), ("T0", 5.0)):
         s.host.ok(line)
         s.host.ok("M400", 20)
         assert s.positions()["z"] == pytest.approx(z, abs=0.01), line

@@ -10,14 +10,17 @@ from passo.cli.machine_option import add_machine
 from passo.errors import ConfigError, ExitStatus, InputError
 
 if TYPE_CHECKING:
+    from passo.config.heat import Heater
     from passo.config.thermistor import Ntc
     from passo.heat.calibration import Point
 
 _ROUNDS_C = (20, 10, 5)
-_START_C, _END_C = 160, 240  # PTFE in a hotend does not last above
+_START_C = {"hotend": 160, "bed": 40, "chamber": 40}
+_END_C = 240  # PTFE in a hotend does not last above
+_THERE = {"hotend": "into the nozzle", "bed": "onto the bed", "chamber": "into the chamber"}
 
 _GUIDE = """\
-Put a thermometer that you trust into the nozzle. Heat only; nothing moves. At each temperature
+Put a thermometer that you trust {there}. Heat only; nothing moves. At each temperature
 below wait two minutes, then type what the thermometer says (Enter alone leaves a point out,
 q ends the round). Never go above {end} °C. After each round send the new β, run an autotune (M303)
 and go on with smaller steps."""
@@ -39,26 +42,28 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Guides through the rounds, or reckons with given points. Raises ConfigError, InputError."""
-    ntc = _thermistor(arguments)
+    heater, number = _heater(arguments)
+    ntc = _thermistor(arguments, heater)
     if arguments.points:
-        print(_result(ntc, [_point(text) for text in arguments.points]))
+        print(_result(ntc, number, [_point(text) for text in arguments.points]))
         return ExitStatus.DONE
-    print(_GUIDE.format(end=_END_C))
+    end_c = int(min(_END_C, heater.max_c))
+    print(_GUIDE.format(there=_THERE[heater.kind], end=end_c))
     for step in _ROUNDS_C:
-        points = _round(step)
+        points = _round(_heats(heater, number), range(_START_C[heater.kind], end_c + 1, step))
         if points is None:
             break
         if points:
-            print(_result(ntc, points))
+            print(_result(ntc, number, points))
             ntc = _chosen(ntc, points)
     return ExitStatus.DONE
 
 
-def _thermistor(arguments: argparse.Namespace) -> Ntc:
+def _heater(arguments: argparse.Namespace) -> tuple[Heater, int | None]:
+    """The heater that is meant, and its H in commands."""
     from passo import config
     from passo.config.findings import did_you_mean
-    from passo.config.thermistor import Ntc
-    from passo.heat.calibration import LEAST_BETA_K, MOST_BETA_K
+    from passo.config.heater_numbers import number_of
 
     machine = config.load(arguments.machine)
     heater = machine.heaters.get(arguments.heater)
@@ -68,12 +73,28 @@ def _thermistor(arguments: argparse.Namespace) -> Ntc:
         raise ConfigError.of(
             "config.value", hint=hint, key="--heater", value=arguments.heater, limit=limit
         )
+    return heater, number_of(machine, arguments.heater)
+
+
+def _thermistor(arguments: argparse.Namespace, heater: Heater) -> Ntc:
+    from passo.config.sensors import Thermistor
+    from passo.config.thermistor import Ntc
+    from passo.heat.calibration import LEAST_BETA_K, MOST_BETA_K
+
     sensor = heater.sensor
+    assert isinstance(sensor, Thermistor)
     beta_k = sensor.beta_k if arguments.beta is None else arguments.beta
     if not LEAST_BETA_K <= beta_k <= MOST_BETA_K:
         limit = f"a β from {LEAST_BETA_K:g} to {MOST_BETA_K:g} K"
         raise ConfigError.of("config.value", key="--beta", value=beta_k, limit=limit)
     return Ntc(sensor.r25_ohm, beta_k, sensor.c_per_k)
+
+
+def _heats(heater: Heater, number: int | None) -> str:
+    """The command that sets the heater's target, up to the number."""
+    if heater.kind == "hotend":
+        return f"M104 T{number} S" if number else "M104 S"
+    return "M140 S" if heater.kind == "bed" else "M141 S"
 
 
 def _point(text: str) -> Point:
@@ -88,13 +109,13 @@ def _point(text: str) -> Point:
     return Point(shown, true)
 
 
-def _round(step_c: int) -> list[Point] | None:
-    """The points of one round; None when there is nobody to ask any more."""
-    print(f"\nRound in steps of {step_c} °C")
+def _round(heats: str, ladder: range) -> list[Point] | None:
+    """The points of one round; None when there is nobody to ask any more. `heats`: see `_heats`."""
+    print(f"\nRound in steps of {ladder.step} °C")
     points: list[Point] = []
-    for celsius in range(_START_C, _END_C + 1, step_c):
+    for celsius in ladder:
         while True:
-            print(f"M104 S{celsius}, wait 2 min, true °C: ", end="", flush=True)
+            print(f"{heats}{celsius}, wait 2 min, true °C: ", end="", flush=True)
             answer = sys.stdin.readline()
             word = answer.strip().lower()
             if not answer:
@@ -109,7 +130,7 @@ def _round(step_c: int) -> list[Point] | None:
     return points
 
 
-def _result(ntc: Ntc, points: list[Point]) -> str:
+def _result(ntc: Ntc, number: int | None, points: list[Point]) -> str:
     """Both results with their residuals."""
     from passo.heat.calibration import by_averages, by_least_squares
 
@@ -120,7 +141,10 @@ def _result(ntc: Ntc, points: list[Point]) -> str:
         lines.append(f"{p.shown_c:8.1f} {p.true_c:8.1f} {off}")
     lines.append(f"{'rms':>17} {rule.rms_c:9.1f} {fit.rms_c:9.1f}")
     lines.append(f"{'β in K':>17} {rule.beta_k:9.0f} {fit.beta_k:9.0f}")
-    lines.append(f"To use the fit: M305 H0 B{fit.beta_k:.0f}, then M303, then M500.")
+    to_use = f"beta_k = {fit.beta_k:.0f} in the machine file"
+    if number is not None:
+        to_use = f"M305 H{number} B{fit.beta_k:.0f}, then M303 H{number}, then M500"
+    lines.append(f"To use the fit: {to_use}.")
     return "\n".join(lines)
 
 

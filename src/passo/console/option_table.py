@@ -162,7 +162,7 @@ def _heater(printer: Printer, name: str) -> Iterator[Option]:
         yield Option(
             f"{prefix}Pid{letter}",
             lambda key=key: _gain(printer, name, key),
-            f"M301 H{number} {letter}{{}}",
+            "" if number is None else f"M301 H{number} {letter}{{}}",
             M301_FULL_POWER,
         )
 
@@ -185,7 +185,7 @@ def _sensor(printer: Printer, name: str) -> Iterator[Option]:
             yield Option(
                 f"{prefix}{option}",
                 lambda key=key: float(getattr(sensors[name], key)),
-                f"M305 H{number} {letter}{{}}",
+                "" if number is None else f"M305 H{number} {letter}{{}}",
             )
     elif isinstance(sensor, Platinum | PlatinumAmplifier):
         yield Option(f"{prefix}TempResistorR", lambda: sensor.pullup_ohm)

@@ -5,12 +5,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from math import isfinite
 from typing import TYPE_CHECKING
 
 from passo.console.option_table import Option, options
 from passo.errors import CommandError
 from passo.printer.waits import Handler, Reply, Silence, Still, Wait
-from passo.printer.words import Command
+from passo.printer.words import Command, numeral
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -32,7 +33,7 @@ class OptionCommands:
     def pending_lines(self) -> Iterator[str]:
         """What was noted and is not yet applied, as commands behind a `;`."""
         for name, value in self.pending.items():
-            yield f"; pending until M930: M926 I{self._options[name].name} V{value:.10g}"
+            yield f"; pending until M930: M926 I{self._options[name].name} V{numeral(value)}"
 
     def pending_values(self) -> dict[str, float]:
         """What was noted and is not yet applied, by name."""
@@ -50,7 +51,7 @@ class OptionCommands:
 
     def _tell(self, command: Command, reply: Reply) -> Wait | None:
         option, _ = self._named(command)
-        reply.say(f"{option.value():.10g}")
+        reply.say(f"{numeral(option.value())}")
         return None
 
     def _note(self, command: Command, _: Reply) -> Wait | None:
@@ -60,6 +61,8 @@ class OptionCommands:
         name = option.name.lower()
         try:
             value = self._defaults[name] if text is None else float(text)
+            if not isfinite(value):
+                raise ValueError(text)
         except ValueError:
             raise CommandError.of("command.value", axis="V", value=text, limit="a number") from None
         self.pending[name] = value
@@ -75,7 +78,7 @@ class OptionCommands:
         for name, value in pending.items():
             option = self._options[name]
             before = option.value()
-            line = option.command.format(f"{value * option.scale:.10g}")
+            line = option.command.format(f"{numeral(value * option.scale)}")
             self._printer.take_setting(line, Silence())
             if option.value() == before != value:
-                reply.say(f"echo:{option.name} stays at {before:.10g}; {line} was not taken")
+                reply.say(f"echo:{option.name} stays at {numeral(before)}; {line} was not taken")

@@ -12,6 +12,7 @@ from passo.job.journal import Journal, Moment, Program
 from passo.job.overrides import Overrides
 from passo.job.recovery import Recovery
 from passo.job.runner import Runner, State
+from passo.printer.switches import home_point
 from passo.printer.waits import Handler, Procedure, Reply, Stopped, Wait
 from passo.printer.words import Command
 
@@ -48,11 +49,18 @@ class RecoveryCommands:
             return ""
         program, moment = self._interrupted
         held = self._printer.positions.held and moment.origins
-        way = " from where the board has stopped" if held else ""
+        way = " from where the board has stopped" if held else self._by_hand()
         return (
             f"echo:The print of {program.path} was interrupted at line {moment.line}."
             f" M1000 goes on with it{way}, M1000 C forgets it{self.instead}"
         )
+
+    def _by_hand(self) -> str:
+        """What a person has to do first for a machine that cannot find its place."""
+        if self._printer.machine.homing:
+            return ""
+        x, y, _ = home_point(self._printer.machine)
+        return f" from X {x:g} Y {y:g}: without switches it must be moved there by hand first"
 
     def _job_changed(self, state: State) -> None:
         if state is State.PRINTING:

@@ -9,7 +9,7 @@ from passo.console.options import OptionCommands
 from passo.errors import CommandError
 from passo.job.settings import Store
 from passo.printer.waits import Handler, Reply, Silence, Still, Wait
-from passo.printer.words import Command
+from passo.printer.words import Command, numeral
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -53,10 +53,10 @@ class SettingsCommands:
             yield "Filament change", list(motion.change_lines())
         if self._printer.drivers.states:
             yield "Motor drivers", list(self._printer.driver_commands.setting_lines())
-        idle = f"M84 S{self._printer.motors.idle_s:.10g}"
+        idle = f"M84 S{numeral(self._printer.motors.idle_s)}"
         yield "Idle times", [idle, self._printer.person.kill_line()]
         yield "Endstops", [self._printer.endstops.stop_line()]
-        yield "Cold extrusion", [f"M302 S{heat.cold_c:.10g} P{int(heat.cold_allowed)}"]
+        yield "Cold extrusion", [f"M302 S{numeral(heat.cold_c)} P{int(heat.cold_allowed)}"]
 
     def lines(self) -> Iterator[str]:
         """All settings as commands."""

@@ -55,8 +55,9 @@ names what bounds its speed. M203 and VELOCITY take 0.001 mm/s at least, M201, M
 ## The hop of a retraction
 
 The hop of G10 (M207 Z) is no part of the program's Z: whatever the program does with G92, G60, G61
-or other tools while the filament is drawn back, G11 ends where it means Z to be. Homing Z ends the
-hop, unless it goes back there (B). Where the limit of Z leaves no room for it, it is as high as
+or other tools while the filament is drawn back, G11 ends where it means Z to be. A tool that
+comes without being drawn back itself ends the hop, since it has no G11 to come. Homing Z ends it,
+too, unless it goes back there (B). Where the limit of Z leaves no room for it, it is as high as
 there is room, and where the motors do not reach, it is left out; G11 takes back what is left of it.
 
 """

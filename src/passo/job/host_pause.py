@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
-from passo.errors import PassoError
+from passo.errors import CommandError, PassoError
 from passo.job.park import Park
 from passo.printer.waits import Procedure, Silence, Stopped
 
@@ -30,17 +30,23 @@ class HostPause:
         printer.fault_listeners.append(self._heater_failed)
 
     async def stand_by(
-        self, text: str, words: Mapping[str, float], gone: Callable[[], bool] = lambda: False
+        self,
+        text: str,
+        words: Mapping[str, float],
+        gone: Callable[[], bool] = lambda: False,
+        *,
+        rearms: bool = False,
     ) -> None:
         """Parks (`words`: see `Park.leave`), waits until a person goes on, and comes back. With the
-        turn, or with no line being taken in. Raises Stopped after a stop or a halt, and when the
-        host is `gone`: nobody would go on where the nozzle came back to."""
+        turn, or with no line being taken in. Going on `rearms` the heaters that have failed, of
+        which `text` tells. Raises Stopped after a stop or a halt, and when the host is `gone`:
+        nobody would go on where the nozzle came back to."""
         printer = self._printer
         printer.tell("// action:pause")
         if not printer.job.suspended:
             printer.suspend_job()
         try:
-            await self._leave_and_return(self._park, text, words, gone)
+            await self._leave_and_return(self._park, text, words, gone, rearms=rearms)
         except BaseException:
             if printer.job.suspended:
                 printer.job.forget_suspended()  # nobody will go on with it
@@ -56,13 +62,39 @@ class HostPause:
         await self._leave_and_return(Park(self._printer, here=True), text, words, gone)
 
     async def _leave_and_return(
-        self, park: Park, text: str, words: Mapping[str, float], gone: Callable[[], bool]
+        self,
+        park: Park,
+        text: str,
+        words: Mapping[str, float],
+        gone: Callable[[], bool],
+        *,
+        rearms: bool = False,
     ) -> None:
         printer = self._printer
         self._stopped = False
         printer.person.ask(text)
         try:
             await park.leave(words)
+        except BaseException:
+            printer.person.answered()
+            raise
+        while True:
+            await self._answered(gone)
+            if rearms:
+                printer.rearm_failed()
+            try:
+                await park.come_back()
+                break
+            except CommandError as error:
+                printer.tell(f"echo:The print stays aside: {error}")
+                printer.waits.ended, rearms = False, True
+                printer.person.ask(f"{error} Go on with M108")
+        self._raise_if_stopped()
+
+    async def _answered(self, gone: Callable[[], bool]) -> None:
+        """Waits until a person who was asked goes on."""
+        printer = self._printer
+        try:
             printer.tell("echo:busy: paused for user")
             await printer.drive.until(lambda: printer.interrupted)
         finally:
@@ -70,8 +102,6 @@ class HostPause:
         printer.raise_if_halted()
         if gone():
             self._stop("")
-        self._raise_if_stopped()
-        await park.come_back()
         self._raise_if_stopped()
 
     def _raise_if_stopped(self) -> None:
@@ -98,13 +128,15 @@ class HostPause:
 
     async def _pause_after(self, fault: HeaterFault) -> None:
         printer = self._printer
-        text = f"Heater {fault.heater} failed; mend it, rearm it (M922), then go on with M108"
+        text = f"Heater {fault.heater} failed; mend it, then go on with M108, which rearms it"
         try:
             await printer.drive.until(lambda: not printer.waits.busy or bool(printer.halted))
-            if not printer.halted:
+            mended = printer.connection.heaters[fault.heater].fault is None  # in another pause
+            if not (printer.halted or mended):
                 printer.suspend_job()
+                pause = Procedure(lambda: self.stand_by(text, {}, rearms=True))
                 try:
-                    await printer.waits.wait(Procedure(lambda: self.stand_by(text, {})), Silence())
+                    await printer.waits.wait(pause, Silence())
                 except Stopped:
                     pass  # who has stopped it has been told
                 except PassoError as error:

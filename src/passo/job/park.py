@@ -41,6 +41,7 @@ class Park:
         self._printer, self._here = printer, here
         self._left: list[float] | None = None  # where it stood, with `here`
         self._away = False
+        self._warm = False  # filament could move when the print was left
         self._retracted_mm = 0.0
         self._load_mm = 0.0
         axes = printer.machine.axes
@@ -56,6 +57,7 @@ class Park:
         printer = self._printer
         park = printer.machine.park
         self._away = False
+        self._warm = printer.can_extrude() and not printer.cooled_c  # that has been read rightly
         self._celsius = words.get("S")
         self._left = printer.job.machine_position if self._here else None
         if park is None or printer.job.locked_axes:
@@ -99,8 +101,8 @@ class Park:
 
     async def come_back(self) -> None:
         """To that place, over it first and then down. A babystep meanwhile moves where the print
-        was left, also where there is no parking. Raises CommandError if a heater fails, or arms do
-        not reach it from where they are; it may be tried again."""
+        was left, also where there is no parking. Raises CommandError if a heater fails, or is off,
+        or arms do not reach it from where they are; it may be tried again."""
         printer = self._printer
         park = printer.machine.park
         if self._celsius is not None:
@@ -111,6 +113,7 @@ class Park:
         if job.suspended:
             self._take_tool()
             await printer.warm_again()
+            await self._melt()
         if self._away and job.suspended and printer.can_extrude():
             self._push(self._load_mm, _core.LOAD_MM_S)
             self._load_mm = 0.0
@@ -129,6 +132,18 @@ class Park:
                 self._push(self._retracted_mm, park.retract_mm_s)
             self._away = False
             await self._still()
+
+    async def _melt(self) -> None:
+        """What could push filament when it was left waits until it can again: what is planned is
+        not asked. Raises CommandError where nobody heats its hotend."""
+        printer = self._printer
+        if not self._warm or not printer.job.suspended or printer.can_extrude():
+            return
+        hotend = printer.commands.heater("hotend")
+        if printer.connection.heaters[hotend].target > 0:
+            await printer.waits.wait(Temperatures((hotend,)), Silence())
+        if printer.job.suspended and not printer.can_extrude():
+            raise CommandError.of("input.cold")
 
     async def _reach(self, celsius: float) -> None:
         """The new filament's temperature, for the hotend of the tool in use."""

@@ -12,7 +12,7 @@ from passo.job.runner import Reader
 from passo.printer.commands import Commands
 from passo.printer.switches import axes_of_arms, home_point
 from passo.printer.waits import Homing, Wait
-from passo.printer.words import Command
+from passo.printer.words import Command, numeral
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -102,7 +102,7 @@ class Past:
             tool, offsets = motion.tool_offset(words, job.tool)
             for axis, mm in offsets.items():
                 job.set_tool_offset(tool, "XYZ".index(axis), mm)
-                self.settings.append(f"M218 T{tool} {axis}{mm:.10g}")
+                self.settings.append(f"M218 T{tool} {axis}{numeral(mm)}")
         elif command.code == "M92":
             own = "E" in words and "T" not in words and len(self._printer.machine.extruders) > 1
             self.settings.append(f"M92 {command.text}" + (f" T{job.tool}" if own else ""))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from enum import Enum
 from types import MappingProxyType
@@ -15,7 +15,7 @@ from passo.errors import CardError, CommandError, InputError, PassoError, Proble
 from passo.job.park import Park
 from passo.printer.drive import TICK_S
 from passo.printer.faults import problem_of
-from passo.printer.waits import Reply, Stopped, Wait
+from passo.printer.waits import Person, Reply, Stopped, Temperatures, Wait
 from passo.printer.words import Command
 
 if TYPE_CHECKING:
@@ -425,16 +425,33 @@ class Runner:
         """Waits for what the last command waits for; later, if a pause puts moves before it aside.
         True at the program's end."""
         printer = self._printer
-        if self._waits_for is not None:
-            if not await printer.waits.wait(
-                self._waits_for, self._reply, aside=lambda: self._returns
-            ):
-                return False
+        wait = self._waits_for
+        if wait is not None:
+            try:
+                if not await printer.waits.wait(wait, self._reply, aside=lambda: self._returns):
+                    return False
+            except CommandError as error:
+                heaters = wait.heaters if isinstance(wait, Temperatures) else ()
+                heaters = printer.heaters if isinstance(wait, Person) else heaters
+                if not self._pauses_for(heaters):
+                    raise
+                printer.tell(f"echo:Print of {self.name} is paused: {error}")
+                self.pause()
+                return False  # it waits again when the pause is over
             self._waits_for = None
         if printer.commands.ended:
             printer.commands.ended = False
             return await self._finish()
         return False
+
+    def _pauses_for(self, heaters: Sequence[str]) -> bool:
+        """One of these has failed, and a print pauses for it."""
+        printer = self._printer
+        return any(
+            printer.connection.heaters[name].fault is not None
+            and printer.machine.heaters[name].on_fault == "job"
+            for name in heaters
+        )
 
     def _placed(self, error: PassoError, line: int) -> list[Problem]:
         """What is wrong, at a line of the file."""

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple, Protocol, Self
 
 from passo.config.base import LEAST_ACCEL, LEAST_SPEED
 from passo.config.drives import axis_order
+from passo.config.heater_numbers import heater_of
 from passo.errors import CommandError, Problem, WordError
 from passo.gcode.dialect import Kind, row_of
 from passo.geometry.base import Unreachable
@@ -30,7 +31,7 @@ _BY_INTERPRETER = re.compile(r"([A-Z]-?\d+\.\d{6} )+")  # words of its events
 _BABYSTEP_MM = 2.0  # at most, with one command
 _FLOW = (1.0, 1000.0)  # percent of M221
 _PERCENT = (10.0, 1000.0)  # of M220
-_DEVIATION = (0.001, 0.3)  # mm, of M205 J
+_DEVIATION = (1e-5, 0.3)  # mm, of M205 J
 _CORNERS = {
     "deviation": "corners obey J, the junction deviation",
     "cornering_distance": "corners obey the machine file's cornering distances",
@@ -250,19 +251,13 @@ class Commands:
 
     def heater(self, kind: str, number: int | None = None) -> str:
         """The heater of a kind: a hotend by its tool's number, the active tool's by default; others
-        by their own. Tools may share a hotend. Raises CommandError if there is none."""
-        names = [name for name, heater in self._machine.heaters.items() if heater.kind == kind]
-        tools = self._machine.tools
+        by their own. Raises CommandError if there is none."""
         index = number if number is not None else self._job.tool if kind == "hotend" else 0
-        if kind == "hotend" and 0 <= index < len(tools):
-            own = tools[index].heater
-            if own is not None:
-                return own
-            if len(names) == 1:
-                return names[0]
-        if not 0 <= index < len(names):
-            raise CommandError.of("heat.unknown", axis=kind, value=index, limit=len(names))
-        return names[index]
+        found = heater_of(self._machine, kind, index)
+        if found is None:
+            there = sum(heater.kind == kind for heater in self._machine.heaters.values())
+            raise CommandError.of("heat.unknown", axis=kind, value=index, limit=there)
+        return found
 
     def _numbered(self, words: dict[str, float]) -> int | None:
         number = words.get("T", words.get("P"))
@@ -524,7 +519,10 @@ class Commands:
         if corner is not None:
             # A right angle: v² = a δ s/(1 - s) with s = √½, so δ = v² (√2 - 1) / a.
             accel = job.limit("print_accel")
-            job.set_limit("junction_deviation", corner**2 * (sqrt(2) - 1) / accel)
+            low, high = _DEVIATION
+            job.set_limit(
+                "junction_deviation", min(max(corner**2 * (sqrt(2) - 1) / accel, low), high)
+            )
 
     # Of the class: an object that refers to itself would keep its job until it is found as garbage.
     _HANDLERS: ClassVar[dict[str, Callable[[Commands, Command], Wait | None]]] = {

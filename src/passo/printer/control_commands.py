@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
 from passo import _core
 from passo.config.heat import HeatModel
+from passo.config.heater_numbers import KINDS, number_of
 from passo.config.model_findings import expected
 from passo.config.sensor_tables import reads_within, sensor_table
 from passo.config.sensors import Thermistor
@@ -16,7 +17,7 @@ from passo.errors import CommandError
 from passo.heat.rules import M301_FULL_POWER, Gains
 from passo.printer.waits import Handler, Reply, Wait
 from passo.printer.wiring import sensor_of
-from passo.printer.words import Command
+from passo.printer.words import Command, numeral
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
 Control: TypeAlias = _core.PidControl | _core.OnOffControl | _core.ModelControl | _core.RelayControl
 _Table = TypeVar("_Table", bound=BaseModel)
 
-_KINDS = {-1: "bed", -2: "chamber"}  # H of M301 to M307; 0 and up: hotends
 _SENSOR_KEYS = {
     "A": "r25_ohm",
     "B": "beta_k",
@@ -63,16 +63,19 @@ class ControlCommands:
     def named(self, words: dict[str, float], otherwise: int = 0) -> str:
         """The heater that H (or E) of a command means. Raises CommandError if there is none."""
         number = int(words.get("H", words.get("E", otherwise)))
-        kind = _KINDS.get(number, "hotend")
+        kind = KINDS.get(number, "hotend")
         return self._printer.commands.heater(kind, max(number, 0))
 
-    def number_of(self, name: str) -> int:
-        """H of a heater: hotends from 0, the bed -1, a chamber -2."""
-        kind = self._machine.heaters[name].kind
-        for number, k in _KINDS.items():
-            if k == kind:
-                return number
-        return [n for n, h in self._machine.heaters.items() if h.kind == kind].index(name)
+    def number_of(self, name: str) -> int | None:
+        """H of a heater; None for one that no number means."""
+        return number_of(self._machine, name)
+
+    def _numbered(self, names: Sequence[str]) -> Iterator[tuple[int, str]]:
+        """The heaters of these names, all if none is given, that a number means, with it."""
+        for name in names or self._machine.heaters:
+            number = self.number_of(name)
+            if number is not None:
+                yield number, name
 
     def control(self, name: str) -> Control:
         """What controls a heater, as set; during a tune what controls it afterwards."""
@@ -128,11 +131,11 @@ class ControlCommands:
 
     def gain_lines(self, *names: str) -> Iterator[str]:
         """M301 for each of these heaters that has gains, all if none is named."""
-        for name in names or self._machine.heaters:
+        for number, name in self._numbered(names):
             control = self.control(name)
             if isinstance(control, _core.PidControl):
                 p, i, d = (g * M301_FULL_POWER for g in (control.kp, control.ki, control.kd))
-                yield f"M301 H{self.number_of(name)} P{p:.10g} I{i:.10g} D{d:.10g}"
+                yield f"M301 H{number} P{numeral(p)} I{numeral(i)} D{numeral(d)}"
 
     # -- models -----------------------------------------------------------------------------------
 
@@ -157,11 +160,13 @@ class ControlCommands:
 
     def model_lines(self, *names: str) -> Iterator[str]:
         """M307 for each of these heaters that is controlled by its model, all if none is named."""
-        for name in names or self._machine.heaters:
+        for number, name in self._numbered(names):
             control = self.control(name)
             if isinstance(control, _core.ModelControl):
-                words = (f"{k}{getattr(control.model, key):.10g}" for k, key in _MODEL_KEYS.items())
-                yield f"M307 H{self.number_of(name)} {' '.join(words)}"
+                words = (
+                    f"{k}{numeral(getattr(control.model, key))}" for k, key in _MODEL_KEYS.items()
+                )
+                yield f"M307 H{number} {' '.join(words)}"
 
     # -- sensors and limits -----------------------------------------------------------------------
 
@@ -187,13 +192,13 @@ class ControlCommands:
 
     def sensor_lines(self, *names: str) -> Iterator[str]:
         """M305 for each of these heaters with a thermistor, all if none is named."""
-        for name in names or self._machine.heaters:
+        for number, name in self._numbered(names):
             s = self.sensors[name]
             if isinstance(s, Thermistor):
                 yield (
-                    f"M305 H{self.number_of(name)} A{s.r25_ohm:.10g} B{s.beta_k:.10g}"
-                    f" C{s.c_per_k:.10f} R{s.pullup_ohm:.10g} L{s.adc_offset_low:.10g}"
-                    f" O{s.adc_offset_high:.10g}"
+                    f"M305 H{number} A{numeral(s.r25_ohm)} B{numeral(s.beta_k)}"
+                    f" C{numeral(s.c_per_k)} R{numeral(s.pullup_ohm)} L{numeral(s.adc_offset_low)}"
+                    f" O{numeral(s.adc_offset_high)}"
                 )
 
     def _limits(self, command: Command, reply: Reply) -> Wait | None:

@@ -13,7 +13,7 @@ from passo.board.trinamic import findings, open_coils, threshold_of
 from passo.config.trinamic import largest_current_ma
 from passo.errors import CommandError
 from passo.printer.waits import Handler, Reply, Wait
-from passo.printer.words import Command
+from passo.printer.words import Command, numeral
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -113,7 +113,7 @@ class DriverCommands:
         for words, state in self._words():
             axis, *tool = reversed(words.split())
             where = "".join(f"{word} " for word in tool)
-            yield f"M906 {where}{axis}{state.settings.run_a * 1000:.10g}"
+            yield f"M906 {where}{axis}{numeral(state.settings.run_a * 1000)}"
             yield f"M569 {where}S{int(state.settings.threshold is not None)} {axis}"
 
     def _words(self) -> Iterator[tuple[str, DriverState]]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from passo.config.drives import axis_order
 from passo.errors import CommandError
 from passo.printer.waits import Handler, Reply, Wait
-from passo.printer.words import Command
+from passo.printer.words import Command, numeral
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -90,7 +90,7 @@ class HeatCommands:
     def preset_lines(self) -> Iterable[str]:
         """The presets as commands."""
         for i, p in enumerate(self.presets):
-            yield f"M145 S{i} H{p.hotend_c:g} B{p.bed_c:g} F{p.fan:g}"
+            yield f"M145 S{i} H{numeral(p.hotend_c)} B{numeral(p.bed_c)} F{numeral(p.fan)}"
 
     def _cold_extrusion(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()

@@ -9,7 +9,7 @@ from passo.config.base import LEAST_SCALE, MOST_SCALE
 from passo.config.drives import axis_order
 from passo.errors import CommandError
 from passo.printer.waits import Handler, Reply, Still, Wait
-from passo.printer.words import Command
+from passo.printer.words import Command, numeral
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -74,7 +74,7 @@ class MotionCommands:
     def _with_extruders(self, code: str, words: list[str], e: Callable[[str], float]) -> list[str]:
         """A command with the words of the axes, and others for the extruders, each of which has its
         own value of `e`; the only one is in the line of the axes."""
-        own = [(where, f"E{e(name):.10g}") for where, name in self.extruders()]
+        own = [(where, f"E{numeral(e(name))}") for where, name in self.extruders()]
         if len(own) == 1 and not own[0][0]:
             return [" ".join([code, *words, own[0][1]])]
         return [" ".join([code, *words]), *(f"{code} {where}{word}" for where, word in own)]
@@ -143,7 +143,7 @@ class MotionCommands:
         }
         names = {d: name for name, d in self._machine.drivable.by_name.items()}
         words = [
-            f"{names[d].upper()}{self.scale_of(names[d]):.10g}"
+            f"{names[d].upper()}{numeral(self.scale_of(names[d]))}"
             for d in driven
             if d is not None and d.drive != "extruder"
         ]
@@ -165,7 +165,7 @@ class MotionCommands:
 
     def _axis_lines(self, code: str, what: str) -> list[str]:
         job = self._printer.job
-        words = [f"{a.upper()}{job.axis_limit(a, what):.10g}" for a in self._axes]
+        words = [f"{a.upper()}{numeral(job.axis_limit(a, what))}" for a in self._axes]
         return self._with_extruders(code, words, lambda name: job.axis_limit(name, what))
 
     def _accelerations(self, command: Command, reply: Reply) -> Wait | None:
@@ -182,7 +182,7 @@ class MotionCommands:
     def acceleration_line(self) -> str:
         """M204 with what holds now."""
         p, r, t = (self._printer.job.limit(f"{k}_accel") for k in ("print", "retract", "travel"))
-        return f"M204 P{p:.10g} R{r:.10g} T{t:.10g}"
+        return f"M204 P{numeral(p)} R{numeral(r)} T{numeral(t)}"
 
     def _junction(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
@@ -200,7 +200,7 @@ class MotionCommands:
         """M205 with what holds now."""
         if self._machine.limits.junction == "jerk":
             return self._axis_lines("M205", "jerk")
-        return [f"M205 J{self._printer.job.limit('junction_deviation'):.10g}"]
+        return [f"M205 J{numeral(self._printer.job.limit('junction_deviation'))}"]
 
     def _say(self, reply: Reply, *lines: str) -> Wait | None:
         """Answers a question; with words the interpreter has carried the command out."""
@@ -215,8 +215,9 @@ class MotionCommands:
             yield "M200 S0"
             return
         for tool, row in enumerate(self._machine.core_spec()["tools"]):
-            if row["extruder"] >= 0:
-                yield f"M200 T{tool} D{diameters[row['extruder']]:.10g}"
+            extruder = int(row["extruder"])
+            if extruder >= 0:
+                yield f"M200 T{tool} D{numeral(diameters[extruder])}"
 
     def change_lines(self) -> Iterator[str]:
         """M603 for each tool."""
@@ -225,14 +226,16 @@ class MotionCommands:
             extruder: int = row["extruder"]
             if extruder >= 0:
                 load, unload = lengths[extruder]
-                yield f"M603 T{tool} L{load:.10g} U{unload:.10g}"
+                yield f"M603 T{tool} L{numeral(load)} U{numeral(unload)}"
 
     def retraction_lines(self) -> Iterator[str]:
         """M207 to M209 with what holds now."""
         job = self._printer.job
         mm, feed, hop, extra, back, swap, swap_extra = job.retraction
-        yield f"M207 S{mm:.10g} F{feed * 60:.10g} Z{hop:.10g} R{extra:.10g} W{swap:.10g}"
-        yield f"M208 S{extra:.10g} F{(back or feed) * 60:.10g} W{swap_extra:.10g}"
+        into = {"S": mm, "F": feed * 60, "Z": hop, "R": extra, "W": swap}
+        out = {"S": extra, "F": (back or feed) * 60, "W": swap_extra}
+        for code, words in (("M207", into), ("M208", out)):
+            yield f"{code} {' '.join(k + numeral(value) for k, value in words.items())}"
         yield f"M209 S{int(job.auto_retract)}"
 
     # -- offsets ----------------------------------------------------------------------------------
@@ -258,7 +261,7 @@ class MotionCommands:
 
     def home_offset_line(self) -> str:
         """M206 with what holds now."""
-        words = [f"{a.upper()}{mm:.10g}" for a, mm in self.home_offset_mm.items()]
+        words = [f"{a.upper()}{numeral(mm)}" for a, mm in self.home_offset_mm.items()]
         return f"M206 {' '.join(words)}"
 
     def _saved(self, command: Command, reply: Reply) -> Wait | None:
@@ -291,7 +294,7 @@ class MotionCommands:
     def tool_offset_lines(self) -> Iterator[str]:
         """M218 for each tool."""
         for tool, (x, y, z) in enumerate(self._printer.job.tool_offsets):
-            yield f"M218 T{tool} X{x:.10g} Y{y:.10g} Z{z:.10g}"
+            yield f"M218 T{tool} X{numeral(x)} Y{numeral(y)} Z{numeral(z)}"
 
     def _flow(self, command: Command, reply: Reply, *, live: bool) -> Wait | None:
         found = self._printer.commands.flow(command)

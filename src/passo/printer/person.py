@@ -6,7 +6,7 @@ import re
 from typing import TYPE_CHECKING
 
 from passo.printer.waits import Handler, Person, Reply, Wait
-from passo.printer.words import Command, words_of
+from passo.printer.words import Command, numeral, words_of
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -70,4 +70,4 @@ class PersonCommands:
 
     def kill_line(self) -> str:
         """M85 with what holds now."""
-        return f"M85 S{self.kill_s:.10g}"
+        return f"M85 S{numeral(self.kill_s)}"

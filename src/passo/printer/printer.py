@@ -29,6 +29,8 @@ from passo.printer.motion_commands import MotionCommands
 from passo.printer.motors import Motors
 from passo.printer.person import PersonCommands
 from passo.printer.positions import Positions
+from passo.printer.slots import E
+from passo.printer.switches import axes_of_arms, home_point
 from passo.printer.tune_commands import TuneCommands
 from passo.printer.turn import Turn
 from passo.printer.waiting import Waiting
@@ -111,7 +113,7 @@ class Printer:
         self.program: Reply | None = None  # whose moves were planned last
         self.aside = False  # what a host prints stands aside: no more of its lines now
         self.halted = ""  # why nothing moves or heats any more; M999 clears it
-        self.cooled_c: dict[str, float] = {}  # hotends that are off for as long as a pause lasts
+        self.cooled_c: dict[str, float] = {}  # heaters that are off for as long as a pause lasts
         self.waits = Waiting(self)
         self.life = Life(self)
 
@@ -144,6 +146,8 @@ class Printer:
         self.drive.on_pass = self._time_passed
         self.homer = Homer(self)
         self.positions = Positions(self)
+        if axes_of_arms(machine) == ("x", "y"):  # which may not reach the origin
+            self.job.set_axes(list(enumerate(home_point(machine)[:E])))
         if connection.adopted:
             # No board tells whether the host before has left them on. So they go off when the
             # machine stands idle, and what the journal says decides where it stands.
@@ -196,19 +200,31 @@ class Printer:
                 self.tell(f"echo:Heater {name} off in a long pause; it warms up before all goes on")
 
     async def warm_again(self) -> None:
-        """What a long pause has switched off warms up, unless somebody has set it meanwhile. With
-        the turn. Raises Stopped, and CommandError where a heater fails."""
+        """What a long pause or a fault has switched off warms up, unless somebody has set it
+        meanwhile; a bed or chamber that fails is done without. With the turn. Raises Stopped, and
+        CommandError where a hotend fails."""
         cooled, self.cooled_c = self.cooled_c, {}
         for name, celsius in cooled.items():
             self.connection.set_target(name, celsius)
-        if not cooled:
-            return
-        self.drive.before_moves()  # it stands idle no longer
-        try:
-            await self.waits.wait(Temperatures(tuple(cooled)), Silence())
-        except CommandError:
-            self.cooled_c = cooled | self.cooled_c  # who tries again waits again
-            raise
+        if cooled:
+            self.drive.before_moves()  # it stands idle no longer
+        waited: list[str] = list(cooled)
+        while waited:
+            try:
+                await self.waits.wait(Temperatures(tuple(waited)), Silence())
+                return
+            except CommandError:
+                failed = {n for n in waited if self.connection.heaters[n].fault is not None}
+                if not failed or any(self.machine.heaters[n].kind == "hotend" for n in failed):
+                    self.cooled_c = cooled | self.cooled_c  # who tries again waits again
+                    raise
+                waited = [n for n in waited if n not in failed]
+
+    def rearm_failed(self) -> None:
+        """Somebody was told of the heaters for which a print pauses, and wants it to go on."""
+        for name in self.cooled_c:
+            if self.connection.heaters[name].fault is not None:
+                self.connection.heaters[name].rearm()
 
     def lock(self, axes: Iterable[str]) -> None:
         """These axes no longer know where they are."""
@@ -528,6 +544,9 @@ class Printer:
             return
         self.tell(f"echo:{fault}")
         if policy == "job":
+            target = self.connection.heaters[fault.heater].target
+            if target > 0:
+                self.cooled_c[fault.heater] = target  # what is printed waits until it is warm again
             for listener in self.fault_listeners:
                 listener(fault)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import passo
@@ -54,6 +55,9 @@ class Reports:
         parts: list[str] = []
         powers: list[str] = []
         hotends = [n for n, h in printer.machine.heaters.items() if h.kind == "hotend"]
+        at_work = hotends[-1] if hotends else ""  # where the tool has none
+        with suppress(CommandError):
+            at_work = printer.commands.heater("hotend")
         for name, config in printer.machine.heaters.items():
             heater = printer.connection.heaters[name]
             # What the board said last of a heater is from before it was halted.
@@ -61,11 +65,11 @@ class Reports:
             letter = _LETTERS[config.kind]
             reading = f":{printer.connection.reading(name):.2f} /{heater.target:.2f}"
             if config.kind == "hotend":
-                number = hotends.index(name)
-                if number == min(printer.job.tool, len(hotends) - 1):
+                number = printer.controls.number_of(name)
+                if name == at_work:
                     parts.insert(0, f"T{reading}")
                     powers.insert(0, f"@:{power}")
-                if len(hotends) > 1:
+                if len(hotends) > 1 and number is not None:
                     parts.append(f"T{number}{reading}")
                     powers.append(f"@{number}:{power}")
             else:

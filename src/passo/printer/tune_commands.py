@@ -31,8 +31,8 @@ class TuneCommands:
         words = command.words()
         name = self._controls.named(words)
         config = self._machine.heaters[name]
-        number = self._controls.number_of(name)
-        label = f"Hotend:{number}" if number >= 0 else config.kind.upper()
+        hotend = config.kind == "hotend"
+        label = f"Hotend:{self._controls.number_of(name)}" if hotend else config.kind.upper()
         target = words.get("S", _USUAL_C[config.kind])
         if target <= (least := max(config.min_c, 0.0)):
             raise CommandError.bad_value("S", target, f"more than {least:g} C")

@@ -37,10 +37,13 @@ class Waiting:
         self.temperatures: Callable[[], str] = str  # a line of them
         self.busy = False  # a wait goes on
         self._impatient = False  # it shall not even wait for moves
+        self._firm = False  # it only waits for moves, to do behind them what was asked for
 
     def end(self) -> None:
-        """Whoever waits waits no more. What moves goes on, dwells too."""
-        self._impatient = self.ended = True
+        """Whoever waits waits no more, except to do something behind the moves. What moves goes
+        on, dwells too."""
+        if not self._firm:
+            self._impatient = self.ended = True
 
     async def room(self, there: Callable[[], bool]) -> bool:
         """Waits until there is room for a line, or `end` wants it taken without. True if so."""
@@ -72,12 +75,13 @@ class Waiting:
         try:
             return await self._wait(wait, reply, ends, aside)
         finally:
-            self.busy = within_another
+            self.busy, self._firm = within_another, False
             if isinstance(wait, Person):
                 self._printer.person.answered()
 
     async def _wait(self, wait: Wait, reply: Reply, ends: bool, aside: Callable[[], bool]) -> bool:
-        self.ended = self._impatient = ends
+        self._firm = isinstance(wait, Still) and wait.then is not None
+        self.ended = self._impatient = ends and not self._firm
         if isinstance(wait, Still):
             if not await self._still(aside):
                 return False

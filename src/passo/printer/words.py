@@ -66,6 +66,11 @@ def written(value: float) -> str:
     return f"{Decimal(digits):f}" if abs(value) < 1e30 else f"{value:g}"
 
 
+def numeral(value: float) -> str:
+    """A number in commands, to 10 digits: the E of an exponent would be a word of its own."""
+    return f"{Decimal(f'{value:.10g}'):f}"
+
+
 def words_of(text: str) -> list[tuple[str, float]]:
     """All words of a line with a number of at most 1e9, in order: (letter, number)."""
     return [
