@@ -28,13 +28,13 @@ inline bool before_modal(char letter, int code, int minor) {
 }
 
 // So it is where it names axes, of these which have none of their own in any dialect (RS274): polar
-// coordinates, radii and lengths of tools, coordinate systems, path modes, rotation, cycles off,
-// kinds of F and of spindles, returns of cycles.
+// coordinates, radii and lengths of tools, coordinate systems, path modes, rotation,
+// kinds of F and of spindles, returns of cycles. Not G80, which probes a part of the bed with them.
 inline bool before_axes(char letter, int code, int minor) {
   if (letter != 'G') return false;
   if (minor != 0) return (code == 59 && minor <= 3) || (minor == 1 && (code == 61 || code == 91));
   return code == 15 || code == 40 || code == 43 || code == 49 || (code >= 54 && code <= 59) ||
-         code == 64 || code == 69 || code == 80 || (code >= 93 && code <= 99);
+         code == 64 || code == 69 || (code >= 93 && code <= 99);
 }
 
 // Spindle, coolant and change of tools have other words of their own, but no axes.

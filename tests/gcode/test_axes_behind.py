@@ -7,7 +7,7 @@ from passo._core import Fault
 from .driver import run
 
 NAMELESS = (
-    "G15 G40 G43 G49 G53 G54 G55 G59 G59.1 G59.3 G61.1 G64 G69 G80 G91.1 G93 G94 G95 G97 G98 G99"
+    "G15 G40 G43 G49 G53 G54 G55 G59 G59.1 G59.3 G61.1 G64 G69 G91.1 G93 G94 G95 G97 G98 G99"
     " M3 M4 M5 M6 M7 M8 M9"
 )
 
@@ -21,9 +21,9 @@ def test_a_move_behind_a_command_without_axes(code, modal):
 
 
 def test_several_in_one_line():
-    out = run("G90 G94 G17 G40 G49 G80 X10 F600\nG40G49X20\n")
+    out = run("G90 G94 G17 G80 G40 G49 X10 F600\nG40G49X20\n")
     assert out.ends == [(10, 0, 0, 0), (20, 0, 0, 0)]
-    assert out.commands == ["G94", "G40", "G49", "G80", "G40", "G49"]
+    assert out.commands == ["G94", "G80", "G40", "G49", "G40", "G49"]
 
 
 def test_a_spindle_keeps_its_own_words():
@@ -34,7 +34,7 @@ def test_a_spindle_keeps_its_own_words():
 
 
 @pytest.mark.parametrize(
-    "code", ["G12", "G29", "G30", "G41", "G42", "G52", "G68", "G92.2", "G43.1"]
+    "code", ["G12", "G29", "G30", "G41", "G42", "G52", "G68", "G80", "G92.2", "G43.1"]
 )
 def test_others_keep_their_words(code):
     out = run(f"G1 X1\n{code} X10 Y5\nY6\n")
@@ -46,7 +46,7 @@ def test_others_keep_their_words(code):
 def test_another_way_to_move_keeps_what_follows(code):
     """X20 Z0 after a drilling cycle is a hole, and no move on the way of which the tool breaks."""
     cycle = f"G0 X5 Z9\n{code} X10 Z-2 R2 F100\nX20 Z0\nN5 Z3\n"
-    for end in ("G80\nX30\n", "G80 X30\n", "G1 X30\n", "G0 X30\n"):
+    for end in ("G80\nX30\n", "G80 X29\nX30\n", "G1 X30\n", "G0 X30\n"):
         out = run(cycle + end + "X31\n")
         assert out.errors == []
         assert out.ends == [(5, 0, 9, 0), (30, 0, 9, 0), (31, 0, 9, 0)]

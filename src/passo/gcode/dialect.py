@@ -442,7 +442,6 @@ TABLE: tuple[Row, ...] = (
             ("G43", "Lengths of tools are not kept."),
             ("G49", "Lengths of tools are not kept."),
             ("G54", "There is one coordinate system; G92 moves its zero."),
-            ("G80", "Cycles are skipped where they are written."),
             ("G94", "F is always in mm per minute."),
             ("M6", "The T word has selected the tool."),
             ("M7", "There is no coolant."),

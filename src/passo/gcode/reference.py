@@ -31,7 +31,7 @@ A line is read from left to right.
   J, they are a move of the kind of the last one, G1 if there was none.
 - G17 to G21, G53, G90 and G91 have no words of their own: what stands behind them is such a move
   (`G90 X10`). So is what names an axis, F, I or J behind those that name no axes in any dialect,
-  known here or not: G15, G40, G43, G49, G54 to G59.3, G61.1, G64, G69, G80, G91.1 and G93 to G99
+  known here or not: G15, G40, G43, G49, G54 to G59.3, G61.1, G64, G69, G91.1 and G93 to G99
   (`G40 G49 X10`); and behind M3 to M9 the words that name an axis, and F (`M8 X10`).
 - All other G words that are not known here (`G29`, `G52`) keep the words behind them, which are
   skipped with them. Other ways to move (G5, G33, G38, G73, G76, G81 to G89) also keep what stands
