@@ -483,6 +483,7 @@ inline void Interpreter::run_motion(int code, const Word* w, const Word* end) {
       value[x->letter - 'A'] = x->value;
       have |= 1u << (x->letter - 'A');
     } else if (code >= 2 && x->letter == 'P') {
+      if (!within('P', x->value, 0, kLargestWord)) return;
       turns = std::max(0, int(x->value) - 1);
     }
   }

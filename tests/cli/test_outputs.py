@@ -325,7 +325,9 @@ G1 E-20
     for name, shown in rates.items():
         times, ways = executed[f"{name}_ideal_s"], executed[f"{name}_dir"]
         same = ways[5:] == ways[:-5]  # five steps on, in one direction
-        assert max(shown) == pytest.approx(np.max(5 / (times[5:] - times[:-5])[same]), rel=0.02)
+        fastest = np.max(5 / (times[5:] - times[:-5])[same])
+        # Of a long move it is the densest place at full speed, which it may not have there.
+        assert 0.98 * fastest <= max(shown) <= 1.05 * fastest
 
 
 def test_explain_measures_in_steps_where_the_law_does(capsys, tmp_path):

@@ -108,8 +108,10 @@ def test_g53_knows_no_offset_of_a_tool():
     assert [x for x, *_ in out.ends] == [35, 60, 35]
 
 
-@pytest.mark.parametrize("line", ["G4 S-1", "G4 P-0.5", "G1 X5 T-2", "T-1 X5 Y5 T-3"])
-def test_no_time_is_less_than_none(line):
+@pytest.mark.parametrize(
+    "line", ["G4 S-1", "G4 P-0.5", "G1 X5 T-2", "T-1 X5 Y5 T-3", "G2 X5 I2 P-1"]
+)
+def test_no_time_nor_number_of_turns_is_less_than_none(line):
     out = run(f"G1 X1\n{line}\nG1 X2\n")
     assert [e[1] for e in out.errors] == [Fault.RANGE]
     assert [x for x, *_ in out.ends] == [1, 2]

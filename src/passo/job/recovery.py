@@ -15,7 +15,7 @@ from passo.job.runner import Reader
 from passo.printer.approach import go_over
 from passo.printer.faults import problem_of
 from passo.printer.slots import E, X, Y, Z
-from passo.printer.switches import axes_of_arms, home_point
+from passo.printer.switches import axes_of_arms
 from passo.printer.waits import Silence, Temperatures
 
 if TYPE_CHECKING:
@@ -110,7 +110,7 @@ class Recovery:
         printer.job.set_axes([(Z, z)])
         await self._go({Z: min(z + raise_mm, max(machine.axes["z"].max_mm, z))}, math.inf)
         if not machine.homing:
-            point = home_point(machine)
+            point = machine.home_point
             printer.job.set_axes([(axis, point[axis]) for axis in (X, Y)])
             return
         await printer.homer.home("XY")

@@ -147,7 +147,7 @@ class Homer:
             unknown = [self._axes[i] for i in self._printer.job.locked_axes]
             names = [name for name in names if name in unknown]
         fixed = [name for name in names if name not in self.axes]
-        self._set({name: self._home_of(name) for name in fixed})
+        self._set({name: self._machine.home_mm[name] for name in fixed})
         self._printer.endstops.pause()
         self._printer.drive.use_commits(False)
         batch: list[_Way] = []
@@ -162,10 +162,6 @@ class Homer:
         finally:
             if not self._printer.halted:
                 self._printer.drive.use_commits(True)
-
-    def _home_of(self, name: str) -> float:
-        axis = self._machine.axes[name]
-        return axis.min_mm if axis.home_mm is None else axis.home_mm
 
     def _ways(self, names: Sequence[str], *, everything: bool) -> list[_Way]:
         """Arms first. Z of a delta that has a switch of its own needs them only to know where it

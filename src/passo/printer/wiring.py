@@ -38,7 +38,6 @@ from passo.printer.driver_wiring import (
 from passo.printer.switches import (
     Switch,
     axes_of_arms,
-    home_point,
     is_actuator,
     pressed_point,
     switches,
@@ -258,8 +257,8 @@ def _actuators(machine: MachineConfig) -> tuple[Actuator, ...]:
     from passo.simulator import Actuator
 
     geometry = machine.geometry
-    q = list(geometry.inverse(home_point(machine)))
-    point = list(home_point(machine))
+    q = list(geometry.inverse(machine.home_point))
+    point = list(machine.home_point)
     for name, homing in machine.homing.items():
         away = -_AWAY if homing.direction == "max" else _AWAY
         if axes_of_arms(machine) and name in geometry.actuators:
