@@ -306,10 +306,14 @@ class Interpreter {
 
   // Homing: the axes named (all if none) are at home now, their offsets are gone.
   void home(const std::string& letters) {
+    auto named = [&](const Axis& axis) { return letters.find(axis.letter) != std::string::npos; };
+    const bool arms = std::any_of(machine_->axes.begin(), machine_->axes.end(),
+                                  [&](const Axis& axis) { return axis.by_arms && named(axis); });
     for (size_t i = 0; i < machine_->axes.size(); ++i) {
+      const Axis& axis = machine_->axes[i];
       int j = slot_of_axis(int(i));
       if (is_filament(j)) continue;
-      if (!letters.empty() && letters.find(machine_->axes[i].letter) == std::string::npos) continue;
+      if (!letters.empty() && !named(axis) && !(arms && axis.by_arms)) continue;
       position_[j] = home_[i];
       cut_ &= uint8_t(~(1u << j));
       origin_[j] = j < 3 ? tool_offset(j) : 0;

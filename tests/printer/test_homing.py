@@ -42,7 +42,9 @@ def text_of(machine):
 @pytest.mark.parametrize(
     "name", ["i3", "mk3s", "corexy", "delta", "rotary-delta", "scara", "homes upwards"]
 )
-@pytest.mark.parametrize("program", ["G28\n", "G28\nG91\nG1 E1\nG90\nG1 Z50 F3000\n"])
+@pytest.mark.parametrize(
+    "program", ["G28\n", "G28 X\n", "G28 Z\n", "G28\nG91\nG1 E1\nG90\nG1 Z50 F3000\n"]
+)
 def test_a_print_begins_where_the_switches_are(tmp_path, name, program):
     """A simulated print, which only sets positions, ends where a served one does."""
     machine = config.load_text(text_of(name))

@@ -91,9 +91,16 @@ class MachineConfig(Model):
         return x, y, z
 
     @property
+    def axes_of_arms(self) -> tuple[str, ...]:
+        """The axes whose place the arms alone decide; none where arms are not homed."""
+        if not any(name in self.geometry.arms for name in self.homing):
+            return ()
+        return ("x", "y", "z") if self.geometry.lifts_together else ("x", "y")
+
+    @property
     def home_point(self) -> Point:
         """Where the nozzle is when all is at home, mm. Raises Unreachable."""
-        if not any(name in self.geometry.arms for name in self.homing):
+        if not self.axes_of_arms:
             x, y, z = (self._home_of(name) for name in "xyz")
             return x, y, z
         a, b, c = (
@@ -210,6 +217,7 @@ class MachineConfig(Model):
             "jerk": axis.jerk_mm_s,
             "cornering_steps": axis.cornering_distance_steps,
             "filament": axis.extruder,
+            "by_arms": name in self.axes_of_arms and name not in self.homing,
         }
 
     def _tools_spec(self) -> list[dict[str, Any]]:

@@ -62,13 +62,6 @@ def is_actuator(machine: MachineConfig, home: str) -> bool:
     return home in machine.geometry.arms
 
 
-def axes_of_arms(machine: MachineConfig) -> tuple[str, ...]:
-    """The axes whose place the arms alone decide; none where arms are not homed."""
-    if not any(is_actuator(machine, name) for name in machine.homing):
-        return ()
-    return ("x", "y", "z") if machine.geometry.lifts_together else ("x", "y")
-
-
 def pressed_point(machine: MachineConfig, switch: Switch) -> Point:
     """Where the nozzle is when it presses an axis' switch, all else being at home, mm."""
     x, y, z = (

@@ -37,7 +37,6 @@ from passo.printer.driver_wiring import (
 )
 from passo.printer.switches import (
     Switch,
-    axes_of_arms,
     is_actuator,
     pressed_point,
     switches,
@@ -261,11 +260,11 @@ def _actuators(machine: MachineConfig) -> tuple[Actuator, ...]:
     point = list(machine.home_point)
     for name, homing in machine.homing.items():
         away = -_AWAY if homing.direction == "max" else _AWAY
-        if axes_of_arms(machine) and name in geometry.actuators:
+        if machine.axes_of_arms and name in geometry.actuators:
             q[geometry.actuators.index(name)] += away
         elif name in "xyz":
             point["xyz".index(name)] += away
-    if not axes_of_arms(machine):
+    if not machine.axes_of_arms:
         x, y, z = point
         q = list(geometry.inverse((x, y, z)))
     askew = {n: i * _ASKEW for h in machine.homing.values() for i, n in enumerate(h.stepper_pins)}
