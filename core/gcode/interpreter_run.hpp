@@ -1,5 +1,7 @@
 // The general way of a line: every dialect, every command that belongs to the motion state.
 #pragma once
+#include <iterator>
+
 #include "gcode/interpreter.hpp"
 
 namespace passo {
@@ -269,6 +271,7 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
                        : within('P', m.duration_s * 1000, 0, kLongestMove * 1000)))
           return;
         if (laser_.energy) m.energy_ws = std::max(0.0, value_of(laser_.energy, 0));
+        if (!within(laser_.energy, m.energy_ws, 0, kLongestMove * laser_.most_w)) return;
         m.duration_s = std::max(m.duration_s, m.energy_ws / laser_.most_w);
         if (m.duration_s > 0) {
           Item item{};
@@ -414,15 +417,12 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
   }
   if (command.letter == 'M' && code == 5) dark();
   emit(command.letter, code, minor, "", text);
-  auto axis = [this](const Word& x) { return names_axis(x); };
-  if (std::none_of(w, end, axis)) return;
-  if (moves_otherwise(command.letter, code)) motion_ = 10 * code + minor;
-  if (beside_axes(command.letter, code, minor)) {
-    std::vector<Word> way;
+  std::vector<Word> way;
+  if (moves_otherwise(command.letter, code) && moves(w, end)) motion_ = 10 * code + minor;
+  if (beside_axes(command.letter, code, minor))
     std::copy_if(w, end, std::back_inserter(way),
-                 [&](const Word& x) { return axis(x) || x.letter == 'F'; });
-    run_modal(way.data(), way.data() + way.size());
-  }
+                 [this](const Word& x) { return names_axis(x) || x.letter == 'F'; });
+  if (!way.empty()) run_modal(way.data(), way.data() + way.size());
 }
 
 // Words without a motion command of their own.

@@ -33,6 +33,12 @@ def test_a_spindle_keeps_its_own_words():
     assert out.statistics["move_s"] == pytest.approx(1, abs=0.01)
 
 
+def test_a_spindle_leaves_the_feed_rate_to_moves():
+    out = run("M4 S0 F600\nG1 X10\n")
+    assert out.commands == ["M4 S0 F600"]
+    assert out.statistics["move_s"] == pytest.approx(1, abs=0.01)
+
+
 @pytest.mark.parametrize(
     "code", ["G12", "G29", "G30", "G41", "G42", "G52", "G68", "G80", "G92.2", "G43.1"]
 )
