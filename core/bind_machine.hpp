@@ -51,7 +51,8 @@ inline Machine machine_of(const nb::dict& spec) {
                       get<double>(a, "min"), get<double>(a, "max"), get<double>(a, "speed"),
                       get<double>(a, "accel"), get<double>(a, "jerk"),
                       get<double>(a, "cornering_steps"),
-                      nb::cast<nb::dict>(a).contains("filament") && get<bool>(a, "filament")});
+                      nb::cast<nb::dict>(a).contains("filament") && get<bool>(a, "filament"),
+                      nb::cast<nb::dict>(a).contains("by_arms") && get<bool>(a, "by_arms")});
   for (nb::handle e : spec["extruders"])
     m.extruders.push_back({get<std::string>(e, "name"), get<double>(e, "speed"),
                            get<double>(e, "accel"), get<double>(e, "jerk")});

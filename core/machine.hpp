@@ -27,6 +27,7 @@ struct Axis {  // X, Y, Z and further linear axes
   double jerk;             // mm/s, change of speed allowed at a junction (law `jerk`)
   double cornering_steps;  // law `cornering_distance`
   bool filament = false;   // an extruder without tools: it is never homed, and has no limits
+  bool by_arms = false;    // homed by arms, with all others that are
 };
 
 struct Extruder {  // one motor that pushes filament

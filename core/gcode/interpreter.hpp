@@ -289,6 +289,7 @@ class Interpreter {
       }
       const char *p, *end;
       if (!lines().next(p, end)) return lines().finished() ? Found::end : Found::need_input;
+      machine_zero_ = false;
       if (lines().too_long()) {
         fail(Fault::line_too_long, "", 0, 0);
         continue;
@@ -305,10 +306,14 @@ class Interpreter {
 
   // Homing: the axes named (all if none) are at home now, their offsets are gone.
   void home(const std::string& letters) {
+    auto named = [&](const Axis& axis) { return letters.find(axis.letter) != std::string::npos; };
+    const bool arms = std::any_of(machine_->axes.begin(), machine_->axes.end(),
+                                  [&](const Axis& axis) { return axis.by_arms && named(axis); });
     for (size_t i = 0; i < machine_->axes.size(); ++i) {
+      const Axis& axis = machine_->axes[i];
       int j = slot_of_axis(int(i));
       if (is_filament(j)) continue;
-      if (!letters.empty() && letters.find(machine_->axes[i].letter) == std::string::npos) continue;
+      if (!letters.empty() && !named(axis) && !(arms && axis.by_arms)) continue;
       position_[j] = home_[i];
       cut_ &= uint8_t(~(1u << j));
       origin_[j] = j < 3 ? -tool_offset(j) : 0;
@@ -356,7 +361,10 @@ class Interpreter {
   size_t tool_ = 0, active_ = 0;
   double unit_ = 1, feed_ = kInfinity;
   bool absolute_ = true, absolute_e_ = true;
-  int motion_ = -1;  // modal G0…G3; -1: none given yet
+  // Modal G0…G3; -1: none given yet; another one that is not known: ten times its code, and its
+  // decimal.
+  int motion_ = -1;
+  bool machine_zero_ = false;  // G53: for the rest of the line
   int plane_ = 17;
   static constexpr int kSaved = 2;
   struct Saved {
@@ -403,11 +411,13 @@ class Interpreter {
     return machine_->tools.empty() ? 0 : machine_->tools[tool_].offset[j];
   }
 
+  bool names_axis(const Word& x) const {
+    return x.letter >= 'A' && x.letter <= 'Z' && letter_slot_[x.letter - 'A'] >= 0;
+  }
   // Whether words without a motion command are a move: they name an axis, F, I or J.
   bool moves(const Word* w, const Word* end) const {
     return std::any_of(w, end, [this](const Word& x) {
-      return x.letter == 'F' || x.letter == 'I' || x.letter == 'J' ||
-             (x.letter >= 'A' && x.letter <= 'Z' && letter_slot_[x.letter - 'A'] >= 0);
+      return x.letter == 'F' || x.letter == 'I' || x.letter == 'J' || names_axis(x);
     });
   }
   bool listening() const { return lines().number() == listened_ && !source_; }
@@ -453,7 +463,8 @@ class Interpreter {
   bool is_filament(int j) const { return filament_slots_ >> j & 1; }
   // Letters whose words count from where they are.
   uint32_t relative() const {
-    return (absolute_ ? 0 : ~0u) | (absolute_ && absolute_e_ ? 0 : filament_letters_);
+    return (absolute_ || machine_zero_ ? 0 : ~0u) |
+           (absolute_ && absolute_e_ ? 0 : filament_letters_);
   }
 
   // The common line: upper case axis letters, E and F, each with a number. Found::end: done, no
@@ -522,7 +533,7 @@ class Interpreter {
         move_.target[kE] = position_[kE] + filament_[active_].length(delta, e_scale());
         continue;
       }
-      double t = absolute ? v + origin_[j] : meant(j) + v;
+      double t = !absolute ? meant(j) + v : machine_zero_ ? v : v + origin_[j];
       if (t < low_[j] - 1e-6 || t > high_[j] + 1e-6) {
         double limit = t < low_[j] ? low_[j] : high_[j];
         if (!clamp && !locked(j)) {

@@ -1,5 +1,7 @@
 // The general way of a line: every dialect, every command that belongs to the motion state.
 #pragma once
+#include <iterator>
+
 #include "gcode/interpreter.hpp"
 
 namespace passo {
@@ -23,13 +25,30 @@ inline bool own_command(char letter, int code, int minor) {
 
 // What follows these is a move in the modal way.
 inline bool before_modal(char letter, int code, int minor) {
-  return letter == 'G' && minor == 0 && ((code >= 17 && code <= 21) || code == 90 || code == 91);
+  return letter == 'G' && minor == 0 &&
+         ((code >= 17 && code <= 21) || code == 53 || code == 90 || code == 91);
 }
 
-// So it is where it names axes, of these which mean nothing themselves: lengths of tools, the
-// coordinate system, F in mm/min.
+// So it is where it names axes, of these which have none of their own in any dialect (RS274): polar
+// coordinates, radii and lengths of tools, coordinate systems, path modes, rotation,
+// kinds of F and of spindles, returns of cycles. Not G80, which probes a part of the bed with them.
 inline bool before_axes(char letter, int code, int minor) {
-  return letter == 'G' && minor == 0 && (code == 43 || code == 54 || code == 94);
+  if (letter != 'G') return false;
+  if (minor != 0) return (code == 59 && minor <= 3) || (minor == 1 && (code == 61 || code == 91));
+  return code == 15 || code == 40 || code == 43 || code == 49 || (code >= 54 && code <= 59) ||
+         code == 64 || code == 69 || (code >= 93 && code <= 99);
+}
+
+// Spindle, coolant and change of tools have other words of their own, but no axes.
+inline bool beside_axes(char letter, int code, int minor) {
+  return letter == 'M' && minor == 0 && code >= 3 && code <= 9;
+}
+
+// Ways of RS274 to move that are not known here: splines, threads, probing, cycles. What follows
+// without a command is theirs.
+inline bool moves_otherwise(char letter, int code) {
+  return letter == 'G' && (code == 5 || code == 33 || code == 38 || code == 73 || code == 76 ||
+                           (code >= 81 && code <= 89));
 }
 
 // Words of these that need no number; the dialect table says the same.
@@ -178,10 +197,12 @@ inline void Interpreter::run_words() {
     }
     if (text_command(*w)) return run_command(*w, w + 1, w + 1, text.substr(w->end));
     bool motion = w->letter == 'G' && w->value >= 0 && w->value <= 3 && w->whole();
+    bool change = w->letter == 'M' && w->value == 6 && w->number;  // M6 T1 is T1 M6
     Word* next = w + 1;
     for (; next < end; ++next) {
       if (starts(*next) && !(motion && next->letter == 'M' && (!next->whole() || laser_.has('M'))))
         break;
+      if (change && tool(*next)) break;
       if (motion && tool(*next) &&
           (next->value >= 0 && next->value < double(machine_->tools.size())))
         break;
@@ -210,6 +231,7 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
     hear(name, w, w);
   else
     hear(name, w, end, text);
+  if (command.letter == 'G' && code == 80 && motion_ > 3) motion_ = -1;
   if (modal) {
     emit(command.letter, code, minor, "", "");
     return run_modal(w, end);
@@ -245,11 +267,12 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
         m.layer = uint16_t(marked_layers_ > 0 ? marked_layers_ : int(risen_layers_));
         m.feature = feature_;
         m.radius_mm = m.feed_mm_s = kInfinity;
+        if (!(has('S') ? within('S', m.duration_s, 0, kLongestMove)
+                       : within('P', m.duration_s * 1000, 0, kLongestMove * 1000)))
+          return;
         if (laser_.energy) m.energy_ws = std::max(0.0, value_of(laser_.energy, 0));
+        if (!within(laser_.energy, m.energy_ws, 0, kLongestMove * laser_.most_w)) return;
         m.duration_s = std::max(m.duration_s, m.energy_ws / laser_.most_w);
-        if (m.duration_s > kLongestMove)
-          return has('S') ? void(within('S', m.duration_s, 0, kLongestMove))
-                          : void(within('P', m.duration_s * 1000, 0, kLongestMove * 1000));
         if (m.duration_s > 0) {
           Item item{};
           item.found = Found::move;
@@ -259,6 +282,8 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
         return;
       }
       case 10:
+        for (const Word* x = w; x < end; ++x)  // zeros of coordinate systems, lengths of tools
+          if (x->letter == 'L') return emit(0, 0, 0, "G10 " + unknown_name(text_, *x), text);
         if (has('P')) break;
         run_retract(true, has('S') && value_of('S', 0) != 0);
         return;
@@ -296,6 +321,9 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
         if (back) queue_return(before);
         return;
       }
+      case 53:
+        machine_zero_ = true;
+        return run_modal(w, end);
       case 60:
       case 61:
         return run_saved(code == 60, w, end);
@@ -389,12 +417,25 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
   }
   if (command.letter == 'M' && code == 5) dark();
   emit(command.letter, code, minor, "", text);
+  std::vector<Word> way;
+  if (moves_otherwise(command.letter, code) && moves(w, end)) motion_ = 10 * code + minor;
+  if (beside_axes(command.letter, code, minor))
+    std::copy_if(w, end, std::back_inserter(way),
+                 [this](const Word& x) { return names_axis(x) || x.letter == 'F'; });
+  if (!way.empty()) run_modal(way.data(), way.data() + way.size());
 }
 
 // Words without a motion command of their own.
 inline void Interpreter::run_modal(const Word* w, const Word* end) {
   if (motion_ < 0) motion_ = 1;
   if (w == end) return;
+  if (motion_ > 3) {  // as often as it would move
+    std::string_view text = std::string_view(text_).substr(w->begin, end[-1].end - w->begin);
+    std::string name = "G" + std::to_string(motion_ / 10);
+    if (motion_ % 10 != 0) name += "." + std::to_string(motion_ % 10);
+    hear(name, w, end, text);
+    return emit('G', motion_ / 10, motion_ % 10, "", text);
+  }
   moved_line_ = lines().number();
   hear("", w, end);
   run_motion(motion_, w, end);
@@ -432,6 +473,7 @@ inline void Interpreter::run_motion(int code, const Word* w, const Word* end) {
       if (!(x->value > 0)) return fail(Fault::feedrate, "F", x->value, 0);
       feed = x->value * unit_ / 60;
     } else if (x->letter == 'T') {
+      if (!within('T', x->value, 0, kLargestWord)) return;
       duration = x->value;
     } else if (x->letter == 'S') {
       laser = x->value;
@@ -441,6 +483,7 @@ inline void Interpreter::run_motion(int code, const Word* w, const Word* end) {
       value[x->letter - 'A'] = x->value;
       have |= 1u << (x->letter - 'A');
     } else if (code >= 2 && x->letter == 'P') {
+      if (!within('P', x->value, 0, kLargestWord)) return;
       turns = std::max(0, int(x->value) - 1);
     }
   }

@@ -91,11 +91,13 @@ inline bool Interpreter::run_filament(int code, const Word* w, const Word* end) 
   return true;
 }
 
-// G28 B: back to machine position `to`, X and Y first.
+// G28 B: back to machine position `to`, X and Y first, unless arms lift them together with Z: where
+// these are at home there is no way aside.
 inline void Interpreter::queue_return(const double* to) {
   std::copy(position_, position_ + kAxes, move_.target);
+  const bool together = machine_->axes[size_t(kZ)].by_arms;
   for (int j = 0; j < kAxes; ++j)
-    if (j != kZ && j != kE) move_.target[j] = to[j];
+    if (j != kE && (j != kZ || together)) move_.target[j] = to[j];
   move_.moved = 0;
   move_.hop_mm = hop_;
   queue_straight(kInfinity, 0, true);

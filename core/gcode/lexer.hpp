@@ -81,22 +81,20 @@ class Lines {
 
   // The next line without its end. False: more input is needed, or all is read.
   bool next(const char*& begin, const char*& end) {
-    const char* from = buffer_.data() + at_;
     const char* stop = buffer_.data() + buffer_.size();
     const char* newline = line_end();
     if (!newline && !finished_) {
-      shorten(from, stop);
+      shorten(stop);
       return false;
     }
     if (newline && *newline == '\r' && newline + 1 == stop && !finished_) {
-      scanned_ = size_t(newline - from);  // what comes next may be its LF
+      scanned_ = size_t(newline - buffer_.data()) - at_;  // what comes next may be its LF
       return false;
     }
-    if (!newline && from == stop && !cut_) return false;
-    begin = from;
+    if (!newline && at_ == buffer_.size() && !cut_) return false;
+    begin = text_begin();
     end = newline ? newline : stop;
-    if (number_ == 0 && end - begin >= 3 && std::memcmp(begin, "\xef\xbb\xbf", 3) == 0) begin += 3;
-    if (size_t(end - begin) > kLongest) shorten_whole(begin, end);
+    if (cut_ || size_t(end - begin) > kLongest) end = kept(begin, end);
     const char* behind = newline ? newline + 1 : stop;
     if (newline && *newline == '\r' && behind < stop && *behind == '\n') ++behind;
     at_ = size_t(behind - buffer_.data());
@@ -131,25 +129,31 @@ class Lines {
     return feed_at_ < buffer_.size() ? all + feed_at_ : nullptr;
   }
 
-  // A long line in one piece, as if it had come in pieces.
-  void shorten_whole(const char* begin, const char*& end) {
-    const void* comment = std::memchr(begin, ';', kLongest);
-    dropped_ = dropped_ || !comment;
-    end = comment ? static_cast<const char*>(comment) + 1 : begin;
+  // The line at at_, without a byte order mark.
+  const char* text_begin() const {
+    const char* from = buffer_.data() + at_;
+    const bool marked =
+        number_ == 0 && buffer_.size() - at_ >= 3 && std::memcmp(from, "\xef\xbb\xbf", 3) == 0;
+    return marked ? from + 3 : from;
   }
 
-  // Bounds the memory of a line whose end is not in sight: the rest of a comment goes at once.
-  void shorten(const char* from, const char* stop) {
-    size_t length = size_t(stop - from);
-    scanned_ = length;
-    if (length <= kLongest) return;
-    const void* comment = std::memchr(from, ';', kLongest);
-    size_t keep = comment ? size_t(static_cast<const char*>(comment) - from) + 1 : 0;
+  // The end of what is kept of a long line: its comment goes; without one, all of it.
+  const char* kept(const char* begin, const char* end) {
+    const void* comment = std::memchr(begin, ';', std::min(kLongest, size_t(end - begin)));
     dropped_ = dropped_ || !comment;
-    cut_ = true;
-    buffer_.resize(at_ + keep);
-    scanned_ = keep;
-    feed_at_ = buffer_.size();
+    return comment ? static_cast<const char*>(comment) + 1 : begin;
+  }
+
+  // Bounds the memory of a line whose end is not in sight, so that the same is left of it as if it
+  // had come in one piece.
+  void shorten(const char* stop) {
+    const char* begin = text_begin();
+    if (size_t(stop - begin) > kLongest) {
+      cut_ = true;
+      buffer_.resize(size_t(kept(begin, stop) - buffer_.data()));
+      feed_at_ = buffer_.size();
+    }
+    scanned_ = buffer_.size() - at_;
   }
 };
 

@@ -4,9 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from string import Formatter
 from typing import Any, Self
 
 from passo.catalogue import CATALOGUE, Entry, ExitStatus
+
+_LONGEST_VALUE = 500  # characters; people write lines of any length
+
+
+class _Sentence(Formatter):
+    """Puts values into a sentence, of long ones only the beginning."""
+
+    def format_field(self, value: object, format_spec: str) -> str:
+        text = str(super().format_field(value, format_spec))
+        return text if len(text) <= _LONGEST_VALUE else text[:_LONGEST_VALUE] + "…"
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +38,7 @@ class Problem:
     @property
     def sentence(self) -> str:
         """What is wrong, with its values."""
-        return self.entry.says.format_map(self.values)
+        return _Sentence().vformat(self.entry.says, (), self.values)
 
     @property
     def place(self) -> str:

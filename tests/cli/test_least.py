@@ -9,6 +9,8 @@ from importlib.resources import files
 import pytest
 
 from passo.cli.main import main
+from passo.config.load import shipped_text
+from passo.errors import Problem
 
 PROGRAM = "G28\nG1 X20 Y20 Z5 F3000\nG1 X40 E2\nG3 I5 E3\nG1 E1\nG1 X0.01 Y20\n"
 
@@ -130,8 +132,52 @@ def test_what_is_wrong_is_said_as_it_is(capsys, tmp_path, line, says):
     assert err.startswith(f"2: {says}")
 
 
+@pytest.mark.parametrize(
+    ("junction", "words", "says"),
+    [
+        ("deviation", "FOO=1 ACCEL=100 BAR=2", "FOO BAR without effect"),
+        ("deviation", "ACCEL_TO_DECEL=50 ACCEL=100", "ACCEL_TO_DECEL without effect"),
+        (
+            "jerk",
+            "SQUARE_CORNER_VELOCITY=5 ACCEL=100",
+            "SQUARE_CORNER_VELOCITY without effect, for corners obey X Y Z E, the jerk of each"
+            " axis",
+        ),
+    ],
+)
+def test_keys_without_effect_are_told_and_the_others_act(capsys, tmp_path, junction, words, says):
+    machine = tmp_path / "m.toml"
+    text = shipped_text("i3").replace('junction = "deviation"', f'junction = "{junction}"')
+    machine.write_text(text)
+    option = ("--machine", str(machine))
+    status, plain, _ = told(capsys, tmp_path, f"SET_VELOCITY_LIMIT ACCEL=100\n{PROGRAM}", *option)
+    assert status == 0
+    status, result, _ = told(capsys, tmp_path, f"SET_VELOCITY_LIMIT {words}\n{PROGRAM}", *option)
+    assert status == 0
+    assert result["stream_hash"] == plain["stream_hash"]
+    (warning,) = result["warnings"]
+    assert warning.endswith(f":1: SET_VELOCITY_LIMIT: {says} (1 time)")
+
+
 def test_blanks_around_the_sign_of_a_pair_mean_nothing(capsys, tmp_path):
     tight = told(capsys, tmp_path, f"SET_VELOCITY_LIMIT ACCEL=500 VELOCITY=5\n{PROGRAM}")
     wide = told(capsys, tmp_path, f"SET_VELOCITY_LIMIT accel = 500  VELOCITY= 5\n{PROGRAM}")
     assert wide[1]["warnings"] == []
     assert wide[1]["stream_hash"] == tight[1]["stream_hash"]
+
+
+@pytest.mark.parametrize(
+    "line", ["N1 G1 X5*{}", "M92 {}=", "SET_VELOCITY_LIMIT {}=1", "G5.{}", "#{}", "M104 S1 {}"]
+)
+def test_of_a_long_text_only_its_beginning_is_told(capsys, tmp_path, line):
+    _, result, err = told(capsys, tmp_path, f"G28\n{line.format('A' * 5000)}\nG1 X1\n")
+    assert all(len(text) < 700 for text in err.splitlines())
+    assert all(len(text) < 700 for text in result["warnings"] + result["errors"])
+
+
+def test_a_long_value_of_any_problem_is_cut():
+    for values in ({"value": "A" * 5000}, {"value": ["A"] * 5000}):
+        problem = Problem("config.value", "m.toml", 3, {"key": "k" * 5000, "limit": "b", **values})
+        assert str(problem).startswith("m.toml:3: " + "k" * 500 + "… is ")
+        assert str(problem).endswith("…: expected b. Correct the value.")
+        assert len(str(problem)) < 1100

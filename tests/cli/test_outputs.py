@@ -48,6 +48,24 @@ def test_npz_within_the_bound(short, tmp_path, machine):
         assert (np.diff(ticks) > 0).all()
 
 
+def test_steps_tells_what_print_warns_of(capsys, tmp_path):
+    path = tmp_path / "a.gcode"
+    path.write_text("G28\nM999999\nG1 X5 F3000\nM0\nG1 X6\n")
+    assert main(["print", str(path)]) == 0
+    warnings = capsys.readouterr().err.splitlines()
+    assert len(warnings) == 2
+    assert main(["steps", str(path), "--output", str(tmp_path / "a.npz")]) == 0
+    assert capsys.readouterr().err.splitlines()[:2] == warnings
+
+
+@pytest.mark.parametrize("time", ["-1", "nan", "inf", "1e9", "", "5s", "-0.001"])
+def test_what_is_no_time_is_named(capsys, short, tmp_path, time):
+    output = tmp_path / "a.npz"
+    assert main(["steps", short, "--output", str(output), f"--from={time}"]) == 2
+    assert f"argument --from: {time!r} is not a time in seconds" in capsys.readouterr().err
+    assert not output.exists()
+
+
 def test_steps_around_a_stop_are_within_the_bound(tmp_path):
     """A target between two steps: the last step is due as the motor stops, and the next one, back,
     as it starts."""
@@ -332,7 +350,9 @@ G1 E-20
     for name, shown in rates.items():
         times, ways = executed[f"{name}_ideal_s"], executed[f"{name}_dir"]
         same = ways[5:] == ways[:-5]  # five steps on, in one direction
-        assert max(shown) == pytest.approx(np.max(5 / (times[5:] - times[:-5])[same]), rel=0.02)
+        fastest = np.max(5 / (times[5:] - times[:-5])[same])
+        # Of a long move it is the densest place at full speed, which it may not have there.
+        assert 0.98 * fastest <= max(shown) <= 1.05 * fastest
 
 
 def test_explain_measures_in_steps_where_the_law_does(capsys, tmp_path):

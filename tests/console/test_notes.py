@@ -28,6 +28,7 @@ NOTES = {
     "M800": "M800 does nothing here. M1000 goes on with a print",
     "EXCLUDE_OBJECT_START NAME=a": "EXCLUDE_OBJECT_START does nothing here. Labels",
     "M205 X8 Y8 S0": "M205: X Y without effect, for corners obey J, the junction deviation",
+    "SET_VELOCITY_LIMIT FOO=1 ACCEL=900": "SET_VELOCITY_LIMIT: FOO without effect",
     "M106 X100": "M106 sets speeds, by S",
     "M106 P0 F250": "M106 sets no frequency; the machine file has it",
 }

@@ -46,14 +46,17 @@ class Outcome:
         return [f"{n} {e[5]}".strip() for n, e in zip(names, self.events, strict=True)]
 
 
-def run(text: str | bytes, machine: Any = "i3", chunk: int = 0, **policy: bool) -> Outcome:
-    """All of a program, in chunks of `chunk` bytes if that is not 0."""
+def run(
+    text: str | bytes | list[bytes], machine: Any = "i3", chunk: int = 0, **policy: bool
+) -> Outcome:
+    """All of a program, in these chunks, or in chunks of `chunk` bytes if that is not 0."""
     data = text.encode() if isinstance(text, str) else text
     job = Job(spec(machine) if isinstance(machine, str) else machine, False, **policy)
     job.keep_moves(True)
     out = Outcome()
-    pieces = [data[i : i + chunk] for i in range(0, len(data), chunk)] if chunk else [data]
-    for piece in pieces:
+    if isinstance(data, bytes):
+        data = [data[i : i + chunk] for i in range(0, len(data), chunk)] if chunk else [data]
+    for piece in data:
         job.feed(piece)
         _drain(job, out)
     job.finish()

@@ -43,7 +43,8 @@ def test_g11_brings_z_to_where_the_program_means_it_to_be(meanwhile, z):
 def test_arms_that_lift_together_end_the_hop_together():
     lines = "M207 S1 Z1\nG1 X10 Y20 Z50\nG10\nG28 X\nG1 X0 Y0 Z5\nG11\n"
     assert heights(lines, "delta")[-1] == 5
-    assert heights(lines.replace("G28 X", "G28 X B"), "delta")[-1] == 5
+    for back in ("G28 X B", "G28 B", "G28 Z B"):
+        assert heights(lines.replace("G28 X", back), "delta")[-1] == 5
 
 
 def test_a_saved_place_is_the_programs():

@@ -13,6 +13,7 @@ from passo._core import Fault
 
 from .driver import Outcome, run
 
+BOM = b"\xef\xbb\xbf"
 PROGRAM = """%
 ; a comment
 N1 G21*45
@@ -157,3 +158,41 @@ def test_plain_moves_are_what_an_independent_reader_finds(text):
     assert len(out.moves) == len(expected)
     for move, end in zip(out.moves, expected, strict=True):
         assert move.end_mm[:4] == pytest.approx(end, abs=1e-9)
+
+
+HOSTILE = [
+    *b"G1 X5 Y5|G0X1Y2|X10|N5 G1 X3*|*93|;|;LAYER:3|;TYPE:Wall|(|)|%|/|$H|@p".split(b"|"),
+    *b"M117 hi |T0|T1 M6|G2 X10 I5|G91|G90|G53 |G54 X3|G28|O100|g1x5e.5f600".split(b"|"),
+    *b"G10|G11|M104 S200|G92 X0|SET_VELOCITY_LIMIT ACCEL=1000|1e5|-|.".split(b"|"),
+    *(b"N1 G21*45", b"9" * 20, BOM, b"\xff", b"\0", b"\xc3\xa9"),
+    *(b"\r", b"\n", b"\r\n", b"\n\r", b" ", b"\t"),
+]
+fill = st.sampled_from([b"x", b"G1 X1 ", b"; ", b"(", b"\xc3"])
+pieces = st.one_of(
+    *[st.sampled_from(HOSTILE)] * 20,
+    st.binary(max_size=3),
+    st.builds(lambda text, n: (text * n)[:n], fill, st.integers(65530, 65542)),  # the longest line
+)
+
+
+@settings(max_examples=400, derandomize=True, deadline=None)
+@given(
+    data=st.lists(pieces, max_size=40).map(b"".join),
+    cuts=st.lists(st.integers(0, 2**20), max_size=30),
+)
+def test_hostile_text_in_random_chunks(data, cuts):
+    at = sorted({0, len(data), *(cut % (len(data) + 1) for cut in cuts)})
+    chunks = [data[a:b] for a, b in pairwise(at)]
+    policy = {"clamp": True, "ignore_tools": True}
+    assert summary(run(chunks, **policy)) == summary(run(data, **policy))
+
+
+@pytest.mark.parametrize("mark", [b"", BOM])
+@pytest.mark.parametrize("length", range(65534, 65542))
+@pytest.mark.parametrize("tail", [b"", b"\0", b"\xff*1", b";TYPE:b"])
+def test_what_is_left_of_a_long_line_does_not_depend_on_chunks(mark, length, tail):
+    data = mark + (b"N1 G1 X5*93 ;" + b"c" * 70_000)[:length] + tail + b"\nG1 X7\n"
+    whole = summary(run(data))
+    assert whole == summary(run([data[:65_538], data[65_538:]]))
+    assert whole == summary(run([data[:66_000], data[66_000:]]))
+    assert whole == summary(run(data, chunk=7001))

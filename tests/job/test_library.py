@@ -11,7 +11,7 @@ from passo.job.steps import trace_steps
 PROGRAMS = {  # steps of each motor
     "delta": (
         "G28\nG1 X30 Y25 Z20 F3000\nG1 X10 Z10 E5\nG28\nG1 Z150\nG1 X5\n",
-        {"a": 20142, "b": 18146, "c": 16494, "e": 2100},
+        {"a": 20146, "b": 18150, "c": 16498, "e": 2100},
     ),
     "i3": (
         "G28\nG1 X30 Y25 Z20 F3000 E4\nG92 E0 X0\nG1 X10 Z10 E5\nG28 X\nG1 X5\n",
@@ -19,7 +19,7 @@ PROGRAMS = {  # steps of each motor
     ),
     "scara": (
         "G28\nG1 X100 Y125 Z20 F3000\nG1 X80 Z10\n",
-        {"a": 5461, "b": 8687, "z": 4800, "e": 0},
+        {"a": 10750, "b": 9485, "z": 4800, "e": 0},
     ),
     "dual-extruder": (
         "G28\nG1 X30 E4 F3000\nT1\nG92 E0\nG1 X10 E5\nT0\nG1 X5 E3\nT1\nG1 X10 E6\nG28\nG1 X5 E9\n",

@@ -96,6 +96,25 @@ def test_m204_from_beside_acts_on_all_that_is_planned(tmp_path):
         assert reached(s, 20.0) == pytest.approx(1.5, abs=0.05)  # half a second to 100 mm/s
 
 
+@pytest.mark.parametrize(
+    ("line", "seconds"),
+    [
+        ("SET_VELOCITY_LIMIT ACCEL=200", 1.5),
+        ("SET_VELOCITY_LIMIT VELOCITY=50", 2.02),
+        ("SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO=0.9 ACCEL=200", 2.48),
+    ],
+)
+def test_limits_of_klipper_from_beside_act_on_all_that_is_planned(tmp_path, line, seconds):
+    with Scenario("i3", card=str(tmp_path)) as s:
+        (tmp_path / "a.g").write_text("G92 X20 Y20 Z20\n" + "G1 X120 F6000\nG1 X20\n" * 5)
+        s.host.ok("M204 T3000")
+        s.host.send("M32 a.g")
+        assert s.until(lambda: s.positions()["x"] > 30.0, 5)
+        s.host.ok(line)
+        reached(s, 120.0)
+        assert reached(s, 20.0) == pytest.approx(seconds, abs=0.05)
+
+
 def homed_s(s):
     start = s.loop.time()
     s.host.ok("G28", 120)

@@ -6,6 +6,7 @@ from tests.console.scenario import Host, Scenario
 from passo import config
 from passo.config.load import shipped_text
 from passo.errors import ConfigError
+from passo.job.printing import Print
 
 CARTESIAN = {"x": 0.0, "y": 0.0, "z": 0.0, "e": 0.0}
 
@@ -28,6 +29,41 @@ def test_all_axes_end_at_their_switches(machine, home, step):
         for stepper, at in s.positions().items():
             assert at == pytest.approx(home[stepper], abs=1.01 * step)
         assert s.printer.job.locked_axes == []
+
+
+def text_of(machine):
+    if machine != "homes upwards":
+        return shipped_text(machine)
+    head, found, homing = shipped_text("i3").partition("[homing.z]")
+    homing = homing.replace('direction = "min"', 'direction = "max"', 1)
+    return head + found + homing.replace("position = 0.0", "position = 250.0", 1)
+
+
+@pytest.mark.parametrize(
+    "name", ["i3", "mk3s", "corexy", "delta", "rotary-delta", "scara", "homes upwards"]
+)
+@pytest.mark.parametrize(
+    "program", ["G28\n", "G28 X\n", "G28 Z\n", "G28\nG91\nG1 E1\nG90\nG1 Z50 F3000\n"]
+)
+def test_a_print_begins_where_the_switches_are(tmp_path, name, program):
+    """A simulated print, which only sets positions, ends where a served one does."""
+    machine = config.load_text(text_of(name))
+    path = tmp_path / "a.g"
+    path.write_text(program)
+    printed = Print(machine).run(path).final_position_mm
+    with Scenario(machine, card=str(tmp_path)) as s:
+        s.host.send("M302 P1", "M32 a.g")
+        s.host.expect("Done printing file", 120)
+        served = s.printer.job.machine_position[:3]
+    assert [printed[axis] for axis in "xyz"] == pytest.approx(served, abs=1e-6)
+
+
+def test_a_program_may_go_down_from_a_switch_above(tmp_path):
+    path = tmp_path / "a.g"
+    path.write_text("G28\nG91\nG1 Z-5 F600\n")
+    result = Print(config.load_text(text_of("homes upwards"))).run(path)
+    assert result.final_position_mm["z"] == 245
+    assert result.final_steps == result.net_steps_expected
 
 
 def test_axes_home_at_the_same_time():

@@ -76,6 +76,11 @@ def test_a_dwell_fires_at_rest(s, line, seconds, ws):
     assert s.loop.time() - start == pytest.approx(seconds + 0.4, abs=0.25)
 
 
+def test_a_dwell_of_too_much_energy_is_refused(s):
+    answer, _ = s.host.ok("G4 P1 L900000000")
+    assert answer.startswith("echo:L is 9e+08: expected 0 to ")
+
+
 @pytest.mark.parametrize("end", ["M5", "M410"])
 def test_a_density_ends_with_the_laser(s, end):
     s.host.send("G1 X40 F600 M0.1")

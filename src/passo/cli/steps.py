@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from contextlib import suppress
 
 from passo.cli.machine_option import add_machine, add_policy, policy_of
 from passo.errors import ExitStatus, InputError
@@ -21,13 +22,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _seconds(text: str) -> float:
-    try:
+    with suppress(ValueError):
         value = float(text)
-    except ValueError:
-        value = -1.0
-    if not 0 <= value < 1e8:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a time in seconds")
-    return value
+        if 0 <= value < 1e8:
+            return value
+    raise argparse.ArgumentTypeError(f"{text!r} is not a time in seconds")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -55,6 +54,8 @@ def run(arguments: argparse.Namespace) -> int:
         to_s=arguments.to_s,
         ideal=arguments.ideal,
     )
+    for line in trace.warnings:
+        print(line, file=sys.stderr)
     try:
         write_steps(arguments.output, trace)
     except OSError as error:

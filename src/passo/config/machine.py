@@ -15,6 +15,7 @@ from passo.config.heat import Heaters
 from passo.config.homing import Homing
 from passo.config.motion import Axis, Extruder, Idle, Limits, Park, Stepper, Steppers, Tool
 from passo.config.places import MAIN, placed
+from passo.geometry.base import Point
 from passo.geometry.registry import AnyGeometry
 
 
@@ -88,6 +89,39 @@ class MachineConfig(Model):
         """Travel in X, Y, Z between the soft limits."""
         x, y, z = (self.axes[name].max_mm - self.axes[name].min_mm for name in "xyz")
         return x, y, z
+
+    @property
+    def axes_of_arms(self) -> tuple[str, ...]:
+        """The axes whose place the arms alone decide; none where arms are not homed."""
+        if not any(name in self.geometry.arms for name in self.homing):
+            return ()
+        return ("x", "y", "z") if self.geometry.lifts_together else ("x", "y")
+
+    @property
+    def home_point(self) -> Point:
+        """Where the nozzle is when all is at home, mm. Raises Unreachable."""
+        if not self.axes_of_arms:
+            x, y, z = (self._home_of(name) for name in "xyz")
+            return x, y, z
+        a, b, c = (
+            self.homing[name].position if name in self.homing else self._home_of(name)
+            for name in self.geometry.actuators
+        )
+        return self.geometry.forward((a, b, c))
+
+    @property
+    def home_mm(self) -> dict[str, float]:
+        """Where each axis is when all is at home, to 1e-9 mm. Raises Unreachable."""
+        further = {name: self._home_of(name) for name in axis_order(self.axes)[3:]}
+        point = (round(mm, 9) + 0.0 for mm in self.home_point)  # no -0
+        return dict(zip("xyz", point, strict=True)) | further
+
+    def _home_of(self, axis: str) -> float:
+        """At its switch; without one where the file says."""
+        if axis in self.homing:
+            return self.homing[axis].position
+        given = self.axes[axis].home_mm
+        return self.axes[axis].min_mm if given is None else given
 
     @property
     def drivable(self) -> Drivable:
@@ -177,12 +211,13 @@ class MachineConfig(Model):
             "name": name,
             "min": axis.min_mm,
             "max": axis.max_mm,
-            "home": axis.min_mm if axis.home_mm is None else axis.home_mm,
+            "home": self.home_mm[name],
             "speed": axis.speed_mm_s,
             "accel": axis.accel_mm_s2,
             "jerk": axis.jerk_mm_s,
             "cornering_steps": axis.cornering_distance_steps,
             "filament": axis.extruder,
+            "by_arms": name in self.axes_of_arms and name not in self.homing,
         }
 
     def _tools_spec(self) -> list[dict[str, Any]]:

@@ -30,9 +30,9 @@ MICROSTEPS = 16
 class Axis(Model):
     """A direction of the nozzle, X, Y or Z, or a further linear axis with motors of its own.
 
-    `min_mm` and `max_mm` are the soft limits; `home_mm` is the position after homing (`min_mm` if
-    not given). `jerk_mm_s` and `cornering_distance_steps` belong to the junction laws of those
-    names.
+    `min_mm` and `max_mm` are the soft limits; `home_mm` is the position after homing where no
+    switch has it (`min_mm` if not given). `jerk_mm_s` and `cornering_distance_steps` belong to the
+    junction laws of those names.
 
     A further axis may be an `extruder`, as APrinter has them: then it has no limits and no home,
     M82 and M83 say how its words count, and it does not move while `heater` is cold (the first

@@ -12,7 +12,6 @@ from passo.job.journal import Journal, Moment, Program
 from passo.job.overrides import Overrides
 from passo.job.recovery import Recovery
 from passo.job.runner import Runner, State
-from passo.printer.switches import home_point
 from passo.printer.waits import Handler, Procedure, Reply, Stopped, Wait
 from passo.printer.words import Command
 
@@ -59,7 +58,7 @@ class RecoveryCommands:
         """What a person has to do first for a machine that cannot find its place."""
         if self._printer.machine.homing:
             return ""
-        x, y, _ = home_point(self._printer.machine)
+        x, y, _ = self._printer.machine.home_point
         return f" from X {x:g} Y {y:g}: without switches it must be moved there by hand first"
 
     def _job_changed(self, state: State) -> None:

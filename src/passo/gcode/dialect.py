@@ -86,6 +86,14 @@ TABLE: tuple[Row, ...] = (
         " with B it goes back to where it was. Without a console it sets them to home.",
         bare=ANY,
     ),
+    Row(
+        "G53",
+        _M,
+        _N,
+        "",
+        "Absolute positions of this line count from the machine's zero, after G91 too: without what"
+        " G92 and tools' offsets shift.",
+    ),
     Row("G60", _M, _N, "S(0-1)", "Saves the position."),
     Row(
         "G61",
@@ -430,7 +438,9 @@ TABLE: tuple[Row, ...] = (
     *(
         Row(code, _Q, _N, "", text, bare=ANY)
         for code, text in (
+            ("G40", "Radii of tools are not kept."),
             ("G43", "Lengths of tools are not kept."),
+            ("G49", "Lengths of tools are not kept."),
             ("G54", "There is one coordinate system; G92 moves its zero."),
             ("G94", "F is always in mm per minute."),
             ("M6", "The T word has selected the tool."),

@@ -29,8 +29,14 @@ A line is read from left to right.
 - A T with a whole number that stands before all commands is a command of its own (`T1 M6`).
 - Words before the first command belong to it (`S12000 M3`). If one of them names an axis, F, I or
   J, they are a move of the kind of the last one, G1 if there was none.
-- G17 to G21, G90 and G91 have no words of their own: what stands behind them is such a move
-  (`G90 X10`). So is what names an axis, F, I or J behind G43, G54 and G94 (`G43 H1 Z5`).
+- G17 to G21, G53, G90 and G91 have no words of their own: what stands behind them is such a move
+  (`G90 X10`). So is what names an axis, F, I or J behind those that name no axes in any dialect,
+  known here or not: G15, G40, G43, G49, G54 to G59.3, G61.1, G64, G69, G91.1 and G93 to G99
+  (`G40 G49 X10`); and behind M3 to M9 the words that name an axis, and F (`M8 X10`).
+- All other G words that are not known here (`G29`, `G52`) keep the words behind them, which are
+  skipped with them. Other ways to move (G5, G33, G38, G73, G76, G81 to G89) also keep what stands
+  without a command in later lines, as long as no G0 to G3 nor G80 comes.
+- A T behind M6 is a command (`M6 T1`). G10 with L is no retraction, and unknown.
 - M117 and other commands whose argument is text, not words, take the rest of the line.
 - A name of two letters or more (`SET_VELOCITY_LIMIT ACCEL=500`) takes the whole line.
 - What is written for others is an unknown command, which a console hears of and a print without

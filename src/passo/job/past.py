@@ -10,7 +10,6 @@ from passo.job.overrides import override
 from passo.job.program import at_rest, read_program
 from passo.job.runner import Reader
 from passo.printer.commands import Commands
-from passo.printer.switches import axes_of_arms, home_point
 from passo.printer.waits import Homing, Wait
 from passo.printer.words import Command, numeral
 
@@ -120,11 +119,11 @@ class Past:
             return  # it went back to where it was
         letters = letters.replace("O", "")
         names = {n for n in "xyz" if not letters or n.upper() in letters}
-        if names & set(axes_of_arms(machine)):
-            names |= set(axes_of_arms(machine))
+        if names & set(machine.axes_of_arms):
+            names |= set(machine.axes_of_arms)
         offsets = {n: mm for n, mm in self.home_offset_mm.items() if n in names}
         self.homed_mm |= offsets
-        point = home_point(machine)
+        point = machine.home_point
         job.set_axes(
             [(i, point[i] + offsets.get(n, 0.0)) for i, n in enumerate("xyz") if n in names]
         )

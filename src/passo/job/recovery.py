@@ -15,7 +15,6 @@ from passo.job.runner import Reader
 from passo.printer.approach import go_over
 from passo.printer.faults import problem_of
 from passo.printer.slots import E, X, Y, Z
-from passo.printer.switches import axes_of_arms, home_point
 from passo.printer.waits import Silence, Temperatures
 
 if TYPE_CHECKING:
@@ -110,7 +109,7 @@ class Recovery:
         printer.job.set_axes([(Z, z)])
         await self._go({Z: min(z + raise_mm, max(machine.axes["z"].max_mm, z))}, math.inf)
         if not machine.homing:
-            point = home_point(machine)
+            point = machine.home_point
             printer.job.set_axes([(axis, point[axis]) for axis in (X, Y)])
             return
         await printer.homer.home("XY")
@@ -130,7 +129,7 @@ class Recovery:
         """Over the place, a little filament to fill the nozzle, and down."""
         park = self._printer.machine.park
         speed = park.speed_mm_s if park else math.inf
-        if axes_of_arms(self._printer.machine) == ("x", "y"):
+        if self._printer.machine.axes_of_arms == ("x", "y"):
             await self._printer.homer.swing(at[X], at[Y])
         else:
             place = {X: at[X], Y: at[Y], Z: at[Z]}

@@ -19,13 +19,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class StepTrace:
-    """Steps of each motor: ticks since the job began, directions ±1, ideal ticks or nothing."""
+    """Steps of each motor: ticks since the job began, directions ±1, ideal ticks or nothing; and
+    what the print warned of."""
 
     clock_hz: int
     ticks: dict[str, array[int]]
     directions: dict[str, array[int]]
     ideal: dict[str, array[float]]
     pulses: dict[str, int]
+    warnings: list[str]
 
 
 def trace_steps(
@@ -46,7 +48,7 @@ def trace_steps(
     end_s = 1e9 if to_s is None else to_s
     job.trace_until(end_s)
     job.job.keep_ideal(ideal)
-    job.run(path)
+    result = job.run(path)
     ticks: dict[str, array[int]] = {}
     directions: dict[str, array[int]] = {}
     ideals: dict[str, array[float]] = {}
@@ -60,7 +62,7 @@ def trace_steps(
         if ideal:
             ideals[stepper.name] = array("d", job.job.take_ideal(i))[first : len(executed)]
     pulses = {s.name: s.pulse_ticks for s in job.connection.board.steppers}
-    return StepTrace(hz, ticks, directions, ideals, pulses)
+    return StepTrace(hz, ticks, directions, ideals, pulses, result.warnings)
 
 
 def write_steps(path: str | os.PathLike[str], trace: StepTrace) -> None:

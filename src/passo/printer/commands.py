@@ -39,6 +39,7 @@ _CORNERS = {
 }
 _LEAST = {"speed": (LEAST_SPEED, "mm/s"), "accel": (LEAST_ACCEL, "mm/s²"), "jerk": (0.0, "mm/s")}
 _OF_VELOCITY_LIMIT = {"VELOCITY": "speed", "ACCEL": "accel"}
+_KLIPPERS_CORNER = "SQUARE_CORNER_VELOCITY"
 _KINDS = {"T": "hotend", "P": "hotend", "B": "bed", "C": "chamber"}
 
 
@@ -491,6 +492,13 @@ class Commands:
                 raise CommandError([self.problem()])
 
     def _velocity_limit(self, command: Command) -> None:
+        note = self.velocity_limit(command)
+        if note:
+            self.omitted.count(Omission.REFUSED, note, command.line)
+
+    def velocity_limit(self, command: Command, *, live: bool = False) -> str:
+        """SET_VELOCITY_LIMIT, for the moves that follow, or `live` for all that is planned anew.
+        Returns a note on the keys that do not act, or nothing. Raises CommandError."""
         values: dict[str, float] = {}
         for key, text in command.pairs().items():
             try:
@@ -502,27 +510,33 @@ class Commands:
         for key, what in _OF_VELOCITY_LIMIT.items():
             if key in values:
                 _at_least(key, values[key], what)
-        corner = values.get("SQUARE_CORNER_VELOCITY")
+        corner = values.get(_KLIPPERS_CORNER)
         if corner is not None and not corner > 0:
-            raise CommandError.bad_value("SQUARE_CORNER_VELOCITY", corner, "above 0 mm/s")
+            raise CommandError.bad_value(_KLIPPERS_CORNER, corner, "above 0 mm/s")
         ratio = values.get("MINIMUM_CRUISE_RATIO")
         if ratio is not None and not 0 <= ratio < 1:
             raise CommandError.bad_value("MINIMUM_CRUISE_RATIO", ratio, "0 to less than 1")
         job = self._job
         if "VELOCITY" in values:
-            job.set_limit("speed", values["VELOCITY"])
+            job.set_limit("speed", values["VELOCITY"], live)
         if "ACCEL" in values:
-            job.set_limit("print_accel", values["ACCEL"])
-            job.set_limit("travel_accel", values["ACCEL"])
+            job.set_limit("print_accel", values["ACCEL"], live)
+            job.set_limit("travel_accel", values["ACCEL"], live)
         if ratio is not None:
-            job.set_limit("minimum_cruise_ratio", ratio)
-        if corner is not None:
+            job.set_limit("minimum_cruise_ratio", ratio, live)
+        law = self._machine.limits.junction
+        if corner is not None and law == "deviation":
             # A right angle: v² = a δ s/(1 - s) with s = √½, so δ = v² (√2 - 1) / a.
             accel = job.limit("print_accel")
             low, high = _DEVIATION
-            job.set_limit(
-                "junction_deviation", min(max(corner**2 * (sqrt(2) - 1) / accel, low), high)
-            )
+            deviation = min(max(corner**2 * (sqrt(2) - 1) / accel, low), high)
+            job.set_limit("junction_deviation", deviation, live)
+        acts = {*_OF_VELOCITY_LIMIT, "MINIMUM_CRUISE_RATIO"}
+        if law == "deviation":
+            acts.add(_KLIPPERS_CORNER)
+        idle = [key for key in values if key not in acts]
+        why = f", for {_CORNERS[law]}" if _KLIPPERS_CORNER in idle else ""
+        return f"{command.code}: {' '.join(idle)[:100]} without effect{why}" if idle else ""
 
     # Of the class: an object that refers to itself would keep its job until it is found as garbage.
     _HANDLERS: ClassVar[dict[str, Callable[[Commands, Command], Wait | None]]] = {

@@ -17,7 +17,6 @@ from passo.printer.overshoot import Overshoot
 from passo.printer.slots import E, X, Y, Z, slot_of_axis
 from passo.printer.switches import (
     Switch,
-    axes_of_arms,
     is_actuator,
     steppers_of,
     switches,
@@ -76,7 +75,7 @@ class Homer:
     def axes(self) -> set[str]:
         """The axes that find their place by switches."""
         own = {n for n in self._machine.homing if not is_actuator(self._machine, n)}
-        return own | set(axes_of_arms(self._machine))
+        return own | set(self._machine.axes_of_arms)
 
     def states(self) -> dict[str, bool]:
         """All switches: whether they are pressed."""
@@ -147,7 +146,7 @@ class Homer:
             unknown = [self._axes[i] for i in self._printer.job.locked_axes]
             names = [name for name in names if name in unknown]
         fixed = [name for name in names if name not in self.axes]
-        self._set({name: self._home_of(name) for name in fixed})
+        self._set({name: self._machine.home_mm[name] for name in fixed})
         self._printer.endstops.pause()
         self._printer.drive.use_commits(False)
         batch: list[_Way] = []
@@ -163,15 +162,11 @@ class Homer:
             if not self._printer.halted:
                 self._printer.drive.use_commits(True)
 
-    def _home_of(self, name: str) -> float:
-        axis = self._machine.axes[name]
-        return axis.min_mm if axis.home_mm is None else axis.home_mm
-
     def _ways(self, names: Sequence[str], *, everything: bool) -> list[_Way]:
         """Arms first. Z of a delta that has a switch of its own needs them only to know where it
         is."""
         machine, homing = self._machine, self._machine.homing
-        of_arms = set(axes_of_arms(machine))
+        of_arms = set(machine.axes_of_arms)
         wanted: set[str] = of_arms & set(names)
         if wanted == {"z"} and "z" in homing and not self._printer.job.locked_axes:
             wanted = set[str]()
@@ -204,7 +199,7 @@ class Homer:
         """Homes axes and arms that share no motor at the same time."""
         printer, job = self._printer, self._printer.job
         arms = any(is_actuator(self._machine, way.name) for way in ways)
-        of_arms = axes_of_arms(self._machine) if arms else ()
+        of_arms = self._machine.axes_of_arms if arms else ()
 
         def point_of_arms(joints: Sequence[float]) -> dict[str, float]:
             job.use_joints(False)

@@ -49,6 +49,7 @@ class MotionCommands:
             "M220": lambda c, r: self._speed(c, r, live=False),
             "M221": lambda c, r: self._flow(c, r, live=False),
             "M290": lambda c, r: self._printer.commands.run(c),
+            "SET_VELOCITY_LIMIT": self._velocity_limit,
             "M603": lambda c, r: self._say(r, *self.change_lines()),
         }
 
@@ -192,6 +193,15 @@ class MotionCommands:
         note = self._printer.commands.junction(words, live=live)
         if note:
             reply.note("M205", note)
+        if live:
+            self._printer.drive.replan()
+        return None
+
+    def _velocity_limit(self, command: Command, reply: Reply) -> Wait | None:
+        live = self._printer.beside(reply)
+        note = self._printer.commands.velocity_limit(command, live=live)
+        if note:
+            reply.note(note, note)
         if live:
             self._printer.drive.replan()
         return None

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from passo.config.drives import axis_order
-from passo.printer.switches import axes_of_arms, is_actuator, steppers_of
+from passo.printer.switches import is_actuator, steppers_of
 from passo.printer.waits import Handler, Reply, Still, Wait
 from passo.printer.wiring import enable_outputs
 from passo.printer.words import Command
@@ -68,7 +68,7 @@ class Motors:
         for name in self._machine.homing:
             if steppers & set(steppers_of(self._machine, name)):
                 arm = is_actuator(self._machine, name)
-                self._printer.lock(axes_of_arms(self._machine) if arm else [name])
+                self._printer.lock(self._machine.axes_of_arms if arm else [name])
 
     def named(self, text: str) -> list[str]:
         """The motors of the letters in a command: axes, actuators, E; all without letters."""

@@ -30,7 +30,6 @@ from passo.printer.motors import Motors
 from passo.printer.person import PersonCommands
 from passo.printer.positions import Positions
 from passo.printer.slots import E
-from passo.printer.switches import axes_of_arms, home_point
 from passo.printer.tune_commands import TuneCommands
 from passo.printer.turn import Turn
 from passo.printer.waiting import Waiting
@@ -146,8 +145,8 @@ class Printer:
         self.drive.on_pass = self._time_passed
         self.homer = Homer(self)
         self.positions = Positions(self)
-        if axes_of_arms(machine) == ("x", "y"):  # which may not reach the origin
-            self.job.set_axes(list(enumerate(home_point(machine)[:E])))
+        if machine.axes_of_arms == ("x", "y"):  # which may not reach the origin
+            self.job.set_axes(list(enumerate(machine.home_point[:E])))
         if connection.adopted:
             # No board tells whether the host before has left them on. So they go off when the
             # machine stands idle, and what the journal says decides where it stands.

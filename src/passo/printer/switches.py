@@ -9,7 +9,6 @@ from passo.config.drives import axis_order
 from passo.geometry.base import Point
 
 if TYPE_CHECKING:
-    from passo.config.homing import Homing
     from passo.config.machine import MachineConfig
 
 _NUDGE = 1e-3  # mm, to see which actuators a move turns
@@ -45,7 +44,7 @@ def steppers_of(machine: MachineConfig, home: str) -> tuple[str, ...]:
     elif is_actuator(machine, home):
         wanted = {("actuator", actuators.index(home))}
     else:
-        at = home_point(machine)
+        at = machine.home_point
         before = machine.geometry.inverse(at)
         k = axes.index(home)
         after = machine.geometry.inverse(_moved(at, k, -_NUDGE))
@@ -63,41 +62,13 @@ def is_actuator(machine: MachineConfig, home: str) -> bool:
     return home in machine.geometry.arms
 
 
-def axes_of_arms(machine: MachineConfig) -> tuple[str, ...]:
-    """The axes whose place the arms alone decide; none where arms are not homed."""
-    if not any(is_actuator(machine, name) for name in machine.homing):
-        return ()
-    return ("x", "y", "z") if machine.geometry.lifts_together else ("x", "y")
-
-
-def home_point(machine: MachineConfig) -> Point:
-    """Where the nozzle is when all is at home, mm."""
-    if any(is_actuator(machine, name) for name in machine.homing):
-        a, b, c = (
-            machine.homing[name].position if name in machine.homing else axis_home(machine, name)
-            for name in machine.geometry.actuators
-        )
-        return machine.geometry.forward((a, b, c))
-    x, y, z = (axis_home(machine, name) for name in "xyz")
-    return x, y, z
-
-
 def pressed_point(machine: MachineConfig, switch: Switch) -> Point:
     """Where the nozzle is when it presses an axis' switch, all else being at home, mm."""
     x, y, z = (
         machine.homing[name].position if name == switch.home else at
-        for name, at in zip("xyz", home_point(machine), strict=True)
+        for name, at in zip("xyz", machine.home_point, strict=True)
     )
     return x, y, z
-
-
-def axis_home(machine: MachineConfig, name: str) -> float:
-    """Where an axis is at home, mm."""
-    homing: Homing | None = machine.homing.get(name)
-    if homing is not None:
-        return homing.position
-    axis = machine.axes[name]
-    return axis.min_mm if axis.home_mm is None else axis.home_mm
 
 
 def _moved(point: Point, k: int, by: float) -> Point:

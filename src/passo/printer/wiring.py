@@ -37,8 +37,6 @@ from passo.printer.driver_wiring import (
 )
 from passo.printer.switches import (
     Switch,
-    axes_of_arms,
-    home_point,
     is_actuator,
     pressed_point,
     switches,
@@ -258,15 +256,15 @@ def _actuators(machine: MachineConfig) -> tuple[Actuator, ...]:
     from passo.simulator import Actuator
 
     geometry = machine.geometry
-    q = list(geometry.inverse(home_point(machine)))
-    point = list(home_point(machine))
+    q = list(geometry.inverse(machine.home_point))
+    point = list(machine.home_point)
     for name, homing in machine.homing.items():
         away = -_AWAY if homing.direction == "max" else _AWAY
-        if axes_of_arms(machine) and name in geometry.actuators:
+        if machine.axes_of_arms and name in geometry.actuators:
             q[geometry.actuators.index(name)] += away
         elif name in "xyz":
             point["xyz".index(name)] += away
-    if not axes_of_arms(machine):
+    if not machine.axes_of_arms:
         x, y, z = point
         q = list(geometry.inverse((x, y, z)))
     askew = {n: i * _ASKEW for h in machine.homing.values() for i, n in enumerate(h.stepper_pins)}
