@@ -103,8 +103,11 @@ class Interpreter {
         filament_slots_ |= uint8_t(1u << slot_of_axis(int(i)));
         continue;
       }
-      low_[slot_of_axis(int(i))] = machine.axes[i].min;
-      high_[slot_of_axis(int(i))] = machine.axes[i].max;
+      const int j = slot_of_axis(int(i));
+      low_[j] = machine.axes[i].min;
+      high_[j] = machine.axes[i].max;
+      // Arms that move no Z may not reach the origin: their machine begins at home.
+      if (machine.axes[i].by_arms && !machine.axes[size_t(kZ)].by_arms) position_[j] = home_[i];
     }
     features_.push_back("");
   }

@@ -111,7 +111,7 @@ def test_g53_holds_for_its_line_alone():
 
 def test_g53_knows_no_offset_of_a_tool():
     out = run("T1\nG1 X10\nG53 G1 X60\nG1 X10\n", "dual-extruder")
-    assert [x for x, *_ in out.ends] == [35, 60, 35]
+    assert [x for x, *_ in out.ends] == [-15, 60, -15]
 
 
 @pytest.mark.parametrize(

@@ -17,13 +17,15 @@ from passo.geometry.dual_scara import DualScara
 LIMITS = ("min_deg = -60.0\nmax_deg = 120.0", "min_deg = 60.0\nmax_deg = 250.0")
 
 
-def arms(x, y, limits=("", ""), arm2=150.0):
+def arms(x, y, limits=("", ""), arm2=150.0, home=(-60.0, 60.0)):
     """The shipped SCARA, bed of 200 x 200 mm, the shoulder at x, y on it."""
     changes = {
         "arm2 = 150.0": f"arm2 = {arm2}",
         "x_offset = 100.0": f"x_offset = {x}",
         "y_offset = -56.0": f"y_offset = {y}",
         **dict(zip(LIMITS, limits, strict=True)),
+        "position = -60.0": f"position = {home[0]}",
+        "position = 60.0": f"position = {home[1]}",
     }
     text = shipped_text("scara")
     for old, new in changes.items():
@@ -84,8 +86,13 @@ def planned(tmp_path, machine, *lines):
     return list(Machine(machine).plan(path))
 
 
+# Their program begins at home, on the right of the shoulder.
+AROUND = ("G1 X200 Y180 F6000", "G1 X60 Y180")
+
+
 def test_a_line_over_the_left_of_a_shoulder_takes_its_time(tmp_path):
-    moves = planned(tmp_path, arms(256.0, 100.0), "G1 X100 Y101 F600", "G1 X100 Y99")
+    machine = arms(256.0, 100.0, home=(90.0, 180.0))
+    moves = planned(tmp_path, machine, "G1 X100 Y101 F600", "G1 X100 Y99")
     assert moves[-1].end_s - moves[-1].start_s == pytest.approx(0.2, abs=0.02)
 
 
@@ -101,14 +108,14 @@ def test_a_line_behind_a_shoulder_is_refused(tmp_path, start, end, place):
     machine = arms(100.0, 99.99)
     before, behind = f"G1 {start} Z1 F600", f"G1 {end}"
     with pytest.raises(InputError) as error:
-        planned(tmp_path, machine, before, behind)
+        planned(tmp_path, machine, *AROUND, before, behind)
     (problem,) = error.value.problems
-    assert (problem.line, problem.code) == (2, "input.unreachable")
+    assert (problem.line, problem.code) == (4, "input.unreachable")
     assert f"the point {place}, Z 1.000 mm cannot be reached" in problem.sentence
     assert "behind the shoulder at X 100, Y 99.99 its arms would have to turn back" in str(
         error.value
     )
-    assert planned(tmp_path, machine, before, "G1 Y110", f"G1 {end[:4]} Y110", behind)
+    assert planned(tmp_path, machine, *AROUND, before, "G1 Y110", f"G1 {end[:4]} Y110", behind)
 
 
 @pytest.mark.parametrize(
@@ -116,8 +123,9 @@ def test_a_line_behind_a_shoulder_is_refused(tmp_path, start, end, place):
 )
 def test_a_line_over_a_shoulder_is_refused(tmp_path, arm2, y, nearest):
     with pytest.raises(InputError) as error:
-        planned(tmp_path, arms(100.0, 99.99, arm2=arm2), f"G1 X61 Y{y} F600", f"G1 X139.3 Y{y}")
-    assert error.value.problems[0].line == 2
+        over = f"G1 X61 Y{y} F600", f"G1 X139.3 Y{y}"
+        planned(tmp_path, arms(100.0, 99.99, arm2=arm2), *AROUND, *over)
+    assert error.value.problems[0].line == 4
     assert f"the arms reach from {nearest} to" in str(error.value)
 
 

@@ -29,7 +29,6 @@ from passo.printer.motion_commands import MotionCommands
 from passo.printer.motors import Motors
 from passo.printer.person import PersonCommands
 from passo.printer.positions import Positions
-from passo.printer.slots import E
 from passo.printer.tune_commands import TuneCommands
 from passo.printer.turn import Turn
 from passo.printer.waiting import Waiting
@@ -145,8 +144,6 @@ class Printer:
         self.drive.on_pass = self._time_passed
         self.homer = Homer(self)
         self.positions = Positions(self)
-        if machine.axes_of_arms == ("x", "y"):  # which may not reach the origin
-            self.job.set_axes(list(enumerate(machine.home_point[:E])))
         if connection.adopted:
             # No board tells whether the host before has left them on. So they go off when the
             # machine stands idle, and what the journal says decides where it stands.
