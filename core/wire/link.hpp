@@ -321,7 +321,7 @@ class Link {
   int32_t clock_id_ = -1000, uptime_id_ = -1000, analog_id_ = -1000, converter_id_ = -1000,
           shutdown_id_ = -1000, is_shutdown_id_ = -1000, trsync_id_ = -1000;
   int32_t survive_id_ = -1000;
-  static constexpr int64_t kBraking = 3;  // state of survive_state from which on the board is alone
+  static constexpr int64_t kBraking = 4;  // state of survive_state from which on the board is alone
   bool alone_ = false, long_ago_ = false;  // the board was not heard for a while
   uint64_t last_of_job_ = 0;               // number of the last frame with messages of the job
   uint32_t committed_ = 0;                 // serial of the last commit sent

@@ -102,7 +102,7 @@ static void give(struct stepper *stepper, struct move *move) {
   uint32_t first_step = stepper->last + interval;
   if (!stepgen_append(stepper->axis, move, first_step)) {
     move_free(move);
-    if (stepper->halted) return;  // in this moment
+    if (stepper->halted || survive_gives_up()) return;  // in this moment
     shut_down((int32_t)(hal_clock() - first_step) > (int32_t)LATE ? SHUTDOWN_STEP_TOO_LATE
                                                                   : SHUTDOWN_TIMER_TOO_CLOSE);
     return;

@@ -13,17 +13,21 @@
 DECL_SHUTDOWN(SURVIVE_TOO_LONG, "Output may not be held for so long");
 DECL_SHUTDOWN(SURVIVE_UNWATCHED, "No sensor watches what an output is held for");
 DECL_REPORT("survive_state state=%c serial=%u clock=%u");
-DECL_CONSTANT("SURVIVE", 1);
+DECL_CONSTANT("SURVIVE", 2);
 DECL_CONSTANT("SURVIVE_GUARD_MS", 5);
 DECL_CONSTANT("SURVIVE_OUTPUT_S", 60);
 DECL_ENUMERATION("survive", "off", 0);
-DECL_ENUMERATION("survive", "resting", 1);
-DECL_ENUMERATION("survive", "moving", 2);
-DECL_ENUMERATION("survive", "braking", 3);
-DECL_ENUMERATION("survive", "held", 4);
+DECL_ENUMERATION("survive", "homing", 1);
+DECL_ENUMERATION("survive", "resting", 2);
+DECL_ENUMERATION("survive", "moving", 3);
+DECL_ENUMERATION("survive", "braking", 4);
+DECL_ENUMERATION("survive", "held", 5);
+DECL_ENUMERATION("survive", "lost", 6);
 
-// Resting: the last commit ends with motors that stand. Moving: the next one must come in time.
-enum { OFF, RESTING, MOVING, BRAKING, HELD };
+// Homing: switches stop the motors, and no commits come. Resting: the last commit ends with motors
+// that stand. Moving: the next one must come in time. Lost: a step came too late while axes homed,
+// and the motors were stopped, who knows where.
+enum { OFF, HOMING, RESTING, MOVING, BRAKING, HELD, LOST };
 
 // The decision falls so long before the commit's clock: time enough to queue all tails, or all
 // moves of the commit that comes just in time.
@@ -57,6 +61,16 @@ uint32_t survive_in_time(uint32_t clock) {
 }
 
 void survive_missed(void) { missed = survive_stages(); }
+
+bool survive_gives_up(void) {
+  struct stepper *stepper;
+  if (state != HOMING || is_shut_down()) return false;
+  for (int16_t oid = -1; (stepper = object_next(&oid, OBJECT_STEPPER)) != NULL;)
+    stepper_halt(stepper);
+  state = LOST;
+  untold = true;
+  return true;
+}
 
 static bool decide(struct timer *timer) {
   (void)timer;
@@ -118,8 +132,15 @@ static void begin(uint8_t to) {
 DECL_COMMAND(command_survive_arm, "survive_arm", 0);
 void command_survive_arm(const uint32_t *args) {
   (void)args;
-  if (state == OFF) serial = 0;
+  if (state <= HOMING) serial = 0;
   begin(RESTING);
+}
+
+DECL_COMMAND(command_survive_home, "survive_home", 0);
+void command_survive_home(const uint32_t *args) {
+  (void)args;
+  serial = 0;
+  begin(HOMING);
 }
 
 DECL_COMMAND(command_survive_off, "survive_off", 0);

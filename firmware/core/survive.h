@@ -14,6 +14,9 @@ bool survive_is_on(void);
 // A clock of the host's; one that is past, while the board survives a bad link, becomes one that is
 // not. Any context.
 uint32_t survive_in_time(uint32_t clock);
+// A step has come too late. While axes home all motors stop then, and the host is told: true. False
+// if it is a reason to shut down. Foreground.
+bool survive_gives_up(void);
 // What the next commit's moves need came too late: it will be refused. Foreground.
 void survive_missed(void);
 // Brakes when that was decided; forgets all after a shutdown. Foreground.

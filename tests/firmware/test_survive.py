@@ -9,7 +9,7 @@ from tests.oracles.wire import step_clocks
 from tests.simulator.raw import RawBoard
 
 GUARD = 16_000_000 // 200
-STATES = ("off", "resting", "moving", "braking", "held")
+STATES = ("off", "homing", "resting", "moving", "braking", "held", "lost")
 HEATER_LONGEST = 2000  # of oid 7 in RawBoard.configure()
 MOTORS = {0: "PF0", 1: "PF6"}
 
@@ -461,3 +461,36 @@ def test_sensors_that_are_asked_late_begin_at_once():
     told = host.board.wait(60_000)
     assert "analog_in_state" in [name for name, _ in told]
     assert host.board.device.fault == ""
+
+
+def test_a_step_that_comes_too_late_while_axes_home_stops_all_motors():
+    """Nobody knows where, but the board lives, and heats on."""
+    host = Host()
+    host.tell("survive_home")
+    begin = host.board.now
+    for motor in MOTORS:
+        host.tell(f"reset_step_clock oid={motor} clock={begin & 0xFFFFFFFF}")
+        host.last[motor] = begin
+    host.move(0, 10_000, 1000)
+    host.move(1, 10_000, 5)
+    assert host.state() == ("homing", 0)
+    host.board.wait(200_000)
+    told = host.tell("queue_step oid=1 interval=10000 count=50 add=0")
+    assert [(n, STATES[v["state"]]) for n, v in told] == [("survive_state", "lost")]
+    assert [len(host.done(motor)) for motor in MOTORS] == [20, 5]
+    host.tell("queue_step oid=0 interval=10000 count=50 add=0")
+    host.tell(f"reset_step_clock oid=1 clock={host.board.clock(1000)}")
+    host.tell("queue_step oid=1 interval=10000 count=50 add=0")
+    host.board.wait(400_000)
+    assert [host.done(motor) for motor in MOTORS] == [[], []]
+    assert (host.position(0), host.position(1)) == (-20, -5)
+    assert host.state() == ("lost", 0)
+    assert host.board.device.fault == ""
+    host.tell("survive_arm")
+    assert host.state() == ("resting", 0)
+    host.last[1] = host.board.now
+    host.tell(f"reset_step_clock oid=1 clock={host.board.clock(0)}")
+    host.move(1, 10_000, 3)
+    host.commit(host.board.now + 200_000, rest=True)
+    host.board.wait(100_000)
+    assert len(host.done(1)) == 3

@@ -95,3 +95,22 @@ def silences(s, seconds, times):
         s.passes(seconds)
         s.board.cut_cable(board, False)
         s.passes(0.8)
+
+
+@pytest.mark.parametrize("seconds", (0.3, 1.0, 3.5, 20.0))
+def test_a_link_that_is_lost_while_axes_home_costs_their_place_and_no_heat(printer, seconds):
+    s = printer
+    (board,) = s.board.boards
+    s.host.ok("M190 S60", 900)
+    s.host.send("M32 a.g")
+    s.passes(2.3)  # towards the switch of X
+    s.board.cut_cable(board)
+    s.passes(seconds)
+    s.board.cut_cable(board, False)
+    s.host.expect("// action:pause", 10)
+    s.host.expect("echo:The printer is ready again. Home it before you move it", 10)
+    assert s.printer.halted == ""
+    assert s.board.temperature("bed") > 58
+    assert s.printer.connection.heaters["bed"].target == 60
+    s.host.ok("G28", 30)
+    assert s.positions() | {"e": 0} == pytest.approx(dict.fromkeys("xyze", 0), abs=0.02)

@@ -89,10 +89,10 @@ class Boards:
             connection.use_commits(horizon_s)
 
     def arm(self, on: bool) -> None:
-        """Whether the boards brake by themselves when they are left alone. Only while the machine
-        stands, and if they all `survive`."""
+        """Whether the boards brake by themselves when they are left alone; else axes are to home.
+        Only while the machine stands, and if they all `survive`."""
         for connection in self.connections:
-            connection.command("survive_arm" if on else "survive_off")
+            connection.command("survive_arm" if on else "survive_home")
             connection.link.begin_commits(on)
 
     @property

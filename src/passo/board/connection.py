@@ -38,6 +38,7 @@ ABSOLUTE_ZERO_C = -273.15  # hosts read it as a number, and nobody takes it for 
 _RESET_S = 0.05  # a board that has been told to reset has begun to by then
 _RESPONSES_KEPT = 1024
 _MOST_STEPS = 0xFFFF  # of one command
+_SURVIVE = 2  # version of the extension
 _SLOTS_RENEWED = 4  # of each output that is told its value again and again
 
 
@@ -155,7 +156,7 @@ class Connection:
     @property
     def survives(self) -> bool:
         """The board can stop by itself when it is left alone (docs/decisions/0013-survive.md)."""
-        return self.dictionary.number("SURVIVE") > 0
+        return self.dictionary.number("SURVIVE") >= _SURVIVE
 
     def use_commits(self, horizon_s: float) -> None:
         """The job comes in commits, and leaves so long ahead. Only if the board `survives`."""
@@ -494,10 +495,10 @@ class Connection:
 
     def _stood_alone(self) -> bool:
         """Whether the board has outlived its host, and its motors stand."""
-        off = self.dictionary.enumerations["survive"]["off"]
+        states = self.dictionary.enumerations["survive"]
         for _ in range(int(BRAKING_S / LOOK_S)):
             if (state := self.stopped()) is not None:
-                return state["state"] != off
+                return state["state"] in (states["resting"], states["held"])
             self.pass_time(self.now + self._ticks(LOOK_S))
         return False
 

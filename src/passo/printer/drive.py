@@ -199,7 +199,7 @@ class Drive:
 
     def use_commits(self, on: bool) -> None:
         """Whether the boards brake by themselves when they are left alone, if they can: not while
-        switches are to stop motors. Only while the machine stands."""
+        switches are to stop motors, as axes home. Only while the machine stands."""
         if not self._connection.survives:
             return
         if on:

@@ -17,7 +17,6 @@ from passo.board.connection import (
 )
 from passo.board.ports import LinkLostError
 from passo.printer.drive import TICK_S
-from passo.printer.wiring import MAX_DURATION_S
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -70,8 +69,7 @@ class _Reconnection:
     def outlook(self) -> str:
         """What the boards do meanwhile."""
         if not self._printer.drive.commits:
-            after = f"heat goes off after {MAX_DURATION_S:g} s"
-            return f"Axes were homing: their place is lost, and {after}"
+            return "Axes were homing: their place is lost. The board keeps warm for a minute"
         who = "The board" if len(self._connections) == 1 else "Each board"
         return f"{who} stops by itself and keeps warm for a minute"
 
@@ -131,14 +129,15 @@ class _Reconnection:
 
     async def _stood_behind(self, connection: Connection) -> int:
         """The last commit of a board whose motors stand."""
-        off = connection.dictionary.enumerations["survive"]["off"]
+        states = connection.dictionary.enumerations["survive"]
         with self._silence_of(connection):
             # The link asks for the state as well, and its question may be older than a commit that
             # is still under way. Behind this answer, none is.
             connection.ask("get_config", "config")
             for _ in range(int(BRAKING_S / LOOK_S)):
                 if (state := connection.stopped()) is not None:
-                    return 0 if state["state"] == off else int(state["serial"])
+                    behind = state["state"] in (states["resting"], states["held"])
+                    return int(state["serial"]) if behind else 0
                 await self._passes(LOOK_S)
         raise PlaceLostError.of("machine.place-unknown")
 

@@ -86,6 +86,7 @@ COMMANDS = {
     },
     "Surviving a lost link": {
         "survive_arm": "On; the machine rests.",
+        "survive_home": "On, while axes home: steps that come too late stop all motors.",
         "survive_off": "Off: a board as without the extension.",
         "survive_tail": "A move of the motor's brake tail, which waits for its commit.",
         "survive_commit": (
