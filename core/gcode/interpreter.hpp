@@ -518,6 +518,13 @@ class Interpreter {
     return true;
   }
 
+  // Whether a move may not bring axis slot j there. From a switch that lies beyond the limits there
+  // is a way back.
+  bool beyond(int j, double at) const {
+    return at < std::min(low_[j], position_[j]) - 1e-6 ||
+           at > std::max(high_[j], position_[j]) + 1e-6;
+  }
+
   // `relative`: a bit for each letter that counts from where it is.
   bool target(const double* value, uint32_t have, uint32_t relative) {
     std::copy(position_, position_ + kAxes, move_.target);
@@ -537,7 +544,7 @@ class Interpreter {
         continue;
       }
       double t = !absolute ? meant(j) + v : machine_zero_ ? v : v + origin_[j];
-      if (t < low_[j] - 1e-6 || t > high_[j] + 1e-6) {
+      if (beyond(j, t)) {
         double limit = t < low_[j] ? low_[j] : high_[j];
         if (!clamp && !locked(j)) {
           logical_e_ = e_before;

@@ -576,7 +576,7 @@ inline bool Interpreter::next_chord() {
   arc_.next(move_.target);
   for (int j = 0; j < 3; ++j) {
     const double hop = j == kZ ? arc_hop_ : 0, at = move_.target[j] - hop;
-    if (at < low_[j] - 1e-6 || at > high_[j] + 1e-6) {
+    if (beyond(j, at)) {
       const double limit = at < low_[j] ? low_[j] : high_[j];
       if (!clamp) {
         fail(Fault::out_of_range, machine_->axes[size_t(j)].name, at, limit);

@@ -149,6 +149,17 @@ def test_out_of_range_stops_or_is_clamped(line, axis, value, limit):
     assert out.moves[1].end_mm["xyz".index(axis)] == limit
 
 
+def test_there_is_a_way_back_from_a_switch_beyond_the_limits():
+    """Arms that hang at their switches hold the nozzle above the highest place of Z."""
+    text = "G28\nG91\nG1 Z-10 F600\nG1 X2\nG2 I2\nG1 Z0.5\nG1 Z-30\nG1 Z19\n"
+    out = run(text, "rotary-delta")
+    top = out.ends[0][2] + 10
+    assert top > 80
+    refused = [(line, fault, axis, limit) for line, fault, axis, _, limit in out.errors]
+    assert refused == [(n, Fault.OUT_OF_RANGE, "z", 60) for n in (6, 8)]
+    assert out.ends[-1] == (2, 0, pytest.approx(top - 40), 0)
+
+
 def test_tools():
     out = run("G1 X10 E1\nT1\nG92 E0\nG1 X20 E2\nT0\nG92 E0\nG1 X30 E1\n", "dual-extruder")
     assert out.errors == []
