@@ -32,8 +32,8 @@ async def stop_boards(printer: Printer, given_up: asyncio.Event) -> None:
         await either(given_up, _AGAIN_S)
         printer.drive.live_on(_AGAIN_S)
         left = [c for c in left if not c.has_shut_down()]
-        # Those that were not told how to keep warm have switched all off within three seconds.
-        warm = [c for c in left if c.heaters] if printer.drive.commits else []
+        # Those that cannot keep warm by themselves have switched all off within three seconds.
+        warm = [c for c in left if c.heaters] if printer.connection.survives else []
         if warm and not warned:
             warned = True
             danger = MachineError.of("machine.unstopped", value=_names(printer, warm))
