@@ -158,7 +158,7 @@ class Link {
   void begin_commits(bool on) {
     job_.begin_commits();
     agree();
-    if (timeline_) on ? timeline_->begin_commits() : timeline_->end_commits();
+    if (timeline_ && on) timeline_->begin_commits();
   }
   // True once after faults of heaters: the board has been sent the order to switch them off.
   bool take_fault() { return heaters_.take_fault(); }

@@ -96,8 +96,6 @@ class Timeline {
     for (Mail& mail : mail_) mail.has = 0;
     survive_ = true;
   }
-  // From now on no board brakes by itself.
-  void end_commits() { survive_ = false; }
   // The board behind a link has all that belongs to a commit but the word that makes it valid. True
   // once all boards are so far: then that word may be sent. So a board that has it knows that all
   // others have, at least, the commit before.
@@ -112,7 +110,7 @@ class Timeline {
     return true;
   }
 
-  // The link to a board is lost. Where boards brake by themselves they will; else all stop at once.
+  // The link to a board is lost. Where boards stop by themselves they will; else all stop at once.
   void lost() {
     if (!survive_) halt();
   }

@@ -4,6 +4,7 @@
 
 #include "command.h"
 #include "shutdown.h"
+#include "survive.h"
 
 DECL_SHUTDOWN(INPUT_PIN, "Not a valid input pin");
 DECL_REPORT("endstop_state oid=%c homing=%c next_clock=%u pin_value=%c");
@@ -66,7 +67,7 @@ void command_endstop_home(const uint32_t *args) {
   endstop->wanted = args[5] != 0;
   endstop->reason = (uint8_t)args[7];
   endstop->hits = 0;
-  endstop->timer.wake = args[1];
+  endstop->timer.wake = survive_in_time(args[1]);
   irq = hal_irq_save();
   endstop->armed = true;
   timer_add(&endstop->timer);

@@ -5,6 +5,7 @@
 #include "command.h"
 #include "shutdown.h"
 #include "stepper.h"
+#include "survive.h"
 
 DECL_SHUTDOWN(PERIOD_TOO_SHORT, "Period too short for this board");
 DECL_REPORT("trsync_state oid=%c can_trigger=%c trigger_reason=%c clock=%u");
@@ -118,7 +119,7 @@ void command_trsync_start(const uint32_t *args) {
   group->armed = !is_shut_down();
   group->expire_reason = (uint8_t)args[3];
   group->report_ticks = args[2];
-  group->report.wake = args[1];
+  group->report.wake = survive_in_time(args[1]);
   if (args[2] != 0) timer_add(&group->report);
   hal_irq_restore(irq);
 }
@@ -130,7 +131,7 @@ void command_trsync_set_timeout(const uint32_t *args) {
   hal_irq_t irq = hal_irq_save();
   if (group->armed) {
     timer_remove(&group->timeout);
-    group->timeout.wake = args[1];
+    group->timeout.wake = survive_in_time(args[1]);
     timer_add(&group->timeout);
   }
   hal_irq_restore(irq);

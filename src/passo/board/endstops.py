@@ -57,6 +57,9 @@ class Endstops:
         self._rest_s = rest_s
         self._armed, self.hit, self.expired = {}, {}, set()
         self._reason = self._reason % _REASONS + 1
+        for connection in self._boards.connections:
+            # Before it was reset, a board may have told of what it was armed for by another host.
+            connection.take_responses("trsync_state")
         for name, stopped in steppers.items():
             own = self._board(name)
             boards = [own]

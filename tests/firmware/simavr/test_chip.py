@@ -166,8 +166,9 @@ def test_outputs_change_at_their_clock(board):
     for pin, planned in (("PA1", firsts), ("PA2", seconds)):
         made = [e.cycle for e in edges if e.pin == pin]
         late += [cycle - due for cycle, due in zip(made, planned, strict=True)]
-    # A Melzi's alarm counts units of 64 ticks; where they begin differs from image to image.
-    assert max(late) - min(late) <= (700 if board is RAMPS else 960)
+    # A Melzi's alarm counts units of 64 ticks; where they begin differs from image to image. So
+    # does where the link's bytes fall: 644 to 733 ticks on the other, for twelve beginnings.
+    assert max(late) - min(late) <= (800 if board is RAMPS else 960)
     chip.close()
 
 
