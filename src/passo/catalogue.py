@@ -492,6 +492,12 @@ CATALOGUE: Mapping[str, Entry] = {
         "Choose the right board in the machine file, or build the firmware for it",
         ExitStatus.MACHINE_FAULT,
     ),
+    "machine.old-firmware": Entry(
+        "board",
+        "the board's firmware is older than this program",
+        "Build and flash it anew: passo firmware flash",
+        ExitStatus.MACHINE_FAULT,
+    ),
     "machine.closed": Entry(
         "board",
         "the connection to the board has ended",

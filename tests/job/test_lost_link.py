@@ -7,6 +7,7 @@ from tests.console.scenario import Scenario
 from tests.job.disturbed import disturb, steps, undisturbed
 
 from passo import config
+from passo.errors import MachineError
 
 I3 = config.load("i3")
 FIRMWARE = I3.model_copy(update={"board": I3.board.model_copy(update={"firmware": "passo"})})
@@ -264,3 +265,9 @@ def test_what_has_changed_just_before_it(tmp_path, changes, seconds):
             s.passes(0.8)
         s.host.expect("Done printing", 100)
         assert steps(s) == {"x": 0, "y": 0, "z": 0, "e": 0}
+
+
+def test_a_board_with_an_older_firmware_is_refused(monkeypatch):
+    monkeypatch.setattr("passo.board.connection._SURVIVE", 3)
+    with pytest.raises(MachineError, match="firmware is older than this program"):
+        Scenario(FIRMWARE)

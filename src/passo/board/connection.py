@@ -156,7 +156,7 @@ class Connection:
     @property
     def survives(self) -> bool:
         """The board can stop by itself when it is left alone (docs/decisions/0013-survive.md)."""
-        return self.dictionary.number("SURVIVE") >= _SURVIVE
+        return self.dictionary.number("SURVIVE") > 0
 
     def use_commits(self, horizon_s: float) -> None:
         """The job comes in commits, and leaves so long ahead. Only if the board `survives`."""
@@ -436,10 +436,15 @@ class Connection:
             return
         try:
             self._identify()
+            self._check_version()
             self._check_clock()
             self._crc = checksum(commands(self.board, self.dictionary))
         except DictionaryError as error:
             raise MachineError.of("machine.dictionary", value=str(error)) from None
+
+    def _check_version(self) -> None:
+        if 0 < self.dictionary.number("SURVIVE") < _SURVIVE:
+            raise MachineError.of("machine.old-firmware")
 
     def _check_clock(self) -> None:
         hz, wanted = self.dictionary.number("CLOCK_FREQ"), self.board.clock_hz

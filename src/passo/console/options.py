@@ -51,7 +51,7 @@ class OptionCommands:
 
     def _tell(self, command: Command, reply: Reply) -> Wait | None:
         option, _ = self._named(command)
-        reply.say(f"{numeral(option.value())}")
+        reply.say(numeral(option.value()))
         return None
 
     def _note(self, command: Command, _: Reply) -> Wait | None:
@@ -78,7 +78,7 @@ class OptionCommands:
         for name, value in pending.items():
             option = self._options[name]
             before = option.value()
-            line = option.command.format(f"{numeral(value * option.scale)}")
+            line = option.command.format(numeral(value * option.scale))
             self._printer.take_setting(line, Silence())
             if option.value() == before != value:
                 reply.say(f"echo:{option.name} stays at {numeral(before)}; {line} was not taken")
