@@ -50,6 +50,13 @@ def test_without_switches_the_arms_must_reach_the_home_of_the_axes():
     assert far.splitlines()[(problem.line or 0) - 1] == "[axes.x]"
 
 
+def test_the_arms_must_reach_the_switch_of_an_axis():
+    switch = '[homing.z]\ndirection = "max"\nposition = 9000.0\npin = "^Z_MIN"\n'
+    text = without_switches("rotary-delta").replace("[heaters.", f"{switch}\n[heaters.", 1)
+    with pytest.raises(ConfigError, match=r"9000\.0: .* where the nozzle can be: arm A"):
+        config.load_text(text, "far.toml")
+
+
 def test_with_switches_the_arms_are_where_these_are():
     with Scenario(config.load_text(changed("scara", x_offset="9000.0"))) as s:
         s.host.ok("G28 A B", 60)

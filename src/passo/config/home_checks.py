@@ -7,26 +7,25 @@ from collections.abc import Iterator
 from passo.config.base import LEAST_SCALE, MOST_SCALE
 from passo.config.findings import Finding
 from passo.config.machine import MachineConfig
-from passo.geometry.base import Point, Unreachable
+from passo.geometry.base import Unreachable
 
 
 def check_home(machine: MachineConfig) -> Iterator[Finding]:
-    """With all arms at their switches the nozzle is somewhere; without such switches there is a way
-    to stand at the axes' home."""
-    arms = [name for name in machine.geometry.arms if name in machine.homing]
-    if not arms:
-        yield from _check_axes(machine)
-        return
-    a, b, c = (
-        machine.homing[name].position if name in machine.homing else 0.0
-        for name in machine.geometry.actuators
-    )
+    """The nozzle can be where all is at home: arms and axes at their switches, axes without one
+    where the file says."""
     try:
-        machine.geometry.inverse(machine.geometry.forward((a, b, c)))
+        machine.geometry.inverse(machine.home_point)
     except (Unreachable, ArithmeticError) as error:
-        limit = f"a place where the nozzle can be: {error}"
-        value = machine.homing[arms[0]].position
-        yield Finding("config.value", ("homing", arms[0], "position"), value, limit)
+        arms = [name for name in machine.geometry.arms if name in machine.homing]
+        switches = arms or [name for name in "zyx" if name in machine.homing]
+        if switches:
+            limit = f"a place where the nozzle can be: {error}"
+            value = machine.homing[switches[0]].position
+            yield Finding("config.value", ("homing", switches[0], "position"), value, limit)
+        else:
+            limit = f"a home that the arms reach: {error}"
+            x, y, z = machine.home_point
+            yield Finding("config.value", ("axes", "x"), f"at home at {x:g}, {y:g}, {z:g}", limit)
 
 
 def check_park(machine: MachineConfig) -> Iterator[Finding]:
@@ -37,19 +36,6 @@ def check_park(machine: MachineConfig) -> Iterator[Finding]:
         if not low <= mm <= high:
             limit = f"{name.upper()} between {low:g} and {high:g}"
             yield Finding("config.value", ("park", "position_mm"), mm, limit)
-
-
-def _check_axes(machine: MachineConfig) -> Iterator[Finding]:
-    x, y, z = (
-        axis.min_mm if axis.home_mm is None else axis.home_mm
-        for axis in (machine.axes[name] for name in "xyz")
-    )
-    home: Point = (x, y, z)
-    try:
-        machine.geometry.inverse(home)
-    except (Unreachable, ArithmeticError) as error:
-        limit = f"a home that the arms reach: {error}"
-        yield Finding("config.value", ("axes", "x"), f"at home at {x:g}, {y:g}, {z:g}", limit)
 
 
 def check_scales(machine: MachineConfig) -> Iterator[Finding]:
