@@ -68,9 +68,9 @@ class _Reconnection:
     @property
     def outlook(self) -> str:
         """What the boards do meanwhile."""
-        if not self._printer.drive.commits:
-            return "Axes were homing: their place is lost. The board keeps warm for a minute"
         who = "The board" if len(self._connections) == 1 else "Each board"
+        if not self._printer.drive.commits:
+            return f"Axes were homing: their place is lost. {who} keeps warm for a minute"
         return f"{who} stops by itself and keeps warm for a minute"
 
     def look_for_silent(self) -> None:
