@@ -132,7 +132,7 @@ static void begin(uint8_t to) {
 DECL_COMMAND(command_survive_arm, "survive_arm", 0);
 void command_survive_arm(const uint32_t *args) {
   (void)args;
-  if (state <= HOMING) serial = 0;
+  if (state == OFF) serial = 0;
   begin(RESTING);
 }
 

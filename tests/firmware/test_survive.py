@@ -494,3 +494,32 @@ def test_a_step_that_comes_too_late_while_axes_home_stops_all_motors():
     host.commit(host.board.now + 200_000, rest=True)
     host.board.wait(100_000)
     assert len(host.done(1)) == 3
+
+
+@pytest.mark.parametrize("mode", ["survive_arm", "survive_home"])
+def test_switches_that_are_armed_late_are_looked_at_at_once(mode):
+    host = Host()
+    host.tell(mode)
+    host.board.simulated.force_switch("x", True)
+    late = host.board.clock(-100_000)
+    host.tell(f"trsync_start oid=6 report_clock={late} report_ticks=200000 expire_reason=4")
+    told = host.tell(
+        f"endstop_home oid=5 clock={late} sample_ticks=100 sample_count=2 rest_ticks=1000"
+        " pin_value=1 trsync_oid=6 trigger_reason=2"
+    )
+    told += host.board.wait(10_000)
+    reasons = [v["trigger_reason"] for n, v in told if n == "trsync_state" and not v["can_trigger"]]
+    assert reasons[0] == 2
+    assert host.board.device.fault == ""
+
+
+def test_a_timeout_that_is_put_off_too_late_ends_at_once():
+    host = Host()
+    host.tell("survive_home")
+    host.tell("trsync_start oid=6 report_clock=0 report_ticks=0 expire_reason=4")
+    told = host.tell(f"trsync_set_timeout oid=6 clock={host.board.clock(-100_000)}")
+    told += host.board.wait(10_000)
+    assert [(v["can_trigger"], v["trigger_reason"]) for n, v in told if n == "trsync_state"] == [
+        (0, 4)
+    ]
+    assert host.board.device.fault == ""
