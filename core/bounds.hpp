@@ -262,7 +262,7 @@ class Bounds {
     const Bed bed = bed_below(m);
     const Turn turn = turn_of(m);
     Path inwards{{}, {}, 1};
-    for (int j = 0; j < 3; ++j) {
+    for (int j = 0; turn.bend > 0 && j < 3; ++j) {
       inwards.p0[j] = path.p0[j] + (path.p1[j] - path.p0[j]) * (s / m.d);
       inwards.p1[j] = inwards.p0[j] + turn.to[j];
     }

@@ -64,17 +64,15 @@ class Shift {
           junction_.cap2(m, leaning, rules) >= least2)
         break;
     }
-    Move rest = m;
     double room = slope * way(m), wanted = mm - done;
+    out.push_back(m);
     if (std::fabs(wanted) >= room) {
       done += std::copysign(room, mm);
-      rest.p1[j] += std::copysign(room, mm);
-      out.push_back(rest);
+      out.back().p1[j] += std::copysign(room, mm);
       return;
     }
-    Move behind = rest;
-    out.push_back(rest);
-    split(rest, std::fabs(wanted) / room, out.back(), behind);
+    Move behind = m;
+    split(m, std::fabs(wanted) / room, out.back(), behind);
     out.back().p1[j] += wanted;
     behind.p0[j] += wanted;
     behind.p1[j] += wanted;
