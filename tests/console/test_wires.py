@@ -371,7 +371,6 @@ async def test_a_client_that_sends_no_line_end_takes_no_memory(s):
         (["--serial", "/dev/null"], "/dev/null cannot be opened: Inappropriate ioctl"),
         (["--pty", "{file}"], "cannot be opened: File exists"),
         (["--pty", "/nowhere/port"], "the pty /nowhere/port cannot be opened: No such file"),
-        (["--stdin"], "standard input cannot be opened: it, or standard output, is a file"),
         (["--pty", ""], "argument --pty: the path is empty"),
         (["--pty", "{file}/../a", "--pty", "{file}/../a"], "/a is given twice"),
         (["--tcp-clients", "0"], "'0' is no number of clients from 1 to 65535"),
@@ -393,18 +392,43 @@ def test_what_cannot_be_opened_is_said_in_a_sentence(
     assert "Traceback" not in said
 
 
-@pytest.mark.parametrize(
-    ("redirection", "why"), [("</dev/null", "a device without events"), ("<&-", "is closed")]
-)
-def test_standard_input_that_says_nothing_is_none(redirection, why):
-    line = f'"$0" -m passo serve --stdin {redirection}'
+@pytest.mark.parametrize("closed", ["<&-", ">&-"])
+def test_standard_input_and_output_must_be_open(closed):
+    line = f'"$0" -m passo serve --stdin {closed}'
     told = subprocess.run(
-        ["sh", "-c", line, sys.executable], capture_output=True, text=True, timeout=60
+        ["sh", "-c", line, sys.executable], stderr=subprocess.PIPE, text=True, timeout=60
     )
     assert told.returncode == 2
-    assert "standard input cannot be opened: it, or standard output, is" in told.stderr
-    assert why in told.stderr
+    assert "standard input cannot be opened: it, or standard output, is closed" in told.stderr
     assert "Traceback" not in told.stderr
+
+
+@pytest.mark.parametrize(
+    ("answers", "status"), [("answers", 0), ("/dev/null", 0), ("/dev/full", 4)]
+)
+def test_standard_input_and_output_may_be_files(answers, status, tmp_path):
+    (tmp_path / "lines.gcode").write_text("G28\n" + "G1 X12 F6000\nG1 X10\n" * 4000 + "M114\n")
+    line = f'"$0" -m passo serve --stdin --clock fast --state . <lines.gcode >{answers}'
+    served = subprocess.run(
+        ["sh", "-c", line, sys.executable], cwd=tmp_path, stderr=subprocess.PIPE, text=True
+    )
+    assert served.returncode == status, served.stderr
+    assert "Traceback" not in served.stderr
+    if answers == "answers":
+        said = (tmp_path / answers).read_text().splitlines()
+        assert said.count("ok") == 8002
+        assert said[-2].startswith("X:10.000 Y:0.000")
+
+
+def test_standard_input_that_says_nothing_ends_at_once():
+    served = subprocess.run(
+        [sys.executable, "-m", "passo", "serve", "--stdin"],
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert (served.returncode, served.stdout) == (0, "start\necho:Passo, i3\n")
 
 
 def test_standard_input_that_ends_is_carried_out_to_its_last_line():

@@ -4,10 +4,14 @@ bytes. Pseudo terminals and serial devices are in `lines`."""
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import os
 import selectors
+import shutil
 import sys
+import threading
 from collections.abc import Callable
+from io import FileIO
 from typing import Protocol
 
 from passo.console.session import Session
@@ -54,7 +58,7 @@ class StreamWire(asyncio.Protocol):
         self.place = place
         self._printer, self._opened, self.closed = printer, opened, closed
         self.reader: asyncio.ReadTransport | None = None
-        self.writer: asyncio.WriteTransport | None = None
+        self.writer: asyncio.WriteTransport | _Filed | None = None
         self.session: Session | None = None
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
@@ -108,13 +112,40 @@ class _Writing(asyncio.BaseProtocol):
     """Of a transport that only writes: what cannot be written is dropped by `StreamWire.write`."""
 
 
+class _Filed:
+    """Answers that go to a file, which takes all at once; what a full disk refuses is dropped."""
+
+    def __init__(self, file: FileIO) -> None:
+        self._file = file
+
+    def write(self, data: bytes) -> None:
+        """Writes to the file."""
+        with contextlib.suppress(OSError):
+            self._file.write(data)
+
+    def is_closing(self) -> bool:
+        """Whether it is closed."""
+        return self._file.closed
+
+    def get_write_buffer_size(self) -> int:
+        """Bytes that wait."""
+        return 0
+
+    def abort(self) -> None:
+        """Closes it."""
+        self._file.close()
+
+
 async def join(wire: StreamWire, read_fd: int, write_fd: int) -> StreamWire:
-    """Opens a session on two descriptors, which are the wire's from now on. Raises OSError, and
-    ValueError for a file."""
+    """Opens a session on two descriptors, which are the wire's from now on; a file is none to read
+    from. Raises OSError and ValueError."""
     loop = asyncio.get_running_loop()
     writes, reads = os.fdopen(write_fd, "wb", 0), os.fdopen(read_fd, "rb", 0)
     try:
-        wire.writer, _ = await loop.connect_write_pipe(_Writing, writes)
+        if _has_events(write_fd, selectors.EVENT_WRITE):
+            wire.writer, _ = await loop.connect_write_pipe(_Writing, writes)
+        else:
+            wire.writer = _Filed(writes)
         await loop.connect_read_pipe(lambda: wire, reads)
     except (OSError, ValueError):
         wire.close()
@@ -122,6 +153,30 @@ async def join(wire: StreamWire, read_fd: int, write_fd: int) -> StreamWire:
         reads.close()
         raise
     return wire
+
+
+def _has_events(fd: int, event: int) -> bool:
+    """Whether the loop can wait for it: not for files and /dev/null. It would find out too late."""
+    with selectors.DefaultSelector() as selector:
+        try:
+            selector.register(fd, event)
+        except PermissionError:
+            return False
+    return True
+
+
+def _piped(fd: int) -> int:
+    """A pipe that a thread fills from a file, which is its own from now on."""
+    reads, writes = os.pipe()
+
+    def carry() -> None:
+        file, pipe = os.fdopen(fd, "rb", 0), os.fdopen(writes, "wb", 0)
+        # Unreadable, or the console is closed: its lines end here.
+        with file, pipe, contextlib.suppress(OSError):
+            shutil.copyfileobj(file, pipe)
+
+    threading.Thread(target=carry, daemon=True).start()
+    return reads
 
 
 class _SentAway(asyncio.Protocol):
@@ -183,8 +238,8 @@ class _Standard(StreamWire):
 
 
 async def open_stdin(printer: Printer, opened: Opened, ended: Callable[[], None]) -> Console:
-    """The terminal or pipe that the program was started on; `ended` is called when it has ended and
-    all its lines are done. Raises ConsoleError."""
+    """The terminal, pipe or file that the program was started on; `ended` is called when it has
+    ended and all its lines are done. Raises ConsoleError."""
     wire = _Standard(printer, opened, "standard input")
     wire.ended = ended
     # Python has no stream where its caller has closed one.
@@ -192,15 +247,10 @@ async def open_stdin(printer: Printer, opened: Opened, ended: Callable[[], None]
         raise ConsoleError.of(
             "console.unopened", axis=wire.place, value="it, or standard output, is closed"
         )
+    reads, writes = os.dup(sys.stdin.fileno()), os.dup(sys.stdout.fileno())
     try:
-        with selectors.DefaultSelector() as selector:
-            # The loop would find out too late that no event comes from there, as from /dev/null.
-            selector.register(sys.stdin, selectors.EVENT_READ)
-            selector.register(sys.stdout, selectors.EVENT_WRITE)
-        return await join(wire, os.dup(sys.stdin.fileno()), os.dup(sys.stdout.fileno()))
-    except (ValueError, OSError):
-        raise ConsoleError.of(
-            "console.unopened",
-            axis=wire.place,
-            value="it, or standard output, is a file, or a device without events",
-        ) from None
+        if not _has_events(reads, selectors.EVENT_READ):
+            reads = _piped(reads)
+        return await join(wire, reads, writes)
+    except (ValueError, OSError) as error:
+        raise cannot_open(wire.place, error) from None
