@@ -31,6 +31,14 @@ def test_machines_as_json(capsys: pytest.CaptureFixture[str]) -> None:
     assert rows["delta"]["size_mm"] == [150.2, 150.2, 180.0]
 
 
+def test_the_file_of_a_machine(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    assert main(["machines", "rotary-delta"]) == 0
+    (tmp_path / "mine.toml").write_text(capsys.readouterr().out, encoding="utf-8")
+    assert config.load(tmp_path / "mine.toml") == config.load("rotary-delta")
+    assert main(["machines", "rotary_delta"]) == 3
+    assert "'rotary_delta'. Did you mean 'rotary-delta'?" in capsys.readouterr().err
+
+
 def test_check_of_a_good_file(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", "scara"]) == 0
     out, err = capsys.readouterr()

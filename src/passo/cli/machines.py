@@ -1,4 +1,4 @@
-"""`passo machines`: the machines that come with Passo."""
+"""`passo machines`: the machines that come with Passo, and their files."""
 
 from __future__ import annotations
 
@@ -11,13 +11,18 @@ from passo.errors import ExitStatus
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declares the options of `passo machines`."""
-    parser.add_argument("--json", action="store_true", help="print one JSON list")
+    what = parser.add_mutually_exclusive_group()
+    what.add_argument("name", metavar="NAME", nargs="?", help="print the file of this machine")
+    what.add_argument("--json", action="store_true", help="print one JSON list")
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Prints a table, a line a machine: name, geometry, size, steppers, board."""
+    """Prints a table, a line a machine: name, geometry, size, steppers, board; or one's file."""
     from passo import config
 
+    if arguments.name is not None:
+        print(config.shipped_text(arguments.name), end="")
+        return ExitStatus.DONE
     machines = [config.load(name) for name in config.shipped_machines()]
     if arguments.json:
         rows = [

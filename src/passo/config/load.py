@@ -33,8 +33,15 @@ def shipped_machines() -> list[str]:
 
 
 def shipped_text(name: str) -> str:
-    """The machine file of a shipped machine, a start for one's own."""
-    return (_HERE / "machines" / f"{name}.toml").read_text()
+    """The machine file of a shipped machine, a start for one's own. Raises ConfigError."""
+    return _shipped(name).read_text(encoding="utf-8")
+
+
+def _shipped(name: str) -> FilePath:
+    if name not in shipped_machines():
+        hint = did_you_mean(name, shipped_machines())
+        raise ConfigError.of("config.unknown-machine", hint=hint, value=name)
+    return _HERE / "machines" / f"{name}.toml"
 
 
 def load(name_or_path: str | os.PathLike[str]) -> MachineConfig:
@@ -46,10 +53,7 @@ def load(name_or_path: str | os.PathLike[str]) -> MachineConfig:
     text = os.fspath(name_or_path)
     if text.endswith(".toml") or os.sep in text:
         return _load_file(FilePath(text))
-    if text in shipped_machines():
-        return _load_file(_HERE / "machines" / f"{text}.toml")
-    hint = did_you_mean(text, shipped_machines())
-    raise ConfigError.of("config.unknown-machine", hint=hint, value=text)
+    return _load_file(_shipped(text))
 
 
 def _load_file(path: FilePath) -> MachineConfig:
