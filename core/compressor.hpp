@@ -303,6 +303,7 @@ class Compressor {
   size_t compress(size_t i, size_t known, bool last, double frontier, bool still) {
     const double* t = steps_.ticks.data();
     const size_t size = steps_.ticks.size() - 1;
+    double before = double(last_);  // a number of its own: each search waits for it
     for (size_t r = 0; r < steps_.runs.size() && i < known; ++r) {
       bool last_run = r + 1 == steps_.runs.size();
       size_t run_end = last_run ? size : steps_.runs[r + 1].first;
@@ -313,10 +314,10 @@ class Compressor {
         if (resets(t[i])) {
           reset_clock(t[i]);
           double& lo = lo_[i - base_];  // may reach over the new clock, as the step before is far
-          lo = std::max(lo, double(last_ + 1));
+          before = double(last_);
+          lo = std::max(lo, before + 1);
         }
         int left = int(std::min(end - i, size_t(kMostSteps))), n = std::min(left, kLook);
-        double before = double(last_);
         size_t k = i - base_;
         Command c = stabbing_.longest(&lo_[k], &hi_[k], n, before, &executed_[k]);
         if ((c.count == n && n < left) || t[i + size_t(c.count) - 1] - t[i] > longest_) {
@@ -325,7 +326,9 @@ class Compressor {
         }
         if (open && i + size_t(c.count) == end && frontier - margin_ <= t[i] + longest_)
           return check(i);
-        emit(steps_.runs[r].dir, i, c);
+        const double span = c.span();
+        emit(steps_.runs[r].dir, i, c, int64_t(span));
+        before += span;
         i += size_t(c.count);
       }
     }
@@ -353,8 +356,8 @@ class Compressor {
     messages_.push({last_, last_, 0, 0, 0, target_, MessageKind::reset_clock, 0});
   }
 
-  void emit(int dir, size_t i, const Command& c) {
-    const int64_t clock = due(steps_.ticks[i]), end = last_ + c.span(), count = c.count;
+  void emit(int dir, size_t i, const Command& c, int64_t span) {
+    const int64_t clock = due(steps_.ticks[i]), end = last_ + span, count = c.count;
     if (dir != dir_) {
       messages_.push({clock, clock, 0, 0, 0, target_, MessageKind::set_dir, uint8_t(dir > 0)});
       dir_ = dir;

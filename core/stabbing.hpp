@@ -22,12 +22,12 @@ struct Command {
   int count;
   double interval, add;  // integers
 
-  // Ticks that its steps take. Throws if a board would not take it.
-  int64_t span() const {
-    const int64_t first = int64_t(interval), change = int64_t(add), n = count;
-    if (first < 1 || first + change * (n - 1) < 1 || first > 0x7fffffff)
+  // Ticks that its steps take, an integer. Throws if a board would not take it.
+  double span() const {
+    const double n = count;
+    if (interval < 1 || interval + add * (n - 1) < 1 || interval > 0x7fffffff)
       throw std::logic_error("a command without time between its steps");
-    return first * n + change * (n * (n - 1) / 2);
+    return interval * n + add * (0.5 * n * (n - 1));
   }
 };
 

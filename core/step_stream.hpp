@@ -124,6 +124,10 @@ class StepStream {
     next_clocks_.clear();
     for (MessageQueue* queue : queues) next_clocks_.push_back(queue->next_clock());
     const int64_t end = all ? kNoMessage : int64_t(std::ceil(limit));
+    // Where all go; null if it is a matter of the message.
+    MessageQueue* common = commits_                ? &commits_->waiting()
+                           : messages_.size() == 1 ? &messages_[0]
+                                                   : nullptr;
     for (;;) {
       int64_t first_clock = next_clocks_[0];
       size_t first = 0;
@@ -134,7 +138,7 @@ class StepStream {
       }
       if (first_clock >= end) break;
       const Message& next = queues[first]->front();
-      (commits_ ? commits_->waiting() : queue_of(next)).push(next);
+      (common ? *common : queue_of(next)).push(next);
       handed_out_ = std::max(handed_out_, next.clock);
       queues[first]->pop();
       next_clocks_[first] = queues[first]->next_clock();

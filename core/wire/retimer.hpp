@@ -152,7 +152,7 @@ class Retimer {
       Command c = stabbing_.longest(&lo_[i], &hi_[i], int(std::min(n - i, size_t(kMostSteps))),
                                     double(motor.last), &executed_[i]);
       int64_t clock = moves ? std::max(due, motor.last) : due;
-      motor.last += c.span();
+      motor.last += int64_t(c.span());
       ready_.push({clock, moves ? motor.last : due, uint32_t(c.interval), uint16_t(c.count),
                    int16_t(c.add), m.target, m.kind, m.dir});
       i += size_t(c.count);
