@@ -310,6 +310,33 @@ def test_a_report_never_replaces_its_file(short, capsys):
     assert Path(short).read_bytes() == text
 
 
+@pytest.mark.parametrize("output", [".", "/", os.devnull, "folder.npz"])
+def test_only_files_are_replaced(short, tmp_path, monkeypatch, capsys, output):
+    """Whoever may write to /dev would lose a device otherwise."""
+    monkeypatch.chdir(tmp_path)
+    Path("folder.npz").mkdir()
+    if output.endswith(".npz"):
+        assert main(["steps", short, "--output", output]) == 4
+    else:
+        assert main(["report", short, "--output", output]) == 4
+    told = f"{output}: cannot be written: it is no regular file."
+    assert capsys.readouterr().err.startswith(told)
+    assert Path(os.devnull).is_char_device()
+    assert {p.name for p in tmp_path.iterdir()} == {"short.gcode", "folder.npz"}
+
+
+def test_a_link_stays_and_leads_to_what_is_new(short, tmp_path):
+    folder, link = tmp_path / "folder", tmp_path / "link.npz"
+    folder.mkdir()
+    link.symlink_to("folder/steps.npz")
+    for _ in range(2):
+        assert main(["steps", short, "--output", str(link)]) == 0
+        assert link.is_symlink()
+        assert [p.name for p in folder.iterdir()] == ["steps.npz"]
+        assert "x_ticks" in np.load(link)
+        folder.joinpath("steps.npz").write_text("old")
+
+
 def test_a_time_that_is_no_number_is_told(short, capsys):
     assert main(["steps", short, "--output", "o.npz", "--from", "soon"]) == 2
     assert "'soon' is not a time in seconds" in capsys.readouterr().err
