@@ -382,6 +382,21 @@ G1 E-20
         assert 0.98 * fastest <= max(shown) <= 1.05 * fastest
 
 
+def test_report_shows_temperatures_within_long_moves(tmp_path):
+    """A hotend that is on for ten seconds only, before a move of forty."""
+    path, page = tmp_path / "a.gcode", tmp_path / "a.html"
+    path.write_text("M104 S200\nG1 X100 F600\nM104 S0\nG1 X0 F300\nG1 X100\n")
+    assert main(["report", str(path), "--output", str(page)]) == 0
+    text = page.read_text(encoding="utf-8").partition("const data = ")[2]
+    rows = json.JSONDecoder().raw_decode(text)[0]["celsius"]["hotend"]
+    seconds, celsius = zip(*rows, strict=True)
+    assert np.diff([0, *seconds, 50]).max() <= 1
+    assert celsius[0] == pytest.approx(25, abs=1)
+    hottest = celsius.index(max(celsius))
+    assert 10 < seconds[hottest] < 20  # it gets warmer still for a while
+    assert max(celsius) > max(celsius[0], celsius[-1]) + 5
+
+
 def test_explain_measures_in_steps_where_the_law_does(capsys, tmp_path):
     machine, path = tmp_path / "m.toml", tmp_path / "a.gcode"
     law = 'junction = "cornering_distance"'
