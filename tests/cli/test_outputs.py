@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import random
+import signal
 import subprocess
 import sys
 from array import array
@@ -335,6 +336,26 @@ def test_a_link_stays_and_leads_to_what_is_new(short, tmp_path):
         assert [p.name for p in folder.iterdir()] == ["steps.npz"]
         assert "x_ticks" in np.load(link)
         folder.joinpath("steps.npz").write_text("old")
+
+
+@pytest.mark.parametrize("sign", [signal.SIGINT, signal.SIGTERM])
+def test_nothing_half_written_stays_behind(short, tmp_path, sign):
+    program = f"""
+import os, signal, sys
+from passo.cli.main import main
+from passo.job import vcd
+edges = vcd._edges
+def stopped(*motor):
+    assert any(name.endswith(".part") for name in os.listdir({str(tmp_path)!r}))
+    os.kill(os.getpid(), {int(sign)})
+    return edges(*motor)
+vcd._edges = stopped
+sys.argv = ["passo", "steps", {short!r}, "--output", {str(tmp_path / "o.vcd")!r}]
+sys.exit(main())
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (130, "Interrupted.\n")
+    assert [p.name for p in tmp_path.iterdir()] == ["short.gcode"]
 
 
 def test_a_time_that_is_no_number_is_told(short, capsys):
