@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import random
+import re
 import signal
 import subprocess
 import sys
@@ -416,6 +417,26 @@ def test_report_shows_temperatures_within_long_moves(tmp_path):
     hottest = celsius.index(max(celsius))
     assert 10 < seconds[hottest] < 20  # it gets warmer still for a while
     assert max(celsius) > max(celsius[0], celsius[-1]) + 5
+
+
+def test_explain_shows_what_each_board_gets(capsys, tmp_path):
+    """A further board has another clock, and its own numbers for its motors."""
+    machine, path, output = (tmp_path / name for name in ("m.toml", "a.gcode", "a.npz"))
+    tool = '[boards.tool]\nbase = "radds"\ndrift_ppm = 40.0\nstart_s = 3.0\n'
+    machine.write_text(shipped_text("i3").replace('socket = "E0"', 'socket = "tool:E1"') + tool)
+    path.write_text("G28\nG1 X10 F3000\nG1 X40 E4\nG1 X50\n")
+    told = explained(capsys, path, 3, "--machine", str(machine))
+    words = ["--machine", str(machine), "--output", str(output)]
+    assert main(["steps", str(path), *words]) == 0
+    executed = np.load(output)["e_ticks"] / 16e6
+    first, last = re.search(r"e: 382, the first at (.+) s, the last at (.+) s", told).groups()
+    assert (float(first), float(last)) == pytest.approx((executed[0], executed[-1]), abs=1e-6)
+    assert "a tick is 62.5 ns, 23.8 ns on tool." in told
+    rows = re.findall(r"tool: e: queue_step oid=(\d+) interval=(\d+) count=(\d+)", told)
+    assert {oid for oid, *_ in rows} == {"0"}
+    assert rows[0][2] == "1"
+    interval = (executed[1] - executed[0]) * 42e6 * (1 + 40e-6)
+    assert int(rows[1][1]) == pytest.approx(interval, abs=4)
 
 
 def test_explain_measures_in_steps_where_the_law_does(capsys, tmp_path):
