@@ -439,6 +439,17 @@ def test_explain_shows_what_each_board_gets(capsys, tmp_path):
     assert int(rows[1][1]) == pytest.approx(interval, abs=4)
 
 
+def test_explain_shows_no_commands_of_a_firmware_that_runs(capsys, tmp_path):
+    """Its pins tell only of steps, which are none of its commands."""
+    machine, path = tmp_path / "m.toml", tmp_path / "a.gcode"
+    machine.write_text(shipped_text("i3").replace("[board]", '[board]\nfirmware = "passo"'))
+    path.write_text("G28\nG1 X10 F3000\n")
+    told = explained(capsys, path, 2, "--machine", str(machine))
+    assert re.search(r"x: 800, the first at \S+ s, the last at \S+ s", told)
+    assert "queue_step" not in told
+    assert 'it does with firmware = "virtual".' in told
+
+
 def test_explain_measures_in_steps_where_the_law_does(capsys, tmp_path):
     machine, path = tmp_path / "m.toml", tmp_path / "a.gcode"
     law = 'junction = "cornering_distance"'

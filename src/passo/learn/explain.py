@@ -68,7 +68,14 @@ def explain(machine: MachineConfig, path: str | os.PathLike[str], line: int, pol
     begin, end = seen.moves[0].start_ticks, seen.moves[-1].end_ticks
     runs = _runs(job, begin, end)
     parts.append(_steps(job, runs, hz))
-    parts.append(_wire(runs, {c.name: c.board.clock_hz for c in job.connection.connections}))
+    told = [run for run in runs if machine.all_boards[run.board].firmware == "virtual"]
+    if told or not runs:
+        parts.append(_wire(told, {c.name: c.board.clock_hz for c in job.connection.connections}))
+    if len(told) < len(runs):
+        parts.append(
+            "What a simulated board with Passo's firmware is sent does not show:"
+            ' it does with firmware = "virtual".'
+        )
     return "\n\n".join(parts)
 
 
