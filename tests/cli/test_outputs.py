@@ -20,6 +20,7 @@ import vcd.reader
 from passo import config
 from passo.cli.main import main
 from passo.config.load import shipped_text
+from passo.job.printing import Print
 from passo.job.vcd import write_vcd
 
 SHORT = "G28\nM106 S255\nG1 X10 Y5 Z1 E1 F3000\nG1 X0 Y0\nG2 X4 Y0 I2 J0\n"
@@ -417,6 +418,28 @@ def test_report_shows_temperatures_within_long_moves(tmp_path):
     hottest = celsius.index(max(celsius))
     assert 10 < seconds[hottest] < 20  # it gets warmer still for a while
     assert max(celsius) > max(celsius[0], celsius[-1]) + 5
+
+
+@pytest.mark.parametrize("line", [4, 5, 30_002])
+def test_explain_takes_no_longer_than_its_line(capsys, tmp_path, monkeypatch, line):
+    """Neither what comes behind it is printed, nor what came before it is kept."""
+    path, prints, kept = tmp_path / "a.gcode", [], []
+
+    class Watched(Print):
+        def __init__(self, *words):
+            super().__init__(*words)
+            prints.append(self)
+            take = self.board.take_commands
+            self.board.take_commands = lambda name: kept.append(take(name)) or kept[-1]
+
+    monkeypatch.setattr("passo.learn.explain.Print", Watched)
+    moves = "".join(f"G1 X{5 + i % 3} Y{i % 200}\n" for i in range(40_000))
+    path.write_text(f"G28\nG1 F6000\n{moves}G29\n")
+    assert "  x: 80, the first at" in explained(capsys, path, line)
+    (job,) = prints
+    read = job.job.statistics()["lines"]
+    assert line < read < line + 20_000
+    assert max(len(commands) for commands in kept) < 60_000  # of 200_000
 
 
 def test_explain_shows_what_each_board_gets(capsys, tmp_path):

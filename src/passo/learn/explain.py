@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -19,6 +20,11 @@ if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
 
 _MOST_COMMANDS = 12
+_BEHIND_S = 1.0  # all commands of a move are done so long after it
+
+
+class _EnoughError(Exception):
+    """All that is to be told of the line has been seen."""
 
 
 @dataclass(slots=True)
@@ -40,8 +46,8 @@ class _Seen:
 
 
 def explain(machine: MachineConfig, path: str | os.PathLike[str], line: int, policy: Policy) -> str:
-    """Prints the file on the simulated board and tells what became of one line. What is wrong with
-    a later line ends the print there.
+    """Prints the file on the simulated board until one line is done, and tells what became of it.
+    What is wrong with a later line ends the print there.
 
     Raises InputError (no such line, or the file is bad up to it) or MachineError.
     """
@@ -91,9 +97,22 @@ def _printed(
     seen = _Seen()
     job.job.keep_moves(True)
     job.job.listen(line)
-    job.watch(lambda: seen.take(job.job.take_moves(), line))
+
+    def look() -> None:
+        seen.take(job.job.take_moves(), line)
+        if not seen.moves:  # what the board has done by now is of other lines
+            for stepper in job.connection.board.steppers:
+                job.board.take_commands(stepper.name)
+        if seen.after is None:
+            return
+        done = seen.moves[-1].end_ticks if seen.moves else 0.0
+        if job.connection.now - job.base > done + _BEHIND_S * machine.board.clock_hz:
+            raise _EnoughError
+
+    job.watch(look)
     job.trace_until(1e9)
-    job.run(path, end)
+    with suppress(_EnoughError):
+        job.run(path, end)
     return job, seen
 
 
