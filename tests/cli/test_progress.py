@@ -69,6 +69,15 @@ def test_a_slow_clock_shows_no_bursts(unpacked):
     assert max(b - a for a, b in pairwise(printing)) < 0.02
 
 
+def test_a_short_file_is_read_at_once_and_printed_slowly(tmp_path):
+    path, seen = tmp_path / "a.gcode", []
+    path.write_text("G1 X10 F60\nG1 X20\nG1 X30\nG1 X40\n")
+    Print(config.load("i3"), None, seen.append, 1.0).run(path)
+    shares = [{at.share for at in seen if t < at.print_s < t + 8} for t in (1, 11, 21, 31)]
+    assert shares == [{0.0}, {0.25}, {0.5}, {0.75}]
+    assert seen[-1].share == 1
+
+
 def test_a_pipe_sees_no_bar(command):
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     assert done.stderr == ""

@@ -80,9 +80,8 @@ class Print:
         self.base = 0  # board clock at which the job begins
         self._wire_cpu_s = 0.0
         self._heat_s = 0.0
-        # Clock of the job, share of the file that is read, and layer: where the board has been, and
-        # where it goes.
-        self._from = self._to = (0.0, 0.0, 0)
+        # Line, share of the file, and layer to which it was read before, and is now.
+        self._from = self._to = (0, 0.0, 0)
         self._watch: Callable[[], None] = lambda: None
         self._trace_s = 0.0
 
@@ -138,9 +137,9 @@ class Print:
                 self.board.trace_steps(stepper.name, 0, self.base + round(self._trace_s * self._hz))
         for share in run_program(self.job, self._commands, path, settle, end):
             self._watch()
-            until = self.job.handed_out - _HORIZON_S * self._hz
-            self._from, self._to = self._to, (until, share, self.job.layer)
-            self._run_to(until)
+            if self.job.line > self._to[0]:
+                self._from, self._to = self._to, (self.job.line, share, self.job.layer)
+            self._run_to(self.job.handed_out - _HORIZON_S * self._hz)
             self.job.passed(self.job.clock)  # nothing is ever planned anew
         self._run_to(self.job.clock)
         self._apply_marks(float("inf"))
@@ -172,12 +171,17 @@ class Print:
                 self._progress(self._where())
 
     def _where(self) -> Progress:
-        now = self.connection.now - self.base
-        (begin, read, layer), (end, to_read, to_layer) = self._from, self._to
-        part = min((now - begin) / (end - begin), 1.0) if end > begin else 1.0
+        clock = self.connection.now - self.base
+        (begin, share, layer), (end, to_share, to_layer) = self._from, self._to
+        done = self.job.line_at(clock) - 1 if clock < self.job.clock else end
+        part = min(max(done - begin, 0) / max(end - begin, 1), 1.0)
         celsius = {name: self.connection.heaters[name].celsius for name in self._heaters}
-        share = read + (to_read - read) * part
-        return Progress(share, layer + int((to_layer - layer) * part), now / self._hz, celsius)
+        return Progress(
+            share + (to_share - share) * part,
+            layer + int((to_layer - layer) * part),
+            max(clock, 0) / self._hz,
+            celsius,
+        )
 
     def _on_its_way(self, name: str) -> bool:
         heater = self.connection.heaters[name]
