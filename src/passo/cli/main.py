@@ -21,7 +21,7 @@ from passo.errors import ExitStatus, PassoError, Problem
 # Python does by itself, is a tenth of the start.
 _GC_THRESHOLD = 20_000
 COMMANDS: dict[str, str] = {
-    "print": "print a file on the machine's board, to the end, and say what came out",
+    "print": "print a file on a simulated board, to the end, and say what came out",
     "serve": "be a printer that hosts and people can drive, on serial, pty, TCP or a terminal",
     "estimate": "say how long a file takes, by layer, feature and limit",
     "steps": "write every step of every motor, as the board executed it",
