@@ -377,6 +377,7 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
       case 200: {
         if (w == end) break;  // a question
         double tool = value_of('T', double(tool_)), mm = value_of('D', 1);
+        if (tool == 0 && machine_->tools.empty()) return;  // extruders are axes
         if (!(tool >= 0 && tool < double(machine_->tools.size())))
           return fail(Fault::missing_tool, "T", tool, double(machine_->tools.size()));
         if (mm != 0 && !within('D', mm, kThinnest, kThickest)) return;

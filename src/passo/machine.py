@@ -83,7 +83,8 @@ class Machine:
             yield from (tick / hz for tick in ticks)
 
     def print(self, path: str | os.PathLike[str]) -> PrintResult:
-        """Prints a file on the machine's board, in virtual time if that is simulated."""
+        """Prints a file on a simulated board of this machine, in virtual time. Raises InputError,
+        MachineError."""
         from passo.job.printing import Print
 
         return Print(self.config).run(path)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import os
 import random
+import re
+import signal
 import subprocess
 import sys
 from array import array
@@ -18,6 +20,7 @@ import vcd.reader
 from passo import config
 from passo.cli.main import main
 from passo.config.load import shipped_text
+from passo.job.printing import Print
 from passo.job.vcd import write_vcd
 
 SHORT = "G28\nM106 S255\nG1 X10 Y5 Z1 E1 F3000\nG1 X0 Y0\nG2 X4 Y0 I2 J0\n"
@@ -310,6 +313,53 @@ def test_a_report_never_replaces_its_file(short, capsys):
     assert Path(short).read_bytes() == text
 
 
+@pytest.mark.parametrize("output", [".", "/", os.devnull, "folder.npz"])
+def test_only_files_are_replaced(short, tmp_path, monkeypatch, capsys, output):
+    """Whoever may write to /dev would lose a device otherwise."""
+    monkeypatch.chdir(tmp_path)
+    Path("folder.npz").mkdir()
+    if output.endswith(".npz"):
+        assert main(["steps", short, "--output", output]) == 4
+    else:
+        assert main(["report", short, "--output", output]) == 4
+    told = f"{output}: cannot be written: it is no regular file."
+    assert capsys.readouterr().err.startswith(told)
+    assert Path(os.devnull).is_char_device()
+    assert {p.name for p in tmp_path.iterdir()} == {"short.gcode", "folder.npz"}
+
+
+def test_a_link_stays_and_leads_to_what_is_new(short, tmp_path):
+    folder, link = tmp_path / "folder", tmp_path / "link.npz"
+    folder.mkdir()
+    link.symlink_to("folder/steps.npz")
+    for _ in range(2):
+        assert main(["steps", short, "--output", str(link)]) == 0
+        assert link.is_symlink()
+        assert [p.name for p in folder.iterdir()] == ["steps.npz"]
+        assert "x_ticks" in np.load(link)
+        folder.joinpath("steps.npz").write_text("old")
+
+
+@pytest.mark.parametrize("sign", [signal.SIGINT, signal.SIGTERM])
+def test_nothing_half_written_stays_behind(short, tmp_path, sign):
+    program = f"""
+import os, signal, sys
+from passo.cli.main import main
+from passo.job import vcd
+edges = vcd._edges
+def stopped(*motor):
+    assert any(name.endswith(".part") for name in os.listdir({str(tmp_path)!r}))
+    os.kill(os.getpid(), {int(sign)})
+    return edges(*motor)
+vcd._edges = stopped
+sys.argv = ["passo", "steps", {short!r}, "--output", {str(tmp_path / "o.vcd")!r}]
+sys.exit(main())
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (130, "Interrupted.\n")
+    assert [p.name for p in tmp_path.iterdir()] == ["short.gcode"]
+
+
 def test_a_time_that_is_no_number_is_told(short, capsys):
     assert main(["steps", short, "--output", "o.npz", "--from", "soon"]) == 2
     assert "'soon' is not a time in seconds" in capsys.readouterr().err
@@ -353,6 +403,74 @@ G1 E-20
         fastest = np.max(5 / (times[5:] - times[:-5])[same])
         # Of a long move it is the densest place at full speed, which it may not have there.
         assert 0.98 * fastest <= max(shown) <= 1.05 * fastest
+
+
+def test_report_shows_temperatures_within_long_moves(tmp_path):
+    """A hotend that is on for ten seconds only, before a move of forty."""
+    path, page = tmp_path / "a.gcode", tmp_path / "a.html"
+    path.write_text("M104 S200\nG1 X100 F600\nM104 S0\nG1 X0 F300\nG1 X100\n")
+    assert main(["report", str(path), "--output", str(page)]) == 0
+    text = page.read_text(encoding="utf-8").partition("const data = ")[2]
+    rows = json.JSONDecoder().raw_decode(text)[0]["celsius"]["hotend"]
+    seconds, celsius = zip(*rows, strict=True)
+    assert np.diff([0, *seconds, 50]).max() <= 1
+    assert celsius[0] == pytest.approx(25, abs=1)
+    hottest = celsius.index(max(celsius))
+    assert 10 < seconds[hottest] < 20  # it gets warmer still for a while
+    assert max(celsius) > max(celsius[0], celsius[-1]) + 5
+
+
+@pytest.mark.parametrize("line", [4, 5, 30_002])
+def test_explain_takes_no_longer_than_its_line(capsys, tmp_path, monkeypatch, line):
+    """Neither what comes behind it is printed, nor what came before it is kept."""
+    path, prints, kept = tmp_path / "a.gcode", [], []
+
+    class Watched(Print):
+        def __init__(self, *words):
+            super().__init__(*words)
+            prints.append(self)
+            take = self.board.take_commands
+            self.board.take_commands = lambda name: kept.append(take(name)) or kept[-1]
+
+    monkeypatch.setattr("passo.learn.explain.Print", Watched)
+    moves = "".join(f"G1 X{5 + i % 3} Y{i % 200}\n" for i in range(40_000))
+    path.write_text(f"G28\nG1 F6000\n{moves}G29\n")
+    assert "  x: 80, the first at" in explained(capsys, path, line)
+    (job,) = prints
+    read = job.job.statistics()["lines"]
+    assert line < read < line + 20_000
+    assert max(len(commands) for commands in kept) < 60_000  # of 200_000
+
+
+def test_explain_shows_what_each_board_gets(capsys, tmp_path):
+    """A further board has another clock, and its own numbers for its motors."""
+    machine, path, output = (tmp_path / name for name in ("m.toml", "a.gcode", "a.npz"))
+    tool = '[boards.tool]\nbase = "radds"\ndrift_ppm = 40.0\nstart_s = 3.0\n'
+    machine.write_text(shipped_text("i3").replace('socket = "E0"', 'socket = "tool:E1"') + tool)
+    path.write_text("G28\nG1 X10 F3000\nG1 X40 E4\nG1 X50\n")
+    told = explained(capsys, path, 3, "--machine", str(machine))
+    words = ["--machine", str(machine), "--output", str(output)]
+    assert main(["steps", str(path), *words]) == 0
+    executed = np.load(output)["e_ticks"] / 16e6
+    first, last = re.search(r"e: 382, the first at (.+) s, the last at (.+) s", told).groups()
+    assert (float(first), float(last)) == pytest.approx((executed[0], executed[-1]), abs=1e-6)
+    assert "a tick is 62.5 ns, 23.8 ns on tool." in told
+    rows = re.findall(r"tool: e: queue_step oid=(\d+) interval=(\d+) count=(\d+)", told)
+    assert {oid for oid, *_ in rows} == {"0"}
+    assert rows[0][2] == "1"
+    interval = (executed[1] - executed[0]) * 42e6 * (1 + 40e-6)
+    assert int(rows[1][1]) == pytest.approx(interval, abs=4)
+
+
+def test_explain_shows_no_commands_of_a_firmware_that_runs(capsys, tmp_path):
+    """Its pins tell only of steps, which are none of its commands."""
+    machine, path = tmp_path / "m.toml", tmp_path / "a.gcode"
+    machine.write_text(shipped_text("i3").replace("[board]", '[board]\nfirmware = "passo"'))
+    path.write_text("G28\nG1 X10 F3000\n")
+    told = explained(capsys, path, 2, "--machine", str(machine))
+    assert re.search(r"x: 800, the first at \S+ s, the last at \S+ s", told)
+    assert "queue_step" not in told
+    assert 'it does with firmware = "virtual".' in told
 
 
 def test_explain_measures_in_steps_where_the_law_does(capsys, tmp_path):

@@ -6,8 +6,12 @@ import os
 import pty
 import subprocess
 import sys
+from itertools import pairwise
 
 import pytest
+
+from passo import config
+from passo.job.printing import Print
 
 PROGRAM = "M109 S50\nG28\n;LAYER:0\nG1 X50 F6000\n;LAYER:1\nG1 X90 Z1 E1\n;LAYER:2\nG1 X20 E3\n"
 
@@ -47,6 +51,31 @@ def _read(terminal: int) -> bytes:
         return os.read(terminal, 4096)
     except OSError:  # nobody has the other end any more
         return b""
+
+
+def test_a_slow_clock_shows_no_bursts(unpacked):
+    """However much is planned in one go, the board works so much print time at a time."""
+    path, seen = unpacked("demo"), []
+    machine = config.load("i3")
+    stream = Print(machine).run(path).stream_hash
+    assert Print(machine, None, seen.append, 0.5).run(path).stream_hash == stream
+    times, shares, layers = zip(*((at.print_s, at.share, at.layer) for at in seen), strict=True)
+    assert max(b - a for a, b in pairwise([0.0, *times])) <= 0.5 + 1e-6
+    assert list(shares) == sorted(shares)
+    assert list(layers) == sorted(layers)
+    assert (shares[-1], layers[-1]) == (1.0, 15)
+    # Of what is read the board has done so much: no jumps ahead.
+    printing = [s for s in shares if 0 < s < 1]
+    assert max(b - a for a, b in pairwise(printing)) < 0.02
+
+
+def test_a_short_file_is_read_at_once_and_printed_slowly(tmp_path):
+    path, seen = tmp_path / "a.gcode", []
+    path.write_text("G1 X10 F60\nG1 X20\nG1 X30\nG1 X40\n")
+    Print(config.load("i3"), None, seen.append, 1.0).run(path)
+    shares = [{at.share for at in seen if t < at.print_s < t + 8} for t in (1, 11, 21, 31)]
+    assert shares == [{0.0}, {0.25}, {0.5}, {0.75}]
+    assert seen[-1].share == 1
 
 
 def test_a_pipe_sees_no_bar(command):

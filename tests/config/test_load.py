@@ -1,14 +1,19 @@
 """Loading: shipped machines, boards beneath machines, and what the core is told."""
 
+import json
+import re
 from itertools import product
 from math import inf
 from pathlib import Path
+from typing import get_args
 
 import pytest
+from pydantic_core import PydanticUndefined
 
 from passo import config
 from passo.config.drivers import DRIVERS
 from passo.errors import ConfigError, ExitStatus
+from passo.geometry.registry import GEOMETRIES
 
 REQUIRED = {
     "i3",
@@ -213,6 +218,22 @@ def test_the_documented_driver_table_is_the_one_in_use() -> None:
     for driver, times in DRIVERS.items():
         assert tuple(times) == (tmc if driver.startswith("TMC") else table.pop(driver))
     assert not table
+
+
+def test_the_documented_geometries_are_those_that_there_are() -> None:
+    text = (Path(__file__).parents[2] / "docs" / "machine-files.md").read_text()
+    table = text.partition("## Geometries")[2].partition("\n## ")[0]
+    rows = [line.strip("|").split("|") for line in table.splitlines() if line.startswith("| `")]
+    told = {kind.strip(" `"): (motors.split(), keys) for kind, motors, _, keys in rows}
+    for model in GEOMETRIES:
+        fields = dict(model.model_fields)
+        (kind,) = get_args(fields.pop("kind").annotation)
+        motors, keys = told.pop(kind)
+        assert tuple(motors) == model.actuators
+        values = re.findall(r"`(\w+)`(?: (-?\d+|true|\[.*?\])(?![°\w]))?", keys)
+        defaults = {key: json.loads(value) if value else PydanticUndefined for key, value in values}
+        assert defaults == {key: field.default for key, field in fields.items()}
+    assert not told
 
 
 def test_the_documented_machine_is_right_but_for_the_rest_of_it() -> None:

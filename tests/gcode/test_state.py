@@ -213,6 +213,15 @@ def test_only_a_tool_that_there_is_can_be_used():
         without.use_tool(1)
 
 
+@pytest.mark.parametrize("words", ["D0", "S0", "D1.75", "T0 D1.75"])
+def test_a_machine_without_tools_has_no_volumes(words):
+    """Slicers switch them off in the first lines."""
+    out = run(f"M200 {words}\nG1 X5\n", "laser")
+    assert out.errors == []
+    assert out.ends == [(5, 0, 0, 0)]
+    assert run("M200 T1 D0\n", "laser").errors == [(1, Fault.MISSING_TOOL, "T", 1, 0)]
+
+
 def test_axes_behind_what_means_nothing_here_are_moves():
     """Headers of many mills: the first cut begins where they go."""
     out = run("G0 G90 G54 X50 Y40 S300 M3\nG43 H1 Z15\nG94 F600\nG1 Z1\nG43 H2\nG54\n", "cnc")

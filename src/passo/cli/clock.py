@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import argparse
 import time
+from math import inf
 
+_LOOK_S = 0.25
 _LEAST = 1e-3  # hours of print time are then weeks; years are more than a computer can wait
 
 
@@ -43,6 +45,11 @@ class Pace:
     def __init__(self, scale: float | None) -> None:
         self._scale = scale
         self._start = time.monotonic()
+
+    @property
+    def every_s(self) -> float:
+        """Print time after which to look again, lest the machine work in bursts."""
+        return inf if self._scale is None else _LOOK_S * self._scale
 
     def keep(self, print_s: float) -> None:
         """Waits until this print time may have come."""

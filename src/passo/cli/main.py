@@ -10,6 +10,7 @@ import argparse
 import gc
 import importlib
 import os
+import signal
 import sys
 from collections.abc import Sequence
 
@@ -20,7 +21,7 @@ from passo.errors import ExitStatus, PassoError, Problem
 # Python does by itself, is a tenth of the start.
 _GC_THRESHOLD = 20_000
 COMMANDS: dict[str, str] = {
-    "print": "print a file on the machine's board, to the end, and say what came out",
+    "print": "print a file on a simulated board, to the end, and say what came out",
     "serve": "be a printer that hosts and people can drive, on serial, pty, TCP or a terminal",
     "estimate": "say how long a file takes, by layer, feature and limit",
     "steps": "write every step of every motor, as the board executed it",
@@ -54,6 +55,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     4 bad input or an output that cannot be written, 5 machine fault, 130 interrupted. Errors go to
     stderr, one line each."""
     gc.set_threshold(_GC_THRESHOLD)
+    if argv is None:  # as Ctrl-C, so that no half of a file stays behind
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
     if reconfigure := getattr(sys.stdout, "reconfigure", None):
         reconfigure(errors="backslashreplace")  # what its encoding lacks is told as on stderr
     try:

@@ -40,7 +40,7 @@ def run(arguments: argparse.Namespace) -> int:
                 pace.keep(at.print_s)
                 bar.show(at)
 
-            result = Print(machine, policy_of(arguments), show).run(arguments.file)
+            result = Print(machine, policy_of(arguments), show, pace.every_s).run(arguments.file)
     except PassoError as error:
         if arguments.json:
             failed.errors = [str(problem) for problem in error.problems]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from collections.abc import Generator
 from contextlib import contextmanager
@@ -11,7 +12,11 @@ from pathlib import Path
 @contextmanager
 def replaced(path: Path) -> Generator[Path, None, None]:
     """A temporary file beside `path` to write; it takes the place of `path` when all went well, and
-    is removed otherwise. What was flushed to it survives a power cut then. Raises OSError."""
+    is removed otherwise. What was flushed to it survives a power cut then. A link stays, and what
+    it leads to is replaced; a folder or a device is refused. Raises OSError."""
+    path = Path(os.path.realpath(path))
+    if path.exists() and not path.is_file():
+        raise OSError(errno.EINVAL, "it is no regular file", str(path))
     temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
         yield temporary

@@ -7,6 +7,7 @@ from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
+from math import inf
 from typing import TYPE_CHECKING
 
 from passo import _core
@@ -55,11 +56,15 @@ class Print:
         machine: MachineConfig,
         policy: Policy | None = None,
         progress: Callable[[Progress], None] | None = None,
+        every_s: float = inf,
     ) -> None:
+        """`progress` is called whenever the board has done what was planned so far, and after
+        `every_s` of print time in between."""
         self._machine = machine
         self._policy = policy or Policy()
         self._progress = progress
         self._hz = machine.board.clock_hz
+        self._stretch = every_s * self._hz
         self._heaters = list(machine.heaters)
         self._marks: deque[tuple[int, int, int]] = deque()
         self.connection, self.board = connect_simulated(machine)
@@ -75,10 +80,10 @@ class Print:
         self.base = 0  # board clock at which the job begins
         self._wire_cpu_s = 0.0
         self._heat_s = 0.0
-        self._share = 0.0
+        # Line, share of the file, and layer to which it was read before, and is now.
+        self._from = self._to = (0, 0.0, 0)
         self._watch: Callable[[], None] = lambda: None
         self._trace_s = 0.0
-        self.temperatures: dict[str, list[tuple[float, float]]] = {n: [] for n in self._heaters}
 
     def set_target(self, heater: str, celsius: float, *, at_once: bool = False) -> None:
         """Sets a heater's target when the moves so far are done, or at once."""
@@ -131,8 +136,9 @@ class Print:
             for stepper in self.connection.board.steppers:
                 self.board.trace_steps(stepper.name, 0, self.base + round(self._trace_s * self._hz))
         for share in run_program(self.job, self._commands, path, settle, end):
-            self._share = share
             self._watch()
+            if self.job.line > self._to[0]:
+                self._from, self._to = self._to, (self.job.line, share, self.job.layer)
             self._run_to(self.job.handed_out - _HORIZON_S * self._hz)
             self.job.passed(self.job.clock)  # nothing is ever planned anew
         self._run_to(self.job.clock)
@@ -157,18 +163,25 @@ class Print:
             self.connection.set_target(self._heaters[heater], centi / 100)
 
     def _run(self, clock: int) -> None:
-        if clock <= self.connection.now:
-            return
-        before = cpu_s()
-        self.connection.run(clock)
-        self._wire_cpu_s += cpu_s() - before
-        now_s = (self.connection.now - self.base) / self._hz
+        while self.connection.now < clock:
+            before = cpu_s()
+            self.connection.run(round(min(clock, self.connection.now + self._stretch)))
+            self._wire_cpu_s += cpu_s() - before
+            if self._progress:
+                self._progress(self._where())
+
+    def _where(self) -> Progress:
+        clock = self.connection.now - self.base
+        (begin, share, layer), (end, to_share, to_layer) = self._from, self._to
+        done = self.job.line_at(clock) - 1 if clock < self.job.clock else end
+        part = min(max(done - begin, 0) / max(end - begin, 1), 1.0)
         celsius = {name: self.connection.heaters[name].celsius for name in self._heaters}
-        for name, value in celsius.items():
-            if value > 0:  # the sensor has spoken
-                self.temperatures[name].append((now_s, value))
-        if self._progress:
-            self._progress(Progress(self._share, self.job.layer, now_s, celsius))
+        return Progress(
+            share + (to_share - share) * part,
+            layer + int((to_layer - layer) * part),
+            max(clock, 0) / self._hz,
+            celsius,
+        )
 
     def _on_its_way(self, name: str) -> bool:
         heater = self.connection.heaters[name]

@@ -7,9 +7,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from passo import _core
+from passo.job.printing import Progress
 
 _MOST_PATHS = 120_000  # lines drawn at most, over all layers
 _BUCKETS = 1200  # columns of the charts over time
+_MOST_READINGS = 3000  # of the temperature of each heater
 _APART_MM = 2.0  # where the planner looks at the slopes of a line, too
 
 
@@ -56,8 +58,9 @@ class Bucket:
 
 
 class Collector:
-    """Takes planned moves in order. Lines are thinned by half whenever they get too many, and the
-    columns over time are joined in pairs, so that memory stays the same for any file."""
+    """Takes planned moves in order. Lines and temperatures are thinned by half whenever they get
+    too many, and the columns over time are joined in pairs, so that memory stays the same for any
+    file."""
 
     def __init__(self, clock_hz: int, motors: dict[str, Density]) -> None:
         self._hz = clock_hz
@@ -65,6 +68,8 @@ class Collector:
         self._every, self._count = 1, 0
         self.bucket_s = 0.25
         self.buckets: list[Bucket] = []
+        self.celsius: dict[str, list[tuple[float, float]]] = {}  # (s, °C) of each heater
+        self._reading_s = 0.5  # from one to the next
         # (layer, x0, y0, x1, y1, speed, prints)
         self.paths: list[tuple[int, float, float, float, float, float, bool]] = []
 
@@ -82,6 +87,17 @@ class Collector:
                 if len(self.paths) > _MOST_PATHS:
                     self.paths = self.paths[::2]
                     self._every *= 2
+
+    def look(self, at: Progress) -> None:
+        """Adds the temperatures of a moment."""
+        for name, celsius in at.celsius.items():
+            rows = self.celsius.setdefault(name, [])
+            told = celsius > 0  # the sensor has spoken
+            if told and (not rows or at.print_s >= rows[-1][0] + self._reading_s):
+                rows.append((at.print_s, celsius))
+        if any(len(rows) > _MOST_READINGS for rows in self.celsius.values()):
+            self._reading_s *= 2
+            self.celsius = {name: rows[::2] for name, rows in self.celsius.items()}
 
     def _chart(self, move: _core.Move) -> None:
         first = int(move.start_ticks / self._hz / self.bucket_s)

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import os
 import re
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from passo import _core
+from passo.config.places import MAIN
 from passo.errors import InputError, PassoError
 from passo.gcode.dialect import row_of
 from passo.job.printing import Policy, Print
@@ -18,6 +20,11 @@ if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
 
 _MOST_COMMANDS = 12
+_BEHIND_S = 1.0  # all commands of a move are done so long after it
+
+
+class _EnoughError(Exception):
+    """All that is to be told of the line has been seen."""
 
 
 @dataclass(slots=True)
@@ -39,8 +46,8 @@ class _Seen:
 
 
 def explain(machine: MachineConfig, path: str | os.PathLike[str], line: int, policy: Policy) -> str:
-    """Prints the file on the simulated board and tells what became of one line. What is wrong with
-    a later line ends the print there.
+    """Prints the file on the simulated board until one line is done, and tells what became of it.
+    What is wrong with a later line ends the print there.
 
     Raises InputError (no such line, or the file is bad up to it) or MachineError.
     """
@@ -67,7 +74,14 @@ def explain(machine: MachineConfig, path: str | os.PathLike[str], line: int, pol
     begin, end = seen.moves[0].start_ticks, seen.moves[-1].end_ticks
     runs = _runs(job, begin, end)
     parts.append(_steps(job, runs, hz))
-    parts.append(_wire(runs, hz))
+    told = [run for run in runs if machine.all_boards[run.board].firmware == "virtual"]
+    if told or not runs:
+        parts.append(_wire(told, {c.name: c.board.clock_hz for c in job.connection.connections}))
+    if len(told) < len(runs):
+        parts.append(
+            "What a simulated board with Passo's firmware is sent does not show:"
+            ' it does with firmware = "virtual".'
+        )
     return "\n\n".join(parts)
 
 
@@ -83,9 +97,22 @@ def _printed(
     seen = _Seen()
     job.job.keep_moves(True)
     job.job.listen(line)
-    job.watch(lambda: seen.take(job.job.take_moves(), line))
+
+    def look() -> None:
+        seen.take(job.job.take_moves(), line)
+        if not seen.moves:  # what the board has done by now is of other lines
+            for stepper in job.connection.board.steppers:
+                job.board.take_commands(stepper.name)
+        if seen.after is None:
+            return
+        done = seen.moves[-1].end_ticks if seen.moves else 0.0
+        if job.connection.now - job.base > done + _BEHIND_S * machine.board.clock_hz:
+            raise _EnoughError
+
+    job.watch(look)
     job.trace_until(1e9)
-    job.run(path, end)
+    with suppress(_EnoughError):
+        job.run(path, end)
     return job, seen
 
 
@@ -149,9 +176,10 @@ def _move(move: _core.Move, hz: int, names: list[str], unit: str) -> str:
 
 @dataclass(frozen=True, slots=True)
 class _Run:
-    """A command that the board executed, and the clocks of its steps within the moves."""
+    """A command that a board executed, and the job's clocks of its steps within the moves."""
 
     stepper: str
+    board: str
     clock: int
     text: str
     payload: bytes
@@ -160,22 +188,31 @@ class _Run:
 
 def _runs(job: Print, begin: float, end: float) -> list[_Run]:
     """The step commands with steps between two ticks of the job, in the order of their clocks."""
-    dictionary = job.connection.main.dictionary
-    number = next(i for i, text in dictionary.commands if text.startswith("queue_step "))
     runs: list[_Run] = []
-    for oid, stepper in enumerate(job.connection.board.steppers):
-        for start, interval, count, add, _ in job.board.take_commands(stepper.name):
-            clock = start - job.base
-            if clock >= end or clock + interval * count + add * count * (count - 1) // 2 < begin:
-                continue
-            clocks = [clock + interval * (k + 1) + add * k * (k + 1) // 2 for k in range(count)]
-            inside = [tick for tick in clocks if begin <= tick < end]
-            if not inside:
-                continue
-            values = (number, oid, interval, count, add)
-            payload = b"".join(_core.encode_vlq(value) for value in values)
-            text = f"queue_step oid={oid} interval={interval} count={count} add={add}"
-            runs.append(_Run(stepper.name, clock, text, payload, inside))
+    for connection in job.connection.connections:
+        commands = connection.dictionary.commands
+        number = next(i for i, text in commands if text.startswith("queue_step "))
+        margin = connection.board.clock_hz // 1000
+        for oid, stepper in enumerate(connection.board.steppers):
+            name = stepper.name
+            early = job.board.own_clock(name, job.base + int(begin)) - margin
+            late = job.board.own_clock(name, job.base + int(end)) + margin
+            for start, interval, count, add, _ in job.board.take_commands(name):
+                if (
+                    start >= late
+                    or start + interval * count + add * count * (count - 1) // 2 < early
+                ):
+                    continue
+                own = (start + interval * (k + 1) + add * k * (k + 1) // 2 for k in range(count))
+                clocks = (job.board.main_clock(name, clock) - job.base for clock in own)
+                inside = [clock for clock in clocks if begin <= clock < end]
+                if not inside:
+                    continue
+                values = (number, oid, interval, count, add)
+                payload = b"".join(_core.encode_vlq(value) for value in values)
+                text = f"queue_step oid={oid} interval={interval} count={count} add={add}"
+                clock = job.board.main_clock(name, start) - job.base
+                runs.append(_Run(name, connection.name, clock, text, payload, inside))
     return sorted(runs, key=lambda run: run.clock)
 
 
@@ -192,15 +229,18 @@ def _steps(job: Print, runs: list[_Run], hz: int) -> str:
     return "\n".join(rows)
 
 
-def _wire(runs: list[_Run], hz: int) -> str:
+def _wire(runs: list[_Run], hz: dict[str, int]) -> str:
+    """`hz`: of each board's clock."""
     if not runs:
         return "On the wire: nothing of this line."
+    ticks = [f"{1e9 / hz[name]:.1f} ns{f' on {name}' * (name != MAIN)}" for name in hz]
     rows = [
         "On the wire: an interval is the ticks to the first step, `count` the steps, `add` what",
-        f"the interval grows by after each; a tick is {1e9 / hz:.1f} ns. {len(runs)} commands:",
+        f"the interval grows by after each; a tick is {', '.join(ticks)}. {len(runs)} commands:",
     ]
     for run in runs[:_MOST_COMMANDS]:
-        rows.append(f"  {run.payload.hex(' '):<30} {run.stepper}: {run.text}")
+        where = f"{run.board}: " * (run.board != MAIN)
+        rows.append(f"  {run.payload.hex(' '):<30} {where}{run.stepper}: {run.text}")
     if len(runs) > _MOST_COMMANDS:
         rows.append(f"  and {len(runs) - _MOST_COMMANDS} more")
     first = runs[0]

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
     from passo.job.result import PrintResult
 
-_MOST_SAMPLES = 1500
+_LOOK_S = 0.5  # from one reading of temperatures to the next, while they are few
 
 
 def write_report(
@@ -28,9 +28,9 @@ def write_report(
 
     Raises InputError, MachineError, OSError.
     """
-    job = Print(machine, policy)
     motors = _motors(machine)
     collector = Collector(machine.board.clock_hz, motors)
+    job = Print(machine, policy, collector.look, _LOOK_S)
     job.job.keep_moves(True)
     job.watch(lambda: collector.take(job.job.take_moves()))
     result = job.run(path)
@@ -81,16 +81,14 @@ def _data(
         "rates": {
             name: [round(b.rates.get(name, 0.0)) for b in collector.buckets] for name in motors
         },
-        "celsius": {name: _thin(rows) for name, rows in job.temperatures.items()},
+        "celsius": {
+            name: [(round(s, 1), round(c, 1)) for s, c in rows]
+            for name, rows in collector.celsius.items()
+        },
         "limits": result.limits,
         "features": job.job.statistics()["feature_s"],
         "summary": _summary(result),
     }
-
-
-def _thin(rows: list[tuple[float, float]]) -> list[tuple[float, float]]:
-    every = max(1, len(rows) // _MOST_SAMPLES)
-    return [(round(s, 1), round(c, 1)) for s, c in rows[::every]]
 
 
 def _summary(result: PrintResult) -> list[tuple[str, str]]:

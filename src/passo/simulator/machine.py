@@ -146,13 +146,17 @@ class SimulatedMachine:
 
     def take_commands(self, stepper: str) -> list[tuple[int, int, int, int, int]]:
         """(start clock, interval, count, add, direction ±1) of the traced commands executed since
-        the last call; the first step comes `interval` after the start. Intervals are ticks of the
-        stepper's own board."""
-        board = self._of("steppers", stepper)
-        return [
-            (self._main_clock(board, start), interval, count, add, direction)
-            for start, interval, count, add, direction in board.take_commands(stepper)
-        ]
+        the last call; the first step comes `interval` after the start. All are ticks of the
+        stepper's own board: see `main_clock`."""
+        return self._of("steppers", stepper).take_commands(stepper)
+
+    def main_clock(self, stepper: str, clock: int) -> int:
+        """The main board's clock when that of the stepper's board reads `clock`."""
+        return self._main_clock(self._of("steppers", stepper), clock)
+
+    def own_clock(self, stepper: str, clock: int) -> int:
+        """What the stepper's board reads when the main board's clock reads `clock`."""
+        return self._own_clock(self._of("steppers", stepper), clock)
 
     def trace_output(self, output: str) -> None:
         """From now on keeps the changes of an output, for `take_changes`."""
