@@ -148,7 +148,8 @@ def flags(board: AvrBoard) -> list[str]:
         f"-mmcu={board.mcu}",
         f"-DF_CPU={board.clock_hz}UL",
         *(["-std=gnu11", "-O2", "-Wall", "-Wextra", "-flto", "-fuse-linker-plugin"]),
-        *(["-ffunction-sections", "-fdata-sections", "-fshort-enums"]),
+        # From version 10 on, -O2 puts functions into others where that does not pay here.
+        *(["-fno-inline-functions", "-ffunction-sections", "-fdata-sections", "-fshort-enums"]),
         *(["-Wl,--gc-sections,--relax"]),
         *(f"-ffixed-r{n}" for n in RESERVED),
     ]
@@ -240,13 +241,13 @@ def _sizes(elf: Path) -> dict[str, int]:
 
 
 def reserved_register_users(disassembly: str) -> list[str]:
-    """Functions in which a reserved register appears."""
+    """Functions in which a reserved register appears; newer compilers name places in them, too."""
     users: list[str] = []
     function = ""
     for line in disassembly.splitlines():
         label = re.match(r"[0-9a-f]+ <(.+)>:", line)
         if label:
-            function = label[1]
+            function = function if re.match(r"\.L|L\d", label[1]) else label[1]
             continue
         parts = line.split("\t")
         if len(parts) < 4:

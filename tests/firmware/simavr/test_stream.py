@@ -37,7 +37,7 @@ def _live(count: int) -> AvrConnection:
 
 @pytest.mark.parametrize(
     ("count", "interval", "segment", "p99"),
-    [(3, 240, 250, 250), (3, 480, 60, 160), (4, 400, 100, 400)],
+    [(3, 240, 250, 250), (3, 480, 60, 250), (4, 400, 100, 400)],
     ids=["200k steps/s", "100k steps/s", "four motors"],
 )
 def test_steps_are_on_time_with_everything_alive(count, interval, segment, p99):
