@@ -134,6 +134,21 @@ def test_another_file_is_not_gone_on_with(places, tmp_path):
     assert journal_of(state) is None
 
 
+def test_a_print_cut_off_before_its_first_move_begins_anew_and_says_so(places, tmp_path):
+    arguments, _ = places
+    for text, answer in ((WALL, "Printing wall.gcode from its beginning"), (WALL + "M105\n", "")):
+        with Scenario("i3", **arguments) as s:
+            s.host.ok("M32 wall.gcode")
+        (tmp_path / "card" / "wall.gcode").write_text(text)
+        with Scenario("i3", **arguments) as s:
+            offer = s.printer.greeting()
+            assert "was interrupted at its beginning. M1000 goes on with it from there" in offer
+            assert (answer or "is not the file that was printed") in s.host.ok("M1000")[0]
+            if answer:
+                s.host.expect("Done printing file", 200)
+                assert s.positions()["z"] == pytest.approx(1.6, abs=0.01)
+
+
 def test_a_torn_record_is_left_out(tmp_path):
     journal = Journal(tmp_path)
     journal.begin(Program("m", "/a", 5, 7), Moment(0, 0.0))

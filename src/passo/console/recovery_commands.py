@@ -47,10 +47,14 @@ class RecoveryCommands:
         if self._interrupted is None:
             return ""
         program, moment = self._interrupted
-        held = self._printer.positions.held and moment.origins
-        way = " from where the board has stopped" if held else self._by_hand()
+        if moment.line == 0:
+            where, way = "its beginning", " from there"
+        else:
+            held = self._printer.positions.held and moment.origins
+            where = f"line {moment.line}"
+            way = " from where the board has stopped" if held else self._by_hand()
         return (
-            f"echo:The print of {program.path} was interrupted at line {moment.line}."
+            f"echo:The print of {program.path} was interrupted at {where}."
             f" M1000 goes on with it{way}, M1000 C forgets it{self.instead}"
         )
 
@@ -176,16 +180,16 @@ class RecoveryCommands:
         self._files.open(program.path)
         reader = self._runner.reader
         assert reader is not None
-        if moment.line == 0:
-            self._runner.start()
-            return
         try:
-            offset = await Recovery(self._printer, program, moment, reader).run()
+            recovery = Recovery(self._printer, program, moment, reader)
+            offset = await recovery.run() if moment.line else 0
         except (PassoError, Stopped):
             self._runner.seek(0)
             for heater in self._printer.heaters:
                 self._printer.set_target(heater, 0.0, at_once=True)
             raise
-        self._runner.seek(offset, moment.line)
-        reply.say(f"echo:Printing {self._runner.name} from line {moment.line}")
+        if moment.line:
+            self._runner.seek(offset, moment.line)
+        where = f"line {moment.line}" if moment.line else "its beginning"
+        reply.say(f"echo:Printing {self._runner.name} from {where}")
         self._runner.start()
