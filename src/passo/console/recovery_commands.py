@@ -188,8 +188,7 @@ class RecoveryCommands:
             for heater in self._printer.heaters:
                 self._printer.set_target(heater, 0.0, at_once=True)
             raise
-        if moment.line:
-            self._runner.seek(offset, moment.line)
+        self._runner.seek(offset)
         where = f"line {moment.line}" if moment.line else "its beginning"
         reply.say(f"echo:Printing {self._runner.name} from {where}")
         self._runner.start()

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-import re
-from itertools import islice
 from typing import TYPE_CHECKING
 
 from passo._core import Within
 from passo.errors import CommandError
 from passo.job.journal import Moment, Program
+from passo.job.line_places import offset_of_line
 from passo.job.past import Past
 from passo.job.runner import Reader
 from passo.printer.approach import go_over
@@ -19,29 +18,6 @@ from passo.printer.waits import Silence, Temperatures
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
-
-_CHUNK = 1 << 16
-_END = re.compile(rb"\r\n?|\n")  # of a line, as the interpreter counts them
-
-
-def offset_of_line(reader: Reader, line: int) -> int:
-    """Bytes before a line, counted from 1. Raises PassoError if the card fails."""
-    reader.seek(0)
-    at, left, cut = 0, line - 1, False
-    while left > 0:
-        data = reader.read(_CHUNK)
-        if not data:
-            return at
-        if cut and data.startswith(b"\n"):  # the second half of a CR LF
-            at, data = at + 1, data[1:]
-        cut = data.endswith(b"\r")
-        ends = data.count(b"\n") + data.count(b"\r") - data.count(b"\r\n")
-        if ends >= left:
-            at += next(islice(_END.finditer(data), left - 1, None)).end()
-            return at + (cut and ends == left and reader.read(1) == b"\n")
-        left -= ends
-        at += len(data)
-    return at
 
 
 class Recovery:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Protocol
 from passo import _core
 from passo.config.drives import axis_order
 from passo.errors import CardError, CommandError, InputError, PassoError, Problem
+from passo.job.line_places import line_of_offset
 from passo.job.park import Park
 from passo.printer.drive import TICK_S
 from passo.printer.faults import problem_of
@@ -154,12 +155,13 @@ class Runner:
         self.name, self.path, self._reader = "", "", None
         self.state = State.NONE
 
-    def seek(self, offset: int, line: int = 1) -> None:
-        """The next start begins at this byte, whose line has this number. Raises CommandError."""
+    def seek(self, offset: int) -> None:
+        """The next start begins at this byte. Raises CommandError, and CardError."""
         self._refuse_if_active()
         if self._reader is None:
             raise CommandError.of("job.no-file")
-        self._rewind(min(max(offset, 0), self._reader.size), line)
+        offset = min(max(offset, 0), self._reader.size)
+        self._rewind(offset, line_of_offset(self._reader, offset))
 
     def start(self) -> None:
         """Starts the selected file where it stands, or ends a pause. Raises CommandError."""
