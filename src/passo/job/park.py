@@ -84,6 +84,12 @@ class Park:
             self._push(-abs(words.get("U", 0.0)), _core.UNLOAD_MM_S)
         await self._still()
 
+    def owe(self, other: Park) -> None:
+        """What another has taken back since this one left, and did not come back from, comes back
+        with this one."""
+        if self._away and other._away:
+            self._retracted_mm += other._retracted_mm
+
     def _take_tool(self) -> None:
         """That of the print; none other leaves from `here` than the one that is in use."""
         if not self._here:

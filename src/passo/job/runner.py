@@ -59,7 +59,7 @@ class Runner:
 
     def __init__(self, printer: Printer, reply: Reply) -> None:
         self._printer, self._reply = printer, reply
-        self._park = Park(printer)
+        self.park = Park(printer)
         self._park_words: Mapping[str, float] = {}
         self._reader: Reader | None = None
         self._task: asyncio.Task[None] | None = None
@@ -333,7 +333,7 @@ class Runner:
                 self._set_aside()
                 if not self._parked:
                     self._parked = True
-                    await self._park.leave(self._park_words)
+                    await self.park.leave(self._park_words)
         finally:
             printer.turn.give()
         await self._resumed.wait()
@@ -380,7 +380,7 @@ class Runner:
         printer = self._printer
         try:
             self._require_places()
-            await self._park.come_back()
+            await self.park.come_back()
         except CommandError as error:
             if self.active:
                 printer.tell(f"echo:Print of {self.name} stays paused: {error}")
