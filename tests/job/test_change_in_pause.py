@@ -56,14 +56,20 @@ def test_the_nozzle_comes_back_to_where_it_was_and_the_file_stays_paused(
     ends_where_it_should(s, filament)
 
 
-@pytest.mark.parametrize("end", ["closed", "M410"])
-def test_filament_that_was_taken_back_twice_comes_back_with_the_file(s, end):
-    """Nobody goes on with M600: the host that sent it has gone, or it is stopped."""
-    s.host.ok("M25")
-    s.passes(10)
+@pytest.mark.parametrize(("end", "change_s"), [("closed", 1.0), ("closed", 10.0), ("M410", 10.0)])
+@pytest.mark.parametrize("pause_s", [0.0, 10.0])
+def test_filament_that_was_taken_back_comes_back_with_the_file(s, pause_s, change_s, end):
+    """Nobody goes on with M600: the host that sent it has gone, or it is stopped. It takes filament
+    back before the file itself does, or again."""
     other = Host(s)
-    other.send("M600")
-    s.passes(10)
+    if pause_s:
+        s.host.ok("M25")
+        s.passes(pause_s)
+        other.send("M600")
+    else:
+        other.send("M600")
+        s.host.send("M25")
+    s.passes(change_s)
     if end == "closed":
         other.session.close()
     else:

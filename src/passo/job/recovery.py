@@ -69,7 +69,8 @@ class Recovery:
 
     async def _lift_and_home(self) -> None:
         """Up first, and no more if the board knows where it stands. A machine whose Z is moved
-        alone keeps it, and homes the others; one whose arms move together homes upwards."""
+        alone keeps it, and homes the others; one whose arms move together homes upwards. What has
+        homed since it was interrupted, or an earlier try has placed, is where the printer says."""
         printer, machine = self._printer, self._printer.machine
         raise_mm = machine.park.raise_mm if machine.park else 0.0
         if printer.positions.restore(self._moment.origins):
@@ -81,12 +82,17 @@ class Recovery:
         if machine.geometry.lifts_together:
             await printer.homer.home("")
             return
-        z = self._moment.z_mm
-        printer.job.set_axes([(Z, z)])
+        known = printer.positions.known
+        if "z" not in known:
+            printer.job.set_axes([(Z, self._moment.z_mm)])
+            known.add("z")
+        z = printer.job.machine_position[Z]
         await self._go({Z: min(z + raise_mm, max(machine.axes["z"].max_mm, z))}, math.inf)
         if not machine.homing:
-            point = machine.home_point
-            printer.job.set_axes([(axis, point[axis]) for axis in (X, Y)])
+            if not known.issuperset("xy"):
+                point = machine.home_point
+                printer.job.set_axes([(axis, point[axis]) for axis in (X, Y)])
+                known.update("xy")
             return
         await printer.homer.home("XY")
 

@@ -207,6 +207,7 @@ class Runner:
         if not self._returns:
             self._returns = True
             self._parked = False
+            self.park.owed_mm = 0.0
             self._locked = set(self._printer.job.locked_axes)
             if self._printer.in_console_line:
                 self._printer.job.abandon()  # what is left of it is no part of the print
