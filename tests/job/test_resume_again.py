@@ -1,5 +1,8 @@
 """M1000 of a machine that has moved since the power went: homed by hand, or tried before."""
 
+import errno
+import os
+
 import pytest
 from tests.console.scenario import Host, Scenario
 from tests.job.test_journal import WALL
@@ -93,10 +96,26 @@ def test_the_journal_follows_a_machine_that_homes(places, tmp_path):
         s.host.ok("M400", 30)
         s.passes(1)
         left = s.positions()
+        s.host.ok("M23 wall.gcode")  # to look at it: nothing is printed yet
         found = Journal(tmp_path / "state").read()
+        assert found is not None
         assert found[1].z_mm == pytest.approx(7)
         assert found[1].line > 60
     with again(places, left) as s:
+        ends_at_its_height(s)
+
+
+def test_without_room_for_its_journal_the_print_goes_on_all_the_same(places, monkeypatch):
+    with again(places, cut(places)) as s:
+
+        def full(_: int) -> None:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+        monkeypatch.setattr(os, "fsync", full)
+        s.host.ok("G28", 100)
+        s.host.ok("G1 Z7 F600")
+        s.host.ok("M400", 30)
+        assert sum("journal" in line for line in s.host.heard) == 1
         ends_at_its_height(s)
 
 

@@ -73,7 +73,7 @@ class RecoveryCommands:
             if self._printer.halted:
                 self._journal.leave()
                 self._interrupted = self._journal.read()
-            elif self._journal.open:
+            elif self._journal.open and self._interrupted is None:
                 self._end()
 
     def _begin(self) -> None:
@@ -138,7 +138,7 @@ class RecoveryCommands:
         self._interrupted = program, moment
         if self._journal.open:
             self._record(moment)
-        else:
+        elif self._journal.path.exists():  # not where it could not be written before
             self._begin_journal(program, moment)
 
     def _begin_journal(self, program: Program, moment: Moment) -> None:
