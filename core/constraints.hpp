@@ -34,6 +34,8 @@ struct Row {
   double jerk = kInfinity;  // units/s by which the speed may change at once
 };
 
+inline constexpr double kRounded = 1e-9;  // share by which limits told in M503 may be lower
+
 struct Constraints {
   std::vector<std::string> names{"feedrate",
                                  "duration",
@@ -63,6 +65,22 @@ struct Constraints {
       if (m.axes[i].name == axis) apply(rows, own.rows, i);
     for (size_t i = 0; i < m.extruders.size(); ++i)
       if (m.extruders[i].name == axis) apply(extruders, own.extruders, i);
+  }
+
+  // The limits of a machine whose motors have other scales now: what was as high as `before`, the
+  // machine's own, let it be is so again.
+  Constraints rescaled(const Constraints& before, const Machine& m) const {
+    Constraints now(m);
+    auto lower = [](std::vector<Row>& now, const std::vector<Row>& set,
+                    const std::vector<Row>& own) {
+      for (size_t i = 0; i < set.size(); ++i)
+        for (double Row::* limit : {&Row::speed, &Row::accel, &Row::jerk})
+          if (set[i].*limit < (1 - kRounded) * own[i].*limit)
+            now[i].*limit = std::min(now[i].*limit, set[i].*limit);
+    };
+    lower(now.rows, rows, before.rows);
+    lower(now.extruders, extruders, before.extruders);
+    return now;
   }
 
   explicit Constraints(const Machine& m) {

@@ -19,7 +19,8 @@ class History {
   }
   // What ended before `past` will not be cut any more.
   void forget(double past) {
-    while (begin_ < moves_.size() && moves_[begin_].end() < past) ++begin_;
+    for (; begin_ < moves_.size() && moves_[begin_].end() < past; ++begin_)
+      gone_ = moves_[begin_].end();
     if (2 * begin_ < moves_.size()) return;
     moves_.erase(moves_.begin(), moves_.begin() + long(begin_));
     begin_ = 0;
@@ -39,13 +40,14 @@ class History {
                                                        const double* planned_to) const {
     auto next = std::upper_bound(moves_.begin(), moves_.end(), clock,
                                  [](double t, const Move& m) { return t < m.start; });
-    if (next == moves_.begin()) return std::nullopt;
-    const Move& m = *std::prev(next);
+    bool first = next == moves_.begin();
+    if (first && clock < gone_) return std::nullopt;
     std::array<double, kAxes> p;
-    if (clock >= m.end()) {  // it stands, perhaps where it was told that it is
+    if (first || clock >= std::prev(next)->end()) {  // it stands, perhaps where it was told it is
       std::copy_n(next != moves_.end() ? next->p0 : planned_to, kAxes, p.begin());
       return p;
     }
+    const Move& m = *std::prev(next);
     double part = m.kind == MoveKind::dwell ? 1 : m.along(clock - m.start, hz_).first / m.d;
     for (size_t j = 0; j < p.size(); ++j) p[j] = m.p0[j] + (m.p1[j] - m.p0[j]) * part;
     return p;
@@ -91,7 +93,8 @@ class History {
  private:
   double hz_;
   std::vector<Move> moves_;
-  size_t begin_ = 0;  // moves before it are forgotten
+  size_t begin_ = 0;          // moves before it are forgotten
+  double gone_ = -kInfinity;  // clock at which the last of them has ended
 };
 
 }  // namespace passo

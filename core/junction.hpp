@@ -12,21 +12,11 @@ namespace passo {
 
 class JunctionRule {
  public:
-  explicit JunctionRule(const Machine& m) : machine_(m) {
-    for (double& steps : steps_per_mm_) steps = 0;
-    for (const StepperSpec& s : m.steppers) {
-      if (s.drive == Drive::axis) steps_per_mm_[slot_of_axis(s.index)] = s.steps_per_unit;
-      if (s.drive == Drive::actuator && s.index < 3) steps_per_mm_[s.index] = s.steps_per_unit;
-    }
-  }
+  explicit JunctionRule(const Machine& m) : machine_(m) {}
 
   // Steps of axis slot j on the way, unsigned and unrounded: the measure of `cornering_distance`.
   double steps(const Move& m, int j) const {
-    double per_mm = steps_per_mm_[j];
-    if (j == kE)
-      for (const StepperSpec& s : machine_.steppers)
-        if (s.drive == Drive::extruder && s.index == m.extruder) per_mm = s.steps_per_unit;
-    return std::fabs(m.p1[j] - m.p0[j]) * per_mm;
+    return std::fabs(m.p1[j] - m.p0[j]) * steps_per_mm(m, j);
   }
 
   // Cap of v² at the join of `before` and `m`, whose vn2, a and d are known.
@@ -47,7 +37,6 @@ class JunctionRule {
 
  private:
   const Machine& machine_;
-  double steps_per_mm_[kAxes];
 
   static double unit(const Move& m, int j) { return (m.p1[j] - m.p0[j]) / m.d; }
 
@@ -106,9 +95,8 @@ class JunctionRule {
       return std::copysign(steps(x, j) / x.d, x.p1[j] - x.p0[j]);
     };
     auto limit = [&](int j, double change, double accel, double distance) {
-      double per_mm = j == kE ? extruder_steps(m) : steps_per_mm_[j];
       if (std::fabs(change) > 1e-12)
-        cap = std::min(cap, accel * per_mm * distance / std::fabs(change));
+        cap = std::min(cap, accel * steps_per_mm(m, j) * distance / std::fabs(change));
     };
     for (size_t i = 0; i < machine_.axes.size(); ++i) {
       int j = slot_of_axis(int(i));
@@ -122,9 +110,14 @@ class JunctionRule {
     return cap;
   }
 
-  double extruder_steps(const Move& m) const {
-    for (const StepperSpec& s : machine_.steppers)
-      if (s.drive == Drive::extruder && s.index == m.extruder) return s.steps_per_unit;
+  // Of what drives axis slot j in this move, as M92 has it now; 0 if nothing does.
+  double steps_per_mm(const Move& m, int j) const {
+    for (const StepperSpec& s : machine_.steppers) {
+      bool filament = s.drive == Drive::extruder && j == kE && s.index == m.extruder;
+      bool axis = s.drive == Drive::axis && slot_of_axis(s.index) == j;
+      bool actuator = s.drive == Drive::actuator && s.index < 3 && s.index == j;
+      if (filament || axis || actuator) return s.steps_per_unit;
+    }
     return 0;
   }
 

@@ -138,10 +138,15 @@ class Motion {
     if (extruder < machine_.extruders.size()) p[kE] = planner_.extruder_position(extruder);
     return p;
   }
-  // Changes how many steps motor i makes for a mm or degree. Only after flush.
+  // Changes how many steps motor i makes for a mm or degree; its highest rate of steps still holds.
+  // Only after flush.
   void set_steps_per_unit(size_t i, double value) {
     StepperSpec& s = machine_.steppers[i];
+    const Constraints before(machine_);
     s.steps_per_unit = value;
+    planner_.rules().change(false, [&](Rules& r) {
+      r.constraints = std::make_shared<Constraints>(r.constraints->rescaled(before, machine_));
+    });
     bool own = s.drive == Drive::extruder;
     const auto p = position(own ? size_t(s.index) : machine_.extruders.size());
     if (i < stream_.motors()) stream_.set_position(i, p.data());

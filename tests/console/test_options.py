@@ -173,6 +173,15 @@ def test_what_cannot_be_set_says_so(s):
     assert s.host.ok("M930")[0] == "echo:XMaxSpeed stays at 300; M203 X999 was not taken"
 
 
+def test_words_of_m926_may_stand_in_any_order(s):
+    s.host.ok("M926 V77 IXMaxSpeed")
+    assert s.host.ok("M503").count("; pending until M930: M926 IXMaxSpeed V77") == 1
+    assert "V is nothing: expected a number" in s.host.ok("M926 IXMaxSpeed V 88")[0]
+    assert "UnknownOption" in s.host.ok("M926 V77")[0]
+    s.host.ok("M930")
+    assert s.host.ok("M925 IXMaxSpeed")[0] == "77"
+
+
 def test_m92_acts_at_once(s):
     s.host.ok("M92 X90")
     assert s.host.ok("M925 IXStepsPerUnit")[0] == "90"

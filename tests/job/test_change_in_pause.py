@@ -56,6 +56,29 @@ def test_the_nozzle_comes_back_to_where_it_was_and_the_file_stays_paused(
     ends_where_it_should(s, filament)
 
 
+@pytest.mark.parametrize(("end", "change_s"), [("closed", 1.0), ("closed", 10.0), ("M410", 10.0)])
+@pytest.mark.parametrize("pause_s", [0.0, 10.0])
+def test_filament_that_was_taken_back_comes_back_with_the_file(s, pause_s, change_s, end):
+    """Nobody goes on with M600: the host that sent it has gone, or it is stopped. It takes filament
+    back before the file itself does, or again."""
+    other = Host(s)
+    if pause_s:
+        s.host.ok("M25")
+        s.passes(pause_s)
+        other.send("M600")
+    else:
+        other.send("M600")
+        s.host.send("M25")
+    s.passes(change_s)
+    if end == "closed":
+        other.session.close()
+    else:
+        s.host.send(end)
+    s.passes(5)
+    s.host.ok("M24")
+    ends_where_it_should(s)
+
+
 def test_m25_right_behind_m600(s):
     s.host.send("M600")
     Host(s).send("M25")
@@ -104,6 +127,6 @@ def test_a_stop_in_the_change_brings_nothing_back(s, stop):
     if stop == "M410":  # the file is still paused
         other.ok("M24")
         s.host.expect("^Done printing file$", 120)
-        assert way(s.begin, at(s))[:3] == pytest.approx((13, 24, 0), abs=0.02)
+        assert way(s.begin, at(s)) == pytest.approx((13, 24, 0, 3), abs=0.02)
     else:
         assert other.ok("M27")[0] == "Not SD printing"

@@ -120,6 +120,26 @@ def test_a_recovery_that_is_stopped_leaves_the_heaters_off(places):
         assert "Not SD printing" in s.host.ok("M27")[0]
 
 
+@pytest.mark.parametrize("start", [("M26 S{}", "M24"), ("M24 S{}",)])
+def test_a_print_begun_in_its_midst_goes_on_where_it_was(start, places):
+    arguments, state = places
+    layer = WALL.index("G1 Z0.8")
+    with Scenario("i3", **arguments) as s:
+        for line in ("M302 P1", "G28", "G92 E6", "M23 wall.gcode", *start):
+            s.host.ok(line.format(layer), 60)
+        assert s.until(lambda: s.positions()["e"] > 1.5, 200)  # of 2 mm a layer
+        left = s.positions()
+    line = journal_of(state)[1].line
+    assert 18 > line - WALL[:layer].count("\n") > 10
+    with Scenario("i3", **arguments) as s:
+        for stepper in "xyz":
+            s.board.place(stepper, left[stepper])
+        s.host.ok("M1000", 600)
+        assert s.positions()["z"] == pytest.approx(0.8, abs=0.01)
+        s.host.expect("Done printing", 300)
+        assert s.positions()["z"] == pytest.approx(1.6, abs=0.01)
+
+
 def test_another_file_is_not_gone_on_with(places, tmp_path):
     arguments, state = places
     with Scenario("i3", **arguments) as s:
@@ -132,6 +152,21 @@ def test_another_file_is_not_gone_on_with(places, tmp_path):
         assert s.printer.greeting() == ""
         assert "no print was interrupted" in s.host.ok("M1000")[0]
     assert journal_of(state) is None
+
+
+def test_a_print_cut_off_before_its_first_move_begins_anew_and_says_so(places, tmp_path):
+    arguments, _ = places
+    for text, answer in ((WALL, "Printing wall.gcode from its beginning"), (WALL + "M105\n", "")):
+        with Scenario("i3", **arguments) as s:
+            s.host.ok("M32 wall.gcode")
+        (tmp_path / "card" / "wall.gcode").write_text(text)
+        with Scenario("i3", **arguments) as s:
+            offer = s.printer.greeting()
+            assert "was interrupted at its beginning. M1000 goes on with it from there" in offer
+            assert (answer or "is not the file that was printed") in s.host.ok("M1000")[0]
+            if answer:
+                s.host.expect("Done printing file", 200)
+                assert s.positions()["z"] == pytest.approx(1.6, abs=0.01)
 
 
 def test_a_torn_record_is_left_out(tmp_path):

@@ -6,7 +6,7 @@ import io
 
 import pytest
 
-from passo.job.recovery import offset_of_line
+from passo.job.line_places import line_of_offset, offset_of_line
 
 
 @pytest.mark.parametrize("shift", range(5))
@@ -17,7 +17,10 @@ def test_offset_of_a_line(end, shift):
     data = b";" * shift + line * 800
     starts = [0] + [shift + 255 * i for i in range(1, 801)]
     for number in (1, 2, 256, 257, 258, 259, 514, 515, 516, 801):
-        assert offset_of_line(io.BytesIO(data), number) == starts[number - 1]
+        begin = starts[number - 1]
+        assert offset_of_line(io.BytesIO(data), number) == begin
+        assert line_of_offset(io.BytesIO(data), begin) == number
+        assert line_of_offset(io.BytesIO(data), begin + 9) == number
     assert offset_of_line(io.BytesIO(data), 900) == len(data)
 
 
@@ -25,3 +28,4 @@ def test_a_border_within_cr_lf():
     data = b"x" * 65535 + b"\r\nsecond\r\n"
     assert offset_of_line(io.BytesIO(data), 2) == 65537
     assert offset_of_line(io.BytesIO(data), 3) == 65545
+    assert [line_of_offset(io.BytesIO(data), at) for at in (65530, 65537, 65545)] == [1, 2, 3]

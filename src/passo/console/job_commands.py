@@ -260,7 +260,7 @@ class JobCommands:
 
         async def stand_by() -> None:
             if self._runner.stands_aside():
-                await self._host_pause.step_aside(text, words, gone)
+                await self._host_pause.step_aside(self._runner.park, text, words, gone)
             elif self._runner.active:
                 self._pause_file(text.replace("M108", "M24"), words)
             else:

@@ -3,7 +3,6 @@ what was noted."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from math import isfinite
 from typing import TYPE_CHECKING
@@ -15,8 +14,6 @@ from passo.printer.words import Command, numeral
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
-
-_ARGUMENTS = re.compile(r"\s*[Ii](\S+)(?:\s+[Vv](\S+))?")
 
 
 class OptionCommands:
@@ -42,12 +39,12 @@ class OptionCommands:
     # -- commands ---------------------------------------------------------------------------------
 
     def _named(self, command: Command) -> tuple[Option, str | None]:
-        match = _ARGUMENTS.match(command.text)
-        option = self._options.get(match[1].lower()) if match else None
-        if match is None or option is None:
-            name = match[1] if match else "nothing"
-            raise CommandError.of("option.unknown", value=name)
-        return option, match[2]
+        words = {word[0].upper(): word[1:] for word in reversed(command.text.split())}
+        name = words.get("I", "")
+        option = self._options.get(name.lower())
+        if option is None:
+            raise CommandError.of("option.unknown", value=name or "nothing")
+        return option, words.get("V")
 
     def _tell(self, command: Command, reply: Reply) -> Wait | None:
         option, _ = self._named(command)
@@ -64,7 +61,9 @@ class OptionCommands:
             if not isfinite(value):
                 raise ValueError(text)
         except ValueError:
-            raise CommandError.of("command.value", axis="V", value=text, limit="a number") from None
+            raise CommandError.of(
+                "command.value", axis="V", value=text or "nothing", limit="a number"
+            ) from None
         self.pending[name] = value
         return None
 

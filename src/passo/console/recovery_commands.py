@@ -47,10 +47,14 @@ class RecoveryCommands:
         if self._interrupted is None:
             return ""
         program, moment = self._interrupted
-        held = self._printer.positions.held and moment.origins
-        way = " from where the board has stopped" if held else self._by_hand()
+        if moment.line == 0:
+            where, way = "its beginning", " from there"
+        else:
+            held = self._printer.positions.held and moment.origins
+            where = f"line {moment.line}"
+            way = " from where the board has stopped" if held else self._by_hand()
         return (
-            f"echo:The print of {program.path} was interrupted at line {moment.line}."
+            f"echo:The print of {program.path} was interrupted at {where}."
             f" M1000 goes on with it{way}, M1000 C forgets it{self.instead}"
         )
 
@@ -63,13 +67,13 @@ class RecoveryCommands:
 
     def _job_changed(self, state: State) -> None:
         if state is State.PRINTING:
-            if not self._journal.open:
+            if self._interrupted is not None or not self._journal.open:
                 self._begin()
         elif state is not State.PAUSED:
             if self._printer.halted:
                 self._journal.leave()
                 self._interrupted = self._journal.read()
-            elif self._journal.open:
+            elif self._journal.open and self._interrupted is None:
                 self._end()
 
     def _begin(self) -> None:
@@ -85,18 +89,20 @@ class RecoveryCommands:
         self._recorded = self._moment(self._runner.first_line, self._seen_z_mm)
         try:
             program = Program.of(self._printer.machine.uuid, self._runner.path, reader)
-            self._journal.begin(program, self._recorded)
+            self._begin_journal(program, self._recorded)
         except CardError as error:
             self._end()  # an older print is over all the same
             self._printer.tell(f"echo:No journal of this print: {error}")
-        except OSError as error:
-            self._printer.tell(f"echo:No journal of this print: {error.strerror}")
         finally:
             reader.seek(self._runner.offset)
 
     def _time_passed(self) -> None:
         printer = self._printer
-        if not self._journal.open or not self._runner.active or printer.homer.active:
+        if printer.homer.active:
+            return
+        if self._interrupted is not None and not self._runner.active:
+            self._keep_z(*self._interrupted)
+        if not self._journal.open or not self._runner.active:
             return
         drive = printer.drive
         line = printer.job.line_at(drive.now)  # asked often: it forgets what is past
@@ -118,6 +124,28 @@ class RecoveryCommands:
             )
         if replace(moment, print_s=self._recorded.print_s) != self._recorded:
             self._record(moment)
+
+    def _keep_z(self, program: Program, moment: Moment) -> None:
+        """An interrupted print waits to be gone on with, and Z has moved: it must be known where,
+        should that be interrupted, too."""
+        if "z" not in self._printer.positions.known or self._printer.halted:
+            return
+        before, self._seen_z_mm = self._seen_z_mm, self._z()
+        self._recorded = moment
+        if not self._z_matters(before):
+            return
+        moment = replace(moment, z_mm=round(self._seen_z_mm, 6))
+        self._interrupted = program, moment
+        if self._journal.open:
+            self._record(moment)
+        elif self._journal.path.exists():  # not where it could not be written before
+            self._begin_journal(program, moment)
+
+    def _begin_journal(self, program: Program, moment: Moment) -> None:
+        try:
+            self._journal.begin(program, moment)
+        except OSError as error:
+            self._printer.tell(f"echo:No journal of this print: {error.strerror}")
 
     def _z_matters(self, before_mm: float) -> bool:
         """Z has gone far since the last record, or has come to rest elsewhere. A print that goes on
@@ -176,16 +204,15 @@ class RecoveryCommands:
         self._files.open(program.path)
         reader = self._runner.reader
         assert reader is not None
-        if moment.line == 0:
-            self._runner.start()
-            return
         try:
-            offset = await Recovery(self._printer, program, moment, reader).run()
+            recovery = Recovery(self._printer, program, moment, reader)
+            offset = await recovery.run() if moment.line else 0
         except (PassoError, Stopped):
             self._runner.seek(0)
             for heater in self._printer.heaters:
                 self._printer.set_target(heater, 0.0, at_once=True)
             raise
-        self._runner.seek(offset, moment.line)
-        reply.say(f"echo:Printing {self._runner.name} from line {moment.line}")
+        self._runner.seek(offset)
+        where = f"line {moment.line}" if moment.line else "its beginning"
+        reply.say(f"echo:Printing {self._runner.name} from {where}")
         self._runner.start()

@@ -55,11 +55,20 @@ class HostPause:
         printer.tell("// action:resume")
 
     async def step_aside(
-        self, text: str, words: Mapping[str, float], gone: Callable[[], bool] = lambda: False
+        self,
+        files: Park,
+        text: str,
+        words: Mapping[str, float],
+        gone: Callable[[], bool] = lambda: False,
     ) -> None:
         """The same in the pause of a file, which goes on behind it: the nozzle leaves the place
-        where it stands, and comes back there."""
-        await self._leave_and_return(Park(self._printer, here=True), text, words, gone)
+        where it stands, and comes back there. If not, the file's own `files` makes up for it."""
+        park = Park(self._printer, here=True)
+        try:
+            await self._leave_and_return(park, text, words, gone)
+        except BaseException:
+            files.owe(park)
+            raise
 
     async def _leave_and_return(
         self,

@@ -43,6 +43,7 @@ class Park:
         self._away = False
         self._warm = False  # filament could move when the print was left
         self._retracted_mm = 0.0
+        self.owed_mm = 0.0  # of filament that others have taken back in this pause
         self._load_mm = 0.0
         axes = printer.machine.axes
         order = enumerate(axis_order(axes))
@@ -83,6 +84,12 @@ class Park:
         if extrudes:
             self._push(-abs(words.get("U", 0.0)), _core.UNLOAD_MM_S)
         await self._still()
+
+    def owe(self, other: Park) -> None:
+        """What another has taken back in this pause, and did not come back from, comes back with
+        this one."""
+        if other._away:
+            self.owed_mm += other._retracted_mm
 
     def _take_tool(self) -> None:
         """That of the print; none other leaves from `here` than the one that is in use."""
@@ -128,9 +135,10 @@ class Park:
             place = {slot: at[slot] for i, slot in self._places.items() if i not in unknown}
             if not go_back(printer, place, park.speed_mm_s if park else math.inf):
                 raise CommandError([printer.commands.problem()])
-            if self._away and park is not None and printer.can_extrude():
-                self._push(self._retracted_mm, park.retract_mm_s)
-            self._away = False
+            if park is not None and printer.can_extrude():
+                mm = self.owed_mm + (self._retracted_mm if self._away else 0.0)
+                self._push(mm, park.retract_mm_s)
+            self._away, self.owed_mm = False, 0.0
             await self._still()
 
     async def _melt(self) -> None:

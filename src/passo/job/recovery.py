@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-import re
-from itertools import islice
 from typing import TYPE_CHECKING
 
 from passo._core import Within
 from passo.errors import CommandError
 from passo.job.journal import Moment, Program
+from passo.job.line_places import offset_of_line
 from passo.job.past import Past
 from passo.job.runner import Reader
 from passo.printer.approach import go_over
@@ -19,29 +18,6 @@ from passo.printer.waits import Silence, Temperatures
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
-
-_CHUNK = 1 << 16
-_END = re.compile(rb"\r\n?|\n")  # of a line, as the interpreter counts them
-
-
-def offset_of_line(reader: Reader, line: int) -> int:
-    """Bytes before a line, counted from 1. Raises PassoError if the card fails."""
-    reader.seek(0)
-    at, left, cut = 0, line - 1, False
-    while left > 0:
-        data = reader.read(_CHUNK)
-        if not data:
-            return at
-        if cut and data.startswith(b"\n"):  # the second half of a CR LF
-            at, data = at + 1, data[1:]
-        cut = data.endswith(b"\r")
-        ends = data.count(b"\n") + data.count(b"\r") - data.count(b"\r\n")
-        if ends >= left:
-            at += next(islice(_END.finditer(data), left - 1, None)).end()
-            return at + (cut and ends == left and reader.read(1) == b"\n")
-        left -= ends
-        at += len(data)
-    return at
 
 
 class Recovery:
@@ -93,7 +69,8 @@ class Recovery:
 
     async def _lift_and_home(self) -> None:
         """Up first, and no more if the board knows where it stands. A machine whose Z is moved
-        alone keeps it, and homes the others; one whose arms move together homes upwards."""
+        alone keeps it, and homes the others; one whose arms move together homes upwards. What has
+        homed since it was interrupted, or an earlier try has placed, is where the printer says."""
         printer, machine = self._printer, self._printer.machine
         raise_mm = machine.park.raise_mm if machine.park else 0.0
         if printer.positions.restore(self._moment.origins):
@@ -105,12 +82,17 @@ class Recovery:
         if machine.geometry.lifts_together:
             await printer.homer.home("")
             return
-        z = self._moment.z_mm
-        printer.job.set_axes([(Z, z)])
+        known = printer.positions.known
+        if "z" not in known:
+            printer.job.set_axes([(Z, self._moment.z_mm)])
+            known.add("z")
+        z = printer.job.machine_position[Z]
         await self._go({Z: min(z + raise_mm, max(machine.axes["z"].max_mm, z))}, math.inf)
         if not machine.homing:
-            point = machine.home_point
-            printer.job.set_axes([(axis, point[axis]) for axis in (X, Y)])
+            if not known.issuperset("xy"):
+                point = machine.home_point
+                printer.job.set_axes([(axis, point[axis]) for axis in (X, Y)])
+                known.update("xy")
             return
         await printer.homer.home("XY")
 

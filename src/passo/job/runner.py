@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Protocol
 from passo import _core
 from passo.config.drives import axis_order
 from passo.errors import CardError, CommandError, InputError, PassoError, Problem
+from passo.job.line_places import line_of_offset
 from passo.job.park import Park
 from passo.printer.drive import TICK_S
 from passo.printer.faults import problem_of
@@ -58,7 +59,7 @@ class Runner:
 
     def __init__(self, printer: Printer, reply: Reply) -> None:
         self._printer, self._reply = printer, reply
-        self._park = Park(printer)
+        self.park = Park(printer)
         self._park_words: Mapping[str, float] = {}
         self._reader: Reader | None = None
         self._task: asyncio.Task[None] | None = None
@@ -154,12 +155,13 @@ class Runner:
         self.name, self.path, self._reader = "", "", None
         self.state = State.NONE
 
-    def seek(self, offset: int, line: int = 1) -> None:
-        """The next start begins at this byte, whose line has this number. Raises CommandError."""
+    def seek(self, offset: int) -> None:
+        """The next start begins at this byte. Raises CommandError, and CardError."""
         self._refuse_if_active()
         if self._reader is None:
             raise CommandError.of("job.no-file")
-        self._rewind(min(max(offset, 0), self._reader.size), line)
+        offset = min(max(offset, 0), self._reader.size)
+        self._rewind(offset, line_of_offset(self._reader, offset))
 
     def start(self) -> None:
         """Starts the selected file where it stands, or ends a pause. Raises CommandError."""
@@ -205,6 +207,7 @@ class Runner:
         if not self._returns:
             self._returns = True
             self._parked = False
+            self.park.owed_mm = 0.0
             self._locked = set(self._printer.job.locked_axes)
             if self._printer.in_console_line:
                 self._printer.job.abandon()  # what is left of it is no part of the print
@@ -331,7 +334,7 @@ class Runner:
                 self._set_aside()
                 if not self._parked:
                     self._parked = True
-                    await self._park.leave(self._park_words)
+                    await self.park.leave(self._park_words)
         finally:
             printer.turn.give()
         await self._resumed.wait()
@@ -378,7 +381,7 @@ class Runner:
         printer = self._printer
         try:
             self._require_places()
-            await self._park.come_back()
+            await self.park.come_back()
         except CommandError as error:
             if self.active:
                 printer.tell(f"echo:Print of {self.name} stays paused: {error}")

@@ -338,6 +338,7 @@ class Homer:
     def _set(self, places: dict[str, float]) -> None:
         self._printer.job.set_axes([(self._axes.index(n), at) for n, at in places.items()])
         self._printer.motion.homed(places)
+        self._printer.positions.known.update(places)
 
     def _problem(self, code: str, switch: Switch, limit: float) -> CommandError:
         geometry, home = self._machine.geometry, switch.home

@@ -26,6 +26,7 @@ class Positions:
         self.settlings = 0  # how often the origins may have changed
         # The motors have held since another host was there: their counts still tell where it is.
         self.held = printer.connection.adopted
+        self.known: set[str] = set()  # axes that homed, or a recovery placed, and held since
         self._loose: set[str] = set()  # axes whose motors were off since they were known
         self._frozen: list[float] | None = None
 
@@ -58,6 +59,7 @@ class Positions:
         axes = self._printer.machine.axes
         self.held = False
         self.settlings += 1
+        self.known.clear()
         self._loose = {name for name, axis in axes.items() if not axis.extruder}
 
     def trust(self, axes: Iterable[str] | None = None) -> None:

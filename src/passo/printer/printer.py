@@ -224,6 +224,8 @@ class Printer:
 
     def lock(self, axes: Iterable[str]) -> None:
         """These axes no longer know where they are."""
+        axes = list(axes)
+        self.positions.known.difference_update(axes)
         if self.machine.unhomed_moves == "refuse":
             order = axis_order(self.machine.axes)
             for name in axes:

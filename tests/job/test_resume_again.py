@@ -1,0 +1,132 @@
+"""M1000 of a machine that has moved since the power went: homed by hand, or tried before."""
+
+import errno
+import os
+
+import pytest
+from tests.console.scenario import Host, Scenario
+from tests.job.test_journal import WALL
+
+from passo import config
+from passo.job.journal import Journal
+
+HEIGHT_MM = 1.6
+
+
+@pytest.fixture
+def places(tmp_path):
+    (tmp_path / "card").mkdir()
+    (tmp_path / "card" / "wall.gcode").write_text(WALL)
+    return {"card": str(tmp_path / "card"), "state": str(tmp_path / "state")}
+
+
+def cut(places, machine="i3"):
+    """Where the motors are when the power goes."""
+    with Scenario(machine, **places) as s:
+        s.host.ok("M32 wall.gcode")
+        assert s.until(lambda: s.positions()["e"] > 6.5, 200)
+        return s.positions()
+
+
+def again(places, left, machine="i3"):
+    s = Scenario(machine, **places)
+    for stepper in "xyz":
+        s.board.place(stepper, left[stepper])
+    s.host.ok("M302 P1")
+    return s
+
+
+def ends_at_its_height(s):
+    s.host.send("M1000")
+    s.host.expect("echo:Printing wall", 600)
+    s.host.expect("Done printing", 300)
+    assert s.positions()["z"] == pytest.approx(HEIGHT_MM, abs=0.03)
+
+
+def tried(s, seconds, end="M410"):
+    """A first M1000 that is ended after so long; tells its last words."""
+    s.host.send("M1000")
+    s.passes(seconds)
+    Host(s).send(end)
+    s.host.expect("stopped|halted", 30)
+    s.passes(5)
+
+
+def test_a_machine_that_was_homed_is_where_it_has_homed(places):
+    with again(places, cut(places)) as s:
+        s.host.ok("G28", 100)
+        ends_at_its_height(s)
+
+
+def test_motors_that_were_off_since_they_homed_tell_nothing_new(places):
+    with again(places, cut(places)) as s:
+        s.host.ok("G28", 100)
+        s.host.ok("M84")
+        ends_at_its_height(s)
+
+
+@pytest.mark.parametrize("seconds", [0.3, 1.5, 6.0])
+@pytest.mark.parametrize("end", ["M410", "M112"])
+def test_a_try_that_was_stopped_has_lifted_the_nozzle(places, seconds, end):
+    with again(places, cut(places)) as s:
+        tried(s, seconds, end)
+        if end == "M112":
+            s.host.send("M999")
+            s.host.expect("ready again", 10)
+            s.host.ok("M302 P1")
+        ends_at_its_height(s)
+
+
+@pytest.mark.parametrize("seconds", [0.3, 0.7, 1.5, 6.0, 9.0])
+def test_so_has_one_that_was_cut_off(places, seconds):
+    left = cut(places)
+    for _ in range(2):
+        with again(places, left) as s:
+            s.host.send("M1000")
+            s.passes(seconds)
+            left = s.positions()
+    with again(places, left) as s:
+        ends_at_its_height(s)
+
+
+def test_the_journal_follows_a_machine_that_homes(places, tmp_path):
+    with again(places, cut(places)) as s:
+        s.host.ok("G28", 100)
+        s.host.ok("G1 Z7 F600")
+        s.host.ok("M400", 30)
+        s.passes(1)
+        left = s.positions()
+        s.host.ok("M23 wall.gcode")  # to look at it: nothing is printed yet
+        found = Journal(tmp_path / "state").read()
+        assert found is not None
+        assert found[1].z_mm == pytest.approx(7)
+        assert found[1].line > 60
+    with again(places, left) as s:
+        ends_at_its_height(s)
+
+
+def test_without_room_for_its_journal_the_print_goes_on_all_the_same(places, monkeypatch):
+    with again(places, cut(places)) as s:
+
+        def full(_: int) -> None:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+        monkeypatch.setattr(os, "fsync", full)
+        s.host.ok("G28", 100)
+        s.host.ok("G1 Z7 F600")
+        s.host.ok("M400", 30)
+        assert sum("journal" in line for line in s.host.heard) == 1
+        ends_at_its_height(s)
+
+
+def test_without_switches_a_second_try_begins_where_the_first_has_ended(places):
+    text = config.shipped_text("i3")
+    begin = text.index("[homing.x]")
+    text = text[:begin] + text[text.index("[heaters.hotend]") :]
+    machine = config.load_text(text)
+    left = cut(places, machine)
+    with again(places, left | {"x": 0.0, "y": 0.0}, machine) as s:
+        tried(s, 3.5)
+        assert s.positions()["x"] > 5
+        ends_at_its_height(s)
+        assert s.positions()["x"] == pytest.approx(10.0, abs=0.03)
