@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from math import floor
+from math import floor, hypot
 
 import pytest
 from hypothesis import given, settings
@@ -106,6 +106,34 @@ def test_every_command_comes_before_its_steps_after_cuts_while_more_moves_come(p
     assert_arrived(motion, motion.take_messages(), at)
 
 
+@given(st.lists(st.floats(0.01, 1), min_size=1, max_size=5), st.floats(0.3, 2))
+@settings(max_examples=20, deadline=None)
+def test_what_a_plan_adds_up_to_is_counted_once(cuts, factor):
+    job = Job(load("i3").core_spec())
+    job.feed(b"M83\nG1 X50 Y20 F6000\nG1 X90 E2\nG4 P500\nG1 E-1 F1800\nG1 X40 F9000\nG1 X30 E1\n")
+    assert job.advance() == JobStatus.NEED_INPUT
+    job.flush()
+    for where in cuts:
+        job.set_speed_factor(factor, live=True)
+        job.replan_from(job.clock * where)
+        job.flush()
+    sums = job.statistics()
+    assert sums["moves"] == 5
+    assert sums["travel_mm"] == pytest.approx(hypot(50, 20) + 50)
+    assert sums["print_mm"] == pytest.approx(40 + 10)
+    assert sums["filament_mm"] == pytest.approx([2])
+    assert sums["dwell_s"] == pytest.approx(0.5)
+    for seconds in (
+        sums["move_s"] + sums["dwell_s"],
+        sum(sums["limit_s"].values()) + sums["dwell_s"],
+        sum(sums["layer_s"]),
+        sum(sums["feature_s"].values()),
+    ):
+        assert seconds == pytest.approx(job.clock / oracle.HZ)
+    for motor in job.steppers():
+        assert motor["net"] == motor["expected_net"] == motor["count"]
+
+
 def test_the_new_limit_holds_after_braking():
     motion = Motion(cartesian(), True)
     motion.push([200, 0, 0, 0], 100.0)
@@ -165,7 +193,14 @@ def test_a_step_at_the_end_of_a_stop_may_be_taken_back_at_once():
     motion.flush()
     motion.push([9, 0, 0, 0], 50.0)
     motion.flush()
-    assert_arrived(motion, motion.take_messages(), [9.0, 0, 0, 0])
+    messages = motion.take_messages()
+    assert_arrived(motion, messages, [9.0, 0, 0, 0])
+    # Neither is farther from there than the driver needs to turn: 1.4 µs, and 2 ticks.
+    stop = motion.take_moves()[0].end_ticks
+    last, back = oracle.executed_ticks(messages, 0)[800:802]
+    assert (last[1], back[1]) == (1, -1)
+    assert abs(last[0] - stop) <= 2.5
+    assert 22 <= back[0] - last[0] <= 36
 
 
 @pytest.mark.parametrize("follows", [True, False])

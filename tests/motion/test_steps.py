@@ -11,6 +11,7 @@ from tests.oracles import motion as oracle
 
 from passo._core import Motion
 
+from . import machines
 from .machines import cartesian
 
 STEPS_PER_MM = {0: 80.0, 1: 80.0, 2: 400.0, 3: 95.5}
@@ -81,6 +82,20 @@ def test_every_step_is_within_the_bound(path):
         assert motion.counts()[axis] == floor(end[axis] * per_mm + 0.5)
 
 
+def test_fast_steps_keep_to_a_quarter_of_their_gap():
+    """160 kHz: 100 ticks from step to step, of which a quarter is less than the 2 µs."""
+    spec = cartesian(print_accel=1e6, travel_accel=1e6)
+    spec["axes"][0] = machines.axis("X", accel=1e6)
+    spec["steppers"][0] = machines.stepper("x", "actuator", 0, 1600.0)
+    motion = Motion(spec, True)
+    motion.push([1.0, 0, 0, 0], 100.0)
+    motion.flush()
+    (move,) = motion.take_moves()
+    assert move.cruise_speed == 100.0
+    ideal = list(oracle.crossing_ticks(move, 0, 1600.0))
+    oracle.assert_within_bound(oracle.executed_ticks(motion.take_messages(), 0), ideal)
+
+
 def drop_closest_reversal(steps):
     gaps = [(b[0] - a[0], i) for i, (a, b) in enumerate(itertools.pairwise(steps)) if a[1] != b[1]]
     gap, i = min(gaps)
@@ -140,3 +155,15 @@ def test_the_stream_does_not_depend_on_when_messages_are_taken(path, every):
             got += motion.take_messages()
     motion.flush()
     assert got + motion.take_messages() == expected
+
+
+def test_moves_are_settled_as_they_come():
+    """With each 256 that have come all are settled whose beginning has its final speed."""
+    motion = Motion(cartesian(), False)
+    settled = []
+    for i in range(1024):
+        motion.push([0.5 * (i % 2), 0.5 * i + 0.5, 0, 0], 50.0)
+        settled += motion.take_moves()
+        assert len(settled) >= (i + 1) // 256 * 256 - 2
+        if (i + 1) % 256:
+            assert len(settled) <= (i + 1) // 256 * 256
