@@ -133,8 +133,6 @@ class StepSolver {
       axis_ = slot_of_axis(spec.index);
     } else {
       linear_ = machine.geometry->linear(spec.index, c_);
-      for (int j = 0; j < 3; ++j)
-        if (linear_ && c_[j] == 1 && c_[0] + c_[1] + c_[2] == 1 && c_[(j + 1) % 3] == 0) axis_ = j;
     }
   }
 
@@ -171,7 +169,7 @@ class StepSolver {
   const StepperSpec& spec_;
   double hz_;
   bool linear_;
-  int axis_ = -1;  // ≥ 0: this axis alone drives the motor
+  int axis_ = -1;  // ≥ 0: of an axis or extruder, whose motor this is
   double c_[3];
   int64_t count_ = 0;
   Crossings crossings_;
@@ -181,11 +179,8 @@ class StepSolver {
   double position(const double* p) const {
     if (machine_.joints && spec_.drive == Drive::actuator)
       return p[spec_.index] * spec_.steps_per_unit;
-    double at[3] = {p[0], p[1], p[2]};
-    if (pieces_.raised())
-      at[kZ] = machine_.raised(p);
-    else if (axis_ >= 0)
-      return p[axis_] * spec_.steps_per_unit;
+    if (axis_ >= 0) return p[axis_] * spec_.steps_per_unit;
+    double at[3] = {p[0], p[1], pieces_.raised() ? machine_.raised(p) : p[2]};
     if (linear_) return (c_[0] * at[0] + c_[1] * at[1] + c_[2] * at[2]) * spec_.steps_per_unit;
     return machine_.geometry->inverse(spec_.index, at) * spec_.steps_per_unit;
   }

@@ -272,3 +272,16 @@ def test_what_is_left_of_an_arc_lies_beside_it_behind_a_shift(axis):
         assert z == height
     assert chords[-1].end_mm[:2] == pytest.approx((centre[0] - 100, centre[1]), abs=1e-9)
     assert line.end_mm[0] == 0.5 * (axis == 0)
+
+
+def test_what_is_left_of_an_arc_moves_its_filament_evenly_with_another_flow():
+    job = Job(spec("unbounded"), False)
+    job.keep_moves(True)
+    job.feed(b"M83\nG1 X25 Y110 F6000\nG2 X25 Y110 I100 E33\n")
+    job.advance(1.0)
+    (feed,) = {round(m.end_mm[3] - m.start_mm[3], 9) for m in job.take_moves()[1:]}
+    job.scale_flow_from(job.clock, 0, 0.5)
+    assert job.advance() == JobStatus.NEED_INPUT
+    job.flush()
+    chords = job.take_moves()[-60:]
+    assert [m.end_mm[3] - m.start_mm[3] for m in chords] == pytest.approx([feed / 2] * 60, abs=1e-9)

@@ -139,3 +139,14 @@ def test_a_polygon_of_36_corners():
         motion.push(**({"feed_mm_s": 100.0} | move))
     motion.flush()
     assert motion.clock / HZ - start == pytest.approx(1.5671, abs=1e-3)
+
+
+@pytest.mark.parametrize(("feed", "fastest"), [(54.9, 50.0), (55.1, 55.1), (200.0, 200.0)])
+def test_a_small_gain_of_speed_is_not_worth_it(feed, fastest):
+    """A tenth more than the faster end, which is 50 mm/s."""
+    ways = [(50, 50.0), (70, feed), (120, 50.0)]
+    moves, _ = planned(
+        cartesian(least_speed_gain=0.1),
+        [{"target": [x, 0, 0, 0], "feed_mm_s": f} for x, f in ways],
+    )
+    assert [m.cruise_speed for m in moves] == pytest.approx([50.0, fastest, 50.0])
