@@ -8,7 +8,7 @@ import pytest
 
 from passo._core import Motion
 
-from .machines import aprinter, cartesian, stepper
+from .machines import aprinter, axis, cartesian, stepper
 
 HZ = 16e6
 
@@ -150,3 +150,13 @@ def test_a_small_gain_of_speed_is_not_worth_it(feed, fastest):
         [{"target": [x, 0, 0, 0], "feed_mm_s": f} for x, f in ways],
     )
     assert [m.cruise_speed for m in moves] == pytest.approx([50.0, fastest, 50.0])
+
+
+def test_a_further_axis_changes_its_speed_at_once_by_its_own_jerk():
+    """It reverses from 0.1 mm for a mm of X: a change by 0.2, of which 2 mm/s are allowed."""
+    spec = cartesian()
+    spec["axes"].append(axis("A", jerk=2.0))
+    spec["steppers"].insert(3, stepper("a", "axis", 3, 80.0))
+    ways = [{"target": [50, 0, 0, 5, 0]}, {"target": [100, 0, 0, 0, 0]}]
+    moves, _ = planned(spec, ways)
+    assert moves[1].start_cap == pytest.approx(10.0)

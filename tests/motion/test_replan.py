@@ -326,6 +326,21 @@ def test_what_is_held_is_shifted_by_going_over_to_it():
     assert_arrived(motion, motion.take_messages(), [100.0, -0.25, 0.5, 0.0])
 
 
+def test_the_way_over_to_what_is_held_keeps_its_acceleration():
+    motion = Motion(cartesian(), True)
+    motion.push([10, 0, 0, 0], 50.0)
+    motion.flush()
+    motion.set_accel(500.0, live=False)
+    motion.push([100, 0, 0, 0], 50.0)
+    motion.set_accel(2000.0, live=False)
+    motion.shift_from(motion.hold_from(1.0 * oracle.HZ), 1, 3.0)
+    motion.take_moves()
+    motion.release()
+    motion.flush()
+    over, rest = motion.take_moves()
+    assert over.acceleration == rest.acceleration == 500.0
+
+
 @pytest.mark.parametrize("line", ["G4 P10", "G1 X5.001\nG1 X5"])
 def test_what_makes_no_step_is_forgotten_too(line):
     """Else a file of it would fill the memory: nothing is handed out that could be taken."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from math import floor
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.oracles import motion as oracle
@@ -103,16 +104,17 @@ def drop_closest_reversal(steps):
     del steps[i : i + 2]
 
 
-def test_a_reversal_too_close_for_the_driver_is_removed_in_pairs():
+@pytest.mark.parametrize(("beyond", "pairs"), [(6e-6, 1), (1e-5, 0)])
+def test_a_reversal_too_close_for_the_driver_is_removed_in_pairs(beyond, pairs):
+    """31 ticks from the step to its opposite, or 52; two pulses of 1 µs want 32."""
     motion = Motion(cartesian(junction="jerk"), True)
-    motion.push([0.00626, 0, 0, 0], 100.0)
+    motion.push([0.00625 + beyond, 0, 0, 0], 100.0)
     motion.push([0.0, 0, 0, 0], 100.0)
     motion.flush()
-    moves = motion.take_moves()
-    ideal = [t for m in moves for t in oracle.crossing_ticks(m, 0, 80.0)]
     executed = oracle.executed_ticks(motion.take_messages(), 0)
-    assert len(ideal) - len(executed) == 2 * motion.dropped_pairs(0)
-    assert sum(d for _, d in executed) == 0
+    assert motion.dropped_pairs(0) == pairs
+    assert [way for _, way in executed] == [1, -1] * (1 - pairs)
+    assert all(b[0] - a[0] >= 32 for a, b in itertools.pairwise(executed))
 
 
 def test_long_gaps_set_the_clock_anew():
