@@ -326,6 +326,28 @@ def test_what_is_held_is_shifted_by_going_over_to_it():
     assert_arrived(motion, motion.take_messages(), [100.0, -0.25, 0.5, 0.0])
 
 
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_what_is_suspended_is_shifted_from_its_stop_to_its_end(axis):
+    job = Job(load("i3").core_spec())
+    job.feed(b"G1 X20 Y20 Z1 F6000\nG1 X100\n")
+    assert job.advance() == JobStatus.NEED_INPUT
+    job.flush()
+    job.hold_from(job.clock - 0.3 * oracle.HZ)
+    job.suspend()
+    stop = list(job.stop_position)
+    job.shift_from(job.clock, axis, 0.5)
+    stop[axis] += 0.5
+    assert list(job.stop_position) == stop
+    assert job.move_to(job.stop_position, 50.0)
+    job.resume()
+    end = [100.0, 20.0, 1.0]
+    end[axis] += 0.5
+    assert job.machine_position[:3] == end
+    job.flush()
+    for motor, mm in zip(job.steppers()[:3], end, strict=True):
+        assert motor["net"] == mm * motor["steps_per_unit"]
+
+
 def test_the_way_over_to_what_is_held_keeps_its_acceleration():
     motion = Motion(cartesian(), True)
     motion.push([10, 0, 0, 0], 50.0)
