@@ -223,6 +223,18 @@ def test_a_dwell_ends_early_and_what_was_due_behind_it_is_done(follows):
     assert_arrived(motion, messages, [20.0 if follows else 10.0, 0.0, 0.0, 0.0])
 
 
+def test_a_dwell_that_cannot_be_ended_any_more_is_not_ended_in_the_next_one():
+    motion = Motion(cartesian(), True)
+    for value in range(2):
+        motion.push([0, 0, 0, 0], 50.0, "dwell", duration_s=1.0)
+        motion.record(2, value)
+    motion.flush()
+    assert len(motion.take_messages(before=1.5 * oracle.HZ)) == 1
+    assert motion.skip_dwell_from(0.5 * oracle.HZ) == oracle.HZ
+    motion.flush()
+    assert motion.clock == 2 * oracle.HZ
+
+
 def test_a_record_at_the_very_clock_of_a_cut_is_done_once():
     motion = Motion(cartesian(), True)
     motion.push([0, 0, 0, 0], 50.0, "dwell", duration_s=1.0)

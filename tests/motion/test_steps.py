@@ -169,3 +169,17 @@ def test_moves_are_settled_as_they_come():
         assert len(settled) >= (i + 1) // 256 * 256 - 2
         if (i + 1) % 256:
             assert len(settled) <= (i + 1) // 256 * 256
+
+
+def test_of_a_plan_that_only_speeds_up_the_older_half_is_settled():
+    """At 8192 moves, so that no file fills the memory."""
+    motion = Motion(cartesian(), False)
+    for i in range(8448):
+        assert motion.take_moves() == []
+        motion.push([0.001 * (i + 1), 0, 0, 0], 300.0)
+    settled = motion.take_moves()
+    assert len(settled) == 4224
+    motion.flush()
+    moves = settled + motion.take_moves()
+    oracle.assert_trapezoids(moves)
+    assert moves[-1].end_ticks == pytest.approx(2 * (8.448 / 3000) ** 0.5 * oracle.HZ, rel=1e-3)
