@@ -87,7 +87,6 @@ struct TimeLaw {
     sign0 = m.a > 0 ? 1 : -1;
     c00 = (m.v0 * w0) * (m.v0 * w0);
     c01 = 2 * w0 * hz;
-    if (m.a < 0) c01 = -2 * std::fabs(w0) * hz;
     s1 = m.d_acc;
     s2 = m.d_acc + m.d_cru;
     double per = m.vc > 0 ? hz / m.vc : 0;
@@ -203,7 +202,9 @@ class StepSolver {
     double per_step = from == to ? 0 : m.d / std::fabs(to - from);
     double s0 = (double(count_) + 0.5 * dir - from) * dir * per_step;
     double* t = extend(out, size_t(n), int(dir));
-    TimeLaw(m, hz_).even(std::clamp(s0, 0.0, m.d), std::max(per_step, 1e-12), int(n), t);
+    TimeLaw(m, hz_).even(s0, std::max(per_step, 1e-12), int(n), t);
+    // After a cut: what was due before it comes at once.
+    for (int64_t k = 0; k < n && s0 + per_step * double(k) < 0; ++k) t[k] = m.start;
     count_ = target;
   }
 
