@@ -375,6 +375,13 @@ def test_the_way_over_to_what_is_held_keeps_its_acceleration():
     assert over.acceleration == rest.acceleration == 500.0
 
 
+def test_what_is_queued_takes_its_nominal_speeds_and_its_dwells():
+    job = Job(load("i3").core_spec())
+    job.feed(b"G1 X30 F600\nG4 P5000\nG1 X0 F1200\n")
+    assert job.advance() == JobStatus.NEED_INPUT
+    assert job.queued_ticks == pytest.approx((3.0 + 5.0 + 1.5) * oracle.HZ)
+
+
 @pytest.mark.parametrize("line", ["G4 P10", "G1 X5.001\nG1 X5"])
 def test_what_makes_no_step_is_forgotten_too(line):
     """Else a file of it would fill the memory: nothing is handed out that could be taken."""

@@ -106,3 +106,15 @@ def test_what_a_twisted_bed_bends_is_a_part_of_an_acceleration():
     (move,) = motion.take_moves()
     assert move.speed_cap == pytest.approx((5 / 2e-4) ** 0.5)
     assert move.acceleration == pytest.approx(5 / (0.01 * 2**0.5))
+
+
+def test_a_new_height_of_the_bed_moves_no_motor():
+    motion = Motion(cartesian(), True)
+    motion.push([5, 5, 5, 0], 50.0)
+    motion.flush()
+    motion.set_height_map((0, 0), (10, 10), [[1, 1], [1, 1]])
+    assert motion.counts()[2] == 2000
+    motion.push([5, 5, 5, 0], 50.0)
+    motion.flush()
+    assert motion.take_moves()[-1].start_mm[2] == 4.0
+    assert motion.counts()[2] == 2400
