@@ -23,7 +23,6 @@ enum FixedLimit : LimitId {
   kBoard,
   kLink,
   kLaserPower,
-  kFixedLimits
 };
 
 struct Row {

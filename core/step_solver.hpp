@@ -87,7 +87,6 @@ struct TimeLaw {
     sign0 = m.a > 0 ? 1 : -1;
     c00 = (m.v0 * w0) * (m.v0 * w0);
     c01 = 2 * w0 * hz;
-    if (m.a < 0) c01 = -2 * std::fabs(w0) * hz;
     s1 = m.d_acc;
     s2 = m.d_acc + m.d_cru;
     double per = m.vc > 0 ? hz / m.vc : 0;
@@ -133,8 +132,6 @@ class StepSolver {
       axis_ = slot_of_axis(spec.index);
     } else {
       linear_ = machine.geometry->linear(spec.index, c_);
-      for (int j = 0; j < 3; ++j)
-        if (linear_ && c_[j] == 1 && c_[0] + c_[1] + c_[2] == 1 && c_[(j + 1) % 3] == 0) axis_ = j;
     }
   }
 
@@ -171,7 +168,7 @@ class StepSolver {
   const StepperSpec& spec_;
   double hz_;
   bool linear_;
-  int axis_ = -1;  // ≥ 0: this axis alone drives the motor
+  int axis_ = -1;  // ≥ 0: of an axis or extruder, whose motor this is
   double c_[3];
   int64_t count_ = 0;
   Crossings crossings_;
@@ -181,11 +178,8 @@ class StepSolver {
   double position(const double* p) const {
     if (machine_.joints && spec_.drive == Drive::actuator)
       return p[spec_.index] * spec_.steps_per_unit;
-    double at[3] = {p[0], p[1], p[2]};
-    if (pieces_.raised())
-      at[kZ] = machine_.raised(p);
-    else if (axis_ >= 0)
-      return p[axis_] * spec_.steps_per_unit;
+    if (axis_ >= 0) return p[axis_] * spec_.steps_per_unit;
+    double at[3] = {p[0], p[1], pieces_.raised() ? machine_.raised(p) : p[2]};
     if (linear_) return (c_[0] * at[0] + c_[1] * at[1] + c_[2] * at[2]) * spec_.steps_per_unit;
     return machine_.geometry->inverse(spec_.index, at) * spec_.steps_per_unit;
   }
@@ -208,7 +202,9 @@ class StepSolver {
     double per_step = from == to ? 0 : m.d / std::fabs(to - from);
     double s0 = (double(count_) + 0.5 * dir - from) * dir * per_step;
     double* t = extend(out, size_t(n), int(dir));
-    TimeLaw(m, hz_).even(std::clamp(s0, 0.0, m.d), std::max(per_step, 1e-12), int(n), t);
+    TimeLaw(m, hz_).even(s0, std::max(per_step, 1e-12), int(n), t);
+    // After a cut: what was due before it comes at once.
+    for (int64_t k = 0; k < n && s0 + per_step * double(k) < 0; ++k) t[k] = m.start;
     count_ = target;
   }
 

@@ -111,6 +111,12 @@ def test_a_problem_reads_as_a_sentence() -> None:
         ("steps_per_mm = 400.0", "steps_per_degree = 4", "steppers.z.steps_per_degree", "linear"),
         ("steps_per_mm = 400.0", "steps_per_mm = 400\nmin_deg = 1", "steppers.z.min_deg", "min_mm"),
         ("steps_per_mm = 400.0", "steps_per_mm = inf", "steppers.z.steps_per_mm", "a finite"),
+        (
+            "steps_per_mm = 400.0",
+            "steps_per_mm = 400\nmax_rate_hz = 0.99",
+            "steppers.z.max_rate_hz",
+            "at least 1",
+        ),
         ("jerk_mm_s = 0.4", "home_mm = 300", "axes.z.home_mm", "a position between 0 and 250"),
         ("[board]", "[park]\nposition_mm = [9, 999]\n[board]", "park.position_mm", "Y between"),
         ("[board]", "[park]\nretract_mm = 2e4\n[board]", "park.retract_mm", "at most 1000"),

@@ -250,3 +250,38 @@ def test_of_a_move_behind_an_event_of_its_line_no_filament_counts_when_it_is_lef
     assert job.advance() == JobStatus.EVENT
     job.abandon()
     assert job.program_position == [0, 0, 0, 0]
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_what_is_left_of_an_arc_lies_beside_it_behind_a_shift(axis):
+    job = Job(spec("unbounded"), False)
+    job.keep_moves(True)
+    job.feed(b"G1 X25 Y110 F6000\nG2 X25 Y110 I100\nG1 X0\n")
+    job.advance(1.0)
+    known = len(job.take_moves())
+    assert known < 300  # of 332 moves
+    job.shift_from(job.clock, axis, 0.5)
+    assert job.advance() == JobStatus.NEED_INPUT
+    job.flush()
+    centre, height = [125.0, 110.0, 0.0], 0.5 * (axis == 2)
+    centre[axis] += 0.5
+    *chords, line = job.take_moves()[-30:]
+    for chord in chords:
+        x, y, z = chord.end_mm[:3]
+        assert hypot(x - centre[0], y - centre[1]) == pytest.approx(100, abs=1e-9)
+        assert z == height
+    assert chords[-1].end_mm[:2] == pytest.approx((centre[0] - 100, centre[1]), abs=1e-9)
+    assert line.end_mm[0] == 0.5 * (axis == 0)
+
+
+def test_what_is_left_of_an_arc_moves_its_filament_evenly_with_another_flow():
+    job = Job(spec("unbounded"), False)
+    job.keep_moves(True)
+    job.feed(b"M83\nG1 X25 Y110 F6000\nG2 X25 Y110 I100 E33\n")
+    job.advance(1.0)
+    (feed,) = {round(m.end_mm[3] - m.start_mm[3], 9) for m in job.take_moves()[1:]}
+    job.scale_flow_from(job.clock, 0, 0.5)
+    assert job.advance() == JobStatus.NEED_INPUT
+    job.flush()
+    chords = job.take_moves()[-60:]
+    assert [m.end_mm[3] - m.start_mm[3] for m in chords] == pytest.approx([feed / 2] * 60, abs=1e-9)

@@ -77,6 +77,29 @@ def test_a_volume_is_scaled_too():
     assert lengths(job_of(text).take_moves()) == pytest.approx([-2, 2, 0.5], abs=1e-12)
 
 
+def test_a_record_before_filament_that_no_longer_moves_keeps_its_place():
+    """Twice 15 mm is an unloading, to which nothing is owed: the way back is no move any more."""
+    job = Job(spec("unbounded"))
+    job.keep_moves(True)
+    job.feed(b"M83\nG1 X10 F3000\nG1 E-15\nG1 X20\nM7\nG1 E15\nG1 X30\nM8\nG1 X40\n")
+    while job.advance() is JobStatus.EVENT:
+        job.mark(job.event[2], 1)
+    job.flush()
+    job.take_moves()
+    job.scale_flow_from(0.0, 0, 2.0)
+    job.flush()
+    moves = job.take_moves()
+    assert [(m.end_mm[0], m.end_mm[3]) for m in moves] == [
+        (10, 0),
+        (10, -30),
+        (20, -30),
+        (30, -30),
+        (40, -30),
+    ]
+    places = [(round(moves[i].start_ticks), number, 1) for i, number in ((3, 7), (4, 8))]
+    assert job.take_marks() == places
+
+
 word = st.one_of(
     st.integers(-30, 60).map(lambda n: f"E{n / 10}"),
     st.tuples(st.integers(0, 40), st.integers(-10, 60)).map(lambda p: f"X{p[0]} E{p[1] / 10}"),

@@ -209,3 +209,16 @@ def test_what_is_out_of_reach_is_told_with_value_and_limit(name, point, reason):
     told = problem((7, Fault.UNREACHABLE, "", 0.0, 0.0, point), "a.gcode", model)
     assert told.place == "a.gcode:7"
     assert told.sentence.endswith(f"cannot be reached by this machine: {reason}")
+
+
+@pytest.mark.parametrize(("mm", "reached"), [(129.985, True), (129.995, False)])
+def test_arms_from_two_shoulders_are_never_quite_stretched(mm, reached):
+    """They are 60 and 70 mm, from 50 mm to either side."""
+    model, core, _, _ = machine("dual_scara")
+    point = (0.0, (mm**2 - 50.0**2) ** 0.5, 0.0)
+    assert [isnan(core.inverse(i, point)) for i in (0, 1)] == [not reached] * 2
+    if reached:
+        assert close(model.forward(model.inverse(point)), point, 1e-6)
+    else:
+        with pytest.raises(Unreachable):
+            model.inverse(point)

@@ -216,3 +216,28 @@ def test_messages_do_not_depend_on_when_they_are_taken():
         pieces += motion.take_messages(motion.clock - 0.3 * HZ)
     motion.flush()
     assert pieces + motion.take_messages() == whole
+
+
+@pytest.mark.parametrize("settled", [True, False])
+def test_a_cut_gives_back_what_is_planned_anew(settled):
+    """The slots have room for these moves once, with a tenth to spare."""
+    targets = list(wander(0.05, 60, 0.3, 2))
+
+    def spec(burst):
+        return machine(20_000.0, budget=budget(commands_s=1.0, burst=burst))
+
+    def fits(burst):
+        return all(m.tolerance_ticks == 0 for m in planned(spec(burst), targets)[1])
+
+    least = next(burst for burst in range(1000) if fits(burst))
+    motion = Motion(spec(1.1 * least))
+    for target in targets:
+        motion.push(target, 300.0, "print")
+    if settled:
+        motion.flush()
+    for _ in range(5):
+        motion.replan_from(0.5 * motion.clock)
+        if settled:
+            motion.flush()
+    motion.flush()
+    assert all(m.tolerance_ticks == 0 for m in motion.take_moves())

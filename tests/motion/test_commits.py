@@ -10,7 +10,7 @@ from tests.oracles.motion import HZ
 from passo._core import Job, JobStatus
 from passo.config import load
 
-PERIOD = 0.075 * HZ
+PERIOD = int(0.075 * HZ)
 
 
 def job(period=None):
@@ -34,3 +34,37 @@ def test_a_motor_that_has_rested_long_steps_right_behind_a_commit(ticks):
     commits = int(first / PERIOD)
     told = job(int((first - ticks) / commits))
     assert told.steppers()[3]["net"] == 382
+
+
+def test_a_commit_holds_no_more_messages_than_it_may():
+    """It is a message itself, behind a tail for each motor that moves."""
+
+    def dense(most):
+        job = Job(load("i3").core_spec())
+        job.use_commits(PERIOD, most)
+        lines = (f"G1 X{100 + i % 7 * 0.31} Y{100 + i * 5 % 11 * 0.17} F6000\n" for i in range(300))
+        job.feed("".join(lines).encode())
+        assert job.advance() == JobStatus.NEED_INPUT
+        job.flush()
+        return job, len(job.messages)
+
+    (told, messages), (few, more) = dense(1_000_000), dense(20)
+    by_time = told.clock / PERIOD + 1
+    by_number = sum(motor["commands"] for motor in few.steppers()) / 20
+    assert by_number > 2 * by_time
+    assert more - messages >= by_number - by_time
+    assert few.clock == told.clock
+
+
+def test_a_motor_that_has_stopped_by_itself_is_told_its_clock_and_direction_once():
+    def messages(renews):
+        job = Job(load("i3").core_spec())
+        for line in (b"G1 X10 F6000\n", b"G1 X20\nG1 X200 F600\n"):
+            job.feed(line)
+            assert job.advance() == JobStatus.NEED_INPUT
+            job.flush()
+            if renews:
+                job.renew_steppers([0])
+        return len(job.messages)
+
+    assert messages(True) == messages(False) + 2

@@ -8,7 +8,7 @@ import pytest
 
 from passo._core import Motion
 
-from .machines import aprinter, cartesian, stepper
+from .machines import aprinter, axis, cartesian, stepper
 
 HZ = 16e6
 
@@ -139,3 +139,51 @@ def test_a_polygon_of_36_corners():
         motion.push(**({"feed_mm_s": 100.0} | move))
     motion.flush()
     assert motion.clock / HZ - start == pytest.approx(1.5671, abs=1e-3)
+
+
+@pytest.mark.parametrize(("feed", "fastest"), [(54.9, 50.0), (55.1, 55.1), (200.0, 200.0)])
+def test_a_small_gain_of_speed_is_not_worth_it(feed, fastest):
+    """A tenth more than the faster end, which is 50 mm/s."""
+    ways = [(50, 50.0), (70, feed), (120, 50.0)]
+    moves, _ = planned(
+        cartesian(least_speed_gain=0.1),
+        [{"target": [x, 0, 0, 0], "feed_mm_s": f} for x, f in ways],
+    )
+    assert [m.cruise_speed for m in moves] == pytest.approx([50.0, fastest, 50.0])
+
+
+def test_a_further_axis_changes_its_speed_at_once_by_its_own_jerk():
+    """It reverses from 0.1 mm for a mm of X: a change by 0.2, of which 2 mm/s are allowed."""
+    spec = cartesian()
+    spec["axes"].append(axis("A", jerk=2.0))
+    spec["steppers"].insert(3, stepper("a", "axis", 3, 80.0))
+    ways = [{"target": [50, 0, 0, 5, 0]}, {"target": [100, 0, 0, 0, 0]}]
+    moves, _ = planned(spec, ways)
+    assert moves[1].start_cap == pytest.approx(10.0)
+
+
+@pytest.mark.parametrize(("feed", "speed"), [(8.0, 16.0), (1000.0, 20.0)])
+def test_of_a_time_and_a_feed_rate_the_slower_counts_and_m220_scales_both(feed, speed):
+    """100 mm in 10 s, twice as fast."""
+    motion = Motion(cartesian(), False)
+    motion.set_speed_factor(2.0)
+    motion.push([100, 0, 0, 0], feed, duration_s=10.0)
+    motion.flush()
+    assert motion.take_moves()[0].cruise_speed == pytest.approx(speed)
+
+
+def test_the_rate_of_its_steps_bounds_an_extruder():
+    spec = cartesian()
+    spec["steppers"][3]["max_rate_hz"] = 955.0
+    moves, _ = planned(spec, [{"target": [0, 0, 0, -20], "kind": "extrude"}])
+    assert moves[0].cruise_speed == pytest.approx(10.0)
+
+
+def test_by_cornering_distance_nothing_passes_from_an_extruder_to_another():
+    spec = aprinter()
+    spec["extruders"].append(spec["extruders"][0] | {"name": "e1"})
+    spec["tools"].append({"extruder": 1, "offset": [0.0, 0.0, 0.0]})
+    spec["steppers"].append(stepper("e1", "extruder", 1, 100.0))
+    ways = [{"target": [50, 0, 0, 0], "extruder": 0}, {"target": [100, 0, 0, 0], "extruder": 1}]
+    moves, _ = planned(spec, ways)
+    assert moves[0].end_speed == moves[1].start_cap == 0

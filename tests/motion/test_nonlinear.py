@@ -272,3 +272,22 @@ def test_steps_stand_where_the_inverse_says_next_to_a_shoulder(away):
     begin = motion.counts()
     motion.push([139.0, 50.0, 0.0, 0.0], 150.0)
     assert_steps_stand_where_the_inverse_says(motion, spec, geometry, begin)
+
+
+@pytest.mark.parametrize("name", REACH)
+def test_a_step_that_is_owed_comes_at_once_and_one_too_many_is_left_out(name):
+    """A cut may leave a motor a step beside where its way goes on."""
+    motion, spec, geometry = in_the_middle(name)
+    push_shares(motion, name, [((0.4, 0.3, 0.2), 50)])
+    motion.flush()
+    (move, *_) = motion.take_moves()
+    starts = geometry.inverse(tuple(move.start_mm[:3]))
+    for i, (row, at) in enumerate(zip(spec["steppers"][:3], starts, strict=True)):
+        count = floor(at * row["steps_per_unit"] + 0.5)
+        ticks, end = motion.ideal_ticks(move, i, count)
+        way = 1 if end > count else -1
+        assert len(ticks) == abs(end - count) > 3
+        for done, wanted in ((-way, [move.start_ticks, *ticks]), (way, ticks[1:])):
+            then, same_end = motion.ideal_ticks(move, i, count + done)
+            assert then == pytest.approx(wanted)
+            assert same_end == end

@@ -42,6 +42,20 @@ def test_values_at_different_places_are_all_sent():
     assert len({clock for _, clock, _ in found}) == 20
 
 
+def test_motion_from_a_stop_comes_behind_the_record_there():
+    """Commands are due 20 ms before their first step, but messages of a board in order."""
+    motion = Motion(cartesian())
+    for i in range(3):
+        motion.push([5.0 * (i + 1), 0.0, 0.0, 0.0], 10.0)
+        motion.record(0, i)
+        motion.flush()
+    messages = motion.take_messages()
+    clocks = [m[2] for m in messages]
+    assert clocks == sorted(clocks)
+    stops = [round(m.end_ticks) for m in motion.take_moves()]
+    assert oracle.pins(messages) == [(stop, i) for i, stop in enumerate(stops)]
+
+
 def test_records_are_a_part_of_what_the_link_takes():
     """At 1000 commands a second 2000 values take 2 s more, whatever the moves want."""
     limits = {"steps_s": inf, "commands_s": 1000.0, "burst": 10.0, "by_link": True}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from math import floor
+from math import floor, hypot
 
 import pytest
 from hypothesis import given, settings
@@ -106,6 +106,34 @@ def test_every_command_comes_before_its_steps_after_cuts_while_more_moves_come(p
     assert_arrived(motion, motion.take_messages(), at)
 
 
+@given(st.lists(st.floats(0.01, 1), min_size=1, max_size=5), st.floats(0.3, 2))
+@settings(max_examples=20, deadline=None)
+def test_what_a_plan_adds_up_to_is_counted_once(cuts, factor):
+    job = Job(load("i3").core_spec())
+    job.feed(b"M83\nG1 X50 Y20 F6000\nG1 X90 E2\nG4 P500\nG1 E-1 F1800\nG1 X40 F9000\nG1 X30 E1\n")
+    assert job.advance() == JobStatus.NEED_INPUT
+    job.flush()
+    for where in cuts:
+        job.set_speed_factor(factor, live=True)
+        job.replan_from(job.clock * where)
+        job.flush()
+    sums = job.statistics()
+    assert sums["moves"] == 5
+    assert sums["travel_mm"] == pytest.approx(hypot(50, 20) + 50)
+    assert sums["print_mm"] == pytest.approx(40 + 10)
+    assert sums["filament_mm"] == pytest.approx([2])
+    assert sums["dwell_s"] == pytest.approx(0.5)
+    for seconds in (
+        sums["move_s"] + sums["dwell_s"],
+        sum(sums["limit_s"].values()) + sums["dwell_s"],
+        sum(sums["layer_s"]),
+        sum(sums["feature_s"].values()),
+    ):
+        assert seconds == pytest.approx(job.clock / oracle.HZ)
+    for motor in job.steppers():
+        assert motor["net"] == motor["expected_net"] == motor["count"]
+
+
 def test_the_new_limit_holds_after_braking():
     motion = Motion(cartesian(), True)
     motion.push([200, 0, 0, 0], 100.0)
@@ -165,7 +193,14 @@ def test_a_step_at_the_end_of_a_stop_may_be_taken_back_at_once():
     motion.flush()
     motion.push([9, 0, 0, 0], 50.0)
     motion.flush()
-    assert_arrived(motion, motion.take_messages(), [9.0, 0, 0, 0])
+    messages = motion.take_messages()
+    assert_arrived(motion, messages, [9.0, 0, 0, 0])
+    # Neither is farther from there than the driver needs to turn: two pulses of 1 µs, and 2 ticks.
+    stop = motion.take_moves()[0].end_ticks
+    last, back = oracle.executed_ticks(messages, 0)[800:802]
+    assert (last[1], back[1]) == (1, -1)
+    assert abs(last[0] - stop) <= 2.5
+    assert 32 <= back[0] - last[0] <= 36
 
 
 @pytest.mark.parametrize("follows", [True, False])
@@ -186,6 +221,18 @@ def test_a_dwell_ends_early_and_what_was_due_behind_it_is_done(follows):
     messages = motion.take_messages()
     assert oracle.pins(messages) == [(cut, 7)]
     assert_arrived(motion, messages, [20.0 if follows else 10.0, 0.0, 0.0, 0.0])
+
+
+def test_a_dwell_that_cannot_be_ended_any_more_is_not_ended_in_the_next_one():
+    motion = Motion(cartesian(), True)
+    for value in range(2):
+        motion.push([0, 0, 0, 0], 50.0, "dwell", duration_s=1.0)
+        motion.record(2, value)
+    motion.flush()
+    assert len(motion.take_messages(before=1.5 * oracle.HZ)) == 1
+    assert motion.skip_dwell_from(0.5 * oracle.HZ) == oracle.HZ
+    motion.flush()
+    assert motion.clock == 2 * oracle.HZ
 
 
 def test_a_record_at_the_very_clock_of_a_cut_is_done_once():
@@ -289,6 +336,50 @@ def test_what_is_held_is_shifted_by_going_over_to_it():
         (100.0, -0.25, 0.5),
     ]
     assert_arrived(motion, motion.take_messages(), [100.0, -0.25, 0.5, 0.0])
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_what_is_suspended_is_shifted_from_its_stop_to_its_end(axis):
+    job = Job(load("i3").core_spec())
+    job.feed(b"G1 X20 Y20 Z1 F6000\nG1 X100\n")
+    assert job.advance() == JobStatus.NEED_INPUT
+    job.flush()
+    job.hold_from(job.clock - 0.3 * oracle.HZ)
+    job.suspend()
+    stop = list(job.stop_position)
+    job.shift_from(job.clock, axis, 0.5)
+    stop[axis] += 0.5
+    assert list(job.stop_position) == stop
+    assert job.move_to(job.stop_position, 50.0)
+    job.resume()
+    end = [100.0, 20.0, 1.0]
+    end[axis] += 0.5
+    assert job.machine_position[:3] == end
+    job.flush()
+    for motor, mm in zip(job.steppers()[:3], end, strict=True):
+        assert motor["net"] == mm * motor["steps_per_unit"]
+
+
+def test_the_way_over_to_what_is_held_keeps_its_acceleration():
+    motion = Motion(cartesian(), True)
+    motion.push([10, 0, 0, 0], 50.0)
+    motion.flush()
+    motion.set_accel(500.0, live=False)
+    motion.push([100, 0, 0, 0], 50.0)
+    motion.set_accel(2000.0, live=False)
+    motion.shift_from(motion.hold_from(1.0 * oracle.HZ), 1, 3.0)
+    motion.take_moves()
+    motion.release()
+    motion.flush()
+    over, rest = motion.take_moves()
+    assert over.acceleration == rest.acceleration == 500.0
+
+
+def test_what_is_queued_takes_its_nominal_speeds_and_its_dwells():
+    job = Job(load("i3").core_spec())
+    job.feed(b"G1 X30 F600\nG4 P5000\nG1 X0 F1200\n")
+    assert job.advance() == JobStatus.NEED_INPUT
+    assert job.queued_ticks == pytest.approx((3.0 + 5.0 + 1.5) * oracle.HZ)
 
 
 @pytest.mark.parametrize("line", ["G4 P10", "G1 X5.001\nG1 X5"])

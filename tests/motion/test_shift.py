@@ -123,6 +123,19 @@ def test_what_finds_no_room_is_a_move_of_its_own():
     assert lift.cruise_speed == pytest.approx(12.0)
 
 
+@pytest.mark.parametrize(("mm", "ends"), [(2.0, (50.95, 52.0)), (-2.0, (50.0, 48.0))])
+def test_a_move_that_would_become_shorter_does_not_lean(mm, ends):
+    """Else the way to brake might not suffice."""
+    motion = Motion(cartesian(), True)
+    motion.push([0, 0, 50, 0], 10.0)
+    motion.flush()
+    motion.take_moves()
+    motion.shift_from(3.0 * oracle.HZ, 2, mm)
+    motion.flush()
+    moves = motion.take_moves()
+    assert tuple(m.end_mm[2] for m in moves[-2:]) == pytest.approx(ends, abs=0.05)
+
+
 @example(0.5)
 @given(st.floats(0.1, 0.9))
 @settings(max_examples=20, deadline=None)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import hypot
 from random import Random
 
 import pytest
@@ -9,7 +10,7 @@ from tests.oracles import motion as oracle
 
 from passo._core import Motion
 
-from .machines import REACH, nonlinear
+from .machines import REACH, cartesian, nonlinear
 from .test_nonlinear import nozzle
 
 H = 1e-3  # seconds between two looks
@@ -82,3 +83,38 @@ def test_no_motor_exceeds_its_limits(name, bed):
     assert max(fastest) < 1.01
     assert max(hardest) < 1.01
     assert max(*fastest, *hardest) > 0.25  # and not for nothing
+
+
+def test_a_bed_is_steepest_where_both_ways_are():
+    """By 0.3 in X and by 0.2 in Y at one corner, of the 12 mm/s that Z may go."""
+    motion = Motion(cartesian(), False)
+    motion.set_height_map((0, 0), (10, 10), [[0, 1], [0, 3]])
+    motion.push([8, 6, 0, 0], 300.0)
+    motion.flush()
+    (move,) = motion.take_moves()
+    assert move.speed_cap == pytest.approx(12 / hypot(0.3, 0.2))
+
+
+def test_what_a_twisted_bed_bends_is_a_part_of_an_acceleration():
+    """Half of Z's 10 mm/s² at most: with 2e-4/mm by the square of the speed, then 0.0141 a mm."""
+    spec = cartesian()
+    spec["axes"][2]["accel"] = 10.0
+    motion = Motion(spec, False)
+    motion.set_height_map((0, 0), (100, 100), [[0, 1], [1, 0]])
+    motion.push([90, 90, 0, 0], 300.0)
+    motion.flush()
+    (move,) = motion.take_moves()
+    assert move.speed_cap == pytest.approx((5 / 2e-4) ** 0.5)
+    assert move.acceleration == pytest.approx(5 / (0.01 * 2**0.5))
+
+
+def test_a_new_height_of_the_bed_moves_no_motor():
+    motion = Motion(cartesian(), True)
+    motion.push([5, 5, 5, 0], 50.0)
+    motion.flush()
+    motion.set_height_map((0, 0), (10, 10), [[1, 1], [1, 1]])
+    assert motion.counts()[2] == 2000
+    motion.push([5, 5, 5, 0], 50.0)
+    motion.flush()
+    assert motion.take_moves()[-1].start_mm[2] == 4.0
+    assert motion.counts()[2] == 2400

@@ -5,12 +5,14 @@ from __future__ import annotations
 import itertools
 from math import floor
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.oracles import motion as oracle
 
 from passo._core import Motion
 
+from . import machines
 from .machines import cartesian
 
 STEPS_PER_MM = {0: 80.0, 1: 80.0, 2: 400.0, 3: 95.5}
@@ -81,6 +83,20 @@ def test_every_step_is_within_the_bound(path):
         assert motion.counts()[axis] == floor(end[axis] * per_mm + 0.5)
 
 
+def test_fast_steps_keep_to_a_quarter_of_their_gap():
+    """160 kHz: 100 ticks from step to step, of which a quarter is less than the 2 µs."""
+    spec = cartesian(print_accel=1e6, travel_accel=1e6)
+    spec["axes"][0] = machines.axis("X", accel=1e6)
+    spec["steppers"][0] = machines.stepper("x", "actuator", 0, 1600.0)
+    motion = Motion(spec, True)
+    motion.push([1.0, 0, 0, 0], 100.0)
+    motion.flush()
+    (move,) = motion.take_moves()
+    assert move.cruise_speed == 100.0
+    ideal = list(oracle.crossing_ticks(move, 0, 1600.0))
+    oracle.assert_within_bound(oracle.executed_ticks(motion.take_messages(), 0), ideal)
+
+
 def drop_closest_reversal(steps):
     gaps = [(b[0] - a[0], i) for i, (a, b) in enumerate(itertools.pairwise(steps)) if a[1] != b[1]]
     gap, i = min(gaps)
@@ -88,16 +104,17 @@ def drop_closest_reversal(steps):
     del steps[i : i + 2]
 
 
-def test_a_reversal_too_close_for_the_driver_is_removed_in_pairs():
+@pytest.mark.parametrize(("beyond", "pairs"), [(6e-6, 1), (1e-5, 0)])
+def test_a_reversal_too_close_for_the_driver_is_removed_in_pairs(beyond, pairs):
+    """31 ticks from the step to its opposite, or 52; two pulses of 1 µs want 32."""
     motion = Motion(cartesian(junction="jerk"), True)
-    motion.push([0.00626, 0, 0, 0], 100.0)
+    motion.push([0.00625 + beyond, 0, 0, 0], 100.0)
     motion.push([0.0, 0, 0, 0], 100.0)
     motion.flush()
-    moves = motion.take_moves()
-    ideal = [t for m in moves for t in oracle.crossing_ticks(m, 0, 80.0)]
     executed = oracle.executed_ticks(motion.take_messages(), 0)
-    assert len(ideal) - len(executed) == 2 * motion.dropped_pairs(0)
-    assert sum(d for _, d in executed) == 0
+    assert motion.dropped_pairs(0) == pairs
+    assert [way for _, way in executed] == [1, -1] * (1 - pairs)
+    assert all(b[0] - a[0] >= 32 for a, b in itertools.pairwise(executed))
 
 
 def test_long_gaps_set_the_clock_anew():
@@ -140,3 +157,29 @@ def test_the_stream_does_not_depend_on_when_messages_are_taken(path, every):
             got += motion.take_messages()
     motion.flush()
     assert got + motion.take_messages() == expected
+
+
+def test_moves_are_settled_as_they_come():
+    """With each 256 that have come all are settled whose beginning has its final speed."""
+    motion = Motion(cartesian(), False)
+    settled = []
+    for i in range(1024):
+        motion.push([0.5 * (i % 2), 0.5 * i + 0.5, 0, 0], 50.0)
+        settled += motion.take_moves()
+        assert len(settled) >= (i + 1) // 256 * 256 - 2
+        if (i + 1) % 256:
+            assert len(settled) <= (i + 1) // 256 * 256
+
+
+def test_of_a_plan_that_only_speeds_up_the_older_half_is_settled():
+    """At 8192 moves, so that no file fills the memory."""
+    motion = Motion(cartesian(), False)
+    for i in range(8448):
+        assert motion.take_moves() == []
+        motion.push([0.001 * (i + 1), 0, 0, 0], 300.0)
+    settled = motion.take_moves()
+    assert len(settled) == 4224
+    motion.flush()
+    moves = settled + motion.take_moves()
+    oracle.assert_trapezoids(moves)
+    assert moves[-1].end_ticks == pytest.approx(2 * (8.448 / 3000) ** 0.5 * oracle.HZ, rel=1e-3)

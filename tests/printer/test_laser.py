@@ -77,6 +77,14 @@ def test_half_the_speed_is_half_the_power_and_the_same_energy(s):
     assert energy_s(changes) == pytest.approx(20 / 50 * 0.8, rel=0.005)
 
 
+def test_at_twice_the_speed_it_has_no_more_than_full_power(s):
+    beam = Beam(s)
+    s.host.ok("M220 S200")
+    s.host.send("M4 S800", "G1 X20 F3000")
+    finish(s)
+    assert max(share for _, share in beam.changes()) == 1.0
+
+
 def test_m3_after_m4_stays_as_set(s):
     beam = Beam(s)
     s.host.send("M4 S1000", "G1 X10 F3000", "M3 S250", "G1 X20", "G1 X30")

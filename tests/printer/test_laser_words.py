@@ -13,9 +13,10 @@ FULL_W = 5.0
 WORDS = f'[laser]\nenergy_letter = "L"\ndensity_letter = "M"\npower_w = {FULL_W}\nmax_power_w = 4\n'
 
 
-@pytest.fixture
-def s():
-    machine = config.load_text(shipped_text("laser").replace("[laser]\n", WORDS))
+@pytest.fixture(params=["deviation", "cornering_distance"])
+def s(request):
+    text = shipped_text("laser").replace("[laser]\n", WORDS)
+    machine = config.load_text(text.replace('"deviation"', f'"{request.param}"'))
     with Scenario(machine) as scenario:
         scenario.host.ok("G92 X0 Y0 Z0")
         yield scenario

@@ -77,6 +77,7 @@ class Tool(Model):
 
 
 _PulseUs = Annotated[float, Field(ge=0, le=10_000)]
+_RateHz = Annotated[float, Field(ge=1)]  # so that a board's clocks hold its interval
 
 
 class Stepper(Model):
@@ -105,7 +106,7 @@ class Stepper(Model):
     pulse_us: _PulseUs | None = None
     direction_setup_us: _PulseUs | None = None
     direction_hold_us: _PulseUs | None = None
-    max_rate_hz: Positive | None = None
+    max_rate_hz: _RateHz | None = None
     socket: str | None = None
     step_pin: Pin | None = None
     direction_pin: Pin | None = None
