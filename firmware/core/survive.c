@@ -64,7 +64,7 @@ void survive_missed(void) { missed = survive_stages(); }
 
 bool survive_gives_up(void) {
   struct stepper *stepper;
-  if (state != HOMING || is_shut_down()) return false;
+  if (state != HOMING) return false;
   for (int16_t oid = -1; (stepper = object_next(&oid, OBJECT_STEPPER)) != NULL;)
     stepper_halt(stepper);
   state = LOST;

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from array import array
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.oracles.wire import step_clocks
@@ -66,6 +67,29 @@ def test_pulses_have_their_length_and_directions_change_between_them(rows):
                 level = sign
             before = clock
         assert board.device.take_edges(pin(board, direction)) == changes
+
+
+@pytest.mark.parametrize("pulses", [(32, 100), (100, 32)])
+def test_steps_that_come_together_are_as_long_as_the_longest_pulse(pulses):
+    board = RawBoard()
+    board.tell("allocate_oids count=2")
+    for oid, (ticks, wires) in enumerate(zip(pulses, ("PF0 PF1", "PF6 PF7"), strict=True)):
+        step, direction = wires.split()
+        board.tell(
+            f"config_stepper oid={oid} step_pin={step} dir_pin={direction} invert_step=0"
+            f" step_pulse_ticks={ticks}"
+        )
+    board.tell("finalize_config crc=1")
+    for name in ("PF0", "PF6"):
+        board.device.trace_edges(pin(board, name))
+    start = board.now
+    for oid in (0, 1):
+        board.tell(f"reset_step_clock oid={oid} clock={start & 0xFFFFFFFF}")
+        board.tell(f"queue_step oid={oid} interval=5000 count=1 add=0")
+    board.wait(10_000)
+    for name in ("PF0", "PF6"):
+        edges = board.device.take_edges(pin(board, name))
+        assert edges == [(start + 5000, 1), (start + 5100, 0)]
 
 
 @settings(max_examples=300)

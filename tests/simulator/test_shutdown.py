@@ -40,6 +40,8 @@ def board() -> RawBoard:
             " pin_value=1 trsync_oid=6 trigger_reason=1", "Timer too close"),
         (0, "endstop_home oid=5 clock={now} sample_ticks=200 sample_count=4 rest_ticks=1000"
             " pin_value=1 trsync_oid=0 trigger_reason=1", "Invalid oid type"),
+        (0, "endstop_home oid=5 clock={now} sample_ticks=1 sample_count=2 rest_ticks=1000"
+            " pin_value=1 trsync_oid=6 trigger_reason=1", "Period too short for this board"),
         (0, "allocate_oids count=3", "Can't assign oid"),
         (0, "config_trsync oid=7", "Can't assign oid"),
         (0, "finalize_config crc=1", "Configuration is finalized already"),
