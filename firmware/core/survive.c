@@ -60,7 +60,7 @@ uint32_t survive_in_time(uint32_t clock) {
   return survive_is_on() && before(clock, now) ? now + HAL_SHORTEST_PERIOD : clock;
 }
 
-void survive_missed(void) { missed = survive_stages(); }
+void survive_missed(void) { missed = true; }
 
 bool survive_gives_up(void) {
   struct stepper *stepper;

@@ -171,8 +171,8 @@ def test_a_length_that_no_frame_has_is_refused_at_once():
 
 def test_bytes_that_do_not_end_with_the_frame_are_an_error():
     """One of them would be the first of the checksum."""
-    for given, told in ((3, 4), (0, 1), (0, 0xFF)):
+    for held, told in ((3, 4), (0, 1), (0, 0xFF)):
         board = RawBoard()
         ping = wire.vlq(board_id(board, "debug_ping"))
-        board.feed(ping + bytes([told]) + bytes(given))
+        board.feed(ping + bytes([told]) + bytes(held))
         assert board.device.fault == "Command parser error"

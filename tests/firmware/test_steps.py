@@ -5,7 +5,7 @@ from __future__ import annotations
 from array import array
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from tests.oracles.wire import step_clocks
 from tests.simulator.raw import RawBoard
@@ -132,6 +132,10 @@ def test_a_stop_leaves_the_steps_done_so_far(rows, data):
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(1, 65_535), st.integers(-(2**15), 2**15 - 1))
+@example(2**31 - 10, 5, 2)
+@example(2**31 - 10, 6, 2)
+@example(10, 6, -2)
+@example(10, 7, -2)
 def test_intervals_that_leave_the_clock_are_refused(interval, count, add):
     board = RawBoard()
     board.configure()

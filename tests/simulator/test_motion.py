@@ -123,6 +123,16 @@ def test_the_timeout_can_be_put_off():
     assert board.simulated.steps("x") == 400
 
 
+def test_a_timeout_that_is_put_off_behind_the_end_is_nothing():
+    """Word of the end and this cross on the wire."""
+    board = RawBoard()
+    board.configure()
+    home(board, timeout=100_500)
+    board.wait(500_000)
+    assert board.tell(f"trsync_set_timeout oid=6 clock={board.clock(-1000)}") == []
+    assert board.device.fault == ""
+
+
 def test_the_host_can_trigger_and_ends_the_reports():
     board = RawBoard()
     board.configure()
