@@ -265,6 +265,19 @@ def test_what_may_not_be_kept(line, reason):
     assert host.board.device.fault.startswith(reason)
 
 
+@pytest.mark.parametrize(("count", "checks"), [(1, 0), (0, 4)])
+def test_a_sensor_that_is_not_checked_does_not_watch(count, checks):
+    host = Host()
+    for samples, looks in ((1, 4), (count, checks)):
+        host.tell(
+            f"query_analog_in oid=4 clock={host.board.clock(1000)} sample_ticks=1000"
+            f" sample_count={samples} rest_ticks=100000 bytes_per_report=2 min_value=0"
+            f" max_value=1023 range_check_count={looks}"
+        )
+    host.tell("survive_output oid=7 value=1 seconds=1")
+    assert host.board.device.fault == "No sensor watches what an output is held for"
+
+
 def test_a_kept_heater_takes_the_lesser_power():
     host = Host()
     host.tell("survive_output oid=7 value=0 seconds=0")
