@@ -176,3 +176,12 @@ def test_bytes_that_do_not_end_with_the_frame_are_an_error():
         ping = wire.vlq(board_id(board, "debug_ping"))
         board.feed(ping + bytes([told]) + bytes(held))
         assert board.device.fault == "Command parser error"
+
+
+def test_the_uptime_counts_how_often_the_clock_has_wrapped():
+    board = RawBoard()
+    for seconds in (0.5, 1, 200, 200, 300):
+        for _ in range(4):
+            board.wait(round(seconds * HZ / 4))
+        ((name, values),) = board.tell("get_uptime")
+        assert (name, values["high"] << 32 | values["clock"]) == ("uptime", board.now)

@@ -103,6 +103,22 @@ def test_homing_stops_at_the_switch():
     assert board.device.fault == ""
 
 
+def test_looks_come_at_their_times_behind_a_bounce_too():
+    board = RawBoard()
+    board.configure()
+    start = board.now
+    home(board, timeout=2_000_000)
+    board.wait(2499)
+    board.simulated.force_switch("x", True)
+    board.wait(1 + 239)
+    board.simulated.force_switch("x", False)
+    board.wait(100)
+    state = board.tell("endstop_query_state oid=5")[0][1]
+    assert (state["homing"], state["next_clock"]) == (1, start + 5000 & 0xFFFFFFFF)
+    board.wait(100_000)
+    assert board.simulated.steps("x") == 102
+
+
 def test_a_lost_host_ends_homing():
     board = RawBoard()
     board.configure()

@@ -144,6 +144,16 @@ def test_an_output_is_not_updated_over_its_queue(board):
     assert board.device.fault == "Output updated while its queue holds commands"
 
 
+def test_a_heater_that_is_renewed_too_late_is_cut_off_before(board):
+    board.simulated.trace_output("hotend")
+    start = board.now
+    for at in (100, 100 + 2001):
+        board.tell(f"queue_digital_out oid=7 clock={board.clock(at)} on_ticks=1")
+    board.wait(10_000)
+    assert board.device.fault == "Missed scheduling of next digital out event"
+    assert board.simulated.take_changes("hotend") == [(start + 100, 1), (start + 2100, 0)]
+
+
 def test_a_heater_that_is_not_renewed_is_cut_off(board):
     board.simulated.trace_output("hotend")
     start = board.now
