@@ -174,7 +174,8 @@ def test_bytes_that_do_not_end_with_the_frame_are_an_error():
     for held, told in ((3, 4), (0, 1), (0, 0xFF)):
         board = RawBoard()
         ping = wire.vlq(board_id(board, "debug_ping"))
-        board.feed(ping + bytes([told]) + bytes(held))
+        said = [name for name, _ in board.feed(ping + bytes([told]) + bytes(held))]
+        assert "pong" not in said
         assert board.device.fault == "Command parser error"
 
 
