@@ -219,6 +219,8 @@ void bind_link(nb::module_& m) {
       .def("reconnect", &held<&Link::reconnect>,
            "The board has gone on without this host: what was on its way is forgotten, and the job "
            "stands until go_on().")
+      .def_prop_ro("told", &held<&Link::told>,
+                   "The board has all commands; answers at once have come, or are lost.")
       .def_prop_ro("delivered", &held<&Link::delivered>,
                    "Everything of the job so far is at the board.")
       .def("go_on", &held<&Link::go_on>)

@@ -193,6 +193,11 @@ class Link {
     if (following_) follow_clock(0);
     long_ago_ = true;
   }
+  // The board has all commands that were sent at once. What answers them at once has been received
+  // by then, or is lost.
+  bool told() const {
+    return now_queue_.empty() && !holds_command_ && window_.acked() > last_command_;
+  }
   // Everything of the job so far is at the board. Where motion comes in commits, the board has said
   // so of the one behind which the machine stands.
   bool delivered() const {
@@ -258,6 +263,7 @@ class Link {
     while (window_.room(kPayloadMax) && fill_frame(clock)) {
       if (holds_question_) question_ = window_.next();
       if (holds_query_) query_ = window_.next(), queried_ = false;
+      if (holds_command_) last_command_ = window_.next();
       holds_question_ = holds_query_ = holds_command_ = false;
       lateness_.left(window_.next(), job_.must_leave(open_first_), open_need_, clock);
       if (open_first_ != kNever) last_of_job_ = window_.next();
@@ -326,6 +332,7 @@ class Link {
   uint64_t last_of_job_ = 0;               // number of the last frame with messages of the job
   uint32_t committed_ = 0;                 // serial of the last commit sent
   bool taken_ = true;                      // it has said that it has that, or was not asked
+  uint64_t last_command_ = 0;              // number of the last frame with commands
   uint64_t query_ = 0;                     // number of the frame with the last further question
   bool queried_ = false;                   // such a question is to leave
   bool shut_down_ = false;

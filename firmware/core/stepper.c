@@ -107,9 +107,7 @@ static void give(struct stepper *stepper, struct move *move) {
                                                                   : SHUTDOWN_TIMER_TOO_CLOSE);
     return;
   }
-  // count·(count - 1) / 2 without leaving 32 bits.
-  uint32_t pairs = (count & 1) ? (uint32_t)count * ((uint16_t)(count - 1) / 2)
-                               : (uint32_t)(count / 2) * (uint16_t)(count - 1);
+  uint32_t pairs = (uint32_t)count * (uint16_t)(count - 1) / 2;
   stepper->last += interval * count + (uint32_t)(int32_t)add * pairs;
 }
 

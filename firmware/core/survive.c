@@ -60,11 +60,11 @@ uint32_t survive_in_time(uint32_t clock) {
   return survive_is_on() && before(clock, now) ? now + HAL_SHORTEST_PERIOD : clock;
 }
 
-void survive_missed(void) { missed = survive_stages(); }
+void survive_missed(void) { missed = true; }
 
 bool survive_gives_up(void) {
   struct stepper *stepper;
-  if (state != HOMING || is_shut_down()) return false;
+  if (state != HOMING) return false;
   for (int16_t oid = -1; (stepper = object_next(&oid, OBJECT_STEPPER)) != NULL;)
     stepper_halt(stepper);
   state = LOST;

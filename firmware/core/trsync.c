@@ -90,7 +90,7 @@ void command_stepper_stop_on_trigger(const uint32_t *args) {
   struct stepper *motor = object_get(args[0], OBJECT_STEPPER);
   if (motor == NULL) return;
   struct trsync *group = object_get(args[1], OBJECT_TRSYNC);
-  if (group == NULL || motor->group == group) return;
+  if (group == NULL) return;
   hal_irq_t irq = hal_irq_save();
   if (motor->group != NULL) {
     struct stepper **at = &motor->group->motors;

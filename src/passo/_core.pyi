@@ -579,6 +579,10 @@ class Link:
         """
 
     @property
+    def told(self) -> bool:
+        """The board has all commands; answers at once have come, or are lost."""
+
+    @property
     def delivered(self) -> bool:
         """Everything of the job so far is at the board."""
 

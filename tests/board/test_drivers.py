@@ -174,10 +174,11 @@ def test_an_answer_that_the_wire_loses_is_asked_for_again(chip: ChipName):
     drivers.configure()
     made.simulated.drivers["x"].set(r.DRV_STATUS, 0x8000_0001)
     drivers.begin_status("x")
-    for _ in range(3):
+    for _ in range(8):
         drivers.poll()
         made.run(0.1)
         assert len(made.connection.take_responses("tmcuart_response", "spi_transfer_response")) == 1
+        drivers.poll()  # the board has the question: now it is waited for
         made.run(0.5)
     passes(made, drivers, 3)
     assert failure(drivers) == ""

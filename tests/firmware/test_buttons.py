@@ -65,6 +65,7 @@ def test_states_are_told_until_they_are_acknowledged(board):
     assert states(board.wait(AGAIN * REST)) == [(1, [0])]
     board.tell("buttons_ack oid=0 count=1")
     assert board.wait(100 * REST) == []
+    board.tell("buttons_ack oid=0 count=9")  # more than there were
     assert states(pressed(board, True, 2)) == [(2, [1])]
 
 

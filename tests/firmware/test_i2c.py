@@ -91,6 +91,12 @@ def test_nobody_answers(data, read, status):
     assert heard(board)[0] == 10
 
 
+def test_an_answer_is_as_long_as_a_frame_takes():
+    board = wired()
+    board.simulated.force_switch("x", False)
+    assert transfer(board, b"", 64) == ("SUCCESS", bytes(64 - 5 - 4))
+
+
 def test_a_clock_that_stays_low_is_a_timeout():
     board = wired(scl=SDA, sda=SCL)
     board.simulated.force_switch("x", False)

@@ -150,3 +150,39 @@ def test_statistics_come_every_five_seconds():
         assert name == "stats"
         assert values["count"] > 0
         assert (values["sum"], values["sumsq"]) == (0, 0)  # work takes no virtual time
+
+
+def test_a_frame_without_the_mark_beside_its_number_is_none():
+    board = RawBoard()
+    ping = wire.vlq(board_id(board, "debug_ping")) + b"\x01a"
+    body = bytes([len(ping) + 5, 0x20]) + ping
+    board.device.feed(body + wire.crc16(body).to_bytes(2, "big") + b"\x7e", board.now)
+    assert board.read() == []
+    assert [name for name, _ in board.feed(ping)] == ["pong"]
+
+
+def test_a_length_that_no_frame_has_is_refused_at_once():
+    board = RawBoard()
+    for length in (0, 4, 65, 255):
+        board.device.feed(bytes([length]), board.now)
+        assert scanned(board.device.poll(board.now)) == [(0, b"")], length
+        board.device.feed(b"\x7e", board.now)
+
+
+def test_bytes_that_do_not_end_with_the_frame_are_an_error():
+    """One of them would be the first of the checksum."""
+    for held, told in ((3, 4), (0, 1), (0, 0xFF)):
+        board = RawBoard()
+        ping = wire.vlq(board_id(board, "debug_ping"))
+        said = [name for name, _ in board.feed(ping + bytes([told]) + bytes(held))]
+        assert "pong" not in said
+        assert board.device.fault == "Command parser error"
+
+
+def test_the_uptime_counts_how_often_the_clock_has_wrapped():
+    board = RawBoard()
+    for seconds in (0.5, 1, 200, 200, 300):
+        for _ in range(4):
+            board.wait(round(seconds * HZ / 4))
+        ((name, values),) = board.tell("get_uptime")
+        assert (name, values["high"] << 32 | values["clock"]) == ("uptime", board.now)

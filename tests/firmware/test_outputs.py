@@ -128,21 +128,22 @@ def test_a_heater_that_is_not_renewed_in_time_shuts_the_board_down(rows):
     samples=st.integers(1, 12),
     checks=st.integers(0, 5),
     spoilt=st.lists(st.booleans(), min_size=1, max_size=12),
+    outside=st.sampled_from([0.0, 1.0]),
 )
-def test_limits_cut_the_heat_after_so_many_sums_outside(samples, checks, spoilt):
+def test_limits_cut_the_heat_after_so_many_sums_outside(samples, checks, spoilt, outside):
     board = RawBoard()
     board.configure()
-    limit = samples * 1000
+    least, limit = samples * 5, samples * 1000
     board.tell(f"query_analog_in oid=4 clock={board.clock(1000)} sample_ticks=100"
-               f" sample_count={samples} rest_ticks=5000 bytes_per_report=2 min_value=0"
-               f" max_value={limit} range_check_count={checks}")  # fmt: skip
+               f" sample_count={samples} rest_ticks=5000 bytes_per_report=2"
+               f" min_value={least} max_value={limit} range_check_count={checks}")  # fmt: skip
     board.tell("update_digital_out oid=2 value=1")
     board.wait(1000 - 1)
     row = 0
     for is_spoilt in spoilt:
-        board.simulated.force_sensor("hotend", 1.0 if is_spoilt else None)
+        board.simulated.force_sensor("hotend", outside if is_spoilt else None)
         said = [m for m in board.wait(5000) if m[0] == "analog_in_state"]
-        share = 1.0 if is_spoilt else 0.95
+        share = outside if is_spoilt else 0.95
         assert [int.from_bytes(v["values"], "little") for _, v in said] == [
             samples * round(share * 1023)
         ]
@@ -161,6 +162,35 @@ def test_a_software_pwm_too_fast_for_the_chip_does_not_hang_it():
     board.tell(f"queue_digital_out oid=2 clock={board.clock(10)} on_ticks=1")
     board.wait(100_000)
     assert board.tell("get_clock") == [("clock", {"clock": board.clock(0)})]
+
+
+def test_an_output_is_queued_again_after_a_shutdown():
+    board = RawBoard()
+    board.configure()
+    board.device.trace_edges(fan := board.dictionary.enumerations["pin"]["PH6"])
+    board.tell(f"queue_digital_out oid=2 clock={board.clock(1000)} on_ticks=1")
+    board.tell("emergency_stop")
+    board.tell("clear_shutdown")
+    on = board.now + 5000
+    board.tell(f"queue_digital_out oid=2 clock={on & 0xFFFFFFFF} on_ticks=1")
+    board.wait(10_000)
+    assert board.device.take_edges(fan) == [(on, 1)]
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "config_digital_out oid=8 pin=PB4 value=0 default_value=0 max_duration=0",
+        "config_trsync oid=8",
+        "config_endstop oid=8 pin=PE5 pull_up=1",
+    ],
+)
+def test_nothing_is_added_to_a_configuration_that_is_finished(line):
+    board = RawBoard()
+    board.tell("allocate_oids count=9")
+    board.tell("finalize_config crc=1")
+    board.tell(line)
+    assert board.device.fault == "Can't assign oid"
 
 
 @pytest.mark.parametrize(

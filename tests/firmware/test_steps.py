@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from array import array
 
-from hypothesis import given, settings
+import pytest
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from tests.oracles.wire import step_clocks
 from tests.simulator.raw import RawBoard
@@ -68,6 +69,29 @@ def test_pulses_have_their_length_and_directions_change_between_them(rows):
         assert board.device.take_edges(pin(board, direction)) == changes
 
 
+@pytest.mark.parametrize("pulses", [(32, 100), (100, 32)])
+def test_steps_that_come_together_are_as_long_as_the_longest_pulse(pulses):
+    board = RawBoard()
+    board.tell("allocate_oids count=2")
+    for oid, (ticks, wires) in enumerate(zip(pulses, ("PF0 PF1", "PF6 PF7"), strict=True)):
+        step, direction = wires.split()
+        board.tell(
+            f"config_stepper oid={oid} step_pin={step} dir_pin={direction} invert_step=0"
+            f" step_pulse_ticks={ticks}"
+        )
+    board.tell("finalize_config crc=1")
+    for name in ("PF0", "PF6"):
+        board.device.trace_edges(pin(board, name))
+    start = board.now
+    for oid in (0, 1):
+        board.tell(f"reset_step_clock oid={oid} clock={start & 0xFFFFFFFF}")
+        board.tell(f"queue_step oid={oid} interval=5000 count=1 add=0")
+    board.wait(10_000)
+    for name in ("PF0", "PF6"):
+        edges = board.device.take_edges(pin(board, name))
+        assert edges == [(start + 5000, 1), (start + 5100, 0)]
+
+
 @settings(max_examples=300)
 @given(moves, st.data())
 def test_a_stop_leaves_the_steps_done_so_far(rows, data):
@@ -108,6 +132,10 @@ def test_a_stop_leaves_the_steps_done_so_far(rows, data):
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(1, 65_535), st.integers(-(2**15), 2**15 - 1))
+@example(2**31 - 10, 5, 2)
+@example(2**31 - 10, 6, 2)
+@example(10, 6, -2)
+@example(10, 7, -2)
 def test_intervals_that_leave_the_clock_are_refused(interval, count, add):
     board = RawBoard()
     board.configure()

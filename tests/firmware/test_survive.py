@@ -58,6 +58,18 @@ class Host:
         return self.tell(f"stepper_get_position oid={motor}")[0][1]["pos"]
 
 
+@pytest.mark.parametrize("words", [("survive_off", "survive_arm"), ("survive_home", "survive_arm")])
+def test_commits_are_counted_anew(words):
+    host = Host()
+    host.commit(host.board.now + 500_000, rest=True)
+    assert host.state() == ("resting", 1)
+    host.tell("survive_arm")
+    assert host.state() == ("resting", 1)
+    for word in words:
+        host.tell(word)
+    assert host.state() == ("resting", 0)
+
+
 def test_moves_and_clocks_wait_for_their_commit():
     host = Host()
     host.move(0, 200_000, 3)
@@ -221,6 +233,25 @@ def test_a_heater_is_kept_for_its_time_and_then_off():
     assert host.board.device.fault == ""
 
 
+def test_each_time_that_the_host_is_gone_it_is_kept_for_its_whole_time():
+    host = Host()
+    host.tell(
+        f"query_analog_in oid=4 clock={host.board.clock(1000)} sample_ticks=1000 sample_count=1"
+        " rest_ticks=100000 bytes_per_report=2 min_value=0 max_value=1023 range_check_count=4"
+    )
+    heater = host.board.dictionary.enumerations["pin"]["PB4"]
+    host.board.device.trace_edges(heater)
+    host.tell("survive_output oid=7 value=1 seconds=2")
+    first = host.board.now + 1000
+    again = first + 20_000_000
+    host.tell(f"queue_digital_out oid=7 clock={first & 0xFFFFFFFF} on_ticks=1")
+    host.board.wait(20_000_000)
+    host.tell(f"queue_digital_out oid=7 clock={again & 0xFFFFFFFF} on_ticks=1")
+    host.board.wait(40_000_000)
+    off = again + HEATER_LONGEST + 32_000_000
+    assert host.board.device.take_edges(heater) == [(first, 1), (off, 0)]
+
+
 @pytest.mark.parametrize(
     ("line", "reason"),
     [
@@ -234,6 +265,19 @@ def test_what_may_not_be_kept(line, reason):
     assert host.board.device.fault.startswith(reason)
 
 
+@pytest.mark.parametrize(("count", "checks"), [(1, 0), (0, 4)])
+def test_a_sensor_that_is_not_checked_does_not_watch(count, checks):
+    host = Host()
+    for samples, looks in ((1, 4), (count, checks)):
+        host.tell(
+            f"query_analog_in oid=4 clock={host.board.clock(1000)} sample_ticks=1000"
+            f" sample_count={samples} rest_ticks=100000 bytes_per_report=2 min_value=0"
+            f" max_value=1023 range_check_count={looks}"
+        )
+    host.tell("survive_output oid=7 value=1 seconds=1")
+    assert host.board.device.fault == "No sensor watches what an output is held for"
+
+
 def test_a_kept_heater_takes_the_lesser_power():
     host = Host()
     host.tell("survive_output oid=7 value=0 seconds=0")
@@ -243,6 +287,31 @@ def test_a_kept_heater_takes_the_lesser_power():
     host.board.device.trace_edges(heater)
     host.board.wait(100_000)
     assert host.board.device.take_edges(heater) == [(on, 1), (on + HEATER_LONGEST, 0)]
+
+
+@pytest.mark.parametrize(("on_ticks", "kept"), [(200, 200), (700, 500)])
+def test_a_kept_heater_is_pulsed_with_the_lesser_power(on_ticks, kept):
+    board = RawBoard()
+    for line in (
+        "allocate_oids count=2",
+        "config_digital_out oid=0 pin=PB4 value=0 default_value=0 max_duration=4000",
+        "set_digital_out_pwm_cycle oid=0 cycle_ticks=1000",
+        "config_analog_in oid=1 pin=PK5",
+        "finalize_config crc=1",
+        f"query_analog_in oid=1 clock={board.clock(1000)} sample_ticks=1000 sample_count=1"
+        " rest_ticks=100000 bytes_per_report=2 min_value=0 max_value=1023 range_check_count=4",
+        "survive_arm",
+        "survive_output oid=0 value=500 seconds=60",
+    ):
+        board.tell(line)
+    heater = board.dictionary.enumerations["pin"]["PB4"]
+    board.device.trace_edges(heater)
+    on = board.now + 1000
+    board.tell(f"queue_digital_out oid=0 clock={on & 0xFFFFFFFF} on_ticks={on_ticks}")
+    board.wait(1000 + 5900)
+    edges = board.device.take_edges(heater)
+    widths = [off - up for (up, _), (off, _) in zip(edges[::2], edges[1::2], strict=True)]
+    assert widths == [on_ticks] * 4 + [kept] * 2
 
 
 def test_what_is_pulsed_in_another_cycle_is_not_kept():
@@ -449,6 +518,17 @@ def test_a_light_that_is_told_late_goes_off_and_the_next_commit_is_refused():
     assert host.state() == ("held", 1)
     assert host.done(0)[-2:] == [limit + 15_000, limit + 30_000]
     assert host.board.device.fault == ""
+
+
+def test_a_light_that_was_told_late_does_not_count_after_the_host_has_taken_over():
+    host = Host()
+    host.tell("survive_output oid=2 value=0 seconds=0")
+    host.tell(f"queue_digital_out oid=2 clock={host.board.clock(-5000)} on_ticks=1")
+    host.tell("survive_arm")
+    host.last[0] = host.board.now
+    host.move(0, 10_000, 50)
+    assert host.commit(host.board.now + 500_000, rest=True) == []
+    assert host.state() == ("moving", 1)
 
 
 def test_sensors_that_are_asked_late_begin_at_once():

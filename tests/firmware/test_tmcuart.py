@@ -95,6 +95,20 @@ def test_nobody_answers():
     assert ticks == pytest.approx(REST + BIT * (40 + 68), abs=BIT)
 
 
+def test_a_line_that_is_always_low_is_no_answer():
+    board = RawBoard()
+    for line in (
+        "allocate_oids count=1",
+        f"config_tmcuart oid=0 rx_pin=PE5 pull_up=1 tx_pin=PB4 bit_time={BIT}",
+        "finalize_config crc=1",
+    ):
+        board.tell(line)
+    board.simulated.force_switch("x", False)
+    answer, ticks = asked(board, trinamic.read_request(0, 2), 10)
+    assert answer == b""
+    assert ticks == pytest.approx(REST + BIT * (40 + 68), abs=BIT)
+
+
 def test_a_busy_line_drops_what_else_is_sent():
     board, chips = wired()
     write = trinamic.packed(trinamic.line_bits(trinamic.write_access(0, 0x10, 5))).hex()

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import random
+from functools import partial
+
 import pytest
 from tests.console.scenario import Scenario
+from tests.job.disturbed import spiral
 from tests.job.test_lost_link import break_link
+from tests.job.test_noisy_link import CABLE, noisy
 from tests.printer.driver_machine import DRIVERS, machine, machine_text
 
 from passo import config
 from passo.board.trinamic import registers as r
+from passo.printer.wiring import connect_simulated
 
 
 @pytest.fixture(params=["virtual", "passo"])
@@ -108,6 +114,24 @@ def test_what_was_written_as_the_link_broke_arrives_when_it_is_back(ms):
         s.host.expect("The board is back", 10)
         assert [field(s, m, r.IHOLD_IRUN, "irun") for m in "xzye"] == [15, 9, 25, 31]
         assert not s.printer.halted
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_noise_on_the_link_is_no_fault_of_a_driver(monkeypatch, tmp_path, seed):
+    """The board's answers are lost, not the driver's."""
+    monkeypatch.setattr("passo.printer.printer.connect", partial(connect_simulated, cable=CABLE))
+    (tmp_path / "a.g").write_text(spiral())
+    generator = random.Random(seed)
+    with Scenario(machine(firmware="passo"), card=str(tmp_path)) as s:
+        s.host.ok("M32 a.g")
+        s.passes(14)
+        for _ in range(12):
+            noisy(s, generator.choice((0.02, 0.05, 0.2)), 5.0)
+            s.passes(generator.uniform(0.0, 2.0))
+            assert not s.printer.halted
+        assert s.printer.motors.on
+        s.board.drivers["x"].set(r.DRV_STATUS, 1 << 2)
+        s.host.expect("^Error:Printer halted: motor x: coil A has a short circuit", 15)
 
 
 def test_a_driver_that_was_reset_while_the_link_was_lost_halts_before_the_print_goes_on():

@@ -103,6 +103,22 @@ def test_homing_stops_at_the_switch():
     assert board.device.fault == ""
 
 
+def test_looks_come_at_their_times_behind_a_bounce_too():
+    board = RawBoard()
+    board.configure()
+    start = board.now
+    home(board, timeout=2_000_000)
+    board.wait(2499)
+    board.simulated.force_switch("x", True)
+    board.wait(1 + 239)
+    board.simulated.force_switch("x", False)
+    board.wait(100)
+    state = board.tell("endstop_query_state oid=5")[0][1]
+    assert (state["homing"], state["next_clock"]) == (1, start + 5000 & 0xFFFFFFFF)
+    board.wait(100_000)
+    assert board.simulated.steps("x") == 102
+
+
 def test_a_lost_host_ends_homing():
     board = RawBoard()
     board.configure()
@@ -121,6 +137,16 @@ def test_the_timeout_can_be_put_off():
         board.wait(80_000)
         board.tell(f"trsync_set_timeout oid=6 clock={board.clock(100_500)}")
     assert board.simulated.steps("x") == 400
+
+
+def test_a_timeout_that_is_put_off_behind_the_end_is_nothing():
+    """Word of the end and this cross on the wire."""
+    board = RawBoard()
+    board.configure()
+    home(board, timeout=100_500)
+    board.wait(500_000)
+    assert board.tell(f"trsync_set_timeout oid=6 clock={board.clock(-1000)}") == []
+    assert board.device.fault == ""
 
 
 def test_the_host_can_trigger_and_ends_the_reports():

@@ -40,6 +40,8 @@ def board() -> RawBoard:
             " pin_value=1 trsync_oid=6 trigger_reason=1", "Timer too close"),
         (0, "endstop_home oid=5 clock={now} sample_ticks=200 sample_count=4 rest_ticks=1000"
             " pin_value=1 trsync_oid=0 trigger_reason=1", "Invalid oid type"),
+        (0, "endstop_home oid=5 clock={now} sample_ticks=1 sample_count=2 rest_ticks=1000"
+            " pin_value=1 trsync_oid=6 trigger_reason=1", "Period too short for this board"),
         (0, "allocate_oids count=3", "Can't assign oid"),
         (0, "config_trsync oid=7", "Can't assign oid"),
         (0, "finalize_config crc=1", "Configuration is finalized already"),
@@ -140,6 +142,16 @@ def test_an_output_is_not_updated_over_its_queue(board):
     board.tell(f"queue_digital_out oid=2 clock={board.clock(1000)} on_ticks=1")
     board.tell("update_digital_out oid=2 value=1")
     assert board.device.fault == "Output updated while its queue holds commands"
+
+
+def test_a_heater_that_is_renewed_too_late_is_cut_off_before(board):
+    board.simulated.trace_output("hotend")
+    start = board.now
+    for at in (100, 100 + 2001):
+        board.tell(f"queue_digital_out oid=7 clock={board.clock(at)} on_ticks=1")
+    board.wait(10_000)
+    assert board.device.fault == "Missed scheduling of next digital out event"
+    assert board.simulated.take_changes("hotend") == [(start + 100, 1), (start + 2100, 0)]
 
 
 def test_a_heater_that_is_not_renewed_is_cut_off(board):

@@ -24,7 +24,7 @@ from passo.errors import MachineError
 if TYPE_CHECKING:
     from passo.board.connection import Connection
 
-_PATIENCE_S = 0.5  # for an answer, which takes 30 ms on the slowest wire
+_PATIENCE_S = 0.5  # once the board has the question: the slowest wire takes 30 ms
 _ANSWERS = ("tmcuart_response", "spi_transfer_response")
 
 
@@ -42,13 +42,22 @@ class DriverState:
 
 @dataclass
 class _Talk:
-    """An exchange that goes on, one question at a time."""
+    """An exchange that goes on, one question at a time; of one the answer of which has not come by
+    its `deadline` the link has lost it. There is none before the board has the question."""
 
-    exchange: Exchange[Any]
+    begin: Callable[[], Exchange[Any]]
     done: Callable[[Any], None]
     failed: Callable[[DriverFailure], None]
+    exchange: Exchange[Any] = field(init=False)
     question: Question | None = None
-    deadline: int = 0
+    deadline: int | None = None
+
+    def __post_init__(self) -> None:
+        self.begin_anew()
+
+    def begin_anew(self) -> None:
+        """From the first question on: the driver may have heard the last one, or not."""
+        self.exchange, self.question = self.begin(), None
 
 
 @dataclass
@@ -116,7 +125,8 @@ class Drivers:
         def done(_: None) -> None:
             state.failure = None
 
-        self._begin(motor, state.link.configure(state.settings), done)
+        settled = state.settings
+        self._begin(motor, lambda: state.link.configure(settled), done)
 
     def interrupt(self) -> None:
         """Ends what is being asked or set, of which much may have been lost on the way."""
@@ -130,15 +140,17 @@ class Drivers:
         def done(reading: Reading) -> None:
             state.reading, state.fresh = reading, True
 
-        self._begin(motor, state.link.status(), done)
+        self._begin(motor, state.link.status, done)
 
-    def _begin(self, motor: str, exchange: Exchange[Any], done: Callable[[Any], None]) -> None:
+    def _begin(
+        self, motor: str, begin: Callable[[], Exchange[Any]], done: Callable[[Any], None]
+    ) -> None:
         state = self.states[motor]
 
         def failed(failure: DriverFailure) -> None:
             state.failure = failure
 
-        self._lines[self._oids[motor]].talks.append(_Talk(exchange, done, failed))
+        self._lines[self._oids[motor]].talks.append(_Talk(begin, done, failed))
 
     def poll(self) -> None:
         """Takes in what the drivers have answered, and asks on. Lets no time pass."""
@@ -156,8 +168,13 @@ class Drivers:
 
     def _go_on(self, line: _Line, answer: bytes | None, now: int) -> None:
         talk = line.talks[0]
-        if talk.question is not None and answer is None and now < talk.deadline:
-            return
+        if talk.question is not None and answer is None:
+            patience = int(_PATIENCE_S * self._connection.wire.hz)
+            if talk.deadline is None and self._connection.link.told:
+                talk.deadline = now + patience
+            if talk.deadline is None or now < talk.deadline:
+                return
+            talk.begin_anew()
         try:
             if talk.question is None:
                 talk.question = next(talk.exchange)
@@ -171,7 +188,7 @@ class Drivers:
             line.talks.popleft()
         else:
             self._connection.command(talk.question.text)
-            talk.deadline = now + int(_PATIENCE_S * self._connection.wire.hz)
+            talk.deadline = None
 
 
 def _link(driver: Driver, oids: Oids) -> tuple[DriverLink, int]:

@@ -56,7 +56,7 @@ class DriverWatch:
 
     async def _answered(self) -> None:
         """Waits for all answers, and looks at them."""
-        while not all(drivers.idle for drivers in self._of_boards):
+        while not self._printer.halted and not all(drivers.idle for drivers in self._of_boards):
             await asyncio.sleep(TICK_S)
             self._printer.drive.look()
             for drivers in self._of_boards:
