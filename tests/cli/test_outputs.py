@@ -11,6 +11,7 @@ import subprocess
 import sys
 from array import array
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -340,7 +341,7 @@ def test_a_link_stays_and_leads_to_what_is_new(short, tmp_path):
         folder.joinpath("steps.npz").write_text("old")
 
 
-@pytest.mark.parametrize("sign", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("sign", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_nothing_half_written_stays_behind(short, tmp_path, sign):
     program = f"""
 import os, signal, sys
@@ -355,7 +356,12 @@ vcd._edges = stopped
 sys.argv = ["passo", "steps", {short!r}, "--output", {str(tmp_path / "o.vcd")!r}]
 sys.exit(main())
 """
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        capture_output=True,
+        text=True,
+        preexec_fn=partial(signal.signal, sign, signal.SIG_DFL),  # not as whoever runs the tests
+    )
     assert (done.returncode, done.stderr) == (130, "Interrupted.\n")
     assert [p.name for p in tmp_path.iterdir()] == ["short.gcode"]
 

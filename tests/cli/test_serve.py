@@ -9,12 +9,15 @@ from functools import partial
 
 import pytest
 
-# Whoever runs the tests in the background may have it ignore interrupts, and its children too.
-heeded = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
+from passo.cli.main import endings
+
+ENDINGS = [signal.SIGTERM, signal.SIGINT, signal.SIGHUP]
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT], ids=["SIGTERM", "SIGINT"])
+@pytest.mark.parametrize("number", ENDINGS, ids=lambda number: number.name)
 def test_an_interrupt_ends_it_in_order(tmp_path, number):
+    # Whoever runs the tests in the background may have it ignore some, and its children too.
+    heeded = partial(signal.signal, number, signal.SIG_DFL)
     link = tmp_path / "printer"
     words = [sys.executable, "-m", "passo", "serve", "--machine", "i3", "--pty", str(link)]
     with subprocess.Popen(words, stderr=subprocess.PIPE, text=True, preexec_fn=heeded) as served:
@@ -25,3 +28,13 @@ def test_an_interrupt_ends_it_in_order(tmp_path, number):
         assert "Traceback" not in served.stderr.read()
         assert served.wait() == 0
     assert not link.is_symlink()
+
+
+def test_what_was_started_to_outlive_its_terminal_does():
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        assert endings() == [signal.SIGTERM]
+        signal.signal(signal.SIGHUP, signal.SIG_DFL)
+        assert endings() == [signal.SIGTERM, signal.SIGHUP]
+    finally:
+        signal.signal(signal.SIGHUP, before)

@@ -50,13 +50,21 @@ def _parser(name: str | None) -> argparse.ArgumentParser:
     return parser
 
 
+def endings() -> list[signal.Signals]:
+    """What else ends a command as Ctrl-C does: SIGTERM, and a terminal that closes, unless whoever
+    started it wants it to outlive that (nohup)."""
+    numbers = (signal.SIGTERM, signal.SIGHUP)
+    return [number for number in numbers if signal.getsignal(number) != signal.SIG_IGN]
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Runs `passo argv…` and returns its exit status: 0 done, 2 usage, 3 bad machine file,
     4 bad input or an output that cannot be written, 5 machine fault, 130 interrupted. Errors go to
     stderr, one line each."""
     gc.set_threshold(_GC_THRESHOLD)
-    if argv is None:  # as Ctrl-C, so that no half of a file stays behind
-        signal.signal(signal.SIGTERM, signal.default_int_handler)
+    if argv is None:
+        for number in endings():  # as Ctrl-C, so that no half of a file stays behind
+            signal.signal(number, signal.default_int_handler)
     if reconfigure := getattr(sys.stdout, "reconfigure", None):
         reconfigure(errors="backslashreplace")  # what its encoding lacks is told as on stderr
     try:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import argparse
 import asyncio
 import contextlib
-import signal
 import sys
 from pathlib import Path
 
 from passo.cli.clock import factor
 from passo.cli.machine_option import add_machine
+from passo.cli.main import endings
 from passo.errors import ExitStatus
 
 _TCP = ("127.0.0.1", 2323)
@@ -150,7 +150,8 @@ async def _serve(arguments: argparse.Namespace, machine: object) -> None:
     assert isinstance(machine, MachineConfig)
     ours = asyncio.current_task()
     assert ours is not None
-    asyncio.get_running_loop().add_signal_handler(signal.SIGTERM, ours.cancel)
+    for number in endings():
+        asyncio.get_running_loop().add_signal_handler(number, ours.cancel)
     printer = furnished(
         machine, free=arguments.clock is None, card=arguments.sd, state=arguments.state
     )

@@ -155,6 +155,7 @@ def flags(command: list[str], chip: Chip) -> list[str]:
     if command[0] == "arm-none-eabi-gcc":
         # A loop in memcpy() must not become a call of memcpy().
         common.append("-fno-tree-loop-distribute-patterns")
+        common.append("-fno-code-hoisting")  # from version 14 on a step takes longer with it
         return ["-mthumb", f"-mcpu={chip.core}", *common, "-Wl,--gc-sections", "-lgcc"]
     target = ["-target", "thumb-freestanding-eabi", f"-mcpu={chip.core.replace('-', '_')}"]
     common.remove("-nostdlib")  # the compiler's own support library comes with the standard ones
