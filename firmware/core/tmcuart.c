@@ -21,9 +21,14 @@ static struct tmcuart *of(struct timer *timer) {
   return (struct tmcuart *)((char *)timer - offsetof(struct tmcuart, timer));
 }
 
-static void drive(struct tmcuart *uart, bool level) {
+// Returns the clock of the edge: a step between the two would be taken for its lateness.
+static uint32_t drive(struct tmcuart *uart, bool level) {
   uart->level = level;
+  hal_irq_t irq = hal_irq_save();
   hal_output_write(&uart->to_driver, level);
+  uint32_t clock = hal_clock();
+  hal_irq_restore(irq);
+  return clock;
 }
 
 static void rest(struct tmcuart *uart) {
@@ -79,9 +84,9 @@ static bool turn_around(struct timer *timer) {
 
 // The driver takes the length of a bit from the sync nibble: all bits that follow must be as long
 // as those have become, however late this timer runs.
-static void keep_time(struct tmcuart *uart) {
+static void keep_time(struct tmcuart *uart, uint32_t edge) {
   if (++uart->edges > SYNC_EDGES) return;
-  uint32_t late = hal_clock() - uart->timer.wake;
+  uint32_t late = edge - uart->timer.wake;
   if (uart->edges == 1) uart->late = late;
   if (uart->edges < SYNC_EDGES) return;
   int32_t longer = (int32_t)(late - uart->late);
@@ -92,10 +97,7 @@ static void keep_time(struct tmcuart *uart) {
 static bool send_bits(struct timer *timer) {
   struct tmcuart *uart = of(timer);
   bool level = uart->bits[uart->bit >> 3] >> (uart->bit & 7) & 1;
-  if (level != uart->level) {
-    drive(uart, level);
-    keep_time(uart);
-  }
+  if (level != uart->level) keep_time(uart, drive(uart, level));
   do {
     timer->wake += uart->bit_ticks;
     if (++uart->bit == uart->send_bits) {

@@ -34,9 +34,9 @@ def connection(request):
 
 
 def turn(connection: AvrConnection) -> None:
-    """20 000 steps a second for half a second."""
+    """20 000 steps a second for a while."""
     plan = Planner()
-    plan.steps(0, True, HZ // 20_000, 10_000)
+    plan.steps(0, True, HZ // 20_000, 20_000)
     connection.start_job(plan.queue)
     connection.run(connection.now + HZ // 3)
 
@@ -70,12 +70,14 @@ def test_each_bit_is_as_long_as_those_of_the_sync_nibble(connection, turning):
     if turning:
         turn(connection)
     data = trinamic.write_access(0, 0x6C, 0x14A3_55C3)
-    edges = send(connection, data, 0)
-    bit = measured(edges)
-    assert bit == pytest.approx(BIT, rel=0.02)
     changes = [i for i, (a, b) in enumerate(pairwise([1, *trinamic.line_bits(data)])) if a != b]
-    late = [(e.cycle - edges[0].cycle) / bit - at for e, at in zip(edges, changes, strict=True)]
-    assert max(map(abs, late)) < 0.1
+    for datagram in range(30):  # its edges and the steps meet anywhere
+        connection.run(connection.now + HZ // 500 + 29 * datagram)
+        edges = send(connection, data, 0)
+        bit = measured(edges)
+        assert bit == pytest.approx(BIT, rel=0.02)
+        late = [(e.cycle - edges[0].cycle) / bit - at for e, at in zip(edges, changes, strict=True)]
+        assert max(map(abs, late)) < 0.2  # 0.11 seen
 
 
 @pytest.mark.parametrize("turning", [False, True])
