@@ -43,6 +43,13 @@ class History:
         directory.mkdir(parents=True, exist_ok=True)
         self._run: int | None = None  # row of this one
         self._base = sqlite3.connect(directory / "history.sqlite", timeout=_PATIENCE_S)
+        try:
+            self._prepare()
+        except sqlite3.Error:
+            self.close()
+            raise
+
+    def _prepare(self) -> None:
         self._base.execute("pragma journal_mode = wal")
         with self._base:
             self._base.execute(_SCHEMA)
