@@ -410,7 +410,7 @@ def test_standard_input_and_output_may_be_files(answers, tmp_path):
     served = subprocess.run(
         ["sh", "-c", line, sys.executable], cwd=tmp_path, stderr=subprocess.PIPE, text=True
     )
-    # Some versions of Python write an empty line end there as they end, which is refused, too.
+    # Some versions of Python write zero bytes there as they end: that is refused, too.
     assert served.returncode == 0 or answers == "/dev/full", served.stderr
     assert "Traceback" not in served.stderr
     if answers == "answers":
