@@ -94,8 +94,8 @@ class Drivers:
         return not any(line.talks for line in self._lines.values())
 
     def configure(self) -> None:
-        """Sets all drivers up. Lets time pass; raises MachineError if the board fails, or if answers
-        of it are lost again and again. A driver that fails says so in its state."""
+        """Sets all drivers up. Lets time pass; raises MachineError if the board fails, or if its
+        answers are lost again and again. A driver that fails says so in its state."""
         for motor in self.states:
             self.begin_configure(motor)
         while not self.idle:
