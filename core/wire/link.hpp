@@ -198,6 +198,9 @@ class Link {
   bool told() const {
     return now_queue_.empty() && !holds_command_ && window_.acked() > last_command_;
   }
+  // Host time at which the first of what the board has not acknowledged was sent; kNever if it has
+  // acknowledged all.
+  Ticks unheard_since() const { return window_.idle() ? kNever : window_.sent_at(window_.acked()); }
   // Everything of the job so far is at the board. Where motion comes in commits, the board has said
   // so of the one behind which the machine stands.
   bool delivered() const {

@@ -583,6 +583,12 @@ class Link:
         """The board has all commands; answers at once have come, or are lost."""
 
     @property
+    def unheard_since(self) -> int:
+        """
+        Host ticks at which the first of what the board has not acknowledged was sent; far in the future if it has acknowledged all.
+        """
+
+    @property
     def delivered(self) -> bool:
         """Everything of the job so far is at the board."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Container
 from dataclasses import replace
 
 import pytest
@@ -54,6 +55,48 @@ def test_settings_arrive(chip: ChipName):
         if register != r.GSTAT:
             assert simulated.read(register) == value, hex(register)
     assert simulated.read(r.GSTAT) == 0
+
+
+class LosingLink:
+    """A link that loses the reports of one kind whose numbers are among these."""
+
+    def __init__(self, bench: Bench, report: str, lost: Container[int]) -> None:
+        self._link, self._report, self._lost = bench.link, report, lost
+        self.seen = 0
+
+    def __getattr__(self, name: str):
+        return getattr(self._link, name)
+
+    def take_responses(self):
+        return [m for m in self._link.take_responses() if m[0] != self._report or self._arrives()]
+
+    def _arrives(self) -> bool:
+        self.seen += 1
+        return self.seen - 1 not in self._lost
+
+
+@pytest.mark.parametrize("chip", WIRES)
+def test_any_answer_that_is_lost_at_the_start_spoils_nothing(chip: ChipName):
+    """Of SPI an answer is that to the question before; by UART the chip counts what it was told."""
+    lost, seen = 0, 1
+    while lost < seen:
+        made, drivers = bench(chip)
+        made.connection.link = link = LosingLink(made, REPORTS[chip], (lost,))
+        drivers.require()
+        for register, value in drivers.states["x"].settings.writes():
+            if register != r.GSTAT:
+                assert made.simulated.drivers["x"].read(register) == value, (lost, hex(register))
+        lost, seen = lost + 1, link.seen
+    assert lost > 10
+
+
+@pytest.mark.parametrize("chip", WIRES)
+def test_a_link_that_loses_every_answer_is_not_the_drivers_fault(chip: ChipName):
+    made, drivers = bench(chip)
+    made.connection.link = LosingLink(made, REPORTS[chip], range(1, 1000))
+    with pytest.raises(MachineError, match=f"does not answer {REPORTS[chip][:3]}"):
+        drivers.require()
+    assert drivers.states["x"].failure is None
 
 
 def failure(drivers: Drivers, name: str = "x") -> str:

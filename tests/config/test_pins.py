@@ -172,6 +172,12 @@ def test_a_compare_unit_times_one_motor(i3_text: str) -> None:
     assert f"compare unit of its own: TIMER3A belongs to steppers.x.socket ({owner})" in problem
 
 
+def test_a_chip_with_compare_units_has_no_more_motors() -> None:
+    fifth = '[steppers.z1]\nsteps_per_mm = 400.0\nstep_pin = "PA1"\ndirection_pin = "PA2"\n'
+    (problem,) = problems_of(MELZI + fifth)
+    assert "steppers.z1.step_pin is 'PA1': expected at most 4 motors on one ATmega1284P" in problem
+
+
 @pytest.mark.parametrize(
     ("line", "says"),
     [

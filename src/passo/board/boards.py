@@ -83,6 +83,11 @@ class Boards:
         """Everything of the job so far is at the boards."""
         return all(connection.link.delivered for connection in self.connections)
 
+    @property
+    def unheard_s(self) -> float:
+        """The longest `unheard_s` of a board."""
+        return max(connection.unheard_s for connection in self.connections)
+
     def use_commits(self, horizon_s: float) -> None:
         """As `Connection.use_commits`, on all boards."""
         for connection in self.connections:

@@ -14,7 +14,6 @@ from passo.board.trinamic import (
     DriverLink,
     DriverSettings,
     Exchange,
-    Question,
     Reading,
     SpiWire,
     UartWire,
@@ -25,6 +24,8 @@ if TYPE_CHECKING:
     from passo.board.connection import Connection
 
 _PATIENCE_S = 0.5  # once the board has the question: the slowest wire takes 30 ms
+_STEP_S = 0.01
+_MOST_BEGINNINGS = 20  # of an exchange that somebody waits for
 _ANSWERS = ("tmcuart_response", "spi_transfer_response")
 
 
@@ -49,8 +50,9 @@ class _Talk:
     done: Callable[[Any], None]
     failed: Callable[[DriverFailure], None]
     exchange: Exchange[Any] = field(init=False)
-    question: Question | None = None
+    question: str | None = None
     deadline: int | None = None
+    beginnings: int = 0
 
     def __post_init__(self) -> None:
         self.begin_anew()
@@ -58,6 +60,7 @@ class _Talk:
     def begin_anew(self) -> None:
         """From the first question on: the driver may have heard the last one, or not."""
         self.exchange, self.question = self.begin(), None
+        self.beginnings += 1
 
 
 @dataclass
@@ -70,8 +73,8 @@ class _Line:
 class Drivers:
     """All drivers of a connection that have registers, by their motors.
 
-    `configure` asks and waits, before anything moves. After that everything is asked while time
-    passes elsewhere: whoever lets it pass calls `poll` now and then.
+    `configure` waits for the answers, before anything moves. After that everything is asked while
+    time passes elsewhere: whoever lets it pass calls `poll` now and then.
     """
 
     def __init__(self, connection: Connection) -> None:
@@ -91,18 +94,16 @@ class Drivers:
         return not any(line.talks for line in self._lines.values())
 
     def configure(self) -> None:
-        """Sets all drivers up, one after the other. Lets time pass; raises MachineError if the
-        board fails. A driver that fails says so in its state."""
-        for state in self.states.values():
-            exchange = state.link.configure(state.settings)
-            try:
-                question = next(exchange)
-                while True:
-                    question = exchange.send(self._ask(question))
-            except StopIteration:
-                state.failure = None
-            except DriverFailure as failure:
-                state.failure = failure
+        """Sets all drivers up. Lets time pass; raises MachineError if the board fails, or if its
+        answers are lost again and again. A driver that fails says so in its state."""
+        for motor in self.states:
+            self.begin_configure(motor)
+        while not self.idle:
+            self.poll()
+            for talk in (line.talks[0] for line in self._lines.values() if line.talks):
+                if talk.question and talk.beginnings > _MOST_BEGINNINGS:
+                    raise self._connection.silence(talk.question.partition(" ")[0])
+            self._connection.run(self._connection.now + int(_STEP_S * self._connection.wire.hz))
 
     def require(self) -> None:
         """As `configure`, and raises MachineError for drivers that fail, too."""
@@ -110,11 +111,6 @@ class Drivers:
         failures = [state.failure for state in self.states.values() if state.failure is not None]
         if failures:
             raise MachineError([failure.problem for failure in failures])
-
-    def _ask(self, question: Question) -> bytes:
-        values = self._connection.ask(question.text, question.answer)
-        data = values[question.parameter]
-        return data if isinstance(data, bytes) else b""
 
     def begin_configure(self, motor: str, settings: DriverSettings | None = None) -> None:
         """Sets a driver up (anew, or to other settings) as time passes."""
@@ -187,7 +183,7 @@ class Drivers:
             talk.failed(failure)
             line.talks.popleft()
         else:
-            self._connection.command(talk.question.text)
+            self._connection.command(talk.question)
             talk.deadline = None
 
 

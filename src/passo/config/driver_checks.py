@@ -12,7 +12,7 @@ from typing import Any
 from passo.config.board_files import pin_of
 from passo.config.findings import Finding, did_you_mean, number, table, tables
 from passo.config.lines import Path
-from passo.config.places import bare
+from passo.config.places import bare, placed, section
 from passo.config.trinamic import CHIPS, ChipName, chip_of, largest_current_ma
 
 Raw = Mapping[str, Any]
@@ -96,7 +96,8 @@ def _check_keys(data: Raw, stepper: Raw, tmc: Raw, chip: ChipName, path: Path) -
             limit = f"{'uart_pin' if by_uart else ', '.join(_SPI_KEYS)} for a {chip}"
             yield Finding("config.conflict", (*path, key), tmc[key], limit)
     wanted = ("uart_pin",) if by_uart else _SPI_KEYS
-    socket = table(data, "board", "sockets", str(stepper.get("socket")))
+    board, word = placed(str(stepper.get("socket")))
+    socket = table(data, *section(board), "sockets", word)
     for key in wanted:
         if key not in tmc and not (key == "cs_pin" and "select" in socket):
             yield Finding("config.missing-key", (*path, key), None, f"a pin, for a {chip}")

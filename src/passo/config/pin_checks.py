@@ -301,13 +301,21 @@ class _Owners:
         return Finding("config.value", claim.path, claim.pin, limit, hint)
 
     def _check_steps(self) -> Iterator[Finding]:
-        """Each compare unit times the steps of one motor."""
+        """Each compare unit times the steps of one motor: a chip that has them moves no more."""
         sockets = table(self.board, "sockets")
         units = self.chip.compare_units if self.chip else ()
+        motors = 0
         for name, stepper in tables(self.data, "steppers"):
-            board, word = placed(str(stepper.get("socket")))
+            key = "socket" if "socket" in stepper else "step_pin"
+            if placed(str(stepper.get(key)))[0] != self.name:
+                continue
+            motors += 1
+            if self.chip and units and motors == len(units) + 1:
+                limit = f"at most {len(units)} motors on one {self.chip.name}"
+                yield Finding("config.conflict", ("steppers", name, key), stepper.get(key), limit)
+            word = placed(str(stepper.get("socket")))[1]
             unit = table(sockets, word).get("compare")
-            if board != self.name or not isinstance(unit, str):
+            if not isinstance(unit, str):
                 continue
             path = ("steppers", name, "socket")
             if unit not in units:

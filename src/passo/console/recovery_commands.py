@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 EVERY_S = 1.0  # of print time between two records
 Z_MM = 0.02  # and earlier where Z is kept, if it has gone so far: a tenth of a usual layer
 _NO_WAY_MM = 1e-5
+# What a board was sent so long ago it had 125 ms to do it; who knows whether it has what follows.
+UNHEARD_S = 0.1
 
 
 class RecoveryCommands:
@@ -98,7 +100,7 @@ class RecoveryCommands:
 
     def _time_passed(self) -> None:
         printer = self._printer
-        if printer.homer.active:
+        if printer.homer.active or printer.connection.unheard_s > UNHEARD_S:
             return
         if self._interrupted is not None and not self._runner.active:
             self._keep_z(*self._interrupted)

@@ -122,7 +122,7 @@ def _compile(tools: _Tools, board: AvrBoard, source: Path, firmware: Path, outpu
         given = ["-E", "-lang-asm", "-D__ASSEMBLER__", *given]
     else:
         given += ["-quiet", "-O2", "-std=gnu11", "-ffunction-sections", "-fdata-sections"]
-        given += ["-fshort-enums", "-fno-tree-loop-distribute-patterns"]
+        given += ["-fno-inline-functions", "-fshort-enums", "-fno-tree-loop-distribute-patterns"]
         given += [f"-ffixed-r{n}" for n in RESERVED]
     tools.run("cc1", *given, "-o", assembly, str(source))
     if source.suffix == ".c":

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 
 from passo.board.description import BoardDescription, Stepper
@@ -28,13 +29,13 @@ def _folder() -> tempfile.TemporaryDirectory[str]:
 
 
 @functools.cache
-def image(board: AvrBoard) -> Image:
+def image(board: AvrBoard, make: Callable[..., Image] = build) -> Image:
     """The board's image; built once."""
-    return build(board, FIRMWARE, Path(tempfile.mkdtemp(dir=_folder().name)), "test")
+    return make(board, FIRMWARE, Path(tempfile.mkdtemp(dir=_folder().name)), "test")
 
 
-def bench(board: AvrBoard = RAMPS) -> AvrBench:
-    return AvrBench(image(board).elf, board.mcu, board.clock_hz)
+def bench(board: AvrBoard = RAMPS, make: Callable[..., Image] = build) -> AvrBench:
+    return AvrBench(image(board, make).elf, board.mcu, board.clock_hz)
 
 
 def motors(

@@ -6,6 +6,7 @@ import pytest
 from tests.board.bench import PID, TABLE, Planner
 
 from passo.board.description import BoardDescription, Heater, Output, Sensor, Stepper
+from passo.toolchain import avr, avr_wheel
 
 from .bench import RISES
 from .boards import HZ, RAMPS_PINS, bench
@@ -14,8 +15,8 @@ from .host import AvrConnection
 HOTEND_CHANNEL = 13
 
 
-def _live(count: int) -> AvrConnection:
-    chip = bench()
+def _live(count: int, make) -> AvrConnection:
+    chip = bench(make=make)
     chip.set_voltage(HOTEND_CHANNEL, 2.5)
     steppers = (Stepper(f"m{i}", *pins) for i, pins in enumerate(RAMPS_PINS[:count]))
     description = BoardDescription(
@@ -36,12 +37,17 @@ def _live(count: int) -> AvrConnection:
 
 
 @pytest.mark.parametrize(
-    ("count", "interval", "segment", "p99"),
-    [(3, 240, 250, 250), (3, 480, 60, 250), (4, 400, 100, 400)],
-    ids=["200k steps/s", "100k steps/s", "four motors"],
+    ("count", "interval", "segment", "p99", "make"),
+    [
+        (3, 240, 250, 250, avr.build),
+        (3, 240, 250, 250, avr_wheel.build),
+        (3, 480, 60, 250, avr.build),
+        (4, 400, 100, 400, avr.build),
+    ],
+    ids=["200k steps/s", "200k steps/s, packages", "100k steps/s", "four motors"],
 )
-def test_steps_are_on_time_with_everything_alive(count, interval, segment, p99):
-    connection = _live(count)
+def test_steps_are_on_time_with_everything_alive(count, interval, segment, p99, make):
+    connection = _live(count, make)
     planner = Planner()
     for target in range(count):
         planner.steps(target, True, HZ // 4, 1)

@@ -4,7 +4,6 @@ from passo.board.trinamic.driver import (
     DriverFailure,
     DriverLink,
     Exchange,
-    Question,
     SpiWire,
     UartWire,
 )
@@ -17,7 +16,6 @@ __all__ = [
     "DriverSettings",
     "Exchange",
     "Finding",
-    "Question",
     "Reading",
     "SpiWire",
     "UartWire",

@@ -1,14 +1,14 @@
 """A conversation with one driver: setting it up, checking that, asking how it is.
 
-It is written once for hosts that wait for each answer and for those that do not: an `Exchange`
-yields questions to the board and is sent the bytes of their answers, empty if there was none.
+It waits for nothing: an `Exchange` yields commands for the board that ask, and is sent the bytes of
+their answers, empty if there was none.
 """
 
 from __future__ import annotations
 
 from collections.abc import Generator
 from dataclasses import dataclass
-from typing import ClassVar, NamedTuple, Protocol, TypeAlias, TypeVar
+from typing import ClassVar, Protocol, TypeAlias, TypeVar
 
 from passo.board.trinamic import registers as r
 from passo.board.trinamic.datagrams import (
@@ -29,18 +29,8 @@ _TRIES = 5
 _SHOWN = (r.GCONF, r.CHOPCONF)  # registers that every chip reads back as they were written
 
 
-class Question(NamedTuple):
-    """A command for the board, and the report that answers it: its name, and the parameter that
-    holds the bytes."""
-
-    text: str
-    answer: str
-    parameter: str
-    oid: int
-
-
 T = TypeVar("T")
-Exchange: TypeAlias = Generator[Question, bytes, T]
+Exchange: TypeAlias = Generator[str, bytes, T]
 
 
 class DriverFailure(Exception):
@@ -89,9 +79,8 @@ class UartWire:
         after = yield from self.read(r.IFCNT)
         return after is not None and after - before & 0xFF == len(writes)
 
-    def _question(self, bits: bytes, read: int) -> Question:
-        text = f"tmcuart_send oid={self.oid} write={bits.hex()} read={read}"
-        return Question(text, "tmcuart_response", "read", self.oid)
+    def _question(self, bits: bytes, read: int) -> str:
+        return f"tmcuart_send oid={self.oid} write={bits.hex()} read={read}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,9 +107,8 @@ class SpiWire:
         data = yield self._question(spi_read(r.GSTAT))
         return right and spi_value(data) == written
 
-    def _question(self, data: bytes) -> Question:
-        text = f"spi_transfer oid={self.oid} data={data.hex()}"
-        return Question(text, "spi_transfer_response", "response", self.oid)
+    def _question(self, data: bytes) -> str:
+        return f"spi_transfer oid={self.oid} data={data.hex()}"
 
 
 @dataclass(frozen=True, slots=True)
