@@ -377,6 +377,9 @@ class Pulled:
     def seek(self, offset, /):
         return offset
 
+    def tell(self):
+        return 0
+
     def close(self):
         pass
 

@@ -4,10 +4,10 @@ import pytest
 from tests.console.scenario import Scenario
 
 
-def printed_lines(tmp_path, machine, lines):
-    """E at the end, if the file is gone on with after each of its bad lines."""
+def printed_lines(tmp_path, machine, lines, state=None):
+    """Where all is at the end, if the file is gone on with after each of its bad lines."""
     (tmp_path / "a.g").write_text("\n".join(lines) + "\n")
-    with Scenario(machine, card=str(tmp_path)) as s:
+    with Scenario(machine, card=str(tmp_path), state=state) as s:
         s.host.ok("G28", 60)
         s.host.ok("M302 P1")
         s.host.ok("M23 a.g")
@@ -41,9 +41,10 @@ def test_what_follows_a_move_that_is_refused_is_printed(tmp_path, machine, bad):
     good, none = printed_lines(tmp_path, machine, ["M83", *start, *ways])
     assert none == []
     with_bad = ["M83", *start, *ways[:10], bad, *ways[10:20], bad, *ways[20:]]
-    found, stops = printed_lines(tmp_path, machine, with_bad)
-    assert stops == ["13", "24"]
-    assert found == good
+    for state in (None, str(tmp_path / "state")):  # the journal reads the file, too
+        found, stops = printed_lines(tmp_path, machine, with_bad, state)
+        assert stops == ["13", "24"]
+        assert found == good
 
 
 def test_an_axis_is_told_where_it_is_when_the_machine_stands():

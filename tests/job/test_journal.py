@@ -169,6 +169,33 @@ def test_a_print_cut_off_before_its_first_move_begins_anew_and_says_so(places, t
                 assert s.positions()["z"] == pytest.approx(1.6, abs=0.01)
 
 
+HEATS = "M83\nM109 S200\n" + "".join(f"G1 X{i} E1 F600\n" for i in range(9, 90))
+
+
+def test_a_print_that_heats_first_is_not_where_the_last_one_has_ended(places, tmp_path):
+    arguments, state = places
+    (tmp_path / "card" / "heats.g").write_text(HEATS)
+    with Scenario("i3", **arguments) as s:
+        s.host.ok("M32 wall.gcode")
+        s.host.expect("Done printing file", 200)
+        s.host.ok("M32 heats.g")
+        for _ in range(20):
+            s.passes(1)
+            program, moment = journal_of(state)
+            assert (program.path, moment.line) == ("/heats.g", 0)
+
+
+def test_behind_a_line_that_failed_a_print_does_not_begin_anew(places, tmp_path):
+    arguments, state = places
+    (tmp_path / "card" / "fails.g").write_text("G28\nG1 X20 F6000\nG1 X9999\n" + HEATS)
+    with Scenario("i3", **arguments) as s:
+        s.host.ok("M32 fails.g")
+        s.host.expect("Print of fails.g stopped: fails.g:3", 60)
+        s.passes(5)
+        s.host.ok("M24")
+        assert journal_of(state)[1].line == 2
+
+
 def test_a_torn_record_is_left_out(tmp_path):
     journal = Journal(tmp_path)
     journal.begin(Program("m", "/a", 5, 7), Moment(0, 0.0))
