@@ -47,6 +47,29 @@ def test_what_follows_a_move_that_is_refused_is_printed(tmp_path, machine, bad):
         assert found == good
 
 
+@pytest.mark.parametrize("bad", ["G1 E10001", "G1 X990", "G2 X5 Y5", "T7", "M104 SX"])
+def test_a_print_goes_on_behind_it_after_a_power_cut_too(tmp_path, bad):
+    places = {"card": str(tmp_path), "state": str(tmp_path / "state")}
+    lines = ["M302 P1", "G28", "M83", "G1 Y20 F3000", bad, *WAY]
+    lines = [x.replace("F3000", "F300") for x in lines]
+    (tmp_path / "a.g").write_text("\n".join(lines) + "\n")
+    with Scenario("i3", **places) as s:
+        s.host.ok("M32 a.g")
+        s.host.expect("Print of a.g stopped: a.g:5: ", 60)
+        s.passes(5)
+        s.host.ok("M24")
+        assert s.until(lambda: 10 < s.positions()["x"] < 11, 60)
+        left = s.positions()
+    with Scenario("i3", **places) as s:
+        for stepper in "xyz":
+            s.board.place(stepper, left[stepper])
+        s.host.ok("M302 P1")
+        s.host.send("M1000")
+        s.host.expect("echo:Printing a.g from line 1[0-9]$", 60)
+        s.host.expect("Done printing file", 60)
+        assert s.positions()["x"] == 30.0
+
+
 def test_an_axis_is_told_where_it_is_when_the_machine_stands():
     """Else the place would jump in the midst of a plan that may be planned anew."""
     with Scenario("i3") as s:
