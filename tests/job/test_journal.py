@@ -120,6 +120,34 @@ def test_a_recovery_that_is_stopped_leaves_the_heaters_off(places):
         assert "Not SD printing" in s.host.ok("M27")[0]
 
 
+def test_a_card_that_is_pulled_in_a_recovery_leaves_the_heaters_off(places, monkeypatch):
+    arguments, _ = places
+    with Scenario("i3", **arguments) as s:
+        s.host.ok("M104 S60")
+        s.host.ok("M32 wall.gcode")
+        s.passes(20)
+        left = s.positions()
+
+    def pulled(*_):
+        raise OSError(errno.EIO, os.strerror(errno.EIO))
+
+    with Scenario("i3", **arguments) as s:
+        for stepper in "xyz":
+            s.board.place(stepper, left[stepper])
+        s.host.ok("M302 P1")
+        s.host.send("M1000")
+        hotend = s.printer.connection.heaters["hotend"]
+        assert s.until(lambda: hotend.target > 0, 100)
+        with monkeypatch.context() as now:
+            now.setattr(os, "preadv", pulled)
+            s.host.expect("removed while in use", 200)
+        s.passes(1)
+        assert hotend.target == 0
+        s.host.send("M1000")
+        s.host.expect("Done printing", 300)
+        assert s.positions()["z"] == pytest.approx(1.6, abs=0.03)
+
+
 @pytest.mark.parametrize("start", [("M26 S{}", "M24"), ("M24 S{}",)])
 def test_a_print_begun_in_its_midst_goes_on_where_it_was(start, places):
     arguments, state = places

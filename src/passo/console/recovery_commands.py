@@ -209,13 +209,12 @@ class RecoveryCommands:
         assert reader is not None
         try:
             recovery = Recovery(self._printer, program, moment, reader)
-            offset = await recovery.run() if moment.line else 0
+            self._runner.seek(await recovery.run() if moment.line else 0)
         except (PassoError, Stopped):
             self._runner.seek(0)
             for heater in self._printer.heaters:
                 self._printer.set_target(heater, 0.0, at_once=True)
             raise
-        self._runner.seek(offset)
         where = f"line {moment.line}" if moment.line else "its beginning"
         reply.say(f"echo:Printing {self._runner.name} from {where}")
         self._runner.start()
