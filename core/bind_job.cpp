@@ -189,7 +189,10 @@ void bind_job(nb::module_& m) {
           "No line is under way.")
       .def(
           "restart",
-          [](JobView& self, uint32_t first_line) { self.job.interpreter.restart(first_line); },
+          [](JobView& self, uint32_t first_line) {
+            self.job.interpreter.restart(first_line);
+            self.job.motion.lines().forget();
+          },
           "first_line"_a = 1,
           "Forgets the unread text of the selected source; its lines count from this one again.")
       .def(

@@ -19,6 +19,8 @@ class ProgramLines {
   void cut(double ticks) {
     while (!starts_.empty() && starts_.back().ticks >= ticks) starts_.pop_back();
   }
+  // Another program begins: no line of the one before counts any more.
+  void forget() { starts_.clear(); }
   // The line whose move is under way, or was the last one, at `ticks` (0: none). Asked for clocks
   // that only grow.
   uint32_t at(double ticks) {

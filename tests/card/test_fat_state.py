@@ -248,6 +248,29 @@ def test_a_removed_card_ends_everything(small: Image):
     card.close()
 
 
+def test_a_card_that_is_back_is_read_on(small: Image, monkeypatch: pytest.MonkeyPatch):
+    """A table that could not be read does not count as a file that ends there."""
+    card = small.card()
+    content = random.Random(7).randbytes(400_000)  # of more clusters than a table's sector tells
+    write(card, "a.g", content)
+    card.close()
+    card = small.card()
+    reader = card.open("a.g")
+    assert reader.read(1000) == content[:1000]
+
+    def pulled(*_: object) -> int:
+        raise OSError(errno.EIO, os.strerror(errno.EIO))
+
+    for _ in range(2):
+        with monkeypatch.context() as now:
+            now.setattr(os, "preadv", pulled)
+            with pytest.raises(CardError) as raised:
+                reader.read(300_000)
+            assert code(raised) == "card.removed"
+    assert reader.read() == content[1000:]
+    card.close()
+
+
 def test_calls_from_several_threads(small: Image):
     card = small.card()
 

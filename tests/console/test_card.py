@@ -330,6 +330,17 @@ def test_progress_is_by_time_not_by_bytes(s, folder):
     assert s.host.ok("M73")[0] == "echo:Progress: nothing is printed"
 
 
+def test_progress_counts_on_behind_a_line_that_failed(s, folder):
+    way = "".join(f"G1 X{10 + i % 2 * 50} F600\n" for i in range(20))
+    (folder / "half.g").write_text(f"G28 X\n{way}G1 E10001\n{way}")
+    s.host.ok("M32 half.g")
+    s.host.expect("Print of half.g stopped", 200)
+    s.until(lambda: s.printer.drive.standing, 10)
+    s.host.ok("M24")
+    s.passes(0.1)
+    assert float(re.search(r"([\d.]+)%", s.host.ok("M73")[0])[1]) == pytest.approx(50, abs=2)
+
+
 def test_a_question_for_the_file_leaves_the_file_to_the_print(s, folder):
     (folder / "say.g").write_text("G28\n" + "G1 X30 F6000\nM114\nG1 X60\n" * 200)
     other = Host(s)
@@ -376,6 +387,9 @@ class Pulled:
 
     def seek(self, offset, /):
         return offset
+
+    def tell(self):
+        return 0
 
     def close(self):
         pass

@@ -4,10 +4,10 @@ import pytest
 from tests.console.scenario import Scenario
 
 
-def printed_lines(tmp_path, machine, lines):
-    """E at the end, if the file is gone on with after each of its bad lines."""
+def printed_lines(tmp_path, machine, lines, state=None):
+    """Where all is at the end, if the file is gone on with after each of its bad lines."""
     (tmp_path / "a.g").write_text("\n".join(lines) + "\n")
-    with Scenario(machine, card=str(tmp_path)) as s:
+    with Scenario(machine, card=str(tmp_path), state=state) as s:
         s.host.ok("G28", 60)
         s.host.ok("M302 P1")
         s.host.ok("M23 a.g")
@@ -41,9 +41,33 @@ def test_what_follows_a_move_that_is_refused_is_printed(tmp_path, machine, bad):
     good, none = printed_lines(tmp_path, machine, ["M83", *start, *ways])
     assert none == []
     with_bad = ["M83", *start, *ways[:10], bad, *ways[10:20], bad, *ways[20:]]
-    found, stops = printed_lines(tmp_path, machine, with_bad)
-    assert stops == ["13", "24"]
-    assert found == good
+    for state in (None, str(tmp_path / "state")):  # the journal reads the file, too
+        found, stops = printed_lines(tmp_path, machine, with_bad, state)
+        assert stops == ["13", "24"]
+        assert found == good
+
+
+@pytest.mark.parametrize("bad", ["G1 E10001", "G1 X990", "G2 X5 Y5", "T7", "M104 SX"])
+def test_a_print_goes_on_behind_it_after_a_power_cut_too(tmp_path, bad):
+    places = {"card": str(tmp_path), "state": str(tmp_path / "state")}
+    lines = ["M302 P1", "G28", "M83", "G1 Y20 F3000", bad, *WAY]
+    lines = [x.replace("F3000", "F300") for x in lines]
+    (tmp_path / "a.g").write_text("\n".join(lines) + "\n")
+    with Scenario("i3", **places) as s:
+        s.host.ok("M32 a.g")
+        s.host.expect("Print of a.g stopped: a.g:5: ", 60)
+        s.passes(5)
+        s.host.ok("M24")
+        assert s.until(lambda: 10 < s.positions()["x"] < 11, 60)
+        left = s.positions()
+    with Scenario("i3", **places) as s:
+        for stepper in "xyz":
+            s.board.place(stepper, left[stepper])
+        s.host.ok("M302 P1")
+        s.host.send("M1000")
+        s.host.expect("echo:Printing a.g from line 1[0-9]$", 60)
+        s.host.expect("Done printing file", 60)
+        assert s.positions()["x"] == 30.0
 
 
 def test_an_axis_is_told_where_it_is_when_the_machine_stands():

@@ -120,6 +120,34 @@ def test_a_recovery_that_is_stopped_leaves_the_heaters_off(places):
         assert "Not SD printing" in s.host.ok("M27")[0]
 
 
+def test_a_card_that_is_pulled_in_a_recovery_leaves_the_heaters_off(places, monkeypatch):
+    arguments, _ = places
+    with Scenario("i3", **arguments) as s:
+        s.host.ok("M104 S60")
+        s.host.ok("M32 wall.gcode")
+        s.passes(20)
+        left = s.positions()
+
+    def pulled(*_):
+        raise OSError(errno.EIO, os.strerror(errno.EIO))
+
+    with Scenario("i3", **arguments) as s:
+        for stepper in "xyz":
+            s.board.place(stepper, left[stepper])
+        s.host.ok("M302 P1")
+        s.host.send("M1000")
+        hotend = s.printer.connection.heaters["hotend"]
+        assert s.until(lambda: hotend.target > 0, 100)
+        with monkeypatch.context() as now:
+            now.setattr(os, "preadv", pulled)
+            s.host.expect("removed while in use", 200)
+        s.passes(1)
+        assert hotend.target == 0
+        s.host.send("M1000")
+        s.host.expect("Done printing", 300)
+        assert s.positions()["z"] == pytest.approx(1.6, abs=0.03)
+
+
 @pytest.mark.parametrize("start", [("M26 S{}", "M24"), ("M24 S{}",)])
 def test_a_print_begun_in_its_midst_goes_on_where_it_was(start, places):
     arguments, state = places
@@ -167,6 +195,33 @@ def test_a_print_cut_off_before_its_first_move_begins_anew_and_says_so(places, t
             if answer:
                 s.host.expect("Done printing file", 200)
                 assert s.positions()["z"] == pytest.approx(1.6, abs=0.01)
+
+
+HEATS = "M83\nM109 S200\n" + "".join(f"G1 X{i} E1 F600\n" for i in range(9, 90))
+
+
+def test_a_print_that_heats_first_is_not_where_the_last_one_has_ended(places, tmp_path):
+    arguments, state = places
+    (tmp_path / "card" / "heats.g").write_text(HEATS)
+    with Scenario("i3", **arguments) as s:
+        s.host.ok("M32 wall.gcode")
+        s.host.expect("Done printing file", 200)
+        s.host.ok("M32 heats.g")
+        for _ in range(20):
+            s.passes(1)
+            program, moment = journal_of(state)
+            assert (program.path, moment.line) == ("/heats.g", 0)
+
+
+def test_behind_a_line_that_failed_a_print_does_not_begin_anew(places, tmp_path):
+    arguments, state = places
+    (tmp_path / "card" / "fails.g").write_text("G28\nG1 X20 F6000\nG1 X9999\n" + HEATS)
+    with Scenario("i3", **arguments) as s:
+        s.host.ok("M32 fails.g")
+        s.host.expect("Print of fails.g stopped: fails.g:3", 60)
+        s.passes(5)
+        s.host.ok("M24")
+        assert journal_of(state)[1].line == 2
 
 
 def test_a_torn_record_is_left_out(tmp_path):

@@ -7,6 +7,7 @@ from array import array
 from bisect import bisect_right
 from collections.abc import Callable, Iterator
 from contextlib import suppress
+from itertools import islice
 
 from passo.card.api import Writer, is_removed
 from passo.card.volume import Volume
@@ -25,6 +26,7 @@ class Extents:
         self._volume = volume
         self._path = path
         self._needed = -(-size // volume.layout.cluster_bytes)
+        self._first = first
         self._chain: Iterator[int] = volume.table.chain(first)
         self._known = 0
         self._index = array("I")
@@ -48,7 +50,13 @@ class Extents:
 
     def _follow(self, until: int) -> None:
         while self._known < until:
-            cluster = next(self._chain, 0)
+            try:
+                cluster = next(self._chain, 0)
+            except CardError:
+                # Whoever tries again when the card is back needs one that has not ended by this.
+                chain = self._volume.table.chain(self._first)
+                self._chain = islice(chain, self._known, None)
+                raise
             if not cluster:
                 raise CardError.of(
                     "card.broken",

@@ -106,7 +106,8 @@ class JobCommands:
                 self._from_host = None  # a host that meant this one
                 self._watch.reset()
                 self._from_card = self._statistics.begun(self._runner.name, self._runner.size)
-                self._planned_s = self._printer.planned_s()
+                if self._runner.offset == 0:  # else it goes on behind a line that failed
+                    self._planned_s = self._printer.planned_s()
                 self._reckon()
             self._watch.start()
             return

@@ -88,7 +88,10 @@ class RecoveryCommands:
         self._printer.positions.trust()
         self._settlings = self._printer.positions.settlings
         self._overrides.begin()
-        self._recorded = self._moment(self._runner.first_line, self._seen_z_mm)
+        # One that was stopped by a line goes on behind it.
+        line = self._printer.job.line_at(self._printer.drive.now) or self._runner.first_line
+        self._recorded = self._moment(line, self._seen_z_mm)
+        read = reader.tell()  # more than was planned of it
         try:
             program = Program.of(self._printer.machine.uuid, self._runner.path, reader)
             self._begin_journal(program, self._recorded)
@@ -96,7 +99,7 @@ class RecoveryCommands:
             self._end()  # an older print is over all the same
             self._printer.tell(f"echo:No journal of this print: {error}")
         finally:
-            reader.seek(self._runner.offset)
+            reader.seek(read)
 
     def _time_passed(self) -> None:
         printer = self._printer
@@ -208,13 +211,12 @@ class RecoveryCommands:
         assert reader is not None
         try:
             recovery = Recovery(self._printer, program, moment, reader)
-            offset = await recovery.run() if moment.line else 0
+            self._runner.seek(await recovery.run() if moment.line else 0)
         except (PassoError, Stopped):
             self._runner.seek(0)
             for heater in self._printer.heaters:
                 self._printer.set_target(heater, 0.0, at_once=True)
             raise
-        self._runner.seek(offset)
         where = f"line {moment.line}" if moment.line else "its beginning"
         reply.say(f"echo:Printing {self._runner.name} from {where}")
         self._runner.start()

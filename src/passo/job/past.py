@@ -6,8 +6,9 @@ from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 from passo import _core
+from passo.errors import InputError
 from passo.job.overrides import override
-from passo.job.program import at_rest, read_program
+from passo.job.program import Settle, at_rest, read_program
 from passo.job.runner import Reader
 from passo.printer.commands import Commands
 from passo.printer.waits import Homing, Wait
@@ -36,7 +37,7 @@ class Past:
     printer has and the overrides of its print: where the machine is then (`job`), and in which
     state the program. `settings` are commands for what it has set of the printer, other than
     offsets of axes: `homed_mm` as they were when it homed, `home_offset_mm` those at its end.
-    Raises InputError."""
+    Raises CardError."""
 
     def __init__(
         self, printer: Printer, reader: Reader, end: int, overrides: dict[str, tuple[int, float]]
@@ -59,8 +60,20 @@ class Past:
             else:
                 rest(wait)
 
-        for _ in read_program(job, self.commands, self._pieces(overrides), "", settle):
+        pieces = self._pieces(overrides)
+        while not self._read(pieces, settle):
             pass
+
+    def _read(self, pieces: Iterator[bytes], settle: Settle) -> bool:
+        """To the end; False if a line fails. The print was stopped there, and has gone on behind
+        it."""
+        try:
+            for _ in read_program(self.job, self.commands, pieces, "", settle):
+                pass
+        except InputError:
+            self.job.abandon()
+            return False
+        return True
 
     def _set_up(self) -> None:
         """The printer's settings, as far as they concern what a program means."""

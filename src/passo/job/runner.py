@@ -40,6 +40,10 @@ class Reader(Protocol):
         """The next read begins here."""
         ...
 
+    def tell(self) -> int:
+        """Where the next read begins."""
+        ...
+
     def close(self) -> None:
         """No more reads."""
 
