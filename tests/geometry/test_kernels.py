@@ -158,6 +158,16 @@ def test_the_way_back_crosses_where_the_way_there_did(name):
         assert close([length - s for s in reversed(back)], there, 1e-6)
 
 
+def test_a_turn_at_a_place_that_is_looked_at_is_one():
+    """An arm of the rotary delta turns in the middle of a line across it, of whole mm."""
+    _, core, _, _ = machine("rotary_delta")
+    places, directions = core.crossings(0, (-20.0, 0.0, 60.0), (20.0, 0.0, 60.0), 80.0)
+    half = len(places) // 2
+    assert half > 20
+    assert directions == [directions[0]] * half + [-directions[0]] * half
+    assert close(places, [40.0 - s for s in reversed(places)], 1e-6)
+
+
 def test_golden_fisher_delta():
     """RepRapPro's Fisher: all carriages at 200 mm put the nozzle over the middle."""
     model, core, _, _ = machine("delta")

@@ -172,11 +172,15 @@ def test_of_a_time_and_a_feed_rate_the_slower_counts_and_m220_scales_both(feed, 
     assert motion.take_moves()[0].cruise_speed == pytest.approx(speed)
 
 
-def test_the_rate_of_its_steps_bounds_an_extruder():
+@pytest.mark.parametrize(
+    ("key", "value", "rate"), [("max_rate_hz", 955, 955), ("pulse_s", 5e-4, 1000)]
+)
+def test_the_rate_of_its_steps_bounds_an_extruder(key, value, rate):
+    """Either its own, or that of two pulses a step."""
     spec = cartesian()
-    spec["steppers"][3]["max_rate_hz"] = 955.0
+    spec["steppers"][3][key] = value
     moves, _ = planned(spec, [{"target": [0, 0, 0, -20], "kind": "extrude"}])
-    assert moves[0].cruise_speed == pytest.approx(10.0)
+    assert moves[0].cruise_speed == pytest.approx(rate / 95.5)
 
 
 def test_by_cornering_distance_nothing_passes_from_an_extruder_to_another():
