@@ -75,7 +75,7 @@ class Compressor {
   Compressor(const Machine& machine, const StepperSpec& spec, uint16_t target)
       : tolerance_(machine.tolerance),
         reversal_(double(spec.pulse + std::max(spec.pulse, spec.dir_hold + spec.dir_setup)) + 2),
-        least_(std::ceil(machine.clock_hz / spec.max_rate)),
+        least_(std::max(2.0 * double(spec.pulse), std::ceil(machine.clock_hz / spec.max_rate))),
         longest_(kLongestSeconds * machine.clock_hz), lead_(kLeadSeconds * machine.clock_hz),
         margin_(std::max(reversal_, 4 * machine.widest_tolerance()) + 1), target_(target) {
     steps_.ticks.push_back(-kNeverNear);  // stands for the step before the first

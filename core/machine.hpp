@@ -49,7 +49,7 @@ struct StepperSpec {
   int index;                           // of the actuator, the axis or the extruder
   double steps_per_unit;               // unit: mm, or degree on rotary actuators
   int64_t pulse, dir_setup, dir_hold;  // ticks
-  double max_rate;                     // steps per second: a step takes two pulses' time at least
+  double max_rate;                     // steps per second
   double speed, accel, min, max;       // units; infinite where there is no limit
   uint16_t board = 0;                  // the main one is 0
 };
