@@ -191,3 +191,27 @@ def test_by_cornering_distance_nothing_passes_from_an_extruder_to_another():
     ways = [{"target": [50, 0, 0, 0], "extruder": 0}, {"target": [100, 0, 0, 0], "extruder": 1}]
     moves, _ = planned(spec, ways)
     assert moves[0].end_speed == moves[1].start_cap == 0
+
+
+def test_the_highest_speed_of_the_path_is_none_of_filament_alone():
+    ways = [{"target": [20, 0, 0, 0]}, {"target": [20, 0, 0, 20], "kind": "extrude"}]
+    moves, _ = planned(cartesian(speed=50.0), ways, 80.0)
+    assert [m.cruise_speed for m in moves] == pytest.approx([50.0, 80.0])
+
+
+@pytest.mark.parametrize(("x", "length"), [(0.0019, 20.0), (0.0021, 0.0021)])
+def test_next_to_much_filament_a_hair_is_no_path(x, length):
+    """A ten thousandth of it."""
+    moves, _ = planned(cartesian(), [{"target": [x, 0, 0, 20]}])
+    assert moves[0].length == pytest.approx(length)
+
+
+def test_filament_of_two_extruders_is_a_corner():
+    spec = cartesian()
+    spec["extruders"].append(spec["extruders"][0] | {"name": "e1"})
+    spec["tools"].append({"extruder": 1, "offset": [0.0, 0.0, 0.0]})
+    spec["steppers"].append(stepper("e1", "extruder", 1, 95.5))
+    ways = [{"target": [0, 0, 0, 20], "kind": "extrude", "extruder": i} for i in (0, 1)]
+    moves, _ = planned(spec, ways)
+    assert [m.length for m in moves] == [20, 20]
+    assert moves[0].end_speed == moves[1].start_cap == 0
