@@ -77,9 +77,8 @@ inline Machine machine_of(const nb::dict& spec) {
                           : drive == "axis"   ? Drive::axis
                                               : Drive::extruder,
                           get<int>(s, "index"), get<double>(s, "steps_per_unit"), pulse,
-                          ticks("dir_setup_s"), ticks("dir_hold_s"), rate,
-                          get<double>(s, "speed"), get<double>(s, "accel"), get<double>(s, "min"),
-                          get<double>(s, "max")});
+                          ticks("dir_setup_s"), ticks("dir_hold_s"), rate, get<double>(s, "speed"),
+                          get<double>(s, "accel"), get<double>(s, "min"), get<double>(s, "max")});
     if (nb::cast<nb::dict>(s).contains("board"))
       m.steppers.back().board = get<uint16_t>(s, "board");
   }

@@ -278,6 +278,34 @@ def test_a_record_at_a_stop_comes_before_what_is_queued_when_the_way_there_is_cu
     assert oracle.pins(motion.take_messages()) == [(start, 7)]
 
 
+def test_a_move_in_the_midst_of_which_the_machine_stops_is_one_with_its_records_once():
+    motion = Motion(cartesian(), True)
+    motion.push([10, 0, 0, 0], 50.0)
+    motion.record(2, 7)
+    motion.push([100, 0, 0, 0], 50.0)
+    motion.record(2, 8)
+    motion.flush()
+    motion.take_moves()
+    motion.hold_from(0.204 * oracle.HZ)  # 0.217 mm before the end of the first
+    motion.release()
+    motion.flush()
+    moves = motion.take_moves()
+    assert [round(m.end_mm[0], 3) for m in moves[:3]] == [10.0, 10.2, 100.0]
+    pins = oracle.pins(motion.take_messages())
+    assert pins == [(round(moves[1].start_ticks), 7), (round(moves[2].end_ticks), 8)]
+
+
+def test_a_move_that_is_held_counts_once():
+    job = Job(load("i3").core_spec())
+    job.feed(b"G1 X10 F3000\nG1 X100\n")
+    assert job.advance() == JobStatus.NEED_INPUT
+    job.flush()
+    job.hold_from(0.202 * oracle.HZ)  # in the first, and stops in the second
+    job.release()
+    job.flush()
+    assert job.statistics()["moves"] == 2
+
+
 def test_moves_behind_those_that_were_held_have_the_rules_of_now():
     motion = Motion(cartesian(), True)
     motion.push([100, 0, 0, 0], 10.0)
