@@ -6,7 +6,8 @@ from math import cos, pi, radians, sin
 
 import pytest
 
-from passo._core import Motion
+from passo._core import Job, Motion
+from passo.config import load
 
 from .machines import aprinter, axis, cartesian, stepper
 
@@ -215,3 +216,11 @@ def test_filament_of_two_extruders_is_a_corner():
     moves, _ = planned(spec, ways)
     assert [m.length for m in moves] == [20, 20]
     assert moves[0].end_speed == moves[1].start_cap == 0
+
+
+def test_a_limit_of_an_axis_is_never_more_than_the_machine_s():
+    job = Job(load("i3").core_spec())
+    most = job.axis_limit("x", "speed")
+    for share, then in ((10, 1), (0.5, 0.5), (2, 1)):
+        job.set_axis_limit("x", "speed", share * most)
+        assert job.axis_limit("x", "speed") == then * most
