@@ -5,6 +5,8 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <string>
 #include <vector>
@@ -67,14 +69,16 @@ inline Machine machine_of(const nb::dict& spec) {
     auto ticks = [&](const char* key) {
       return int64_t(std::ceil(get<double>(s, key) * m.clock_hz - 1e-6));
     };
+    // A step and the pause behind it take a pulse's time each at least.
+    const int64_t pulse = ticks("pulse_s");
+    const double rate = std::min(get<double>(s, "max_rate_hz"), m.clock_hz / (2 * double(pulse)));
     m.steppers.push_back({get<std::string>(s, "name"),
                           drive == "actuator" ? Drive::actuator
                           : drive == "axis"   ? Drive::axis
                                               : Drive::extruder,
-                          get<int>(s, "index"), get<double>(s, "steps_per_unit"), ticks("pulse_s"),
-                          ticks("dir_setup_s"), ticks("dir_hold_s"), get<double>(s, "max_rate_hz"),
-                          get<double>(s, "speed"), get<double>(s, "accel"), get<double>(s, "min"),
-                          get<double>(s, "max")});
+                          get<int>(s, "index"), get<double>(s, "steps_per_unit"), pulse,
+                          ticks("dir_setup_s"), ticks("dir_hold_s"), rate, get<double>(s, "speed"),
+                          get<double>(s, "accel"), get<double>(s, "min"), get<double>(s, "max")});
     if (nb::cast<nb::dict>(s).contains("board"))
       m.steppers.back().board = get<uint16_t>(s, "board");
   }

@@ -79,7 +79,6 @@ class JunctionRule {
                       (m.p1[1] - m.p0[1]) * (before.p1[1] - before.p0[1]) +
                       (m.p1[2] - m.p0[2]) * (before.p1[2] - before.p0[2])) *
                     inverse;
-    cosine = std::max(cosine, -1.0);
     double s = std::sqrt(std::max(0.0, 0.5 * (1 - cosine)));
     double c = std::sqrt(std::max(0.0, 0.5 * (1 + cosine)));
     double accel = std::min(before.a, m.a);

@@ -52,7 +52,6 @@ struct Steps {
     for (Widening& w : widenings)
       if (w.first > from) w.first = std::max(w.first - std::min(n, w.first), from);
     while (widenings.size() > 1 && widenings[1].first <= 1) widenings.erase(widenings.begin());
-    if (widenings.size() == 1 && widenings[0].tolerance == 0) widenings.clear();
   }
 };
 

@@ -26,9 +26,8 @@ class RotaryDelta : public Geometry {
       double wy = p[1] - shoulder, wz = p[2], w2 = wy * wy + wz * wz;
       double cosine_of = (w2 + arm * arm - rod2 + p[0] * p[0]) / (2 * arm * std::sqrt(w2));
       if (!(std::fabs(cosine_of) <= 1)) return std::nan("");
-      double angle = atan2(wz, wy) - acos(cosine_of) + kPi;
+      double angle = atan2(wz, wy) - acos(cosine_of) + kPi;  // from -kPi on
       if (angle > kPi) angle -= 2 * kPi;
-      if (angle <= -kPi) angle += 2 * kPi;
       return angle * (180 / kPi);
     }
     Centre centre(double q) const {

@@ -7,6 +7,7 @@ import zlib
 import pytest
 from tests.oracles import wire
 
+from passo import _core
 from passo.board.dictionary import Dictionary, DictionaryError, decode
 from passo.simulator.dictionary import compressed_dictionary
 
@@ -88,3 +89,13 @@ def test_decoded_reports():
     assert decode(wire.frame(payload, 0), DICTIONARY, from_board=True) == [
         "analog_in_state oid=4 next_clock=4294967290 values=1020"
     ]
+
+
+def test_a_message_that_lacks_a_byte_is_refused():
+    """Nothing is read behind its end, also where what is missing is the last of a text."""
+    reports = _core.Formats(DICTIONARY.reports)
+    payload = reports.encode("analog_in_state", [4, 300, b"\x10\x20"])
+    assert reports.decode(payload)[0][1]["values"] == b"\x10\x20"
+    for size in range(1, len(payload)):
+        with pytest.raises(ValueError, match="cut short"):
+            reports.decode(payload[:size])

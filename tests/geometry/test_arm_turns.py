@@ -102,6 +102,7 @@ def test_a_line_over_the_left_of_a_shoulder_takes_its_time(tmp_path):
         ("X60 Y90", "X140 Y90", "X 100.000, Y 90.000"),
         ("X95 Y90", "X110 Y96", "X 100.000, Y 92.000"),
         ("X60 Y99.96", "X140 Y99.96", "X 100.000, Y 99.960"),
+        ("X60 Y101", "X110 Y80", "X 100.000, Y 84.200"),
     ],
 )
 def test_a_line_behind_a_shoulder_is_refused(tmp_path, start, end, place):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from math import dist, isnan
+from math import cos, dist, isnan, radians, sin
 
 import pytest
 from hypothesis import assume, given, settings
@@ -158,6 +158,16 @@ def test_the_way_back_crosses_where_the_way_there_did(name):
         assert close([length - s for s in reversed(back)], there, 1e-6)
 
 
+def test_a_turn_at_a_place_that_is_looked_at_is_one():
+    """An arm of the rotary delta turns in the middle of a line across it, of whole mm."""
+    _, core, _, _ = machine("rotary_delta")
+    places, directions = core.crossings(0, (-20.0, 0.0, 60.0), (20.0, 0.0, 60.0), 80.0)
+    half = len(places) // 2
+    assert half > 20
+    assert directions == [directions[0]] * half + [-directions[0]] * half
+    assert close(places, [40.0 - s for s in reversed(places)], 1e-6)
+
+
 def test_golden_fisher_delta():
     """RepRapPro's Fisher: all carriages at 200 mm put the nozzle over the middle."""
     model, core, _, _ = machine("delta")
@@ -165,6 +175,33 @@ def test_golden_fisher_delta():
         x, y, z = forward((200.0, 200.0, 200.0))
         assert (x, y) == pytest.approx((0, 0), abs=1e-9)
         assert z == pytest.approx(62.0181, abs=5e-5)
+
+
+def test_towers_may_be_numbered_clockwise():
+    parameters = CASES["delta"][0] | {"angles": [90.0, 330.0, 210.0]}
+    model = TypeAdapter(AnyGeometry).validate_python(parameters)
+    core = Geometry(model.spec())
+    point = (11.0, -7.0, 23.0)
+    positions = tuple(core.inverse(i, point) for i in range(3))
+    assert close(core.forward(positions), point)
+    assert close(model.forward(positions), point)
+
+
+def test_a_delta_reaches_all_of_the_circle_that_limits_it():
+    _, core, _, _ = machine("delta")
+    for degrees in range(360):
+        x, y = 75.1 * cos(radians(degrees)), 75.1 * sin(radians(degrees))
+        assert not isnan(core.inverse(0, (x, y, 0.0)))
+    assert isnan(core.inverse(0, (75.1001, 0.0, 0.0)))
+
+
+def test_angles_of_an_arm_end_where_it_points_inwards():
+    """Beyond 180 degrees below the horizon: above it."""
+    model, core, _, _ = machine("rotary_delta")
+    point = (0.0, 60.0, 260.0)
+    angles = [core.inverse(i, point) for i in range(3)]
+    assert angles == pytest.approx([121.4274, -174.8845, -174.8845], abs=1e-4)
+    assert close(angles, model.inverse(point))
 
 
 @pytest.mark.parametrize("positions", [(0.0, 500.0, 0.0), (400.0, 0.0, 0.0)])

@@ -241,3 +241,30 @@ def test_a_cut_gives_back_what_is_planned_anew(settled):
             motion.flush()
     motion.flush()
     assert all(m.tolerance_ticks == 0 for m in motion.take_moves())
+
+
+@pytest.mark.parametrize("how", ["dwell", "wait"])
+def test_while_the_machine_stands_the_slots_become_free(how):
+    """By one a second; the moves fill them once."""
+    targets = list(wander(0.05, 60, 0.3, 2))
+
+    def spec(burst):
+        return machine(20_000.0, budget=budget(commands_s=1.0, burst=burst))
+
+    def fits(burst):
+        return all(m.tolerance_ticks == 0 for m in planned(spec(burst), targets)[1])
+
+    least = next(burst for burst in range(1000) if fits(burst))
+    motion = Motion(spec(1.1 * least))
+    motion.set_position([0.0, 0.0, 0.0, 0.0])
+    for target in targets:
+        motion.push(target, 300.0, "print")
+    if how == "dwell":
+        motion.push(targets[-1], 300.0, "dwell", duration_s=least)
+    else:
+        motion.flush()
+        motion.wait_until(motion.clock + least * HZ)
+    for target in targets:
+        motion.push([a + b for a, b in zip(targets[-1], target, strict=True)], 300.0, "print")
+    motion.flush()
+    assert all(m.tolerance_ticks == 0 for m in motion.take_moves())

@@ -6,7 +6,8 @@ from math import cos, pi, radians, sin
 
 import pytest
 
-from passo._core import Motion
+from passo._core import Job, Motion
+from passo.config import load
 
 from .machines import aprinter, axis, cartesian, stepper
 
@@ -172,11 +173,15 @@ def test_of_a_time_and_a_feed_rate_the_slower_counts_and_m220_scales_both(feed, 
     assert motion.take_moves()[0].cruise_speed == pytest.approx(speed)
 
 
-def test_the_rate_of_its_steps_bounds_an_extruder():
+@pytest.mark.parametrize(
+    ("key", "value", "rate"), [("max_rate_hz", 955, 955), ("pulse_s", 5e-4, 1000)]
+)
+def test_the_rate_of_its_steps_bounds_an_extruder(key, value, rate):
+    """Either its own, or that of two pulses a step."""
     spec = cartesian()
-    spec["steppers"][3]["max_rate_hz"] = 955.0
+    spec["steppers"][3][key] = value
     moves, _ = planned(spec, [{"target": [0, 0, 0, -20], "kind": "extrude"}])
-    assert moves[0].cruise_speed == pytest.approx(10.0)
+    assert moves[0].cruise_speed == pytest.approx(rate / 95.5)
 
 
 def test_by_cornering_distance_nothing_passes_from_an_extruder_to_another():
@@ -187,3 +192,35 @@ def test_by_cornering_distance_nothing_passes_from_an_extruder_to_another():
     ways = [{"target": [50, 0, 0, 0], "extruder": 0}, {"target": [100, 0, 0, 0], "extruder": 1}]
     moves, _ = planned(spec, ways)
     assert moves[0].end_speed == moves[1].start_cap == 0
+
+
+def test_the_highest_speed_of_the_path_is_none_of_filament_alone():
+    ways = [{"target": [20, 0, 0, 0]}, {"target": [20, 0, 0, 20], "kind": "extrude"}]
+    moves, _ = planned(cartesian(speed=50.0), ways, 80.0)
+    assert [m.cruise_speed for m in moves] == pytest.approx([50.0, 80.0])
+
+
+@pytest.mark.parametrize(("x", "length"), [(0.0019, 20.0), (0.0021, 0.0021)])
+def test_next_to_much_filament_a_hair_is_no_path(x, length):
+    """A ten thousandth of it."""
+    moves, _ = planned(cartesian(), [{"target": [x, 0, 0, 20]}])
+    assert moves[0].length == pytest.approx(length)
+
+
+def test_filament_of_two_extruders_is_a_corner():
+    spec = cartesian()
+    spec["extruders"].append(spec["extruders"][0] | {"name": "e1"})
+    spec["tools"].append({"extruder": 1, "offset": [0.0, 0.0, 0.0]})
+    spec["steppers"].append(stepper("e1", "extruder", 1, 95.5))
+    ways = [{"target": [0, 0, 0, 20], "kind": "extrude", "extruder": i} for i in (0, 1)]
+    moves, _ = planned(spec, ways)
+    assert [m.length for m in moves] == [20, 20]
+    assert moves[0].end_speed == moves[1].start_cap == 0
+
+
+def test_a_limit_of_an_axis_is_never_more_than_the_machine_s():
+    job = Job(load("i3").core_spec())
+    most = job.axis_limit("x", "speed")
+    for share, then in ((10, 1), (0.5, 0.5), (2, 1)):
+        job.set_axis_limit("x", "speed", share * most)
+        assert job.axis_limit("x", "speed") == then * most

@@ -219,3 +219,15 @@ def test_heights_that_make_no_grid_are_refused(name):
     motion.push([1.0, 0.0, 0.0, 0.0], 10.0)
     motion.flush()
     assert motion.counts() == [80, 0, 0, 0]
+
+
+@pytest.mark.parametrize("x", [-30.0, -15.5, 40.0])
+@pytest.mark.parametrize("y", [-35.0, -11.25, 30.0])
+def test_beyond_the_grid_its_edge_goes_on_level(x, y):
+    motion = Motion(cartesian())
+    motion.set_position([0.0, 0.0, 1.0, 0.0])
+    motion.set_height_map(FIRST, SPACING, HEIGHTS)
+    motion.push([x, y, 1.0, 0.0], 200.0)
+    motion.flush()
+    (z,) = {move.end_mm[2] for move in motion.take_moves()}
+    assert motion.counts()[2] == floor((z + float(height(x, y))) * 400 + 0.5)

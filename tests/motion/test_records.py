@@ -3,7 +3,7 @@
 from math import inf
 
 import pytest
-from tests.motion.machines import cartesian
+from tests.motion.machines import cartesian, nonlinear
 from tests.oracles import motion as oracle
 
 from passo._core import Motion
@@ -69,3 +69,19 @@ def test_records_are_a_part_of_what_the_link_takes():
         motion.flush()
         seconds.append(motion.clock / oracle.HZ)
     assert 2.0 <= seconds[1] - seconds[0] < 2.4
+
+
+def test_what_comes_before_a_move_in_parts_is_done_once():
+    spec, _ = nonlinear("delta")
+    motion = Motion(spec, True)
+    motion.set_position([-40, 0, 50, 0])
+    motion.push([-40, 0, 49, 0], 300.0)
+    motion.record(2, 7)
+    motion.push([40, 10, 49, 0], 300.0)
+    motion.record(2, 8)
+    motion.flush()
+    moves = motion.take_moves()
+    (begin,) = (m.start_ticks for m in moves if m.start_mm[:3] == (-40, 0, 49))
+    assert moves[-1].start_ticks > begin
+    pins = [(round(begin), 7), (round(motion.clock), 8)]
+    assert oracle.pins(motion.take_messages()) == pins

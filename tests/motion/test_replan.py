@@ -132,6 +132,7 @@ def test_what_a_plan_adds_up_to_is_counted_once(cuts, factor):
         assert seconds == pytest.approx(job.clock / oracle.HZ)
     for motor in job.steppers():
         assert motor["net"] == motor["expected_net"] == motor["count"]
+    assert job.steppers()[0]["steps"] == 150 * 80
 
 
 def test_the_new_limit_holds_after_braking():
@@ -263,6 +264,73 @@ def test_a_record_behind_a_stop_keeps_its_place_when_the_move_before_it_is_cut()
     motion.flush()
     starts = [round(m.start_ticks) for m in motion.take_moves()]
     assert oracle.pins(motion.take_messages()) == [(starts[1], 7), (starts[2], 8)]
+
+
+def test_a_record_at_a_stop_comes_before_what_is_queued_when_the_way_there_is_cut():
+    motion = Motion(cartesian(), True)
+    motion.push([10, 0, 0, 0], 50.0)
+    motion.flush()
+    motion.record(2, 7)
+    motion.push([20, 0, 0, 0], 50.0)
+    motion.replan_from(0.1 * oracle.HZ)
+    motion.flush()
+    start = round(motion.take_moves()[-1].start_ticks)
+    assert oracle.pins(motion.take_messages()) == [(start, 7)]
+
+
+def test_a_move_in_the_midst_of_which_the_machine_stops_is_one_with_its_records_once():
+    motion = Motion(cartesian(), True)
+    motion.push([10, 0, 0, 0], 50.0)
+    motion.record(2, 7)
+    motion.push([100, 0, 0, 0], 50.0)
+    motion.record(2, 8)
+    motion.flush()
+    motion.take_moves()
+    motion.hold_from(0.204 * oracle.HZ)  # 0.217 mm before the end of the first
+    motion.release()
+    motion.flush()
+    moves = motion.take_moves()
+    assert [round(m.end_mm[0], 3) for m in moves[:3]] == [10.0, 10.2, 100.0]
+    pins = oracle.pins(motion.take_messages())
+    assert pins == [(round(moves[1].start_ticks), 7), (round(moves[2].end_ticks), 8)]
+
+
+def test_a_move_that_is_held_counts_once():
+    job = Job(load("i3").core_spec())
+    job.feed(b"G1 X10 F3000\nG1 X100\n")
+    assert job.advance() == JobStatus.NEED_INPUT
+    job.flush()
+    job.hold_from(0.202 * oracle.HZ)  # in the first, and stops in the second
+    job.release()
+    job.flush()
+    assert job.statistics()["moves"] == 2
+
+
+def test_moves_behind_those_that_were_held_have_the_rules_of_now():
+    motion = Motion(cartesian(), True)
+    motion.push([100, 0, 0, 0], 10.0)
+    motion.flush()
+    motion.hold_from(oracle.HZ)
+    motion.set_speed_factor(2.0, live=False)
+    motion.release()
+    motion.push([200, 0, 0, 0], 10.0)
+    motion.flush()
+    assert [m.cruise_speed for m in motion.take_moves()[-2:]] == pytest.approx([10.0, 20.0])
+
+
+def test_the_line_under_way_is_that_of_the_new_plan():
+    job = Job(load("i3").core_spec())
+    assert job.line_at(0) == 0
+    job.feed(b"G1 X50 F600\n" + b"".join(b"G1 X%d\n" % x for x in range(60, 150, 10)))
+    assert job.advance() == JobStatus.NEED_INPUT
+    job.flush()
+    for second, factor in ((1, 0.5), (2, 2.0)):
+        job.set_speed_factor(factor, live=True)
+        job.replan_from(second * oracle.HZ)
+        job.flush()
+    # At 15 mm after 2 s, and at 50 mm after another 1.75 s; then 20 mm/s.
+    assert [job.line_at(t * oracle.HZ) for t in (1.0, 3.0)] == [1, 1]
+    assert [job.line_at((4 + 0.5 * k) * oracle.HZ) for k in range(9)] == list(range(2, 11))
 
 
 @pytest.mark.parametrize("dwells_first", [True, False])

@@ -118,3 +118,20 @@ def test_a_new_height_of_the_bed_moves_no_motor():
     motion.flush()
     assert motion.take_moves()[-1].start_mm[2] == 4.0
     assert motion.counts()[2] == 2400
+
+
+def test_a_twisted_bed_bends_the_way_of_carriages_too():
+    """Next to its curve above a flat bed, by twice the twist of 2e-3/mm times the half that a
+    diagonal has of both; half of a carriage's acceleration at most goes to that."""
+    bends = []
+    for height in (0.0, 1e-3):
+        spec, _ = nonlinear("delta")
+        for row in spec["steppers"][:3]:
+            row |= {"speed": 1e4, "accel": 10.0}
+        motion = Motion(spec, False)
+        motion.set_position([0, 0, 20, 0])
+        motion.set_height_map((0, 0), (1, 1), [[0, height], [height, 0]])
+        motion.push([0.5, 0.5, 20, 0], 300.0)
+        motion.flush()
+        bends.append(5.0 / motion.take_moves()[0].speed_cap ** 2)
+    assert bends[1] - bends[0] == pytest.approx(2e-3, rel=0.02)

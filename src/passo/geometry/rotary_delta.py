@@ -64,8 +64,8 @@ class RotaryDelta(GeometryModel):
                 f"arm {name} and its rod reach from {abs(self.arm_length - rod):.3f} to"
                 f" {self.arm_length + rod:.3f} mm there, not {reach:.3f} mm"
             )
-        angle = atan2(z, y) - acos(side / full) + pi
-        return degrees(angle - 2 * pi if angle > pi else angle + 2 * pi if angle <= -pi else angle)
+        angle = atan2(z, y) - acos(side / full) + pi  # from -pi on
+        return degrees(angle - 2 * pi if angle > pi else angle)
 
     def forward(self, actuators: Point) -> Point:
         """The lower point at rod length from the elbows, moved inward by the effector's size."""
