@@ -221,9 +221,10 @@ void bind_link(nb::module_& m) {
            "stands until go_on().")
       .def_prop_ro("told", &held<&Link::told>,
                    "The board has all commands; answers at once have come, or are lost.")
-      .def_prop_ro("unheard_since", &held<&Link::unheard_since>,
-                   "Host ticks at which the first of what the board has not acknowledged was sent; "
-                   "far in the future if it has acknowledged all.")
+      .def(
+          "unheard_s", &held<&Link::unheard_s, Ticks>, "clock"_a,
+          "Seconds since the first of what the board has not acknowledged was sent, when its clock "
+          "reads `clock`; 0 if it has acknowledged all.")
       .def_prop_ro("delivered", &held<&Link::delivered>,
                    "Everything of the job so far is at the board.")
       .def("go_on", &held<&Link::go_on>)

@@ -198,9 +198,12 @@ class Link {
   bool told() const {
     return now_queue_.empty() && !holds_command_ && window_.acked() > last_command_;
   }
-  // Host time at which the first of what the board has not acknowledged was sent; kNever if it has
-  // acknowledged all.
-  Ticks unheard_since() const { return window_.idle() ? kNever : window_.sent_at(window_.acked()); }
+  // Seconds since the first of what the board has not acknowledged was sent, when its clock reads
+  // `clock`; 0 if it has acknowledged all.
+  double unheard_s(Ticks clock) const {
+    if (window_.idle()) return 0;
+    return double(sync_.host_at(clock) - window_.sent_at(window_.acked())) / hz_;
+  }
   // Everything of the job so far is at the board. Where motion comes in commits, the board has said
   // so of the one behind which the machine stands.
   bool delivered() const {

@@ -582,10 +582,9 @@ class Link:
     def told(self) -> bool:
         """The board has all commands; answers at once have come, or are lost."""
 
-    @property
-    def unheard_since(self) -> int:
+    def unheard_s(self, clock: int) -> float:
         """
-        Host ticks at which the first of what the board has not acknowledged was sent; far in the future if it has acknowledged all.
+        Seconds since the first of what the board has not acknowledged was sent, when its clock reads `clock`; 0 if it has acknowledged all.
         """
 
     @property

@@ -217,7 +217,8 @@ def test_slots_come_back():
     assert host.tell("get_config")[0][1]["is_shutdown"] == 0
 
 
-def test_a_heater_is_kept_for_its_time_and_then_off():
+def heating() -> tuple[Host, int]:
+    """With a heater that is kept for two seconds, its sensor watched; and its pin, traced."""
     host = Host()
     host.tell(
         f"query_analog_in oid=4 clock={host.board.clock(1000)} sample_ticks=1000 sample_count=1"
@@ -226,6 +227,11 @@ def test_a_heater_is_kept_for_its_time_and_then_off():
     heater = host.board.dictionary.enumerations["pin"]["PB4"]
     host.board.device.trace_edges(heater)
     host.tell("survive_output oid=7 value=1 seconds=2")
+    return host, heater
+
+
+def test_a_heater_is_kept_for_its_time_and_then_off():
+    host, heater = heating()
     on = host.board.now + 1000
     host.tell(f"queue_digital_out oid=7 clock={on & 0xFFFFFFFF} on_ticks=1")
     host.board.wait(40_000_000)
@@ -234,14 +240,7 @@ def test_a_heater_is_kept_for_its_time_and_then_off():
 
 
 def test_each_time_that_the_host_is_gone_it_is_kept_for_its_whole_time():
-    host = Host()
-    host.tell(
-        f"query_analog_in oid=4 clock={host.board.clock(1000)} sample_ticks=1000 sample_count=1"
-        " rest_ticks=100000 bytes_per_report=2 min_value=0 max_value=1023 range_check_count=4"
-    )
-    heater = host.board.dictionary.enumerations["pin"]["PB4"]
-    host.board.device.trace_edges(heater)
-    host.tell("survive_output oid=7 value=1 seconds=2")
+    host, heater = heating()
     first = host.board.now + 1000
     again = first + 20_000_000
     host.tell(f"queue_digital_out oid=7 clock={first & 0xFFFFFFFF} on_ticks=1")

@@ -1,6 +1,7 @@
 """Each print from the card is a row of the history."""
 
 import sqlite3
+from pathlib import Path
 
 import pytest
 from tests.console.scenario import Scenario
@@ -64,6 +65,14 @@ def test_a_history_of_an_older_kind_is_taken_over(tmp_path):
         assert history.last(1) == [("new.g", "failed", 30.0, "late")]
         assert history.last(9)[-1] == ("old.g", "done", 60.0, "")
         history.close()
+
+
+def test_a_history_that_cannot_be_used_is_closed(tmp_path):
+    (tmp_path / "history.sqlite").write_bytes(b"no history " * 100)
+    with pytest.raises(sqlite3.DatabaseError):
+        History(tmp_path)
+    opened = [link.readlink() for link in Path("/proc/self/fd").iterdir() if link.is_symlink()]
+    assert not [path for path in opened if path.is_relative_to(tmp_path)]
 
 
 def test_without_a_directory_there_is_no_history():

@@ -218,9 +218,8 @@ def test_messages_do_not_depend_on_when_they_are_taken():
     assert pieces + motion.take_messages() == whole
 
 
-@pytest.mark.parametrize("settled", [True, False])
-def test_a_cut_gives_back_what_is_planned_anew(settled):
-    """The slots have room for these moves once, with a tenth to spare."""
+def with_room_for_once():
+    """Slots for these moves once, with a tenth to spare, of which one a second becomes free."""
     targets = list(wander(0.05, 60, 0.3, 2))
 
     def spec(burst):
@@ -230,7 +229,12 @@ def test_a_cut_gives_back_what_is_planned_anew(settled):
         return all(m.tolerance_ticks == 0 for m in planned(spec(burst), targets)[1])
 
     least = next(burst for burst in range(1000) if fits(burst))
-    motion = Motion(spec(1.1 * least))
+    return Motion(spec(1.1 * least)), targets, least
+
+
+@pytest.mark.parametrize("settled", [True, False])
+def test_a_cut_gives_back_what_is_planned_anew(settled):
+    motion, targets, _ = with_room_for_once()
     for target in targets:
         motion.push(target, 300.0, "print")
     if settled:
@@ -245,17 +249,7 @@ def test_a_cut_gives_back_what_is_planned_anew(settled):
 
 @pytest.mark.parametrize("how", ["dwell", "wait"])
 def test_while_the_machine_stands_the_slots_become_free(how):
-    """By one a second; the moves fill them once."""
-    targets = list(wander(0.05, 60, 0.3, 2))
-
-    def spec(burst):
-        return machine(20_000.0, budget=budget(commands_s=1.0, burst=burst))
-
-    def fits(burst):
-        return all(m.tolerance_ticks == 0 for m in planned(spec(burst), targets)[1])
-
-    least = next(burst for burst in range(1000) if fits(burst))
-    motion = Motion(spec(1.1 * least))
+    motion, targets, least = with_room_for_once()
     motion.set_position([0.0, 0.0, 0.0, 0.0])
     for target in targets:
         motion.push(target, 300.0, "print")

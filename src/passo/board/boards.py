@@ -85,8 +85,9 @@ class Boards:
 
     @property
     def unheard_s(self) -> float:
-        """The longest `unheard_s` of a board."""
-        return max(connection.unheard_s for connection in self.connections)
+        """For how long the first of what a board has not acknowledged has been on its way, seconds;
+        the longest of all boards, 0 if they have acknowledged all."""
+        return max(c.link.unheard_s(c.board_clock) for c in self.connections)
 
     def use_commits(self, horizon_s: float) -> None:
         """As `Connection.use_commits`, on all boards."""

@@ -207,13 +207,6 @@ class Connection:
         return self.link.shut_down or any(state["is_shutdown"] for _, state in answers)
 
     @property
-    def unheard_s(self) -> float:
-        """For how long the first of what the board has not acknowledged has been on its way,
-        seconds; less than 0 if it has acknowledged all."""
-        now = self.link.host_at(self.board_clock)
-        return (now - self.link.unheard_since) / self.wire.hz
-
-    @property
     def lost(self) -> bool:
         """The board cannot be heard any more: it is silent, or its port is closed."""
         try:

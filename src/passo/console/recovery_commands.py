@@ -22,7 +22,7 @@ EVERY_S = 1.0  # of print time between two records
 Z_MM = 0.02  # and earlier where Z is kept, if it has gone so far: a tenth of a usual layer
 _NO_WAY_MM = 1e-5
 # What a board was sent so long ago it had 125 ms to do it; who knows whether it has what follows.
-UNHEARD_S = 0.1
+_UNHEARD_S = 0.1
 
 
 class RecoveryCommands:
@@ -102,13 +102,19 @@ class RecoveryCommands:
             reader.seek(read)
 
     def _time_passed(self) -> None:
+        printer, active = self._printer, self._runner.active
+        waits = None if active else self._interrupted
+        if not (waits or (active and self._journal.open)) or printer.homer.active:
+            return
+        if printer.connection.unheard_s > _UNHEARD_S:
+            return
+        if waits is not None:
+            self._keep_z(*waits)
+        else:
+            self._follow_print()
+
+    def _follow_print(self) -> None:
         printer = self._printer
-        if printer.homer.active or printer.connection.unheard_s > UNHEARD_S:
-            return
-        if self._interrupted is not None and not self._runner.active:
-            self._keep_z(*self._interrupted)
-        if not self._journal.open or not self._runner.active:
-            return
         drive = printer.drive
         line = printer.job.line_at(drive.now)  # asked often: it forgets what is past
         before, self._seen_z_mm = self._seen_z_mm, self._z()

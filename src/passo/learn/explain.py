@@ -192,7 +192,7 @@ def _runs(job: Print, begin: float, end: float) -> list[_Run]:
     for connection in job.connection.connections:
         commands = connection.dictionary.commands
         number = next(i for i, text in commands if text.startswith("queue_step "))
-        margin = connection.board.clock_hz // 1000
+        margin = connection.board.clock_hz // 1000  # 1 ms: more than clocks are known wrong by
         for oid, stepper in enumerate(connection.board.steppers):
             name = stepper.name
             early = job.board.own_clock(name, job.base + int(begin)) - margin
