@@ -72,6 +72,7 @@ CATALOGUE: Mapping[str, Entry] = {
     "config.value": _config("{key} is {value!r}: expected {limit}", "Correct the value"),
     "config.conflict": _config("{key} is {value!r}: expected {limit}", "Change or remove it"),
     "input.unreadable": _input("file", "cannot be read: {value}", "Check the path and permissions"),
+    "input.pipe": _input("file", "can be read only once, and not again", "Save it to a file first"),
     "input.empty": _input("file", "holds no command", "Slice the model again"),
     "input.no-known-command": _input(
         "file", "holds no command that is known", "Give a sliced file, not a model or a text"

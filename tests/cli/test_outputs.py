@@ -182,6 +182,19 @@ def test_explain_of_lines_without_a_move(short, capsys):
     assert "there is no line 99: the file has 5" in capsys.readouterr().err
 
 
+def test_explain_needs_a_file_that_it_can_read_again(capsys):
+    read, write = os.pipe()
+    os.write(write, b"G28\nG1 X10\n")
+    os.close(write)
+    assert main(["explain", f"/dev/fd/{read}:2"]) == 4
+    os.close(read)
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert (
+        err == f"/dev/fd/{read}: can be read only once, and not again. Save it to a file first.\n"
+    )
+
+
 def explained(capsys, path, line, *words):
     assert main(["explain", f"{path}:{line}", *words]) == 0
     return capsys.readouterr().out

@@ -122,6 +122,18 @@ def test_bad_input_is_one_sentence(capsys, tmp_path, name):
     assert sentence in err
 
 
+def test_a_print_that_failed_tells_its_warnings_and_its_cost(capsys, tmp_path):
+    path = tmp_path / "p.gcode"
+    path.write_text("G28\nM9999\nG1 X10 F3000\nM9999\nG1 X300\n")
+    assert main(["print", str(path), "--json"]) == 4
+    result = json.loads(capsys.readouterr().out)
+    assert result["warnings"] == [f"{path}:2: M9999 is unknown and was skipped (2 times)"]
+    assert list(result["cpu_s"]) == ["parse", "plan", "steps", "compress", "wire", "board", "total"]
+    assert result["cpu_s"]["total"] > 0
+    assert result["peak_rss_mb"] > 10
+    assert len(result["errors"]) == 1
+
+
 @pytest.mark.parametrize("command", ["print", "estimate"])
 def test_with_json_every_failure_is_an_object(capsys, tmp_path, command):
     assert main([command, "x.gcode", "--machine", "nothing", "--json"]) == 3

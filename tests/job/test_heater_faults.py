@@ -7,6 +7,7 @@ import pytest
 from passo import config
 from passo.errors import MachineError
 from passo.job.printing import Print
+from passo.job.result import PrintResult
 
 JOB = "M140 S60\nM109 S200\nG28\nG1 X20 F3000\nM190 S60\nG1 X40\nG4 S60\nG1 X20\n"
 
@@ -28,8 +29,11 @@ def job(tmp_path):
 def test_a_print_ends_with_its_heater(job, on_fault):
     printing = prepared(on_fault)
     printing.board.force_heater("bed", 0.0)
+    result = PrintResult("job", "i3")
     with pytest.raises(MachineError, match="does not behave as its model") as error:
-        printing.run(job)
+        printing.run(job, result=result)
+    assert result.warnings == []  # the error says it
+    assert result.cpu_s["total"] > 0
     assert error.value.problems[0].code == "heat.model-deviation"
     assert error.value.status == 5
     assert {heater.target for heater in printing.connection.heaters.values()} == {0.0}

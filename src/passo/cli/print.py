@@ -30,21 +30,22 @@ def run(arguments: argparse.Namespace) -> int:
     from passo.job.result import PrintResult
 
     pace = Pace(arguments.clock)
-    failed = PrintResult(file=arguments.file, machine=arguments.machine)
+    result = PrintResult(file=arguments.file, machine=arguments.machine)
     try:
         machine = config.load(arguments.machine)
-        failed.machine = machine.name
+        result.machine = machine.name
         with ProgressBar(quiet=arguments.json) as bar:
 
             def show(at: Progress) -> None:
                 pace.keep(at.print_s)
                 bar.show(at)
 
-            result = Print(machine, policy_of(arguments), show, pace.every_s).run(arguments.file)
+            job = Print(machine, policy_of(arguments), show, pace.every_s)
+            job.run(arguments.file, result=result)
     except PassoError as error:
         if arguments.json:
-            failed.errors = [str(problem) for problem in error.problems]
-            print(json.dumps(failed.as_dict()))
+            result.errors = [str(problem) for problem in error.problems]
+            print(json.dumps(result.as_dict()))
         raise
     for line in result.warnings + result.errors:
         print(line, file=sys.stderr)

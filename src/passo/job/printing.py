@@ -120,10 +120,24 @@ class Print:
             self.job.wait_until(ready)
             self._heat_s += (self.job.clock - start) / self._hz
 
-    def run(self, path: str | os.PathLike[str], end: int | None = None) -> PrintResult:
+    def run(
+        self,
+        path: str | os.PathLike[str],
+        end: int | None = None,
+        result: PrintResult | None = None,
+    ) -> PrintResult:
         """Prints the file to its end, or up to this line, which is left out. Raises InputError, or
-        MachineError, also for M112 and M410, which end a print as soon as they are read."""
-        result = PrintResult(file=str(path), machine=self._machine.name)
+        MachineError, also for M112 and M410, which end a print as soon as they are read; a `result`
+        that was given has the warnings and the cost of such a print, too."""
+        result = result or PrintResult(file=str(path), machine=self._machine.name)
+        try:
+            self._print(path, end)
+            self._fill(result)
+        finally:
+            self._fill_cost(result, str(path))
+        return result
+
+    def _print(self, path: str | os.PathLike[str], end: int | None) -> None:
         self.base = self.connection.start_job(self.job)
         warm = heated(self.job, self.wait_for)
 
@@ -145,8 +159,6 @@ class Print:
         self._apply_marks(float("inf"))
         kick_s = max((fan.kick_start_s for fan in self._machine.fans.values()), default=0.0)
         self._run(self.connection.now + round((_LEAD_S + kick_s) * self._hz))
-        self._fill(result, str(path))
-        return result
 
     def _run_to(self, job_clock: float) -> None:
         """Lets the board work up to a clock of the job; heaters are set at their marks."""
@@ -188,9 +200,12 @@ class Print:
         late = not heater.reached and heater.celsius < heater.target
         return heater.target > 0 and late and heater.fault is None
 
+    def _goes_on_without(self, name: str) -> bool:
+        return self._machine.heaters[name].on_fault == "heater"
+
     def _heater_failed(self, name: str, fault: HeaterFault) -> None:
         """A print goes on without a heater only if the machine file says so."""
-        if self._machine.heaters[name].on_fault == "heater":
+        if self._goes_on_without(name):
             return
         if self._machine.heaters[name].on_fault == "machine":
             self.connection.emergency_stop()
@@ -207,7 +222,7 @@ class Print:
             "machine.slow-heater", axis=name, value=heater.celsius, limit=heater.target
         )
 
-    def _fill(self, result: PrintResult, name: str) -> None:
+    def _fill(self, result: PrintResult) -> None:
         machine, job = self._machine, self.job
         links = [connection.link for connection in self.connection.connections]
         spec = machine.core_spec()
@@ -221,16 +236,20 @@ class Print:
         result.queue_step_commands = sum(link.queue_steps for link in links)
         result.wire_bytes = sum(link.wire_bytes for link in links)
         result.stream_hash = "-".join(f"{link.stream_hash:016x}" for link in links)
-        result.warnings = self._commands.warnings(name)
-        result.warnings += [str(fault) for fault in self.connection.faults]
         result.errors = [
             f"stepper {s}: the board made {result.final_steps[s]} net steps, expected {wanted}"
             for s, wanted in result.net_steps_expected.items()
             if result.final_steps[s] != wanted
         ]
+
+    def _fill_cost(self, result: PrintResult, name: str) -> None:
+        result.warnings = self._commands.warnings(name)
+        result.warnings += [
+            str(f) for f in self.connection.faults if self._goes_on_without(f.heater)
+        ]
         wire = self.connection.main.wire
         board = self._wire_cpu_s * (wire.device_share if isinstance(wire, _core.Pump) else 0.0)
-        result.cpu_s = job.cpu() | {
+        result.cpu_s = self.job.cpu() | {
             "wire": self._wire_cpu_s - board,
             "board": board,
             "total": cpu_s(),

@@ -119,6 +119,8 @@ def _printed(
 def _line(path: str | os.PathLike[str], line: int) -> str:
     number = 0
     with open_source(path) as source:
+        if not source.seekable():
+            raise InputError.of("input.pipe", str(path))
         for number, raw in enumerate(lines(source), 1):
             if number == line:
                 return raw.decode("utf-8", "replace").strip()
