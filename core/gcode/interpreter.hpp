@@ -327,6 +327,7 @@ class Interpreter {
 
  private:
   static constexpr double kPi = 3.141592653589793;
+  static constexpr double kNowhere = 1e-9;                         // mm: no way but a rounding
   static constexpr double kLeastRetract = 0.1, kMostRetract = 10;  // mm, of M209
   static constexpr size_t kLongestName = 100;                      // bytes, of a command
   static constexpr double kThinnest = 0.1, kThickest = 10;         // mm, of filament
@@ -540,7 +541,8 @@ class Interpreter {
       if (j == kE) {
         double delta = absolute ? v - logical_e_ : v;
         logical_e_ = absolute ? v : logical_e_ + v;
-        move_.target[kE] = position_[kE] + filament_[active_].length(delta, e_scale());
+        if (std::fabs(delta) > kNowhere)
+          move_.target[kE] = position_[kE] + filament_[active_].length(delta, e_scale());
         continue;
       }
       double t = !absolute ? meant(j) + v : machine_zero_ ? v : v + origin_[j];
@@ -561,7 +563,7 @@ class Interpreter {
         hop = std::clamp(high_[j] - t, 0.0, hop_);
         t += hop;
       }
-      move_.target[j] = t;
+      if (std::fabs(t - position_[j]) > kNowhere) move_.target[j] = t;
     }
     if (moved & locked_) {
       logical_e_ = e_before;

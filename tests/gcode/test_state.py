@@ -68,6 +68,25 @@ def test_kinds_of_moves():
     assert [m.kind for m in out.moves] == ["travel", "print", "extrude", "travel"]
 
 
+@pytest.mark.parametrize(
+    ("line", "kind"),
+    [
+        ("G1 X1 E5", "extrude"),
+        ("G1 Y1 E-5", "extrude"),
+        ("G1 Z6 E5", "extrude"),
+        ("M82\nG1 X9 E1", "travel"),
+        ("M82\nG1 X1 E1", None),
+    ],
+)
+@pytest.mark.parametrize("hop", ["", "M207 Z.7\nG10\n"])
+def test_a_rounding_is_no_move(line, kind, hop):
+    """Ten tenths are not 1: the difference made a print of a retraction."""
+    steps = 10 * "G1 X.1 Y.1 Z.1 E.1\n"
+    out = run(f"{hop}G1 Z5 F600\nG91\nM83\n{steps}G90\n{line}\n", "unbounded")
+    behind = [move.kind for move in out.moves if move.line > 14 + hop.count("\n")]
+    assert behind == ([kind] if kind else [])
+
+
 def test_firmware_retraction():
     out = run("M207 S2 F1200 Z.4\nG1 X10 E5\nG10\nG10\nG1 X20\nG11\nG11\nG1 X30 E6\n")
     assert out.ends == [
