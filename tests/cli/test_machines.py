@@ -1,6 +1,7 @@
 """`passo machines`, `passo check`, and what the passo command does with wrong words."""
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -117,6 +118,16 @@ def test_help_names_every_command(capsys: pytest.CaptureFixture[str]) -> None:
     out = capsys.readouterr().out
     for command in COMMANDS:
         assert f"\n    {command} " in out or f"\n    {command}\n" in out
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_option_says_what_it_is(capsys: pytest.CaptureFixture[str], command: str) -> None:
+    assert main([command, "--help"]) == 0
+    out = capsys.readouterr().out
+    sentence = " ".join(out.split("\n\n")[1].split())
+    assert sentence[1:] == f"{COMMANDS[command][1:]}."  # TCP and Passo stay what they are
+    # What stands alone in its row is told of in the next one, deep to the right.
+    assert re.findall(r"^  -(?!.*\S {2,}\S).*\n(?! {10})", out, re.MULTILINE) == []
 
 
 def test_help_imports_nothing_heavy() -> None:

@@ -313,13 +313,6 @@ def test_a_clock_keeps_to_what_a_computer_can_wait(capsys, words, limit, scale):
     assert f"'{scale}' is not {limit}" in capsys.readouterr().err
 
 
-def test_help_imports_nothing_heavy():
-    code = "import sys, passo.cli.main as m; m.main(['--help']); print(sorted(sys.modules))"
-    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert "pydantic" not in out.stdout
-    assert "passo._core" not in out.stdout
-
-
 def test_an_unsafe_temperature_is_a_warning_and_heats_nothing(tmp_path, capsys):
     path = tmp_path / "hot.gcode"
     path.write_text("G28\nM104 S999\nG1 X10 F3000\n")

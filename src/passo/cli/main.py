@@ -42,8 +42,9 @@ def _parser(name: str | None) -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"passo {passo.__version__}")
     subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     for command, summary in COMMANDS.items():
+        sentence = f"{summary[0].upper()}{summary[1:]}."
         subparser = subparsers.add_parser(
-            command, help=summary, description=summary.capitalize() + ".", allow_abbrev=False
+            command, help=summary, description=sentence, allow_abbrev=False
         )
         if command == name:
             importlib.import_module(f"passo.cli.{command}").add_arguments(subparser)

@@ -14,7 +14,12 @@ from passo.errors import ExitStatus, InputError
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declares the options of `passo report`."""
     parser.add_argument("file", help="the G-code file")
-    parser.add_argument("--output", default="report.html", metavar="report.html")
+    parser.add_argument(
+        "--output",
+        default="report.html",
+        metavar="PAGE.html",
+        help="the page to write; default: report.html",
+    )
     add_machine(parser)
     add_policy(parser)
 

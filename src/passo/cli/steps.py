@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from contextlib import suppress
+from typing import Any
 
 from passo.cli.machine_option import add_machine, add_policy, policy_of
 from passo.errors import ExitStatus, InputError
@@ -15,8 +16,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("file", help="the G-code file")
     parser.add_argument("--output", required=True, metavar="OUT.npz|OUT.vcd", help="file to write")
     add_machine(parser)
-    parser.add_argument("--from", dest="from_s", type=_seconds, default=0.0, metavar="S")
-    parser.add_argument("--to", dest="to_s", type=_seconds, default=None, metavar="S")
+    times: dict[str, Any] = {"type": _seconds, "metavar": "S"}
+    parser.add_argument(
+        "--from",
+        dest="from_s",
+        default=0.0,
+        help="only steps from this print time on, in s",
+        **times,
+    )
+    parser.add_argument(
+        "--to", dest="to_s", help="only steps before this print time, in s", **times
+    )
     parser.add_argument("--ideal", action="store_true", help="add the ideal times, in seconds")
     add_policy(parser)
 
