@@ -393,6 +393,13 @@ def test_report_is_one_page(short, tmp_path):
     assert '"steps' not in text.partition("const data")[0]
 
 
+def reported(path, page, *words):
+    """The figures behind a report's pictures."""
+    assert main(["report", str(path), "--output", str(page), *words]) == 0
+    text = page.read_text(encoding="utf-8").partition("const data = ")[2]
+    return json.JSONDecoder().raw_decode(text)[0]
+
+
 @pytest.mark.parametrize(
     "machine", ["i3", "corexy", "delta", "rotary-delta", "scara", "dual-extruder"]
 )
@@ -409,11 +416,9 @@ G1 E-20
         program += f"T1\nG92 E0\nG1 X{x} Y{y} E30\n"
     path, page, steps = (tmp_path / name for name in ("a.gcode", "a.html", "a.npz"))
     path.write_text(program)
-    assert main(["report", str(path), "--machine", machine, "--output", str(page)]) == 0
+    rates = reported(path, page, "--machine", machine)["rates"]
     words = ["--machine", machine, "--ideal", "--output", str(steps)]
     assert main(["steps", str(path), *words]) == 0
-    text = page.read_text(encoding="utf-8").partition("const data = ")[2]
-    rates = json.JSONDecoder().raw_decode(text)[0]["rates"]
     executed = np.load(steps)
     assert set(rates) == {k.removesuffix("_ideal_s") for k in executed if k.endswith("_ideal_s")}
     for name, shown in rates.items():
@@ -424,13 +429,35 @@ G1 E-20
         assert 0.98 * fastest <= max(shown) <= 1.05 * fastest
 
 
+def test_report_tells_what_the_print_time_is_made_of(tmp_path):
+    path = tmp_path / "a.gcode"
+    path.write_text("G28\nM109 S60\nG4 S70\nG1 X100 F600\n")
+    told = dict(reported(path, tmp_path / "a.html")["summary"])
+    parts = [float(told[name].removesuffix(" s")) for name in ("Moving", "Heating", "Waiting")]
+    assert parts[2] == 70
+    minutes, seconds = re.fullmatch(r"0 h (\d+) min (\d+) s", told["Print time"]).groups()
+    assert sum(parts) == pytest.approx(60 * int(minutes) + int(seconds), abs=1)
+
+
+def test_report_has_speeds_in_mm_where_the_path_is_measured_in_steps(tmp_path):
+    law = 'junction = "deviation"'
+    machine = tmp_path / "m.toml"
+    machine.write_text(config.shipped_text("i3").replace(law, 'junction = "cornering_distance"'))
+    path, page = tmp_path / "a.gcode", tmp_path / "a.html"
+    path.write_text("G28\nM204 T1000\nG1 X30 Y40 F3000\nG1 X60 Y80 E1\nG1 E-4 F600\n")
+    data = reported(path, page, "--machine", str(machine))
+    assert [p[5] for p in data["paths"]] == [50, 50]
+    assert max(data["speed"]) == 50
+    assert max(data["accel"]) == 5000  # of the retraction
+    assert data["accel"][0] == 1000
+    assert data["speed"][-1] == 10
+
+
 def test_report_shows_temperatures_within_long_moves(tmp_path):
     """A hotend that is on for ten seconds only, before a move of forty."""
     path, page = tmp_path / "a.gcode", tmp_path / "a.html"
     path.write_text("M104 S200\nG1 X100 F600\nM104 S0\nG1 X0 F300\nG1 X100\n")
-    assert main(["report", str(path), "--output", str(page)]) == 0
-    text = page.read_text(encoding="utf-8").partition("const data = ")[2]
-    rows = json.JSONDecoder().raw_decode(text)[0]["celsius"]["hotend"]
+    rows = reported(path, page)["celsius"]["hotend"]
     seconds, celsius = zip(*rows, strict=True)
     assert np.diff([0, *seconds, 50]).max() <= 1
     assert celsius[0] == pytest.approx(25, abs=1)

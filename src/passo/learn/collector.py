@@ -48,9 +48,15 @@ def of_actuator(geometry: _core.Geometry, actuator: int, steps_per_unit: float) 
     return density
 
 
+def way_mm(move: _core.Move) -> float:
+    """How far a move goes, in mm also where its path is measured in steps."""
+    ways = [abs(end - start) for start, end in zip(move.start_mm, move.end_mm, strict=True)]
+    return math.hypot(*ways[:3]) or max(ways)
+
+
 @dataclass(slots=True)
 class Bucket:
-    """One column of the charts: the largest values within it."""
+    """One column of the charts: the largest values within it, mm/s, mm/s² and steps/s."""
 
     speed: float = 0.0
     accel: float = 0.0
@@ -70,7 +76,7 @@ class Collector:
         self.buckets: list[Bucket] = []
         self.celsius: dict[str, list[tuple[float, float]]] = {}  # (s, °C) of each heater
         self._reading_s = 0.5  # from one to the next
-        # (layer, x0, y0, x1, y1, speed, prints)
+        # (layer, x0, y0, x1, y1, mm/s, prints)
         self.paths: list[tuple[int, float, float, float, float, float, bool]] = []
 
     def take(self, moves: list[_core.Move]) -> None:
@@ -83,7 +89,8 @@ class Collector:
             if self._count % self._every == 0:
                 a, b = move.start_mm, move.end_mm
                 prints = move.kind == "print"
-                self.paths.append((move.layer, a[0], a[1], b[0], b[1], move.cruise_speed, prints))
+                speed = move.cruise_speed * way_mm(move) / move.length
+                self.paths.append((move.layer, a[0], a[1], b[0], b[1], speed, prints))
                 if len(self.paths) > _MOST_PATHS:
                     self.paths = self.paths[::2]
                     self._every *= 2
@@ -109,10 +116,12 @@ class Collector:
             self.buckets.append(Bucket())
         if move.kind == "dwell":
             return
-        accel = max(abs(move.acceleration), move.deceleration)
+        unit = way_mm(move) / move.length
+        speed = move.cruise_speed * unit
+        accel = max(abs(move.acceleration), move.deceleration) * unit
         rates = {name: of(move) * move.cruise_speed for name, of in self._motors.items()}
         for bucket in self.buckets[first : last + 1]:
-            bucket.speed = max(bucket.speed, move.cruise_speed)
+            bucket.speed = max(bucket.speed, speed)
             bucket.accel = max(bucket.accel, accel)
             for name, rate in rates.items():
                 bucket.rates[name] = max(bucket.rates.get(name, 0.0), rate)

@@ -97,6 +97,7 @@ def _summary(result: PrintResult) -> list[tuple[str, str]]:
         ("Print time", f"{minutes // 60} h {minutes % 60:02} min {seconds:02} s"),
         ("Moving", f"{result.move_time_s:.0f} s"),
         ("Heating", f"{result.heat_time_s:.0f} s"),
+        ("Waiting", f"{result.dwell_time_s:.0f} s"),
         ("Layers", f"{result.layers}"),
         ("Moves", f"{result.moves:,}"),
         ("Filament", ", ".join(f"{n} {mm:.1f} mm" for n, mm in result.filament_mm.items())),
