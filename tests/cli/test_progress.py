@@ -78,6 +78,18 @@ def test_a_short_file_is_read_at_once_and_printed_slowly(tmp_path):
     assert seen[-1].share == 1
 
 
+def test_the_time_left_has_no_share_of_the_heating(tmp_path):
+    """A hundred strokes, of which as many a second are done."""
+    path, seen = tmp_path / "a.gcode", []
+    path.write_text("M109 S200\nG28\n" + "G1 X10 F600\nG1 X0\n" * 50)
+    result = Print(config.load("i3"), None, seen.append, 1.0).run(path)
+    assert result.heat_time_s > 0.4 * result.move_time_s
+    assert seen[0].left_s is None
+    told = [(at.left_s, result.print_time_s - at.print_s) for at in seen if at.share > 0.1]
+    assert len(told) > 80
+    assert [left for left, _ in told] == pytest.approx([true for _, true in told], abs=10)
+
+
 def test_a_pipe_sees_no_bar(command):
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     assert done.stderr == ""

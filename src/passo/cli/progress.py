@@ -53,7 +53,7 @@ class ProgressBar:
         """Updates the bar."""
         if not self._bar:
             return
-        left = at.print_s * (1 - at.share) / at.share if at.share > 0.01 else None
+        left = at.left_s
         self._bar.update(
             self._task,
             completed=at.share,

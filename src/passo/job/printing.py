@@ -27,6 +27,7 @@ _LEAD_S = 0.25  # what is planned after a wait starts this much later
 _HORIZON_S = 0.2  # the board is sent commands less than this before they are due
 _SLICE_S = 0.5  # temperatures are looked at this often while waiting
 _PATIENCE_S = 3600.0  # a heater that takes longer is broken
+_TOO_EARLY = 0.01  # share of a file that tells nothing yet of the rest
 _STOPS = {"M112": "machine.emergency-stop", "M410": "machine.stopped"}
 
 
@@ -40,12 +41,22 @@ class Policy:
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """Where a print is: share of the file read, layer, print time, temperatures."""
+    """Where a print is: share of the file done, layer, print time and what of it went into heating,
+    temperatures."""
 
     share: float
     layer: int
     print_s: float
+    heat_s: float
     celsius: dict[str, float]
+
+    @property
+    def left_s(self) -> float | None:
+        """Print time left if the rest of the file takes as long as what was done, which does not
+        heat again; None at the beginning."""
+        if self.share <= _TOO_EARLY:
+            return None
+        return (self.print_s - self.heat_s) * (1 - self.share) / self.share
 
 
 class Print:
@@ -192,6 +203,7 @@ class Print:
             share + (to_share - share) * part,
             layer + int((to_layer - layer) * part),
             max(clock, 0) / self._hz,
+            self._heat_s,
             celsius,
         )
 
