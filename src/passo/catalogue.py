@@ -97,7 +97,8 @@ CATALOGUE: Mapping[str, Entry] = {
     ),
     "input.actuator": _input(
         "geometry",
-        "motor {axis} would go to {value:.{decimals}f}, beyond its limit of {limit:.{decimals}f}",
+        "motor {axis} would go to {value:.{decimals}f}{unit}, beyond its limit of"
+        " {limit:.{decimals}f}{unit}",
         "Move the model on the bed, or choose the right machine",
     ),
     "input.too-long": _input(

@@ -60,4 +60,4 @@ def test_the_arms_must_reach_the_switch_of_an_axis():
 def test_with_switches_the_arms_are_where_these_are():
     with Scenario(config.load_text(changed("scara", x_offset="9000.0"))) as s:
         s.host.ok("G28 A B", 60)
-        assert "beyond its limit of -60" in s.host.ok("G1 X10 Y10 F600")[0]
+        assert "beyond its limit of -60.000 degrees. " in s.host.ok("G1 X10 Y10 F600")[0]

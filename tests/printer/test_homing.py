@@ -437,4 +437,4 @@ def test_from_home_a_delta_reaches_what_lies_a_part_of_a_step_beyond():
         s.host.ok("M400")
         assert s.printer.job.machine_position[:3] == pytest.approx([40, 0, 160])
         s.host.ok("G28", 60)
-        assert "beyond its limit of 318.000" in s.host.ok("G1 X40 Y0 Z160.5 F6000")[0]
+        assert "beyond its limit of 318.000 mm. " in s.host.ok("G1 X40 Y0 Z160.5 F6000")[0]

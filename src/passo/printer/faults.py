@@ -22,7 +22,8 @@ def problem(error: Error, path: str, geometry: GeometryModel) -> Problem:
     if fault == faults.OUT_OF_RANGE:
         return Problem("input.out-of-range", path, line, _beyond(word.upper(), value, limit))
     if fault == faults.ACTUATOR:
-        return Problem("input.actuator", path, line, _beyond(word, value, limit))
+        unit = " degrees" if word in geometry.rotary else " mm"
+        return Problem("input.actuator", path, line, _beyond(word, value, limit) | {"unit": unit})
     if fault == faults.TOO_LONG:
         return Problem("input.too-long", path, line, {"axis": word, "value": value, "limit": limit})
     if fault == faults.TOO_SLOW:
