@@ -120,20 +120,34 @@ def test_vcd_has_the_same_edges(short, tmp_path):
     waves, arrays = tmp_path / "steps.vcd", tmp_path / "steps.npz"
     assert main(["steps", short, "--output", str(waves)]) == 0
     assert main(["steps", short, "--output", str(arrays)]) == 0
-    names, rises = {}, {}
-    now = 0
+    names, levels, begun, edges = {}, {}, [], {}
+    times = []
     with waves.open("rb") as source:
         for token in vcd.reader.tokenize(source):
             kind = token.kind.name
             if kind == "VAR":
                 names[token.var.id_code] = token.var.reference
             elif kind == "CHANGE_TIME":
-                now = token.time_change
-            elif kind == "CHANGE_SCALAR" and token.scalar_change.value == "1":
-                rises.setdefault(names[token.scalar_change.id_code], []).append(now)
+                times.append(token.time_change)
+            elif kind == "CHANGE_SCALAR":
+                name, value = names[token.scalar_change.id_code], token.scalar_change.value
+                levels[name] = value
+                if times == [0] and len(begun) < len(names):
+                    begun.append((name, value))
+                    continue
+                # At each edge of a step: which one, when, and which way the motor turns.
+                motor, _, wire = name.rpartition("_")
+                if wire == "step":
+                    edges.setdefault(motor, []).append((value, times[-1], levels[f"{motor}_dir"]))
+    assert begun == [(name, "0") for name in names.values()]
+    assert times == sorted(set(times))
     data = np.load(arrays)
     for name in "xyze":
-        assert rises[f"{name}_step"] == [int(t) * 625 for t in data[f"{name}_ticks"]]
+        rises = [int(t) * 625 for t in data[f"{name}_ticks"]]
+        ways = ["1" if way > 0 else "0" for way in data[f"{name}_dir"]]
+        assert edges[name][::2] == list(zip("1" * len(rises), rises, ways, strict=True))
+        falls = [(value, time) for value, time, _ in edges[name][1::2]]
+        assert falls == [("0", time + 16 * 625) for time in rises]  # 1 µs
 
 
 @pytest.mark.parametrize(
@@ -170,6 +184,9 @@ def test_explain(short, capsys):
     assert ":4: G1 X0 Y0" in out
     assert "Planned: a travel move of 11.180 mm" in out
     assert "starts at 1.02 mm/s, reaches 50.00 (at most 50.00), ends at 7.71" in out
+    # v² = u² + 2 a s, on both ramps
+    assert "speeds up over 0.416 mm in 16.33 ms, cruises 10.357 mm in 207.14 ms, slows" in out
+    assert "slows down over 0.407 mm in 14.10 ms" in out
     assert "speed is bound by: feedrate; acceleration 3000 mm/s²" in out
     assert "  x: 800, the first at" in out
     assert "queue_step oid=0 interval=" in out
@@ -429,14 +446,56 @@ G1 E-20
         assert 0.98 * fastest <= max(shown) <= 1.05 * fastest
 
 
+def test_report_shows_the_step_rate_of_a_further_axis(tmp_path):
+    shipped = config.shipped_text("i3")
+    machine = tmp_path / "m.toml"
+    machine.write_text(
+        f"""{shipped}
+[axes.u]
+max_mm = 60
+speed_mm_s = 20
+accel_mm_s2 = 200
+[steppers.u]
+steps_per_mm = 100
+socket = "E1"
+"""
+    )
+    path = tmp_path / "a.gcode"
+    path.write_text("G28\nG1 U30 F600\n")
+    rates = reported(path, tmp_path / "a.html", "--machine", str(machine))["rates"]
+    assert {name: max(rate) for name, rate in rates.items()} == {
+        "x": 0,
+        "y": 0,
+        "z": 0,
+        "e": 0,
+        "u": 1000,
+    }
+
+
 def test_report_tells_what_the_print_time_is_made_of(tmp_path):
     path = tmp_path / "a.gcode"
-    path.write_text("G28\nM109 S60\nG4 S70\nG1 X100 F600\n")
+    path.write_text("G28\nM109 S60\nG4 S3670\nG1 X100 F600\n")
     told = dict(reported(path, tmp_path / "a.html")["summary"])
     parts = [float(told[name].removesuffix(" s")) for name in ("Moving", "Heating", "Waiting")]
-    assert parts[2] == 70
-    minutes, seconds = re.fullmatch(r"0 h (\d+) min (\d+) s", told["Print time"]).groups()
-    assert sum(parts) == pytest.approx(60 * int(minutes) + int(seconds), abs=1)
+    assert parts[2] == 3670
+    hours, minutes, seconds = re.fullmatch(
+        r"(\d) h (\d\d) min (\d\d) s", told["Print time"]
+    ).groups()
+    total = 3600 * int(hours) + 60 * int(minutes) + int(seconds)
+    assert sum(parts) == pytest.approx(total, abs=1)
+
+
+def test_a_report_of_long_moves_has_them_where_they_are(tmp_path):
+    """The columns over time are joined while such a move is drawn, too."""
+    path = tmp_path / "a.gcode"
+    path.write_text("G28\nG4 S500\nG1 Z200 F12\nG4 S300\nG1 Z100 F60\n")
+    data = reported(path, tmp_path / "a.html")
+    speeds, width = data["speed"], data["bucket_s"]
+    # Bounds of the changes, s: it stands, goes, stands, goes.
+    changes = [i * width for i in range(1, len(speeds)) if speeds[i] != speeds[i - 1]]
+    assert changes == pytest.approx([500, 1500, 1800], abs=2 * width)
+    assert [speeds[round(at / width)] for at in (100, 1000, 1650, 1850)] == [0, 0.2, 0, 1]
+    assert len(speeds) * width == pytest.approx(1900, abs=2 * width)
 
 
 def test_report_has_speeds_in_mm_where_the_path_is_measured_in_steps(tmp_path):

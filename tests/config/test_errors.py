@@ -203,6 +203,7 @@ def test_a_problem_reads_as_a_sentence() -> None:
             "a whole number",
         ),
         ('base = "ramps"', 'base = "ramps"\nclock_hz = nan', "board.clock_hz", "a whole number"),
+        ("max_mm = 250.0", "max_mm = 0.0", "axes.x.max_mm", "more than min_mm, which is 0"),
     ],
 )
 def test_one_wrong_place(i3_text: str, old: str, new: str, key: str, expected: str) -> None:

@@ -47,7 +47,7 @@ def check_fans(data: Raw) -> Iterator[Finding]:
     for name, fan in tables(data, "fans"):
         path = ("fans", name)
         least, most = number(fan, "min_power"), number(fan, "max_power")
-        if least is not None and least > (1.0 if most is None else most):
+        if least is not None and most is not None and least > most:
             yield Finding("config.value", (*path, "min_power"), least, "at most max_power")
         heater = fan.get("follows")
         if isinstance(heater, str) and heater not in heaters:

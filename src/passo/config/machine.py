@@ -103,10 +103,7 @@ class MachineConfig(Model):
         if not self.axes_of_arms:
             x, y, z = (self._home_of(name) for name in "xyz")
             return x, y, z
-        a, b, c = (
-            self.homing[name].position if name in self.homing else self._home_of(name)
-            for name in self.geometry.actuators
-        )
+        a, b, c = (self._home_of(name) for name in self.geometry.actuators)
         return self.geometry.forward((a, b, c))
 
     @property
@@ -116,12 +113,12 @@ class MachineConfig(Model):
         point = (round(mm, 9) + 0.0 for mm in self.home_point)  # no -0
         return dict(zip("xyz", point, strict=True)) | further
 
-    def _home_of(self, axis: str) -> float:
-        """At its switch; without one where the file says."""
-        if axis in self.homing:
-            return self.homing[axis].position
-        given = self.axes[axis].home_mm
-        return self.axes[axis].min_mm if given is None else given
+    def _home_of(self, name: str) -> float:
+        """Of an axis or an arm: at its switch; without one where the file says."""
+        if name in self.homing:
+            return self.homing[name].position
+        given = self.axes[name].home_mm
+        return self.axes[name].min_mm if given is None else given
 
     @property
     def drivable(self) -> Drivable:

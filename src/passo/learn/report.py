@@ -13,6 +13,7 @@ from passo import _core
 from passo.job.atomic import replaced
 from passo.job.printing import Policy, Print
 from passo.learn.collector import Collector, Density, of_actuator, of_axis
+from passo.printer.slots import slot_of_axis
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -54,7 +55,7 @@ def _motors(machine: MachineConfig) -> dict[str, Density]:
         if row["drive"] == "extruder":
             motors[row["name"]] = of_axis(3, steps, index)
         elif row["drive"] == "axis":
-            motors[row["name"]] = of_axis(index if index < 3 else index + 1, steps)
+            motors[row["name"]] = of_axis(slot_of_axis(index), steps)
         else:
             motors[row["name"]] = of_actuator(geometry, index, steps)
     return motors
