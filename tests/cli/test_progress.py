@@ -11,6 +11,7 @@ from itertools import pairwise
 import pytest
 
 from passo import config
+from passo.cli.clock import Pace
 from passo.job.printing import Print
 
 PROGRAM = "M109 S50\nG28\n;LAYER:0\nG1 X50 F6000\n;LAYER:1\nG1 X90 Z1 E1\n;LAYER:2\nG1 X20 E3\n"
@@ -51,6 +52,26 @@ def _read(terminal: int) -> bytes:
         return os.read(terminal, 4096)
     except OSError:  # nobody has the other end any more
         return b""
+
+
+def test_a_clock_of_its_own_is_waited_for(monkeypatch):
+    now, slept = [100.0], []
+
+    def sleep(seconds):
+        slept.append(seconds)
+        now[0] += seconds
+
+    monkeypatch.setattr("passo.cli.clock.time.monotonic", lambda: now[0])
+    monkeypatch.setattr("passo.cli.clock.time.sleep", sleep)
+    pace = Pace(2.0)
+    now[0] += 0.5
+    pace.keep(3.0)
+    pace.keep(3.0)
+    pace.keep(4.0)
+    now[0] += 60
+    pace.keep(5.0)  # it is late, and does not wait
+    Pace(None).keep(1e9)
+    assert slept == [1.0, 0.5]
 
 
 def test_a_slow_clock_shows_no_bursts(unpacked):

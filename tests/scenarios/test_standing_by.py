@@ -101,6 +101,19 @@ def test_home_offsets_move_the_home_position(s):
     assert s.positions()["x"] == pytest.approx(10, abs=0.02)
 
 
+def test_motors_go_off_after_ten_minutes_and_heaters_after_half_an_hour(s):
+    for line in ("M140 S40", "G1 X1 Y1 F6000", "M400"):
+        s.host.ok(line)
+    s.passes(590)
+    assert [s.board.output_value(f"{motor}-enable") for motor in "xy"] == [0, 0]
+    s.passes(15)
+    assert [s.board.output_value(f"{motor}-enable") for motor in "xy"] == [1, 1]
+    s.passes(1185)
+    assert s.printer.connection.heaters["bed"].target == 40
+    s.passes(15)
+    assert s.printer.connection.heaters["bed"].target == 0
+
+
 def test_only_the_named_motors_go_off(s):
     s.host.ok("G1 X1 Y1 F6000")
     s.host.ok("M18 X")
