@@ -111,6 +111,17 @@ def test_the_time_left_has_no_share_of_the_heating(tmp_path):
     assert [left for left, _ in told] == pytest.approx([true for _, true in told], abs=10)
 
 
+def test_nobody_knows_what_share_of_a_pipe_is_done():
+    read, write = os.pipe()
+    os.write(write, b"G1 X10 F600\nG1 X20\n")
+    os.close(write)
+    seen = []
+    Print(config.load("i3"), None, seen.append, 0.5).run(f"/dev/fd/{read}")
+    os.close(read)
+    assert {(at.share, at.left_s) for at in seen} == {(0.0, None)}
+    assert seen[-1].print_s > 2
+
+
 def test_a_pipe_sees_no_bar(command):
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     assert done.stderr == ""
