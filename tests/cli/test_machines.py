@@ -125,7 +125,8 @@ def test_every_option_says_what_it_is(capsys: pytest.CaptureFixture[str], comman
     assert main([command, "--help"]) == 0
     out = capsys.readouterr().out
     sentence = " ".join(out.split("\n\n")[1].split())
-    assert sentence[1:] == f"{COMMANDS[command][1:]}."  # TCP and Passo stay what they are
+    told = COMMANDS[command]
+    assert sentence == f"{told[0].upper()}{told[1:]}."  # TCP and Passo stay what they are
     # What stands alone in its row is told of in the next one, deep to the right.
     assert re.findall(r"^  -(?!.*\S {2,}\S).*\n(?! {10})", out, re.MULTILINE) == []
 
