@@ -12,6 +12,7 @@ import pytest
 
 from passo import config
 from passo.cli.clock import Pace
+from passo.cli.tables import duration
 from passo.job.printing import Print
 
 PROGRAM = "M109 S50\nG28\n;LAYER:0\nG1 X50 F6000\n;LAYER:1\nG1 X90 Z1 E1\n;LAYER:2\nG1 X20 E3\n"
@@ -109,6 +110,22 @@ def test_the_time_left_has_no_share_of_the_heating(tmp_path):
     told = [(at.left_s, result.print_time_s - at.print_s) for at in seen if at.share > 0.1]
     assert len(told) > 80
     assert [left for left, _ in told] == pytest.approx([true for _, true in told], abs=10)
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"),
+    [
+        (0.0, "0.0 s"),
+        (59.94, "59.9 s"),
+        (59.96, "1 min 00 s"),
+        (60.0, "1 min 00 s"),
+        (3599.4, "59 min 59 s"),
+        (3599.6, "1 h 00 min 00 s"),
+        (90_061.0, "25 h 01 min 01 s"),
+    ],
+)
+def test_durations(seconds, text):
+    assert duration(seconds) == text
 
 
 def test_nobody_knows_what_share_of_a_pipe_is_done():

@@ -23,7 +23,7 @@ def columns(rows: Sequence[Sequence[str]]) -> str:
 
 def duration(seconds: float) -> str:
     """`1 h 02 min 03 s`, without what is zero in front; tenths below a minute."""
-    if seconds < 60:
+    if round(seconds, 1) < 60:
         return f"{seconds:.1f} s"
     minutes, rest = divmod(round(seconds), 60)
     hours, minutes = divmod(minutes, 60)
