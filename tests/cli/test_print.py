@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import io
 import json
 import os
 import re
@@ -14,6 +16,8 @@ import pytest
 from tests.console.scenario import Scenario
 
 from passo.cli.main import main
+from passo.errors import InputError
+from passo.job.source import chunks
 
 FIELDS = [
     "file", "machine", "lines", "moves", "arcs", "print_time_s", "move_time_s", "heat_time_s",
@@ -214,10 +218,29 @@ def test_a_stop_in_a_file_ends_its_print(capsys, tmp_path, line, sentence):
     ]
 
 
-@pytest.mark.parametrize("path", ["missing.gcode", "."])
-def test_unreadable_paths(capsys, path):
+@pytest.mark.parametrize(
+    ("path", "why"),
+    [
+        ("missing.gcode", "No such file or directory"),
+        (".", "Is a directory"),
+    ],
+)
+def test_unreadable_paths(capsys, path, why):
     assert main(["print", path]) == 4
-    assert "cannot be read" in capsys.readouterr().err
+    err = capsys.readouterr().err
+    assert err == f"{path}: cannot be read: {why}. Check the path and permissions.\n"
+
+
+def test_a_file_whose_medium_fails_is_named():
+    class Torn(io.BytesIO):
+        def read(self, size=-1):
+            raise OSError(errno.EIO, "Input/output error")
+
+    with pytest.raises(InputError) as error:
+        list(chunks(Torn(), "a.gcode"))
+    (problem,) = error.value.problems
+    told = "a.gcode: cannot be read: Input/output error. Check the path and permissions."
+    assert str(problem) == told
 
 
 def test_policies(capsys, tmp_path):

@@ -7,6 +7,7 @@ import pty
 import subprocess
 import sys
 from itertools import pairwise
+from math import inf
 
 import pytest
 
@@ -73,6 +74,7 @@ def test_a_clock_of_its_own_is_waited_for(monkeypatch):
     pace.keep(5.0)  # it is late, and does not wait
     Pace(None).keep(1e9)
     assert slept == [1.0, 0.5]
+    assert (pace.every_s, Pace(None).every_s) == (2 * Pace(1.0).every_s, inf)
 
 
 def test_a_slow_clock_shows_no_bursts(unpacked):
