@@ -358,6 +358,28 @@ def test_settings_of_the_file_hold_for_the_rest_of_it(machine, places):
             assert s.positions()[stepper] == pytest.approx(steps[stepper], abs=0.03)
 
 
+@pytest.mark.parametrize("home", ["G28 O", "G28 X O", "G28 B", "M206 X5\nG28 B", "M84 X\nG28 O"])
+def test_homing_in_the_midst_of_a_file_is_read_as_it_was_done(home, places):
+    """Only axes that do not know where they are begin at home, and drop what G92 has set."""
+    text = f"M302 P1\nG28\nG1 X60 Y60 Z5 F6000\nG92 X50 Y70\n{home}\nG91\n"
+    last = text.count("\n")
+    text += "".join(f"G1 X{5 - i % 2 * 7} Y2 F300\n" for i in range(8)) + "G90\nG1 X70 Y70\n"
+    (Path(places["card"]) / "a.g").write_text(text)
+    with Scenario("i3", **places) as s:
+        s.host.ok("M32 a.g")
+        s.host.expect("Done printing", 300)
+        whole = s.positions()
+    with Scenario("i3", **places) as s:
+        s.host.ok("M32 a.g")
+        assert s.until(lambda: s.printer.job.line_at(s.printer.drive.now) >= last + 4, 300)
+        left = s.positions()
+    with Scenario("i3", **places) as s:
+        s.board.place("z", left["z"])
+        s.host.send("M1000")
+        s.host.expect("Done printing", 300)
+        assert s.positions() == pytest.approx(whole | {"e": 5.0}, abs=0.03)  # the priming
+
+
 def test_a_machine_without_switches_goes_on_from_home(tmp_path):
     """Nobody but a person can bring it there, so it says so."""
     (tmp_path / "card").mkdir()

@@ -50,6 +50,7 @@ class Past:
         self.settings: list[str] = []
         self.home_offset_mm = dict(printer.motion.home_offset_mm)
         self.homed_mm = dict(self.home_offset_mm)
+        self._known = set[str]()  # axes that have homed, and have not been off since
         self._set_up()
         self.commands.observer = self._observe
         rest = at_rest(job)
@@ -120,6 +121,9 @@ class Past:
             self.settings.append(f"M92 {command.text}" + (f" T{job.tool}" if own else ""))
         elif command.code == "M302":
             self.settings.append(f"M302 {command.text}")
+        elif command.code in ("M18", "M84") and "S" not in words:
+            motors = self._printer.motors
+            self._known -= motors.axes_lost(motors.named(command.text))
 
     def _home(self, letters: str) -> None:
         job, machine = self.job, self._printer.machine
@@ -128,14 +132,19 @@ class Past:
             job.settle_position()
             return
         job.abandon()
-        if "B" in letters and "b" not in machine.axes:
-            return  # it went back to where it was
-        letters = letters.replace("O", "")
-        names = {n for n in "xyz" if not letters or n.upper() in letters}
+        known = self._printer.homer.axes <= self._known
+        goes_back = "B" in letters and "b" not in machine.axes and known
+        only_lost = "O" in letters and machine.unhomed_moves == "refuse"
+        names = {n for n in "xyz" if n.upper() in letters} or set("xyz")
+        if only_lost:
+            names -= self._known
         if names & set(machine.axes_of_arms):
             names |= set(machine.axes_of_arms)
+        self._known |= names
         offsets = {n: mm for n, mm in self.home_offset_mm.items() if n in names}
         self.homed_mm |= offsets
+        if goes_back:
+            return
         point = machine.home_point
         job.set_axes(
             [(i, point[i] + offsets.get(n, 0.0)) for i, n in enumerate("xyz") if n in names]
