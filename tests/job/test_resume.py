@@ -380,6 +380,59 @@ def test_homing_in_the_midst_of_a_file_is_read_as_it_was_done(home, places):
         assert s.positions() == pytest.approx(whole | {"e": 5.0}, abs=0.03)  # the priming
 
 
+@pytest.mark.parametrize(
+    ("machine", "before"),
+    [
+        ("i3", ("M206 X-5 Y-3", "M92 E120", "M204 P500", "M302 P1")),
+        ("i3", ("M83", "G91", "G1 F1234")),
+        ("i3", ("G20", "M83")),
+        ("i3", ("G28", "G1 X60 Y60 Z5 F6000", "G92 X0 Y10 Z2 E7")),
+        ("dual-extruder", ("G28", "M218 T1 X20 Y1", "T1", "G1 X90 Y60 Z5 F6000", "G92 X50")),
+    ],
+)
+def test_a_print_goes_on_with_what_it_was_begun_with(machine, before, places):
+    """Settings that nobody has stored, modes, a tool and places that its file does not name."""
+    home = "" if "G28" in before else "G28\nG1 X2 Y2 Z0.2\n"
+    text = f"M302 P1\n{home}" + "".join(f"G1 X{i % 2 + 1} E{i / 10} F60\n" for i in range(16))
+    (Path(places["card"]) / "a.g").write_text(text + "M206 Z1\nM500\n")
+
+    def begun(s):
+        for line in (*before, "M32 a.g"):
+            s.host.ok(line, 60)
+
+    def ended(s):
+        s.host.expect("Done printing", 300)
+        job = s.printer.job
+        return job.machine_position[:3], job.program_position, s.host.ok("M503")
+
+    with Scenario(machine, **places) as s:
+        begun(s)
+        whole = ended(s)
+        where = {axis: s.positions()[axis] for axis in "xyz"}
+    (Path(places["state"]) / "settings.json").unlink()
+    with Scenario(machine, **places) as s:
+        begun(s)
+        line = text.count("\n") - 8
+        assert s.until(lambda: s.printer.job.line_at(s.printer.drive.now) >= line, 300)
+        left = s.positions()
+    (Path(places["state"]) / "settings.json").unlink(missing_ok=True)
+    for cut in (True, False):
+        with Scenario(machine, **places) as s:
+            for axis in "xyz":
+                s.board.place(axis, left[axis])
+            s.host.send("M1000")
+            if cut:
+                assert s.until(lambda: s.printer.job.line_at(s.printer.drive.now) >= line + 2, 300)
+                left = s.positions()
+                continue
+            found = ended(s)
+            assert found[0] == pytest.approx(whole[0], abs=1e-6)
+            assert found[1] == pytest.approx(whole[1], abs=1e-6)
+            assert found[2:] == whole[2:]
+            for axis in "xyz":
+                assert s.positions()[axis] == pytest.approx(where[axis], abs=0.03)
+
+
 def test_a_machine_without_switches_goes_on_from_home(tmp_path):
     """Nobody but a person can bring it there, so it says so."""
     (tmp_path / "card").mkdir()

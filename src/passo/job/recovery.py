@@ -41,8 +41,14 @@ class Recovery:
     async def run(self) -> int:
         """Brings the machine to where the print goes on; returns the offset to read from."""
         printer = self._printer
+        for line in self._program.settings:
+            printer.take_setting(line, Silence())
+        if self._moment.line == 0:
+            for line in self._program.modes:
+                printer.take_setting(line, Silence())
+            return 0
         offset = offset_of_line(self._reader, self._moment.line)
-        past = Past(printer, self._reader, offset, self._moment.overrides)
+        past = Past(printer, self._program, self._reader, offset, self._moment.overrides)
         state = past.job
         for axis, mm in self._moment.babysteps_mm.items():
             if not state.shift("xyz".index(axis), mm):
