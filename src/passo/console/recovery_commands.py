@@ -96,9 +96,9 @@ class RecoveryCommands:
         try:
             printer, runner = self._printer, self._runner
             program = Program.of(printer.machine.uuid, runner.path, reader)
-            before = self._program
-            goes_on = before is not None and before == program and runner.offset > 0
-            self._program = program = before if goes_on else program.begun(printer)
+            if self._program is None or self._program != program or runner.offset == 0:
+                self._program = program.begun(printer)
+            program = self._program  # as it was begun, if it goes on
             self._begin_journal(program, self._recorded)
         except CardError as error:
             self._end()  # an older print is over all the same

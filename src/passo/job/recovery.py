@@ -89,9 +89,13 @@ class Recovery:
             await printer.homer.home("")
             return
         known = printer.positions.known
-        if "z" not in known:
-            printer.job.set_axes([(Z, self._moment.z_mm)])
-            known.add("z")
+        offset_mm, was_mm = printer.motion.home_offset_mm["z"], printer.homer.offset_mm
+        z = self._moment.z_mm
+        if "z" in known:  # the program counts from where it has homed itself
+            z = printer.job.machine_position[Z] + offset_mm - was_mm.get("z", offset_mm)
+        printer.job.set_axes([(Z, z)])
+        known.add("z")
+        was_mm["z"] = offset_mm
         z = printer.job.machine_position[Z]
         await self._go({Z: min(z + raise_mm, max(machine.axes["z"].max_mm, z))}, math.inf)
         if not machine.homing:
