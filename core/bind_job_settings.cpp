@@ -95,6 +95,10 @@ void bind_job_settings(nb::class_<JobView>& job) {
             return lengths;
           },
           "mm that M701 pushes in and M702 pulls out, of each extruder.")
+      .def_prop_ro(
+          "modes", [](JobView& self) { return self.job.interpreter.modes(); },
+          "Tool, speed, plane, kinds of positions and units of a program that does not name its "
+          "own: a command a line, the units last.")
       .def_prop_ro("auto_retract",
                    [](JobView& self) { return self.job.interpreter.auto_retract(); })
       .def(

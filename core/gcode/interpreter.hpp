@@ -232,6 +232,14 @@ class Interpreter {
   bool volumetric() const { return volumetric_; }
   const std::vector<double>& diameters() const { return diameter_; }
   bool auto_retract() const { return auto_retract_; }
+  // What a program begins with if it does not say so itself: commands for it, one a line, in mm.
+  std::string modes() const {
+    std::string lines = "G21\n";
+    if (!machine_->tools.empty()) lines += "T" + std::to_string(tool_) + "\n";
+    if (feed_ < kInfinity) lines += "G1 F" + std::to_string(feed_ * 60) + "\n";
+    lines += "G" + std::to_string(plane_) + (absolute_ ? "\nG90\n" : "\nG91\n");
+    return lines + (absolute_e_ ? "M82\n" : "M83\n") + (unit_ == 1 ? "G21" : "G20");
+  }
   static constexpr double kLoadMmS = 6, kUnloadMmS = 20;  // speeds of M701 and M702
   static constexpr double kLongestChange = 5000;          // mm that they move, at most
   struct Change {

@@ -1548,6 +1548,12 @@ class Job:
         """mm that M701 pushes in and M702 pulls out, of each extruder."""
 
     @property
+    def modes(self) -> str:
+        """
+        Tool, speed, plane, kinds of positions and units of a program that does not name its own: a command a line, the units last.
+        """
+
+    @property
     def auto_retract(self) -> bool: ...
 
     def limit(self, name: str) -> float:

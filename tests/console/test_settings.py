@@ -98,6 +98,17 @@ def test_the_machine_files_retraction_comes_back_whole(s):
     assert report(s) == before
 
 
+def test_the_report_leaves_open_what_follows_something_else(s):
+    """Fed back it does not fix how fast G11 is: M207 says, as before."""
+    for line in report(s):
+        s.host.ok(line.removeprefix("echo:"))
+    s.host.ok("M207 F1200")
+    assert s.printer.job.retraction[1:5:3] == (20.0, 0.0)
+    for line in ("M208 F600", "M208 F0"):
+        assert s.host.ok(line) == ["ok"]
+    assert s.printer.job.retraction[4] == 0.0
+
+
 def test_stored_settings_come_back_at_the_next_start(tmp_path):
     with Scenario("i3", state=str(tmp_path)) as s:
         for line in CHANGES:

@@ -358,6 +358,81 @@ def test_settings_of_the_file_hold_for_the_rest_of_it(machine, places):
             assert s.positions()[stepper] == pytest.approx(steps[stepper], abs=0.03)
 
 
+@pytest.mark.parametrize("home", ["G28 O", "G28 X O", "G28 B", "M206 X5\nG28 B", "M84 X\nG28 O"])
+def test_homing_in_the_midst_of_a_file_is_read_as_it_was_done(home, places):
+    """Only axes that do not know where they are begin at home, and drop what G92 has set."""
+    text = f"M302 P1\nG28\nG1 X60 Y60 Z5 F6000\nG92 X50 Y70\n{home}\nG91\n"
+    last = text.count("\n")
+    text += "".join(f"G1 X{5 - i % 2 * 7} Y2 F300\n" for i in range(8)) + "G90\nG1 X70 Y70\n"
+    (Path(places["card"]) / "a.g").write_text(text)
+    with Scenario("i3", **places) as s:
+        s.host.ok("M32 a.g")
+        s.host.expect("Done printing", 300)
+        whole = s.positions()
+    with Scenario("i3", **places) as s:
+        s.host.ok("M32 a.g")
+        assert s.until(lambda: s.printer.job.line_at(s.printer.drive.now) >= last + 4, 300)
+        left = s.positions()
+    with Scenario("i3", **places) as s:
+        s.board.place("z", left["z"])
+        s.host.send("M1000")
+        s.host.expect("Done printing", 300)
+        assert s.positions() == pytest.approx(whole | {"e": 5.0}, abs=0.03)  # the priming
+
+
+@pytest.mark.parametrize(
+    ("machine", "before"),
+    [
+        ("i3", ("M206 X-5 Y-3", "M92 E120", "M204 P500", "M302 P1")),
+        ("i3", ("M83", "G91", "G1 F1234")),
+        ("i3", ("G20", "M83")),
+        ("i3", ("G28", "G1 X60 Y60 Z5 F6000", "G92 X0 Y10 Z2 E7")),
+        ("dual-extruder", ("G28", "M218 T1 X20 Y1", "T1", "G1 X90 Y60 Z5 F6000", "G92 X50")),
+    ],
+)
+def test_a_print_goes_on_with_what_it_was_begun_with(machine, before, places):
+    """Settings that nobody has stored, modes, a tool and places that its file does not name."""
+    home = "" if "G28" in before else "G28\nG1 X2 Y2 Z0.2\n"
+    text = f"M302 P1\n{home}" + "".join(f"G1 X{i % 2 + 1} E{i / 10} F60\n" for i in range(16))
+    (Path(places["card"]) / "a.g").write_text(text + "M206 Z1\nM500\n")
+
+    def begun(s):
+        for line in (*before, "M32 a.g"):
+            s.host.ok(line, 60)
+
+    def ended(s):
+        s.host.expect("Done printing", 300)
+        job = s.printer.job
+        return job.machine_position[:3], job.program_position, s.host.ok("M503")
+
+    with Scenario(machine, **places) as s:
+        begun(s)
+        whole = ended(s)
+        where = {axis: s.positions()[axis] for axis in "xyz"}
+    (Path(places["state"]) / "settings.json").unlink()
+    with Scenario(machine, **places) as s:
+        begun(s)
+        line = text.count("\n") - 8
+        assert s.until(lambda: s.printer.job.line_at(s.printer.drive.now) >= line, 300)
+        left = s.positions()
+    (Path(places["state"]) / "settings.json").unlink(missing_ok=True)
+    for cut in (True, False):
+        with Scenario(machine, **places) as s:
+            for axis in "xyz":
+                s.board.place(axis, left[axis])
+            s.host.send("M1000")
+            if cut:
+                assert s.until(lambda: s.printer.job.line_at(s.printer.drive.now) >= line + 2, 300)
+                left = s.positions()
+                continue
+            found = ended(s)
+            assert found[0] == pytest.approx(whole[0], abs=1e-6)
+            assert found[1] == pytest.approx(whole[1], abs=1e-6)
+            assert found[2:] == whole[2:]
+            for axis in "xyz":
+                assert s.positions()[axis] == pytest.approx(where[axis], abs=0.03)
+
+
 def test_a_machine_without_switches_goes_on_from_home(tmp_path):
     """Nobody but a person can bring it there, so it says so."""
     (tmp_path / "card").mkdir()

@@ -58,6 +58,23 @@ def test_a_machine_that_was_homed_is_where_it_has_homed(places):
         ends_at_its_height(s)
 
 
+@pytest.mark.parametrize("tries", [1, 2])
+def test_a_machine_that_was_homed_without_the_offset_of_its_print(places, tmp_path, tries):
+    """M206 of the print, which it is begun with or has in its file, counts as it did."""
+    text = WALL.replace("G28\n", "G28\nM206 Z0.2\nG28\nM206 Z0.9\n")
+    (tmp_path / "card" / "wall.gcode").write_text(text)
+    left = cut(places)
+    assert left["z"] == pytest.approx(0.6, abs=0.25)
+    with again(places, left) as s:
+        s.host.ok("G28", 100)
+        if tries > 1:
+            tried(s, 3.0)
+        s.host.send("M1000")
+        s.host.expect("echo:Printing wall", 600)
+        s.host.expect("Done printing", 300)
+        assert s.positions()["z"] == pytest.approx(HEIGHT_MM - 0.2, abs=0.01)
+
+
 def test_motors_that_were_off_since_they_homed_tell_nothing_new(places):
     with again(places, cut(places)) as s:
         s.host.ok("G28", 100)

@@ -244,7 +244,7 @@ def test_a_retraction_out_of_range_is_refused(s, tmp_path):
     kept = [x for x in s.host.ok("M503 S0") if x.startswith(("M207", "M208"))]
     assert [x.partition(" R")[0].partition(" W")[0] for x in kept] == [
         "M207 S2 F1200 Z0.4",
-        "M208 S0 F1200",
+        "M208 S0 F0",
     ]
     (tmp_path / "a.g").write_text("G4 P1\nM207 S9000\n")
     with Scenario("i3", card=str(tmp_path)) as other:

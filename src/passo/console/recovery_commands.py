@@ -38,6 +38,7 @@ class RecoveryCommands:
         self._seen_z_mm = 0.0
         self._settlings = 0
         self._interrupted = self._journal.read()
+        self._program: Program | None = None  # that was begun last
         self.instead = ""  # what was not done because of it, to be told with the offer
         self.planned: dict[str, Handler] = {"M1000": self._go_on}
         runner.watchers.append(self._job_changed)
@@ -93,7 +94,11 @@ class RecoveryCommands:
         self._recorded = self._moment(line, self._seen_z_mm)
         read = reader.tell()  # more than was planned of it
         try:
-            program = Program.of(self._printer.machine.uuid, self._runner.path, reader)
+            printer, runner = self._printer, self._runner
+            program = Program.of(printer.machine.uuid, runner.path, reader)
+            if self._program is None or self._program != program or runner.offset == 0:
+                self._program = program.begun(printer)
+            program = self._program  # as it was begun, if it goes on
             self._begin_journal(program, self._recorded)
         except CardError as error:
             self._end()  # an older print is over all the same
@@ -215,9 +220,10 @@ class RecoveryCommands:
         self._files.open(program.path)
         reader = self._runner.reader
         assert reader is not None
+        self._program = program
         try:
             recovery = Recovery(self._printer, program, moment, reader)
-            self._runner.seek(await recovery.run() if moment.line else 0)
+            self._runner.seek(await recovery.run())
         except (PassoError, Stopped):
             self._runner.seek(0)
             for heater in self._printer.heaters:

@@ -319,7 +319,7 @@ TABLE: tuple[Row, ...] = (
         _M,
         _N,
         "S(mm) F W(mm)",
-        "Sets what G11 adds, or leaves out below 0; W: after G10 S1.",
+        "Sets what G11 adds, or leaves out below 0; W: after G10 S1; F0: as fast as M207 says.",
     ),
     Row(
         "M209",

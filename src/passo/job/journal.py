@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import zlib
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
@@ -11,22 +12,32 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, Self, cast
 
 from passo.job.atomic import fsync_directory, replaced
+from passo.printer.slots import slot_of_axis
 
 if TYPE_CHECKING:
     from passo.job.runner import Reader
+    from passo.printer.printer import Printer
 
 _HEAD_BYTES = 1 << 16  # of the file, to know it again
 _LONGEST = 1 << 16  # bytes of a record; nothing that is longer is one
+# Settings that what a program means depends on; heaters, drivers and times are the printer's own.
+_MEANING = re.compile("M(?:92|20[0-9]|218|302|603) ")
 
 
 @dataclass(frozen=True, slots=True)
 class Program:
-    """The file that is printed: its path on the card, and what tells it from another one."""
+    """The file that is printed: its path on the card, and what tells it from another one. Beside
+    that what it was begun with: commands for the printer's `settings`, stored or not, and for its
+    `modes`, and where all axes were, of the machine and, with E, of the program."""
 
     machine: str
     path: str
     size: int
     crc: int
+    settings: list[str] = field(default_factory=list[str], compare=False)
+    modes: list[str] = field(default_factory=list[str], compare=False)
+    machine_mm: list[float] = field(default_factory=list[float], compare=False)
+    program_mm: list[float] = field(default_factory=list[float], compare=False)
 
     @classmethod
     def of(cls, machine: str, path: str, reader: Reader) -> Self:
@@ -38,6 +49,17 @@ class Program:
             crc, left = zlib.crc32(piece, crc), left - len(piece)
         reader.seek(0)
         return cls(machine, path, reader.size, crc)
+
+    def begun(self, printer: Printer) -> Self:
+        """It begins with what the printer has now."""
+        job, axes = printer.job, len(printer.machine.axes)
+        return replace(
+            self,
+            settings=[line for line in printer.settings() if _MEANING.match(line)],
+            modes=job.modes.split("\n"),
+            machine_mm=[job.machine_position[slot_of_axis(i)] for i in range(axes)],
+            program_mm=job.program_position,
+        )
 
 
 @dataclass(frozen=True, slots=True)

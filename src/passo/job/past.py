@@ -6,7 +6,9 @@ from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 from passo import _core
+from passo.config.drives import axis_order
 from passo.errors import InputError
+from passo.job.journal import Program
 from passo.job.overrides import override
 from passo.job.program import Settle, at_rest, read_program
 from passo.job.runner import Reader
@@ -34,13 +36,18 @@ class _Observed(Commands):
 
 class Past:
     """The beginning of a program, `end` bytes of it, read without motion with the settings that the
-    printer has and the overrides of its print: where the machine is then (`job`), and in which
-    state the program. `settings` are commands for what it has set of the printer, other than
-    offsets of axes: `homed_mm` as they were when it homed, `home_offset_mm` those at its end.
-    Raises CardError."""
+    printer has, what else it was begun with, and the overrides of its print: where the machine is
+    then (`job`), and in which state the program. `settings` are commands for what it has set of the
+    printer, other than offsets of axes: `homed_mm` as they were when it homed, `home_offset_mm`
+    those at its end. Raises CardError."""
 
     def __init__(
-        self, printer: Printer, reader: Reader, end: int, overrides: dict[str, tuple[int, float]]
+        self,
+        printer: Printer,
+        program: Program,
+        reader: Reader,
+        end: int,
+        overrides: dict[str, tuple[int, float]],
     ) -> None:
         self._printer, self._reader, self._end = printer, reader, end
         machine = printer.machine
@@ -50,7 +57,8 @@ class Past:
         self.settings: list[str] = []
         self.home_offset_mm = dict(printer.motion.home_offset_mm)
         self.homed_mm = dict(self.home_offset_mm)
-        self._set_up()
+        self._known = set[str]()  # axes that have homed, and have not been off since
+        self._set_up(program)
         self.commands.observer = self._observe
         rest = at_rest(job)
 
@@ -75,14 +83,26 @@ class Past:
             return False
         return True
 
-    def _set_up(self) -> None:
-        """The printer's settings, as far as they concern what a program means."""
+    def _set_up(self, program: Program) -> None:
+        """The printer's settings, as far as they concern what a program means, and what else this
+        one was begun with."""
         job = self.job
         for tool, offset in enumerate(self._printer.job.tool_offsets):
             for axis, mm in enumerate(offset):
                 job.set_tool_offset(tool, axis, mm)
+        letters = [name.upper() for name in axis_order(self._printer.machine.axes)]
+        zero = zip([*letters, "E"], program.program_mm, strict=False)
+        places = [f"G92 {' '.join(letter + numeral(mm) for letter, mm in zero)}"]
+        if not program.program_mm:  # a journal of before
+            places = []
+        self._take(*self._printer.settings(), *program.modes, "G21")
+        job.set_axes(list(enumerate(program.machine_mm)))
+        self._take(*places, *program.modes[-1:])  # again in its own units
+
+    def _take(self, *lines: str) -> None:
+        job = self.job
         job.select(True)
-        for line in self._printer.settings():
+        for line in lines:
             job.feed(line.encode() + b"\n")
             while job.advance() == _core.JobStatus.EVENT:
                 self.commands.run(Command(*job.event))
@@ -120,6 +140,9 @@ class Past:
             self.settings.append(f"M92 {command.text}" + (f" T{job.tool}" if own else ""))
         elif command.code == "M302":
             self.settings.append(f"M302 {command.text}")
+        elif command.code in ("M18", "M84") and "S" not in words:
+            motors = self._printer.motors
+            self._known -= motors.axes_lost(motors.named(command.text))
 
     def _home(self, letters: str) -> None:
         job, machine = self.job, self._printer.machine
@@ -128,14 +151,19 @@ class Past:
             job.settle_position()
             return
         job.abandon()
-        if "B" in letters and "b" not in machine.axes:
-            return  # it went back to where it was
-        letters = letters.replace("O", "")
-        names = {n for n in "xyz" if not letters or n.upper() in letters}
+        known = self._printer.homer.axes <= self._known
+        goes_back = "B" in letters and "b" not in machine.axes and known
+        only_lost = "O" in letters and machine.unhomed_moves == "refuse"
+        names = {n for n in "xyz" if n.upper() in letters} or set("xyz")
+        if only_lost:
+            names -= self._known
         if names & set(machine.axes_of_arms):
             names |= set(machine.axes_of_arms)
+        self._known |= names
         offsets = {n: mm for n, mm in self.home_offset_mm.items() if n in names}
         self.homed_mm |= offsets
+        if goes_back:
+            return
         point = machine.home_point
         job.set_axes(
             [(i, point[i] + offsets.get(n, 0.0)) for i, n in enumerate("xyz") if n in names]

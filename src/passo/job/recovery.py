@@ -41,8 +41,14 @@ class Recovery:
     async def run(self) -> int:
         """Brings the machine to where the print goes on; returns the offset to read from."""
         printer = self._printer
+        for line in self._program.settings:
+            printer.take_setting(line, Silence())
+        if self._moment.line == 0:
+            for line in self._program.modes:
+                printer.take_setting(line, Silence())
+            return 0
         offset = offset_of_line(self._reader, self._moment.line)
-        past = Past(printer, self._reader, offset, self._moment.overrides)
+        past = Past(printer, self._program, self._reader, offset, self._moment.overrides)
         state = past.job
         for axis, mm in self._moment.babysteps_mm.items():
             if not state.shift("xyz".index(axis), mm):
@@ -83,9 +89,13 @@ class Recovery:
             await printer.homer.home("")
             return
         known = printer.positions.known
-        if "z" not in known:
-            printer.job.set_axes([(Z, self._moment.z_mm)])
-            known.add("z")
+        offset_mm, was_mm = printer.motion.home_offset_mm["z"], printer.homer.offset_mm
+        z = self._moment.z_mm
+        if "z" in known:  # the program counts from where it has homed itself
+            z = printer.job.machine_position[Z] + offset_mm - was_mm.get("z", offset_mm)
+        printer.job.set_axes([(Z, z)])
+        known.add("z")
+        was_mm["z"] = offset_mm
         z = printer.job.machine_position[Z]
         await self._go({Z: min(z + raise_mm, max(machine.axes["z"].max_mm, z))}, math.inf)
         if not machine.homing:

@@ -70,6 +70,7 @@ class Homer:
         self._endstops = Endstops(printer.connection)
         self._joints = False
         self.active = False
+        self.offset_mm: dict[str, float] = {}  # of M206, by axis, when it was placed last
 
     @property
     def axes(self) -> set[str]:
@@ -237,7 +238,8 @@ class Homer:
             raise
         found = {way.name: self._at(way.slot) for way in ways if way.name in names}
         found |= point_of_arms(job.machine_position[:3])
-        self._set({n: at + printer.motion.home_offset_mm[n] for n, at in found.items()})
+        self.offset_mm |= {n: printer.motion.home_offset_mm[n] for n in found}
+        self._set({n: at + self.offset_mm[n] for n, at in found.items()})
 
     def _arms_at_home(self, z: float) -> list[float]:
         """The actuators with all arms at home, and Z there where it moves by itself."""

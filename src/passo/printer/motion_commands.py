@@ -243,7 +243,7 @@ class MotionCommands:
         job = self._printer.job
         mm, feed, hop, extra, back, swap, swap_extra = job.retraction
         into = {"S": mm, "F": feed * 60, "Z": hop, "R": extra, "W": swap}
-        out = {"S": extra, "F": (back or feed) * 60, "W": swap_extra}
+        out = {"S": extra, "F": back * 60, "W": swap_extra}
         for code, words in (("M207", into), ("M208", out)):
             yield f"{code} {' '.join(k + numeral(value) for k, value in words.items())}"
         yield f"M209 S{int(job.auto_retract)}"

@@ -58,17 +58,20 @@ class Motors:
         if not on:
             if not set(steppers) <= set(self.named("E")):
                 self._printer.positions.loosen()
-            self._forget_positions(set(steppers))
+            self._printer.lock(self.axes_lost(steppers))
 
     def live(self, name: str) -> bool:
         """Whether the output of a motor is on: while any of the motors that share it is."""
         return any(self._outputs.get(other) == self._outputs.get(name) for other in self.on)
 
-    def _forget_positions(self, steppers: set[str]) -> None:
+    def axes_lost(self, steppers: Sequence[str]) -> set[str]:
+        """The axes with a switch that no longer know where they are when these motors are off."""
+        lost = set[str]()
         for name in self._machine.homing:
-            if steppers & set(steppers_of(self._machine, name)):
+            if set(steppers) & set(steppers_of(self._machine, name)):
                 arm = is_actuator(self._machine, name)
-                self._printer.lock(self._machine.axes_of_arms if arm else [name])
+                lost.update(self._machine.axes_of_arms if arm else [name])
+        return lost
 
     def named(self, text: str) -> list[str]:
         """The motors of the letters in a command: axes, actuators, E; all without letters."""
