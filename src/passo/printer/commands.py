@@ -158,9 +158,16 @@ class Commands:
         return Homing(command.text)
 
     def _set_position(self, command: Command) -> Wait:
-        """Of axes that do not know where they are; the interpreter does the others."""
+        """Of axes that do not know where they are; the interpreter does the others. Raises
+        CommandError where no motors' positions lead."""
         axes = axis_order(self._machine.axes)
-        return self._set_axes({axes.index(k.lower()): v for k, v in command.words().items()})
+        places = {axes.index(k.lower()): v for k, v in command.words().items()}
+        x, y, z = (places.get(i, at) for i, at in enumerate(self._job.machine_position[:E]))
+        try:
+            self._machine.geometry.inverse((x, y, z))
+        except Unreachable as error:
+            raise _nowhere(command, error) from None
+        return self._set_axes(places)
 
     def _set_axes(self, places: dict[int, float]) -> Wait:
         """Once the machine stands: a plan that is under way could not be planned anew."""
@@ -188,9 +195,7 @@ class Commands:
             a, b, c = (known | given).values()
             point = geometry.forward((a, b, c))
         except Unreachable as error:
-            raise CommandError.of(
-                "command.value", axis="G92", value=command.text, limit=str(error)
-            ) from None
+            raise _nowhere(command, error) from None
         ways = 3 if geometry.lifts_together or 2 not in locked else 2
         return self._set_axes(dict(list(enumerate(point))[:ways]))
 
@@ -574,6 +579,11 @@ class Commands:
         "G10": _tool_temperatures,
         "SET_VELOCITY_LIMIT": _velocity_limit,
     }
+
+
+def _nowhere(command: Command, error: Unreachable) -> CommandError:
+    limit = f"a place within reach, but {error}"
+    return CommandError.of("command.value", axis="G92", value=command.text.strip(), limit=limit)
 
 
 def _at_least(word: str, value: float, what: str) -> None:
