@@ -98,6 +98,19 @@ def test_a_home_offset_beyond_the_axis_is_refused(s):
     assert s.host.ok("M206")[0] == "M206 X0 Y-2 Z0"
 
 
+def test_g92_of_an_axis_that_was_not_homed_counts_with_the_tool():
+    with Scenario("dual-extruder") as s:
+        x, y, _ = s.printer.job.tool_offsets[1]
+        assert x != 0
+        s.host.ok("T1")
+        s.host.ok("G92 X50 Y20 Z5")
+        assert position(s) == (50, 20, 5, 0)
+        s.host.ok("G92 X40")  # now it moves the zero
+        assert position(s)[0] == 40
+        s.host.ok("T0")
+        assert position(s) == (40 - x, 20 - y, 5, 0)
+
+
 @pytest.mark.parametrize(
     ("machine", "home_mm", "limit"),
     [("delta", 318.0, 318.0), ("rotary-delta", -30.0, -30.0)],
