@@ -146,3 +146,15 @@ def test_no_home_offset_puts_the_nozzle_where_no_motors_lead():
         assert s.host.ok("M206 X60") == ["ok"]
         assert "a home within reach, but it is 84" in s.host.ok("M206 Y60")[0]
         assert s.host.ok("M206")[0] == "M206 X60 Y0 Z0"
+
+
+def test_no_command_puts_an_axis_far_beyond_itself():
+    """The way back would be 2,500 km, all steps of which are reckoned at once."""
+    with Scenario("i3") as s:
+        assert "Z is 2.54e+06: expected -" in s.host.ok("G92 Z2540000")[0]
+        assert "does not know where it is" in s.host.ok("G1 Z5")[0]
+        length = s.machine.axes["x"].max_mm - s.machine.axes["x"].min_mm
+        assert s.host.ok(f"G92 X{s.machine.axes['x'].max_mm + length}") == ["ok"]
+    with Scenario("corexy") as s:
+        s.host.ok("G92 Z5")
+        assert "X is 500000: expected" in s.host.ok("G92 A1000000 B0")[0]

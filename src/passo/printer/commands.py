@@ -170,7 +170,14 @@ class Commands:
         return self._set_axes(places)
 
     def _set_axes(self, places: dict[int, float]) -> Wait:
-        """Once the machine stands: a plan that is under way could not be planned anew."""
+        """Once the machine stands: a plan that is under way could not be planned anew. Raises
+        CommandError for a place farther beyond an axis than it is long."""
+        names = axis_order(self._machine.axes)
+        for i, mm in places.items():
+            low, high = (axis := self._machine.axes[names[i]]).min_mm, axis.max_mm
+            if not 2 * low - high <= mm <= 2 * high - low:
+                limit = f"{2 * low - high:g} to {2 * high - low:g} mm"
+                raise CommandError.bad_value(names[i].upper(), mm, limit)
         return Still(lambda: self._job.set_axes(list(places.items())))
 
     def _set_actuators(self, command: Command) -> Wait | None:

@@ -32,7 +32,7 @@ from passo.printer.positions import Positions
 from passo.printer.tune_commands import TuneCommands
 from passo.printer.turn import Turn
 from passo.printer.waiting import Waiting
-from passo.printer.waits import Handler, Reply, Silence, Still, Stopped, Temperatures, Wait
+from passo.printer.waits import Handler, Reply, Room, Silence, Still, Stopped, Temperatures, Wait
 from passo.printer.wiring import connect
 from passo.printer.words import Command
 
@@ -582,7 +582,7 @@ class Printer:
                     self.job.abandon()
                     return None
                 else:
-                    return None
+                    return Room() if found == status.FULL else None
         except Exception:
             self.job.abandon()
             raise
