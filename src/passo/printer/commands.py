@@ -27,6 +27,11 @@ if TYPE_CHECKING:
 _OF_FANS = re.compile(r"[UIHLXT]", re.IGNORECASE)  # settings of M106
 _LETTERED = re.compile(r"([TPBC])\s*(\d*)", re.IGNORECASE)
 _AT_ONCE = re.compile(r"\bF", re.IGNORECASE)
+# Of a whole line of a console, which must hold nothing that has to wait for its turn.
+_FORCED = re.compile(
+    r"(?=.*F)(?:\s*(?:[STPR]\s*[-+]?(?:\d+\.?\d*|\.\d+)|S\s*nan\b|F(?!\s*[-+.\d])))*\s*",
+    re.IGNORECASE,
+)
 _BY_INTERPRETER = re.compile(r"([A-Z]-?\d+\.\d{6} )+")  # words of its events
 _BABYSTEP_MM = 2.0  # at most, with one command
 _FLOW = (1.0, 1000.0)  # percent of M221
@@ -40,7 +45,13 @@ _CORNERS = {
 _LEAST = {"speed": (LEAST_SPEED, "mm/s"), "accel": (LEAST_ACCEL, "mm/s²"), "jerk": (0.0, "mm/s")}
 _OF_VELOCITY_LIMIT = {"VELOCITY": "speed", "ACCEL": "accel"}
 _KLIPPERS_CORNER = "SQUARE_CORNER_VELOCITY"
+_MAY_BE_FORCED = ("M104", "M140", "M141", "M106", "M107")
 _KINDS = {"T": "hotend", "P": "hotend", "B": "bed", "C": "chamber"}
+
+
+def forced(command: Command) -> bool:
+    """A console's line that sets a heater or a fan at once (F), whoever moves the machine."""
+    return command.code in _MAY_BE_FORCED and _FORCED.fullmatch(command.text) is not None
 
 
 class FanOrder(NamedTuple):

@@ -13,7 +13,7 @@ from passo.config.drives import axis_order
 from passo.errors import CommandError
 from passo.gcode.dialect import Kind, row_of
 from passo.printer.beeper import Beeper
-from passo.printer.commands import Commands
+from passo.printer.commands import Commands, forced
 from passo.printer.control_commands import ControlCommands
 from passo.printer.drive import MOST_QUEUED, Drive
 from passo.printer.driver_commands import DriverCommands
@@ -389,6 +389,8 @@ class Printer:
         """Carries out a command that acts at once when it comes from there; else False."""
         handler = self.immediate.get(command.code)
         in_order = command.code in self.motion.beside_only and not self.beside(reply)
+        if handler is None and forced(command):
+            handler = self.planned.get(command.code) or self._by_commands
         if handler is None or in_order:
             return False
         self._carried_out(handler, command, reply)
@@ -494,6 +496,9 @@ class Printer:
         for listener in self.command_listeners:
             listener(command, reply)
         return wait
+
+    def _by_commands(self, command: Command, _: Reply) -> Wait | None:
+        return self.commands.run(command)
 
     def run_command(self, command: Command, reply: Reply) -> Wait | None:
         """Carries out a command that the interpreter handed out."""
