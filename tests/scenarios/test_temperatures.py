@@ -50,6 +50,8 @@ def test_m116_waits_for_all_heaters_of_one_line(two):
     two.host.ok("M140 S35 F")
     two.host.ok("M116", 300)
     assert two.printer.connection.heaters["bed"].celsius == pytest.approx(35, abs=2.1)
+    for wrong in ("M116 T-1", "M116 B0 C0", "M116 T0 T2"):
+        assert "there is no" in two.host.ok(wrong)[0]
 
 
 def test_each_tool_keeps_its_own_temperature(two):
