@@ -140,6 +140,16 @@ def test_no_command_puts_the_nozzle_where_no_motors_lead(machine):
         assert "does not know where it is" in s.host.ok("G1 Z5")[0]
 
 
+def test_motors_are_not_said_to_be_where_the_nozzle_must_not_go():
+    with Scenario("delta") as s:
+        s.host.ok("G28", 60)
+        s.host.ok("G1 X10 Z100 F6000")
+        s.host.ok("M400", 60)
+        before = s.host.ok("M114 D")
+        assert "of at most 75.100 mm" in s.host.ok("G92 B0")[0]
+        assert s.host.ok("M114 D") == before
+
+
 def test_no_home_offset_puts_the_nozzle_where_no_motors_lead():
     with Scenario("delta") as s:
         assert "a home within reach, but it is 90" in s.host.ok("M206 X90")[0]

@@ -212,6 +212,7 @@ class Commands:
                 known = dict(zip(geometry.actuators, geometry.inverse((x, y, z)), strict=True))
             a, b, c = (known | given).values()
             point = geometry.forward((a, b, c))
+            geometry.inverse(point)  # a delta's rods meet also where its nozzle must not go
         except Unreachable as error:
             raise _nowhere(command, error) from None
         ways = 3 if geometry.lifts_together or 2 not in locked else 2
