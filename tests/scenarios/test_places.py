@@ -142,11 +142,12 @@ def test_no_command_puts_the_nozzle_where_no_motors_lead(machine):
 
 def test_motors_are_not_said_to_be_where_the_nozzle_must_not_go():
     with Scenario("delta") as s:
-        s.host.ok("G28", 60)
-        s.host.ok("G1 X10 Z100 F6000")
-        s.host.ok("M400", 60)
+        geometry = s.machine.geometry
+        wider = geometry.model_copy(update={"limit_radius": 100.0})
+        a, b, c = wider.inverse((0, 80, 50))
+        assert geometry.forward((a, b, c))[1] == pytest.approx(80)
         before = s.host.ok("M114 D")
-        assert "of at most 75.100 mm" in s.host.ok("G92 B0")[0]
+        assert "of at most 75.100 mm" in s.host.ok(f"G92 A{a} B{b} C{c}")[0]
         assert s.host.ok("M114 D") == before
 
 
