@@ -348,13 +348,13 @@ class Job {
     const Sampling sampling(geometry, from, m.target, mm, n);
     auto reaches = [&](double at) {
       for (int j = 0; j < 3; ++j) p[j] = from[j] + (m.target[j] - from[j]) * at;
-      return reach_point(p, m.line);
+      return reach_point(p, m.line, from);
     };
     for (int i = 1; i <= n; ++i) {
       if (!sampling.before(i, reaches)) return false;
       for (int j = 0; j < 3; ++j)
         p[j] = i == n ? m.target[j] : from[j] + (m.target[j] - from[j]) * i / n;
-      if (!reach_point(p, m.line)) return false;
+      if (!reach_point(p, m.line, from)) return false;
     }
     return !geometry.jumps(from, m.target) || stop_at_jump(from, m);
   }
@@ -369,13 +369,16 @@ class Job {
     error_ = {m.line, Fault::unreachable, "", 0, 0, {p[0], p[1], p[2]}};
     return false;
   }
-  bool reach_point(const double* p, uint32_t line) {
+  // An actuator that is beyond its limit at `from`, as home offsets may put it, may only go back.
+  bool reach_point(const double* p, uint32_t line, const double* from = nullptr) {
     const Machine& machine = motion.machine();
     for (const StepperSpec& s : machine.steppers) {
       if (s.drive != Drive::actuator) continue;
       double q = machine.geometry->inverse(s.index, p);
       double half_step = 0.5 / s.steps_per_unit;  // so far the nearest step may lie beyond
       if (q >= s.min - half_step && q <= s.max + half_step) continue;
+      double start = from == nullptr ? q : machine.geometry->inverse(s.index, from);
+      if (q < s.min ? q > start : q < start) continue;
       bool nowhere = !(std::fabs(q) < 1e12);
       error_ = {line,
                 nowhere ? Fault::unreachable : Fault::actuator,

@@ -343,7 +343,7 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
             logical_e_ = value;
           } else if (locked(j)) {
             if (j == kZ) hop_ = 0;
-            learned += letter + std::to_string(value) + " ";
+            learned += letter + std::to_string(value - (j < 3 ? tool_offset(j) : 0)) + " ";
           } else {
             origin_[j] = meant(j) - value;
           }

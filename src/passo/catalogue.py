@@ -142,6 +142,21 @@ CATALOGUE: Mapping[str, Entry] = {
         "{value!r} is no pair of temperatures from 0 to 400 °C",
         "Write the shown and the true temperature as 200:187",
     ),
+    "input.point-far": _input(
+        "heat",
+        "{value:g} °C is too far from the {key:g} °C that is shown: expected {limit}",
+        "Look at the thermometer, and whether the machine file names the right thermistor",
+    ),
+    "input.point-order": _input(
+        "heat",
+        "{value:g} °C where {key:g} °C is shown is no more than the {limit:g} °C at {before:g} °C",
+        "Measure again, from the lower of the two",
+    ),
+    "input.other-answers": _input(
+        "file",
+        "it begins with {value!r}, not with {limit!r}",
+        "Delete it, or start elsewhere",
+    ),
     "input.missing-tool": _input(
         "printer",
         "tool T{value} does not exist: the machine has {limit} tool(s)",

@@ -1,5 +1,7 @@
 """Waits of lines that end early, hosts that leave while they wait, and lines that break."""
 
+from math import pi
+
 import pytest
 from tests.console.scenario import Host, Scenario
 
@@ -214,3 +216,40 @@ def test_reports_come_ten_times_a_second_at_most(s, command, shown):
     lines = [x for x in s.host.heard[start:] if x.startswith(shown)]
     each = len(s.printer.heaters) if command.startswith("M921") else 1
     assert len(lines) == 20 * each
+
+
+ARC = "G3 X100 Y100 I1 J0 P11000 F60000"  # more than a job has messages for at once
+
+
+def test_a_line_that_no_plan_holds_is_done_to_its_end():
+    with Scenario("i3") as s:
+        s.host.ok("G92 X100 Y100 Z5")
+        s.host.send(ARC, "M104 S100", "M118 after")
+        s.host.silent(60, "^ok|after")
+        assert s.printer.connection.heaters["hotend"].target == 0
+        s.host.expect("^after$", 1300)
+        s.host.ok("M400", 60)
+        assert s.printer.connection.heaters["hotend"].target == 100
+        circles = s.printer.job.statistics()["print_mm"] + s.printer.job.statistics()["travel_mm"]
+        assert circles == pytest.approx(11000 * 2 * pi, rel=2e-3)  # of chords
+
+
+@pytest.mark.parametrize("closes", [False, True])
+def test_a_line_that_no_plan_holds_can_be_stopped(closes):
+    with Scenario("i3") as s:
+        other = Host(s)
+        s.host.ok("G92 X100 Y100 Z5")
+        s.host.send(ARC)
+        s.passes(5)
+        if closes:
+            s.host.session.close()
+            other.send("M108")
+            s.passes(5)  # what moves goes on
+            assert s.printer.turn.taken
+        other.send("M410")
+        s.passes(3)
+        assert not s.printer.turn.taken
+        assert other.ok("G1 X60 F6000", 5) == ["ok"]
+        s.passes(3)
+        assert s.printer.job.program_position[0] == 60
+        assert closes or s.host.heard[-1] in ("ok", "wait")

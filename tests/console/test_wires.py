@@ -57,9 +57,13 @@ async def at_pty(path):
     return Client(reader, lambda data: os.write(fd, data), transport.close)
 
 
-async def at_tcp(console):
+def tcp_address(console):
     host, port = console.place.removeprefix("tcp ").rsplit(":", 1)
-    reader, writer = await asyncio.open_connection(host, int(port))
+    return host, int(port)
+
+
+async def at_tcp(console):
+    reader, writer = await asyncio.open_connection(*tcp_address(console))
     return Client(reader, writer.write, writer.close)
 
 
@@ -280,6 +284,43 @@ def test_a_serial_device_that_was_unplugged_is_opened_when_it_is_back(tmp_path, 
 
 
 # -- TCP ------------------------------------------------------------------------------------------
+
+
+@served
+async def test_a_client_that_only_reads_on_has_its_lines_done(s):
+    """As with `printf … | nc -N`."""
+    console = await s.tcp(clients=1)
+    lines = [b"G92 X0 Y0 Z0\n", b"G1 X1 F6000\n", b"M400\n", b"M114\n"]
+    for text in (b"", b"M105\n", b"".join(lines), b"G4 P50\n" + 5000 * b"M105\n"):
+        reader, writer = await asyncio.open_connection(*tcp_address(console))
+        writer.write(text)
+        writer.write_eof()
+        heard = (await reader.read()).decode().splitlines()  # until it hangs up
+        oks = [line for line in heard if line.startswith("ok")]
+        assert len(oks) == text.count(b"\n")
+        if b"M114" in text:
+            assert heard[-2].startswith("X:1.000 Y:0.000")
+        writer.close()
+
+
+@served
+async def test_a_client_that_goes_away_ends_its_wait(s):
+    console = await s.tcp(clients=1)
+    client = await at_tcp(console)
+    await client.ok("M113 S0.01")
+    client.write(b"M109 S200\nM104 S50\n")
+    while not s.printer.heating:
+        await asyncio.sleep(0)
+    client.close()
+    while s.printer.heating:
+        await asyncio.sleep(0)
+    assert s.printer.connection.heaters["hotend"].target == 200
+    while True:  # and its place is free
+        client = await at_tcp(console)
+        told = await client.line()
+        client.close()
+        if told == "start":
+            break
 
 
 @served

@@ -100,6 +100,20 @@ def test_a_model_is_found_by_its_step_response_and_stays(tmp_path):
         assert model_of(s) == pytest.approx(found, rel=1e-9)
 
 
+def test_r5_finds_the_model_of_a_heater_that_its_gains_control(tmp_path):
+    """Not M1: an M begins a command."""
+    with Scenario("i3", state=str(tmp_path)) as s:
+        settings = s.host.ok("M503")
+        answer = s.host.ok("M303 H0 S200 R5 U", 3600)
+        assert answer[:2] == ["MPC Autotune start", "Hotend:0 Temp:200"]
+        told = dict(re.findall(r"(\w[\w ]*):([\d.]+)", answer[-2]))
+        assert float(told["rise"]) == pytest.approx(380, rel=0.01)
+        assert float(told["time constant"]) == pytest.approx(120, rel=0.01)
+        assert s.host.ok("M503") == settings
+        assert "R is 6: expected 0 to 5" in s.host.ok("M303 H0 R6")[0]
+        assert "R is -1: expected 0 to 5" in s.host.ok("M303 H0 R-1")[0]
+
+
 def test_a_model_s_figures_are_looked_at():
     with Scenario(by_model()) as s:
         line = s.host.ok("M307 H0")[0]

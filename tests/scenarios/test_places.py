@@ -96,3 +96,76 @@ def test_a_home_offset_beyond_the_axis_is_refused(s):
     assert s.host.ok("M206")[0] == "M206 X0 Y0 Z0"
     assert s.host.ok("M206 Y-2") == ["ok"]
     assert s.host.ok("M206")[0] == "M206 X0 Y-2 Z0"
+
+
+def test_g92_of_an_axis_that_was_not_homed_counts_with_the_tool():
+    with Scenario("dual-extruder") as s:
+        x, y, _ = s.printer.job.tool_offsets[1]
+        assert x != 0
+        s.host.ok("T1")
+        s.host.ok("G92 X50 Y20 Z5")
+        assert position(s) == (50, 20, 5, 0)
+        s.host.ok("G92 X40")  # now it moves the zero
+        assert position(s)[0] == 40
+        s.host.ok("T0")
+        assert position(s) == (40 - x, 20 - y, 5, 0)
+
+
+@pytest.mark.parametrize(
+    ("machine", "home_mm", "limit"),
+    [("delta", 318.0, 318.0), ("rotary-delta", -30.0, -30.0)],
+)
+def test_arms_that_a_home_offset_puts_beyond_their_limits_may_only_go_back(machine, home_mm, limit):
+    with Scenario(machine) as s:
+        s.host.ok("M206 Z3")
+        s.host.ok("G28", 60)
+        home = position(s)[2]
+        assert s.positions()["a"] == pytest.approx(home_mm, abs=0.01)
+        refused = s.host.ok("G1 X20 F6000")[0]
+        assert f"beyond its limit of {limit:.3f}" in refused
+        s.host.ok("G1 Z40 F6000")
+        s.host.ok("M400", 60)
+        assert position(s)[2] == 40
+        assert abs(s.positions()["a"] - home_mm) > 20
+        s.host.ok("G1 X20")
+        assert "beyond" in s.host.ok(f"G1 Z{home}")[0]  # it was there, but the limit holds again
+
+
+@pytest.mark.parametrize("machine", ["delta", "rotary-delta", "scara"])
+def test_no_command_puts_the_nozzle_where_no_motors_lead(machine):
+    with Scenario(machine) as s:
+        before = s.host.ok("M114")
+        assert "within reach, but" in s.host.ok("G92 X500 Y500 Z0")[0]
+        assert s.host.ok("M114") == before
+        assert "does not know where it is" in s.host.ok("G1 Z5")[0]
+
+
+def test_motors_are_not_said_to_be_where_the_nozzle_must_not_go():
+    with Scenario("delta") as s:
+        geometry = s.machine.geometry
+        wider = geometry.model_copy(update={"limit_radius": 100.0})
+        a, b, c = wider.inverse((0, 80, 50))
+        assert geometry.forward((a, b, c))[1] == pytest.approx(80)
+        before = s.host.ok("M114 D")
+        assert "of at most 75.100 mm" in s.host.ok(f"G92 A{a} B{b} C{c}")[0]
+        assert s.host.ok("M114 D") == before
+
+
+def test_no_home_offset_puts_the_nozzle_where_no_motors_lead():
+    with Scenario("delta") as s:
+        assert "a home within reach, but it is 90" in s.host.ok("M206 X90")[0]
+        assert s.host.ok("M206 X60") == ["ok"]
+        assert "a home within reach, but it is 84" in s.host.ok("M206 Y60")[0]
+        assert s.host.ok("M206")[0] == "M206 X60 Y0 Z0"
+
+
+def test_no_command_puts_an_axis_far_beyond_itself():
+    """The way back would be 2,500 km, all steps of which are reckoned at once."""
+    with Scenario("i3") as s:
+        assert "Z is 2.54e+06: expected -" in s.host.ok("G92 Z2540000")[0]
+        assert "does not know where it is" in s.host.ok("G1 Z5")[0]
+        length = s.machine.axes["x"].max_mm - s.machine.axes["x"].min_mm
+        assert s.host.ok(f"G92 X{s.machine.axes['x'].max_mm + length}") == ["ok"]
+    with Scenario("corexy") as s:
+        s.host.ok("G92 Z5")
+        assert "X is 500000: expected" in s.host.ok("G92 A1000000 B0")[0]

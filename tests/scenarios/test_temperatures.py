@@ -50,6 +50,8 @@ def test_m116_waits_for_all_heaters_of_one_line(two):
     two.host.ok("M140 S35 F")
     two.host.ok("M116", 300)
     assert two.printer.connection.heaters["bed"].celsius == pytest.approx(35, abs=2.1)
+    for wrong in ("M116 T-1", "M116 B0 C0", "M116 T0 T2"):
+        assert "there is no" in two.host.ok(wrong)[0]
 
 
 def test_each_tool_keeps_its_own_temperature(two):
@@ -64,12 +66,39 @@ def test_another_console_may_look_and_change_while_one_waits(s):
     s.passes(3)
     other = Host(s)
     assert "/200.00" in other.ok("M105")[0]
-    other.send("M140 S40 F")
-    s.passes(300)
-    assert target(s, "bed") in (0, 40)
-    s.host.expect("^ok", 1)
-    other.ok("M105")
+    other.send("M140 S40")  # in its turn
+    s.passes(5)
+    assert target(s, "bed") == 0
+    s.host.expect("^ok", 300)
+    s.passes(1)
     assert target(s, "bed") == 40
+
+
+@pytest.mark.parametrize("waits", ["M109 S200", "M0", "G28", "M303 H0 S200", "G4 S60\nM400"])
+def test_f_acts_at_once_whoever_has_the_turn(s, waits):
+    s.host.send("M104 S200", *waits.split("\n"))
+    s.passes(1.5)
+    assert s.printer.turn.taken
+    other = Host(s)
+    before = s.printer.connection.now
+    assert other.ok("M140 S40 F") == ["ok"]
+    assert other.ok("m104 F S0") == ["ok"]
+    assert "switched off: 2000 C" in other.ok("M140 S2000 F")[0]
+    assert "expected 0" in other.ok("M106 P7 F")[0]
+    assert other.ok("M106 F S128.0") == ["ok"]
+    assert s.printer.connection.now == before
+    assert (target(s), target(s, "bed")) == (0, 0)
+    s.passes(0.5)
+    assert s.board.output_value("part") > 0
+    if s.printer.turn.taken:  # else the wait was for this heater
+        other.send("M104 S50 F5")
+        other.send("M104 S60 (Fan)", "M104 S70 F G4 P1")  # in their turn, too
+        s.passes(0.2)
+        assert target(s) == 0
+    s.host.send("M108", "M118 done")
+    s.host.expect("^done$", 60)
+    if waits == "G28":
+        assert s.positions()["x"] == pytest.approx(0, abs=0.01)
 
 
 def test_a_wait_says_that_it_heats_and_ends_within_two_degrees(s):

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import argparse
-import sys
+from itertools import pairwise
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from passo.cli.machine_option import add_machine
 from passo.errors import ConfigError, ExitStatus, InputError
 
 if TYPE_CHECKING:
+    from passo.cli.answers import Answers
     from passo.config.heat import Heater
     from passo.config.thermistor import Ntc
     from passo.heat.calibration import Point
@@ -17,13 +19,15 @@ if TYPE_CHECKING:
 _ROUNDS_C = (20, 10, 5)
 _START_C = {"hotend": 160, "bed": 40, "chamber": 40}
 _END_C = 240  # PTFE in a hotend does not last above
+_FAR = 1 / 3  # of what is shown: no β is so wrong
 _THERE = {"hotend": "into the nozzle", "bed": "onto the bed", "chamber": "into the chamber"}
 
 _GUIDE = """\
 Put a thermometer that you trust {there}. Heat only; nothing moves. At each temperature
-below wait two minutes, then type what the thermometer says (Enter alone leaves a point out,
-q ends the round). Never go above {end} °C. After each round send the new β, run an autotune (M303)
-and go on with smaller steps."""
+below wait two minutes, then type what the thermometer says (Enter alone leaves a point out, b goes
+back to the one before, q ends the round). Never go above {end} °C. After each round send the new β,
+run an autotune (M303) and go on with smaller steps.
+{file} keeps the answers: if this is cut off, start it again there and go on."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -45,17 +49,28 @@ def run(arguments: argparse.Namespace) -> int:
     heater, number = _heater(arguments)
     ntc = _thermistor(arguments, heater)
     if arguments.points:
-        print(_result(ntc, number, [_point(text) for text in arguments.points]))
+        points = sorted((_point(text) for text in arguments.points), key=lambda p: p.shown_c)
+        for before, point in pairwise(points):
+            _check_order(before, point)
+        print(_result(ntc, number, points))
         return ExitStatus.DONE
+    from passo.cli.answers import Answers
+
     end_c = int(min(_END_C, heater.max_c))
-    print(_GUIDE.format(there=_THERE[heater.kind], end=end_c))
+    of = f"passo calibrate thermistor: {arguments.heater} of {arguments.machine}, β {ntc.beta_k:g}"
+    answers = Answers(Path(f"thermistor-{arguments.heater}.txt"), of)
+    print(_GUIDE.format(there=_THERE[heater.kind], end=end_c, file=answers.path))
+    if answers.again:
+        print(f"It holds {answers.again} answers. To begin anew, delete it.")
     for step in _ROUNDS_C:
-        points = _round(_heats(heater, number), range(_START_C[heater.kind], end_c + 1, step))
-        if points is None:
-            break
+        ladder = range(_START_C[heater.kind], end_c + 1, step)
+        points, ended = _round(answers, _heats(heater, number), ladder)
         if points:
             print(_result(ntc, number, points))
             ntc = _chosen(ntc, points)
+        if ended:
+            return ExitStatus.DONE
+    answers.forget()
     return ExitStatus.DONE
 
 
@@ -98,36 +113,59 @@ def _heats(heater: Heater, number: int | None) -> str:
 
 
 def _point(text: str) -> Point:
+    """A point, which a thermistor of the wrong β may have made. Raises InputError."""
     from passo.heat.calibration import Point
 
     try:
-        shown, true = (float(word) for word in text.split(":"))
+        shown, true = (float(word.replace(",", ".")) for word in text.split(":"))
     except ValueError:
         shown = true = 0.0
     if not (0 < shown <= 400 and 0 < true <= 400):
         raise InputError.of("input.point", value=text)
+    if abs(true - shown) > _FAR * shown:
+        limit = f"{(1 - _FAR) * shown:.0f} to {(1 + _FAR) * shown:.0f}"
+        raise InputError.of("input.point-far", value=true, key=shown, limit=limit)
     return Point(shown, true)
 
 
-def _round(heats: str, ladder: range) -> list[Point] | None:
-    """The points of one round; None when there is nobody to ask any more. `heats`: see `_heats`."""
+def _check_order(before: Point, point: Point) -> None:
+    """Raises InputError where it is shown to be warmer, and is not."""
+    if point.shown_c > before.shown_c and point.true_c <= before.true_c:
+        raise InputError.of(
+            "input.point-order",
+            value=point.true_c,
+            key=point.shown_c,
+            limit=before.true_c,
+            before=before.shown_c,
+        )
+
+
+def _round(answers: Answers, heats: str, ladder: range) -> tuple[list[Point], bool]:
+    """The points of one round, and whether there is nobody to ask any more. `heats`: see
+    `_heats`."""
     print(f"\nRound in steps of {ladder.step} °C")
     points: list[Point] = []
-    for celsius in ladder:
-        while True:
-            print(f"{heats}{celsius}, wait 2 min, true °C: ", end="", flush=True)
-            answer = sys.stdin.readline()
-            word = answer.strip().lower()
-            if not answer:
-                return points or None
-            if word == "q":
-                return points
-            try:
-                points += [_point(f"{celsius}:{word}")] if word else []
-                break
-            except InputError as error:
-                print(error)
-    return points
+    at = 0
+    while at < len(ladder):
+        celsius = ladder[at]
+        word = answers.ask(f"{heats}{celsius}, wait 2 min, true °C: ")
+        if word is None or word.lower() == "q":
+            return points, word is None
+        if word.lower() == "b":
+            at = max(at - 1, 0)
+            points = [point for point in points if point.shown_c < ladder[at]]
+            continue
+        try:
+            if word:
+                point = _point(f"{celsius}:{word}")
+                if points:
+                    _check_order(points[-1], point)
+                points.append(point)
+        except InputError as error:
+            print(error)
+        else:
+            at += 1
+    return points, False
 
 
 def _result(ntc: Ntc, number: int | None, points: list[Point]) -> str:

@@ -179,6 +179,24 @@ def _piped(fd: int) -> int:
     return reads
 
 
+class _Client(StreamWire):
+    """A client on TCP."""
+
+    def eof_received(self) -> bool:
+        """It sends no more, but may still read: what it has sent is carried out. Of one that has
+        gone altogether the next line that is written says so."""
+        if self.session is None or self.session.closed:
+            return False
+        self.session.end(self._answered)
+        return True
+
+    def _answered(self) -> None:
+        if self.closed is not None:
+            self.closed(self)
+        if self.reader is not None:
+            self.reader.close()
+
+
 class _SentAway(asyncio.Protocol):
     """A client too many."""
 
@@ -202,7 +220,7 @@ class _Tcp:
         """For a client that is coming."""
         if len(self._clients) >= self._most:
             return _SentAway()
-        wire = StreamWire(self._printer, self._opened, self.place, self._clients.discard)
+        wire = _Client(self._printer, self._opened, self.place, self._clients.discard)
         self._clients.add(wire)
         return wire
 

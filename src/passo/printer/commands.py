@@ -25,8 +25,13 @@ if TYPE_CHECKING:
 
 
 _OF_FANS = re.compile(r"[UIHLXT]", re.IGNORECASE)  # settings of M106
-_LETTERED = re.compile(r"([TPBC])\s*(\d*)", re.IGNORECASE)
+_LETTERED = re.compile(r"([TPBC])\s*(-?\d+)?", re.IGNORECASE)
 _AT_ONCE = re.compile(r"\bF", re.IGNORECASE)
+# Of a whole line of a console, which must hold nothing that has to wait for its turn.
+_FORCED = re.compile(
+    r"(?=.*F)(?:\s*(?:[STPR]\s*[-+]?(?:\d+\.?\d*|\.\d+)|S\s*nan\b|F(?!\s*[-+.\d])))*\s*",
+    re.IGNORECASE,
+)
 _BY_INTERPRETER = re.compile(r"([A-Z]-?\d+\.\d{6} )+")  # words of its events
 _BABYSTEP_MM = 2.0  # at most, with one command
 _FLOW = (1.0, 1000.0)  # percent of M221
@@ -40,7 +45,13 @@ _CORNERS = {
 _LEAST = {"speed": (LEAST_SPEED, "mm/s"), "accel": (LEAST_ACCEL, "mm/s²"), "jerk": (0.0, "mm/s")}
 _OF_VELOCITY_LIMIT = {"VELOCITY": "speed", "ACCEL": "accel"}
 _KLIPPERS_CORNER = "SQUARE_CORNER_VELOCITY"
+_MAY_BE_FORCED = ("M104", "M140", "M141", "M106", "M107")
 _KINDS = {"T": "hotend", "P": "hotend", "B": "bed", "C": "chamber"}
+
+
+def forced(command: Command) -> bool:
+    """A console's line that sets a heater or a fan at once (F), whoever moves the machine."""
+    return command.code in _MAY_BE_FORCED and _FORCED.fullmatch(command.text) is not None
 
 
 class FanOrder(NamedTuple):
@@ -158,12 +169,26 @@ class Commands:
         return Homing(command.text)
 
     def _set_position(self, command: Command) -> Wait:
-        """Of axes that do not know where they are; the interpreter does the others."""
+        """Of axes that do not know where they are; the interpreter does the others. Raises
+        CommandError where no motors' positions lead."""
         axes = axis_order(self._machine.axes)
-        return self._set_axes({axes.index(k.lower()): v for k, v in command.words().items()})
+        places = {axes.index(k.lower()): v for k, v in command.words().items()}
+        x, y, z = (places.get(i, at) for i, at in enumerate(self._job.machine_position[:E]))
+        try:
+            self._machine.geometry.inverse((x, y, z))
+        except Unreachable as error:
+            raise _nowhere(command, error) from None
+        return self._set_axes(places)
 
     def _set_axes(self, places: dict[int, float]) -> Wait:
-        """Once the machine stands: a plan that is under way could not be planned anew."""
+        """Once the machine stands: a plan that is under way could not be planned anew. Raises
+        CommandError for a place farther beyond an axis than it is long."""
+        names = axis_order(self._machine.axes)
+        for i, mm in places.items():
+            low, high = (axis := self._machine.axes[names[i]]).min_mm, axis.max_mm
+            if not 2 * low - high <= mm <= 2 * high - low:
+                limit = f"{2 * low - high:g} to {2 * high - low:g} mm"
+                raise CommandError.bad_value(names[i].upper(), mm, limit)
         return Still(lambda: self._job.set_axes(list(places.items())))
 
     def _set_actuators(self, command: Command) -> Wait | None:
@@ -187,10 +212,9 @@ class Commands:
                 known = dict(zip(geometry.actuators, geometry.inverse((x, y, z)), strict=True))
             a, b, c = (known | given).values()
             point = geometry.forward((a, b, c))
+            geometry.inverse(point)  # a delta's rods meet also where its nozzle must not go
         except Unreachable as error:
-            raise CommandError.of(
-                "command.value", axis="G92", value=command.text, limit=str(error)
-            ) from None
+            raise _nowhere(command, error) from None
         ways = 3 if geometry.lifts_together or 2 not in locked else 2
         return self._set_axes(dict(list(enumerate(point))[:ways]))
 
@@ -574,6 +598,11 @@ class Commands:
         "G10": _tool_temperatures,
         "SET_VELOCITY_LIMIT": _velocity_limit,
     }
+
+
+def _nowhere(command: Command, error: Unreachable) -> CommandError:
+    limit = f"a place within reach, but {error}"
+    return CommandError.of("command.value", axis="G92", value=command.text.strip(), limit=limit)
 
 
 def _at_least(word: str, value: float, what: str) -> None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from passo.config.base import LEAST_SCALE, MOST_SCALE
 from passo.config.drives import axis_order
 from passo.errors import CommandError
+from passo.geometry.base import Unreachable
 from passo.printer.waits import Handler, Reply, Still, Wait
 from passo.printer.words import Command, numeral
 
@@ -267,11 +268,20 @@ class MotionCommands:
                 raise CommandError.bad_value(
                     name.upper(), mm, f"at most the {longest:g} mm of the axis"
                 )
+        machine, at_home = self._machine, self.home_offset_mm | offsets
+        x, y, z = (mm + at_home[a] for a, mm in zip("xyz", machine.home_point, strict=True))
+        try:
+            machine.geometry.inverse((x, y, z))
+        except Unreachable as error:
+            limit = f"a home within reach, but {error}"
+            value = self.home_offset_line(at_home).removeprefix("M206 ")
+            raise CommandError.of("command.value", axis="M206", value=value, limit=limit) from None
         return offsets
 
-    def home_offset_line(self) -> str:
-        """M206 with what holds now."""
-        words = [f"{a.upper()}{numeral(mm)}" for a, mm in self.home_offset_mm.items()]
+    def home_offset_line(self, offsets_mm: dict[str, float] | None = None) -> str:
+        """M206 with these offsets, or with what holds now."""
+        offsets_mm = offsets_mm or self.home_offset_mm
+        words = [f"{a.upper()}{numeral(mm)}" for a, mm in offsets_mm.items()]
         return f"M206 {' '.join(words)}"
 
     def _saved(self, command: Command, reply: Reply) -> Wait | None:

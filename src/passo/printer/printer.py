@@ -13,7 +13,7 @@ from passo.config.drives import axis_order
 from passo.errors import CommandError
 from passo.gcode.dialect import Kind, row_of
 from passo.printer.beeper import Beeper
-from passo.printer.commands import Commands
+from passo.printer.commands import Commands, forced
 from passo.printer.control_commands import ControlCommands
 from passo.printer.drive import MOST_QUEUED, Drive
 from passo.printer.driver_commands import DriverCommands
@@ -32,7 +32,7 @@ from passo.printer.positions import Positions
 from passo.printer.tune_commands import TuneCommands
 from passo.printer.turn import Turn
 from passo.printer.waiting import Waiting
-from passo.printer.waits import Handler, Reply, Silence, Still, Stopped, Temperatures, Wait
+from passo.printer.waits import Handler, Reply, Room, Silence, Still, Stopped, Temperatures, Wait
 from passo.printer.wiring import connect
 from passo.printer.words import Command
 
@@ -389,6 +389,8 @@ class Printer:
         """Carries out a command that acts at once when it comes from there; else False."""
         handler = self.immediate.get(command.code)
         in_order = command.code in self.motion.beside_only and not self.beside(reply)
+        if handler is None and forced(command):
+            handler = self.planned.get(command.code) or self._by_commands
         if handler is None or in_order:
             return False
         self._carried_out(handler, command, reply)
@@ -495,6 +497,9 @@ class Printer:
             listener(command, reply)
         return wait
 
+    def _by_commands(self, command: Command, _: Reply) -> Wait | None:
+        return self.commands.run(command)
+
     def run_command(self, command: Command, reply: Reply) -> Wait | None:
         """Carries out a command that the interpreter handed out."""
         self.drive.before_moves()
@@ -582,7 +587,7 @@ class Printer:
                     self.job.abandon()
                     return None
                 else:
-                    return None
+                    return Room() if found == status.FULL else None
         except Exception:
             self.job.abandon()
             raise

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from passo import _core
 from passo.errors import CommandError
 from passo.heat.relay_tune import RelayTune, TuneError
-from passo.heat.rules import Gains
+from passo.heat.rules import RULES, Gains
 from passo.heat.step_tune import StepTune
 from passo.printer.control_commands import ControlCommands, with_gains
 from passo.printer.waits import Handler, Reply, Tuning, Wait
@@ -16,6 +16,7 @@ from passo.printer.words import Command
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
 
+_STEP_RESPONSE = len(RULES)  # R behind those of the relay's rules: the model, whatever controls
 _USUAL_C = {"hotend": 200.0, "bed": 70.0, "chamber": 70.0}
 
 
@@ -40,13 +41,15 @@ class TuneCommands:
         board = self._printer.connection.connection_of("heaters", name).board
         hz = float(board.clock_hz)
         try:
-            if words.get("M", 0) or config.control.kind == "model":
+            cycles, rule = int(words.get("C", 5)), int(words.get("R", 0))
+            if not 0 <= rule <= _STEP_RESPONSE:
+                raise CommandError.bad_value("R", rule, f"0 to {_STEP_RESPONSE}")
+            if rule == _STEP_RESPONSE or config.control.kind == "model":
                 tune = StepTune(
                     label, target, clock_hz=hz, limit_c=config.max_c, with_fan=bool(config.fan)
                 )
                 fits = config.control.kind == "model"
             else:
-                cycles, rule = int(words.get("C", 5)), int(words.get("R", 0))
                 tune = RelayTune(label, target, cycles, rule, clock_hz=hz, limit_c=config.max_c)
                 fits = config.control.kind == "pid"
         except TuneError as error:

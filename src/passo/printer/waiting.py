@@ -13,6 +13,7 @@ from passo.printer.waits import (
     Person,
     Procedure,
     Reply,
+    Room,
     Still,
     Stopped,
     Temperatures,
@@ -80,6 +81,9 @@ class Waiting:
                 self._printer.person.answered()
 
     async def _wait(self, wait: Wait, reply: Reply, ends: bool, aside: Callable[[], bool]) -> bool:
+        if isinstance(wait, Room):
+            await self._more()
+            return True
         self._firm = isinstance(wait, Still) and wait.then is not None
         self.ended = self._impatient = ends and not self._firm
         if isinstance(wait, Still):
@@ -97,6 +101,14 @@ class Waiting:
                 await self._at_rest(wait, reply)
         self._printer.raise_if_halted()
         return True
+
+    async def _more(self) -> None:
+        """Until more can be planned of a line that nobody can end but by a stop."""
+        printer = self._printer
+        await printer.drive.until(
+            lambda: not (printer.drive.full or printer.aside) or bool(printer.halted)
+        )
+        printer.raise_if_halted()
 
     async def _still(self, aside: Callable[[], bool]) -> bool:
         printer = self._printer

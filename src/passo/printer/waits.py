@@ -21,6 +21,11 @@ class Still:
 
 
 @dataclass(frozen=True, slots=True)
+class Room:
+    """Until the plan has room for the rest of the line, an arc of many turns."""
+
+
+@dataclass(frozen=True, slots=True)
 class Temperatures:
     """Until these heaters have reached their targets, the machine standing still; `cooling` waits
     for a heater that is too hot as well."""
@@ -69,7 +74,7 @@ class Stop:
     line: int
 
 
-Wait: TypeAlias = Still | Temperatures | Person | Tuning | Procedure | Homing | Stop
+Wait: TypeAlias = Still | Room | Temperatures | Person | Tuning | Procedure | Homing | Stop
 
 
 class Reply(Protocol):

@@ -1,0 +1,59 @@
+"""What a person answers, kept in a file until the last question: who is cut off goes on there."""
+
+from __future__ import annotations
+
+import sys
+from collections import deque
+from pathlib import Path
+
+from passo.errors import InputError
+
+
+class Answers:
+    """Answers from standard input. Those that `path` holds from a time that was cut off come first,
+    as if they were typed again. `of` says what they are answers to. Raises InputError if the file
+    holds others, or cannot be written."""
+
+    def __init__(self, path: Path, of: str) -> None:
+        self.path = path
+        try:
+            if not path.exists():
+                self._keep(of)
+            first, *kept = path.read_text(encoding="utf-8", errors="replace").splitlines() or [""]
+        except OSError as error:
+            raise _unwritable(path, error) from None
+        if first != of:
+            raise InputError.of("input.other-answers", str(path), value=first, limit=of)
+        self.again = len(kept)
+        self._none = not kept
+        self._kept = deque(kept)  # not yet asked for
+
+    def ask(self, question: str) -> str | None:
+        """One answer, without blanks around it; None when there is nobody to ask any more."""
+        print(question, end="", flush=True)
+        if self._kept:
+            print(self._kept[0])
+            return self._kept.popleft()
+        answer = sys.stdin.readline()
+        if not answer:
+            if self._none:
+                self.forget()
+            return None
+        self._none = False
+        self._keep(answer.strip())
+        return answer.strip()
+
+    def _keep(self, line: str) -> None:
+        try:
+            with self.path.open("a", encoding="utf-8", errors="replace") as file:
+                file.write(f"{line}\n")
+        except OSError as error:
+            raise _unwritable(self.path, error) from None
+
+    def forget(self) -> None:
+        """All is answered."""
+        self.path.unlink(missing_ok=True)
+
+
+def _unwritable(path: Path, error: OSError) -> InputError:
+    return InputError.of("output.unwritable", str(path), value=error.strerror or str(error))
