@@ -324,6 +324,15 @@ def test_an_output_of_the_console_or_none_is_refused(case: Case) -> None:
     assert host.send("get_config")["config"]["is_shutdown"] == 1
 
 
+@pytest.mark.parametrize("pin", ["PTA18", "PTA19"])
+@pytest.mark.parametrize("words", ["digital_out", "endstop"])
+def test_a_teensy_keeps_the_pins_of_its_crystal(words: str, pin: str) -> None:
+    host = next(case for case in CASES if case.board == "teensy3-mk20dx256").host()
+    more = "value=0 default_value=0 max_duration=0" if words == "digital_out" else "pull_up=0"
+    host.send("allocate_oids count=1", f"config_{words} oid=0 pin={pin} {more}")
+    assert host.send("get_config")["config"]["is_shutdown"] == 1
+
+
 def test_an_endstop_is_looked_at_every_15_us(case: Case) -> None:
     host = configured(case)
     sample = 15 * case.hz // 1_000_000
