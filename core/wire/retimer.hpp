@@ -151,9 +151,9 @@ class Retimer {
     for (size_t i = 0; i < n;) {
       Command c = stabbing_.longest(&lo_[i], &hi_[i], int(std::min(n - i, size_t(kMostSteps))),
                                     double(motor.last), &executed_[i]);
-      int64_t clock = moves ? std::max(due, motor.last) : due;
       motor.last += int64_t(c.span());
-      ready_.push({clock, moves ? motor.last : due, uint32_t(c.interval), uint16_t(c.count),
+      // All parts may leave when the message might: what waits behind them must not wait for them.
+      ready_.push({due, moves ? motor.last : due, uint32_t(c.interval), uint16_t(c.count),
                    int16_t(c.add), m.target, m.kind, m.dir});
       i += size_t(c.count);
     }

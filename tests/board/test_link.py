@@ -246,6 +246,48 @@ def test_the_clock_of_a_board_that_runs_fast_is_followed():
     assert_executed(bench, plan, base)
 
 
+class Warming(Wire):
+    """Of a board whose clock runs faster and faster, by `rate` in each tick of host time."""
+
+    def board_time(self, host: int) -> int:
+        passed = host - self.start
+        return host + int(self.rate / 2 * passed**2)
+
+    def host_time(self, board: int) -> int:
+        passed = board - self.start
+        return board if board > 2**62 else board - int(self.rate / 2 * passed**2) + 1
+
+
+class Stopped(Wire):
+    """Of a board whose clock stands still for 10 ms after half a minute."""
+
+    @property
+    def _lost(self) -> int:
+        return 10 * MS if self.now > self.start + 30 * HZ else 0
+
+    def board_time(self, host: int) -> int:
+        return host - self._lost
+
+    def host_time(self, board: int) -> int:
+        return board if board > 2**62 else board + self._lost
+
+
+@pytest.mark.parametrize(
+    ("wire_of", "rate", "seconds"),
+    [(Warming, 33e-9 / HZ, 300), (Stopped, 1.0, 33)],  # 10 ppm in five minutes
+)
+def test_what_was_once_true_of_a_clock_is_forgotten(wire_of, rate, seconds):
+    bench = Bench()
+    wire = wire_of(bench, MS // 3, rate)
+    d = bench.connection.dictionary
+    bench.link = _core.Link(HZ)
+    bench.link.set_dictionary(d.commands, d.reports, d.number("RECEIVE_WINDOW"))
+    bench.link.follow_clock(wire.now)
+    wire.run(wire.now + seconds * HZ)
+    off_us = (bench.link.clock_at(wire.now) - wire.board_time(wire.now)) * 1e6 / HZ
+    assert abs(off_us) < 20
+
+
 @pytest.mark.parametrize(("known", "least_us", "most_us"), [(True, 0, 3), (False, 60, 100)])
 def test_an_answer_on_a_slow_line_is_longer_than_the_question(known, least_us, most_us):
     bench = Bench()

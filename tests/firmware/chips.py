@@ -109,7 +109,7 @@ class Stm32f4(Cortex):
         "TIM8": (0x40010400, 168e6),
         "TIM9": (0x40014000, 168e6),
     }
-    _ADCS = (0x40012000, 0x40012200)
+    _ADCS = (0x40012000, 0x40012200)  # ADC1; ADC3, whose channels count from 100
 
     def __init__(self, image: bytes) -> None:
         self._done = 0.0
@@ -134,7 +134,9 @@ class Stm32f4(Cortex):
             return (self.cycles >= self._done and converter == self._converter) << 1
         if converter in self._ADCS and part == 0x4C:
             self._converter = 0
-            return self.analog.get(self.registers[converter + 0x34], 0)
+            return self.analog.get(
+                100 * self._ADCS.index(converter) + self.registers[converter + 0x34], 0
+            )
         if 0 <= port < 8 and register == 0x10:
             return self.levels_in(port)
         return super().read(address, size)
@@ -160,6 +162,8 @@ class Stm32f4(Cortex):
         registers = {i: self.registers.get(base + i, 0) for i in range(0, 0x48, 4)}
         mode = registers[0x18 + n // 2 * 4] >> n % 2 * 8 & 0xFF
         assert (mode, registers[0] & 1, registers[0x20] >> 4 * n & 3) == (0x68, 1, 1)
+        if timer in ("TIM1", "TIM8"):  # their outputs are off as long as none says otherwise
+            assert registers[0x44] & 1 << 15
         period = registers[0x2C] + 1
         return registers[0x34 + 4 * n] / period, period * (registers[0x28] + 1) / hz
 

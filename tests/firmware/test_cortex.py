@@ -57,7 +57,7 @@ CASES = [
     ),
     Case(
         *("stm32f429-discovery", Stm32f429, ("PG3", 195), ("PG2", 194), ("PG14", 206)),
-        *(("PE14", "TIM1", "4"), ("PF6", 4)),
+        *(("PE14", "TIM1", "4"), ("PF6", 104)),
     ),
     Case(
         *("pico", Rp2040, ("gpio2", 2), ("gpio3", 3), ("gpio29", 29)),
@@ -321,6 +321,15 @@ def test_an_output_of_the_console_or_none_is_refused(case: Case) -> None:
         "allocate_oids count=1",
         f"config_digital_out oid=0 pin={pin} value=0 default_value=0 max_duration=0",
     )
+    assert host.send("get_config")["config"]["is_shutdown"] == 1
+
+
+@pytest.mark.parametrize("pin", ["PTA18", "PTA19"])
+@pytest.mark.parametrize("words", ["digital_out", "endstop"])
+def test_a_teensy_keeps_the_pins_of_its_crystal(words: str, pin: str) -> None:
+    host = next(case for case in CASES if case.board == "teensy3-mk20dx256").host()
+    more = "value=0 default_value=0 max_duration=0" if words == "digital_out" else "pull_up=0"
+    host.send("allocate_oids count=1", f"config_{words} oid=0 pin={pin} {more}")
     assert host.send("get_config")["config"]["is_shutdown"] == 1
 
 

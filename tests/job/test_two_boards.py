@@ -1,13 +1,16 @@
 """One print on two boards: the same steps as on one board, at the same time."""
 
 import math
+import random
 
 import pytest
 from tests.job.two_boards import demo, one_board, printed, two_boards
 
+from passo.printer.wiring import board_description
 from passo.simulator import Cable
 
 STEPPERS = ("x", "y", "z", "e")
+LENGTHS = [0.3 + i / 10_000 for i in range(4000)]
 
 
 @pytest.fixture(scope="module")
@@ -76,6 +79,36 @@ def test_links_that_answer_when_they_like_keep_the_skew_small(
     assert max(both.skew_us(alone, name) for name in "xy") == 0
     skew = max(both.skew_us(alone, name) for name in "ze")
     assert skew <= skew_us
+
+
+@pytest.mark.parametrize("firmware", ["virtual", "passo"])
+def test_commands_do_not_wait_behind_the_parts_of_a_long_one(monkeypatch, tmp_path, firmware):
+    """X moves evenly, in commands of 0.1 s that become several there; the extruder does not."""
+    moves = [f"G1 X{4 * i} E{0.05 if i % 2 else 0.02}" for i in range(1, 60)]
+    path = tmp_path / "even.gcode"
+    path.write_text("\n".join(["M302 P1", "G92 X0 Y0 Z0", "M83", "G1 F4800", *moves]) + "\n")
+    words = {'socket = "X"': 'socket = "tool:X"'}
+    machine = two_boards("drift_ppm = 100.0", "start_s = 3.5", firmware=firmware, **words)
+    both = printed(monkeypatch, machine, path, Cable(100e-6, 50e-6))
+    assert both.result.final_steps["x"] == 59 * 4 * 80
+    assert both.slack_s["tool"] > 0.12
+
+
+@pytest.mark.parametrize("ppm", [-100, 100])
+def test_a_motor_turns_no_sooner_on_a_board_whose_clock_drifts(monkeypatch, tmp_path, ppm):
+    """Its driver wants the direction so long before the step; rounding takes nothing of that."""
+    keys = {
+        "[steppers.e]": "[steppers.e]\ndirection_setup_us = 157.3",
+        "[extruders.e]": "[extruders.e]\njerk_mm_s = 40.0",
+    }
+    numbers = random.Random(1)
+    there_and_back = [f"G1 E{e:.4f}\nG1 E-{e:.4f}" for e in numbers.choices(LENGTHS, k=2500)]
+    path = tmp_path / "turns.gcode"
+    path.write_text("\n".join(["M302 P1", "M83", "G1 F2100", *there_and_back]) + "\n")
+    machine = two_boards(f"drift_ppm = {ppm}.0", "start_s = 1234.5", **keys)
+    both = printed(monkeypatch, machine, path)
+    motor = next(s for s in board_description(machine, "tool").steppers if s.name == "e")
+    assert abs(both.turn_us("e") * 16 - motor.turning_ticks) <= 1
 
 
 def test_the_stream_of_each_board_does_not_depend_on_its_clock(monkeypatch, spiral):

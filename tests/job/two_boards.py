@@ -45,6 +45,7 @@ class Edges:
     result: PrintResult
     steps: dict[str, tuple[array, bytes]]
     outputs: dict[str, list[tuple[int, int]]]
+    slack_s: dict[str, float]  # how long before its time each board had the most urgent command
 
     def skew_us(self, other: Edges, stepper: str) -> float:
         """The most by which a step of one comes earlier or later than in the other."""
@@ -57,6 +58,11 @@ class Edges:
         """The least time between two steps."""
         clocks, _ = self.steps[stepper]
         return min(b - a for a, b in pairwise(clocks)) / 16
+
+    def turn_us(self, stepper: str) -> float:
+        """The least time between two steps of opposite directions."""
+        steps = zip(*self.steps[stepper], strict=True)
+        return min(b - a for (a, way), (b, other) in pairwise(steps) if way != other) / 16
 
 
 def printed(
@@ -79,7 +85,10 @@ def printed(
         name: [(clock - job.base, value) for clock, value in job.board.take_changes(name)]
         for name in names
     }
-    return Edges(result, steps, outputs)
+    slack = {
+        c.name: c.link.least_slack.slack / c.board.clock_hz for c in job.connection.connections
+    }
+    return Edges(result, steps, outputs, slack)
 
 
 def demo(folder: Path) -> Path:

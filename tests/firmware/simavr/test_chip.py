@@ -119,12 +119,38 @@ def test_pulse_width_modulation_by_a_timer():
         (BoardDescription(HZ, outputs=(Output("o", "PG6"),)), "Not a valid output pin"),
         (BoardDescription(HZ, outputs=(Output("o", "PE1"),)), "Not a valid output pin"),
         (BoardDescription(HZ, outputs=(Output("o", "PH5", "pwm", 1000),)), "Not a valid PWM pin"),
+        (
+            BoardDescription(
+                HZ,
+                outputs=(Output("a", "PB4", "pwm", 510), Output("b", "PH6", "pwm", HZ // 500)),
+            ),
+            "Not a valid PWM pin",  # the two of one timer have one cycle
+        ),
         (BoardDescription(HZ, sensors=(Sensor("s", "PA0", TABLE),)), "Not a valid ADC pin"),
     ],
 )
 def test_what_the_chip_cannot_do_is_refused(description, reason):
     with pytest.raises(MachineError, match=reason):
         AvrConnection(description, bench(RAMPS)).connect()
+
+
+def test_each_analog_input_is_read_at_its_own_pin():
+    chip = bench()
+    for channel in range(16):
+        chip.set_voltage(channel, 0.3 * (channel + 1))
+    pins = [f"PF{i}" for i in range(8)] + [f"PK{i}" for i in range(8)]
+    sensors = tuple(Sensor(pin, pin, TABLE) for pin in pins)
+    connection = AvrConnection(BoardDescription(HZ, sensors=sensors), chip)
+    connection.connect()
+    connection.take_responses("analog_in_state")
+    connection.run(connection.now + HZ // 2)
+    told = {}
+    for _, values in connection.take_responses("analog_in_state"):
+        told[values["oid"]] = int.from_bytes(values["values"], "little") / 8 / 1023 * 5
+    assert [told[oid] for oid in range(16)] == pytest.approx(
+        [0.3 * (i + 1) for i in range(16)], abs=0.01
+    )
+    chip.close()
 
 
 def test_inputs_are_read_with_and_without_pull_up():

@@ -9,11 +9,15 @@ from random import Random
 import pytest
 from tests.board.bench import Planner
 
+from passo.board.boards import Boards
+from passo.board.description import BoardDescription, Endstop, Stepper
+from passo.board.endstops import Endstops
 from passo.errors import MachineError
 from passo.toolchain.avr import AvrBoard
 
 from .bench import Edge
-from .boards import HZ, MELZI, MELZI_PINS, OTHER_PINS, RAMPS, RAMPS_PINS, motors
+from .boards import HZ, MELZI, MELZI_PINS, OTHER_PINS, RAMPS, RAMPS_PINS, bench, motors
+from .host import AvrConnection
 
 PULSE = 32
 
@@ -97,8 +101,9 @@ def test_steps_of_every_kind_come_on_time(board, pins):
     connection.bench.close()
 
 
-def test_longer_pulses_take_a_free_unit():
-    connection = motors(1, pulse_ticks=80)
+@pytest.mark.parametrize("pulse_ticks", [39, 80])
+def test_longer_pulses_take_a_free_unit(pulse_ticks):
+    connection = motors(1, pulse_ticks=pulse_ticks)
     planner = Planner()
     planner.steps(0, True, HZ // 4, 1)
     planner.steps(0, True, 2000, 500, 3)
@@ -107,8 +112,8 @@ def test_longer_pulses_take_a_free_unit():
     edges = connection.bench.edges()
     widths = {b.cycle - a.cycle for a, b in zip(edges[::2], edges[1::2], strict=True)}
     assert len(edges) == 2 * 501
-    assert min(widths) >= 80
-    assert max(widths) < 200
+    assert min(widths) >= pulse_ticks
+    assert max(widths) < pulse_ticks + 120
     connection.bench.close()
 
 
@@ -175,6 +180,57 @@ def test_the_position_is_known_between_steps():
     assert connection.net_steps("m0") == connection.bench.position(carriage)
     assert connection.bench.position(carriage) == sum(planner.directions[0])
     connection.bench.close()
+
+
+def test_the_position_is_known_where_256_steps_are_left():
+    """For 2 ms, of which the question hits some."""
+    connection = motors(1)
+    carriage = connection.bench.add_carriage(*RAMPS_PINS[0])
+    connection.command("set_next_step_dir oid=0 dir=1")
+    for ms in range(6):
+        clock = connection.link.clock_at(connection.now) + HZ // 20
+        connection.command(f"reset_step_clock oid=0 clock={clock & 0xFFFFFFFF}")
+        connection.command("queue_step oid=0 interval=32000 count=257 add=-120")
+        connection.run(connection.now + HZ // 20 + ms * HZ // 1000)
+        before = connection.bench.position(carriage)
+        told = connection.net_steps("m0")
+        assert before <= told <= connection.bench.position(carriage)
+        connection.run(connection.now + HZ // 3)
+        assert connection.bench.position(carriage) == 257 * (ms + 1)
+    connection.bench.close()
+
+
+@pytest.mark.parametrize("way", [1, -1])
+def test_a_motor_that_was_stopped_before_a_turn_knows_place_and_way(way):
+    chip = bench()
+    steppers = (Stepper("m0", *RAMPS_PINS[0], pulse_ticks=PULSE),)
+    description = BoardDescription(HZ, steppers, endstops=(Endstop("a", "^PE4"),))
+    connection = AvrConnection(description, chip)
+    connection.connect()
+    chip.set_pin("PE4", False)
+    carriage = chip.add_carriage(*RAMPS_PINS[0])
+    planner = Planner()
+    planner.steps(0, True, HZ // 4, 1)
+    planner.steps(0, True, 3000, 1000)
+    planner.steps(0, False, 3000, 1000)
+    connection.start_job(planner.queue)
+    connection.run(connection.now + HZ // 4)
+    Endstops(Boards([connection])).arm({"a": ["m0"]}, connection.now + HZ // 100, 1e-3)
+    while chip.position(carriage) < 700:  # the board knows of the turn
+        connection.run(connection.now + HZ // 1000)
+    chip.set_pin("PE4", True)
+    connection.run(connection.now + HZ // 100)
+    connection.link.stop_job()
+    stopped = chip.position(carriage)
+    assert 700 <= stopped < 800
+    assert connection.net_steps("m0") == stopped
+    clock = connection.link.clock_at(connection.now) + HZ // 10
+    connection.command(f"set_next_step_dir oid=0 dir={int(way > 0)}")
+    connection.command(f"reset_step_clock oid=0 clock={clock & 0xFFFFFFFF}")
+    connection.command("queue_step oid=0 interval=5000 count=20 add=0")
+    connection.run(connection.now + HZ // 5)
+    assert chip.position(carriage) == connection.net_steps("m0") == stopped + 20 * way
+    chip.close()
 
 
 def _start(ahead: int) -> int | str:
