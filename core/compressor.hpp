@@ -42,34 +42,6 @@ PASSO_SIMD inline void windows(const double* __restrict t, double* __restrict lo
   }
 }
 
-// Errors of executed steps: the largest, the sum of their squares, and by how much the worst of
-// them is beyond its window (less than 0: none is).
-struct Errors {
-  double largest = 0, square = 0, beyond = -1;
-};
-inline Errors errors(const double* t, const double* lo, const double* hi, const double* executed,
-                     size_t n) {
-  Errors e;
-  Lanes largest(0), square(0), beyond(-1);
-  size_t m = 0;
-  for (; m + 4 <= n; m += 4) {
-    Lanes at = Lanes::load(executed + m), error = at - Lanes::load(t + m);
-    largest = max(largest, max(error, Lanes(0) - error));
-    square = square + error * error;
-    beyond = max(beyond, max(Lanes::load(lo + m) - at, at - Lanes::load(hi + m)));
-  }
-  double squares[4];
-  square.store(squares);
-  e = {largest.most(), (squares[0] + squares[1]) + (squares[2] + squares[3]), beyond.most()};
-  for (; m < n; ++m) {
-    double error = executed[m] - t[m];
-    e.largest = std::max(e.largest, std::fabs(error));
-    e.square += error * error;
-    e.beyond = std::max({e.beyond, lo[m] - executed[m], executed[m] - hi[m]});
-  }
-  return e;
-}
-
 class Compressor {
  public:
   Compressor(const Machine& machine, const StepperSpec& spec, uint16_t target)
@@ -337,7 +309,8 @@ class Compressor {
 
   // The block's steps before index `done` have become commands. Returns `done`.
   size_t check(size_t done) {
-    Errors e = errors(&steps_.ticks[base_], &lo_[0], &hi_[0], &executed_[0], done - base_);
+    Errors e =
+        stabbing_.errors(&steps_.ticks[base_], &lo_[0], &hi_[0], &executed_[0], done - base_);
     if (e.beyond > 1e-5) throw std::logic_error("a command left the window of its steps");
     statistics_.error_max = std::max(statistics_.error_max, e.largest);
     statistics_.error_square += e.square;

@@ -70,10 +70,11 @@ inline void sincos(double x, double& s, double& c) {
   }
 }
 
-// Sine and cosine of x0 + dx*j for j < n: the same bits as sincos, several lanes at a time.
+// Sine and cosine of x0 + dx*j for j < in_fours(n): the same bits as sincos, several lanes at a
+// time.
 PASSO_SIMD inline void sincos_even(double x0, double dx, int n, double* __restrict sines,
                                    double* __restrict cosines) {
-  for (int j = 0; j < n; ++j) {
+  for (int j = 0; j < in_fours(n); ++j) {
     double x = x0 + dx * j;
     double shifted = x * detail::kTwoOverPi + kRoundMagic, count = shifted - kRoundMagic;
     double a = x - count * detail::kHalfPi1, b = count * detail::kHalfPi2, r = a - b;

@@ -18,6 +18,10 @@
 
 namespace passo {
 
+// The next multiple of four: a loop of so many has no rest to be done one by one. What such loops
+// are given must go on that far; what stands there may be any numbers.
+constexpr int in_fours(int n) { return (n + 3) & ~3; }
+
 // Adding this moves the integer part of |x| < 2^51 into the low bits, rounded half to even.
 inline constexpr double kRoundMagic = 6755399441055744.0;
 inline double round_even(double x) { return (x + kRoundMagic) - kRoundMagic; }

@@ -9,6 +9,7 @@
 #pragma once
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <stdexcept>
 
@@ -29,6 +30,12 @@ struct Command {
       throw std::logic_error("a command without time between its steps");
     return interval * n + add * (0.5 * n * (n - 1));
   }
+};
+
+// Errors of executed steps: the largest, the sum of their squares, and by how much the worst of
+// them is beyond its window (less than 0: none is).
+struct Errors {
+  double largest = 0, square = 0, beyond = -1;
 };
 
 inline constexpr int kMostSteps = 4096;  // steps at most, of the protocol's 65535
@@ -78,6 +85,17 @@ class Stabbing {
 #endif
   }
 
+  // Of n steps executed so, whose ideal times are `t` and whose windows are lo…hi.
+  Errors errors(const double* t, const double* lo, const double* hi, const double* executed,
+                size_t n) const {
+#if defined(PASSO_CHOOSES)
+    return has_avx2_ ? errors_avx2(t, lo, hi, executed, n)
+                     : baseline_.errors(t, lo, hi, executed, n);
+#else
+    return search_.errors(t, lo, hi, executed, n);
+#endif
+  }
+
  private:
 #if defined(PASSO_CHOOSES)
   pairs::Search baseline_;
@@ -87,6 +105,12 @@ class Stabbing {
   [[gnu::noinline]] Command longest_baseline(const double* lo, const double* hi, int n, double last,
                                              double* executed) {
     return baseline_.longest(lo, hi, n, last, executed);
+  }
+  [[gnu::noinline, gnu::target("avx2")]] Errors errors_avx2(const double* t, const double* lo,
+                                                            const double* hi,
+                                                            const double* executed,
+                                                            size_t n) const {
+    return avx2_.errors(t, lo, hi, executed, n);
   }
   [[gnu::noinline, gnu::target("avx2")]] Command longest_avx2(const double* lo, const double* hi,
                                                               int n, double last,

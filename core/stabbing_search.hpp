@@ -9,6 +9,29 @@ class Search {
     return block<0>(lo, hi, n, last, executed, Vector(kFar), Vector(-kFar));
   }
 
+  // As Stabbing::errors.
+  PASSO_SEARCH_INLINE static Errors errors(const double* t, const double* lo, const double* hi,
+                                           const double* executed, size_t n) {
+    Vector largest(0), square(0), beyond(-1);
+    size_t m = 0;
+    for (; m + 4 <= n; m += 4) {
+      Vector at = Vector::load(executed + m), error = at - Vector::load(t + m);
+      largest = max(largest, max(error, Vector(0) - error));
+      square = square + error * error;
+      beyond = max(beyond, max(Vector::load(lo + m) - at, at - Vector::load(hi + m)));
+    }
+    double squares[4];
+    square.store(squares);
+    Errors e{largest.most(), (squares[0] + squares[1]) + (squares[2] + squares[3]), beyond.most()};
+    for (; m < n; ++m) {
+      double error = executed[m] - t[m];
+      e.largest = std::max(e.largest, std::fabs(error));
+      e.square += error * error;
+      e.beyond = std::max({e.beyond, lo[m] - executed[m], executed[m] - hi[m]});
+    }
+    return e;
+  }
+
  private:
   static constexpr int kPairs = 24;
   static constexpr double kFar = 1e300;

@@ -3,29 +3,15 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
-#include <memory>
-#include <utility>
 #include <vector>
 
+#include "left_unset.hpp"
 #include "machine.hpp"
 #include "move.hpp"
 #include "piece_solver.hpp"
 #include "simd.hpp"
 
 namespace passo {
-
-// What a vector of these is lengthened by is left unset, to be written once.
-template <typename T>
-struct LeftUnset : std::allocator<T> {
-  template <typename U>
-  struct rebind {
-    using other = LeftUnset<U>;
-  };
-  template <typename U, typename... Values>
-  void construct(U* p, Values&&... values) {
-    if constexpr (sizeof...(Values) > 0) std::construct_at(p, std::forward<Values>(values)...);
-  }
-};
 
 // Steps in order of time. A run is a stretch of one direction.
 struct Steps {
@@ -37,7 +23,7 @@ struct Steps {
     size_t first;      // index in `ticks`
     double tolerance;  // ticks; 0: the board's own
   };
-  std::vector<double, LeftUnset<double>> ticks;
+  UnsetDoubles ticks;
   std::vector<Run> runs;
   std::vector<Widening> widenings;  // where the tolerance changes, from the board's own at first
 
@@ -58,19 +44,20 @@ struct Steps {
 // t[j] = base + sign * sqrt(c0 + c1 * j)
 PASSO_SIMD inline void fill_root(double* __restrict t, int n, double c0, double c1, double base,
                                  double sign) {
-  for (int j = 0; j < n; ++j) t[j] = base + sign * std::sqrt(std::max(0.0, c0 + c1 * j));
+  for (int j = 0; j < in_fours(n); ++j) t[j] = base + sign * std::sqrt(std::max(0.0, c0 + c1 * j));
 }
 PASSO_SIMD inline void fill_line(double* __restrict t, int n, double c0, double c1) {
-  for (int j = 0; j < n; ++j) t[j] = c0 + c1 * j;
+  for (int j = 0; j < in_fours(n); ++j) t[j] = c0 + c1 * j;
 }
 // The same for path positions s[j] that are not evenly spaced.
 PASSO_SIMD inline void fill_root_at(double* __restrict t, const double* __restrict s, int n,
                                     double c0, double c1, double base, double sign) {
-  for (int j = 0; j < n; ++j) t[j] = base + sign * std::sqrt(std::max(0.0, c0 + c1 * s[j]));
+  for (int j = 0; j < in_fours(n); ++j)
+    t[j] = base + sign * std::sqrt(std::max(0.0, c0 + c1 * s[j]));
 }
 PASSO_SIMD inline void fill_line_at(double* __restrict t, const double* __restrict s, int n,
                                     double c0, double c1) {
-  for (int j = 0; j < n; ++j) t[j] = c0 + c1 * s[j];
+  for (int j = 0; j < in_fours(n); ++j) t[j] = c0 + c1 * s[j];
 }
 
 // Time law of a move as t(s): in each phase base + sign*sqrt(c0 + c1*s), or a line while cruising.
@@ -96,7 +83,8 @@ struct TimeLaw {
     c21 = -2 * w2 * hz;
   }
 
-  // n evenly spaced positions s0 + ds*j, ascending.
+  // n evenly spaced positions s0 + ds*j, ascending. Here and below `t` and `s` must go on for three
+  // more; what is there is overwritten, and read.
   void even(double s0, double ds, int n, double* t) const {
     int n1 = below(s1, s0, ds, n), n2 = below(s2, s0, ds, n);
     if (n1 > 0) fill_root(t, n1, c00 + c01 * s0, c01 * ds, base0, sign0);
@@ -184,7 +172,8 @@ class StepSolver {
   }
 
   static double* extend(Steps& out, size_t n, int dir) {
-    size_t first = out.ticks.size(), wanted = first + n + 1;  // the compressor puts one behind them
+    // TimeLaw writes up to three behind them, the compressor puts one there.
+    size_t first = out.ticks.size(), wanted = first + n + 4;
     if (out.ticks.capacity() < wanted)
       out.ticks.reserve(std::max(wanted, out.ticks.capacity() * 3 / 2));
     if (out.runs.empty() || out.runs.back().dir != dir) out.runs.push_back({first, dir});
@@ -239,7 +228,7 @@ class StepSolver {
     int64_t ahead = count_ - crossings_.k0;
     auto owe = [&](double s) {
       size_t n = size_t(std::abs(ahead));
-      owed_.assign(n, s);
+      owed_.assign(n + 3, s);
       law.at(owed_.data(), int(n), extend(out, n, ahead > 0 ? -1 : 1));
       count_ -= ahead;
       ahead = 0;

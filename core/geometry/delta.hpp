@@ -20,7 +20,7 @@ class Delta : public Geometry {
     }
     Centre centre(double q) const { return {{x, y, q}, {0, 0, 1}, {0, 0, 0}, rod2, 0, 0}; }
     void centres(double q, double dq, int n, double* cx, double* cy, double* cz, double* r2) const {
-      for (int j = 0; j < n; ++j) cx[j] = x, cy[j] = y, cz[j] = q + dq * j, r2[j] = rod2;
+      for (int j = 0; j < in_fours(n); ++j) cx[j] = x, cy[j] = y, cz[j] = q + dq * j, r2[j] = rod2;
     }
   };
 

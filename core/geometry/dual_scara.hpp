@@ -36,7 +36,7 @@ class DualScara : public Geometry {
     }
     void centres(double q, double dq, int n, double* cx, double* cy, double* cz, double* r2) const {
       sincos_even(q * (kPi / 180), dq * (kPi / 180), n, cx, cy);
-      for (int j = 0; j < n; ++j) {
+      for (int j = 0; j < in_fours(n); ++j) {
         double s = cx[j], c = cy[j];
         cx[j] = shoulder + proximal * s, cy[j] = proximal * c, cz[j] = 0, r2[j] = distal * distal;
       }

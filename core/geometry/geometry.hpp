@@ -6,6 +6,8 @@
 #include <memory>
 #include <vector>
 
+#include "left_unset.hpp"
+
 namespace passo {
 
 // A straight line in XYZ: P(s) = p0 + (p1 - p0) * s / length, 0 ≤ s ≤ length. `length` is the
@@ -23,7 +25,7 @@ struct Crossings {
     int32_t dir;    // +1 or -1
   };
   int64_t k0 = 0;         // step count where the path begins
-  std::vector<double> s;  // path positions, ascending within 0…length
+  UnsetDoubles s;         // path positions, ascending within 0…length
   std::vector<Run> runs;  // maximal runs of one direction; empty if there is no step
   void clear() {
     k0 = 0;

@@ -42,7 +42,7 @@ class RotaryDelta : public Geometry {
     }
     void centres(double q, double dq, int n, double* cx, double* cy, double* cz, double* r2) const {
       sincos_even(q * (kPi / 180), dq * (kPi / 180), n, cz, cy);
-      for (int j = 0; j < n; ++j) {
+      for (int j = 0; j < in_fours(n); ++j) {
         double s = cz[j], c = cy[j];
         cx[j] = 0, cy[j] = shoulder - arm * c, cz[j] = -arm * s, r2[j] = rod2;
       }

@@ -38,7 +38,7 @@ class Scara : public Geometry {
     }
     void centres(double q, double dq, int n, double* cx, double* cy, double* cz, double* r2) const {
       sincos_even(q * (kPi / 180), dq * (kPi / 180), n, cy, cx);
-      for (int j = 0; j < n; ++j) {
+      for (int j = 0; j < in_fours(n); ++j) {
         double s = cy[j], c = cx[j];
         cx[j] = near * c, cy[j] = near * s, cz[j] = 0, r2[j] = far * far;
       }
@@ -64,7 +64,7 @@ class Scara : public Geometry {
     }
     void centres(double q, double dq, int n, double* cx, double* cy, double* cz, double* r2) const {
       sincos_even(q * (kPi / 180), dq * (kPi / 180), n, cy, cx);
-      for (int j = 0; j < n; ++j) {
+      for (int j = 0; j < in_fours(n); ++j) {
         double c = cx[j];
         cx[j] = cy[j] = cz[j] = 0;
         r2[j] = arm1 * arm1 + arm2 * arm2 + 2 * arm1 * arm2 * c;

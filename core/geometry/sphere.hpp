@@ -30,7 +30,7 @@ PASSO_SIMD inline void sphere_roots(double* __restrict s, const double* __restri
                                     double z, double ux, double uy, double uz, double sign,
                                     double lo, double hi) {
   double lambda = ux * ux + uy * uy + uz * uz, inverse = 1 / lambda;
-  for (int j = 0; j < n; ++j) {
+  for (int j = 0; j < in_fours(n); ++j) {
     double dx = x - cx[j], dy = y - cy[j], dz = z - cz[j];
     double b = ux * dx + uy * dy + uz * dz;
     double root = b * b - lambda * (dx * dx + dy * dy + dz * dz - r2[j]);
@@ -43,7 +43,8 @@ PASSO_SIMD inline void sphere_roots(double* __restrict s, const double* __restri
 
 // Kernel: void local(const double p[3], double out[3]), the point that goes along, affine in p;
 // double value(const double local[3]), q or NaN; Centre centre(double q);
-// void centres(double q, double dq, int n, cx, cy, cz, r2), C and R² at n even positions;
+// void centres(double q, double dq, int n, cx, cy, cz, r2), C and R² at in_fours(n) even
+// positions;
 // double sample_mm, the distance within which the actuator turns at most once.
 template <class Kernel>
 class SphereSolver {
@@ -145,14 +146,16 @@ class SphereSolver {
     int dir = steps > 0 ? 1 : -1;
     size_t n = size_t(steps * dir), first = out.s.size();
     if (out.runs.empty() || out.runs.back().dir != dir) out.runs.push_back({int32_t(first), dir});
-    out.s.resize(first + n);
-    static thread_local std::vector<double> buffer;
-    buffer.resize(4 * n);
-    double *cx = buffer.data(), *cy = cx + n, *cz = cy + n, *r2 = cz + n;
+    const size_t room = size_t(in_fours(int(n)));
+    out.s.resize(first + room + 3);  // TimeLaw reads up to three behind them
+    static thread_local UnsetDoubles buffer;
+    buffer.resize(4 * room);
+    double *cx = buffer.data(), *cy = cx + room, *cz = cy + room, *r2 = cz + room;
     k.centres((double(k0) + 0.5 * dir) / per_unit, dir / per_unit, int(n), cx, cy, cz, r2);
     double* s = out.s.data() + first;
     sphere_roots(s, cx, cy, cz, r2, int(n), line.p0[0], line.p0[1], line.p0[2], line.u[0],
                  line.u[1], line.u[2], side > 0 ? 1 : -1, lo, hi);
+    out.s.resize(first + n);
     for (size_t j = 1; j < n; ++j) s[j] = std::max(s[j], s[j - 1]);
     return q1;
   }

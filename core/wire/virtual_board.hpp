@@ -118,6 +118,11 @@ class VirtualBoard : public Bench {
   Shape shapes_[size_t(Command::end_)] = {};
   std::map<uint32_t, Part> parts_;  // by oid
   SerialParts serial_;
+  struct Timed {
+    uint32_t oid;
+    Part* part;
+  };
+  std::vector<Timed> timed_;         // all but the motors, which run in closed form
   std::vector<BoardMotor*> motors_;  // by oid, null where there is none
   std::vector<BoardOutput*> outputs_;
   uint64_t sequence_ = 0, frames_ = 0, naks_ = 0;
@@ -132,7 +137,7 @@ class VirtualBoard : public Bench {
 
   void schedule() {
     next_ = serial_.next();
-    for (auto& [oid, part] : parts_) next_ = std::min(next_, next_of(part));
+    for (const Timed& timed : timed_) next_ = std::min(next_, next_of(*timed.part));
   }
   static Ticks next_of(const Part& part) {
     return std::visit(
@@ -147,10 +152,10 @@ class VirtualBoard : public Bench {
   void run_until(Ticks now) {
     while (next_ <= now) {
       now_ = std::max(now_, next_);
-      for (auto& [oid, part] : parts_) {
-        if (next_of(part) > now_) continue;
+      for (const auto& [oid, part] : timed_) {
+        if (next_of(*part) > now_) continue;
         try {
-          run(oid, part);
+          run(oid, *part);
         } catch (const Shutdown& s) {
           shut_down(s.fault);
         }
@@ -437,10 +442,13 @@ class VirtualBoard : public Bench {
   template <class T>
   T& configure(uint32_t oid, T part) {
     check_oid(oid);
-    T& made = std::get<T>(parts_.emplace(oid, std::move(part)).first->second);
+    Part& kept = parts_.emplace(oid, std::move(part)).first->second;
+    T& made = std::get<T>(kept);
     if constexpr (std::is_same_v<T, BoardMotor>) {
       if (motors_.size() <= oid) motors_.resize(oid + 1);
       motors_[oid] = &made;
+    } else {
+      timed_.push_back({oid, &kept});
     }
     if constexpr (std::is_same_v<T, BoardOutput>) outputs_.push_back(&made);
     return made;
@@ -539,6 +547,7 @@ class VirtualBoard : public Bench {
         plant_.rebase(motor->step_pin, motor->net_at(now_));
       }
     }
+    timed_.clear();
     parts_.clear();
     serial_.clear();
     motors_.clear();
