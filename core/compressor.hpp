@@ -142,7 +142,7 @@ class Compressor {
   // Steps that have windows at a time: so a move of millions of steps takes little more memory than
   // their times. What is left of a block must hold the longest command.
   static constexpr size_t kBlock = 1 << 14;
-  static constexpr int kLook = 64;            // steps looked at first: most commands are shorter
+  static constexpr int kLook = 512;           // steps looked at first: most commands are shorter
   static constexpr double kIdle = 268435456;  // ticks: after a longer gap the clock is set anew
 
   double tolerance_, reversal_, least_, longest_, lead_, margin_;

@@ -54,19 +54,24 @@ struct StabbingTables {
 };
 inline constexpr StabbingTables kStabbing;
 
+// What follows the blocks is apart from them, so that each has the registers to itself.
 namespace pairs {
 using Vector = Lanes;
 #define PASSO_SEARCH_INLINE PASSO_INLINE
+#define PASSO_SEARCH_APART [[gnu::noinline]]
 #include "stabbing_search.hpp"
 #undef PASSO_SEARCH_INLINE
+#undef PASSO_SEARCH_APART
 }  // namespace pairs
 
 #if defined(PASSO_CHOOSES) || defined(__AVX2__)
 namespace wide {
 using Vector = WideLanes;
 #define PASSO_SEARCH_INLINE PASSO_INLINE_AVX2
+#define PASSO_SEARCH_APART [[gnu::noinline, gnu::target("avx2")]]
 #include "stabbing_search.hpp"
 #undef PASSO_SEARCH_INLINE
+#undef PASSO_SEARCH_APART
 }  // namespace wide
 #endif
 

@@ -1,6 +1,6 @@
 // The search for the longest command, a class. Included once for each kind of vectors, which are
-// Vector, with PASSO_SEARCH_INLINE as attribute of all that handles them: the compiler wants to
-// know at each function for which CPUs it is.
+// Vector, with PASSO_SEARCH_INLINE or PASSO_SEARCH_APART as attribute of all that handles them: the
+// compiler wants to know at each function for which CPUs it is.
 class Search {
  public:
   // As Stabbing::longest.
@@ -92,8 +92,8 @@ class Search {
 
   // The longest command of at most `count` steps, all within the first `blocks`.
   template <int blocks>
-  PASSO_SEARCH_INLINE Command finish(const double* hi, int count, double last,
-                                     double* executed) const {
+  PASSO_SEARCH_APART Command finish(const double* hi, int count, double last,
+                                    double* executed) const {
     Command command{0, 0, 0};
     for (; count >= 2 && command.count == 0; --count) command = shortened<blocks>(count);
     if (command.count == 0) command = single(hi, last);
@@ -126,6 +126,12 @@ class Search {
   // The next integer up or down; what is beyond one by rounding is let in.
   static double at_least(double x) { return round_even(x + (0.5 - kSlack)); }
   static double at_most(double x) { return round_even(x - (0.5 - kSlack)); }
+  PASSO_SEARCH_INLINE static Vector at_least(Vector x) {
+    return ((x + Vector(0.5 - kSlack)) + Vector(kRoundMagic)) - Vector(kRoundMagic);
+  }
+  PASSO_SEARCH_INLINE static Vector at_most(Vector x) {
+    return ((x - Vector(0.5 - kSlack)) + Vector(kRoundMagic)) - Vector(kRoundMagic);
+  }
 
   // A command of exactly `count` steps, if integers allow; else its count is 0. The largest add
   // ends latest.
@@ -149,7 +155,7 @@ class Search {
   }
 
   // Few adds are left: the longest of them.
-  PASSO_SEARCH_INLINE Command extend(const double* lo, const double* hi, int n, double last) const {
+  PASSO_SEARCH_APART Command extend(const double* lo, const double* hi, int n, double last) const {
     const double least = least_[kPairs], most = most_[kPairs], centre = middle(least, most);
     Command best{0, 0, 0};
     double high = 0;
@@ -165,30 +171,41 @@ class Search {
     return {best.count, at_most(high), best.add};
   }
 
-  // Number of steps that hold with this add, and the largest interval.
+  // Number of steps that hold with this add, and the largest interval; 0 if they are less than
+  // kPairs.
   PASSO_SEARCH_INLINE int reach(const double* lo, const double* hi, int n, double last, double add,
                                 double& high) const {
-    const Vector origin(last), stride(2 * add);
-    Vector x = Vector(add) * Vector::load(kStabbing.halves), lows(-kFar), highs(kFar);
+    const Vector origin(last), stride(2 * add), back(-kFar), far(kFar);
+    Vector x = Vector(add) * Vector::load(kStabbing.halves), lows = back, highs = far;
     int m = 0;
-    for (; m + 4 <= n; m += 4, x = x + stride) {
-      Vector r = Vector::load(kStabbing.reciprocal + m + 1);
-      Vector l = max(lows, (Vector::load(lo + m) - origin) * r - x);
-      Vector h = min(highs, (Vector::load(hi + m) - origin) * r - x);
-      if (at_least(l.most()) > at_most(h.least())) break;
-      lows = l;
-      highs = h;
+    for (; m < kPairs; m += 4, x = x + stride) {
+      lows = max(lows, Vector::load(low_ + m) - x);
+      highs = min(highs, Vector::load(high_ + m) - x);
     }
-    double low = lows.most();
+    if (at_least(lows.most()) > at_most(highs.least())) return 0;
+    for (; m < n; m += 4, x = x + stride) {
+      const Vector r = Vector::load(kStabbing.reciprocal + m + 1);
+      Vector l = (Vector::load(lo + m) - origin) * r - x,
+             h = (Vector::load(hi + m) - origin) * r - x;
+      const Vector all_lows = max(lows, l), all_highs = min(highs, h);
+      if (m + 4 > n || at_least(all_lows.most()) > at_most(all_highs.least())) {
+        // It holds for some of these four, as good as random how many: up to each of them, the
+        // bounds of all.
+        l = max(l, slide<1>(back, l));
+        l = max(max(l, slide<2>(back, l)), Vector(lows.most()));
+        h = min(h, slide<1>(far, h));
+        h = min(min(h, slide<2>(far, h)), Vector(highs.least()));
+        double upper[5] = {highs.least()};
+        h.store(upper + 1);
+        const unsigned crossed = above(at_least(l), at_most(h));
+        const int more = std::min(std::countr_zero(crossed | 16), n - m);
+        high = upper[more];
+        return m + more;
+      }
+      lows = all_lows;
+      highs = all_highs;
+    }
     high = highs.least();
-    for (; m < n; ++m) {
-      double r = kStabbing.reciprocal[m + 1], at = 0.5 * add * m;
-      double l = std::max(low, (lo[m] - last) * r - at),
-             h = std::min(high, (hi[m] - last) * r - at);
-      if (at_least(l) > at_most(h)) break;
-      low = l;
-      high = h;
-    }
     return m;
   }
 };
