@@ -228,19 +228,24 @@ class Link {
   uint64_t retransmitted_bytes() const { return window_.retransmitted_bytes(); }
   Lateness& lateness() { return lateness_; }
 
-  void feed(const uint8_t* data, size_t n, Ticks now) {
+  // Bytes from the board. False if these were nothing but acknowledgements that nothing waits for:
+  // then poll() has no more to send than it had.
+  bool feed(const uint8_t* data, size_t n, Ticks now) {
     Ticks clock = wake(now);
     uint64_t acked = window_.acked();
+    bool waited = keeps_ || timeline_ || !sync_.ready() || !window_.room(kPayloadMax);
     scanner_.feed(
         data, n,
         [&](uint8_t sequence, const uint8_t* payload, size_t size) {
-          if (window_.acknowledge(sequence, size == 0, now) && size > 0)
-            receive(payload, size, now);
+          if (!window_.acknowledge(sequence, size == 0, now) || size == 0) return;
+          receive(payload, size, now);
+          waited = true;
         },
         [] {});
     if (sync_.ready())
       for (; acked < window_.acked(); ++acked)
         lateness_.arrived(acked, !window_.sent_once(acked), clock);
+    return waited || window_.refused();
   }
   // The cable takes no bytes now, so poll() has to wait.
   void cable_full(Ticks now) {
@@ -266,7 +271,7 @@ class Link {
       now_queue_.back().second = Asks::state;
       queried_ = true;
     }
-    while (window_.room(kPayloadMax) && fill_frame(clock)) {
+    for (bool more = true; more && window_.room(kPayloadMax) && fill_frame(clock, more);) {
       if (holds_question_) question_ = window_.next();
       if (holds_query_) query_ = window_.next(), queried_ = false;
       if (holds_command_) last_command_ = window_.next();
@@ -367,8 +372,8 @@ class Link {
     return job_.short_of_slots() ? Cause::slots : Cause::plan;
   }
 
-  // Puts into the open frame what may go; true if it is to leave now.
-  bool fill_frame(Ticks clock) {
+  // Puts into the open frame what may go; true if it is to leave now. `more`: there may be another.
+  bool fill_frame(Ticks clock, bool& more) {
     uint8_t* payload = window_.payload();
     while (!now_queue_.empty()) {
       const auto& [command, asks] = now_queue_.front();
@@ -388,7 +393,8 @@ class Link {
         return word;
       };
       auto filled = job_.fill(payload, open_size_, open_first_, open_need_, clock, word);
-      if (filled == JobStream::Fill::full) return true;
+      more = filled == JobStream::Fill::full;
+      if (more) return true;
       if (filled == JobStream::Fill::complete) return open_size_ > 0;
     }
     if (open_size_ == 0) return false;

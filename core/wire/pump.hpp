@@ -136,14 +136,14 @@ class Pump {
       double answered = clock(sampled);
       const bool heard = !end.up.empty();
       moved |= !end.down.empty() || heard;
-      if (heard) end.link->feed(end.up.data(), end.up.size(), now);
+      const bool again = heard && end.link->feed(end.up.data(), end.up.size(), now);
       end.up.clear();
       if (sampled) {
         double reading = asked - begun;  // what the clock itself takes
         device_cpu_ += answered - sent - reading;
         link_cpu_ += sent - asked + clock(true) - answered - 2 * reading;
       }
-      if (!heard) return next;
+      if (!again) return next;
     }
   }
   double clock(bool sampled) const { return sampled ? cpu_clock_() : 0; }

@@ -54,6 +54,8 @@ class Window {
   bool idle() const { return next_ == acked_; }
   // What the board has not acknowledged yet was sent more than once.
   bool resending() const { return !idle() && blocks_[acked_ & kSequenceMask].again; }
+  // The board has refused a frame, which poll() sends again.
+  bool refused() const { return resend_; }
   uint64_t next() const { return next_; }
   uint64_t acked() const { return acked_; }
   uint64_t retransmitted_bytes() const { return retransmitted_bytes_; }
