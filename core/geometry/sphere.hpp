@@ -41,6 +41,12 @@ PASSO_SIMD inline void sphere_roots(double* __restrict s, const double* __restri
   }
 }
 
+PASSO_SIMD inline bool ascending(const double* s, int n) {
+  int falls = 0;
+  for (int j = 1; j < n; ++j) falls |= s[j] < s[j - 1];
+  return !falls;
+}
+
 // Kernel: void local(const double p[3], double out[3]), the point that goes along, affine in p;
 // double value(const double local[3]), q or NaN; Centre centre(double q);
 // void centres(double q, double dq, int n, cx, cy, cz, r2), C and R² at in_fours(n) even
@@ -156,7 +162,8 @@ class SphereSolver {
     sphere_roots(s, cx, cy, cz, r2, int(n), line.p0[0], line.p0[1], line.p0[2], line.u[0],
                  line.u[1], line.u[2], side > 0 ? 1 : -1, lo, hi);
     out.s.resize(first + n);
-    for (size_t j = 1; j < n; ++j) s[j] = std::max(s[j], s[j - 1]);
+    if (!ascending(s, int(n)))  // by rounding
+      for (size_t j = 1; j < n; ++j) s[j] = std::max(s[j], s[j - 1]);
     return q1;
   }
 };
