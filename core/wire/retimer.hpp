@@ -52,12 +52,7 @@ class Retimer {
   void retime(const Message& m) {
     if (m.kind == MessageKind::tail) return tail(m);
     map_.use(double(m.end_clock));
-    if (m.kind == MessageKind::queue_step) {
-      Motor& motor = motors_[m.target];
-      steps(m, motor.way);
-      motor.tail.reset();
-      return;
-    }
+    if (m.kind == MessageKind::queue_step) return steps(m, motors_[m.target].way);
     Message mapped = m;
     mapped.clock = mapped.end_clock = clock_of(m.clock);
     if (m.kind == MessageKind::set_dir) motors_[m.target].way.turning = true;
@@ -83,7 +78,9 @@ class Retimer {
   struct Motor {
     Apart apart;
     Way way{};
-    std::optional<Way> tail{};  // on the way to a stop, in the tail that is being told
+    // On the way to a stop, in the tail that is being told. Its commit is always behind it: what is
+    // revoked is later than all that was taken.
+    std::optional<Way> tail{};
 
     Motor() = default;
     explicit Motor(Apart a) : apart(a) {}

@@ -75,6 +75,20 @@ class LosingLink:
         return self.seen - 1 not in self._lost
 
 
+class SpoilingLink(LosingLink):
+    """One whose SPI device has the lowest bits of one answer wrong."""
+
+    def __init__(self, bench: Bench, spoilt: int) -> None:
+        super().__init__(bench, REPORTS["TMC2130"], (spoilt,))
+
+    def take_responses(self):
+        taken = self._link.take_responses()
+        for name, values in taken:
+            if name == self._report and not self._arrives():
+                values["response"] = values["response"][:-1] + b"\7"
+        return taken
+
+
 @pytest.mark.parametrize("chip", WIRES)
 def test_any_answer_that_is_lost_at_the_start_spoils_nothing(chip: ChipName):
     """Of SPI an answer is that to the question before; by UART the chip counts what it was told."""
@@ -226,3 +240,28 @@ def test_an_answer_that_the_wire_loses_is_asked_for_again(chip: ChipName):
     passes(made, drivers, 3)
     assert failure(drivers) == ""
     assert drivers.states["x"].reading == (0, 0x8000_0001)
+
+
+@pytest.mark.parametrize("chip", WIRES)
+@pytest.mark.parametrize("lost", range(4))
+def test_a_reset_is_told_of_though_an_answer_is_lost(chip: ChipName, lost: int):
+    """A TMC2130 forgets it as it tells of it."""
+    made, drivers = bench(chip)
+    drivers.configure()
+    made.simulated.drivers["x"].power_on()
+    made.connection.link = LosingLink(made, REPORTS[chip], (lost,))
+    drivers.begin_status("x")
+    passes(made, drivers, 3)
+    reading = drivers.states["x"].reading
+    assert reading is not None and reading.gstat == 1
+
+
+@pytest.mark.parametrize("chip", ["TMC2130", "TMC5160"])
+@pytest.mark.parametrize("spoilt", range(8))
+def test_one_damaged_answer_by_spi_is_no_fault(chip: ChipName, spoilt: int):
+    made, drivers = bench(chip)
+    drivers.configure()
+    made.connection.link = SpoilingLink(made, spoilt)
+    drivers.begin_status("x")
+    passes(made, drivers, 1)
+    assert drivers.states["x"].reading == (0, 0)

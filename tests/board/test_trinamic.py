@@ -9,7 +9,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 from tests.oracles import trinamic
 
-from passo.board.trinamic import DriverSettings, Reading, findings, open_coils, threshold_of
+from passo.board.trinamic import (
+    DriverFailure,
+    DriverLink,
+    DriverSettings,
+    Reading,
+    SpiWire,
+    findings,
+    open_coils,
+    threshold_of,
+)
 from passo.board.trinamic import registers as r
 from passo.board.trinamic.current import current_numbers
 from passo.board.trinamic.datagrams import (
@@ -159,3 +168,11 @@ def test_findings(chip, gstat, status, codes):
 def test_open_coils():
     assert open_coils("TMC2209", Reading(0, 1 << 7)) == ["B"]
     assert open_coils("TMC5160", Reading(0, 3 << 29)) == ["A", "B"]
+
+
+def test_a_wire_that_is_always_low_is_no_driver():
+    exchange = DriverLink("x", "TMC5160", SpiWire(0), "PG2").status()
+    next(exchange)
+    with pytest.raises(DriverFailure, match="does not answer"):
+        for _ in range(100):
+            exchange.send(bytes(5))

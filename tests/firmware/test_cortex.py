@@ -257,6 +257,32 @@ def test_outputs_sensors_and_the_shutdown(case: Case) -> None:
     assert host.send("get_config")["config"]["is_shutdown"] == 1
 
 
+def test_an_input_that_is_asked_no_more_leaves_the_converter_to_others(case: Case) -> None:
+    host = case.host()
+    inputs = board_target(case.board).chip.adc
+    other = next(pin for pin in inputs if pin not in (case.sensor[0], *TAKEN))
+    host.send(
+        "allocate_oids count=2",
+        f"config_analog_in oid=0 pin={case.sensor[0]}",
+        f"config_analog_in oid=1 pin={other}",
+        "finalize_config crc=1",
+    )
+    us = case.hz // 1_000_000
+    asked = "query_analog_in oid={} clock={} sample_ticks={} sample_count={} rest_ticks={}"
+    limits = " bytes_per_report=2 min_value=0 max_value=65535 range_check_count=0"
+
+    def ask(oid: int, count: int) -> str:
+        start = host.chip.clock + 400 * us
+        return asked.format(oid, start, 15 * us, count, case.hz // 2) + limits
+
+    for trial in range(12):
+        host.send(ask(0, 200), seconds=0.0008 + trial * 1e-6)
+        host.send(ask(0, 0))  # now, while one of its samples is under way, most probably
+        reports = host.send(ask(1, 1), seconds=0.002)
+        assert reports["analog_in_state"]["oid"] == 1
+        host.send(ask(1, 0))
+
+
 def test_fully_on_has_no_gap(case: Case) -> None:
     host = finalized(case)
     host.send(f"queue_pwm_out oid=3 clock={host.chip.clock + case.hz // 100} value=255")

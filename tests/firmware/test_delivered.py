@@ -1,5 +1,5 @@
-"""What the host believes that a board alone has of the job: what the board has said, never the mere
-acknowledgement of a commit behind which the machine stands."""
+"""What the host believes that a board has of the job: what the board has said, never the mere
+acknowledgement of a commit behind which the machine stands; and what it waits for among several."""
 
 from __future__ import annotations
 
@@ -16,18 +16,32 @@ DELAY = MS // 2
 
 
 class Print:
-    """One move and its commit, on the way to the firmware."""
+    """One move and its commit, on the way to the firmware: of a board alone, or of one of several.
+    `commits` are further ones in its midst, behind so many of its steps."""
 
-    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+    def __init__(
+        self,
+        monkeypatch: pytest.MonkeyPatch,
+        timeline: _core.Timeline | None = None,
+        commits: tuple[int, ...] = (),
+    ) -> None:
         monkeypatch.setattr(Kind, "firmware", "passo")
         self.bench = Bench()
         connection = self.bench.connection
+        if timeline is not None:
+            connection.join(timeline, main=True, tolerance_s=0.0)
         connection.use_commits(0.2)
         connection.command("survive_arm")
         self.bench.link.begin_commits(True)
         self.plan = Planner()
         self.plan.steps(0, True, HZ // 2, 1, lead=200)
-        self.plan.steps(0, True, 10_000, STEPS - 1)
+        serial, done = SERIAL - len(commits), 1
+        for steps in commits:
+            self.plan.steps(0, True, 10_000, steps - done)
+            at = self.plan.clocks[0][-1]
+            self.plan.queue.push(_core.MessageKind.COMMIT, 0, at, at, interval=serial)
+            serial, done = serial + 1, steps
+        self.plan.steps(0, True, 10_000, STEPS - done)
         self.end = self.plan.clocks[0][-1]
         self.plan.queue.push(
             _core.MessageKind.COMMIT, 0, self.end, self.end, interval=SERIAL, dir=True
@@ -112,3 +126,58 @@ def test_a_commit_that_was_acknowledged_as_other_bytes_is_not_delivered(monkeypa
     p.run(1.5)
     assert p.delivered == [] and p.bench.link.alone
     assert p.steps() == 0
+
+
+def run_all(boards: list[Print], seconds: float) -> None:
+    until = boards[0].wire.now + int(seconds * HZ)
+    while (last := min(boards, key=lambda p: p.wire.now)).wire.now < until:
+        last.run(0)
+
+
+def sent(p: Print) -> list[tuple[int, list[str]]]:
+    """The frames that have left so far: when, and the commands in each."""
+    found = []
+    for at, data in p.wire.sent:
+        for frame in _core.FrameScanner().feed(data):
+            assert frame is not None
+            found.append((at, [name for name, _ in p.commands.decode(frame[1])]))
+    return found
+
+
+def words(p: Print) -> list[int]:
+    return [at for at, names in sent(p) if "survive_commit" in names]
+
+
+def test_the_word_for_a_commit_waits_until_all_boards_have_what_belongs_to_it(monkeypatch):
+    timeline = _core.Timeline()
+    a, b = (Print(monkeypatch, timeline) for _ in range(2))
+    held = bytearray()
+    a.wire.spoil_answers = lambda data: held.extend(data) or b""
+    run_all([a, b], 0.65)  # it could have left by then
+    assert words(a) == words(b) == []
+    a.wire.spoil_answers = lambda data: data
+    a.bench.link.feed(bytes(held), a.wire.now)
+    run_all([a, b], 1.0)
+    for p in (a, b):
+        assert len(words(p)) == 1
+        assert p.delivered and p.steps() == STEPS
+
+
+def test_it_waits_also_where_all_of_it_leaves_late(monkeypatch):
+    p = Print(monkeypatch, _core.Timeline())
+    p.wire.now += int(0.6 * HZ)
+    p.run(1.0)
+    moved = max(at for at, names in sent(p) if "queue_step" in names)
+    assert words(p)[0] >= moved + 2 * DELAY  # acknowledged by then
+    assert p.delivered and p.steps() == STEPS
+
+
+def test_the_word_for_a_commit_waits_until_the_board_has_taken_the_one_before(monkeypatch):
+    p = Print(monkeypatch, _core.Timeline(), commits=(30,))
+    p.wire.spoil_answers = p.without_states
+    p.run(0.65)  # both could have left by then, and the board would brake a while later
+    assert len(words(p)) == 1
+    p.wire.spoil_answers = lambda data: data
+    p.run(1.0)
+    assert len(words(p)) == 2
+    assert p.delivered and p.steps() == STEPS

@@ -194,6 +194,8 @@ def test_a_missing_program_is_told_before_hands_do_anything(tools: Path, image: 
         ("a.hex", 2 * intel_hex().encode(), "ramps", "expected the content of a .hex file"),
         ("a.elf", b"\x7fELF\1\1\1", "stm32f407-discovery", "expected the content of a .elf file"),
         ("a.uf2", UF2 + UF2[:-1], "pico", "expected the content of a .uf2 file"),
+        ("a.uf2", uf2(bytes(512), 0x1000_0000)[:512], "pico", "expected the content of a .uf2"),
+        ("a.elf", elf(0x0800_0000, bytes(64))[:-1], "stm32f407-discovery", "content of a .elf"),
     ],
 )
 def test_files_that_are_no_image(

@@ -234,6 +234,8 @@ def segments(elf: bytes) -> list[Segment]:
     for at in range(offset, offset + size * count, size):
         kind, begin, run, load, in_file, in_memory = struct.unpack_from("<6I", elf, at)
         if kind == _LOAD and in_memory:
+            if begin + in_file > len(elf):
+                raise FirmwareError("the ELF file is cut short")
             parts.append(Segment(load, run, elf[begin : begin + in_file], in_memory))
     return parts
 

@@ -59,10 +59,12 @@ def _of_hex(data: bytes) -> Iterator[tuple[int, bytes]]:
 
 def _of_uf2(data: bytes) -> Iterator[tuple[int, bytes]]:
     for at in range(0, len(data), _UF2_BLOCK):
-        first, second, flags, address, count = struct.unpack_from("<5I", data, at)
+        first, second, flags, address, count, _, blocks = struct.unpack_from("<7I", data, at)
         (end,) = struct.unpack_from("<I", data, at + _UF2_BLOCK - 4)
         if (first, second, end) != _UF2_MAGIC or count > _UF2_MOST:
             raise ValueError("a damaged block")
+        if blocks * _UF2_BLOCK > len(data):
+            raise ValueError("blocks are missing")
         if not flags & _UF2_NOT_FLASH:
             yield address, data[at + 32 : at + 32 + count]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
 
 from passo.toolchain.build import firmware_folder
@@ -107,7 +108,7 @@ def _in_order(found: Declarations) -> list[tuple[str, str]]:
 
 
 def _parameters(text: str) -> str:
-    return " ".join(f"`{word}`" for word in text.split(" ")[1:]).replace("*s`", "s`")
+    return " ".join(f"`{re.sub(r'[.]?[*]s', 's', word)}`" for word in text.split(" ")[1:])
 
 
 def _meaning(name: str, text: str) -> str:

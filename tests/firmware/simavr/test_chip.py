@@ -153,6 +153,28 @@ def test_each_analog_input_is_read_at_its_own_pin():
     chip.close()
 
 
+def test_an_input_that_is_asked_no_more_leaves_the_converter_to_others():
+    chip = bench()
+    chip.set_voltage(0, 1.0)
+    chip.set_voltage(1, 3.0)
+    sensors = (Sensor("a", "PF0", TABLE), Sensor("b", "PF1", TABLE))
+    connection = AvrConnection(BoardDescription(HZ, sensors=sensors), chip)
+    connection.connect()
+    asked = "query_analog_in oid=0 clock={} sample_ticks=2000 sample_count={} rest_ticks=1600000"
+    limits = " bytes_per_report=2 min_value=0 max_value=65535 range_check_count=0"
+    for trial in range(4):
+        connection.command(asked.format(connection.now + HZ // 100, 60) + limits)
+        # For more than 10 ms one sample or another is under way.
+        connection.run(connection.now + HZ // 50 + 391 * trial)
+        connection.command(asked.format(0, 0) + limits)
+        connection.run(connection.now + HZ // 100)
+        connection.take_responses("analog_in_state")
+        connection.run(connection.now + HZ * 7 // 10)
+        told = connection.take_responses("analog_in_state")
+        assert {values["oid"] for _, values in told} == {1}
+    chip.close()
+
+
 def test_inputs_are_read_with_and_without_pull_up():
     chip = bench()
     description = BoardDescription(HZ, endstops=(Endstop("a", "^PE4"), Endstop("b", "!PD3")))

@@ -26,6 +26,7 @@ from passo.config.trinamic import ChipName
 from passo.errors import Problem
 
 _TRIES = 5
+_RESET = 1  # of GSTAT
 _SHOWN = (r.GCONF, r.CHOPCONF)  # registers that every chip reads back as they were written
 
 
@@ -140,12 +141,22 @@ class DriverLink:
         """Asks how it is."""
         gstat = yield from self._read(r.GSTAT)
         status = yield from self._read(r.DRV_STATUS)
-        if not self.wire.checked:
-            status &= yield from self._read(r.DRV_STATUS)  # what is wrong must be said twice
-        reading = Reading(gstat, status)
-        if not any(reading):
+        if not self.wire.checked:  # what is wrong must be said twice
+            gstat &= yield from self._read(r.GSTAT)
+            status &= yield from self._read(r.DRV_STATUS)
+        if gstat == status == 0:
             yield from self._identify()  # a wire that is always low says that all is well
-        return reading
+        if not self.wire.checked and (yield from self._is_off()):
+            gstat |= _RESET
+        return Reading(gstat, status)
+
+    def _is_off(self) -> Exchange[bool]:
+        """As a chip on SPI is after a reset, of which a TMC2130 tells only once."""
+        toff = r.CHIPS[self.chip].fields[r.CHOPCONF]["toff"]
+        for _ in range(2):
+            if toff.of((yield from self._read(r.CHOPCONF))) != 0:
+                return False
+        return True
 
     def _identify(self) -> Exchange[None]:
         chip, found = r.CHIPS[self.chip], 0
