@@ -3,6 +3,8 @@
 import pytest
 from tests.console.scenario import Scenario
 
+from passo.job.journal import Journal
+
 
 def printed_lines(tmp_path, machine, lines, state=None):
     """Where all is at the end, if the file is gone on with after each of its bad lines."""
@@ -68,6 +70,59 @@ def test_a_print_goes_on_behind_it_after_a_power_cut_too(tmp_path, bad):
         s.host.expect("echo:Printing a.g from line 1[0-9]$", 60)
         s.host.expect("Done printing file", 60)
         assert s.positions()["x"] == 30.0
+
+
+@pytest.mark.parametrize("meanwhile", [(), ("M104 S0", "G1 Z30 F3000"), ("M84",)])
+def test_a_print_that_stands_at_it_is_offered_after_a_power_cut(tmp_path, meanwhile):
+    places = {"card": str(tmp_path), "state": str(tmp_path / "state")}
+    lines = ["M302 P1", "G28", "M83", "G1 Y20 Z0.2 F3000", "M104 S60", *WAY[:10], "T7", *WAY[10:]]
+    (tmp_path / "a.g").write_text("\n".join(lines) + "\n")
+    with Scenario("i3", **places) as s:
+        s.host.ok("M32 a.g")
+        s.host.expect("Print of a.g stopped: a.g:16: ", 60)
+        for line in meanwhile:
+            s.host.ok(line, 60)
+        s.passes(5)
+        left = s.positions()
+    with Scenario("i3", **places) as s:
+        for stepper in "xyz":
+            s.board.place(stepper, left[stepper])
+        s.host.ok("M302 P1")
+        assert "a.g was interrupted at line 15. M1000 goes on" in s.printer.greeting()
+        s.host.send("M1000")
+        s.host.expect("echo:Printing a.g from line 15$", 600)
+        assert s.board.temperature("hotend") > 57
+        s.host.expect("Print of a.g stopped: a.g:16: ", 60)
+        s.host.ok("M24")
+        s.host.expect("Done printing file", 60)
+        assert s.positions()["x"] == 30.0
+        assert s.positions()["z"] == pytest.approx(0.2, abs=0.02)
+    assert Journal(tmp_path / "state").read() is None
+
+
+@pytest.mark.parametrize("end", ["M524", "M23 b.g", "M22", "M26 S0", "M32 b.g", "M410"])
+def test_a_print_that_is_given_up_is_not(tmp_path, end):
+    places = {"card": str(tmp_path), "state": str(tmp_path / "state")}
+    (tmp_path / "a.g").write_text("G28\nG1 X20 F6000\nG1 X9999\nG1 X40\n")
+    (tmp_path / "b.g").write_text("G1 X10 F6000\n")
+    with Scenario("i3", **places) as s:
+        s.host.ok("M32 a.g")
+        s.host.expect("" if end == "M410" else "Print of a.g stopped", 60)
+        s.passes(3)
+        s.host.ok(end)
+        s.passes(3)
+        assert Journal(tmp_path / "state").read() is None
+
+
+def test_a_print_that_could_do_nothing_does_not_keep_the_next_one_from_starting(tmp_path):
+    places = {"card": str(tmp_path), "state": str(tmp_path / "state")}
+    (tmp_path / "auto0.g").write_text("T7\n")
+    for _ in range(2):
+        with Scenario("i3", **places) as s:
+            assert s.printer.greeting() == ""
+            s.host.expect("At its densest the file takes", 10)
+            s.passes(1)
+            assert s.host.ok("M27")[0] == "Not SD printing"
 
 
 def test_an_axis_is_told_where_it_is_when_the_machine_stands():

@@ -70,6 +70,22 @@ def test_a_pause_that_is_taken_back_while_axes_home_is_none(start):
     assert prints_to_its_end(s) == END["e"]
 
 
+@pytest.mark.parametrize("command", ["M600", "M601"])
+@pytest.mark.parametrize("stop", ["M524", "M410", "M25 M26"])
+def test_cancelled_on_the_way_to_a_pause_of_its_own(start, command, stop):
+    """What was to come behind the moves that were cut does not come: nobody is asked, nor waits."""
+    s = start(HEAD + f"G1 X100 Y100 F3000\nG1 X10 F900\n{command}\nG1 X90\n", after=14)
+    assert not s.printer.drive.standing
+    s.host.send(*stop.split())
+    s.passes(1)
+    at = s.positions()
+    s.passes(5)
+    assert s.positions() == at
+    assert not s.printer.job.suspended
+    assert not [x for x in s.host.heard if x.startswith("// action:p") and x != "// action:paused"]
+    s.host.ok("G1 X90 F3000", 5)
+
+
 def test_cancelled_while_a_console_heats_in_a_pause(start):
     s = start()
     other = Host(s)

@@ -75,6 +75,32 @@ def test_a_machine_that_was_homed_without_the_offset_of_its_print(places, tmp_pa
         assert s.positions()["z"] == pytest.approx(HEIGHT_MM - 0.2, abs=0.01)
 
 
+@pytest.mark.parametrize(
+    "line", ["M24", "M23 b.g", "M32 b.g", "M26 S0", "M21", "M22", "M30 wall.gcode"]
+)
+@pytest.mark.parametrize("seconds", [1.0, 6.0])
+def test_no_other_console_takes_its_file_away_meanwhile(places, tmp_path, line, seconds):
+    (tmp_path / "card" / "b.g").write_text("G4 P100\n")
+    with again(places, cut(places)) as s:
+        s.host.send("M1000")
+        s.passes(seconds)
+        told = Host(s).ok(line)
+        assert ("SD card ok" if line == "M21" else "wall.gcode") in told[0]
+        s.host.expect("echo:Printing wall.gcode from line 7[0-9]$", 600)
+        s.host.expect("Done printing", 300)
+        assert s.positions()["z"] == pytest.approx(HEIGHT_MM, abs=0.03)
+        assert s.positions()["e"] == pytest.approx(14.7, abs=0.1)
+
+
+def test_m524_ends_it(places):
+    with again(places, cut(places)) as s:
+        s.host.ok("M140 S60")
+        tried(s, 3.0, "M524")
+        assert s.printer.drive.standing
+        assert s.printer.connection.heaters["bed"].target == 0
+        ends_at_its_height(s)
+
+
 def test_motors_that_were_off_since_they_homed_tell_nothing_new(places):
     with again(places, cut(places)) as s:
         s.host.ok("G28", 100)

@@ -97,7 +97,7 @@ class CardCommands:
         return self._there(AUTOSTART)
 
     def _mount(self, _: str, reply: Reply) -> None:
-        if self._card is None or not self._runner.active:
+        if self._card is None or not self._runner.engaged:
             self.mount()
         reply.say("SD card ok")
 

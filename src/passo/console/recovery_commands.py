@@ -37,6 +37,7 @@ class RecoveryCommands:
         self._recorded = Moment(0, 0.0)
         self._seen_z_mm = 0.0
         self._settlings = 0
+        self._paused = False
         self._interrupted = self._journal.read()
         self._program: Program | None = None  # that was begun last
         self.instead = ""  # what was not done because of it, to be told with the offer
@@ -69,15 +70,29 @@ class RecoveryCommands:
         return f" from X {x:g} Y {y:g}: without switches it must be moved there by hand first"
 
     def _job_changed(self, state: State) -> None:
+        resumed, self._paused = self._paused, state is State.PAUSED
         if state is State.PRINTING:
-            if self._interrupted is not None or not self._journal.open:
+            if not (resumed and self._journal.open):
                 self._begin()
         elif state is not State.PAUSED:
-            if self._printer.halted:
-                self._journal.leave()
-                self._interrupted = self._journal.read()
-            elif self._journal.open and self._interrupted is None:
-                self._end()
+            self._over()
+
+    def _over(self) -> None:
+        """No print is under way. One that stands at a line that failed can still be gone on with,
+        also after a power cut; if nothing has moved yet, it begins anew."""
+        if not self._journal.open or self._interrupted is not None:
+            return
+        if self._printer.halted:
+            self._journal.leave()
+            self._interrupted = self._journal.read()
+        elif not (self._runner.stands and self._has_moved()):
+            self._end()
+
+    def _has_moved(self) -> bool:
+        """A move of the print has begun, or is to come though it stands."""
+        printer = self._printer
+        line = self._recorded.line or printer.job.line_at(printer.drive.now)
+        return line > 1 or not printer.drive.standing
 
     def _begin(self) -> None:
         """Before the first line of a print is read."""
@@ -108,8 +123,10 @@ class RecoveryCommands:
 
     def _time_passed(self) -> None:
         printer, active = self._printer, self._runner.active
+        if not active:
+            self._over()
         waits = None if active else self._interrupted
-        if not (waits or (active and self._journal.open)) or printer.homer.active:
+        if not (waits or self._journal.open) or printer.homer.active:
             return
         if printer.connection.unheard_s > _UNHEARD_S:
             return
@@ -128,17 +145,15 @@ class RecoveryCommands:
         early = drive.now_s < self._recorded.print_s + EVERY_S
         if early and not elsewhere and not self._z_matters(before):
             return
-        moment = self._moment(line or self._runner.first_line, self._seen_z_mm)
+        last = self._recorded
+        moment = self._moment(line or last.line, self._seen_z_mm)
+        # Heaters that are switched off meanwhile are wanted again for the print.
         if self._runner.state is State.PAUSED:
-            # Heaters that are switched off meanwhile are wanted again for the print.
-            moment = replace(
-                self._recorded,
-                z_mm=moment.z_mm,
-                overrides=moment.overrides,
-                babysteps_mm=moment.babysteps_mm,
-                origins=moment.origins,
-            )
-        if replace(moment, print_s=self._recorded.print_s) != self._recorded:
+            moment = replace(moment, line=last.line, print_s=last.print_s, targets_c=last.targets_c)
+        elif not self._runner.active:
+            wanted = {n: c or last.targets_c.get(n, 0.0) for n, c in moment.targets_c.items()}
+            moment = replace(moment, targets_c=wanted)
+        if replace(moment, print_s=last.print_s) != last:
             self._record(moment)
 
     def _keep_z(self, program: Program, moment: Moment) -> None:
@@ -223,7 +238,9 @@ class RecoveryCommands:
         self._program = program
         try:
             recovery = Recovery(self._printer, program, moment, reader)
-            self._runner.seek(await recovery.run())
+            with self._runner.keep():
+                offset = await recovery.run()
+            self._runner.seek(offset)
         except (PassoError, Stopped):
             self._runner.seek(0)
             for heater in self._printer.heaters:

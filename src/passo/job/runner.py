@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from enum import Enum
 from types import MappingProxyType
@@ -77,6 +78,7 @@ class Runner:
         self._again = False  # to be started as soon as the last print has ended
         self._failed = ""
         self._left = False  # a print that failed could be gone on with
+        self._kept = False  # nobody else may select, rewind or start a file
         self._state = State.NONE
         self.watchers: list[Callable[[State], None]] = []
         self.name = self.path = ""
@@ -131,9 +133,19 @@ class Runner:
         return self.state in (State.PRINTING, State.PAUSED)
 
     @property
+    def engaged(self) -> bool:
+        """A print is under way, paused, or about to be gone on with."""
+        return self.active or self._kept
+
+    @property
     def over(self) -> bool:
         """No print is under way, paused, or failed and to be gone on with."""
-        return not (self.active or self._left)
+        return not (self.engaged or self._left)
+
+    @property
+    def stands(self) -> bool:
+        """A line has failed, or the card, in the midst of the print, which goes on behind it."""
+        return self._left and self.offset > 0
 
     # -- what may be done -------------------------------------------------------------------------
 
@@ -166,6 +178,16 @@ class Runner:
             raise CommandError.of("job.no-file")
         offset = min(max(offset, 0), self._reader.size)
         self._rewind(offset, line_of_offset(self._reader, offset))
+
+    @contextmanager
+    def keep(self) -> Generator[None]:
+        """The selected file stays as it is while the machine is brought to where it goes on."""
+        self._refuse_if_active()
+        self._kept = True
+        try:
+            yield
+        finally:
+            self._kept = False
 
     def start(self) -> None:
         """Starts the selected file where it stands, or ends a pause. Raises CommandError."""
@@ -236,7 +258,9 @@ class Runner:
         self._again = False
         printer = self._printer
         if not self.active:
-            if self._left and not printer.halted:
+            if self._kept:
+                printer.stop_all("cancelled")
+            elif self._left and not printer.halted:
                 self._cool()
                 self._rewind(0)
             return
@@ -262,7 +286,7 @@ class Runner:
         printer.drive.after_moves()
 
     def _refuse_if_active(self) -> None:
-        if self.active:
+        if self.engaged:
             raise CommandError.of("job.printing", value=self.name)
 
     def _rewind(self, offset: int, line: int = 1) -> None:

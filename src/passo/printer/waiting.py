@@ -96,7 +96,8 @@ class Waiting:
             with self._printer.dark():
                 if not await self._still(aside):
                     return False
-                if isinstance(wait, Homing):
+                # Who is tired of the moves still wants what comes behind them, unless it homes.
+                if isinstance(wait, Homing) or not self._impatient:
                     self._raise_if_ended()
                 await self._at_rest(wait, reply)
         self._printer.raise_if_halted()
