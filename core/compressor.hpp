@@ -137,7 +137,7 @@ class Compressor {
 
  private:
   static constexpr double kLongestSeconds =
-      0.1;  // span of a command: bounds what waits for more steps
+      0.06;  // span of a command: bounds what waits for more steps, and how long a hold waits
   static constexpr double kLeadSeconds = 0.02;  // a command is due this long before its first step
   // Steps that have windows at a time: so a move of millions of steps takes little more memory than
   // their times. What is left of a block must hold the longest command.

@@ -53,9 +53,9 @@ def test_the_example_on_the_i3(capsys, unpacked):
 
 
 GOLDEN = {
-    ("demo", "i3"): "e0802807b5b52a8b",
-    ("gear_arcs", "mk3s"): "a1c1f5b0906e9640",
-    ("plate_toolchanger", "dual-extruder"): "86559042130e33d7",
+    ("demo", "i3"): "12c689018ac30885",
+    ("gear_arcs", "mk3s"): "fa1bab0c517769f6",
+    ("plate_toolchanger", "dual-extruder"): "f4df9f36a5731a93",
 }
 
 

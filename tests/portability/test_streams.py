@@ -25,15 +25,15 @@ BUILDS = {
     ),
 }
 EXPECTED = """\
-cartesian 19800 1cdf9016c1bae34a
-corexy 22211 4d56f199dd442c69
-delta 42770 968968dff64a6245
-rotary_delta 37448 2f0698b73cc3ebcf
-scara 30962 d3eef1f9024712ab
-short of commands 19751 ae97b74d2c8d6b95
-above a bent bed 43466 37a947c49ae82e46
-demo 232871 b2e82d8d86477f2a
-gear_arcs 378448 c71c859156da914a
+cartesian 22493 6e3c6b1a538b6c82
+corexy 24568 72a81fb4ccbc3b8f
+delta 43381 290df8468d7b82a4
+rotary_delta 38195 a6416805b5b7e50f
+scara 31425 ccf210b3065b0564
+short of commands 22444 5e720c53ed2f494f
+above a bent bed 44065 1393ad46f59376d1
+demo 233747 c656834fbd4341d1
+gear_arcs 381704 090c49892ad8227b
 """
 
 
