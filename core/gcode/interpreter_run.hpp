@@ -249,7 +249,8 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
     if (!x->number && may_stand_alone(command.letter, code, x->letter)) continue;
     if (!sound(*x)) return;
     bool as_m207 = code == 208 && command.letter == 'M' && x->value == 0;
-    if (x->letter == 'F' && !(x->value > 0) && !as_m207) return fail(Fault::feedrate, "F", x->value, 0);
+    if (x->letter == 'F' && !(x->value > 0) && !as_m207)
+      return fail(Fault::feedrate, "F", x->value, 0);
   }
   if (command.letter == 'G' && minor == 0) {
     switch (code) {
