@@ -10,6 +10,7 @@ class Delta : public Geometry {
  public:
   struct Tower {
     double x, y, rod2;
+    static constexpr bool kLifts = true;
     double sample_mm = 1e9;  // a carriage's height is concave along a line: at most one turn
     void local(const double p[3], double out[3]) const {
       out[0] = p[0], out[1] = p[1], out[2] = p[2];

@@ -14,6 +14,7 @@ class DualScara : public Geometry {
     double shoulder, proximal, distal, x_offset, y_offset;
     int outside;  // -1: left arm, elbow to the left; +1: right arm
     Facing facing;
+    static constexpr bool kLifts = false;
     double sample_mm = 1;
     void local(const double p[3], double out[3]) const {
       out[0] = p[0] - x_offset, out[1] = p[1] - y_offset, out[2] = 0;

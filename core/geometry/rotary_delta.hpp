@@ -14,6 +14,7 @@ class RotaryDelta : public Geometry {
   struct Arm {
     double sine, cosine;  // of the arm's place about Z
     double shoulder, effector, arm, rod2, z_offset;
+    static constexpr bool kLifts = false;
     double sample_mm = 1;
     void local(const double p[3], double out[3]) const {
       out[0] = p[0] * cosine + p[1] * sine;

@@ -15,6 +15,7 @@ class Scara : public Geometry {
     bool forearm;
     double x_offset, y_offset;
     Facing facing;
+    static constexpr bool kLifts = false;
     double sample_mm = 1;
     void local(const double p[3], double out[3]) const {
       out[0] = p[0] - x_offset, out[1] = p[1] - y_offset, out[2] = 0;
@@ -48,6 +49,7 @@ class Scara : public Geometry {
   // shoulder, |P|² = arm1² + arm2² + 2 arm1 arm2 cos E.
   struct Elbow {
     double arm1, arm2, x_offset, y_offset;
+    static constexpr bool kLifts = false;
     double sample_mm = 1;
     void local(const double p[3], double out[3]) const {
       out[0] = p[0] - x_offset, out[1] = p[1] - y_offset, out[2] = 0;

@@ -51,7 +51,8 @@ PASSO_SIMD inline bool ascending(const double* s, int n) {
 // double value(const double local[3]), q or NaN; Centre centre(double q);
 // void centres(double q, double dq, int n, cx, cy, cz, r2), C and R² at in_fours(n) even
 // positions;
-// double sample_mm, the distance within which the actuator turns at most once.
+// double sample_mm, the distance within which the actuator turns at most once;
+// bool kLifts: C goes straight up by q, and R stays.
 template <class Kernel>
 class SphereSolver {
  public:
@@ -65,14 +66,20 @@ class SphereSolver {
     Line line(k, path);
     double p[3], q = line.at(k, s, p);
     Centre c = k.centre(q);
-    double fs = 0, fq = -c.r2d, fss = 0, fsq = 0, fqq = -c.r2dd;
+    double fs = 0, fq = -c.r2d, fss = 0, fsq = 0, fqq = -c.r2dd, w[3];
     for (int j = 0; j < 3; ++j) {
-      double w = p[j] - c.c[j];
-      fs += 2 * w * line.u[j];
-      fq -= 2 * w * c.d[j];
+      w[j] = p[j] - c.c[j];
+      fs += 2 * w[j] * line.u[j];
       fss += 2 * line.u[j] * line.u[j];
-      fsq -= 2 * line.u[j] * c.d[j];
-      fqq += 2 * (c.d[j] * c.d[j] - w * c.dd[j]);
+    }
+    if constexpr (Kernel::kLifts) {
+      fq = -2 * w[2], fsq = -2 * line.u[2], fqq = 2;
+    } else {
+      for (int j = 0; j < 3; ++j) {
+        fq -= 2 * w[j] * c.d[j];
+        fsq -= 2 * line.u[j] * c.d[j];
+        fqq += 2 * (c.d[j] * c.d[j] - w[j] * c.dd[j]);
+      }
     }
     d1 = -fs / fq;
     d2 = -(fss + 2 * fsq * d1 + fqq * d1 * d1) / fq;
