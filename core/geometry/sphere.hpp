@@ -41,6 +41,7 @@ PASSO_SIMD inline void sphere_roots(double* __restrict s, const double* __restri
   }
 }
 
+// No position is less than the one before it.
 PASSO_SIMD inline bool ascending(const double* s, int n) {
   int falls = 0;
   for (int j = 1; j < n; ++j) falls |= s[j] < s[j - 1];

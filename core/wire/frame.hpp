@@ -8,6 +8,8 @@
 #include <cstring>
 #include <vector>
 
+#include "simd.hpp"
+
 namespace passo::wire {
 
 using Bytes = std::vector<uint8_t>;
@@ -66,7 +68,7 @@ inline uint8_t* put_vlq(uint8_t* p, uint32_t value) {
 
 // The same without branches, for values whose length is as good as random. Writes kVlqRoom bytes.
 inline constexpr size_t kVlqRoom = 8;
-[[gnu::always_inline]] inline uint8_t* put_vlq_any(uint8_t* p, uint32_t value) {
+PASSO_INLINE uint8_t* put_vlq_any(uint8_t* p, uint32_t value) {
   const unsigned more = unsigned(value + 32 >= 1u << 7) + unsigned(value + 4096 >= 1u << 14) +
                         unsigned(value + 524288 >= 1u << 21) +
                         unsigned(value + 67108864 >= 1u << 28);

@@ -278,12 +278,18 @@ def test_a_record_at_a_stop_comes_before_what_is_queued_when_the_way_there_is_cu
     assert oracle.pins(motion.take_messages()) == [(start, 7)]
 
 
-def test_a_move_in_the_midst_of_which_the_machine_stops_is_one_with_its_records_once():
+def two_with_records(first_mm: float) -> Motion:
+    """A move to `first_mm` and one on to 100 mm, at 50 mm/s, with a record behind each."""
     motion = Motion(cartesian(), True)
-    motion.push([10, 0, 0, 0], 50.0)
+    motion.push([first_mm, 0, 0, 0], 50.0)
     motion.record(2, 7)
     motion.push([100, 0, 0, 0], 50.0)
     motion.record(2, 8)
+    return motion
+
+
+def test_a_move_in_the_midst_of_which_the_machine_stops_is_one_with_its_records_once():
+    motion = two_with_records(10)
     motion.flush()
     motion.take_moves()
     motion.hold_from(0.204 * oracle.HZ)  # 0.217 mm before the end of the first
@@ -366,11 +372,7 @@ def test_a_dwell_that_was_cut_is_no_longer_for_a_cut_before_it():
 
 
 def test_what_is_recorded_at_a_stop_does_not_take_the_place_of_what_is_held():
-    motion = Motion(cartesian(), True)
-    motion.push([50, 0, 0, 0], 50.0)
-    motion.record(2, 7)
-    motion.push([100, 0, 0, 0], 50.0)
-    motion.record(2, 8)
+    motion = two_with_records(50)
     motion.hold_from(0.5 * oracle.HZ)
     stopped = motion.clock
     motion.record(2, 9)

@@ -92,9 +92,8 @@ class Past:
                 job.set_tool_offset(tool, axis, mm)
         letters = [name.upper() for name in axis_order(self._printer.machine.axes)]
         zero = zip([*letters, "E"], program.program_mm, strict=False)
-        places = [f"G92 {' '.join(letter + numeral(mm) for letter, mm in zero)}"]
-        if not program.program_mm:  # a journal of before
-            places = []
+        words = " ".join(letter + numeral(mm) for letter, mm in zero)
+        places = [f"G92 {words}"] if words else []  # alone it would set all to 0
         self._take(*self._printer.settings(), *program.modes, "G21")
         job.set_axes(list(enumerate(program.machine_mm)))
         self._take(*places, *program.modes[-1:])  # again in its own units

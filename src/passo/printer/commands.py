@@ -12,10 +12,9 @@ from passo.config.drives import axis_order
 from passo.config.heater_numbers import heater_of
 from passo.errors import CommandError, Problem, WordError
 from passo.gcode.dialect import Kind, row_of
-from passo.geometry.base import Unreachable
 from passo.printer.faults import problem, problem_of
 from passo.printer.omissions import Omission, Omissions
-from passo.printer.slots import E
+from passo.printer.places import place_of_actuators, place_of_axes
 from passo.printer.waits import Homing, Person, Still, Stop, Temperatures, Wait
 from passo.printer.words import LARGEST, Command
 
@@ -169,54 +168,18 @@ class Commands:
         return Homing(command.text)
 
     def _set_position(self, command: Command) -> Wait:
-        """Of axes that do not know where they are; the interpreter does the others. Raises
-        CommandError where no motors' positions lead."""
-        axes = axis_order(self._machine.axes)
-        places = {axes.index(k.lower()): v for k, v in command.words().items()}
-        x, y, z = (places.get(i, at) for i, at in enumerate(self._job.machine_position[:E]))
-        try:
-            self._machine.geometry.inverse((x, y, z))
-        except Unreachable as error:
-            raise _nowhere(command, error) from None
-        return self._set_axes(places)
-
-    def _set_axes(self, places: dict[int, float]) -> Wait:
-        """Once the machine stands: a plan that is under way could not be planned anew. Raises
-        CommandError for a place farther beyond an axis than it is long."""
-        names = axis_order(self._machine.axes)
-        for i, mm in places.items():
-            low, high = (axis := self._machine.axes[names[i]]).min_mm, axis.max_mm
-            if not 2 * low - high <= mm <= 2 * high - low:
-                limit = f"{2 * low - high:g} to {2 * high - low:g} mm"
-                raise CommandError.bad_value(names[i].upper(), mm, limit)
-        return Still(lambda: self._job.set_axes(list(places.items())))
+        return self._placed(place_of_axes(command, self._machine, self._job))
 
     def _set_actuators(self, command: Command) -> Wait | None:
-        """G92 with letters of motors: where the nozzle is follows from all of them. Raises
-        CommandError where they lead nowhere, or another one is not known."""
         if not _BY_INTERPRETER.fullmatch(command.text):  # somebody has written G92.1
             self.omitted.count(Omission.UNKNOWN, command.code, command.line)
             return None
-        geometry, job = self._machine.geometry, self._job
-        words = command.words()
-        given = {n: words[n.upper()] for n in geometry.actuators if n.upper() in words}
-        if not given:
-            return None
-        locked = [i for i in job.locked_axes if i < E]
-        if locked and len(given) < len(set(geometry.actuators) - {"z"}):
-            raise CommandError.of("input.not-homed", axis="XYZ"[locked[0]])
-        try:
-            x, y, z = job.machine_position[:E]
-            known = dict.fromkeys(geometry.actuators, z)
-            if not locked:
-                known = dict(zip(geometry.actuators, geometry.inverse((x, y, z)), strict=True))
-            a, b, c = (known | given).values()
-            point = geometry.forward((a, b, c))
-            geometry.inverse(point)  # a delta's rods meet also where its nozzle must not go
-        except Unreachable as error:
-            raise _nowhere(command, error) from None
-        ways = 3 if geometry.lifts_together or 2 not in locked else 2
-        return self._set_axes(dict(list(enumerate(point))[:ways]))
+        places = place_of_actuators(command, self._machine, self._job)
+        return self._placed(places) if places else None
+
+    def _placed(self, places: dict[int, float]) -> Wait:
+        """Once the machine stands: a plan that is under way could not be planned anew."""
+        return Still(lambda: self._job.set_axes(list(places.items())))
 
     def _end(self, _: Command) -> Wait:
         self.ended = True
@@ -598,11 +561,6 @@ class Commands:
         "G10": _tool_temperatures,
         "SET_VELOCITY_LIMIT": _velocity_limit,
     }
-
-
-def _nowhere(command: Command, error: Unreachable) -> CommandError:
-    limit = f"a place within reach, but {error}"
-    return CommandError.of("command.value", axis="G92", value=command.text.strip(), limit=limit)
 
 
 def _at_least(word: str, value: float, what: str) -> None:
