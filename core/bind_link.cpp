@@ -38,7 +38,7 @@ void bind_link(nb::module_& m) {
       .value("TAIL", MessageKind::tail)
       .value("COMMIT", MessageKind::commit);
   nb::class_<MessageQueue>(m, "MessageQueue",
-                           "Planned messages of one board, in the order of their clocks.")
+                           "Planned messages of one board, in the order in which they leave.")
       .def(nb::init<>())
       .def(
           "push",

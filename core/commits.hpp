@@ -155,6 +155,9 @@ class Commits {
               const std::vector<Move>& moves, Out&& out) {
     Point p{++serial_, clock, rest, length_of(moves)};
     divide(clock);
+    // A link hands each out when its end is near enough: none may wait for one that lasts longer.
+    std::stable_sort(within_.begin(), within_.end(),
+                     [](const Message& a, const Message& b) { return a.end_clock < b.end_clock; });
     for (const Message& m : within_) out(m);
     if (!moves.empty()) tail(clock, origin, moves, out);
     out({clock, clock, p.serial, 0, 0, 0, MessageKind::commit, uint8_t(rest)});
@@ -178,19 +181,16 @@ class Commits {
         continue;
       }
       const int64_t start = m.start(), done = m.steps_until(clock);
-      std::vector<Message>& to = done > 0 ? within_ : behind_;
-      to.insert(to.end(), ahead.begin(), ahead.end());
-      if (done > 0)
-        for (const Message& a : ahead)
-          if (a.kind == MessageKind::reset_clock) {
-            last_[m.target] = a.clock;
-            renew_[m.target] = false;
-          }
-      ahead.clear();
       if (done > 0) {
         Message first = m;
         first.count = uint16_t(done);
         first.end_clock = start + m.span(done);
+        for (Message& a : ahead) {
+          if (a.kind == MessageKind::reset_clock) renew_[m.target] = false;
+          a.end_clock = first.end_clock;  // it goes with the steps behind it
+          within_.push_back(a);
+        }
+        ahead.clear();
         within_.push_back(first);
         last_[m.target] = first.end_clock;
         net_[m.target] += m.dir ? done : -done;
@@ -198,6 +198,8 @@ class Commits {
         m.interval = uint32_t(int64_t(m.interval) + m.add * done);
         m.count = uint16_t(m.count - done);
       }
+      behind_.insert(behind_.end(), ahead.begin(), ahead.end());
+      ahead.clear();
       if (m.count > 0) behind_.push_back(m);
     }
     for (std::vector<Message>& ahead : ahead_) {

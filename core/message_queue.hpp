@@ -1,4 +1,4 @@
-// Messages of one board between the planner's side and the link, in the order of their clocks.
+// Messages of one board between the planner's side and the link, in the order in which they leave.
 #pragma once
 #include <algorithm>
 #include <atomic>

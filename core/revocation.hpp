@@ -1,5 +1,6 @@
 // Which messages are left when motion is cut at a clock.
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -36,7 +37,10 @@ struct Revocation {
       const int64_t count = m.steps_until(at);
       int64_t start = m.start();
       if (count > 0) {
-        kept.insert(kept.end(), before.begin(), before.end());
+        for (Message& b : before) {
+          b.end_clock = std::min(b.end_clock, start + m.span(count));
+          kept.push_back(b);
+        }
       } else {
         for (const Message& b : before)
           if (b.kind == MessageKind::reset_clock) start = before_reset(b);

@@ -167,7 +167,7 @@ class StepStream {
     for (MessageQueue& queue : messages_) floor = std::max(floor, revoke(queue, at, revoked, open));
     if (commits_) {
       commits_->revoke(at);
-      if (messages_.size() > 1) std::stable_sort(open.begin(), open.end(), sooner);
+      std::stable_sort(open.begin(), open.end(), sooner);
       commits_->put_back(std::move(open));
     }
     outputs_.clear();

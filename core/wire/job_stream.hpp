@@ -45,7 +45,9 @@ class JobStream {
                          StreamHash::of_name(name),
                          invert};
   }
-  // The board takes commits: a message leaves so many ticks before its clock instead.
+  // The board takes commits: a message leaves so many ticks before its end instead, so that a cut
+  // is never put off by what has left. Early enough it is: the word that makes it valid comes
+  // later.
   void use_commits(const Formats& commands, Ticks horizon) {
     commit_ = prefix(commands, "survive_commit");
     query_ = prefix(commands, "survive_query");
@@ -175,7 +177,7 @@ class JobStream {
     for (;;) {
       if (retimer_) retime(limit);
       MessageQueue& queue = retimer_ ? retimer_->ready() : *queue_;
-      const Ticks next = queue.empty() ? kNever : queue.front().clock;
+      const Ticks next = queue.empty() ? kNever : due(queue.front());
       if (Pin* pin = kicks_ ? kicked_until(std::min(next, limit) + base_) : nullptr) {
         if (ends_.size() >= slots_ && !free_slots(now)) break;
         Ticks clock = std::max({pin->kick.end(), pin->told + 1, now + 2 * quantum_});
@@ -218,7 +220,7 @@ class JobStream {
         if (size_t(end - payload) > kPayloadMax) return Fill::full;
       }
       size = size_t(end - payload);
-      first = std::min(first, m.clock + base_);
+      first = std::min(first, due(m) + base_);
       need = std::min(need, needed_at(m));
       if (slot) ends_.push_back(std::max(m.clock, m.end_clock) + base_);
       queue_steps_ += m.kind == MessageKind::queue_step;
@@ -242,9 +244,9 @@ class JobStream {
     if (kicks_)
       for (const Pin& pin : pins_) clock = std::min(clock, pin.kick.end());
     if (ready || !queue_->empty()) {
-      Ticks next = ready      ? retimer_->ready().front().clock
-                   : retimer_ ? retimer_->clock_of(queue_->front().clock)
-                              : queue_->front().clock;
+      Ticks next = ready      ? due(retimer_->ready().front())
+                   : retimer_ ? retimer_->clock_of(due(queue_->front()))
+                              : due(queue_->front());
       clock = std::min(clock, next + base_);
     }
     if (clock == kNever) return kNever;
@@ -304,6 +306,8 @@ class JobStream {
     std::copy(buffer, end, prefix.bytes);
     return prefix;
   }
+  // What decides when a message leaves.
+  Ticks due(const Message& m) const { return commits_ ? m.end_clock : m.clock; }
   // The stream is that of the timeline, however well a board's clock is known.
   void count(const Message& m) {
     if (m.kind == MessageKind::tail || m.kind == MessageKind::commit) return;
@@ -313,7 +317,7 @@ class JobStream {
   // Takes a message, if one is due and those before it are on their way.
   void retime(Ticks limit) {
     if (!retimer_->ready().empty() || queue_->empty()) return;
-    if (retimer_->clock_of(queue_->front().clock) > limit) return;
+    if (retimer_->clock_of(due(queue_->front())) > limit) return;
     count(queue_->front());
     retimer_->retime(queue_->front());
     queue_->pop();

@@ -420,7 +420,7 @@ class MessageKind(enum.Enum):
     COMMIT = 5
 
 class MessageQueue:
-    """Planned messages of one board, in the order of their clocks."""
+    """Planned messages of one board, in the order in which they leave."""
 
     def __init__(self) -> None: ...
 
