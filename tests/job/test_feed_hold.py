@@ -3,6 +3,7 @@
 import math
 import random
 from array import array
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -62,6 +63,6 @@ def test_what_lasts_long_holds_nothing_else_up(tmp_path: Path):
         for _ in range(300):
             s.passes(0.01)
             sent.append(link.wire_bytes)
-    most = max(b - a for a, b in zip(sent, sent[1:], strict=False))
+    most = max(b - a for a, b in pairwise(sent))
     assert (sent[-1] - sent[0]) / 300 > 40
     assert most < 220  # 302 where the others wait
