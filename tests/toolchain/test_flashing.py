@@ -98,7 +98,10 @@ def test_a_due_is_touched_first(tools: Path, tmp_path: Path, port: Port) -> None
     image = tmp_path / "radds.bin"
     image.write_bytes(SAM_CODE)
     said = flashed("radds", port.name, image, port)
-    assert "programming port" in said[0]
+    assert said[0] == (
+        f"{image}: without the radds.json of its build, only its beginning is checked."
+    )
+    assert "programming port" in said[1]
     assert said[-1].startswith("radds: written, and it answers")
     assert json.loads(notes.read_text()) == [
         *("-p", port.name.removeprefix("/dev/"), "-Ufalse"),
@@ -121,7 +124,7 @@ def test_a_teensy_needs_no_port_and_is_not_asked(tools: Path, image: Path) -> No
 def test_openocd_writes_an_elf(tools: Path, tmp_path: Path) -> None:
     notes = program(tools, "openocd")
     image = tmp_path / "disco.elf"
-    image.write_bytes(elf(0x0800_0000, struct.pack("<2I", 0x2000_1000, 0x0800_0009)))
+    image.write_bytes(elf(0x0800_0000, struct.pack("<2I8x", 0x2000_1000, 0x0800_0009)))
     flashed("stm32f407-discovery", None, image)
     assert json.loads(notes.read_text())[-1] == f"program {{{image}}} verify reset exit"
 
@@ -130,8 +133,18 @@ def test_a_pico_is_a_drive(tools: Path, tmp_path: Path) -> None:
     drive, image = tmp_path / "RPI-RP2", tmp_path / "pico.uf2"
     drive.mkdir()
     image.write_bytes(UF2)
-    with pytest.raises(FirmwareError, match="expected the folder of its drive, which holds INFO"):
+    expected = "expected the folder of its drive, which holds INFO"
+    with pytest.raises(FirmwareError, match=expected):  # nothing was mounted there
         flashed("pico", str(drive), image)
+    (drive / "photo.jpg").touch()
+    said: list[str] = []
+    for wrong in ("/dev/null", str(drive)):  # told before hands do anything
+        work = flash(
+            "pico", config.load_board("pico"), wrong, image, Person(said.append, said.append)
+        )
+        with pytest.raises(FirmwareError, match=expected):
+            asyncio.run(work)
+    assert said == []
     (drive / "INFO_UF2.TXT").write_text("UF2 Bootloader v3.0\n")
     said = flashed("pico", str(drive), image)
     assert said[0].startswith("HANDS: Hold the button BOOTSEL")
@@ -209,6 +222,9 @@ def test_files_that_are_no_image(
     assert caught.value.status == 2
 
 
+OWN_SAM_CODE = SAM_CODE.ljust(28, b"\0") + struct.pack("<2I", 0x8_0100, 0x6F737350)
+
+
 @pytest.mark.parametrize(
     ("name", "content", "board", "says"),
     [
@@ -230,6 +246,8 @@ def test_files_that_are_no_image(
         ),
         ("a.hex", intel_hex().encode(), "teensy3-mk20dx256", "one that MK20DX256 can start"),
         ("a.bin", SAM_CODE, "4pi", "can start"),
+        ("a.bin", SAM_CODE[:8], "radds", "expected a whole one: .* lacks what is at 0x80008"),
+        ("a.bin", OWN_SAM_CODE.ljust(255, b"\0"), "radds", "cut short and .* at 0x800ff"),
     ],
 )
 def test_images_that_do_not_fit(
@@ -247,6 +265,14 @@ def test_an_image_fills_the_flash(tools: Path, tmp_path: Path, port: Port) -> No
     image = tmp_path / "radds.bin"
     image.write_bytes(SAM_CODE.ljust(0x80000, b"\0"))
     assert flashed("radds", port.name, image, port)[-1].startswith("radds: written")
+
+
+def test_an_image_that_tells_its_end_is_whole(tools: Path, tmp_path: Path, port: Port) -> None:
+    program(tools, "bossac")
+    image = tmp_path / "radds.bin"
+    image.write_bytes(OWN_SAM_CODE.ljust(256, b"\0"))
+    said = flashed("radds", port.name, image, port)
+    assert said[-1].startswith("radds: written") and not any("beginning" in it for it in said)
 
 
 def test_an_image_for_another_board_with_the_same_chip(
@@ -287,7 +313,7 @@ def test_a_wrong_port_is_told_before_hands_erase_the_board(tools: Path, tmp_path
     with pytest.raises(FirmwareError, match="through /dev/null: expected a serial port") as caught:
         asyncio.run(work)
     assert caught.value.status == 2
-    assert said == []
+    assert len(said) == 1  # of the image
 
 
 def test_a_port_may_come_with_what_hands_do(tools: Path, tmp_path: Path, port: Port) -> None:
