@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from .talk import Host
-from .test_cortex import CASES, Case, configured, dictionary_of, image
+from .test_cortex import CASES, Case, configured, dictionary_of, finalized, image
 
 
 @pytest.fixture(params=CASES, ids=lambda case: case.board)
@@ -67,3 +67,16 @@ def test_the_converter_measures_with_its_whole_reference(case: Case) -> None:
     Host(chip, dictionary_of(case.board)).send("get_uptime")
     expected = CONVERTERS[case.board]
     assert {address: chip.registers.get(address, 0) for address in expected} == expected
+
+
+def test_a_report_goes_to_full_scale(case: Case) -> None:
+    host = finalized(case)
+    host.chip.analog[case.sensor[1]] = 4095
+    at, ms = host.chip.clock + case.hz // 100, case.hz // 1000
+    host.send(
+        f"query_analog_in oid=2 clock={at} sample_ticks={ms} sample_count=4 rest_ticks={10 * ms}"
+        " bytes_per_report=2 min_value=0 max_value=16380 range_check_count=4"
+    )
+    values = host.send("get_clock", seconds=0.03)["analog_in_state"]["values"]
+    assert isinstance(values, bytes)
+    assert int.from_bytes(values[-2:], "little") == 4 * 4095

@@ -5,6 +5,8 @@ import re
 import pytest
 from tests.console.scenario import Host, Scenario
 
+from passo import config
+
 
 @pytest.fixture
 def two():
@@ -166,6 +168,19 @@ def test_filament_is_guarded_by_the_hotend_of_its_tool(two):
     assert "cold extrusion prevented" in two.host.ok("G1 E2 F600")[0]
     two.host.ok("M302 P1")
     assert two.host.ok("G1 E2 F600") == ["ok"]
+
+
+@pytest.mark.parametrize("share", [0.0, 1.0])
+def test_the_heat_that_a_broken_sensor_tells_melts_nothing(share):
+    text = config.shipped_text("i3")
+    text = text.replace("max_c = 285.0\n", 'max_c = 285.0\non_fault = "heater"\n', 1)
+    with Scenario(config.load_text(text)) as s:
+        s.host.ok("G92 E0")
+        before = s.positions()["e"]
+        s.board.force_sensor("hotend", share)
+        s.host.expect("heater hotend was switched off", 2)
+        assert "cold extrusion prevented" in s.host.ok("G1 E10 F600")[0]
+        assert s.positions()["e"] == before
 
 
 def test_a_heater_that_is_off_is_not_waited_for(s):

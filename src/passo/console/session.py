@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable
 from typing import Protocol
 
-from passo.console.ahead import RESUMES, Ahead
+from passo.console.ahead import LIFTS, RESUMES, Ahead
 from passo.console.in_hand import Heard, InHand
 from passo.console.protocol import Line, LineProtocol, Refusal
 from passo.console.timers import Timers
@@ -230,6 +230,7 @@ class Session:
         if seen and code in ("M28", "M29"):
             self._ahead.reached()
         resumed = seen and code in RESUMES and self._ahead.resumed()
+        outdated = seen and code in LIFTS and self._ahead.outdated()
         refused = self._refused(code)
         stored = not refused and self._stored(line, code)
         text = stored and self._upload is not None and self._upload.takes_all
@@ -237,6 +238,10 @@ class Session:
         if not text and (not seen or code == "M112"):
             self._ahead.act(command)
         if refused or stored or resumed or self._halted(code):
+            return False
+        if outdated:
+            since = "the printer has failed since it was sent. Look at it, then send it again"
+            self.fail(f"{code} is not carried out: {since}")
             return False
         if printer.act(command, self):
             revives = code == "M999" and bool(printer.halted)
