@@ -21,7 +21,8 @@ from passo.printer.words import Command
 AT_ONCE = 1024  # lines that are carried out before others have their turn: all of one read
 AT_ONCE_S = 0.005  # of the loop's time, likewise: lines like M503 take long
 WAIT_S = 1.0  # an idle console says `wait` this often
-_PLAIN = str.maketrans({"°": "", "µ": "u", "²": "2"})
+_CONTROLS = {chr(i): "?" for i in (*range(9), *range(11, 32), 127)}  # a terminal would obey them
+_PLAIN = str.maketrans(_CONTROLS | {"°": "", "µ": "u", "²": "2"})
 _NO_TEXT = ("M29", "M110", "M932", "M933")  # not even while a file is written
 _EVEN_AFTER_FAILURE = (*_NO_TEXT, "M108", "M112", "M410", "M876", "M999")
 # A line that begins so moves the machine; a word of an axis repeats the last move.
