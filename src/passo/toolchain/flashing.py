@@ -40,10 +40,8 @@ async def flash(
     suffixes = SUFFIXES.get(board.flash.method, ()) if board.flash else ()
     steps = plan(name, board, port, image)
     about = check_image(image, name, board, suffixes)
-    if could_be_cut(image, about, board):
-        beside = about_path(image).name
-        person.tell(f"{image}: without the {beside} of its build, only its beginning is checked.")
     if dry_run:
+        _tell_doubts(image, about, board, person)
         for number, step in enumerate(steps, 1):
             person.tell(f"{number}. {step}")
         return
@@ -56,6 +54,7 @@ async def flash(
             _check_serial(name, port)
         elif not _may_become_drive(Path(port)):
             raise _no_drive(name, Path(port))
+    _tell_doubts(image, about, board, person)
     touched = False  # another opening at that rate would start the loader once more
     for step in steps:
         match step:
@@ -73,6 +72,13 @@ async def flash(
                 person.tell(str(step))
                 _copy(name, step)
     await _read_back(name, board, port, about, person)
+
+
+def _tell_doubts(image: Path, about: About | None, board: Board, person: Person) -> None:
+    if about is None:
+        unknown = "is for this board" + could_be_cut(image, board) * " and is whole"
+        beside = about_path(image).name
+        person.tell(f"{image}: without the {beside} of its build nobody knows that it {unknown}.")
 
 
 def _check_serial(name: str, port: str) -> None:

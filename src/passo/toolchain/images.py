@@ -100,10 +100,10 @@ def _check_content(image: Path, name: str, data: bytes, chip: Chip) -> None:
         raise _wrong(image, name, f"a whole one: this is cut short and lacks what is at 0x{lost:x}")
 
 
-def could_be_cut(image: Path, about: About | None, board: Board) -> bool:
+def could_be_cut(image: Path, board: Board) -> bool:
     """Whether an image that `check_image` accepted could be the beginning of a longer one: a plain
-    copy of a flash of which no build's JSON file, nor the image itself, says how long it is."""
-    if about is not None or image.suffix != ".bin" or board.chip is None:
+    copy of a flash that does not itself say how long it is."""
+    if image.suffix != ".bin" or board.chip is None:
         return False
     parts = parts_of(image.read_bytes(), image.suffix, board.chip.flash_start)
     return not tells_its_end(parts, board.chip)
