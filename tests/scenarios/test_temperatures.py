@@ -103,6 +103,18 @@ def test_f_acts_at_once_whoever_has_the_turn(s, waits):
         assert s.positions()["x"] == pytest.approx(0, abs=0.01)
 
 
+@pytest.mark.parametrize("celsius", [0, 150])
+def test_a_target_that_is_set_in_a_tune_ends_the_tune_and_holds(s, celsius):
+    other = Host(s)
+    s.host.send("M303 E0 S200 C3")
+    s.passes(20)
+    assert target(s) == 200
+    other.ok(f"M104 S{celsius} F")
+    s.host.expect("^ok", 1)
+    s.passes(1)
+    assert target(s) == celsius
+
+
 def test_a_wait_says_that_it_heats_and_ends_within_two_degrees(s):
     s.host.send("M190 S45")
     s.host.expect("^echo:busy: heating$", 3)
