@@ -134,10 +134,13 @@ def test_a_pico_is_a_drive(tools: Path, tmp_path: Path) -> None:
     drive.mkdir()
     image.write_bytes(UF2)
     expected = "expected the folder of its drive, which holds INFO"
-    with pytest.raises(FirmwareError, match=expected):  # nothing was mounted there
-        flashed("pico", str(drive), image)
-    (drive / "photo.jpg").touch()
     said: list[str] = []
+    person = Person(said.append, said.append)
+    with pytest.raises(FirmwareError, match=expected):  # nothing was mounted there
+        asyncio.run(flash("pico", config.load_board("pico"), str(drive), image, person))
+    assert said[-1].startswith("copy ")
+    (drive / "photo.jpg").touch()
+    said.clear()
     for wrong in ("/dev/null", str(drive)):  # told before hands do anything
         work = flash(
             "pico", config.load_board("pico"), wrong, image, Person(said.append, said.append)
@@ -204,6 +207,7 @@ def test_a_missing_program_is_told_before_hands_do_anything(tools: Path, image: 
         ("a.uf2", bytes(512), "pico", "expected the content of a .uf2 file"),
         ("a.bin", b"", "radds", "expected the content of a .bin file"),
         ("a.hex", b":00000001FF\n", "ramps", "expected the content of a .hex file"),
+        ("a.hex", intel_hex().replace("0C94", "0C95").encode(), "ramps", "content of a .hex file"),
         ("a.hex", 2 * intel_hex().encode(), "ramps", "expected the content of a .hex file"),
         ("a.elf", b"\x7fELF\1\1\1", "stm32f407-discovery", "expected the content of a .elf file"),
         ("a.uf2", UF2 + UF2[:-1], "pico", "expected the content of a .uf2 file"),
@@ -246,6 +250,8 @@ OWN_SAM_CODE = SAM_CODE.ljust(28, b"\0") + struct.pack("<2I", 0x8_0100, 0x6F7373
         ),
         ("a.hex", intel_hex().encode(), "teensy3-mk20dx256", "one that MK20DX256 can start"),
         ("a.bin", SAM_CODE, "4pi", "can start"),
+        ("a.bin", struct.pack("<2I8x", 0x2008_8000, 0x8_0008), "radds", "can start"),
+        ("a.bin", struct.pack("<2I8x", 0x2007_0000, 0x8_0009), "radds", "can start"),
         ("a.bin", SAM_CODE[:8], "radds", "expected a whole one: .* lacks what is at 0x80008"),
         ("a.bin", OWN_SAM_CODE.ljust(255, b"\0"), "radds", "cut short and .* at 0x800ff"),
     ],
@@ -327,6 +333,17 @@ def test_a_port_may_come_with_what_hands_do(tools: Path, tmp_path: Path, port: P
         board = config.load_board("duet-0.6")
         runner.run(flash("duet-0.6", board, str(link), image, person))
     assert notes.exists()
+
+
+def test_a_port_that_does_not_come_is_told_before_the_program_runs(
+    tools: Path, tmp_path: Path
+) -> None:
+    notes = program(tools, "bossac")
+    image = tmp_path / "duet-0.6.bin"
+    image.write_bytes(SAM_CODE)
+    with pytest.raises(FirmwareError, match="expected a serial port that opens"):
+        flashed("duet-0.6", str(tmp_path / "port"), image)
+    assert not notes.exists()
 
 
 def test_the_end_of_input_is_no_enter(
