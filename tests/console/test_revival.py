@@ -178,14 +178,16 @@ def test_what_lifts_a_failure_must_come_after_it(s):
     assert not s.printer.halted
 
 
-def test_an_emergency_stop_of_another_host_holds(s):
-    other = Host(s)
-    s.host.send("M109 S200", "M999", "M104 S180 F")
-    s.passes(1)
-    other.ok("M112")
-    s.passes(5)
-    assert s.printer.halted
-    assert s.board.output_value("hotend") == 0
+def test_an_emergency_stop_of_another_host_holds():
+    with Scenario("i3") as s:
+        other = Host(s)
+        s.host.send("M109 S200", "M999", "M104 S180 F")
+        s.passes(1)
+        other.ok("M112")
+        s.host.expect("M999 is not carried out", 1)
+        s.passes(5)
+        assert s.printer.halted
+        assert s.board.output_value("hotend") == 0
 
 
 def test_what_rearms_a_heater_must_come_after_its_failure():
