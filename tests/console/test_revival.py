@@ -3,6 +3,8 @@
 import pytest
 from tests.console.scenario import Host, Scenario
 
+from passo import config
+
 
 @pytest.fixture
 def s():
@@ -161,3 +163,46 @@ def test_a_stop_of_a_halted_printer_is_answered_and_does_nothing(s, monkeypatch,
     monkeypatch.setattr(s.printer.drive, "stop", lambda: 1 / 0)
     assert s.host.ok("M410")[-1] == "ok"
     assert s.printer.halted == "emergency stop by M112"
+
+
+def test_what_lifts_a_failure_must_come_after_it(s):
+    """Not what stood behind a wait when the heater failed, nor what follows that."""
+    s.board.force_heater("hotend", 0.0)
+    s.host.send("M109 S200", "M999", "M104 S180 F", "M118 end")
+    s.host.expect("^Error:Printer halted: heater hotend was switched off", 40)
+    assert "M999 is not carried out: the printer has failed since" in s.host.expect("M999 is", 1)
+    s.passes(5)
+    assert s.printer.halted
+    assert s.board.output_value("hotend") == 0
+    s.host.ok("M999")
+    assert not s.printer.halted
+
+
+def test_an_emergency_stop_of_another_host_holds():
+    with Scenario("i3") as s:
+        other = Host(s)
+        s.host.send("M109 S200", "M999", "M104 S180 F")
+        s.passes(1)
+        other.ok("M112")
+        s.host.expect("M999 is not carried out", 1)
+        s.passes(5)
+        assert s.printer.halted
+        assert s.board.output_value("hotend") == 0
+
+
+def test_what_rearms_a_heater_must_come_after_its_failure():
+    text = config.shipped_text("i3")
+    text = text.replace("max_c = 285.0\n", 'max_c = 285.0\non_fault = "heater"\n', 1)
+    with Scenario(config.load_text(text)) as s:
+        s.host.send("M190 S60", "M922")
+        s.passes(1)
+        s.board.force_sensor("hotend", 1.0)
+        s.passes(1)
+        s.host.send("M108")
+        s.passes(1)
+        heater = s.printer.connection.heaters["hotend"]
+        assert heater.fault is not None
+        assert [line for line in s.host.heard if line.startswith("echo:M922 is not carried out")]
+        s.board.force_sensor("hotend", None)
+        assert "armed again" in s.host.ok("M922")[0]
+        assert heater.fault is None

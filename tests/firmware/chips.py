@@ -25,6 +25,7 @@ class Sam3x8e(Cortex):
 
     def __init__(self, image: bytes) -> None:
         self._channels, self._done = 0, 0.0
+        self._not_pulled: set[int] = set()  # all are after a reset
         super().__init__(image)
 
     def read(self, address: int, size: int) -> int | None:
@@ -66,6 +67,12 @@ class Sam3x8e(Cortex):
             self._done = self.cycles + 20e-6 * self.CORE_HZ
         elif 0 <= port < self.PORT_COUNT and register in (0x30, 0x34):
             self.drive(port, value, int(register == 0x30))
+        elif 0 <= port < self.PORT_COUNT and register in (0x60, 0x64):
+            pins = {32 * port + bit for bit in range(32) if value >> bit & 1}
+            self._not_pulled = (self._not_pulled | pins) - (pins if register == 0x64 else set())
+
+    def pull(self, pin: int) -> int:
+        return int(pin not in self._not_pulled)
 
     def pulse(self, timer: str, channel: str) -> tuple[float, float]:
         base = self.PWM + 0x200 + 0x20 * int(timer.removeprefix("PWM"))
@@ -156,6 +163,10 @@ class Stm32f4(Cortex):
             self.drive(port, value & 0xFFFF, 1)
             self.drive(port, value >> 16, 0)
 
+    def pull(self, pin: int) -> int:
+        kept = self.registers.get(0x4002000C + 0x400 * (pin // 32), 0)
+        return (0, 1, -1)[kept >> 2 * (pin % 32) & 3]
+
     def pulse(self, timer: str, channel: str) -> tuple[float, float]:
         base, hz = self.TIMERS[timer]
         n = int(channel) - 1
@@ -244,6 +255,10 @@ class Rp2040(Cortex):
             self._ready = self.cycles + 2e-6 * self.CORE_HZ
         elif address in (0xD0000014, 0xD0000018):
             self.drive(0, value, int(address == 0xD0000014))
+
+    def pull(self, pin: int) -> int:
+        pad = self.registers.get(0x4001C004 + 4 * pin, 0x56)
+        return (pad >> 3 & 1) - (pad >> 2 & 1)
 
     def pulse(self, timer: str, channel: str) -> tuple[float, float]:
         base = 0x40050000 + 0x14 * int(timer.removeprefix("PWM"))
@@ -343,6 +358,9 @@ class Mk20dx256(Cortex):
         elif 0 <= port < 5 and register in (4, 8):
             self.drive(port, value, int(register == 4))
 
+    def pull(self, pin: int) -> int:
+        return (0, 0, -1, 1)[self.registers.get(_pad(pin), 0) & 3]
+
     def pulse(self, timer: str, channel: str) -> tuple[float, float]:
         base = self.TIMERS[timer]
         mode, value = (self.registers.get(base + 0xC + 8 * int(channel) + i, 0) for i in (0, 4))
@@ -357,6 +375,11 @@ class Mk20dx256(Cortex):
         assert self.registers[base] & 0x0F == 1 and self.registers[base + 0x16] == 0
         assert self.registers[base + 0xE] == 0xD928
         return (self.registers[base + 4] << 16 | self.registers[base + 6]) / 1000
+
+
+def _pad(pin: int) -> int:
+    """The register PORTx_PCRn of a pin."""
+    return 0x40049000 + 0x1000 * (pin // 32) + 4 * (pin % 32)
 
 
 class Mk20dx128(Mk20dx256):

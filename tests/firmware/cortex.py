@@ -196,6 +196,10 @@ class Cortex(ABC):
         return sum(level << pin % 32 for pin, level in self.inputs.items() if pin // 32 == port)
 
     @abstractmethod
+    def pull(self, pin: int) -> int:
+        """1 if the chip pulls a pin up, -1 if down, 0 if it does not."""
+
+    @abstractmethod
     def pulse(self, timer: str, channel: str) -> tuple[float, float]:
         """The share of its cycle that an output is on, and the cycle in seconds."""
 

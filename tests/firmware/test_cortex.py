@@ -411,7 +411,10 @@ def test_vectors_lead_into_the_code(case: Case) -> None:
     first = case.model.RAM[0] if case.board == "pico" else case.model.FLASH
     chip = board_target(case.board).chip
     assert words[0] == chip.ram_start + chip.ram_bytes
-    used = [word for word in words[1:] if word]
+    end, mark = words[7:9]  # for the flasher
+    assert mark == 0x6F737350
+    assert 0 <= chip.flash_start + len(data) - end < (256 if case.board == "pico" else 1)
+    used = [word for word in words[1:7] + words[9:] if word]
     assert all(word & 1 and first < word < first + len(data) for word in used)
     assert len(used) == 8 + 1 + arm_interrupts(case.board)
     assert len({words[14], words[15], words[16 + model.UART_IRQ], words[3]}) == 4

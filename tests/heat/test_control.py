@@ -38,6 +38,18 @@ def test_it_settles_without_overshoot_and_in_the_wind(name, target):
     assert oven.faults == []
 
 
+@pytest.mark.parametrize("name", CONTROLS)
+@pytest.mark.parametrize(("target", "adc_step_c"), [(90, 0.1), (180, 0.4), (240, 0.9), (280, 1.7)])
+def test_a_hot_thermistor_is_as_exact_as_its_adc(name, target, adc_step_c):
+    oven = Oven(CONTROLS[name])
+    oven.heat(target)
+    rise = oven.run(240)
+    assert max(body for _, body, _, _ in rise) < target + 2.0
+    near = max(0.5, adc_step_c)
+    assert all(abs(body - target) < near for s, body, _, _ in rise if s > 180)
+    assert oven.faults == []
+
+
 def test_a_model_foresees_the_fan():
     oven = Oven(CONTROLS["model"])
     oven.heat(210.0)

@@ -5,6 +5,8 @@ import re
 import pytest
 from tests.console.scenario import Host, Scenario
 
+from passo import config
+
 
 @pytest.fixture
 def two():
@@ -101,6 +103,18 @@ def test_f_acts_at_once_whoever_has_the_turn(s, waits):
         assert s.positions()["x"] == pytest.approx(0, abs=0.01)
 
 
+@pytest.mark.parametrize("celsius", [0, 150])
+def test_a_target_that_is_set_in_a_tune_ends_the_tune_and_holds(s, celsius):
+    other = Host(s)
+    s.host.send("M303 E0 S200 C3")
+    s.passes(20)
+    assert target(s) == 200
+    other.ok(f"M104 S{celsius} F")
+    s.host.expect("^ok", 1)
+    s.passes(1)
+    assert target(s) == celsius
+
+
 def test_a_wait_says_that_it_heats_and_ends_within_two_degrees(s):
     s.host.send("M190 S45")
     s.host.expect("^echo:busy: heating$", 3)
@@ -166,6 +180,23 @@ def test_filament_is_guarded_by_the_hotend_of_its_tool(two):
     assert "cold extrusion prevented" in two.host.ok("G1 E2 F600")[0]
     two.host.ok("M302 P1")
     assert two.host.ok("G1 E2 F600") == ["ok"]
+
+
+@pytest.mark.parametrize("share", [0.0, 1.0, "erratic"])
+def test_the_heat_that_a_broken_sensor_tells_melts_nothing(share):
+    text = config.shipped_text("i3")
+    text = text.replace("max_c = 285.0\n", 'max_c = 285.0\non_fault = "heater"\n', 1)
+    with Scenario(config.load_text(text)) as s:
+        s.host.ok("G92 E0")
+        before = s.positions()["e"]
+        if share == "erratic":
+            s.host.ok("M109 S230", 300)
+            s.board.add_noise("hotend", 0.05)
+        else:
+            s.board.force_sensor("hotend", share)
+        s.host.expect("heater hotend was switched off", 10)
+        assert "cold extrusion prevented" in s.host.ok("G1 E10 F600")[0]
+        assert s.positions()["e"] == before
 
 
 def test_a_heater_that_is_off_is_not_waited_for(s):

@@ -108,8 +108,8 @@ def program(folder: Path, name: str, status: int = 0) -> Path:
 # How images begin: with a jump; with the end of a stack in the RAM and a start in the flash of a
 # SAM3X8E, and of an MK20DX256.
 AVR_CODE = b"\x0c\x94" + bytes(14)
-SAM_CODE = struct.pack("<2I", 0x2008_8000, 0x8_0009)
-TEENSY_CODE = struct.pack("<2I", 0x2000_8000, 9)
+SAM_CODE = struct.pack("<2I", 0x2008_8000, 0x8_0009).ljust(16, b"\0")
+TEENSY_CODE = struct.pack("<2I", 0x2000_8000, 9).ljust(16, b"\0")
 
 
 def intel_hex(data: bytes = AVR_CODE) -> str:

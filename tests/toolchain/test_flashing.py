@@ -88,9 +88,9 @@ def test_a_ramps_is_written_and_asked(tools: Path, image: Path, port: Port) -> N
 def test_a_melzi_waits_for_hands(tools: Path, image: Path, port: Port) -> None:
     program(tools, "avrdude")
     said = flashed("melzi", port.name, image, port)
-    assert [text.startswith("HANDS: ") for text in said] == [True, False, True, False]
-    assert "jumper on the pins marked Debug" in said[0]
-    assert "Take the jumper off Debug again" in said[2]
+    assert [text.startswith("HANDS: ") for text in said] == [False, True, False, True, False]
+    assert "jumper on the pins marked Debug" in said[1]
+    assert "Take the jumper off Debug again" in said[3]
 
 
 def test_a_due_is_touched_first(tools: Path, tmp_path: Path, port: Port) -> None:
@@ -98,7 +98,10 @@ def test_a_due_is_touched_first(tools: Path, tmp_path: Path, port: Port) -> None
     image = tmp_path / "radds.bin"
     image.write_bytes(SAM_CODE)
     said = flashed("radds", port.name, image, port)
-    assert "programming port" in said[0]
+    assert said[0].endswith(
+        ": without the radds.json of its build nobody knows that it is for this board and is whole."
+    )
+    assert "programming port" in said[1]
     assert said[-1].startswith("radds: written, and it answers")
     assert json.loads(notes.read_text()) == [
         *("-p", port.name.removeprefix("/dev/"), "-Ufalse"),
@@ -110,7 +113,7 @@ def test_a_teensy_needs_no_port_and_is_not_asked(tools: Path, image: Path) -> No
     notes = program(tools, "teensy_loader_cli")
     image.write_text(intel_hex(TEENSY_CODE))
     said = flashed("teensy3-mk20dx256", None, image)
-    assert said[0] == "HANDS: Press the button on the Teensy."
+    assert said[1] == "HANDS: Press the button on the Teensy."
     assert json.loads(notes.read_text()) == ["--mcu=mk20dx256", "-w", "-v", str(image)]
     assert said[-1] == (
         "teensy3-mk20dx256: written. It speaks on UART1 (receives on PTE1, sends on PTE0), so it"
@@ -121,7 +124,7 @@ def test_a_teensy_needs_no_port_and_is_not_asked(tools: Path, image: Path) -> No
 def test_openocd_writes_an_elf(tools: Path, tmp_path: Path) -> None:
     notes = program(tools, "openocd")
     image = tmp_path / "disco.elf"
-    image.write_bytes(elf(0x0800_0000, struct.pack("<2I", 0x2000_1000, 0x0800_0009)))
+    image.write_bytes(elf(0x0800_0000, struct.pack("<2I8x", 0x2000_1000, 0x0800_0009)))
     flashed("stm32f407-discovery", None, image)
     assert json.loads(notes.read_text())[-1] == f"program {{{image}}} verify reset exit"
 
@@ -130,11 +133,24 @@ def test_a_pico_is_a_drive(tools: Path, tmp_path: Path) -> None:
     drive, image = tmp_path / "RPI-RP2", tmp_path / "pico.uf2"
     drive.mkdir()
     image.write_bytes(UF2)
-    with pytest.raises(FirmwareError, match="expected the folder of its drive, which holds INFO"):
-        flashed("pico", str(drive), image)
+    expected = "expected the folder of its drive, which holds INFO"
+    said: list[str] = []
+    person = Person(said.append, said.append)
+    with pytest.raises(FirmwareError, match=expected):  # nothing was mounted there
+        asyncio.run(flash("pico", config.load_board("pico"), str(drive), image, person))
+    assert said[-1].startswith("copy ")
+    (drive / "photo.jpg").touch()
+    said.clear()
+    for wrong in ("/dev/null", str(drive)):  # told before hands do anything
+        work = flash(
+            "pico", config.load_board("pico"), wrong, image, Person(said.append, said.append)
+        )
+        with pytest.raises(FirmwareError, match=expected):
+            asyncio.run(work)
+    assert said == []
     (drive / "INFO_UF2.TXT").write_text("UF2 Bootloader v3.0\n")
     said = flashed("pico", str(drive), image)
-    assert said[0].startswith("HANDS: Hold the button BOOTSEL")
+    assert said[1].startswith("HANDS: Hold the button BOOTSEL")
     assert (drive / "pico.uf2").read_bytes() == UF2
 
 
@@ -191,6 +207,7 @@ def test_a_missing_program_is_told_before_hands_do_anything(tools: Path, image: 
         ("a.uf2", bytes(512), "pico", "expected the content of a .uf2 file"),
         ("a.bin", b"", "radds", "expected the content of a .bin file"),
         ("a.hex", b":00000001FF\n", "ramps", "expected the content of a .hex file"),
+        ("a.hex", intel_hex().replace("0C94", "0C95").encode(), "ramps", "content of a .hex file"),
         ("a.hex", 2 * intel_hex().encode(), "ramps", "expected the content of a .hex file"),
         ("a.elf", b"\x7fELF\1\1\1", "stm32f407-discovery", "expected the content of a .elf file"),
         ("a.uf2", UF2 + UF2[:-1], "pico", "expected the content of a .uf2 file"),
@@ -207,6 +224,9 @@ def test_files_that_are_no_image(
     with pytest.raises(FirmwareError, match=says) as caught:
         flashed(board, "/dev/null", image)
     assert caught.value.status == 2
+
+
+OWN_SAM_CODE = SAM_CODE.ljust(28, b"\0") + struct.pack("<2I", 0x8_0100, 0x6F737350)
 
 
 @pytest.mark.parametrize(
@@ -230,6 +250,10 @@ def test_files_that_are_no_image(
         ),
         ("a.hex", intel_hex().encode(), "teensy3-mk20dx256", "one that MK20DX256 can start"),
         ("a.bin", SAM_CODE, "4pi", "can start"),
+        ("a.bin", struct.pack("<2I8x", 0x2008_8000, 0x8_0008), "radds", "can start"),
+        ("a.bin", struct.pack("<2I8x", 0x2007_0000, 0x8_0009), "radds", "can start"),
+        ("a.bin", SAM_CODE[:8], "radds", "expected a whole one: .* lacks what is at 0x80008"),
+        ("a.bin", OWN_SAM_CODE.ljust(255, b"\0"), "radds", "cut short and .* at 0x800ff"),
     ],
 )
 def test_images_that_do_not_fit(
@@ -247,6 +271,14 @@ def test_an_image_fills_the_flash(tools: Path, tmp_path: Path, port: Port) -> No
     image = tmp_path / "radds.bin"
     image.write_bytes(SAM_CODE.ljust(0x80000, b"\0"))
     assert flashed("radds", port.name, image, port)[-1].startswith("radds: written")
+
+
+def test_an_image_that_tells_its_end_is_whole(tools: Path, tmp_path: Path, port: Port) -> None:
+    program(tools, "bossac")
+    image = tmp_path / "radds.bin"
+    image.write_bytes(OWN_SAM_CODE.ljust(256, b"\0"))
+    said = flashed("radds", port.name, image, port)
+    assert said[-1].startswith("radds: written") and said[0].endswith("that it is for this board.")
 
 
 def test_an_image_for_another_board_with_the_same_chip(
@@ -303,6 +335,17 @@ def test_a_port_may_come_with_what_hands_do(tools: Path, tmp_path: Path, port: P
     assert notes.exists()
 
 
+def test_a_port_that_does_not_come_is_told_before_the_program_runs(
+    tools: Path, tmp_path: Path
+) -> None:
+    notes = program(tools, "bossac")
+    image = tmp_path / "duet-0.6.bin"
+    image.write_bytes(SAM_CODE)
+    with pytest.raises(FirmwareError, match="expected a serial port that opens"):
+        flashed("duet-0.6", str(tmp_path / "port"), image)
+    assert not notes.exists()
+
+
 def test_the_end_of_input_is_no_enter(
     tools: Path, image: Path, port: Port, capsys: pytest.CaptureFixture[str], monkeypatch
 ) -> None:
@@ -330,7 +373,8 @@ def test_a_dry_run_does_nothing(
 ) -> None:
     words = ["firmware", "flash", "melzi", "--port", "/dev/ttyUSB0", "--image", str(image)]
     assert main([*words, "--dry-run"]) == 0
-    lines = capsys.readouterr().out.splitlines()
+    doubt, *lines = capsys.readouterr().out.splitlines()
+    assert doubt.endswith("ramps.json of its build nobody knows that it is for this board.")
     assert [line[:3] for line in lines] == ["1. ", "2. ", "3. "]
     assert lines[1].startswith("2. avrdude -p atmega1284p -c stk500v1 -b 57600 -P /dev/ttyUSB0")
 

@@ -11,12 +11,14 @@
 #include "stepgen.h"
 
 extern uint32_t data_begin[], data_end[], data_load[], bss_begin[], bss_end[], stack_top[];
+extern uint32_t image_end[];
 
 // An interrupt that nobody wanted, or a fault: the board starts anew, outputs as after power-on.
 static void unexpected(void) { chip_reset(); }
 
 typedef void (*handler)(void);
 #define EXCEPTIONS 16
+#define OWN_MARK 0x6F737350u  // "Psso": the word before it is where the image ends in flash
 extern const handler vectors[];
 
 _Noreturn void reset_handler(void) {
@@ -48,6 +50,8 @@ __attribute__((section(".vectors"), used)) const handler vectors[EXCEPTIONS + CH
     [0] = (handler)stack_top,
     [1] = reset_handler,
     [2 ... 6] = unexpected,
+    [7] = (handler)image_end,  // the core reserves 7 to 10
+    [8] = (handler)OWN_MARK,
     [11] = unexpected,
     [14] = timer_interrupt,
     [15] = alarm_interrupt,

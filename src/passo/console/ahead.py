@@ -9,6 +9,7 @@ from passo.printer.printer import Printer
 from passo.printer.words import Command
 
 RESUMES = ("M24", "M602")
+LIFTS = ("M922", "M999")
 
 
 class Ahead:
@@ -20,12 +21,14 @@ class Ahead:
         self._opens = False  # the last of them begins a file
         self._numbered = False  # what comes for the file has numbers
         self._resumed: deque[bool] = deque()  # whether those of RESUMES in hand have acted
+        self._failures: deque[int] = deque()  # that those of LIFTS in hand may know of
 
     def see(self, command: Command, number: int | None, upload: Upload | None) -> bool:
         """Acts on M108, M112, M410 and M876, and on what ends a host's pause, unless they are text
         for a file that is open, or that a line in hand will open; `upload` is where lines go now.
         In a file whose lines have numbers one without is no text. False for text; `reached` is to
-        be called for each other M28, M29, and `resumed` for each other M24, M602.
+        be called for each other M28, M29, `resumed` for each other M24, M602, and `outdated` for
+        each other M922, M999.
         """
         code = command.code
         into_file = self._opens if self._in_hand else upload is not None and upload.takes_all
@@ -39,6 +42,8 @@ class Ahead:
             self._numbered = False
         if code in RESUMES:
             self._resumed.append(self._resume())
+        if code in LIFTS:
+            self._failures.append(self._printer.failures)
         self.act(command)
         return True
 
@@ -49,6 +54,11 @@ class Ahead:
     def resumed(self) -> bool:
         """The turn of one of RESUMES has come; True if it has ended a pause when it came in."""
         return self._resumed.popleft()
+
+    def outdated(self) -> bool:
+        """The turn of one of LIFTS has come; True if something has failed since it came in: who
+        sent it did not know of that."""
+        return self._failures.popleft() != self._printer.failures
 
     def _resume(self) -> bool:
         """Ends a wait for a person, which a host's pause is too. True if there is no more to do,

@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable
 from typing import Protocol
 
-from passo.console.ahead import RESUMES, Ahead
+from passo.console.ahead import LIFTS, RESUMES, Ahead
 from passo.console.in_hand import Heard, InHand
 from passo.console.protocol import Line, LineProtocol, Refusal
 from passo.console.timers import Timers
@@ -21,7 +21,8 @@ from passo.printer.words import Command
 AT_ONCE = 1024  # lines that are carried out before others have their turn: all of one read
 AT_ONCE_S = 0.005  # of the loop's time, likewise: lines like M503 take long
 WAIT_S = 1.0  # an idle console says `wait` this often
-_PLAIN = str.maketrans({"°": "", "µ": "u", "²": "2"})
+_CONTROLS = {chr(i): "?" for i in (*range(9), *range(11, 32), 127)}  # a terminal would obey them
+_PLAIN = str.maketrans(_CONTROLS | {"°": "", "µ": "u", "²": "2"})
 _NO_TEXT = ("M29", "M110", "M932", "M933")  # not even while a file is written
 _EVEN_AFTER_FAILURE = (*_NO_TEXT, "M108", "M112", "M410", "M876", "M999")
 # A line that begins so moves the machine; a word of an axis repeats the last move.
@@ -230,6 +231,7 @@ class Session:
         if seen and code in ("M28", "M29"):
             self._ahead.reached()
         resumed = seen and code in RESUMES and self._ahead.resumed()
+        outdated = seen and code in LIFTS and self._ahead.outdated()
         refused = self._refused(code)
         stored = not refused and self._stored(line, code)
         text = stored and self._upload is not None and self._upload.takes_all
@@ -237,6 +239,10 @@ class Session:
         if not text and (not seen or code == "M112"):
             self._ahead.act(command)
         if refused or stored or resumed or self._halted(code):
+            return False
+        if outdated:
+            since = "the printer has failed since it was sent. Look at it, then send it again"
+            self.fail(f"{code} is not carried out: {since}")
             return False
         if printer.act(command, self):
             revives = code == "M999" and bool(printer.halted)

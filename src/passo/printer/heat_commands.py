@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
+from passo.board.faults import FaultKind
 from passo.config.drives import axis_order
 from passo.errors import CommandError
 from passo.printer.waits import Handler, Reply, Wait
@@ -14,6 +15,8 @@ if TYPE_CHECKING:
     from passo.printer.printer import Printer
 
 _COLD_C = 170.0  # filament does not move below it, unless M302 says otherwise
+# What such a sensor says, 400 °C of a short circuit maybe, melts nothing.
+_NO_TEMPERATURE = (FaultKind.SENSOR_OPEN, FaultKind.SENSOR_SHORT, FaultKind.SENSOR_ERRATIC)
 _PRESET_MARGIN_C = 15.0  # presets stay so far below a heater's limit
 
 
@@ -128,7 +131,10 @@ class HeatCommands:
     def _melts(self, heater: str | None) -> bool:
         if self.cold_allowed or heater is None:
             return True
-        return self._printer.connection.heaters[heater].celsius >= self.cold_c
+        sensed = self._printer.connection.heaters[heater]
+        if sensed.celsius < self.cold_c:
+            return False
+        return sensed.fault is None or sensed.fault.kind not in _NO_TEMPERATURE
 
     # -- faults -----------------------------------------------------------------------------------
 

@@ -61,6 +61,7 @@ class Life:
                 if failure is None:
                     continue
                 displaced = not printer.halted and isinstance(failure, PlaceLostError)
+                printer.failures += not printer.halted  # else it has been counted
                 self._warm = displaced
                 printer.halted = printer.halted or str(in_words(failure)).rstrip(".")
                 if displaced:

@@ -111,6 +111,7 @@ class Printer:
         self.program: Reply | None = None  # whose moves were planned last
         self.aside = False  # what a host prints stands aside: no more of its lines now
         self.halted = ""  # why nothing moves or heats any more; M999 clears it
+        self.failures = 0  # halts and failed heaters so far: what lifts one comes after it
         self.cooled_c: dict[str, float] = {}  # heaters that are off for as long as a pause lasts
         self.waits = Waiting(self)
         self.life = Life(self)
@@ -286,6 +287,7 @@ class Printer:
         if self.halted:
             return
         self.halted = reason.rstrip(".")
+        self.failures += 1
         self.cooled_c.clear()
         for name in self.heaters:
             self.connection.set_target(name, 0.0)
@@ -541,6 +543,7 @@ class Printer:
 
     def _heater_failed(self, _: str, fault: HeaterFault) -> None:
         """A protection has switched a heater off; how much more stops is the heater's policy."""
+        self.failures += 1
         policy = self.machine.heaters[fault.heater].on_fault
         if policy == "machine":
             self.halt(str(fault))

@@ -85,13 +85,14 @@ class TuneCommands:
         return tune.done or heater.fault is not None
 
     def _end(self, name: str, tune: RelayTune | StepTune, apply: bool) -> None:
-        """The heater off and, where asked for, with what the tune has found. Raises CommandError if
-        that cannot be stored."""
+        """The heater off, unless somebody wants it otherwise by now, and, where asked for, with
+        what the tune has found. Raises CommandError if that cannot be stored."""
         printer = self._printer
         self._controls.take_back(name)
         if printer.halted:
             return  # everything is off
-        printer.set_target(name, 0.0, at_once=True)
+        if printer.connection.heaters[name].target == tune.target_c:
+            printer.set_target(name, 0.0, at_once=True)
         fan = self._machine.heaters[name].fan
         if fan is not None and isinstance(tune, StepTune):
             printer.set_fan(fan, 0.0)

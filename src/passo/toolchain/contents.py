@@ -16,6 +16,7 @@ _UF2_BLOCK = 512
 _UF2_MOST = 476  # bytes of content in a block
 _UF2_MAGIC = (0x0A324655, 0x9E5D5157, 0x0AB16F30)
 _UF2_NOT_FLASH = 1
+_OWN_MARK = 0x6F737350  # OWN_MARK in firmware/hal/arm/start.c
 
 
 def parts_of(data: bytes, suffix: str, flash_start: int) -> Parts:
@@ -80,19 +81,40 @@ def outside(parts: Parts, chip: Chip) -> int | None:
     return None
 
 
+def missing(parts: Parts, chip: Chip) -> int | None:
+    """Where a part of the image should be that is not in the file, None if nothing is known to be
+    missing: what a Cortex-M's core starts from, and the end that Passo's own images tell."""
+    if chip.core == "avr" or chip.key in arm.STAGED:
+        return None
+    end = max(address + len(content) for address, content in parts)
+    words = struct.unpack("<9I", _head(parts, chip, 36))
+    needed = [words[1] & ~1, *([words[7] - 1] if words[8] == _OWN_MARK else [])]
+    return next((address for address in needed if address >= end), None)
+
+
+def tells_its_end(parts: Parts, chip: Chip) -> bool:
+    """Whether the image of a Cortex-M says where it ends, as Passo's own do."""
+    return struct.unpack("<9I", _head(parts, chip, 36))[8] == _OWN_MARK
+
+
+def _head(parts: Parts, chip: Chip, count: int) -> bytes:
+    """The first bytes of the flash; 0xFF where the parts leave them out."""
+    first = {
+        address - chip.flash_start + i: byte
+        for address, content in parts
+        if address < chip.flash_start + count
+        for i, byte in enumerate(content[:count])
+    }
+    return bytes(first.get(i, 0xFF) for i in range(count))
+
+
 def starts(parts: Parts, chip: Chip) -> bool:
     """Whether the flash would begin with what the chip's core starts from: a jump on AVR chips; on
     Cortex-M the end of a stack in RAM, and the odd address of code in flash. Of a chip whose ROM
     checks a stage before that, the ROM knows."""
     if chip.key in arm.STAGED:
         return True
-    first = {
-        address - chip.flash_start + i: byte
-        for address, content in parts
-        if address < chip.flash_start + 8
-        for i, byte in enumerate(content[:8])
-    }
-    head = bytes(first.get(i, 0xFF) for i in range(8))
+    head = _head(parts, chip, 8)
     if chip.core == "avr":
         (word,) = struct.unpack_from("<H", head)
         return word & 0xFE0E == 0x940C or word & 0xF000 == 0xC000  # jmp, rjmp

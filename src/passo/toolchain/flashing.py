@@ -13,7 +13,7 @@ from passo.config.board import Board
 from passo.errors import FirmwareError, Problem
 from passo.serial_line import open_serial_line
 from passo.toolchain.flash_plan import SUFFIXES, Copy, Hands, Run, Touch, plan
-from passo.toolchain.images import About, check_image
+from passo.toolchain.images import About, about_path, check_image, could_be_cut
 from passo.toolchain.readback import identify
 
 _LOADER_STARTS_S = 0.5
@@ -41,6 +41,7 @@ async def flash(
     steps = plan(name, board, port, image)
     about = check_image(image, name, board, suffixes)
     if dry_run:
+        _tell_doubts(image, about, board, person)
         for number, step in enumerate(steps, 1):
             person.tell(f"{number}. {step}")
         return
@@ -48,8 +49,12 @@ async def flash(
         if isinstance(step, Run) and shutil.which(step.words[0]) is None:
             raise _problem("firmware.tool", value=step.words[0], axis=name)
     # One that is not there yet may come with what hands do; a wrong one must not cost the firmware.
-    if port is not None and Path(port).exists() and not any(isinstance(it, Copy) for it in steps):
-        _check_serial(name, port)
+    if port is not None and Path(port).exists():
+        if not any(isinstance(it, Copy) for it in steps):
+            _check_serial(name, port)
+        elif not _may_become_drive(Path(port)):
+            raise _no_drive(name, Path(port))
+    _tell_doubts(image, about, board, person)
     touched = False  # another opening at that rate would start the loader once more
     for step in steps:
         match step:
@@ -67,6 +72,13 @@ async def flash(
                 person.tell(str(step))
                 _copy(name, step)
     await _read_back(name, board, port, about, person)
+
+
+def _tell_doubts(image: Path, about: About | None, board: Board, person: Person) -> None:
+    if about is None:
+        unknown = "is for this board" + could_be_cut(image, board) * " and is whole"
+        beside = about_path(image).name
+        person.tell(f"{image}: without the {beside} of its build nobody knows that it {unknown}.")
 
 
 def _check_serial(name: str, port: str) -> None:
@@ -98,10 +110,24 @@ async def _run(name: str, step: Run) -> None:
         raise _problem("firmware.flash", axis=name, value=why)
 
 
+def _may_become_drive(folder: Path) -> bool:
+    """Whether it is the drive, or an empty folder, where that may be mounted yet."""
+    if not folder.is_dir():
+        return False
+    try:
+        return (folder / _DRIVE_MARK).is_file() or not any(folder.iterdir())
+    except OSError:  # a folder that only its mount makes readable
+        return True
+
+
+def _no_drive(name: str, folder: Path) -> FirmwareError:
+    expected = f"the folder of its drive, which holds {_DRIVE_MARK}"
+    return _problem("firmware.port", axis=name, value=str(folder), limit=expected)
+
+
 def _copy(name: str, step: Copy) -> None:
     if not (step.folder / _DRIVE_MARK).is_file():
-        expected = f"the folder of its drive, which holds {_DRIVE_MARK}"
-        raise _problem("firmware.port", axis=name, value=str(step.folder), limit=expected)
+        raise _no_drive(name, step.folder)
     try:
         with (step.folder / step.image.name).open("wb") as target:
             target.write(step.image.read_bytes())

@@ -11,7 +11,7 @@ from typing import Any
 from passo.config.board import Board
 from passo.config.chips import Chip
 from passo.errors import FirmwareError, Problem
-from passo.toolchain.contents import outside, parts_of, starts
+from passo.toolchain.contents import missing, outside, parts_of, starts, tells_its_end
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,8 +57,8 @@ def read_about(image: Path) -> About | None:
 
 def check_image(image: Path, name: str, board: Board, suffixes: tuple[str, ...]) -> About | None:
     """Whether a file can be an image for the board that is called `name`: its ending, its content,
-    its addresses, and, where a JSON file stands beside it, its microcontroller, its board and its
-    hash. Returns what that file says.
+    its addresses, its length as far as it tells it, and, where a JSON file stands beside it, its
+    microcontroller, its board and its hash. Returns what that file says.
 
     Raises FirmwareError with the first thing that is wrong.
     """
@@ -95,6 +95,18 @@ def _check_content(image: Path, name: str, data: bytes, chip: Chip) -> None:
         raise _wrong(image, name, f"one for {flash}: this has something at 0x{beyond:x}")
     if not starts(parts, chip):
         raise _wrong(image, name, f"one that {chip.name} can start: this does not begin like it")
+    lost = missing(parts, chip)
+    if lost is not None:
+        raise _wrong(image, name, f"a whole one: this is cut short and lacks what is at 0x{lost:x}")
+
+
+def could_be_cut(image: Path, board: Board) -> bool:
+    """Whether an image that `check_image` accepted could be the beginning of a longer one: a plain
+    copy of a flash that does not itself say how long it is."""
+    if image.suffix != ".bin" or board.chip is None:
+        return False
+    parts = parts_of(image.read_bytes(), image.suffix, board.chip.flash_start)
+    return not tells_its_end(parts, board.chip)
 
 
 def _wrong(image: Path, name: str, expected: str) -> FirmwareError:
