@@ -96,7 +96,8 @@ class Window {
     if (number > acked_) {
       const Block& last = block(number - 1);
       Ticks trip = std::max<Ticks>(now - last.gone, 0);
-      doubtful_ = last.again ? trip : kNever;
+      bool usual = measured_ && now - copied_ <= smooth_ + 4 * variation_ + rto_min_ / 10;
+      doubtful_ = last.again && !usual ? trip : kNever;
       apart_ = now + rto_min_ / 2;
       if (!last.again) measure(trip);
       for (; acked_ < number; ++acked_) bytes_ -= block(acked_).length;
@@ -130,7 +131,8 @@ class Window {
       out.insert(out.end(), b.data, b.data + b.length);
     }
     retransmitted_bytes_ += out.size() - before;
-    deadline_ = on_the_line(out.size() - before, now) + rto_;
+    copied_ = on_the_line(out.size() - before, now);
+    deadline_ = copied_ + rto_;
   }
   Ticks deadline() const { return idle() ? kNever : deadline_; }
   // False if the frame had to be sent again, is long gone, or was the first after a restart, whose
@@ -161,6 +163,7 @@ class Window {
   int silent_ = 0;           // repetitions since the board was heard
   Ticks doubtful_ = kNever;  // from the first sending of a repeated frame to its answer
   Ticks apart_ = 0;          // what comes before this came with that answer
+  Ticks copied_ = 0;         // when the last copy had gone out
   uint64_t retransmitted_bytes_ = 0;
 
   Block& block(uint64_t number) { return blocks_[number & kSequenceMask]; }
