@@ -343,6 +343,7 @@ class Link {
   uint64_t last_of_job_ = 0;               // number of the last frame with messages of the job
   uint32_t committed_ = 0;                 // serial of the last commit sent
   bool taken_ = true;                      // it has said that it has that, or was not asked
+  bool waits_ = false;                     // a commit's word waits for this board, or for others
   uint64_t last_command_ = 0;              // number of the last frame with commands
   uint64_t query_ = 0;                     // number of the frame with the last further question
   bool queried_ = false;                   // such a question is to leave
@@ -369,6 +370,7 @@ class Link {
   Cause obstacle(Ticks clock) const {
     if (!window_.room(kPayloadMax) && job_.wake() <= clock)
       return window_.resending() ? Cause::retransmits : Cause::bytes;
+    if (waits_) return Cause::retransmits;
     return job_.short_of_slots() ? Cause::slots : Cause::plan;
   }
 
@@ -407,9 +409,9 @@ class Link {
   // comes before the acknowledgement, or never.
   JobStream::Word word_for(uint32_t serial, bool rest) {
     if (timeline_) {
-      if (alone_ || !taken_ || open_first_ != kNever || window_.acked() <= last_of_job_ ||
-          !timeline_->may_commit(seat_, serial))
-        return JobStream::Word::no;
+      waits_ = alone_ || !taken_ || open_first_ != kNever || window_.acked() <= last_of_job_ ||
+               !timeline_->may_commit(seat_, serial);
+      if (waits_) return JobStream::Word::no;
     }
     committed_ = serial;
     taken_ = !timeline_ && !rest;
@@ -422,7 +424,7 @@ class Link {
            window_.acked() > std::max(last_of_job_, query_);
   }
   // The board and the host mean the same commit.
-  void agree() { committed_ = 0, taken_ = true; }
+  void agree() { committed_ = 0, taken_ = true, waits_ = false; }
   // What the board has said of itself. With a frame behind that of the commit's word it must know
   // of that; if it does not, what it acknowledged were other bytes.
   void take_state(int64_t state, uint32_t serial) {

@@ -16,7 +16,9 @@ namespace passo::wire {
 // - it doubles only while the board has not answered at all, or after kSteady silent repetitions,
 //   and any good frame of the board ends that;
 // - where a board refuses copies of what it had, their time since the first sending counts as a
-//   round trip. RFC 6298 waits longer instead until one can be measured.
+//   round trip. RFC 6298 waits longer instead until one can be measured. The refusal must come
+//   later than the answer, as the copy left later than the first: where answers were lost, it is
+//   the copies that are answered, and all of that comes at once.
 class Window {
  public:
   static constexpr uint64_t kBlocks = 12;
@@ -90,15 +92,17 @@ class Window {
     }
     if (number > next_) return false;
     silent_ = 0;
-    if (measured_) rto_ = base_;
+    rto_ = measured_ ? base_ : rto_start_;
     if (number > acked_) {
       const Block& last = block(number - 1);
       Ticks trip = std::max<Ticks>(now - last.gone, 0);
-      doubtful_ = last.again ? trip : kNever;
+      bool usual = measured_ && now - copied_ <= smooth_ + 4 * variation_ + rto_min_ / 10;
+      doubtful_ = last.again && !usual ? trip : kNever;
+      apart_ = now + rto_min_ / 2;
       if (!last.again) measure(trip);
       for (; acked_ < number; ++acked_) bytes_ -= block(acked_).length;
       deadline_ = std::max(now, idle() ? now : block(acked_).gone) + rto_;
-    } else if (empty && doubtful_ != kNever && number <= ignored_) {
+    } else if (empty && doubtful_ != kNever && number <= ignored_ && now >= apart_) {
       measure(std::exchange(doubtful_, kNever));
     }
     if (!empty) return true;
@@ -127,7 +131,8 @@ class Window {
       out.insert(out.end(), b.data, b.data + b.length);
     }
     retransmitted_bytes_ += out.size() - before;
-    deadline_ = on_the_line(out.size() - before, now) + rto_;
+    copied_ = on_the_line(out.size() - before, now);
+    deadline_ = copied_ + rto_;
   }
   Ticks deadline() const { return idle() ? kNever : deadline_; }
   // False if the frame had to be sent again, is long gone, or was the first after a restart, whose
@@ -157,6 +162,8 @@ class Window {
   Ticks line_free_ = 0;      // when all bytes so far have gone out
   int silent_ = 0;           // repetitions since the board was heard
   Ticks doubtful_ = kNever;  // from the first sending of a repeated frame to its answer
+  Ticks apart_ = 0;          // what comes before this came with that answer
+  Ticks copied_ = 0;         // when the last copy had gone out
   uint64_t retransmitted_bytes_ = 0;
 
   Block& block(uint64_t number) { return blocks_[number & kSequenceMask]; }

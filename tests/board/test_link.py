@@ -373,6 +373,22 @@ def test_a_trip_that_has_become_long_is_learnt():
     assert not bench.link.lost
 
 
+def test_answers_that_are_lost_are_not_taken_for_a_long_trip():
+    """The board refuses copies, for it had the first ones: of several at once, all at once."""
+    bench, rng = Bench(), random.Random(1)
+    wire = Wire(bench, delay=MS // 4)
+    wire.spoil_answers = lambda data: data if rng.random() < 0.2 else b""
+    for _ in range(300):
+        for _ in range(40):  # several frames
+            bench.link.send("clear_shutdown", [])
+        wire.run(wire.now + 50 * MS)
+    wire.spoil_answers, wire.spoil_orders = (lambda data: data), (lambda data: b"")
+    begin = wire.now
+    wire.run(begin + 2 * HZ)
+    copies = [at for at, data in wire.sent if data[:1] == b"\x7e" and at > begin]
+    assert max(b - a for a, b in pairwise(copies[:4])) <= 30 * MS
+
+
 def test_messages_not_yet_sent_can_be_revoked():
     bench = Bench()
     plan = Planner()

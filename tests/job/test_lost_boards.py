@@ -12,6 +12,7 @@ from tests.job.disturbed import undisturbed as printed_whole
 from tests.job.test_lost_link import FIRMWARE
 from tests.job.two_boards import two_boards
 
+from passo import _core
 from passo.board.connection import Connection
 from passo.config.places import MAIN
 from passo.printer.drive import LEAD_S
@@ -364,3 +365,22 @@ def test_both_brake_on_the_path(monkeypatch, tmp_path, world, board):
         assert len(x) == len(z) > 100
         assert x[-1] - x[-2] > 2 * (x[1] - x[0])  # it has braked
         assert max(abs(a - b) / 16 for a, b in zip(x, z, strict=True)) <= 120
+
+
+@pytest.mark.parametrize("seconds", [0.15, 0.5, 2.0])
+def test_what_waits_for_the_other_board_was_not_planned_late(monkeypatch, undisturbed, seconds):
+    """None gets a commit before the other has what belongs to it."""
+    card, _ = undisturbed
+    with scenario(monkeypatch, card, "fast") as s:
+        s.host.ok("M32 a.g")
+        s.passes(16)
+        for i in range(6):
+            for board in s.board.boards:
+                s.board.cut_cable(board)
+            s.passes(seconds)
+            for board in s.board.boards:
+                s.board.cut_cable(board, False)
+            s.passes(2 + i / 10)
+        late = [c.link.late_frames for c in s.printer.connection.connections]
+        assert all(n[_core.Cause.RETRANSMITS] for n in late)
+        assert not any(n[_core.Cause.PLAN] for n in late), late

@@ -4,7 +4,7 @@ import random
 
 import pytest
 from tests.console.scenario import Scenario
-from tests.job.disturbed import disturb, steps, undisturbed
+from tests.job.disturbed import disturb, spiral, steps, undisturbed
 
 from passo import config
 from passo.errors import MachineError
@@ -271,3 +271,21 @@ def test_a_board_with_an_older_firmware_is_refused(monkeypatch):
     monkeypatch.setattr("passo.board.connection._SURVIVE", 3)
     with pytest.raises(MachineError, match="firmware is older than this program"):
         Scenario(FIRMWARE)
+
+
+@pytest.mark.parametrize("word", ["M104 S0", "M524"])
+def test_a_heater_that_is_switched_off_while_the_print_waits_for_it_is_not_waited_for(
+    tmp_path, word
+):
+    (tmp_path / "a.g").write_text("M109 S60\n" + spiral())
+    with Scenario(FIRMWARE, card=str(tmp_path)) as s:
+        s.host.ok("M32 a.g")
+        s.until(lambda: s.board.steps("x") > 4000, 300)
+        break_link(s, 70)  # heat is off for ten seconds
+        s.host.expect("The board is back", 10)
+        assert s.printer.drive.interrupted
+        s.host.send(word)
+        s.until(lambda: not s.printer.drive.interrupted, 10)
+        assert not s.printer.drive.interrupted
+        s.host.send("M400", "M118 stands")
+        s.host.expect("stands", 200)

@@ -81,7 +81,7 @@ def test_a_fallen_sensor_is_noticed_though_the_link_is_lost_again_and_again(prin
     s.board.drop_sensor("bed")
     most = 0.0
     for _ in range(100):
-        silences(s, 3.2, 1)
+        silences(s, 4.2, 1)
         most = max(most, s.board.temperature("bed"))
     assert s.host.heard.count("echo:The board is back, and stands where it was told to stop") > 15
     assert "bed" in s.printer.halted and "did not come to" in s.printer.halted

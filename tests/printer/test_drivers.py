@@ -8,13 +8,19 @@ from functools import partial
 import pytest
 from tests.console.scenario import Scenario
 from tests.job.disturbed import spiral
-from tests.job.test_lost_link import break_link
+from tests.job.test_lost_link import FIRMWARE, break_link
 from tests.job.test_noisy_link import CABLE, noisy
 from tests.printer.driver_machine import DRIVERS, machine, machine_text
 
 from passo import config
+from passo.board.ports import in_process
 from passo.board.trinamic import registers as r
-from passo.printer.wiring import connect_simulated
+from passo.printer.wiring import (
+    _connected,
+    board_descriptions,
+    connect_simulated,
+    simulated_machine,
+)
 
 
 @pytest.fixture(params=["virtual", "passo"])
@@ -278,3 +284,20 @@ def test_currents_and_modes_are_stored(tmp_path):
             "M906 X500", "M569 S0 X", "M906 Y800", "M569 S0 Y",
             "M906 Z600", "M569 S0 Z", "M906 T0 E900", "M569 T0 S0 E",
         ]  # fmt: skip
+
+
+@pytest.mark.parametrize("drivers", [True, False])
+def test_the_printer_starts_over_a_bad_link(monkeypatch, drivers):
+    """Three of a hundred bytes arrive as others: most long frames are lost."""
+
+    def spoilt(machine):
+        boards = board_descriptions(machine)
+        simulated = simulated_machine(machine, boards, CABLE)
+        for name in boards:
+            simulated.spoil_cable(name, 0.03)
+        return _connected(boards, in_process(list(simulated.devices.values()))), simulated
+
+    monkeypatch.setattr("passo.printer.printer.connect", spoilt)
+    with Scenario(machine(firmware="passo") if drivers else FIRMWARE) as s:
+        assert s.printer.connection.now < 20 * s.printer.connection.board.clock_hz
+        assert not any(state.failure for state in s.printer.drivers.states.values())

@@ -26,7 +26,7 @@ from passo.errors import MachineError, Problem
 
 Values: TypeAlias = dict[str, int | bytes]
 
-_CHUNK = 40
+_CHUNK, _SHORT_CHUNK = 40, 8
 _STEP_S = 0.01
 _PATIENCE_S = 0.5
 _TRIES = 5
@@ -467,18 +467,23 @@ class Connection:
             self.dictionary.number("RECEIVE_WINDOW"),
         )
 
-    def _part(self, offset: int, tries: int = _TRIES) -> Values:
-        same = {"offset": offset}
-        return self._ask("identify", [offset, _CHUNK], "identify_response", same, tries)
+    def _part(self, offset: int) -> Values:
+        with suppress(BoardSilentError):
+            return self._chunk(offset, _CHUNK, tries=1)
+        # Of a bad link's bytes, few come through together.
+        return self._chunk(offset, _SHORT_CHUNK, _TRIES - 1)
+
+    def _chunk(self, offset: int, size: int, tries: int) -> Values:
+        return self._ask("identify", [offset, size], "identify_response", {"offset": offset}, tries)
 
     def _first_part(self) -> Values:
         """What the board had said to another link may come first. It misleads about the number that
         the board expects, which is asked for anew then."""
         for _ in range(_TRIES - 1):
             with suppress(BoardSilentError):
-                return self._part(0, tries=1)
+                return self._chunk(0, _CHUNK, tries=1)
             self.link.restart()
-        return self._part(0, tries=1)
+        return self._chunk(0, _CHUNK, tries=1)
 
     def _follow_clock(self) -> None:
         self.link.follow_clock(self.now)
@@ -556,18 +561,21 @@ class Connection:
     ) -> Values:
         """The report `answer` in which the values of `same` are these. Raises BoardSilentError, or
         the reason for which the board has shut down by itself."""
-        for _ in range(tries):
-            self._collect()
-            self.link.send(name, list(values))
-            end = self.now + self._ticks(_PATIENCE_S)
-            until = self.now
-            while until <= end:
-                # A board that is shut down may still be asked.
-                self.pass_time(until)
-                found = self._find(answer, same)
-                if found is not None:
-                    return found
-                until += self._ticks(_STEP_S)
+        self._collect()
+        until, end = self.now, self.now + self._ticks(tries * _PATIENCE_S)
+        repeat = until
+        lost = True
+        while until <= end:
+            if lost or until >= repeat:
+                self.link.send(name, list(values))
+                repeat = until + self._ticks(_PATIENCE_S)
+            # A board that is shut down may still be asked.
+            self.pass_time(until)
+            lost = self.link.told  # its answer has come by now, or never will
+            found = self._find(answer, same)
+            if found is not None:
+                return found
+            until += self._ticks(_STEP_S)
         if self.link.shut_down and not self.link.stopped_with_others:
             raise self.shutdown_error()
         raise self.silence(name)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from passo.board.configuration import Oids
 from passo.board.description import Driver, UartPins, bare
 from passo.board.trinamic import (
+    AnswerLostError,
     DriverFailure,
     DriverLink,
     DriverSettings,
@@ -23,9 +24,11 @@ from passo.errors import MachineError
 if TYPE_CHECKING:
     from passo.board.connection import Connection
 
-_PATIENCE_S = 0.5  # once the board has the question: the slowest wire takes 30 ms
+# Once the board has the question. The slowest UART takes 30 ms; of SPI the answer comes before the
+# acknowledgement.
+_PATIENCE_S = 0.3
 _STEP_S = 0.01
-_MOST_BEGINNINGS = 20  # of an exchange that somebody waits for
+_MOST_LOST = 50  # answers one after the other, where somebody waits for them
 _ANSWERS = ("tmcuart_response", "spi_transfer_response")
 
 
@@ -46,27 +49,20 @@ class _Talk:
     """An exchange that goes on, one question at a time; of one the answer of which has not come by
     its `deadline` the link has lost it. There is none before the board has the question."""
 
-    begin: Callable[[], Exchange[Any]]
+    exchange: Exchange[Any]
     done: Callable[[Any], None]
     failed: Callable[[DriverFailure], None]
-    exchange: Exchange[Any] = field(init=False)
     question: str | None = None
     deadline: int | None = None
-    beginnings: int = 0
-
-    def __post_init__(self) -> None:
-        self.begin_anew()
-
-    def begin_anew(self) -> None:
-        """From the first question on: the driver may have heard the last one, or not."""
-        self.exchange, self.question = self.begin(), None
-        self.beginnings += 1
+    lost: int = 0  # answers, one after the other
 
 
 @dataclass
 class _Line:
-    """A wire with the exchanges that wait for it."""
+    """A wire with the exchanges that wait for it. A `slow` one answers later than it
+    acknowledges."""
 
+    slow: bool
     talks: deque[_Talk] = field(default_factory=deque[_Talk])
 
 
@@ -85,7 +81,7 @@ class Drivers:
         for driver in connection.board.drivers:
             link, oid = _link(driver, oids)
             self.states[driver.stepper] = DriverState(link, driver.settings)
-            self._lines.setdefault(oid, _Line())
+            self._lines.setdefault(oid, _Line(isinstance(driver.wire, UartPins)))
         self._oids = {d.stepper: _link(d, oids)[1] for d in connection.board.drivers}
 
     @property
@@ -101,7 +97,7 @@ class Drivers:
         while not self.idle:
             self.poll()
             for talk in (line.talks[0] for line in self._lines.values() if line.talks):
-                if talk.question and talk.beginnings > _MOST_BEGINNINGS:
+                if talk.question and talk.lost > _MOST_LOST:
                     raise self._connection.silence(talk.question.partition(" ")[0])
             self._connection.run(self._connection.now + int(_STEP_S * self._connection.wire.hz))
 
@@ -121,8 +117,7 @@ class Drivers:
         def done(_: None) -> None:
             state.failure = None
 
-        settled = state.settings
-        self._begin(motor, lambda: state.link.configure(settled), done)
+        self._begin(motor, state.link.configure(state.settings), done)
 
     def interrupt(self) -> None:
         """Ends what is being asked or set, of which much may have been lost on the way."""
@@ -136,22 +131,21 @@ class Drivers:
         def done(reading: Reading) -> None:
             state.reading, state.fresh = reading, True
 
-        self._begin(motor, state.link.status, done)
+        self._begin(motor, state.link.status(), done)
 
-    def _begin(
-        self, motor: str, begin: Callable[[], Exchange[Any]], done: Callable[[Any], None]
-    ) -> None:
+    def _begin(self, motor: str, exchange: Exchange[Any], done: Callable[[Any], None]) -> None:
         state = self.states[motor]
 
         def failed(failure: DriverFailure) -> None:
             state.failure = failure
 
-        self._lines[self._oids[motor]].talks.append(_Talk(begin, done, failed))
+        self._lines[self._oids[motor]].talks.append(_Talk(exchange, done, failed))
 
     def poll(self) -> None:
         """Takes in what the drivers have answered, and asks on. Lets no time pass."""
         if self.idle:
             return
+        told = self._connection.link.told  # before its answers are looked for
         answers: dict[int, bytes] = {}
         for _, values in self._connection.take_responses(*_ANSWERS):
             data = values.get("read", values.get("response"))
@@ -160,22 +154,25 @@ class Drivers:
         now = self._connection.now
         for oid, line in self._lines.items():
             if line.talks:
-                self._go_on(line, answers.get(oid), now)
+                self._go_on(line, answers.get(oid), now, told=told)
 
-    def _go_on(self, line: _Line, answer: bytes | None, now: int) -> None:
+    def _go_on(self, line: _Line, answer: bytes | None, now: int, *, told: bool) -> None:
         talk = line.talks[0]
-        if talk.question is not None and answer is None:
-            patience = int(_PATIENCE_S * self._connection.wire.hz)
-            if talk.deadline is None and self._connection.link.told:
-                talk.deadline = now + patience
+        asked = talk.question is not None
+        if asked and answer is None:
+            if talk.deadline is None and told:
+                patience_s = _PATIENCE_S if line.slow else 0.0
+                talk.deadline = now + int(patience_s * self._connection.wire.hz)
             if talk.deadline is None or now < talk.deadline:
                 return
-            talk.begin_anew()
+        talk.lost = talk.lost + 1 if asked and answer is None else 0
         try:
-            if talk.question is None:
+            if not asked:
                 talk.question = next(talk.exchange)
+            elif answer is None:
+                talk.question = talk.exchange.throw(AnswerLostError())
             else:
-                talk.question = talk.exchange.send(answer or b"")
+                talk.question = talk.exchange.send(answer)
         except StopIteration as end:
             talk.done(end.value)
             line.talks.popleft()

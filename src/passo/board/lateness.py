@@ -22,16 +22,21 @@ def is_late(connection: Connection, slack: _core.Slack) -> bool:
 
 
 def problem_of(
-    connection: Connection, slack: _core.Slack, file: str = "", line: int | None = None
+    connection: Connection,
+    slack: _core.Slack,
+    again: int,
+    file: str = "",
+    line: int | None = None,
 ) -> Problem:
-    """What is to be said of a slack that is known; `line` is the one whose move it concerns."""
-    hz, link = connection.board.clock_hz, connection.link
+    """What is to be said of a slack that is known; `line` is the one whose move it concerns.
+    `again`: bytes that were sent again, to any board: none gets a commit before the others."""
+    hz = connection.board.clock_hz
     values = {
         "value": _before(slack.slack / hz),
         "limit": LATE_S * 1e3,
         "held": slack.held / hz,
         "slots": connection.move_count,
-        "bytes": link.retransmitted_bytes,
+        "bytes": again,
     }
     return Problem(f"late.{slack.cause.name.lower()}", file, line, values)
 

@@ -73,4 +73,5 @@ class LatenessWatch:
         printer, file = self._printer, self.program()
         clock = connection.main_clock(slack.clock) - printer.drive.base
         line = printer.job.line_near(clock) if file else 0
-        return str(problem_of(connection, slack, file, line or None))
+        again = sum(c.link.retransmitted_bytes for c in printer.connection.connections)
+        return str(problem_of(connection, slack, again, file, line or None))

@@ -128,6 +128,8 @@ class Printer:
     def _begin(self, connection: Boards) -> None:
         self._shaded = False  # the laser is dark for now, and will be lit again
         machine = self.machine
+        if connection.survives:
+            connection.arm(True)  # from here on no word that comes late shuts a board down
         self.mains.begin(connection)
         self.beeper.begin(connection)
         connection.run(connection.now + int(_FIRST_REPORTS_S * machine.board.clock_hz))

@@ -122,8 +122,11 @@ class _Reconnection:
             if both
             else "echo:The board is back, and stands where it was told to stop"
         )
-        heaters = [h for h in printer.connection.heaters.values() if h.target > 0]
-        while not printer.halted and not all(h.reached or h.fault for h in heaters):
+        heaters = printer.connection.heaters.values()
+        # Meanwhile one may be switched off.
+        while any(h.target > 0 and not (h.reached or h.fault) for h in heaters):
+            if printer.halted:
+                return
             await asyncio.sleep(TICK_S)
             printer.drive.look()
 

@@ -1,6 +1,7 @@
 """Motor drivers that are set up and asked over a wire: TMC2208, TMC2209, TMC2130, TMC5160."""
 
 from passo.board.trinamic.driver import (
+    AnswerLostError,
     DriverFailure,
     DriverLink,
     Exchange,
@@ -11,6 +12,7 @@ from passo.board.trinamic.settings import DriverSettings, threshold_of
 from passo.board.trinamic.status import Finding, Reading, findings, open_coils
 
 __all__ = [
+    "AnswerLostError",
     "DriverFailure",
     "DriverLink",
     "DriverSettings",

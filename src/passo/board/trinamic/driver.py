@@ -1,12 +1,14 @@
 """A conversation with one driver: setting it up, checking that, asking how it is.
 
 It waits for nothing: an `Exchange` yields commands for the board that ask, and is sent the bytes of
-their answers, empty if there was none.
+their answers, empty if there was none. Where the board has got one, but its answer was lost, an
+`AnswerLostError` is thrown at it, which it takes like any answer.
 """
 
 from __future__ import annotations
 
 from collections.abc import Generator
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import ClassVar, Protocol, TypeAlias, TypeVar
 
@@ -42,6 +44,10 @@ class DriverFailure(Exception):
         self.problem = problem
 
 
+class AnswerLostError(Exception):
+    """The board has done what it was asked, and its answer was lost."""
+
+
 class _Wire(Protocol):
     """How registers are read and written. `read` is None and `write` False if that failed; answers
     are `checked` if a checksum protects them."""
@@ -67,8 +73,10 @@ class UartWire:
 
     def read(self, register: int) -> Exchange[int | None]:
         """Reads a register."""
-        bits = yield self._question(uart_read(self.address, register), ANSWER_BYTES)
-        return uart_value(register, bits)
+        while True:
+            with suppress(AnswerLostError):
+                bits = yield self._question(uart_read(self.address, register), ANSWER_BYTES)
+                return uart_value(register, bits)
 
     def write(self, writes: list[tuple[int, int]]) -> Exchange[bool]:
         """Writes registers; the driver's count of them tells whether all have come."""
@@ -76,7 +84,8 @@ class UartWire:
         if before is None:
             return False
         for register, value in writes:
-            yield self._question(uart_write(self.address, register, value), 0)
+            with suppress(AnswerLostError):  # it had nothing to say
+                yield self._question(uart_write(self.address, register, value), 0)
         after = yield from self.read(r.IFCNT)
         return after is not None and after - before & 0xFF == len(writes)
 
@@ -93,20 +102,27 @@ class SpiWire:
 
     def read(self, register: int) -> Exchange[int | None]:
         """Reads a register, whose value comes with the access after."""
-        yield self._question(spi_read(register))
-        data = yield self._question(spi_read(r.IHOLD_IRUN))
-        return spi_value(data)
+        while True:
+            with suppress(AnswerLostError):
+                yield self._question(spi_read(register))
+                data = yield self._question(spi_read(r.IHOLD_IRUN))
+                return spi_value(data)
 
     def write(self, writes: list[tuple[int, int]]) -> Exchange[bool]:
         """Writes registers; what came in comes back with the access after."""
+        accesses = [*(spi_write(*write) for write in writes), spi_read(r.GSTAT)]
         right = True
-        written: int | None = None
-        for register, value in writes:
-            data = yield self._question(spi_write(register, value))
+        i, written = 0, None
+        while i < len(accesses):
+            try:
+                data = yield self._question(accesses[i])
+            except AnswerLostError:  # it told of the access before, which is made again
+                i, written = max(i - 1, 0), None
+                continue
             right &= written is None or spi_value(data) == written
-            written = value
-        data = yield self._question(spi_read(r.GSTAT))
-        return right and spi_value(data) == written
+            written = writes[i][1] if i < len(writes) else None
+            i += 1
+        return right
 
     def _question(self, data: bytes) -> str:
         return f"spi_transfer oid={self.oid} data={data.hex()}"
