@@ -1,5 +1,6 @@
 """Each print from the card is a row of the history."""
 
+import re
 import sqlite3
 from pathlib import Path
 
@@ -174,3 +175,34 @@ def test_a_history_that_is_damaged_is_told(tmp_path):
     with Scenario("i3", state=str(tmp_path)) as s:
         told = s.host.ok("M78")[0].removeprefix(f"echo:{tmp_path}: ")
         assert told.startswith("the history of prints cannot be used: file is not a database")
+
+
+def test_a_print_that_was_killed_is_a_row(places, tmp_path):
+    (tmp_path / "card" / "long.g").write_text(FILE + "G4 S200\n")
+    with Scenario("i3", **places) as s:
+        s.host.ok("M32 long.g")
+        s.passes(150)
+        killed = tmp_path / "killed"
+        killed.mkdir()
+        for file in (tmp_path / "state").iterdir():
+            (killed / file.name).write_bytes(file.read_bytes())
+        assert s.host.ok("M78")[0] == "echo:Prints: 0, finished: 0, failed or cancelled: 0"
+    with Scenario("i3", card=places["card"], state=str(killed)) as s:
+        answer = s.host.ok("M78")
+        assert answer[0] == "echo:Prints: 1, finished: 0, failed or cancelled: 1"
+        seconds = re.fullmatch(r"echo:  long\.g: interrupted, 0h (\d)m (\d+)s", answer[2])
+        assert seconds
+        assert 90 <= 60 * int(seconds[1]) + int(seconds[2]) <= 150
+        s.host.ok("M1000", 60)
+        s.host.expect("Done printing", 400)
+        answer = s.host.ok("M78")
+        assert answer[0] == "echo:Prints: 2, finished: 1, failed or cancelled: 1"
+        assert answer[2].startswith("echo:  long.g: done")
+
+
+def test_a_print_that_its_host_announces_is_one_row(places):
+    with Scenario("i3", **places) as s:
+        s.host.ok("M75")
+        s.host.ok("M32 a.g")
+        s.host.expect("Done printing", 60)
+        assert "Prints: 1, finished: 1" in s.host.ok("M78")[0]
