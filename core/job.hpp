@@ -119,6 +119,12 @@ class Job {
     motion.forget_suspended();
     aside_.reset();
   }
+  // M218, of what is read from now on, and of what is left of the program.
+  void set_tool_offset(size_t tool, int axis, double mm) {
+    if (tool == interpreter.tool()) interpreter.shift_tool(axis, mm);
+    if (aside_ && tool == aside_->tool()) aside_->shift_tool(axis, mm);
+    motion.set_tool_offset(tool, axis, mm);
+  }
 
   // A straight move in machine coordinates, outside of any program. False, and nothing is changed,
   // if it is too long or does not keep `within`: error() says how.
