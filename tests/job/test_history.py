@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from tests.console.scenario import Scenario
 
+from passo.errors import InputError
 from passo.job.history import History
 
 FILE = "M302 P1\nG28\nG92 E0\n" + "".join(
@@ -206,3 +207,13 @@ def test_a_print_that_its_host_announces_is_one_row(places):
         s.host.ok("M32 a.g")
         s.host.expect("Done printing", 60)
         assert "Prints: 1, finished: 1" in s.host.ok("M78")[0]
+
+
+def test_two_printers_do_not_share_a_folder(places):
+    with Scenario("i3", **places) as s:
+        s.host.ok("M32 a.g")
+        with pytest.raises(InputError, match=r"another printer .* Stop that one, or give each a"):
+            Scenario("i3", **places)
+        assert "SD printing" in s.host.ok("M27")[0]
+    with Scenario("i3", **places) as s:
+        assert "M1000 goes on" in s.printer.greeting()
