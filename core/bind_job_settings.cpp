@@ -58,8 +58,7 @@ void bind_job_settings(nb::class_<JobView>& job) {
           [](JobView& self, size_t tool, int axis, double mm) {
             if (tool >= self.job.motion.machine().tools.size() || axis < 0 || axis > 2)
               throw nb::value_error("no such tool or axis");
-            if (tool == self.job.interpreter.tool()) self.job.interpreter.shift_tool(axis, mm);
-            self.job.motion.set_tool_offset(tool, axis, mm);
+            self.job.set_tool_offset(tool, axis, mm);
           },
           "tool"_a, "axis"_a, "mm"_a)
       .def_prop_ro("tool_offsets",

@@ -141,12 +141,21 @@ class Interpreter {
   }
   // This tool is in use, if it has an extruder. Nothing where extruders are axes.
   void take_tool(size_t tool);
-  // Takes up the program again as `before` left it, except for what the console has not said yet.
+  // Takes up the program again as `before` left it, except for what the console has not said yet,
+  // and for settings that it has changed, which modes are not.
   void resume(const Interpreter& before) {
     Interpreter mine = std::move(*this);
     *this = before;
     sources_[1] = std::move(mine.sources_[1]);
     std::copy(std::begin(mine.saved_), std::end(mine.saved_), saved_);
+    diameter_ = std::move(mine.diameter_);
+    volumetric_ = mine.volumetric_;
+    change_ = std::move(mine.change_);
+    auto_retract_ = mine.auto_retract_;
+    const Retraction r = mine.retraction();
+    retract_mm_ = r.mm, retract_feed_ = r.feed_mm_s, retract_hop_ = r.hop_mm;
+    recover_mm_ = r.recover_mm, recover_feed_ = r.recover_feed_mm_s;
+    swap_mm_ = r.swap_mm, swap_recover_mm_ = r.swap_recover_mm;
   }
   // Takes the state that a program has in another interpreter of the same machine; what is unread
   // here, and which axes know where they are, stays.

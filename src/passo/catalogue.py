@@ -217,6 +217,11 @@ CATALOGUE: Mapping[str, Entry] = {
     "settings.nowhere": _input(
         "settings", "there is no place to store settings", "Start with --state DIRECTORY"
     ),
+    "state.busy": _input(
+        "printer",
+        "another printer keeps its prints and settings there",
+        "Stop that one, or give each a folder of its own (--state)",
+    ),
     "settings.none": _input("settings", "no settings are stored", "Store them first (M500)"),
     "settings.unreadable": _input(
         "settings",

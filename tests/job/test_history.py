@@ -1,11 +1,13 @@
 """Each print from the card is a row of the history."""
 
+import re
 import sqlite3
 from pathlib import Path
 
 import pytest
 from tests.console.scenario import Scenario
 
+from passo.errors import InputError
 from passo.job.history import History
 
 FILE = "M302 P1\nG28\nG92 E0\n" + "".join(
@@ -133,7 +135,7 @@ def test_a_file_s_own_timer_words_do_not_keep_it_out_of_the_history(tmp_path):
     with Scenario("i3", card=str(card), state=str(tmp_path / "state")) as s:
         s.host.ok("M75")  # a host that starts the card's print
         s.host.ok("M32 a.g")
-        s.host.expect("Print time 0h 0m 0s", 60)  # it is read long before
+        s.host.expect("Print time 0h 0m 2[6-9]s", 60)  # it is read 4 s before
         s.host.expect("Done printing", 60)
     last, totals = rows(tmp_path / "state")
     assert [(file, ended) for file, ended, _, _ in last] == [("a.g", "done")]
@@ -174,3 +176,44 @@ def test_a_history_that_is_damaged_is_told(tmp_path):
     with Scenario("i3", state=str(tmp_path)) as s:
         told = s.host.ok("M78")[0].removeprefix(f"echo:{tmp_path}: ")
         assert told.startswith("the history of prints cannot be used: file is not a database")
+
+
+def test_a_print_that_was_killed_is_a_row(places, tmp_path):
+    (tmp_path / "card" / "long.g").write_text(FILE + "G4 S200\n")
+    with Scenario("i3", **places) as s:
+        s.host.ok("M32 long.g")
+        s.passes(150)
+        killed = tmp_path / "killed"
+        killed.mkdir()
+        for file in (tmp_path / "state").iterdir():
+            (killed / file.name).write_bytes(file.read_bytes())
+        assert s.host.ok("M78")[0] == "echo:Prints: 0, finished: 0, failed or cancelled: 0"
+    with Scenario("i3", card=places["card"], state=str(killed)) as s:
+        answer = s.host.ok("M78")
+        assert answer[0] == "echo:Prints: 1, finished: 0, failed or cancelled: 1"
+        seconds = re.fullmatch(r"echo:  long\.g: interrupted, 0h (\d)m (\d+)s", answer[2])
+        assert seconds
+        assert 90 <= 60 * int(seconds[1]) + int(seconds[2]) <= 150
+        s.host.ok("M1000", 60)
+        s.host.expect("Done printing", 400)
+        answer = s.host.ok("M78")
+        assert answer[0] == "echo:Prints: 2, finished: 1, failed or cancelled: 1"
+        assert answer[2].startswith("echo:  long.g: done")
+
+
+def test_a_print_that_its_host_announces_is_one_row(places):
+    with Scenario("i3", **places) as s:
+        s.host.ok("M75")
+        s.host.ok("M32 a.g")
+        s.host.expect("Done printing", 60)
+        assert "Prints: 1, finished: 1" in s.host.ok("M78")[0]
+
+
+def test_two_printers_do_not_share_a_folder(places):
+    with Scenario("i3", **places) as s:
+        s.host.ok("M32 a.g")
+        with pytest.raises(InputError, match=r"another printer .* Stop that one, or give each a"):
+            Scenario("i3", **places)
+        assert "SD printing" in s.host.ok("M27")[0]
+    with Scenario("i3", **places) as s:
+        assert "M1000 goes on" in s.printer.greeting()

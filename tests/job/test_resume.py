@@ -446,3 +446,71 @@ def test_a_machine_without_switches_goes_on_from_home(tmp_path):
         s.host.ok("M1000", 60)
         s.host.expect("Done printing", 60)
         assert (s.positions()["x"], s.positions()["y"]) == pytest.approx((10, 40), abs=0.02)
+
+
+def state_after(places, name, *lines, killed):
+    """Settings and modes at the end of a print that these lines of a console have changed."""
+    with Scenario("i3", **places) as s:
+        s.host.ok(f"M32 {name}")
+        assert s.until(lambda: s.positions()["e"] > 4.5, 200)
+        for line in lines:
+            s.host.ok(line, 60)
+        s.passes(6)
+        left = s.positions()
+        if not killed:
+            s.until(lambda: "Done printing file" in s.host.heard, 300)
+            return list(s.printer.settings()), s.printer.job.modes
+    with Scenario("i3", **places) as s:
+        for stepper in "xyz":
+            s.board.place(stepper, left[stepper])
+        s.host.ok("M302 P1")
+        s.host.ok("M1000", 600)
+        s.until(lambda: "Done printing file" in s.host.heard, 300)
+        return list(s.printer.settings()), s.printer.job.modes
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        ("M203 X50", "M83"),
+        ("M204 P500", "M204 P900"),
+        ("M207 S2", "M603 L50"),
+        ("M302 S150 P1", "G91 G90"),
+        ("M200 D2", "M200 S0"),
+        ("SET_VELOCITY_LIMIT VELOCITY=70 MINIMUM_CRUISE_RATIO=0.1",),
+        ("M25", "M83", "M203 X60", "M24"),
+    ],
+)
+def test_what_consoles_set_beside_a_print_is_not_forgotten(places, lines):
+    whole = state_after(places, "wall.gcode", *lines, killed=False)
+    assert state_after(places, "wall.gcode", *lines, killed=True) == whole
+
+
+def test_a_tool_offset_set_beside_a_print_is_not_forgotten(places):
+    left = left_after(places, "M218 T0 X1")
+    assert recorded(places)[0].changes[0][1] == ["G21", "M218 T0 X1 Y0 Z0", "G21"]
+    assert gone_on(places, left)["x"] == pytest.approx(9.0, abs=0.02)
+
+
+def test_what_consoles_set_is_known_after_a_second_interruption(places):
+    left = left_after(places, "M218 T0 X1", "M218 T0 X2")
+    with Scenario("i3", **places) as s:
+        for stepper in "xyz":
+            s.board.place(stepper, left[stepper])
+        s.host.ok("M302 P1")
+        s.host.ok("M1000", 600)
+        s.passes(3)
+        left = s.positions()
+    assert [lines[1] for _, lines in recorded(places)[0].changes] == [
+        "M218 T0 X1 Y0 Z0",
+        "M218 T0 X2 Y0 Z0",
+    ]
+    assert gone_on(places, left)["x"] == pytest.approx(8.0, abs=0.02)
+
+
+def test_settings_of_the_file_that_only_a_printer_has_are_not_forgotten(places, tmp_path):
+    own = "M85 S3600\nM84 S300\nM301 P25\nM145 S0 H205\nM540 S1\n"
+    (tmp_path / "card" / "own.gcode").write_text(own + WALL)
+    whole = state_after(places, "own.gcode", killed=False)
+    assert {"M85 S3600", "M84 S300", "M540 S1"} <= set(whole[0])
+    assert state_after(places, "own.gcode", killed=True) == whole

@@ -173,3 +173,43 @@ def test_without_switches_a_second_try_begins_where_the_first_has_ended(places):
         assert s.positions()["x"] > 5
         ends_at_its_height(s)
         assert s.positions()["x"] == pytest.approx(10.0, abs=0.03)
+
+
+@pytest.mark.parametrize("seconds", [0.5, 2.0, 4.0])
+def test_a_pause_in_m1000_comes_as_soon_as_the_print_goes_on(places, seconds):
+    with again(places, cut(places)) as s:
+        other = Host(s)
+        s.host.send("M1000")
+        s.passes(seconds)
+        assert "pauses as soon as" in other.ok("M25")[0]
+        s.host.expect("echo:Printing wall", 600)
+        s.host.expect("// action:paused", 1)
+        s.passes(10)
+        resting = s.positions()
+        s.passes(10)
+        assert s.positions() == resting
+        s.host.ok("M24")
+        s.host.expect("Done printing", 300)
+        assert s.positions()["z"] == pytest.approx(HEIGHT_MM, abs=0.03)
+
+
+def test_a_pause_in_m1000_can_be_taken_back(places):
+    with again(places, cut(places)) as s:
+        other = Host(s)
+        s.host.send("M1000")
+        s.passes(1)
+        other.ok("M25")
+        assert other.ok("M24") == ["ok"]
+        s.host.expect("Done printing", 600)
+        assert "// action:paused" not in s.host.heard
+
+
+def test_a_pause_in_m1000_that_is_stopped_means_nothing_later(places):
+    with again(places, cut(places)) as s:
+        other = Host(s)
+        s.host.send("M1000")
+        s.passes(1)
+        other.ok("M25")
+        other.ok("M524")
+        s.host.expect("stopped", 30)
+        ends_at_its_height(s)

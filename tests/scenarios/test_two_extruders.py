@@ -18,7 +18,7 @@ PARK = "\n[park]\nposition_mm = [5.0, 180.0]\nretract_mm = 2.0\n"
 # T1 prints, and T0 has lines that are read ahead when it stops.
 BOTH = "\n".join(
     ["M302 P1", "G28", "T1", "M83"]
-    + [f"G1 X{50 + 30 * (i % 2)} Y50 Z5 E2 F1800" for i in range(6)]
+    + [f"G1 X{50 + 30 * (i % 2)} Y50 Z5 E2 F3600" for i in range(6)]
     + ["T0"]
     + [f"G1 X{50 + 30 * (i % 2)} E2 F1800" for i in range(6)]
 )
@@ -185,3 +185,34 @@ def test_filament_of_axes_may_be_pushed_in_a_pause(tmp_path, line):
         u, v = (mm, 0) if "U" in line else (0, mm)
         at = s.positions()
         assert (at["u"], at["v"]) == pytest.approx((12 + u, 5 + v), abs=0.05)
+
+
+def after_a_pause(tmp_path, *lines: str) -> tuple[dict[str, float], list[str]]:
+    """Where a print ends whose tools change behind a pause with these lines, and the settings."""
+    moves = [f"G1 X{100 + 20 * (i % 2)} F3000" for i in range(40)]
+    (tmp_path / "a.g").write_text(
+        "\n".join(["M302 P1", "G28", "T0", "G1 X100 Y50 Z5 F6000", *moves, "T1", "G1 X90", "M400"])
+    )
+    with Scenario(machine(), card=str(tmp_path)) as s:
+        s.host.ok("M32 a.g")
+        assert s.until(lambda: s.positions()["x"] > 115, 100)
+        for line in ("M25", *lines, "M24"):
+            s.host.ok(line, 60)
+        assert s.until(lambda: "Done printing file" in s.host.heard, 200)
+        return s.positions(), list(s.printer.settings())
+
+
+def test_an_offset_of_the_tool_that_a_pause_has_set_holds_behind_it(tmp_path):
+    """M218 of the first tool leaves the second one where it was."""
+    assert after_a_pause(tmp_path)[0]["x"] == 65.0
+    end, settings = after_a_pause(tmp_path, "M218 T0 X3")
+    assert (end["x"], "M218 T0 X3 Y0 Z0" in settings) == (65.0, True)
+    assert after_a_pause(tmp_path, "M218 T1 X20")[0]["x"] == 70.0
+
+
+def test_settings_of_filament_that_a_pause_has_set_hold_behind_it(tmp_path):
+    lines = ("M207 S1", "M208 S0.5", "M209 S1", "M603 T0 L50", "M200 T1 D2.85")
+    _, settings = after_a_pause(tmp_path, *lines)
+    assert {"M209 S1", "M603 T0 L50 U100", "M200 T1 D2.85"} <= set(settings)
+    assert any(x.startswith("M207 S1 ") for x in settings)
+    assert any(x.startswith("M208 S0.5 ") for x in settings)

@@ -103,9 +103,11 @@ class JobCommands:
         self._paused = state is State.PAUSED
         if state is State.PRINTING:
             if self._from_card is None:
-                self._from_host = None  # a host that meant this one
+                meant, self._from_host = self._from_host, None  # a host has announced this one
                 self._watch.reset()
-                self._from_card = self._statistics.begun(self._runner.name, self._runner.size)
+                self._from_card = self._statistics.begun(
+                    self._runner.name, lambda: self._watch.seconds, self._runner.size, meant
+                )
                 if self._runner.offset == 0:  # else it goes on behind a line that failed
                     self._planned_s = self._printer.planned_s()
                 self._reckon()
@@ -115,7 +117,7 @@ class JobCommands:
             self._watch.pause()
             if state is not State.PAUSED:
                 job, self._from_card = self._from_card, None
-                self._statistics.ended(job, self._runner.ended, self._watch.seconds)
+                self._statistics.ended(job, self._runner.ended)
 
     def _close(self) -> None:
         self._host_ends("cancelled")
@@ -123,14 +125,16 @@ class JobCommands:
 
     def _host_begins(self) -> None:
         self._watch.reset()
-        self._from_host = self._statistics.begun(_HOST)
+        self._from_host = self._statistics.begun(
+            _HOST, lambda: self._watch.seconds, instead=self._from_host
+        )
 
     def _host_ends(self, how: str) -> None:
         """The watch stands, and is read until the next print."""
         job, self._from_host = self._from_host, None
         if job is not None:
             self._watch.pause()
-            self._statistics.ended(job, how, self._watch.seconds)
+            self._statistics.ended(job, how)
 
     def _stopped(self, _: str) -> None:
         """M410 may be a host's own; after a halt nothing goes on."""

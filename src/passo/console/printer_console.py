@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,7 @@ from passo.console.session import Session
 from passo.console.settings_commands import SettingsCommands
 from passo.console.statistics import Statistics
 from passo.errors import InputError
+from passo.job.atomic import directory_held
 from passo.job.runner import Runner
 from passo.job.settings import Store
 from passo.printer.printer import Printer
@@ -58,7 +60,8 @@ def furnished(
     machine: MachineConfig, *, free: bool = False, card: str | None = None, state: str | None = None
 ) -> Printer:
     """A printer that understands every command of a console. Within a running event loop. Raises
-    MachineError, and CardError if `card` cannot be used; the board is let go then."""
+    MachineError, CardError if `card` cannot be used, and InputError if another one has `state`; the
+    board is let go then."""
     printer = Printer(machine, free=free)
     listen = printer.unheard.append
     printer.listeners.append(listen)
@@ -71,7 +74,20 @@ def furnished(
     return printer
 
 
+def _hold(printer: Printer, state: Path) -> None:
+    """The folder is this printer's alone, as long as it lives. Where that cannot be, whoever needs
+    it says so."""
+    try:
+        held = directory_held(state)
+    except BlockingIOError:
+        raise InputError.of("state.busy", str(state)) from None
+    if held is not None:
+        printer.closers.append(lambda: os.close(held))
+
+
 def _furnish(printer: Printer, card: str | None, state: str | None) -> None:
+    if state is not None:
+        _hold(printer, Path(state))
     reports = Reports(printer, card=card is not None, settings=state is not None)
     printer.waits.temperatures = reports.temperatures
     printer.immediate.update(reports.handlers)

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from passo.console.card_commands import CardCommands
 from passo.errors import CardError, CommandError, PassoError
-from passo.job.journal import Journal, Moment, Program
-from passo.job.overrides import Overrides
+from passo.job.journal import Change, Journal, Moment, Program
+from passo.job.overrides import Overrides, Settings
 from passo.job.recovery import Recovery
 from passo.job.runner import Runner, State
 from passo.printer.waits import Handler, Procedure, Reply, Stopped, Wait
@@ -34,6 +35,7 @@ class RecoveryCommands:
         self._printer, self._runner, self._files = printer, runner, files
         self._journal = Journal(directory)
         self._overrides = Overrides(printer, runner)
+        self._settings = Settings(printer, runner, self._follows, self._set_by_console)
         self._recorded = Moment(0, 0.0)
         self._seen_z_mm = 0.0
         self._settlings = 0
@@ -104,6 +106,7 @@ class RecoveryCommands:
         self._printer.positions.trust()
         self._settlings = self._printer.positions.settlings
         self._overrides.begin()
+        self._settings.begin()
         # One that was stopped by a line goes on behind it.
         line = self._printer.job.line_at(self._printer.drive.now) or self._runner.first_line
         self._recorded = self._moment(line, self._seen_z_mm)
@@ -178,6 +181,15 @@ class RecoveryCommands:
         except OSError as error:
             self._printer.tell(f"echo:No journal of this print: {error.strerror}")
 
+    def _follows(self) -> bool:
+        """A print is recorded, that goes on or stands at a line that has failed."""
+        return self._journal.open and self._interrupted is None
+
+    def _set_by_console(self, change: Change) -> None:
+        assert self._program is not None
+        self._program.changes.append(change)
+        self._write(lambda: self._journal.record_change(change))
+
     def _z_matters(self, before_mm: float) -> bool:
         """Z has gone far since the last record, or has come to rest elsewhere. A print that goes on
         keeps Z without homing it where Z moves alone."""
@@ -188,8 +200,11 @@ class RecoveryCommands:
 
     def _record(self, moment: Moment) -> None:
         self._recorded = moment
+        self._write(lambda: self._journal.record(moment))
+
+    def _write(self, record: Callable[[], None]) -> None:
         try:
-            self._journal.record(moment)
+            record()
         except OSError as error:
             # What it says would soon be long past.
             self._end()
@@ -241,6 +256,9 @@ class RecoveryCommands:
             with self._runner.keep():
                 offset = await recovery.run()
             self._runner.seek(offset)
+            # What was set while more had been read ahead holds before that is read now.
+            changes = [(min(at, offset), lines) for at, lines in program.changes]
+            self._program = replace(program, changes=changes)
         except (PassoError, Stopped):
             self._runner.seek(0)
             for heater in self._printer.heaters:

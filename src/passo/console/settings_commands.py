@@ -37,6 +37,7 @@ class SettingsCommands:
         yield "Maximum acceleration (units/s2)", motion.axis_limit_lines("accel")
         yield "Acceleration (units/s2)", [motion.acceleration_line()]
         yield "Corners", motion.junction_lines()
+        yield "Speed of the path (units/s), share of cruise", [motion.velocity_line()]
         yield "Home offset", [motion.home_offset_line()]
         if job.tool_offsets:
             yield "Tool offsets", list(motion.tool_offset_lines())

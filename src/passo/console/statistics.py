@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sqlite3
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from passo.printer.printer import Printer
 
 STORE_EVERY_S = 600.0  # the time that the printer was on
+_PRINT_EVERY_S = 60.0  # how far a print is, should it be interrupted
 _SHOWN = 5
 
 
@@ -28,11 +30,14 @@ def spoken(seconds: float) -> str:
 
 @dataclass(slots=True)
 class Print:
-    """A print that is under way; `filament_mm` was pushed before it."""
+    """A print that is under way; `filament_mm` was pushed before it, and `seconds` tells how long
+    it takes so far."""
 
     name: str
     size: int
     filament_mm: float
+    seconds: Callable[[], float]
+    row: int | None = None  # of the history
 
 
 class Statistics:
@@ -43,7 +48,8 @@ class Statistics:
         self._history: History | None = None
         self._missing = CommandError.of("settings.nowhere")
         self._on_s = self._stored_s = 0.0
-        self._seen_s = printer.drive.now_s
+        self._seen_s = self._noted_s = printer.drive.now_s
+        self._job: Print | None = None  # the one that is under way
         self.immediate: dict[str, Handler] = {"M78": self._statistics}
         if directory is None:
             return
@@ -55,25 +61,38 @@ class Statistics:
             return
         printer.watchers.append(self._time_passed)
 
-    def begun(self, name: str, size: int = 0) -> Print:
-        """A print begins."""
+    def begun(
+        self, name: str, seconds: Callable[[], float], size: int = 0, instead: Print | None = None
+    ) -> Print:
+        """A print begins, or is what another one has announced. Should the program be killed, the
+        history says that it was interrupted."""
         self._printer.lateness.begin()
-        return Print(name, size, self._printer.filament_mm())
+        row = instead.row if instead is not None else None
+        self._job = Print(name, size, self._printer.filament_mm(), seconds, row)
+        self._note(self._job, "interrupted")
+        return self._job
 
-    def ended(self, job: Print, how: str, seconds: float) -> None:
+    def ended(self, job: Print, how: str) -> None:
         """A print is over: done, cancelled or failed."""
+        self._job = None
+        self._note(job, how)
+
+    def _note(self, job: Print, how: str) -> None:
+        self._noted_s = self._printer.drive.now_s
         if self._history is None:
             return
         printer = self._printer
         used, note = printer.filament_mm() - job.filament_mm, printer.lateness.worst
         try:
-            self._history.add(job.name, job.size, how, seconds, used, note)
+            job.row = self._history.add(job.name, job.size, how, job.seconds(), used, note, job.row)
         except sqlite3.Error as error:
             printer.tell(f"echo:This print is not in the history: {error}")
 
     def _time_passed(self) -> None:
         before, self._seen_s = self._seen_s, self._printer.drive.now_s
         self._on_s += max(self._seen_s - before, 0.0)  # the board's clock may begin anew
+        if self._job is not None and abs(self._seen_s - self._noted_s) > _PRINT_EVERY_S:
+            self._note(self._job, "interrupted")
         if self._on_s < self._stored_s + STORE_EVERY_S:
             return
         try:
@@ -89,6 +108,8 @@ class Statistics:
     def close(self) -> None:
         """Nothing is remembered any more."""
         if self._history is not None:
+            if self._job is not None:
+                self._note(self._job, "interrupted")
             with suppress(sqlite3.Error):  # nobody is left to be told; the last minutes are missing
                 self._store()
             self._history.close()
@@ -111,7 +132,8 @@ class Statistics:
             self._on_s = self._stored_s = 0.0
             return []
         self._store()
-        totals, last = history.totals(), history.last(_SHOWN)
+        but = self._job.row if self._job is not None else None
+        totals, last = history.totals(but), history.last(_SHOWN, but)
         lines = [
             f"echo:Prints: {totals.prints}, finished: {totals.done},"
             f" failed or cancelled: {totals.prints - totals.done}",

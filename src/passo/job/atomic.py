@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import fcntl
 import os
 from collections.abc import Generator
 from contextlib import contextmanager
@@ -26,6 +27,24 @@ def replaced(path: Path) -> Generator[Path, None, None]:
         fsync_directory(path.parent)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def directory_held(path: Path) -> int | None:
+    """A descriptor of a directory, which is made if need be; until it is closed nobody else holds
+    that. None where it cannot be opened or held. Raises BlockingIOError: somebody holds it."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+        directory = os.open(path, os.O_RDONLY | os.O_DIRECTORY)
+    except OSError:
+        return None
+    try:
+        fcntl.flock(directory, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        os.close(directory)
+        if isinstance(error, BlockingIOError):
+            raise
+        return None
+    return directory
 
 
 def fsync_directory(path: Path) -> None:

@@ -11,7 +11,7 @@ create table if not exists prints (
     id integer primary key,
     file text not null,
     size integer not null,
-    ended text not null,      -- done, cancelled, failed
+    ended text not null,      -- done, cancelled, failed; interrupted, also while it goes on
     print_s real not null,
     filament_mm real not null,
     note text not null default ''  -- what went not so well
@@ -67,14 +67,16 @@ class History:
         print_s: float,
         filament_mm: float,
         note: str = "",
-    ) -> None:
-        """A print is over. Durable when it returns."""
+        row: int | None = None,
+    ) -> int | None:
+        """A print, in place of that `row` if it is still there; returns the row. Durable when it
+        returns."""
         with self._base:
-            self._base.execute(
-                "insert into prints (file, size, ended, print_s, filament_mm, note)"
-                " values (?, ?, ?, ?, ?, ?)",
-                (file, size, ended, print_s, filament_mm, note),
-            )
+            return self._base.execute(
+                "insert or replace into prints (id, file, size, ended, print_s, filament_mm, note)"
+                " values (?, ?, ?, ?, ?, ?, ?)",
+                (row, file, size, ended, print_s, filament_mm, note),
+            ).lastrowid
 
     def was_on(self, seconds: float) -> None:
         """So long this run has lasted by now. Durable when it returns."""
@@ -85,19 +87,23 @@ class History:
             else:
                 self._base.execute("update runs set on_s = ? where id = ?", (seconds, self._run))
 
-    def totals(self) -> Totals:
-        """What M78 tells."""
+    def totals(self, but: int | None = None) -> Totals:
+        """What M78 tells, `but` for the print of that row, which goes on."""
         row = self._base.execute(
             "select count(*), coalesce(sum(ended = 'done'), 0), coalesce(sum(print_s), 0),"
             " coalesce(max(print_s), 0), coalesce(sum(filament_mm), 0),"
-            " (select coalesce(sum(on_s), 0) from runs) from prints"
+            " (select coalesce(sum(on_s), 0) from runs) from prints where id is not ?",
+            (but,),
         ).fetchone()
         return Totals(*row)
 
-    def last(self, most: int) -> list[tuple[str, str, float, str]]:
-        """The newest prints: file, how it ended, print time in seconds, what went not so well."""
+    def last(self, most: int, but: int | None = None) -> list[tuple[str, str, float, str]]:
+        """The newest prints, `but` for that row: file, how it ended, print time in seconds, what
+        went not so well."""
         return self._base.execute(
-            "select file, ended, print_s, note from prints order by id desc limit ?", (most,)
+            "select file, ended, print_s, note from prints where id is not ?"
+            " order by id desc limit ?",
+            (but, most),
         ).fetchall()
 
     def forget(self) -> None:

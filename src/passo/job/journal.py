@@ -20,15 +20,25 @@ if TYPE_CHECKING:
 
 _HEAD_BYTES = 1 << 16  # of the file, to know it again
 _LONGEST = 1 << 16  # bytes of a record; nothing that is longer is one
+_CHANGE = "change"  # key of a record that is none of a moment
 # Settings that what a program means depends on; heaters, drivers and times are the printer's own.
-_MEANING = re.compile("M(?:92|20[0-9]|218|302|603) ")
+_MEANING = re.compile("(?:M(?:92|20[0-9]|218|302|603)|SET_VELOCITY_LIMIT) ")
+
+
+Change = tuple[int, list[str]]  # bytes of the file, and the commands that act behind them
+
+
+def meaning(printer: Printer) -> list[str]:
+    """Commands for those of the printer's settings that decide what a program means."""
+    return [line for line in printer.settings() if _MEANING.match(line)]
 
 
 @dataclass(frozen=True, slots=True)
 class Program:
     """The file that is printed: its path on the card, and what tells it from another one. Beside
     that what it was begun with: commands for the printer's `settings`, stored or not, and for its
-    `modes`, and where all axes were, of the machine and, with E, of the program."""
+    `modes`, and where all axes were, of the machine and, with E, of the program. `changes` are
+    those of both that consoles have made since, each with the bytes that were read before."""
 
     machine: str
     path: str
@@ -38,6 +48,7 @@ class Program:
     modes: list[str] = field(default_factory=list[str], compare=False)
     machine_mm: list[float] = field(default_factory=list[float], compare=False)
     program_mm: list[float] = field(default_factory=list[float], compare=False)
+    changes: list[Change] = field(default_factory=list[Change], compare=False)
 
     @classmethod
     def of(cls, machine: str, path: str, reader: Reader) -> Self:
@@ -55,7 +66,7 @@ class Program:
         job, axes = printer.job, len(printer.machine.axes)
         return replace(
             self,
-            settings=[line for line in printer.settings() if _MEANING.match(line)],
+            settings=meaning(printer),
             modes=job.modes.split("\n"),
             machine_mm=[job.machine_position[slot_of_axis(i)] for i in range(axes)],
             program_mm=job.program_position,
@@ -100,7 +111,9 @@ class Journal:
             self.path.parent.mkdir(parents=True, exist_ok=True)
             with replaced(self.path) as new:
                 file = new.open("wb")  # goes on under its final name
-                file.write(_line(asdict(program)) + _line(asdict(moment)))
+                file.write(_line(asdict(replace(program, changes=[]))))
+                file.writelines(_line({_CHANGE: change}) for change in program.changes)
+                file.write(_line(asdict(moment)))
                 file.flush()
         except OSError:
             if file is not None:
@@ -111,8 +124,15 @@ class Journal:
 
     def record(self, moment: Moment) -> None:
         """Durable when it returns."""
+        self._append(asdict(moment))
+
+    def record_change(self, change: Change) -> None:
+        """The same for what a console has set."""
+        self._append({_CHANGE: change})
+
+    def _append(self, content: dict[str, Any]) -> None:
         assert self._file is not None
-        self._file.write(_line(asdict(moment)))
+        self._file.write(_line(content))
         self._file.flush()
         os.fsync(self._file.fileno())
 
@@ -139,6 +159,9 @@ class Journal:
                 while content := _checked(file.readline(_LONGEST)):
                     if program is None:
                         program = Program(**content)
+                    elif _CHANGE in content:
+                        offset, lines = content[_CHANGE]
+                        program.changes.append((int(offset), [str(line) for line in lines]))
                     else:
                         moment = Moment(**content)
                         tuples = {n: (int(at), v) for n, (at, v) in moment.overrides.items()}

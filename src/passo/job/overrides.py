@@ -1,12 +1,15 @@
-"""Speed, flows and fans of a print, as far as its file alone does not tell them."""
+"""What a print obeys, as far as its file alone does not tell it."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from passo.job.journal import Change, meaning
 from passo.printer.words import Command
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from passo import _core
     from passo.job.runner import Runner
     from passo.printer.commands import Commands
@@ -63,3 +66,47 @@ class Overrides:
         offset = self._runner.offset
         changed = {n: (offset, x) for n, x in self._seen.items() if x != before.get(n)}
         self.held = self.held | changed
+
+
+class Settings:
+    """Settings and modes that consoles change beside a print from the card: each such line is told
+    to `changed`, while `watched`, as commands for what holds behind it."""
+
+    def __init__(
+        self,
+        printer: Printer,
+        runner: Runner,
+        watched: Callable[[], bool],
+        changed: Callable[[Change], None],
+    ) -> None:
+        self._printer, self._runner = printer, runner
+        self._watched, self._changed = watched, changed
+        self._seen: list[str] = []
+        printer.line_listeners.append(self._line)
+        printer.command_listeners.append(self._carried_out)
+
+    def begin(self) -> None:
+        """A print begins, or goes on: what holds now is not to be told."""
+        self._seen = self._now()
+
+    def _now(self) -> list[str]:
+        return meaning(self._printer) + self._printer.job.modes.split("\n")[1:]
+
+    def _line(self, done: bool) -> None:
+        if not self._watched():
+            return
+        before, self._seen = self._seen, self._now()
+        new = [line for line in self._seen if line not in before]
+        if self._printer.job.suspended:  # modes of a pause end with it
+            new = [line for line in new if line in meaning(self._printer)]
+        if done and new:
+            self._tell(new)
+
+    def _carried_out(self, command: Command, reply: Reply) -> None:
+        """M302 does not wait for the turn of its line."""
+        if command.code == "M302" and self._watched() and not self._runner.printing_from(reply):
+            self._tell([line for line in meaning(self._printer) if line.startswith("M302 ")])
+
+    def _tell(self, lines: list[str]) -> None:
+        units = self._printer.job.modes.split("\n")[-1]
+        self._changed((self._runner.offset, ["G21", *lines, units]))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import TYPE_CHECKING
 
 from passo import _core
@@ -20,6 +21,11 @@ if TYPE_CHECKING:
     from passo.printer.printer import Printer
 
 _CHUNK = 1 << 16
+# Settings of the printer that no plan has. They mean the same whichever tool is in use.
+_OF_PRINTER = (
+    *("M85", "M145", "M301", "M302", "M304", "M305", "M306", "M540", "M569", "M906"),
+    *("M18", "M84"),  # with S
+)
 
 
 class _Observed(Commands):
@@ -36,7 +42,7 @@ class _Observed(Commands):
 
 class Past:
     """The beginning of a program, `end` bytes of it, read without motion with the settings that the
-    printer has, what else it was begun with, and the overrides of its print: where the machine is
+    printer has, what else it was begun with, and what consoles have changed: where the machine is
     then (`job`), and in which state the program. `settings` are commands for what it has set of the
     printer, other than offsets of axes: `homed_mm` as they were when it homed, `home_offset_mm`
     those at its end. Raises CardError."""
@@ -68,7 +74,15 @@ class Past:
             else:
                 rest(wait)
 
-        pieces = self._pieces(overrides)
+        pieces = self._pieces(
+            [
+                *(
+                    (at, partial(override, job, self.commands, n, x))
+                    for n, (at, x) in overrides.items()
+                ),
+                *((at, partial(self._take, *lines)) for at, lines in program.changes),
+            ]
+        )
         while not self._read(pieces, settle):
             pass
 
@@ -107,16 +121,16 @@ class Past:
                 self.commands.run(Command(*job.event))
         job.select(False)
 
-    def _pieces(self, overrides: dict[str, tuple[int, float]]) -> Iterator[bytes]:
-        """The text, and each override when what stood before it has been read. One that was set
-        while more had been read ahead acted on all that was not printed yet."""
+    def _pieces(self, changes: list[tuple[int, Callable[[], None]]]) -> Iterator[bytes]:
+        """The text, and each change by a console when what stood before it has been read. One that
+        was made while more had been read ahead acted on all that was not printed yet."""
         self._reader.seek(0)
         at = 0
-        for name, (offset, factor) in sorted(overrides.items(), key=lambda item: item[1][0]):
+        for offset, make in sorted(changes, key=lambda change: change[0]):
             until = min(offset, self._end)
             yield from self._next(until - at)
             at = until
-            override(self.job, self.commands, name, factor)
+            make()
         yield from self._next(self._end - at)
 
     def _next(self, size: int) -> Iterator[bytes]:
@@ -137,11 +151,11 @@ class Past:
         elif command.code == "M92":
             own = "E" in words and "T" not in words and len(self._printer.machine.extruders) > 1
             self.settings.append(f"M92 {command.text}" + (f" T{job.tool}" if own else ""))
-        elif command.code == "M302":
-            self.settings.append(f"M302 {command.text}")
         elif command.code in ("M18", "M84") and "S" not in words:
             motors = self._printer.motors
             self._known -= motors.axes_lost(motors.named(command.text))
+        elif command.code in _OF_PRINTER and words:
+            self.settings.append(f"{command.code} {command.text}")
 
     def _home(self, letters: str) -> None:
         job, machine = self.job, self._printer.machine

@@ -79,6 +79,7 @@ class Runner:
         self._failed = ""
         self._left = False  # a print that failed could be gone on with
         self._kept = False  # nobody else may select, rewind or start a file
+        self._pauses = False  # what is kept is to pause as soon as it goes on
         self._state = State.NONE
         self.watchers: list[Callable[[State], None]] = []
         self.name = self.path = ""
@@ -183,9 +184,12 @@ class Runner:
     def keep(self) -> Generator[None]:
         """The selected file stays as it is while the machine is brought to where it goes on."""
         self._refuse_if_active()
-        self._kept = True
+        self._kept, self._pauses = True, False
         try:
             yield
+        except BaseException:
+            self._pauses = False
+            raise
         finally:
             self._kept = False
 
@@ -196,6 +200,9 @@ class Runner:
                 self._require_places()
             self.state = State.PRINTING
             self._resumed.set()
+            return
+        if self._kept and self._pauses:
+            self._pauses = False
             return
         self._refuse_if_active()
         if self._reader is None:
@@ -215,11 +222,18 @@ class Runner:
         self._resumed.clear()
         self._left = False
         self.state = State.PRINTING
+        if self._pauses:
+            self._pauses = False
+            self.pause(self._park_words)
 
     def pause(self, words: Mapping[str, float] = MappingProxyType({})) -> None:
         """Brakes to a stop on the path at once; `start` goes on from there. `words` tell how to
-        park, see `Park.leave`."""
+        park, see `Park.leave`. What is brought to where it goes on pauses as soon as it is there.
+        """
         self._again = False
+        if self._kept and not self._pauses:
+            self._pauses, self._park_words = True, words
+            self._printer.tell(f"echo:{self.name} pauses as soon as it is where it goes on")
         if self.state is State.PRINTING and not self._printer.halted:
             self._park_words = words
             self.state = State.PAUSED

@@ -10,7 +10,7 @@ from passo.config.drives import axis_order
 from passo.errors import CommandError
 from passo.geometry.base import Unreachable
 from passo.printer.waits import Handler, Reply, Still, Wait
-from passo.printer.words import Command, numeral
+from passo.printer.words import LARGEST, Command, numeral
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -206,6 +206,12 @@ class MotionCommands:
         if live:
             self._printer.drive.replan()
         return None
+
+    def velocity_line(self) -> str:
+        """SET_VELOCITY_LIMIT with what no other command sets; 1e9 mm/s is no limit."""
+        speed, ratio = (self._printer.job.limit(k) for k in ("speed", "minimum_cruise_ratio"))
+        speed, ratio = numeral(min(speed, LARGEST)), numeral(ratio)
+        return f"SET_VELOCITY_LIMIT VELOCITY={speed} MINIMUM_CRUISE_RATIO={ratio}"
 
     def junction_lines(self) -> list[str]:
         """M205 with what holds now."""

@@ -103,6 +103,7 @@ class Printer:
             | self.driver_commands.planned
         )
         self.command_listeners: list[Callable[[Command, Reply], None]] = []  # of what was done
+        self.line_listeners: list[Callable[[bool], None]] = []  # a console's begins, or was `done`
         self.stop_listeners: list[Callable[[str], None]] = []
         self.fault_listeners: list[Callable[[HeaterFault], None]] = []
         self.greeting: Callable[[], str] = str  # what a console that opens should hear
@@ -393,10 +394,9 @@ class Printer:
         """Carries out a command that acts at once when it comes from there; else False."""
         handler = self.immediate.get(command.code)
         in_order = command.code in self.motion.beside_only and not self.beside(reply)
-        if handler is None and forced(command):
-            handler = self.planned.get(command.code) or self._by_commands
-        if handler is None or in_order:
+        if in_order or (handler is None and not forced(command)):
             return False
+        handler = handler or self.planned.get(command.code)
         self._carried_out(handler, command, reply)
         return True
 
@@ -441,11 +441,13 @@ class Printer:
     def take_line(self, text: str, reply: Reply) -> Wait | None:
         """Takes in one line of a console: all of it, or up to a command that waits; then `finish`
         goes on. Only with the turn and with room."""
+        self._tell_of_line(done=False)
         self.select(console=True)
         job = self.job
         job.feed(text.encode("ascii", "replace") + b"\n")
         before = job.queued, job.clock
         wait = self._go_on(reply)
+        self._tell_of_line(done=True)
         if not self.busy() and (job.queued, job.clock) != before:
             self.program = reply
         return wait
@@ -482,9 +484,14 @@ class Printer:
                 first_ends = False
                 self.select(console=True)
                 wait = self._go_on(reply)
+                self._tell_of_line(done=True)
         except Exception:
             self.job.abandon()  # the rest of the line would stand in everybody's way
             raise
+
+    def _tell_of_line(self, *, done: bool) -> None:
+        for listener in self.line_listeners:
+            listener(done)
 
     def _carried_out(self, handler: Handler | None, command: Command, reply: Reply) -> Wait | None:
         """By a handler of a living printer, or as in a print without consoles."""
@@ -500,9 +507,6 @@ class Printer:
         for listener in self.command_listeners:
             listener(command, reply)
         return wait
-
-    def _by_commands(self, command: Command, _: Reply) -> Wait | None:
-        return self.commands.run(command)
 
     def run_command(self, command: Command, reply: Reply) -> Wait | None:
         """Carries out a command that the interpreter handed out."""
