@@ -250,7 +250,7 @@ def test_axes_behind_what_means_nothing_here_are_moves():
     assert out.commands == ["G54", "S0 S300", "M3", "G43", "G94", "G43 H2", "G54"]
 
 
-def test_there_is_a_way_back_from_a_switch_beyond_the_limits():
+def test_there_is_a_way_back_from_a_switch_below_the_limits():
     """The SCARA's arms are at home at Y -56, where its limit is 0."""
     out = run("G28\nG1 Y-30\nG1 X220 Y-10\n", "scara")
     assert out.errors == []
