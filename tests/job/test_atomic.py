@@ -1,4 +1,4 @@
-"""Settings, journals and outputs take the place of what was there only when they are on the disk."""
+"""Settings, journals and outputs replace what was there only when they are on the disk."""
 
 from __future__ import annotations
 
