@@ -3,59 +3,9 @@
 #include <iterator>
 
 #include "gcode/interpreter.hpp"
+#include "gcode/ownership.hpp"
 
 namespace passo {
-
-inline bool text_command(const Word& w) {  // its argument is free text, not words
-  if (w.letter != 'M' || !w.whole() || std::fabs(w.value) > 1000) return false;
-  int n = int(w.value);
-  return n == 16 || n == 20 || n == 23 || n == 28 || n == 30 || n == 32 || n == 36 || n == 38 ||
-         n == 98 || n == 115 || n == 117 || n == 118 || n == 486 || n == 550 || n == 587 ||
-         n == 600 || n == 862 || n == 928;
-}
-
-// Commands whose words are read here alone; those of moves are, too, by run_motion.
-inline bool own_command(char letter, int code, int minor) {
-  if (minor != 0) return false;
-  if (letter == 'G')
-    return code == 4 || code == 10 || code == 11 || code == 60 || code == 61 || code == 92;
-  return code == 82 || code == 83 || code == 200 || (code >= 207 && code <= 209) || code == 603 ||
-         code == 701 || code == 702;
-}
-
-// What follows these is a move in the modal way.
-inline bool before_modal(char letter, int code, int minor) {
-  return letter == 'G' && minor == 0 &&
-         ((code >= 17 && code <= 21) || code == 53 || code == 90 || code == 91);
-}
-
-// So it is where it names axes, of these which have none of their own in any dialect (RS274): polar
-// coordinates, radii and lengths of tools, coordinate systems, path modes, rotation,
-// kinds of F and of spindles, returns of cycles. Not G80, which probes a part of the bed with them.
-inline bool before_axes(char letter, int code, int minor) {
-  if (letter != 'G') return false;
-  if (minor != 0) return (code == 59 && minor <= 3) || (minor == 1 && (code == 61 || code == 91));
-  return code == 15 || code == 40 || code == 43 || code == 49 || (code >= 54 && code <= 59) ||
-         code == 64 || code == 69 || (code >= 93 && code <= 99);
-}
-
-// Spindle, coolant and change of tools have other words of their own, but no axes.
-inline bool beside_axes(char letter, int code, int minor) {
-  return letter == 'M' && minor == 0 && code >= 3 && code <= 9;
-}
-
-// Ways of RS274 to move that are not known here: splines, threads, probing, cycles. What follows
-// without a command is theirs.
-inline bool moves_otherwise(char letter, int code) {
-  return letter == 'G' && (code == 5 || code == 33 || code == 38 || code == 73 || code == 76 ||
-                           (code >= 81 && code <= 89));
-}
-
-// Words of these that need no number; the dialect table says the same.
-inline bool may_stand_alone(char letter, int code, char word) {
-  if (letter == 'G') return code == 61 && std::strchr("ABCDEHIJKUVWXYZ", word);
-  return code == 702 && word == 'C';
-}
 
 inline void Interpreter::hear(std::string_view code, const Word* first, const Word* last,
                               std::string_view text) {
@@ -152,6 +102,11 @@ inline void Interpreter::run_words() {
                 std::string(text.substr(w->begin, 20)), 0, 0);
   auto starts = [&](const Word& x) { return (x.letter == 'G' || x.letter == 'M') && x.number; };
   auto tool = [&](const Word& x) { return x.letter == 'T' && x.whole(); };
+  // Whether this begins a command, behind a move.
+  auto behind_move = [&](const Word& x) {
+    if (tool(x)) return x.value >= 0 && x.value < double(machine_->tools.size());
+    return starts(x) && !(x.letter == 'M' && (!x.whole() || laser_.has('M')));
+  };
   auto unknown = [&](const Word* next) {
     size_t to = next < end ? next->begin : text.size();
     pass_on(unknown_name(text, *w), text.substr(w->end, to - w->end));
@@ -180,6 +135,7 @@ inline void Interpreter::run_words() {
           return fail(Fault::word, name, 0, 0);
         return unknown(end);
       }
+      next = std::find_if(w, end, behind_move);
       run_modal(w, next);
       if (next == end) return;
       w = next;
@@ -196,16 +152,12 @@ inline void Interpreter::run_words() {
       return;
     }
     if (text_command(*w)) return run_command(*w, w + 1, w + 1, text.substr(w->end));
-    bool motion = w->letter == 'G' && w->value >= 0 && w->value <= 3 && w->whole();
-    bool change = w->letter == 'M' && w->value == 6 && w->number;  // M6 T1 is T1 M6
+    const bool motion = w->letter == 'G' && w->value >= 0 && w->value <= 3 && w->whole();
+    const bool modal = modal_follows(*w);
     Word* next = w + 1;
-    for (; next < end; ++next) {
-      if (starts(*next) && !(motion && next->letter == 'M' && (!next->whole() || laser_.has('M'))))
-        break;
-      if (change && tool(*next)) break;
-      if (motion && tool(*next) &&
-          (next->value >= 0 && next->value < double(machine_->tools.size())))
-        break;
+    for (bool moving = motion; next < end; ++next) {
+      if (moving ? behind_move(*next) : starts(*next) || (toolless(*w) && tool(*next))) break;
+      moving = moving || (modal && moves(next, next + 1));
     }
     size_t to = next < end ? next->begin : text.size();
     size_t from = first < w ? first->begin : w->end;
@@ -223,7 +175,8 @@ inline void Interpreter::run_words() {
 inline void Interpreter::run_command(const Word& command, const Word* w, const Word* end,
                                      std::string_view text) {
   if (!sound(command)) return;
-  int code = int(command.value), minor = int(std::lround((command.value - code) * 10));
+  const auto whole = code_of(command);
+  const int code = whole.first, minor = whole.second;
   std::string name = command.letter + std::to_string(code);
   if (minor != 0) name += "." + std::to_string(minor);
   const bool modal = before_axes(command.letter, code, minor) && moves(w, end);
@@ -449,7 +402,7 @@ inline void Interpreter::run_motion(int code, const Word* w, const Word* end) {
   double value[26] = {}, feed = feed_, duration = 0, laser = 0, energy = 0;
   uint32_t have = 0;
   uint32_t relative = this->relative();
-  bool keeps_feed = true, has_laser = false;
+  bool keeps_feed = true, has_laser = false, timed = false;
   int turns = 0;
   for (const Word* x = w; x < end; ++x) {
     std::string shown(1, x->letter);
@@ -478,6 +431,7 @@ inline void Interpreter::run_motion(int code, const Word* w, const Word* end) {
     } else if (x->letter == 'T') {
       if (!within('T', x->value, 0, kLargestWord)) return;
       duration = x->value;
+      timed = true;
     } else if (x->letter == 'S') {
       laser = x->value;
       has_laser = true;
@@ -505,7 +459,7 @@ inline void Interpreter::run_motion(int code, const Word* w, const Word* end) {
     return run_arc(code == 2, value, have, turns);
   }
   if (!target(value, axes, relative) || retracts(axes)) return;
-  queue_straight(feed, duration, code == 0, energy);
+  queue_straight(timed ? kInfinity : feed, duration, code == 0, energy);  // T in place of F
 }
 
 // The target that move_ has now.

@@ -338,11 +338,29 @@ def test_explain_counts_lines_as_the_print_does(capsys, tmp_path, end):
     assert "Junction after: the path turns by 0.0°" in text  # line 4 is left out, not line 3
 
 
-def test_a_report_never_replaces_its_file(short, capsys):
-    text = Path(short).read_bytes()
-    assert main(["report", short, "--output", short]) == 2
-    assert "it is the G-code itself" in capsys.readouterr().err
-    assert Path(short).read_bytes() == text
+@pytest.mark.parametrize(
+    ("command", "output", "what"),
+    [
+        ("report", "in.vcd", "G-code"),
+        ("steps", "in.vcd", "G-code"),
+        ("steps", "./link.vcd", "G-code"),
+        ("report", "m.toml", "machine file"),
+        ("steps", "m.npz", "machine file"),
+    ],
+)
+def test_an_output_never_replaces_what_is_read(
+    short, tmp_path, capsys, monkeypatch, command, output, what
+):
+    monkeypatch.chdir(tmp_path)
+    Path(short).rename("in.vcd")
+    Path("link.vcd").symlink_to("in.vcd")
+    Path("m.toml").write_text(shipped_text("i3"))
+    Path("m.npz").symlink_to("m.toml")
+    texts = [Path(name).read_bytes() for name in ("in.vcd", "m.toml")]
+    assert main([command, "in.vcd", "--machine", "./m.toml", "--output", output]) == 2
+    assert capsys.readouterr().err == f"{output}: it is the {what} itself, name another.\n"
+    assert [Path(name).read_bytes() for name in ("in.vcd", "m.toml")] == texts
+    assert main([command, "in.vcd", "--machine", "./m.toml", "--output", "out.vcd"]) == 0
 
 
 @pytest.mark.parametrize("output", [".", "/", os.devnull, "folder.npz"])

@@ -567,10 +567,52 @@ def test_a_reader_that_has_gone_is_no_error():
     assert (run.stdout, run.stderr) == ("0\n", "")
 
 
+@pytest.mark.parametrize(
+    ("words", "status"),
+    [
+        (["print", "missing.gcode", "--json"], 4),
+        (["check", "missing.toml", "--json"], 3),
+    ],
+)
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_a_reader_that_has_gone_hides_no_error(words, status, unbuffered):
+    reader, writer = os.pipe()
+    os.close(reader)
+    command = [sys.executable, "-m", "passo", *words]
+    environment = os.environ | {"PYTHONUNBUFFERED": unbuffered}
+    run = subprocess.run(command, stdout=writer, stderr=subprocess.PIPE, text=True, env=environment)
+    os.close(writer)
+    assert run.returncode == status
+    assert "Traceback" not in run.stderr
+
+
+def test_a_full_disk_is_told_of_only_where_something_was_to_be_written():
+    with Path("/dev/full").open("w") as full:
+        command = [sys.executable, "-m", "passo", "check", "missing.toml"]
+        run = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True)
+    assert run.returncode == 3
+    assert [line.partition(":")[0] for line in run.stderr.splitlines()] == ["missing.toml"]
+
+
 def test_a_closed_standard_output_is_no_error():
     command = f"{sys.executable} -m passo machines >&-"
     run = subprocess.run(["bash", "-c", command], capture_output=True, text=True)
     assert (run.returncode, run.stderr) == (0, "")
+
+
+@pytest.mark.parametrize(("text", "status"), [("G1 X1 F600\nM9999\n", 0), ("G1 X-9\n", 4)])
+@pytest.mark.parametrize("form", ["", "--json"])
+def test_a_closed_standard_error_takes_words_along_and_nothing_else(tmp_path, text, status, form):
+    """Nor do they come out elsewhere: with --json there is one object and nothing else."""
+    path = tmp_path / "a.gcode"
+    path.write_text(text)
+    command = f"{sys.executable} -m passo print {path} {form} 2>&-"
+    run = subprocess.run(["bash", "-c", command], capture_output=True, text=True)
+    assert run.returncode == status
+    assert "M9999" not in run.stdout or form
+    if form:
+        told = json.loads(run.stdout)
+        assert len(told["warnings"] + told["errors"]) == 1
 
 
 @pytest.mark.parametrize("command", ["print", "estimate", "steps", "report"])

@@ -117,6 +117,7 @@ def test_inches_and_modal_arcs():
     ("line", "fault", "word"),
     [
         ("G2 X10 Y10 R1", Fault.ARC, "R"),
+        ("G2 X10 Y10 R3.5", Fault.ARC, "R"),  # half of the way is 3.536
         ("G2 R5", Fault.ARC, "R"),
         ("G2 X10 Y10", Fault.CENTRE, "I, J and R"),
         ("G2 X10 I0 J0", Fault.CENTRE, "I, J and R"),
@@ -285,3 +286,12 @@ def test_what_is_left_of_an_arc_moves_its_filament_evenly_with_another_flow():
     job.flush()
     chords = job.take_moves()[-60:]
     assert [m.end_mm[3] - m.start_mm[3] for m in chords] == pytest.approx([feed / 2] * 60, abs=1e-9)
+
+
+@pytest.mark.parametrize("radius", ["7.07", "-7.07", "7.068"])
+def test_a_radius_that_rounding_made_too_small_is_half_a_circle(radius):
+    out = run(f"G1 X100 Y100\nG3 X110 Y110 R{radius}\n")
+    assert out.errors == []
+    middle = [hypot(m.end_mm[0] - 105, m.end_mm[1] - 105) for m in out.moves[1:]]
+    assert middle == pytest.approx([hypot(5, 5)] * len(middle), abs=1e-9)
+    assert len(middle) > 10

@@ -71,6 +71,41 @@ def test_a_tool_behind_a_change_of_tools_is_taken(line):
     assert [e[:4] for e in run(f"{line}\n").errors] == [(1, Fault.MISSING_TOOL, "T", 1)]
 
 
+@pytest.mark.parametrize(
+    ("line", "places"),
+    [
+        ("G90 T1", []),
+        ("G21T1", []),
+        ("G54 T1", []),
+        ("G53 T1", []),
+        ("M83 T1", []),
+        ("M5 T1", []),
+        ("G17 G90 T1 M6", []),
+        ("G90 X10 T1", [(10, 0)]),
+        ("G54 X10 T1", [(10, 0)]),
+        ("X10 T1", [(10, 0)]),
+        ("G1 X10 T1", [(10, 0)]),
+        ("X10 T1 M6", [(10, 0)]),
+        ("X10 T5", [(10, 5)]),
+        ("X10 T0.5", [(10, 0.5)]),
+        ("G90 X10 T5", [(10, 5)]),
+    ],
+)
+def test_a_tool_behind_a_move_or_what_has_no_words_is_taken(line, places):
+    """A number that is no tool of the machine is the move's duration, in s."""
+    out = run(f"{line}\nG1 X30 E1\n", "dual-extruder")
+    assert out.errors == []
+    durations = [m.length / m.cruise_speed if m.speed_limit == 1 else 0 for m in out.moves[:-1]]
+    assert [m.end_mm[0] for m in out.moves[:-1]] == [x for x, _ in places]
+    assert durations == pytest.approx([s for _, s in places])
+    assert out.moves[-1].extruder == (0 if places and places[0][1] else 1)
+
+
+def test_a_number_behind_what_has_no_words_is_a_missing_tool():
+    for line in ("G90 T5", "G90 T5 X10", "M83 T5"):
+        assert [e[1:4] for e in run(line).errors] == [(Fault.MISSING_TOOL, "T", 5)]
+
+
 @pytest.mark.parametrize("line", ["G10 L2 P1 X5 Y5", "G10 L20 X5", "G10 P1 L20"])
 def test_the_zero_of_a_coordinate_system_is_no_retraction(line):
     out = run(f"G1 X1\n{line}\nG1 X2\n")

@@ -248,3 +248,12 @@ def test_axes_behind_what_means_nothing_here_are_moves():
     assert [end[:3] for end in out.ends] == [(50, 40, 0), (50, 40, 15), (50, 40, 1)]
     assert out.moves[-1].speed_cap == 10
     assert out.commands == ["G54", "S0 S300", "M3", "G43", "G94", "G43 H2", "G54"]
+
+
+def test_there_is_a_way_back_from_a_switch_below_the_limits():
+    """The SCARA's arms are at home at Y -56, where its limit is 0."""
+    out = run("G28\nG1 Y-30\nG1 X220 Y-10\n", "scara")
+    assert out.errors == []
+    assert [end[1] for end in out.ends] == [-30, -10]
+    out = run("G28\nG1 Y-30\nG1 Y-31\n", "scara")
+    assert [(e[0], e[1], e[2], e[4]) for e in out.errors] == [(3, Fault.OUT_OF_RANGE, "y", 0)]

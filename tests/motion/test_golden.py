@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import cos, pi, radians, sin
+from math import cos, pi, radians, sin, tan
 
 import pytest
 
@@ -91,6 +91,31 @@ def test_extruders_that_take_turns_stop_and_start_by_their_own_jerk(junction, sp
         ],
     )
     assert moves[1].start_cap == pytest.approx(speed, abs=0.001)
+
+
+@pytest.mark.parametrize("lengths", [(0.1, 50), (50, 0.1), (0.1, 0.2)])
+def test_a_short_move_bounds_its_corners(lengths):
+    """The circle of the junction deviation touches either move within half of its length."""
+    a = radians(30)
+    x = lengths[0]
+    end = [x + lengths[1] * cos(a), lengths[1] * sin(a), 0, 0]
+    moves, _ = planned(cartesian(), [{"target": [x, 0, 0, 0]}, {"target": end}])
+    tangent = tan(radians(150 / 2))
+    assert moves[1].start_cap == pytest.approx((0.5 * 3000 * 0.1 * tangent) ** 0.5, rel=1e-9)
+
+
+@pytest.mark.parametrize("junction", ["deviation", "jerk"])
+def test_filament_alone_begins_and_ends_at_rest(junction):
+    moves, _ = planned(
+        cartesian(junction=junction),
+        [
+            {"target": [50, 0, 0, 5], "kind": "print"},
+            {"target": [50, 0, 0, 6], "kind": "extrude"},
+            {"target": [100, 0, 0, 11], "kind": "print"},
+        ],
+    )
+    assert [m.start_speed for m in moves] == [0, 0, 0]
+    assert [m.start_cap for m in moves[1:]] == [0, 0]
 
 
 TIMES = {

@@ -77,6 +77,12 @@ def test_a_dwell_fires_at_rest(s, line, seconds, ws):
     assert s.loop.time() - start == pytest.approx(seconds + 0.4, abs=0.25)
 
 
+@pytest.mark.parametrize("line", ["X20 F1500 M0.1", "X20 M0.1 F1500", "G90 X20 F1500 M0.1"])
+def test_a_density_counts_on_a_line_without_g1_too(s, line):
+    energy, _ = burned(s, "G1 F1500", line)
+    assert energy == pytest.approx(2.0, rel=0.005)
+
+
 def test_a_dwell_of_too_much_energy_is_refused(s):
     answer, _ = s.host.ok("G4 P1 L900000000")
     assert answer.startswith("echo:L is 9e+08: expected 0 to ")

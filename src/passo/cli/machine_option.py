@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import os
+import sys
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -42,3 +44,13 @@ def policy_of(arguments: argparse.Namespace) -> Policy:
     return Policy(
         clamp=arguments.out_of_range == "clamp", ignore_tools=arguments.missing_tool == "ignore"
     )
+
+
+def replaces_input(arguments: argparse.Namespace) -> bool:
+    """Whether the output would take the place of what is read; then it says so on stderr."""
+    output = os.path.realpath(arguments.output)
+    for path, what in ((arguments.file, "G-code"), (arguments.machine, "machine file")):
+        if output == os.path.realpath(path):
+            print(f"{arguments.output}: it is the {what} itself, name another.", file=sys.stderr)
+            return True
+    return False

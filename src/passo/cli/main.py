@@ -13,6 +13,7 @@ import os
 import signal
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 
 import passo
 from passo.errors import ExitStatus, PassoError, Problem
@@ -66,16 +67,18 @@ def main(argv: Sequence[str] | None = None) -> int:
     if argv is None:
         for number in endings():  # as Ctrl-C, so that no half of a file stays behind
             signal.signal(number, signal.default_int_handler)
+    if sys.stderr is None:  # closed by who started this: print() would write to standard output
+        sys.stderr = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115
     if reconfigure := getattr(sys.stdout, "reconfigure", None):
         reconfigure(errors="backslashreplace")  # what its encoding lacks is told as on stderr
     try:
         status = _run(list(sys.argv[1:] if argv is None else argv))
-    except OSError:
+    except OSError as error:
         if (failed := _flush("\n")) is None:
             raise  # standard output takes a line: it came from elsewhere
-        return failed
-    failed = _flush()
-    return status if failed is None else failed
+        cause = error.__context__  # what it was about to tell
+        return failed or (cause.status if isinstance(cause, PassoError) else ExitStatus.DONE)
+    return _flush() or status
 
 
 def _run(words: list[str]) -> int:
@@ -101,7 +104,8 @@ def _flush(more: str = "") -> int | None:
     if sys.stdout is None:  # closed by who started this
         return None
     try:
-        sys.stdout.write(more)
+        if more:  # nothing at all is not taken by a full disk either
+            sys.stdout.write(more)
         sys.stdout.flush()
     except BrokenPipeError:  # the reader, `head` say, has gone: nothing is left to tell it
         status = ExitStatus.DONE

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 from pathlib import Path
 
-from passo.cli.machine_option import add_machine, add_policy, policy_of
+from passo.cli.machine_option import add_machine, add_policy, policy_of, replaces_input
 from passo.errors import ExitStatus, InputError
 
 
@@ -26,8 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Prints the file on the board and writes the page."""
-    if os.path.realpath(arguments.output) == os.path.realpath(arguments.file):
-        print(f"{arguments.output}: it is the G-code itself, name another page.", file=sys.stderr)
+    if replaces_input(arguments):
         return ExitStatus.USAGE
     from passo import config
     from passo.learn.report import write_report

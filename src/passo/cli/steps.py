@@ -7,7 +7,7 @@ import sys
 from contextlib import suppress
 from typing import Any
 
-from passo.cli.machine_option import add_machine, add_policy, policy_of
+from passo.cli.machine_option import add_machine, add_policy, policy_of, replaces_input
 from passo.errors import ExitStatus, InputError
 
 
@@ -55,6 +55,8 @@ def run(arguments: argparse.Namespace) -> int:
         return ExitStatus.USAGE
     if arguments.ideal and not arguments.output.lower().endswith(".npz"):
         print(f"--ideal: {arguments.output} has no place for it, name an .npz.", file=sys.stderr)
+        return ExitStatus.USAGE
+    if replaces_input(arguments):
         return ExitStatus.USAGE
     trace = trace_steps(
         config.load(arguments.machine),

@@ -22,10 +22,11 @@ may stand a text in quotes, too. Temperatures may be `S nan`: the heater goes of
 A line is read from left to right.
 
 - A G or M word begins a command; the words up to the next command are its own.
-- G0 to G3 are more careful, because T is also a move's duration in seconds: a T behind them begins
-  a command if it is the number of a tool of the machine, otherwise it is the duration. An M behind
-  them begins a command (`G1 X10 M400`), except one that is no whole number, and except on machines
-  whose laser has an energy or a density letter: there it is a value of the move.
+- Moves are more careful, with G0 to G3 and without, because T is also a move's duration in seconds,
+  for which F does not count then: a T behind them begins a command if it is the number of a tool of
+  the machine, otherwise it is the duration. An M behind them begins a command (`G1 X10 M400`),
+  except one that is no whole number, and except on machines whose laser has the letter M: there it
+  is a value of the move.
 - A T with a whole number that stands before all commands is a command of its own (`T1 M6`).
 - Words before the first command belong to it (`S12000 M3`). If one of them names an axis, F, I or
   J, they are a move of the kind of the last one, G1 if there was none.
@@ -36,7 +37,9 @@ A line is read from left to right.
 - All other G words that are not known here (`G29`, `G52`) keep the words behind them, which are
   skipped with them. Other ways to move (G5, G33, G38, G73, G76, G81 to G89) also keep what stands
   without a command in later lines, as long as no G0 to G3 nor G80 comes.
-- A T behind M6 is a command (`M6 T1`). G10 with L is no retraction, and unknown.
+- A T behind what has no words of its own is a command: behind M3 to M9, M82 and M83 (`M6 T1`), and
+  behind those G words (G17, G40, …) where no move has begun (`G90 T1`).
+- G10 with L is no retraction, and unknown.
 - M117 and other commands whose argument is text, not words, take the rest of the line.
 - A name of two letters or more (`SET_VELOCITY_LIMIT ACCEL=500`) takes the whole line.
 - What is written for others is an unknown command, which a console hears of and a print without

@@ -1,0 +1,82 @@
+// Which words belong to which command: docs/reference/gcode.md says it in sentences.
+#pragma once
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+#include "gcode/words.hpp"
+
+namespace passo {
+
+inline bool text_command(const Word& w) {  // its argument is free text, not words
+  if (w.letter != 'M' || !w.whole() || std::fabs(w.value) > 1000) return false;
+  int n = int(w.value);
+  return n == 16 || n == 20 || n == 23 || n == 28 || n == 30 || n == 32 || n == 36 || n == 38 ||
+         n == 98 || n == 115 || n == 117 || n == 118 || n == 486 || n == 550 || n == 587 ||
+         n == 600 || n == 862 || n == 928;
+}
+
+// Commands whose words are read here alone; those of moves are, too, by run_motion.
+inline bool own_command(char letter, int code, int minor) {
+  if (minor != 0) return false;
+  if (letter == 'G')
+    return code == 4 || code == 10 || code == 11 || code == 60 || code == 61 || code == 92;
+  return code == 82 || code == 83 || code == 200 || (code >= 207 && code <= 209) || code == 603 ||
+         code == 701 || code == 702;
+}
+
+// What follows these is a move in the modal way.
+inline bool before_modal(char letter, int code, int minor) {
+  return letter == 'G' && minor == 0 &&
+         ((code >= 17 && code <= 21) || code == 53 || code == 90 || code == 91);
+}
+
+// So it is where it names axes, of these which have none of their own in any dialect (RS274): polar
+// coordinates, radii and lengths of tools, coordinate systems, path modes, rotation,
+// kinds of F and of spindles, returns of cycles. Not G80, which probes a part of the bed with them.
+inline bool before_axes(char letter, int code, int minor) {
+  if (letter != 'G') return false;
+  if (minor != 0) return (code == 59 && minor <= 3) || (minor == 1 && (code == 61 || code == 91));
+  return code == 15 || code == 40 || code == 43 || code == 49 || (code >= 54 && code <= 59) ||
+         code == 64 || code == 69 || (code >= 93 && code <= 99);
+}
+
+// Spindle, coolant and change of tools have other words of their own, but no axes.
+inline bool beside_axes(char letter, int code, int minor) {
+  return letter == 'M' && minor == 0 && code >= 3 && code <= 9;
+}
+
+// The number of a command, and its decimal, where it has one.
+inline std::pair<int, int> code_of(const Word& w) {
+  if (!w.number || std::fabs(w.value) > kLargestWord) return {-1, 0};
+  int code = int(w.value);
+  return {code, int(std::lround((w.value - code) * 10))};
+}
+
+// What names axes behind it is a move in the modal way, of which a T may be the duration.
+inline bool modal_follows(const Word& w) {
+  const auto [code, minor] = code_of(w);
+  return before_modal(w.letter, code, minor) || before_axes(w.letter, code, minor);
+}
+
+// A T behind it is no word of its own: G90 T1, M6 T1, M83 T1.
+inline bool toolless(const Word& w) {
+  const auto [code, minor] = code_of(w);
+  return modal_follows(w) || beside_axes(w.letter, code, minor) ||
+         (w.letter == 'M' && minor == 0 && (code == 82 || code == 83));
+}
+
+// Ways of RS274 to move that are not known here: splines, threads, probing, cycles. What follows
+// without a command is theirs.
+inline bool moves_otherwise(char letter, int code) {
+  return letter == 'G' && (code == 5 || code == 33 || code == 38 || code == 73 || code == 76 ||
+                           (code >= 81 && code <= 89));
+}
+
+// Words of these that need no number; the dialect table says the same.
+inline bool may_stand_alone(char letter, int code, char word) {
+  if (letter == 'G') return code == 61 && std::strchr("ABCDEHIJKUVWXYZ", word);
+  return code == 702 && word == 'C';
+}
+
+}  // namespace passo

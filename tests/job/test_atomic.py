@@ -1,0 +1,54 @@
+"""Settings, journals and outputs replace what was there only when they are on the disk."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from passo.job.atomic import replaced
+
+
+@pytest.fixture
+def steps(monkeypatch):
+    """What is made durable, and what takes another's place, in order."""
+    done = []
+    fsync, replace = os.fsync, Path.replace
+
+    def noted_fsync(fd):
+        done.append(("fsync", Path(f"/proc/self/fd/{fd}").readlink().name))
+        fsync(fd)
+
+    def noted_replace(path, target):
+        done.append(("replace", path.name, Path(target).name))
+        return replace(path, target)
+
+    monkeypatch.setattr(os, "fsync", noted_fsync)
+    monkeypatch.setattr(Path, "replace", noted_replace)
+    return done
+
+
+def test_the_new_text_is_durable_before_it_takes_the_place(tmp_path, steps):
+    path = tmp_path / "a.json"
+    path.write_text("old")
+    with replaced(path) as temporary:
+        temporary.write_text("new")
+        assert path.read_text() == "old"
+    assert path.read_text() == "new"
+    assert steps == [
+        ("fsync", temporary.name),
+        ("replace", temporary.name, "a.json"),
+        ("fsync", tmp_path.name),
+    ]
+
+
+def test_what_fails_leaves_the_old_text_and_nothing_else(tmp_path, steps):
+    path = tmp_path / "a.json"
+    path.write_text("old")
+    with pytest.raises(OSError, match="full"), replaced(path) as temporary:
+        temporary.write_text("ne")
+        raise OSError("the disk is full")
+    assert path.read_text() == "old"
+    assert [p.name for p in tmp_path.iterdir()] == ["a.json"]
+    assert steps == []
