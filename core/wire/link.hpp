@@ -64,12 +64,17 @@ class Link {
   }
   const Formats& commands() const { return commands_; }
 
-  // Queues one command to be sent at once, before any of the job.
+  // Queues one command to be sent at once, before any of the job. An emergency stop goes before all
+  // that the board does not have yet, and takes its place.
   void send(const std::string& name, const std::vector<Value>& values) {
     Bytes payload;
     commands_.at(name).encode(values, payload);
     if (payload.size() > kPayloadMax) throw std::invalid_argument(name + ": too long for a frame");
-    now_queue_.push_back({std::move(payload), Asks::nothing});
+    if (name != "emergency_stop") return now_queue_.push_back({std::move(payload), Asks::nothing});
+    stop_ = std::move(payload);
+    job_.stop();
+    open_size_ = 0;
+    open_first_ = open_need_ = kNever;
   }
   // Messages of the board that nobody in the core has use for, oldest first.
   std::deque<Response>& inbox() { return inbox_; }
@@ -173,6 +178,7 @@ class Link {
     window_.restart();
     scanner_.reset();
     now_queue_.clear();
+    stop_.clear();
     job_.stop();
     lateness_.restart();
     due_ = kNever;
@@ -196,7 +202,8 @@ class Link {
   // The board has all commands that were sent at once. What answers them at once has been received
   // by then, or is lost.
   bool told() const {
-    return now_queue_.empty() && !holds_command_ && window_.acked() > last_command_;
+    return stop_.empty() && now_queue_.empty() && !holds_command_ &&
+           window_.acked() > last_command_;
   }
   // Seconds since the first of what the board has not acknowledged was sent, when its clock reads
   // `clock`; 0 if it has acknowledged all.
@@ -257,10 +264,12 @@ class Link {
   // bytes come before.
   Ticks poll(Ticks now, Bytes& out) {
     size_t before = out.size();
+    if (timeline_ && timeline_->halted() && !shut_down_ && !std::exchange(halted_, true))
+      send("emergency_stop", {});
+    if (!stop_.empty() && window_.replace(stop_)) stop_.clear(), last_command_ = window_.next() - 1;
     window_.poll(now, out);
     if (following_ && now >= next_sync_) ask_clock(now);
     if (timeline_ && !shut_down_) follow_orders();
-    if (timeline_ && timeline_->halted() && !shut_down_ && !halted_) stop_at_once();
     Ticks clock = wake(now);
     if (sync_.ready() && std::exchange(map_anew_, false)) begin_map_anew(now);
     if (sync_.ready() && !shut_down_)
@@ -319,6 +328,7 @@ class Link {
   bool live_ = false;
   enum class Asks : uint8_t { nothing, clock, state };
   std::deque<std::pair<Bytes, Asks>> now_queue_;  // commands, and what each asks for
+  Bytes stop_;                                    // emergency_stop, if it is to leave
   std::deque<Response> inbox_;
   Heaters heaters_;
   bool keeps_ = false;  // the board takes commits
@@ -430,11 +440,6 @@ class Link {
   void take_state(int64_t state, uint32_t serial) {
     taken_ |= serial == committed_;
     alone_ |= state >= kBraking || (!taken_ && window_.acked() > last_of_job_ + 1);
-  }
-  void stop_at_once() {
-    halted_ = true;
-    job_.stop();
-    send("emergency_stop", {});
   }
   void follow_orders() {
     for (const Timeline::Order& order : timeline_->take_mail(seat_)) {

@@ -47,10 +47,11 @@ class Window {
     doubtful_ = kNever;
     line_free_ = 0;
     rto_ = rto_start_;
+    urgent_ = 0;
   }
 
   bool room(size_t payload) const {
-    if (next_ - acked_ >= (synchronous_ ? kBlocks : 1)) return false;
+    if (next_ - acked_ >= (synchronous_ ? kBlocks : 1) || acked_ < urgent_) return false;
     return receive_window_ == 0 || bytes_ == 0 || bytes_ + kFrameMin + payload <= receive_window_;
   }
   bool idle() const { return next_ == acked_; }
@@ -77,6 +78,24 @@ class Window {
     out.insert(out.end(), b.data, b.data + b.length);
   }
 
+  // Puts `payload` in the place of all that the board has not acknowledged, and behind it:
+  // whichever frame the board takes next is this one. poll() sends it, again soon, and
+  // nothing new before the board has it. False while
+  // the board's first answer is awaited: then it may have to be put behind that, too.
+  bool replace(const Bytes& payload) {
+    const bool whole = synchronous_ || idle();
+    if (whole && next_ - acked_ <= kBlocks) block(next_++).length = 0;
+    for (uint64_t i = acked_; i < next_; ++i) {
+      Block& b = block(i);
+      std::copy(payload.begin(), payload.end(), b.data + kHeader);
+      bytes_ -= b.length;
+      bytes_ += b.length = uint8_t(seal_frame(b.data, payload.size(), i));
+    }
+    resend_ |= urgent_ != next_;
+    urgent_ = next_;
+    return whole;
+  }
+
   // A good frame came from the board. `empty`: an acknowledgement that says nothing else; the
   // second of its kind is a refusal. False if the number cannot be (the frame is to be ignored).
   bool acknowledge(uint8_t sequence, bool empty, Ticks now) {
@@ -101,7 +120,7 @@ class Window {
       apart_ = now + rto_min_ / 2;
       if (!last.again) measure(trip);
       for (; acked_ < number; ++acked_) bytes_ -= block(acked_).length;
-      deadline_ = std::max(now, idle() ? now : block(acked_).gone) + rto_;
+      deadline_ = std::max(now, idle() ? now : block(acked_).gone) + patience();
     } else if (empty && doubtful_ != kNever && number <= ignored_ && now >= apart_) {
       measure(std::exchange(doubtful_, kNever));
     }
@@ -132,7 +151,7 @@ class Window {
     }
     retransmitted_bytes_ += out.size() - before;
     copied_ = on_the_line(out.size() - before, now);
-    deadline_ = copied_ + rto_;
+    deadline_ = copied_ + patience();
   }
   Ticks deadline() const { return idle() ? kNever : deadline_; }
   // False if the frame had to be sent again, is long gone, or was the first after a restart, whose
@@ -154,6 +173,7 @@ class Window {
   Block blocks_[kSequenceMask + 1];
   uint64_t next_ = 1, acked_ = 1;  // of the next frame; of the oldest one not acknowledged
   uint64_t last_ack_ = 1, ignored_ = 0;
+  uint64_t urgent_ = 0;  // what comes before this is short and not to wait
   size_t bytes_ = 0, receive_window_ = 0;
   bool synchronous_ = false, resend_ = false, measured_ = false;
   Ticks rto_min_, rto_max_, rto_start_, rto_, base_ = 0, deadline_ = kNever;
@@ -166,6 +186,7 @@ class Window {
   Ticks copied_ = 0;         // when the last copy had gone out
   uint64_t retransmitted_bytes_ = 0;
 
+  Ticks patience() const { return acked_ < urgent_ ? rto_min_ : rto_; }
   Block& block(uint64_t number) { return blocks_[number & kSequenceMask]; }
 
   // When the last of some bytes has gone out.

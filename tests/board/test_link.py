@@ -389,6 +389,63 @@ def test_answers_that_are_lost_are_not_taken_for_a_long_trip():
     assert max(b - a for a, b in pairwise(copies[:4])) <= 30 * MS
 
 
+@pytest.mark.parametrize("lost", ("orders", "answers"))
+@pytest.mark.parametrize("share", (0.0, 0.5, 0.9, 1.0))
+def test_an_emergency_stop_takes_the_place_of_all_that_waits_to_be_acknowledged(lost, share):
+    """Whether the board has had that or not: it had all that came, and some answers were lost."""
+    bench, rng = Bench(), random.Random(1)
+    wire = Wire(bench, delay=MS // 4)
+    setattr(wire, f"spoil_{lost}", lambda data: data if rng.random() > share else b"")
+    for _ in range(1000):
+        bench.link.send("get_config", [])
+    wire.run(wire.now + 3 * MS)
+    bench.link.send("emergency_stop", [])
+    setattr(wire, f"spoil_{lost}", lambda data: data)
+    frames = len(wire.sent)
+    wire.run(wire.now + 2 * MS)
+    assert bench.device.fault
+    assert len(wire.sent[frames][1]) <= 13 * 6 + 1
+    wire.run(wire.now + 200 * MS)
+    assert bench.link.shut_down
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_an_emergency_stop_comes_through_noise_at_once(seed):
+    """Where whole frames hardly ever come through: one byte in six is spoilt, either way."""
+    bench, rng = Bench(), random.Random(seed)
+    wire = Wire(bench, delay=MS // 4)
+    wire.spoil = lambda data: bytes(
+        rng.randrange(256) if rng.random() < 1 / 6 else byte for byte in data
+    )
+    for _ in range(1000):
+        bench.link.send("get_config", [])
+    wire.run(wire.now + 300 * MS)
+    begin = wire.now
+    bench.link.send("emergency_stop", [])
+    while not bench.device.fault:
+        wire.run(wire.now + 1 * MS)
+    assert wire.now - begin < 1000 * MS
+
+
+def test_an_emergency_stop_is_the_first_that_a_board_hears_after_a_lost_link():
+    """It counts from elsewhere; what it may be told by then is not known to be the stop."""
+    bench = Bench()
+    wire = Wire(bench, delay=MS // 4)
+    for _ in range(100):
+        bench.link.send("get_config", [])
+    wire.run(wire.now + 2 * MS)
+    bench.link.reconnect()
+    bench.link.send("get_config", [])
+    wire.spoil_answers = lambda data: b""
+    wire.run(wire.now + 50 * MS)
+    bench.link.send("emergency_stop", [])
+    wire.spoil_answers = lambda data: data
+    wire.run(wire.now + 2 * MS)
+    assert bench.device.fault
+    wire.run(wire.now + 220 * MS)  # between two questions for the clock
+    assert bench.link.told
+
+
 def test_messages_not_yet_sent_can_be_revoked():
     bench = Bench()
     plan = Planner()
