@@ -195,6 +195,15 @@ def test_unknown_machine_names_the_close_one() -> None:
     assert str(caught.value) == "there is no machine called 'corexz'. Did you mean 'corexy'?"
 
 
+def test_a_file_without_the_ending_toml_is_no_machine(tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "ok.g").touch()
+    with pytest.raises(ConfigError) as caught:
+        config.load("ok.g")
+    told = "there is no machine called 'ok.g'. A machine file's name ends in .toml."
+    assert str(caught.value) == told
+
+
 def test_missing_file_and_directory(tmp_path: Path) -> None:
     for path in (tmp_path / "none.toml", tmp_path):
         with pytest.raises(ConfigError) as caught:
