@@ -71,9 +71,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     if sys.stderr is None:  # closed by who started this: print() would write to standard output
         sys.stderr = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115
     elif argv is None:
-        told = _Telling(sys.stderr.buffer, sys.stderr.encoding, sys.stderr.errors, None, True)
-        sys.stderr.detach()
-        sys.stderr = sys.__stderr__ = told
+        file = io.FileIO(2, "w", closefd=False)
+        sys.stderr = _Telling(io.BufferedWriter(file), sys.stderr.encoding, sys.stderr.errors)
+        sys.stderr.reconfigure(line_buffering=True)
     if reconfigure := getattr(sys.stdout, "reconfigure", None):
         reconfigure(errors="backslashreplace")  # what its encoding lacks is told as on stderr
     try:
