@@ -95,6 +95,7 @@ def test_answers_that_cannot_be_are_asked_for_again(capsys, monkeypatch):
     out = capsys.readouterr().out
     assert out.count("M104 S160,") == 3
     assert "'160:1600' is no pair of temperatures" in out
+    assert "from 0 to 400 °C. Type the true one alone, as 187.\n" in out
     assert "16 °C is too far from the 160 °C that is shown: expected 107 to 213" in out
     assert "149.5 °C where 180 °C is shown is no more than the 150 °C at 160 °C" in out
     assert "   180.0    168.5" in out
