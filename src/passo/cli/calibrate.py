@@ -143,12 +143,15 @@ def _check_order(before: Point, point: Point) -> None:
 
 def _round(answers: Answers, heats: str, ladder: range) -> tuple[list[Point], bool]:
     """The points of one round, and whether there is nobody to ask any more. `heats`: see
-    `_heats`."""
+    `_heats`. It ends where the true temperature would be above what the ladder ends with."""
     print(f"\nRound in steps of {ladder.step} °C")
     points: list[Point] = []
     at = 0
     while at < len(ladder):
         celsius = ladder[at]
+        if points and (likely_c := celsius + points[-1].true_c - points[-1].shown_c) > ladder.stop:
+            print(f"{celsius} °C would truly be {likely_c:.0f} °C or so: the round ends here.")
+            return points, False
         word = answers.ask(f"{heats}{celsius}, wait 2 min, true °C: ")
         if word is None or word.lower() == "q":
             return points, word is None
