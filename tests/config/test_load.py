@@ -211,7 +211,7 @@ def test_numbers_of_fans() -> None:
         machine = config.load_text(I3.replace('pin = "D9"', f'pin = "D9"\nnumber = {number}'))
         assert machine.fans["part"].number == number
     for number in (-1, 256):
-        with pytest.raises(ConfigError, match="fans.part.number"):
+        with pytest.raises(ConfigError, match=r"fans\.part\.number"):
             config.load_text(I3.replace('pin = "D9"', f'pin = "D9"\nnumber = {number}'))
 
 
