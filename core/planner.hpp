@@ -297,6 +297,8 @@ class Planner {
     bool faster = start2 > m.vn2 * (1 + 1e-9) && m.from_faster > 0;
     double hardest = faster ? m.from_faster : m.b, braking = std::min(m.a, hardest);
     if (start2 - end2 > 2 * braking * m.d) {
+      // The old plan's way to brake may be all that is left, and was within limits from here.
+      hardest = std::max(hardest, m.from_faster);
       braking = std::min(hardest, (start2 - end2) / (2 * m.d));
       double least2 = start2 - 2 * braking * m.d;
       if (least2 > end2 + 1e-9 * start2 + 1e-10)

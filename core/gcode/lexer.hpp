@@ -79,13 +79,18 @@ class Lines {
   uint64_t offset() const { return fed_ - (buffer_.size() - at_); }
   bool too_long() const { return too_long_; }
 
-  // The next line without its end. False: more input is needed, or all is read.
+  // The next line without its end; one that is too long is empty, and comes before its end does.
+  // False: more input is needed, or all is read.
   bool next(const char*& begin, const char*& end) {
     const char* stop = buffer_.data() + buffer_.size();
     const char* newline = line_end();
     if (!newline && !finished_) {
       shorten(stop);
-      return false;
+      if (!dropped_ || told_) return false;
+      begin = end = stop;
+      ++number_;
+      told_ = too_long_ = true;
+      return true;
     }
     if (newline && *newline == '\r' && newline + 1 == stop && !finished_) {
       scanned_ = size_t(newline - buffer_.data()) - at_;  // what comes next may be its LF
@@ -100,6 +105,10 @@ class Lines {
     at_ = size_t(behind - buffer_.data());
     scanned_ = 0;
     unended_ = !newline;
+    if (told_) {
+      told_ = dropped_ = cut_ = false;
+      return next(begin, end);
+    }
     ++number_;
     too_long_ = dropped_;
     dropped_ = cut_ = false;
@@ -113,6 +122,7 @@ class Lines {
   uint64_t fed_ = 0;
   uint32_t number_ = 0;
   bool finished_ = false, dropped_ = false, too_long_ = false, cut_ = false, unended_ = false;
+  bool told_ = false;  // that the line at at_ is too long, before its end has come
 
   // The first LF or CR of the line; null if there is none yet. The LF is looked for once for all
   // lines that end with a CR before it.

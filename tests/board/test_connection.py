@@ -10,8 +10,9 @@ from dataclasses import replace
 import pytest
 
 from passo import _core
-from passo.board.connection import BoardSilentError, Connection
+from passo.board.connection import Connection
 from passo.board.dictionary import Dictionary, decode
+from passo.board.faults import BoardSilentError
 from passo.board.ports import InProcess, LinkLostError, LivePort
 from passo.errors import MachineError
 from passo.simulator import SimulatedBoard

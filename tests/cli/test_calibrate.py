@@ -57,7 +57,7 @@ def test_the_guide(capsys, monkeypatch):
     ("heater", "true", "first", "last", "number"),
     [
         ("hotend1", 150, "M104 T1 S160,", "M104 T1 S240,", "H1"),
-        ("bed", 50, "M140 S40,", "M140 S120,", "H-1"),
+        ("bed", 39, "M140 S40,", "M140 S120,", "H-1"),
     ],
 )
 def test_the_guide_says_how_each_heater_is_heated(
@@ -95,9 +95,20 @@ def test_answers_that_cannot_be_are_asked_for_again(capsys, monkeypatch):
     out = capsys.readouterr().out
     assert out.count("M104 S160,") == 3
     assert "'160:1600' is no pair of temperatures" in out
+    assert "from 0 to 400 °C. Type the true one alone, as 187.\n" in out
     assert "16 °C is too far from the 160 °C that is shown: expected 107 to 213" in out
     assert "149.5 °C where 180 °C is shown is no more than the 150 °C at 160 °C" in out
     assert "   180.0    168.5" in out
+
+
+def test_a_round_ends_before_the_true_temperature_is_too_high(capsys, monkeypatch):
+    assert guide(monkeypatch, "180\n203\n221\nq\nq\nq\n") == 0
+    assert "M104 S220," in capsys.readouterr().out  # a degree is the thermometer's own error
+    assert guide(monkeypatch, "180\n203\n222\nq\nq\n") == 0
+    out = capsys.readouterr().out
+    first = out.partition("Round in steps of 10")[0]
+    assert "M104 S220," not in first
+    assert "220 °C would truly be 242 °C or so: the round ends here." in first
 
 
 def test_a_wrong_answer_can_be_taken_back(capsys, monkeypatch):

@@ -615,6 +615,20 @@ def test_a_closed_standard_error_takes_words_along_and_nothing_else(tmp_path, te
         assert len(told["warnings"] + told["errors"]) == 1
 
 
+@pytest.mark.parametrize(("text", "status"), [("G1 X1 F600\nM9999\nM9998\n", 0), ("G1 X-9\n", 4)])
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_a_full_standard_error_changes_nothing_else(tmp_path, text, status, unbuffered):
+    path = tmp_path / "a.gcode"
+    path.write_text(text)
+    with Path("/dev/full").open("w") as full:
+        command = [sys.executable, "-m", "passo", "print", str(path), "--json"]
+        environment = os.environ | {"PYTHONUNBUFFERED": unbuffered}
+        run = subprocess.run(command, stdout=-1, stderr=full, text=True, env=environment)
+    assert run.returncode == status
+    told = json.loads(run.stdout)
+    assert bool(told["errors"]) == (status == 4)
+
+
 @pytest.mark.parametrize("command", ["print", "estimate", "steps", "report"])
 @pytest.mark.parametrize(
     ("text", "says"),

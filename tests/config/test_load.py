@@ -12,9 +12,11 @@ from pydantic_core import PydanticUndefined
 
 from passo import config
 from passo.config.drivers import DRIVERS
+from passo.config.findings import did_you_mean
 from passo.errors import ConfigError, ExitStatus
 from passo.geometry.registry import GEOMETRIES
 
+I3 = config.shipped_text("i3")
 REQUIRED = {
     "i3",
     "big-fish-i3",
@@ -188,11 +190,51 @@ def test_laser_letters_reach_the_core_only_if_given(i3_text: str) -> None:
     assert (spec["full_w"], spec["most_w"]) == (5.0, 4.0)
 
 
+@pytest.mark.parametrize("microsteps", [1, 2, 4, 8, 16, 32, 64, 128, 256])
+def test_microsteps_of_a_motor(microsteps) -> None:
+    scale = f"rotation_distance_mm = 40\nmicrosteps = {microsteps}"
+    machine = config.load_text(I3.replace("steps_per_mm = 400.0", scale))
+    assert machine.steppers["z"].steps_per_unit == 5 * microsteps
+
+
+def test_an_axis_may_be_at_home_below_zero() -> None:
+    z = I3.index("[axes.z]")
+    text = I3[:z] + I3[z:].replace("min_mm = 0.0", "min_mm = -10\nhome_mm = HOME", 1)
+    for mm in (-10, -5, 250):
+        assert config.load_text(text.replace("HOME", str(mm))).axes["z"].home_mm == mm
+    with pytest.raises(ConfigError, match="a position between -10 and 250"):
+        config.load_text(text.replace("HOME", "-10.1"))
+
+
+def test_numbers_of_fans() -> None:
+    for number in (0, 255):
+        machine = config.load_text(I3.replace('pin = "D9"', f'pin = "D9"\nnumber = {number}'))
+        assert machine.fans["part"].number == number
+    for number in (-1, 256):
+        with pytest.raises(ConfigError, match=r"fans\.part\.number"):
+            config.load_text(I3.replace('pin = "D9"', f'pin = "D9"\nnumber = {number}'))
+
+
+def test_known_words_are_told_if_they_are_few() -> None:
+    assert did_you_mean("q", []) == ""
+    assert did_you_mean("q", map(str, range(17))) == ""
+    assert did_you_mean("q", map(str, range(16))).startswith("Known here: 0, 1, 10, ")
+
+
 def test_unknown_machine_names_the_close_one() -> None:
     with pytest.raises(ConfigError) as caught:
         config.load("corexz")
     assert caught.value.status == ExitStatus.BAD_CONFIG
     assert str(caught.value) == "there is no machine called 'corexz'. Did you mean 'corexy'?"
+
+
+def test_a_file_without_the_ending_toml_is_no_machine(tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "ok.g").touch()
+    with pytest.raises(ConfigError) as caught:
+        config.load("ok.g")
+    told = "there is no machine called 'ok.g'. A machine file's name ends in .toml."
+    assert str(caught.value) == told
 
 
 def test_missing_file_and_directory(tmp_path: Path) -> None:

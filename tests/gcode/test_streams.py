@@ -9,11 +9,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from passo._core import Fault
+from passo._core import Fault, Job, JobStatus
 
-from .driver import Outcome, run
+from .driver import Outcome, run, spec
 
 BOM = b"\xef\xbb\xbf"
+LONGEST = 65536  # bytes of a line, comment not counted
 PROGRAM = """%
 ; a comment
 N1 G21*45
@@ -89,6 +90,24 @@ def test_a_line_of_10_mb(chunk):
     out = run(b"G1 X1\n" + b"G1 X2 " * 1_700_000 + b"\nG1 X3\n", chunk=chunk)
     assert [e[:2] for e in out.errors] == [(2, Fault.LINE_TOO_LONG)]
     assert out.ends == [(1, 0, 0, 0), (3, 0, 0, 0)]
+
+
+@pytest.mark.parametrize("mark", [b"", BOM])
+@pytest.mark.parametrize("end", [b"", b"\n", b"\r\nG1 X3\n", b";\nG1 X3"])
+def test_a_line_that_is_too_long_is_told_before_its_end(mark, end):
+    job, status = Job(spec("i3"), False), JobStatus
+    job.feed(mark + b"G1 X" + b"1" * (LONGEST - 4))
+    assert job.advance() == status.NEED_INPUT
+    job.feed(b"1")
+    assert job.advance() == status.ERROR
+    assert job.error[:2] == (1, Fault.LINE_TOO_LONG)
+    for _ in range(3):
+        job.feed(b";1" * LONGEST)
+        assert job.advance() == status.NEED_INPUT
+    job.feed(end)
+    job.finish()
+    assert job.advance() == status.END
+    assert job.line == (2 if b"X3" in end else 1)
 
 
 @pytest.mark.parametrize("chunk", [0, 50_000])

@@ -135,7 +135,7 @@ def test_the_range_of_words_that_the_board_watches(converter, low, high, words):
     assert _core.converter_words(converter, *shares) == words
 
 
-@pytest.mark.parametrize(("kind", "number"), [("B", 0), ("J", 2), ("K", 3), ("T", 7)])
+@pytest.mark.parametrize(("kind", "number"), [(k, i) for i, k in enumerate("BEJKNRST")])
 @pytest.mark.parametrize(("mains", "bit"), [(50, 1), (60, 0)])
 def test_max31856_setup(kind, number, mains, bit):
     sensor = UniversalConverter(kind="max31856", thermocouple=kind, mains_hz=mains, **PINS)

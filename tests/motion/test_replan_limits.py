@@ -142,6 +142,26 @@ def test_each_arm_keeps_its_limits(name, path, changes):
     assert_limits(executed, clocks, motors, spec["steppers"][:3])
 
 
+@pytest.mark.parametrize("back_s", [0.001, 0.005, 0.02])
+def test_a_faster_feed_rate_that_comes_as_it_brakes_to_a_stop_lets_it_stop(back_s):
+    """A plan at the full speed brakes with 1612 mm/s² here: the one of before had more."""
+    spec, _ = nonlinear("delta")
+    motion = Motion(spec, True)
+    motion.set_speed_factor(0.2)
+    motion.set_position([-45.0, -40.0, 60.0, 0.0])
+    motion.push([45, 40, 60, 0], 250.0)
+    motion.flush()
+    last = motion.take_moves()[-1]
+    motion.set_speed_factor(1.0)
+    assert motion.replan_from(motion.clock - back_s * oracle.HZ)
+    motion.flush()
+    (stop,) = motion.take_moves()
+    assert stop.start_speed == pytest.approx(last.deceleration * back_s, rel=1e-3)
+    assert stop.deceleration == pytest.approx(last.deceleration, rel=1e-3)
+    assert last.deceleration == pytest.approx(2117, abs=0.1)
+    assert stop.end_speed == 0.0
+
+
 def test_a_slower_feed_rate_is_braked_to_as_hard_as_the_bends_of_the_old_one_allow():
     # Bends take a carriage's acceleration with the square of the speed: a plan at a fifth of it
     # may use 2921 mm/s² along this line, one at the full speed 2024 mm/s² where it is cut.

@@ -3,7 +3,7 @@
 import random
 
 import pytest
-from tests.console.scenario import Scenario
+from tests.console.scenario import Host, Scenario
 
 from passo.printer.drive import BUFFER_S, GATHER_S, HORIZON_S, LEAD_S
 
@@ -107,6 +107,55 @@ def test_free_time_passes_as_fast_as_it_goes_while_something_waits():
         s.host.ok("M400")
         assert s.loop.time() - start < 2
         assert drive.now_s - printed > 1020
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [["M0"], ["M600"], ["M0", "G1 X5"], ["M600", "G1 X5 F3000"], ["M104 S200", "G4 P500", "M0"]],
+)
+def test_free_time_stands_while_a_person_is_waited_for(lines):
+    with Scenario("i3", free=True) as s:
+        drive = s.printer.drive
+        s.host.ok("G28", 100)
+        s.host.ok("M109 S200", 100)
+        s.host.send(*lines)
+        s.host.expect("paused for user", 20)
+        s.passes(1)  # the nozzle has left
+        before = drive.now
+        s.passes(600)
+        assert drive.now == before
+        other = Host(s)
+        assert other.ok("M105")[0].startswith("ok T:")
+        assert drive.now == before
+        other.ok("M108")
+        s.host.ok("M400", 20)
+        assert s.until(lambda: drive.standing, 1)
+
+
+def test_free_time_passes_for_a_pause_of_some_seconds():
+    with Scenario("i3", free=True) as s:
+        start, printed = s.loop.time(), s.printer.drive.now_s
+        s.host.ok("M0 S1000", 20)
+        assert s.loop.time() - start < 1
+        assert 1000 < s.printer.drive.now_s - printed < 1001
+
+
+@pytest.mark.parametrize("line", ["M108", "M410", "M112"])
+def test_a_wait_for_a_person_in_free_time_ends(line):
+    with Scenario("i3", free=True) as s:
+        s.host.ok("G28", 100)
+        s.host.send("M0", "G1 X50 F3000")
+        s.host.expect("paused for user", 20)
+        s.passes(1)
+        other = Host(s)
+        other.send(line)
+        s.passes(2)
+        if line == "M112":
+            assert s.printer.halted
+            other.send("M999")
+            s.host.expect("ready again", 2)
+        assert s.until(lambda: not s.printer.waits.busy, 2)
+        s.host.ok("M115", 5)
 
 
 def test_in_free_time_moves_are_done_when_the_host_is_silent():

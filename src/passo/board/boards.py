@@ -6,9 +6,9 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 
 from passo import _core
-from passo.board.connection import LEAD_S, BoardAloneError, Connection
+from passo.board.connection import LEAD_S, Connection
 from passo.board.description import Sensor, together
-from passo.board.faults import HeaterFault
+from passo.board.faults import BoardAloneError, HeaterFault
 from passo.board.ports import LinkLostError
 
 # Until the clocks of several boards are known well enough, and so much longer for each second by

@@ -20,9 +20,14 @@ from passo.board.configuration import (
 )
 from passo.board.description import BoardDescription, Output, Sensor, inverted
 from passo.board.dictionary import Dictionary, DictionaryError
-from passo.board.faults import HeaterFault
+from passo.board.faults import (
+    BoardAloneError,
+    BoardSilentError,
+    HeaterFault,
+    PlaceLostError,
+)
 from passo.board.ports import LinkLostError, Port
-from passo.errors import MachineError, Problem
+from passo.errors import MachineError
 
 Values: TypeAlias = dict[str, int | bytes]
 
@@ -40,21 +45,6 @@ _RESPONSES_KEPT = 1024
 _MOST_STEPS = 0xFFFF  # of one command
 _SURVIVE = 2  # version of the extension
 _SLOTS_RENEWED = 4  # of each output that is told its value again and again
-
-
-class BoardAloneError(LinkLostError):
-    """The board was not told in time how to go on, and has stopped by itself."""
-
-
-class PlaceLostError(MachineError):
-    """Where the motors of a board stand cannot be proved any more; nothing else is wrong."""
-
-
-class BoardSilentError(LinkLostError):
-    """The board does not answer."""
-
-    def __init__(self, question: str) -> None:
-        super().__init__([Problem("machine.silent", values={"value": question})])
 
 
 class Connection:

@@ -1,11 +1,12 @@
-"""What failed at a heater, as an event and as a sentence."""
+"""What fails at a board: a heater, as an event and as a sentence; the board itself, as errors."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 from passo import _core
-from passo.errors import Problem
+from passo.board.ports import LinkLostError
+from passo.errors import MachineError, Problem
 
 FaultKind = _core.FaultKind
 
@@ -38,3 +39,18 @@ class HeaterFault:
 
     def __str__(self) -> str:
         return str(self.problem)
+
+
+class BoardAloneError(LinkLostError):
+    """The board was not told in time how to go on, and has stopped by itself."""
+
+
+class PlaceLostError(MachineError):
+    """Where the motors of a board stand cannot be proved any more; nothing else is wrong."""
+
+
+class BoardSilentError(LinkLostError):
+    """The board does not answer."""
+
+    def __init__(self, question: str) -> None:
+        super().__init__([Problem("machine.silent", values={"value": question})])

@@ -112,8 +112,9 @@ def _heats(heater: Heater, number: int | None) -> str:
     return "M140 S" if heater.kind == "bed" else "M141 S"
 
 
-def _point(text: str) -> Point:
-    """A point, which a thermistor of the wrong β may have made. Raises InputError."""
+def _point(text: str, advice: str = "") -> Point:
+    """A point, which a thermistor of the wrong β may have made. Raises InputError, with `advice`
+    where it is none at all."""
     from passo.heat.calibration import Point
 
     try:
@@ -121,7 +122,7 @@ def _point(text: str) -> Point:
     except ValueError:
         shown = true = 0.0
     if not (0 < shown <= 400 and 0 < true <= 400):
-        raise InputError.of("input.point", value=text)
+        raise InputError.of("input.point", hint=advice, value=text)
     if abs(true - shown) > _FAR * shown:
         limit = f"{(1 - _FAR) * shown:.0f} to {(1 + _FAR) * shown:.0f}"
         raise InputError.of("input.point-far", value=true, key=shown, limit=limit)
@@ -142,12 +143,15 @@ def _check_order(before: Point, point: Point) -> None:
 
 def _round(answers: Answers, heats: str, ladder: range) -> tuple[list[Point], bool]:
     """The points of one round, and whether there is nobody to ask any more. `heats`: see
-    `_heats`."""
+    `_heats`. It ends where the true temperature would be above what the ladder ends with."""
     print(f"\nRound in steps of {ladder.step} °C")
     points: list[Point] = []
     at = 0
     while at < len(ladder):
         celsius = ladder[at]
+        if points and (likely_c := celsius + points[-1].true_c - points[-1].shown_c) > ladder.stop:
+            print(f"{celsius} °C would truly be {likely_c:.0f} °C or so: the round ends here.")
+            return points, False
         word = answers.ask(f"{heats}{celsius}, wait 2 min, true °C: ")
         if word is None or word.lower() == "q":
             return points, word is None
@@ -157,7 +161,7 @@ def _round(answers: Answers, heats: str, ladder: range) -> tuple[list[Point], bo
             continue
         try:
             if word:
-                point = _point(f"{celsius}:{word}")
+                point = _point(f"{celsius}:{word}", "Type the true one alone, as 187")
                 if points:
                     _check_order(points[-1], point)
                 points.append(point)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import gc
 import importlib
+import io
 import os
 import signal
 import sys
@@ -69,6 +70,10 @@ def main(argv: Sequence[str] | None = None) -> int:
             signal.signal(number, signal.default_int_handler)
     if sys.stderr is None:  # closed by who started this: print() would write to standard output
         sys.stderr = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115
+    elif argv is None:
+        file = io.FileIO(2, "w", closefd=False)
+        sys.stderr = _Telling(io.BufferedWriter(file), sys.stderr.encoding, sys.stderr.errors)
+        sys.stderr.reconfigure(line_buffering=True)
     if reconfigure := getattr(sys.stdout, "reconfigure", None):
         reconfigure(errors="backslashreplace")  # what its encoding lacks is told as on stderr
     try:
@@ -79,6 +84,17 @@ def main(argv: Sequence[str] | None = None) -> int:
         cause = error.__context__  # what it was about to tell
         return failed or (cause.status if isinstance(cause, PassoError) else ExitStatus.DONE)
     return _flush() or status
+
+
+class _Telling(io.TextIOWrapper):
+    """Standard error. What it does not take, on a full disk say, is lost, and all else goes on."""
+
+    def write(self, text: str, /) -> int:
+        try:
+            return super().write(text)
+        except OSError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), self.fileno())
+            return len(text)
 
 
 def _run(words: list[str]) -> int:

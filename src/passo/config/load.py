@@ -40,6 +40,8 @@ def shipped_text(name: str) -> str:
 def _shipped(name: str) -> FilePath:
     if name not in shipped_machines():
         hint = did_you_mean(name, shipped_machines())
+        if FilePath(name).exists():
+            hint = "A machine file's name ends in .toml"
         raise ConfigError.of("config.unknown-machine", hint=hint, value=name)
     return _HERE / "machines" / f"{name}.toml"
 

@@ -105,7 +105,7 @@ class HostPause:
         printer = self._printer
         try:
             printer.tell("echo:busy: paused for user")
-            await printer.drive.until(lambda: printer.interrupted)
+            await printer.drive.until(lambda: printer.interrupted, idly=True)
         finally:
             printer.person.answered()
         printer.raise_if_halted()
@@ -139,7 +139,9 @@ class HostPause:
         printer = self._printer
         text = f"Heater {fault.heater} failed; mend it, then go on with M108, which rearms it"
         try:
-            await printer.drive.until(lambda: not printer.waits.busy or bool(printer.halted))
+            await printer.drive.until(
+                lambda: not printer.waits.busy or bool(printer.halted), idly=True
+            )
             mended = printer.connection.heaters[fault.heater].fault is None  # in another pause
             if not (printer.halted or mended):
                 printer.suspend_job()

@@ -389,7 +389,8 @@ class Runner:
                 not (drive.full or printer.aside or drive.interrupted)
                 or self.state is not State.PRINTING
                 or bool(printer.halted)
-            )
+            ),
+            idly=True,
         )
 
     async def _stretch(self, *, rest_of_line: bool = False) -> bool:

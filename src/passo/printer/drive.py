@@ -37,7 +37,7 @@ class Drive:
 
     Time is the board's own, if that is live; else it is tied to the loop's, or `free`: then it
     passes, as fast as it goes, only while something waits for it, or moves are left and no host has
-    spoken for a moment.
+    spoken for a moment. While only a person is waited for it stands.
     """
 
     def __init__(
@@ -65,7 +65,7 @@ class Drive:
         self._start_s = self._loop.time()
         self._start_clock = connection.now
         self._marks: deque[tuple[int, int, int]] = deque()
-        self._waiting: list[tuple[Callable[[], bool], asyncio.Future[None]]] = []
+        self._waiting: list[tuple[Callable[[], bool], asyncio.Future[None], bool]] = []
         self._woken = asyncio.Event()
         self._first_move_s: float | None = None
         self._stop_clock = -1.0  # end of a plan that was settled only because it ran dry
@@ -237,12 +237,13 @@ class Drive:
         self._dirty = True
         self._woken.set()
 
-    async def until(self, condition: Callable[[], bool]) -> None:
-        """Waits until the condition holds; it is looked at as time passes."""
+    async def until(self, condition: Callable[[], bool], *, idly: bool = False) -> None:
+        """Waits until the condition holds; it is looked at as time passes. `idly`: what it waits
+        for comes from elsewhere, so that free time may stand, once nothing moves."""
         if condition():
             return
         future: asyncio.Future[None] = self._loop.create_future()
-        entry = (condition, future)
+        entry = (condition, future, idly)
         self._waiting.append(entry)
         self._woken.set()
         try:
@@ -271,12 +272,17 @@ class Drive:
     async def _free_stride(self) -> None:
         quiet_s = self._loop.time() - self._heard_s
         moving = not self.standing or self._dirty
-        if self._waiting or self._awaited or (moving and quiet_s >= GATHER_S / 2):
+        wanted = self._awaited or not all(idly for _, _, idly in self._waiting)
+        if wanted or (moving and (self._waiting or quiet_s >= GATHER_S / 2)):
             self._pass(self.now + int(_STRIDE_S * self.hz))
             await asyncio.sleep(0)
             return
         self._woken.clear()
-        await either(self._woken, GATHER_S / 2 if moving else None)
+        if self._waiting:
+            self._pass(self.now)
+            await either(self._woken, TICK_S)
+        else:
+            await either(self._woken, GATHER_S / 2 if moving else None)
 
     def await_answer(self) -> None:
         """Time passes also where nothing waits for it, until the board has told that it stopped."""
@@ -363,7 +369,7 @@ class Drive:
     def end_waits(self) -> None:
         """Ends the waits whose conditions hold. A fault of the program in one is that wait's own.
         Raises MachineError."""
-        for condition, future in list(self._waiting):
+        for condition, future, _ in list(self._waiting):
             try:
                 if not future.done() and condition():
                     future.set_result(None)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING
 
-from passo.board.connection import PlaceLostError
+from passo.board.faults import PlaceLostError
 from passo.board.ports import LinkLostError
 from passo.errors import MachineError, in_words
 from passo.printer.drive import TICK_S

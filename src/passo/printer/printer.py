@@ -22,6 +22,7 @@ from passo.printer.endstop_watch import EndstopWatch
 from passo.printer.fans import FollowingFans
 from passo.printer.heat_commands import HeatCommands
 from passo.printer.homing import Homer
+from passo.printer.idleness import look_after_idleness
 from passo.printer.lateness import LatenessWatch
 from passo.printer.life import Life
 from passo.printer.mains import Mains
@@ -42,7 +43,6 @@ if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
 
 
-LASER_OFF_S = 3.0  # of standing with the laser on, no print being under way
 _FIRST_REPORTS_S = 0.6  # all sensors have spoken by then
 # What stops a machine at once waits in a file, which is read ahead, for the moves before it.
 _IN_THEIR_TURN = ("M25", "M112", "M410", "M524")
@@ -60,7 +60,9 @@ class Printer:
         self.heaters = list(machine.heaters)
         self._free = free
         self.closers: list[Callable[[], None]] = []  # called when the printer ends, the last first
-        self.watchers: list[Callable[[], None]] = [self._look_after_idleness]  # time has passed
+        self.watchers: list[Callable[[], None]] = [
+            partial(look_after_idleness, self)
+        ]  # time has passed
         connection, self.board = connect(machine)
         self.mains = Mains(self)
         self.beeper = Beeper(self)
@@ -166,38 +168,6 @@ class Printer:
     def _time_passed(self) -> None:
         for watcher in self.watchers:
             watcher()
-
-    def _look_after_idleness(self) -> None:
-        idle_s, config = self.drive.idle_s, self.machine.idle
-        nobody = (self.job.suspended or self.waits.person) and not self.waits.heating
-        if nobody and 0 < config.heaters_off_s < idle_s:
-            self._cool_hotends()
-        if self.busy() or self.turn.taken:
-            return
-        motors_off = 0 < self.motors.idle_s < idle_s and bool(self.motors.on)
-        if self.commands.lit and (idle_s > LASER_OFF_S or motors_off):
-            self.laser_off()
-            self.tell("echo:Laser off after standing idle; M3 switches it on again")
-            return
-        if motors_off:
-            self.motors.all_off()
-            self.tell("echo:Motors off after standing idle; home before the next move")
-        if 0 < self.person.kill_s < idle_s:
-            self.halt(f"idle for {self.person.kill_s:g} s (M85)")
-        if 0 < config.heaters_off_s < idle_s:
-            for name in self.heaters:
-                if self.connection.heaters[name].target > 0:
-                    self.set_target(name, 0.0, at_once=True)
-                    self.tell(f"echo:Heater {name} off after standing idle")
-
-    def _cool_hotends(self) -> None:
-        """Nobody has come for long: filament must not cook. The bed holds the print, and stays."""
-        for name, config in self.machine.heaters.items():
-            target = self.connection.heaters[name].target
-            if config.kind == "hotend" and target > 0:
-                self.cooled_c[name] = target
-                self.connection.set_target(name, 0.0)
-                self.tell(f"echo:Heater {name} off in a long pause; it warms up before all goes on")
 
     async def warm_again(self) -> None:
         """What a long pause or a fault has switched off warms up, unless somebody has set it

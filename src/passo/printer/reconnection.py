@@ -11,10 +11,9 @@ from passo.board.boards import SETTLING_S
 from passo.board.connection import (
     BRAKING_S,
     LOOK_S,
-    BoardAloneError,
     Connection,
-    PlaceLostError,
 )
+from passo.board.faults import BoardAloneError, PlaceLostError
 from passo.board.ports import LinkLostError
 from passo.printer.drive import TICK_S
 

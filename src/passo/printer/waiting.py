@@ -56,7 +56,7 @@ class Waiting:
                 self._impatient = False  # that was for the pause
             return there() or bool(printer.halted) or (self._impatient and printer.job.at_boundary)
 
-        await printer.drive.until(let_in)
+        await printer.drive.until(let_in, idly=True)
         return self._impatient
 
     async def wait(
@@ -107,7 +107,7 @@ class Waiting:
         """Until more can be planned of a line that nobody can end but by a stop."""
         printer = self._printer
         await printer.drive.until(
-            lambda: not (printer.drive.full or printer.aside) or bool(printer.halted)
+            lambda: not (printer.drive.full or printer.aside) or bool(printer.halted), idly=True
         )
         printer.raise_if_halted()
 
@@ -186,7 +186,8 @@ class Waiting:
         self.person = True
         try:
             await drive.until(
-                lambda: printer.interrupted or (wait.seconds > 0 and drive.now >= end)
+                lambda: printer.interrupted or (wait.seconds > 0 and drive.now >= end),
+                idly=wait.seconds <= 0,
             )
         finally:
             self.person = False
