@@ -172,6 +172,13 @@ class Runner:
         self.name, self.path, self._reader = "", "", None
         self.state = State.NONE
 
+    def exchange(self, reader: Reader) -> None:
+        """The same file, of a card that was mounted anew, is read on from where it stands."""
+        assert self._reader is not None
+        reader.seek(self._reader.tell())
+        self._reader.close()
+        self._reader = reader
+
     def seek(self, offset: int) -> None:
         """The next start begins at this byte. Raises CommandError, and CardError."""
         self._refuse_if_active()
