@@ -62,3 +62,13 @@ def test_a_file_is_no_card(tmp_path):
     (tmp_path / "not.img").write_bytes(b"no file system" * 1000)
     with pytest.raises(CardError, match="FAT32"), Scenario("i3", card=str(tmp_path / "not.img")):
         pass
+
+
+def test_nothing_is_stored_in_an_image_that_was_deleted(image):
+    with Scenario("i3", card=str(image)) as s:
+        s.host.ok("M28 a.g")
+        s.host.ok("G28 X")
+        image.unlink()
+        answer = s.host.ok("M29")[0]
+        assert answer.startswith("echo:error writing to file a.g: ")
+        assert "was removed while in use, or fails: it was deleted" in answer

@@ -81,9 +81,12 @@ class Device:
             raise CardError.of("card.removed", self.path, value=error.strerror) from error
 
     def flush(self) -> None:
-        """A barrier: what was written before is on the medium before anything written later."""
+        """A barrier: what was written before is on the medium before anything written later. Raises
+        CardError, also of an image that was deleted meanwhile: nobody would find it there."""
         try:
             os.fdatasync(self._opened())
+            if not os.fstat(self._opened()).st_nlink:
+                raise CardError.of("card.removed", self.path, value="it was deleted")
         except OSError as error:
             raise CardError.of("card.removed", self.path, value=error.strerror) from error
 
