@@ -508,6 +508,31 @@ def test_what_consoles_set_is_known_after_a_second_interruption(places):
     assert gone_on(places, left)["x"] == pytest.approx(8.0, abs=0.02)
 
 
+def test_what_consoles_set_where_a_print_stood_before_it_moved_is_not_forgotten(places, tmp_path):
+    (tmp_path / "card" / "fails.gcode").write_text("G4 P10\nM104 Sx\n" + WALL)
+    ends = []
+    for killed in (False, True):
+        with Scenario("i3", **places) as s:
+            s.host.ok("M32 fails.gcode")
+            s.host.expect("Print of fails.gcode stopped", 20)
+            s.passes(2)
+            for line in ("M203 X50", "M83", "M24"):
+                s.host.ok(line)
+            assert s.until(lambda: s.positions()["e"] > 4.5, 200)
+            left = s.positions()
+            if not killed:
+                s.host.expect("Done printing", 300)
+                ends.append((list(s.printer.settings()), s.printer.job.modes))
+    with Scenario("i3", **places) as s:
+        for stepper in "xyz":
+            s.board.place(stepper, left[stepper])
+        s.host.ok("M302 P1")
+        s.host.ok("M1000", 600)
+        s.host.expect("Done printing", 300)
+        assert (list(s.printer.settings()), s.printer.job.modes) == ends[0]
+    assert "M83" in ends[0][1]
+
+
 def test_settings_of_the_file_that_only_a_printer_has_are_not_forgotten(places, tmp_path):
     own = "M85 S3600\nM84 S300\nM301 P25\nM145 S0 H205\nM540 S1\n"
     (tmp_path / "card" / "own.gcode").write_text(own + WALL)

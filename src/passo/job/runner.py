@@ -182,18 +182,22 @@ class Runner:
     def seek(self, offset: int) -> None:
         """The next start begins at this byte. Raises CommandError, and CardError."""
         self._refuse_if_active()
+        self._seek(offset)
+
+    def _seek(self, offset: int) -> None:
         if self._reader is None:
             raise CommandError.of("job.no-file")
         offset = min(max(offset, 0), self._reader.size)
         self._rewind(offset, line_of_offset(self._reader, offset))
 
     @contextmanager
-    def keep(self) -> Generator[None]:
-        """The selected file stays as it is while the machine is brought to where it goes on."""
+    def keep(self) -> Generator[Callable[[int], None]]:
+        """The selected file stays as it is while the machine is brought to where it goes on; yields
+        what seeks that byte."""
         self._refuse_if_active()
         self._kept, self._pauses = True, False
         try:
-            yield
+            yield self._seek
         except BaseException:
             self._pauses = False
             raise
