@@ -272,8 +272,8 @@ def test_a_print_goes_on_with_arms(machine, when, text, tmp_path):
             assert end[stepper] == pytest.approx(whole[stepper], abs=0.03)
 
 
-def cut_and_gone_on(text, places, line, *live):
-    """Cut while this line is printed, consoles having sent `live` three lines before; gone on with.
+def cut_and_gone_on(text, places, line, *live, lead=3):
+    """Cut while this line is printed, consoles having sent `live` `lead` lines before; gone on with.
     The journal's line, mm of filament from there, and the printer's last overrides."""
     (Path(places["card"]) / "a.g").write_text(text)
     with Scenario("i3", **places) as s:
@@ -282,7 +282,7 @@ def cut_and_gone_on(text, places, line, *live):
         def at(number):
             return lambda: s.printer.job.line_at(s.printer.drive.now) >= number
 
-        assert s.until(at(line - 3), 200)
+        assert s.until(at(line - lead), 200)
         for order in live:
             s.host.ok(order)
         assert s.until(at(line), 200)
@@ -321,6 +321,13 @@ def test_overrides_of_a_console_hold_until_the_file_sets_others(places):
     assert fan == pytest.approx(0.6)
     assert e_mm == pytest.approx(2 * (28 - line), abs=0.1)
     assert (flows, speed) == ([2.0], 1.2)
+
+
+def test_a_fan_set_at_once_obeys_what_the_file_has_planned(places):
+    """It was read when M106 came in line 19, and acted in line 22."""
+    line, _, fan, _, _ = cut_and_gone_on(OVERRIDDEN, places, 26, "M106 S153 F", lead=7)
+    assert 23 <= line <= 26
+    assert fan == pytest.approx(1.0)
 
 
 SET_IN_FILE = {
