@@ -273,8 +273,8 @@ def test_a_print_goes_on_with_arms(machine, when, text, tmp_path):
 
 
 def cut_and_gone_on(text, places, line, *live, lead=3):
-    """Cut while this line is printed, consoles having sent `live` `lead` lines before; gone on with.
-    The journal's line, mm of filament from there, and the printer's last overrides."""
+    """Cut while this line is printed, consoles having sent `live` so many lines before; gone on
+    with. The journal's line, mm of filament from there, and the printer's last overrides."""
     (Path(places["card"]) / "a.g").write_text(text)
     with Scenario("i3", **places) as s:
         s.host.ok("M32 a.g")
