@@ -317,7 +317,8 @@ def test_a_card_that_is_pulled_stops_the_print(s, folder, monkeypatch):
 
 @pytest.mark.parametrize("back", ["the same", "none yet", "another"])
 def test_a_card_that_is_back_lets_its_print_go_on(s, folder, monkeypatch, back):
-    text = "G28 X\n" + "".join(f"G1 X{i % 200}\n" for i in range(20000)) + "G1 X77\n"
+    ways = "".join(f"G1 X{i % 200}\n" for i in range(20000))
+    text = f"G28 X\nM117 begins\n{ways}G1 X77\n"
     (folder / "long.g").write_text(text)
     s.host.ok("M32 long.g")
     s.passes(5)
@@ -344,6 +345,7 @@ def test_a_card_that_is_back_lets_its_print_go_on(s, folder, monkeypatch, back):
     assert s.host.ok("M24") == ["ok"]
     s.host.expect("Done printing", 20000)
     assert s.positions()["x"] == 77.0
+    assert len([line for line in s.host.heard if "begins" in line]) == 1
 
 
 def test_a_host_that_connects_leaves_a_print_that_failed(s, folder):

@@ -1,5 +1,7 @@
 """Uploads from their first line to their last, the good ones and those that cannot begin."""
 
+import shutil
+
 import pytest
 from tests.console.scenario import Host, Scenario
 from tests.console.test_card import numbered
@@ -229,3 +231,14 @@ def test_an_upload_that_lacks_a_line_leaves_the_old_file(s, tmp_path):
     assert (tmp_path / "old.g").read_text() == "G1 X1\n"
     s.host.ok("M28 old.g")
     assert s.host.ok("M29") == ["Done saving file.", "ok"]
+
+
+def test_an_upload_into_a_folder_that_was_removed_is_not_stored(s, tmp_path):
+    s.host.ok("M28 old.g")
+    s.host.ok("G1 X2")
+    shutil.rmtree(tmp_path)
+    assert s.host.ok("M29") == [
+        "echo:error writing to file old.g: /old.g: was removed while in use, or fails: its folder"
+        " was removed. Insert the card again and mount it; replace it if that recurs.",
+        "ok",
+    ]
