@@ -202,6 +202,10 @@ CATALOGUE: Mapping[str, Entry] = {
         "was changed on the computer while in use: {value}",
         "Select it again (M23) and print it from its beginning",
     ),
+    "card.line-refused": _card(
+        "a line of it was not taken: {value}",
+        "Make such lines shorter, then upload the file again",
+    ),
     "console.unopened": Entry(
         "console",
         "{axis} cannot be opened: {value}",

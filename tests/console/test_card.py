@@ -315,6 +315,49 @@ def test_a_card_that_is_pulled_stops_the_print(s, folder, monkeypatch):
     assert s.positions() == at
 
 
+@pytest.mark.parametrize("back", ["the same", "none yet", "another"])
+def test_a_card_that_is_back_lets_its_print_go_on(s, folder, monkeypatch, back):
+    ways = "".join(f"G1 X{i % 200}\n" for i in range(20000))
+    text = f"G28 X\nM117 begins\n{ways}G1 X77\n"
+    (folder / "long.g").write_text(text)
+    s.host.ok("M32 long.g")
+    s.passes(5)
+
+    def pulled(*_):
+        raise OSError(errno.EIO, os.strerror(errno.EIO))
+
+    monkeypatch.setattr(os, "preadv", pulled)
+    s.host.expect("Print of long.g stopped", 400)
+    monkeypatch.undo()
+    if back == "another":
+        (folder / "long.g").write_text(text + "G1 X0\n")
+        over = "echo:long.g is not on the card as it was: its print is over"
+        assert s.host.ok("M21") == [over, "SD card ok", "ok"]
+        assert "no file is selected" in s.host.ok("M24")[0]
+        return
+    if back == "none yet":
+        away = folder.rename(folder.with_name("away"))
+        assert "there is no card" in s.host.ok("M21")[0]
+        assert s.host.ok("M24") == ["ok"]
+        s.host.expect("Print of long.g stopped: long.g:[0-9]+: was removed", 10)
+        away.rename(folder)
+    assert s.host.ok("M21") == ["SD card ok", "ok"]
+    assert s.host.ok("M24") == ["ok"]
+    s.host.expect("Done printing", 20000)
+    assert s.positions()["x"] == 77.0
+    assert len([line for line in s.host.heard if "begins" in line]) == 1
+
+
+def test_a_host_that_connects_leaves_a_print_that_failed(s, folder):
+    (folder / "half.g").write_text("G28 X\nG1 X10\nG1 E10001\nG1 X20\n")
+    s.host.ok("M32 half.g")
+    s.host.expect("Print of half.g stopped", 60)
+    s.host.ok("M21")
+    assert s.host.ok("M24") == ["ok"]
+    printed(s, 60)
+    assert s.positions()["x"] == 20.0
+
+
 def test_progress_is_by_time_not_by_bytes(s, folder):
     # The second half of the bytes takes a tenth of the time.
     slow = "".join(f"G1 X{10 + i % 2 * 100} F1000\n" for i in range(1, 31))

@@ -1,5 +1,7 @@
 """A FAT32 image as the card of a printer: uploaded, printed, full."""
 
+import errno
+import os
 import subprocess
 
 import pytest
@@ -62,3 +64,26 @@ def test_a_file_is_no_card(tmp_path):
     (tmp_path / "not.img").write_bytes(b"no file system" * 1000)
     with pytest.raises(CardError, match="FAT32"), Scenario("i3", card=str(tmp_path / "not.img")):
         pass
+
+
+def test_nothing_is_stored_in_an_image_that_was_deleted(image):
+    with Scenario("i3", card=str(image)) as s:
+        s.host.ok("M28 a.g")
+        s.host.ok("G28 X")
+        image.unlink()
+        answer = s.host.ok("M29")[0]
+        assert answer.startswith("echo:error writing to file a.g: ")
+        assert "was removed while in use, or fails: it was deleted" in answer
+
+
+def test_a_device_that_refuses_to_be_written_is_write_protected(image, monkeypatch):
+    """As loop devices, and those of blockdev --setro, do only then."""
+
+    def refused(*_):
+        raise OSError(errno.EPERM, os.strerror(errno.EPERM))
+
+    with Scenario("i3", card=str(image)) as s:
+        monkeypatch.setattr(os, "pwrite", refused)
+        assert "it is write-protected" in s.host.ok("M28 a.g")[0]
+        assert s.host.ok("M29") == ["ok"]
+        assert s.host.ok("M20")[0] == "Begin file list"

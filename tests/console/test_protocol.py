@@ -164,7 +164,7 @@ def test_a_line_without_end_takes_no_memory(protocol):
     tracemalloc.stop()
     assert most < 1 << 20
     assert fed(protocol, "", "M105") == [
-        Refusal(f"format error: line longer than {LONGEST} characters", None),
+        Refusal(f"format error: line longer than {LONGEST} characters", None, lost=True),
         Line("M105"),
     ]
 

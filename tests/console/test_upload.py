@@ -1,5 +1,7 @@
 """Uploads from their first line to their last, the good ones and those that cannot begin."""
 
+import shutil
+
 import pytest
 from tests.console.scenario import Host, Scenario
 from tests.console.test_card import numbered
@@ -213,3 +215,30 @@ def test_m112_behind_the_end_of_an_upload_in_hand_acts_at_once(s):
     s.host.send("G1 X100 F600", "M400", "M28 old.g", "G28", "M29", "M112")
     s.passes(0.1)
     assert s.printer.halted == "emergency stop by M112"
+
+
+def test_an_upload_that_lacks_a_line_leaves_the_old_file(s, tmp_path):
+    s.host.ok("M28 old.g")
+    s.host.ok("G1 X2")
+    assert (
+        s.host.ok("M117 " + "x" * 5000)[0] == "echo:format error: line longer than 4096 characters"
+    )
+    assert s.host.ok("M29") == [
+        "echo:error writing to file old.g: old.g: a line of it was not taken: format error: line"
+        " longer than 4096 characters. Make such lines shorter, then upload the file again.",
+        "ok",
+    ]
+    assert (tmp_path / "old.g").read_text() == "G1 X1\n"
+    s.host.ok("M28 old.g")
+    assert s.host.ok("M29") == ["Done saving file.", "ok"]
+
+
+def test_an_upload_into_a_folder_that_was_removed_is_not_stored(s, tmp_path):
+    s.host.ok("M28 old.g")
+    s.host.ok("G1 X2")
+    shutil.rmtree(tmp_path)
+    assert s.host.ok("M29") == [
+        "echo:error writing to file old.g: /old.g: was removed while in use, or fails: its folder"
+        " was removed. Insert the card again and mount it; replace it if that recurs.",
+        "ok",
+    ]

@@ -217,3 +217,18 @@ def test_two_printers_do_not_share_a_folder(places):
         assert "SD printing" in s.host.ok("M27")[0]
     with Scenario("i3", **places) as s:
         assert "M1000 goes on" in s.printer.greeting()
+
+
+def test_a_print_that_its_host_has_broken_off_stays_in_the_history(tmp_path):
+    with Scenario("i3", state=str(tmp_path)) as s:
+        s.host.ok("M302 P1")
+        for name in ("one", "two"):
+            s.host.ok("M530 S1")
+            s.host.ok("M75")
+            s.host.ok("M530 S1")  # has printed nothing yet: the same
+            s.host.ok(f"M531 {name}")
+            s.host.ok("G1 E5 F300")
+            s.host.ok("M400", 20)
+        s.host.ok("M530 S0")
+    last, _ = rows(tmp_path)
+    assert [(file, ended) for file, ended, *_ in last] == [("two", "done"), ("one", "interrupted")]

@@ -272,9 +272,9 @@ def test_a_print_goes_on_with_arms(machine, when, text, tmp_path):
             assert end[stepper] == pytest.approx(whole[stepper], abs=0.03)
 
 
-def cut_and_gone_on(text, places, line, *live):
-    """Cut while this line is printed, consoles having sent `live` three lines before; gone on with.
-    The journal's line, mm of filament from there, and the printer's last overrides."""
+def cut_and_gone_on(text, places, line, *live, lead=3):
+    """Cut while this line is printed, consoles having sent `live` so many lines before; gone on
+    with. The journal's line, mm of filament from there, and the printer's last overrides."""
     (Path(places["card"]) / "a.g").write_text(text)
     with Scenario("i3", **places) as s:
         s.host.ok("M32 a.g")
@@ -282,7 +282,7 @@ def cut_and_gone_on(text, places, line, *live):
         def at(number):
             return lambda: s.printer.job.line_at(s.printer.drive.now) >= number
 
-        assert s.until(at(line - 3), 200)
+        assert s.until(at(line - lead), 200)
         for order in live:
             s.host.ok(order)
         assert s.until(at(line), 200)
@@ -321,6 +321,13 @@ def test_overrides_of_a_console_hold_until_the_file_sets_others(places):
     assert fan == pytest.approx(0.6)
     assert e_mm == pytest.approx(2 * (28 - line), abs=0.1)
     assert (flows, speed) == ([2.0], 1.2)
+
+
+def test_a_fan_set_at_once_obeys_what_the_file_has_planned(places):
+    """It was read when M106 came in line 19, and acted in line 22."""
+    line, _, fan, _, _ = cut_and_gone_on(OVERRIDDEN, places, 26, "M106 S153 F", lead=7)
+    assert 23 <= line <= 26
+    assert fan == pytest.approx(1.0)
 
 
 SET_IN_FILE = {
@@ -506,6 +513,31 @@ def test_what_consoles_set_is_known_after_a_second_interruption(places):
         "M218 T0 X2 Y0 Z0",
     ]
     assert gone_on(places, left)["x"] == pytest.approx(8.0, abs=0.02)
+
+
+def test_what_consoles_set_where_a_print_stood_before_it_moved_is_not_forgotten(places, tmp_path):
+    (tmp_path / "card" / "fails.gcode").write_text("G4 P10\nM104 Sx\n" + WALL)
+    ends = []
+    for killed in (False, True):
+        with Scenario("i3", **places) as s:
+            s.host.ok("M32 fails.gcode")
+            s.host.expect("Print of fails.gcode stopped", 20)
+            s.passes(2)
+            for line in ("M203 X50", "M83", "M24"):
+                s.host.ok(line)
+            assert s.until(lambda: s.positions()["e"] > 4.5, 200)
+            left = s.positions()
+            if not killed:
+                s.host.expect("Done printing", 300)
+                ends.append((list(s.printer.settings()), s.printer.job.modes))
+    with Scenario("i3", **places) as s:
+        for stepper in "xyz":
+            s.board.place(stepper, left[stepper])
+        s.host.ok("M302 P1")
+        s.host.ok("M1000", 600)
+        s.host.expect("Done printing", 300)
+        assert (list(s.printer.settings()), s.printer.job.modes) == ends[0]
+    assert "M83" in ends[0][1]
 
 
 def test_settings_of_the_file_that_only_a_printer_has_are_not_forgotten(places, tmp_path):

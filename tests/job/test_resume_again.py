@@ -8,6 +8,8 @@ from tests.console.scenario import Host, Scenario
 from tests.job.test_journal import WALL
 
 from passo import config
+from passo.errors import CardError
+from passo.job import runner
 from passo.job.journal import Journal
 
 HEIGHT_MM = 1.6
@@ -99,6 +101,24 @@ def test_m524_ends_it(places):
         assert s.printer.drive.standing
         assert s.printer.connection.heaters["bed"].target == 0
         ends_at_its_height(s)
+
+
+def test_a_pause_of_what_did_not_go_on_is_none_of_the_next_print(places, tmp_path, monkeypatch):
+    (tmp_path / "card" / "b.g").write_text("G28 X\nG1 X9\n")
+
+    def pulled(reader, offset):
+        raise CardError.of("card.removed", "/wall.gcode", value="Input/output error")
+
+    with again(places, cut(places)) as s:
+        s.host.send("M1000")
+        s.passes(1)
+        assert "pauses as soon as" in Host(s).ok("M25")[0]
+        with monkeypatch.context() as patch:
+            patch.setattr(runner, "line_of_offset", lambda r, at: pulled(r, at) if at else 1)
+            s.host.expect("wall.gcode: was removed while in use", 60)
+        s.host.ok("M32 b.g")
+        s.host.expect("Done printing", 30)
+        assert s.positions()["x"] == 9.0
 
 
 def test_motors_that_were_off_since_they_homed_tell_nothing_new(places):

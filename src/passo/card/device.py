@@ -10,6 +10,8 @@ from pathlib import Path
 
 from passo.errors import CardError
 
+_PROTECTED = (errno.EACCES, errno.EPERM, errno.EROFS)
+
 
 class Device:
     """Whole reads and writes at byte offsets; whatever prevents one is CardError `card.removed`."""
@@ -33,7 +35,7 @@ class Device:
             try:
                 self._file: int | None = os.open(path, os.O_RDWR | flags)
             except OSError as error:
-                if error.errno not in (errno.EACCES, errno.EPERM, errno.EROFS):
+                if error.errno not in _PROTECTED:
                     raise
                 self._file = os.open(path, os.O_RDONLY | flags)
                 self.read_only = True
@@ -70,7 +72,8 @@ class Device:
             done += count
 
     def write(self, offset: int, data: bytes | bytearray | memoryview) -> None:
-        """Writes all of `data`; durable after `flush`. Raises CardError."""
+        """Writes all of `data`; durable after `flush`. Raises CardError, `card.read-only` where a
+        device refuses only this."""
         left = memoryview(data)
         try:
             while left:
@@ -78,12 +81,19 @@ class Device:
                 offset += count
                 left = left[count:]
         except OSError as error:
+            if error.errno in _PROTECTED:
+                raise CardError.of(
+                    "card.read-only", self.path, value="it is write-protected"
+                ) from error
             raise CardError.of("card.removed", self.path, value=error.strerror) from error
 
     def flush(self) -> None:
-        """A barrier: what was written before is on the medium before anything written later."""
+        """A barrier: what was written before is on the medium before anything written later. Raises
+        CardError, also of an image that was deleted meanwhile: nobody would find it there."""
         try:
             os.fdatasync(self._opened())
+            if not os.fstat(self._opened()).st_nlink:
+                raise CardError.of("card.removed", self.path, value="it was deleted")
         except OSError as error:
             raise CardError.of("card.removed", self.path, value=error.strerror) from error
 

@@ -295,6 +295,8 @@ class _FolderWriter(Writer):
             os.fsync(self._file)
             os.replace(self._partial, self._name, src_dir_fd=folder, dst_dir_fd=folder)
             os.fsync(folder)
+        except FileNotFoundError:  # its directory has gone, with what was written
+            raise CardError.of("card.removed", self._full, value="its folder was removed") from None
         except OSError as error:
             raise _host_failure(error, self._full) from error
         self._release()

@@ -31,6 +31,7 @@ class CardCommands:
     def __init__(self, printer: Printer, runner: Runner, path: str | None) -> None:
         self._printer, self._runner, self._path = printer, runner, path
         self._card: Card | None = None
+        self._selected: Entry | None = None
         self._directory = PurePosixPath("/")
         printer.closers.append(self._leave)
         self.handlers: dict[str, Handler] = {
@@ -67,23 +68,38 @@ class CardCommands:
         return self._card
 
     def mount(self) -> None:
-        """Opens the card anew. Raises CardError."""
-        self.unmount()
+        """Opens the card anew. A print that stands because a line or the card has failed can still
+        be gone on with, if its file is there as it was. Raises CardError."""
+        if not self._runner.stands:
+            self._runner.release()
+        self._leave()
         if self._path is None:
             raise CardError.of("card.absent", value="start with --sd")
         self._card = open_card(self._path)
+        if self._runner.stands:
+            self._open_again()
 
     def unmount(self) -> None:
         """Leaves the card. Raises CommandError while a file of it is printed."""
         self._runner.release()
+        self._leave()
+
+    def _leave(self) -> None:
         if self._card is not None:
             self._card.close()
             self._card = None
         self._directory = PurePosixPath("/")
 
-    def _leave(self) -> None:
-        if self._card is not None:
-            self._card.close()
+    def _open_again(self) -> None:
+        """The file of a print that stands."""
+        runner, before = self._runner, self._selected
+        if self._there(runner.path) and before is not None:
+            now = self.card.find(runner.path)
+            if (now.size, now.modified) == (before.size, before.modified):
+                runner.exchange(self.card.open(runner.path))
+                return
+        self._printer.tell(f"echo:{runner.name} is not on the card as it was: its print is over")
+        runner.release()
 
     def autostart(self) -> None:
         """Starts `auto0.g` if the card holds it."""
@@ -177,7 +193,9 @@ class CardCommands:
 
     def open(self, path: str) -> None:
         """Selects a file to print. Raises CardError, and CommandError while one is printed."""
-        self._runner.select(self.card.find(path).name, path, self.card.open(path))
+        entry = self.card.find(path)
+        self._runner.select(entry.name, path, self.card.open(path))
+        self._selected = entry
 
     def _select_and_start(self, text: str, reply: Reply) -> None:
         self._select(text, reply)

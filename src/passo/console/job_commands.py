@@ -124,6 +124,10 @@ class JobCommands:
         self._statistics.close()
 
     def _host_begins(self) -> None:
+        """One that was announced, and has not begun yet, is the same; else it was broken off."""
+        before = self._from_host
+        if before is not None and self._printer.filament_mm() > before.filament_mm:
+            self._host_ends("interrupted")
         self._watch.reset()
         self._from_host = self._statistics.begun(
             _HOST, lambda: self._watch.seconds, instead=self._from_host

@@ -33,11 +33,13 @@ class Line(NamedTuple):
 
 class Refusal(NamedTuple):
     """A line that is not carried out. The host is told `reason`; with `resend` it is asked for that
-    line, and must send `ok`. `text` is what a sound line says that came out of its order."""
+    line, and must send `ok`. `text` is what a sound line says that came out of its order. `lost`
+    if nobody will send it again."""
 
     reason: str
     resend: int | None
     text: str = ""
+    lost: bool = False
 
 
 class LineProtocol:
@@ -68,7 +70,7 @@ class LineProtocol:
         numbered = _NUMBERED.match(text)
         if len(raw) > LONGEST:
             reason = f"format error: line longer than {LONGEST} characters"
-            return self._asked_again(reason) if numbered else Refusal(reason, None)
+            return self._asked_again(reason) if numbered else Refusal(reason, None, lost=True)
         if numbered is None:
             return self._bare(text, raw)
         self._numbering = True

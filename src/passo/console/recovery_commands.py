@@ -101,6 +101,7 @@ class RecoveryCommands:
         reader = self._runner.reader
         if reader is None:
             return
+        followed = self._journal.open or self._interrupted is not None
         self._interrupted = None
         self._seen_z_mm = self._z()
         self._printer.positions.trust()
@@ -116,6 +117,8 @@ class RecoveryCommands:
             program = Program.of(printer.machine.uuid, runner.path, reader)
             if self._program is None or self._program != program or runner.offset == 0:
                 self._program = program.begun(printer)
+            elif not followed:  # a line has failed before anything moved
+                self._program.changes.append(self._settings.held())
             program = self._program  # as it was begun, if it goes on
             self._begin_journal(program, self._recorded)
         except CardError as error:
@@ -253,9 +256,9 @@ class RecoveryCommands:
         self._program = program
         try:
             recovery = Recovery(self._printer, program, moment, reader)
-            with self._runner.keep():
+            with self._runner.keep() as seek:
                 offset = await recovery.run()
-            self._runner.seek(offset)
+                seek(offset)
             # What was set while more had been read ahead holds before that is read now.
             changes = [(min(at, offset), lines) for at, lines in program.changes]
             self._program = replace(program, changes=changes)

@@ -205,6 +205,8 @@ class Session:
             self._given_up -= given_up
             self._ok = ""
             if isinstance(heard, Refusal):
+                if heard.lost and self._upload is not None and self._upload.takes_all:
+                    self._upload.lose(heard.reason)
                 if heard.resend is None:
                     self.say(f"echo:{heard.reason}")
                 else:

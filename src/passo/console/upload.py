@@ -31,12 +31,17 @@ class Upload:
         except CardError as error:
             self._failure = error
 
+    def lose(self, reason: str) -> None:
+        """One of its lines was refused, which `finish` says."""
+        self._failure = self._failure or CardError.of("card.line-refused", self.name, value=reason)
+
     def finish(self) -> bool:
         """Makes the file durable; False if there is none. Raises CardError: then the card holds
         what it held before."""
         if self.writer is None:
             return False
         if self._failure:
+            self.writer.abort()
             raise self._failure
         self.writer.close()
         return True

@@ -89,6 +89,10 @@ class Settings:
         """A print begins, or goes on: what holds now is not to be told."""
         self._seen = self._now()
 
+    def held(self) -> Change:
+        """All that holds now."""
+        return self._change(self._now())
+
     def _now(self) -> list[str]:
         return meaning(self._printer) + self._printer.job.modes.split("\n")[1:]
 
@@ -108,5 +112,8 @@ class Settings:
             self._tell([line for line in meaning(self._printer) if line.startswith("M302 ")])
 
     def _tell(self, lines: list[str]) -> None:
+        self._changed(self._change(lines))
+
+    def _change(self, lines: list[str]) -> Change:
         units = self._printer.job.modes.split("\n")[-1]
-        self._changed((self._runner.offset, ["G21", *lines, units]))
+        return self._runner.offset, ["G21", *lines, units]

@@ -172,21 +172,32 @@ class Runner:
         self.name, self.path, self._reader = "", "", None
         self.state = State.NONE
 
+    def exchange(self, reader: Reader) -> None:
+        """The same file, of a card that was mounted anew, is read on from where it stands."""
+        assert self._reader is not None
+        reader.seek(self._reader.tell())
+        self._reader.close()
+        self._reader = reader
+
     def seek(self, offset: int) -> None:
         """The next start begins at this byte. Raises CommandError, and CardError."""
         self._refuse_if_active()
+        self._seek(offset)
+
+    def _seek(self, offset: int) -> None:
         if self._reader is None:
             raise CommandError.of("job.no-file")
         offset = min(max(offset, 0), self._reader.size)
         self._rewind(offset, line_of_offset(self._reader, offset))
 
     @contextmanager
-    def keep(self) -> Generator[None]:
-        """The selected file stays as it is while the machine is brought to where it goes on."""
+    def keep(self) -> Generator[Callable[[int], None]]:
+        """The selected file stays as it is while the machine is brought to where it goes on; yields
+        what seeks that byte."""
         self._refuse_if_active()
         self._kept, self._pauses = True, False
         try:
-            yield
+            yield self._seek
         except BaseException:
             self._pauses = False
             raise

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from math import nan, sqrt
+from math import inf, nan, sqrt
 from typing import TYPE_CHECKING, ClassVar, NamedTuple, Protocol, Self
 
 from passo.config.base import LEAST_ACCEL, LEAST_SPEED
@@ -96,6 +96,7 @@ class Commands:
         self._tool = 0
         self._tool_c: dict[int, tuple[float | None, float | None]] = {}  # at work, on standby
         self.fans: dict[str, float] = {}  # as last set, 0 to 1
+        self._acts_at: dict[str, float] = {}  # clock from which what was planned of them acts
         self._spindle = 0.0
         self._spindle_mode = ""  # M3: as set, M4: with the speed, or off
         if machine.laser:
@@ -103,6 +104,7 @@ class Commands:
         self.ended = False
         self.omitted = Omissions()
         self.record_at_once = job.record  # without a living printer there is no such haste
+        self.now: Callable[[], float] = lambda: inf
 
     def run(self, command: Command) -> Wait | None:
         """Carries one command out, or counts it as unknown; returns what it waits for. Raises
@@ -195,8 +197,12 @@ class Commands:
             self.set_output(fan, 0.0)
 
     def set_output(self, output: str, share: float, *, at_once: bool = False) -> None:
-        """Sets an output, 0 to 1, when the moves so far are done, or at once."""
-        if output in self._machine.fans:
+        """Sets an output, 0 to 1, when the moves so far are done, or at once: then until what is
+        planned of it acts."""
+        if not at_once:
+            self._acts_at[output] = self._job.clock + self._job.queued_ticks
+        stays = not at_once or self._acts_at.get(output, 0) <= self.now()
+        if stays and output in self._machine.fans:
             self.fans[output] = share
         index, full = self._outputs[output]
         record = self.record_at_once if at_once else self._job.record
