@@ -21,6 +21,7 @@ NOTES = {
     "M900 K0.2": "M900 does nothing here. Linear advance is not built.",
     "M300 S440 P200": "M300 does nothing here. Beeps where the machine file has a [beeper]",
     "M413 S0": "M413 does nothing here. A print can always be resumed",
+    "M202 X1000": "M202 does nothing here. M201 bounds axes in every move, M204 T all travel.",
     "M907 X500": "M907 does nothing here. M906 and the machine file set motor currents.",
     "M862.3 P MK3S": "M862.3 does nothing here. It asks whether this is a Prusa printer.",
     "G27": "G27 does nothing here. The head parks when a print pauses",

@@ -473,6 +473,7 @@ TABLE: tuple[Row, ...] = (
             ("M142 M192", "There is no cooler."),
             ("M150 M355", "There is no light."),
             ("M163 M164 M165 M166", "There is no mixing extruder."),
+            ("M202", "M201 bounds axes in every move, M204 T all travel."),
             ("M222", "Purges have the flow of M221."),
             ("M240", "There is no camera."),
             ("M250", "There is no display yet."),

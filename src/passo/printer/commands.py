@@ -201,7 +201,7 @@ class Commands:
         planned of it acts."""
         if not at_once:
             self._acts_at[output] = self._job.clock + self._job.queued_ticks
-        stays = not at_once or self._acts_at.get(output, 0) <= self.now()
+        stays = not at_once or self._acts_at.get(output, -inf) <= self.now()
         if stays and output in self._machine.fans:
             self.fans[output] = share
         index, full = self._outputs[output]
