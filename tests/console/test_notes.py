@@ -52,6 +52,8 @@ def test_a_frequency_sets_no_speed_of_a_fan(s):
     assert s.printer.commands.fans == {"part": 0.4}
     s.host.ok("M106 F")
     assert s.printer.commands.fans == {"part": 1.0}
+    s.passes(1)
+    assert s.board.output_value("part") == 1_600_000  # of a cycle of 0.1 s
 
 
 def test_a_note_is_no_failure(s):

@@ -103,8 +103,8 @@ class Commands:
             job.set_laser(*self._outputs["laser"])
         self.ended = False
         self.omitted = Omissions()
-        self.record_at_once = job.record  # without a living printer there is no such haste
-        self.now: Callable[[], float] = lambda: inf
+        # Without a living printer there is no such haste. Returns when it acts.
+        self.record_at_once: Callable[[int, int], float] = self._record
 
     def run(self, command: Command) -> Wait | None:
         """Carries one command out, or counts it as unknown; returns what it waits for. Raises
@@ -199,14 +199,19 @@ class Commands:
     def set_output(self, output: str, share: float, *, at_once: bool = False) -> None:
         """Sets an output, 0 to 1, when the moves so far are done, or at once: then until what is
         planned of it acts."""
-        if not at_once:
+        index, full = self._outputs[output]
+        value, stays = round(min(max(share, 0.0), 1.0) * full), True
+        if at_once:
+            stays = self._acts_at.get(output, -inf) <= self.record_at_once(index, value)
+        else:
             self._acts_at[output] = self._job.clock + self._job.queued_ticks
-        stays = not at_once or self._acts_at.get(output, -inf) <= self.now()
+            self._job.record(index, value)
         if stays and output in self._machine.fans:
             self.fans[output] = share
-        index, full = self._outputs[output]
-        record = self.record_at_once if at_once else self._job.record
-        record(index, round(min(max(share, 0.0), 1.0) * full))
+
+    def _record(self, index: int, value: int) -> float:
+        self._job.record(index, value)
+        return inf
 
     def _spindle_start(self, command: Command) -> None:
         self._spindle = command.words().get("S", self._spindle)

@@ -24,6 +24,7 @@ _SHARE_OF_SLOTS = 4  # a commit takes no more than this part of them
 RUNNING_DRY_S = 0.9  # a plan that ends sooner is settled for a stop, as Python may stall for 0.5 s
 TAKE_BACK_S = 1.0  # that stop is taken back, if more moves came in, when it is so near
 LEAD_S = 0.2  # from a command on a standing machine to its first step
+SOON_S = 0.3  # what comes so soon comes at once, as far as a fan matters
 LEAST_LEAD_S = 0.05  # less than is left after GATHER_S
 GATHER_S = 0.08  # host time in which a standing machine hopes for more moves to plan with
 BUFFER_S = 2.0  # of print time ahead; a console that brings more must wait
@@ -170,10 +171,15 @@ class Drive:
         self.before_moves()
         self._revoke(self._job.scale_flow_from(self._earliest(), extruder, factor))
 
-    def record_at_once(self, target: int, value: int) -> None:
-        """Sets an output, by number, as early as the board can be told in time."""
-        self._job.record_at(self._earliest(), target, value)
+    def record_at_once(self, target: int, value: int) -> float:
+        """Sets an output, by number, as early as the board can be told in time, but behind all
+        that is planned where that ends soon, as on a machine that stands. Returns the clock."""
+        job, clock = self._job, self._earliest()
+        if job.queued == 0 and job.clock <= self.now + SOON_S * self.hz:
+            clock = max(clock, job.clock + 1)
+        job.record_at(clock, target, value)
         self.after_moves()
+        return clock
 
     def skip_dwell(self) -> None:
         """Ends a dwell that is under way, as early as it can be taken back."""

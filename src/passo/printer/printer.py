@@ -145,7 +145,6 @@ class Printer:
         self.commands = Commands(machine, self.job, self, full)
         self.drive = Drive(connection, self.job, free=self._free, on_mark=self._mark_reached)
         self.commands.record_at_once = self.drive.record_at_once
-        self.commands.now = lambda: self.drive.now
         self._stopped_tool = 0
         self.drive.on_motion = self._before_motion
         self.drive.on_pass = self._time_passed
