@@ -103,8 +103,13 @@ class Commands:
             job.set_laser(*self._outputs["laser"])
         self.ended = False
         self.omitted = Omissions()
+
+        def record(index: int, value: int) -> float:
+            job.record(index, value)
+            return inf
+
         # Without a living printer there is no such haste. Returns when it acts.
-        self.record_at_once: Callable[[int, int], float] = self._record
+        self.record_at_once: Callable[[int, int], float] = record
 
     def run(self, command: Command) -> Wait | None:
         """Carries one command out, or counts it as unknown; returns what it waits for. Raises
@@ -208,10 +213,6 @@ class Commands:
             self._job.record(index, value)
         if stays and output in self._machine.fans:
             self.fans[output] = share
-
-    def _record(self, index: int, value: int) -> float:
-        self._job.record(index, value)
-        return inf
 
     def _spindle_start(self, command: Command) -> None:
         self._spindle = command.words().get("S", self._spindle)
