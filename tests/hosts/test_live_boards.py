@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import shutil
 import time
 from collections.abc import Iterator
 
@@ -132,6 +133,9 @@ def test_another_host_goes_on_where_both_have_stopped(tmp_path) -> None:
         connection.wire.stop()
     time.sleep(0.8)
     stopped = tool.look(lambda: tool.board.position("x"))
+    # The first host holds its folder in this process: a dead one would not.
+    shutil.copytree(tmp_path / "state", tmp_path / "left")
+    places["state"] = str(tmp_path / "left")
     with Scenario(wired, **places, loop=asyncio.new_event_loop()) as other:
         assert other.printer.connection.adopted
         assert tool.look(lambda: tool.board.position("x")) == stopped
