@@ -152,10 +152,7 @@ class Interpreter {
     volumetric_ = mine.volumetric_;
     change_ = std::move(mine.change_);
     auto_retract_ = mine.auto_retract_;
-    const Retraction r = mine.retraction();
-    retract_mm_ = r.mm, retract_feed_ = r.feed_mm_s, retract_hop_ = r.hop_mm;
-    recover_mm_ = r.recover_mm, recover_feed_ = r.recover_feed_mm_s;
-    swap_mm_ = r.swap_mm, swap_recover_mm_ = r.swap_recover_mm;
+    retraction_ = mine.retraction_;
   }
   // Takes the state that a program has in another interpreter of the same machine; what is unread
   // here, and which axes know where they are, stays.
@@ -231,12 +228,10 @@ class Interpreter {
   }
   // M207 and M208.
   struct Retraction {
-    double mm, feed_mm_s, hop_mm, recover_mm, recover_feed_mm_s, swap_mm, swap_recover_mm;
+    double mm = 3, feed_mm_s = 45, hop_mm = 0, recover_mm = 0, recover_feed_mm_s = 0;
+    double swap_mm = 13, swap_recover_mm = 0;
   };
-  Retraction retraction() const {
-    return {retract_mm_,   retract_feed_, retract_hop_,    recover_mm_,
-            recover_feed_, swap_mm_,      swap_recover_mm_};
-  }
+  const Retraction& retraction() const { return retraction_; }
   // M200: E is a volume, of filament with this diameter for each extruder; and M209.
   bool volumetric() const { return volumetric_; }
   const std::vector<double>& diameters() const { return diameter_; }
@@ -401,8 +396,7 @@ class Interpreter {
   bool auto_retract_ = false;
   uint8_t locked_ = 0;  // a bit for each axis slot
   double hop_ = 0;      // mm by which Z is above what the program means
-  double swap_mm_ = 13, swap_recover_mm_ = 0;
-  double retract_mm_ = 3, retract_feed_ = 45, retract_hop_ = 0, recover_mm_ = 0, recover_feed_ = 0;
+  Retraction retraction_;
   int marked_layers_ = 0;
   uint32_t risen_layers_ = 0;
   double highest_ = -kInfinity;

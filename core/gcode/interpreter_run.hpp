@@ -354,18 +354,19 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
         for (char letter : {'S', 'Z', 'W'})
           if (!within(letter, value_of(letter, 0), 0, kLongestChange)) return;
         if (!within('R', value_of('R', 0), -kLongestChange, kLongestChange)) return;
-        retract_mm_ = value_of('S', retract_mm_);
-        retract_feed_ = has('F') ? value_of('F', 0) / 60 : retract_feed_;
-        retract_hop_ = value_of('Z', retract_hop_);
-        recover_mm_ = value_of('R', recover_mm_);
-        swap_mm_ = value_of('W', swap_mm_);
+        retraction_.mm = value_of('S', retraction_.mm);
+        retraction_.feed_mm_s = has('F') ? value_of('F', 0) / 60 : retraction_.feed_mm_s;
+        retraction_.hop_mm = value_of('Z', retraction_.hop_mm);
+        retraction_.recover_mm = value_of('R', retraction_.recover_mm);
+        retraction_.swap_mm = value_of('W', retraction_.swap_mm);
         return;
       case 208:
         for (char letter : {'S', 'W'})
           if (!within(letter, value_of(letter, 0), -kLongestChange, kLongestChange)) return;
-        recover_mm_ = value_of('S', recover_mm_);
-        swap_recover_mm_ = value_of('W', swap_recover_mm_);
-        recover_feed_ = has('F') ? value_of('F', 0) / 60 : recover_feed_;
+        retraction_.recover_mm = value_of('S', retraction_.recover_mm);
+        retraction_.swap_recover_mm = value_of('W', retraction_.swap_recover_mm);
+        retraction_.recover_feed_mm_s =
+            has('F') ? value_of('F', 0) / 60 : retraction_.recover_feed_mm_s;
         return;
       default:
         break;

@@ -114,16 +114,17 @@ inline void Interpreter::run_retract(bool in, bool swap) {
   drawn.back = in;
   if (in) {
     drawn.swapped = swap;
-    drawn.mm = swap ? swap_mm_ : retract_mm_;
-    queue_step(kE, -drawn.mm, retract_feed_);
+    drawn.mm = swap ? retraction_.swap_mm : retraction_.mm;
+    queue_step(kE, -drawn.mm, retraction_.feed_mm_s);
     if (hop_ > 0) return;  // another extruder's
-    hop_ = std::clamp(retract_hop_, 0.0, std::max(0.0, high_[kZ] - position_[kZ]));
+    hop_ = std::clamp(retraction_.hop_mm, 0.0, std::max(0.0, high_[kZ] - position_[kZ]));
     queue_step(kZ, hop_, kInfinity);
   } else {
     queue_step(kZ, -std::exchange(hop_, 0), kInfinity);
-    double extra = drawn.swapped ? swap_recover_mm_ : recover_mm_;
-    queue_step(kE, std::max(drawn.mm + extra, 0.0),  // less than nothing is not pushed
-               recover_feed_ > 0 ? recover_feed_ : retract_feed_);
+    double extra = drawn.swapped ? retraction_.swap_recover_mm : retraction_.recover_mm;
+    queue_step(
+        kE, std::max(drawn.mm + extra, 0.0),  // less than nothing is not pushed
+        retraction_.recover_feed_mm_s > 0 ? retraction_.recover_feed_mm_s : retraction_.feed_mm_s);
   }
 }
 
