@@ -159,24 +159,23 @@ class StepStream {
     size_t n = compressors_.size();
     Revocation revoked(n);
     for (size_t i = 0; i < n; ++i) revoked.last[i] = compressors_[i].last();
-    int64_t floor = at;
     if (commits_)
       for (MessageQueue& all = commits_->waiting(); !all.empty(); all.pop())
         queue_of(all.front()).push(all.front());
     std::vector<Message> open;
-    for (MessageQueue& queue : messages_) floor = std::max(floor, revoke(queue, at, revoked, open));
+    for (MessageQueue& queue : messages_) revoke(queue, at, revoked, open);
     if (commits_) {
       commits_->revoke(at);
       std::stable_sort(open.begin(), open.end(), sooner);
       commits_->put_back(std::move(open));
     }
     outputs_.clear();
-    handed_out_ = floor;
+    handed_out_ = at;
     for (size_t i = 0; i < n; ++i) {
       const StepStatistics& lost = revoked.lost[i];
       solvers_[i].set_count(solvers_[i].count() - compressors_[i].pending_net() - lost.net);
       compressors_[i].restart(revoked.last[i], lost);
-      compressors_[i].not_before(floor);
+      compressors_[i].not_before(at);
     }
     if (commits_) commits_->resume(std::move(revoked.last), nets(), renews());
   }
@@ -308,13 +307,11 @@ class StepStream {
     return commits_->begins_with(p) ? MessageQueue::kFirst : int64_t(p.serial);
   }
   static bool sooner(const Message& a, const Message& b) { return a.clock < b.clock; }
-  // Returns the latest clock of what is kept, or `at`. What is kept, but in no commit, comes to
-  // `open`.
-  int64_t revoke(MessageQueue& queue, int64_t at, Revocation& revoked, std::vector<Message>& open) {
+  // What is kept, but in no commit, comes to `open`.
+  void revoke(MessageQueue& queue, int64_t at, Revocation& revoked, std::vector<Message>& open) {
     std::vector<Message> kept = revoked.keep(queue, at, [&](const Message& reset) {
       return compressors_[reset.target].before_reset(reset.clock);
     });
-    int64_t floor = kept.empty() ? at : std::max(at, kept.back().clock);
     if (commits_) {
       auto behind = std::find_if(kept.rbegin(), kept.rend(), [](const Message& m) {
                       return m.kind == MessageKind::commit;
@@ -323,7 +320,6 @@ class StepStream {
       kept.erase(behind, kept.end());
     }
     for (const Message& m : kept) queue.push(m);
-    return floor;
   }
 };
 

@@ -73,6 +73,7 @@ class Link {
     if (name != "emergency_stop") return now_queue_.push_back({std::move(payload), Asks::nothing});
     stop_ = std::move(payload);
     job_.stop();
+    holds_question_ = holds_query_ = holds_command_ = false;
     open_size_ = 0;
     open_first_ = open_need_ = kNever;
   }

@@ -27,6 +27,9 @@ class Window {
   // Repetitions at the same distance. At the shortest they take 100 ms, less than any command
   // leaves ahead of its time.
   static constexpr int kSteady = 4;
+  // Of the least wait for an answer: an answer that is late by less than the one is as soon as
+  // usual, and what is heard within the other came at once.
+  static constexpr Ticks kUsualShare = 10, kApartShare = 2;
 
   explicit Window(double clock_hz)
       : rto_min_(Ticks(0.025 * clock_hz)), rto_max_(Ticks(5 * clock_hz)),
@@ -79,9 +82,9 @@ class Window {
   }
 
   // Puts `payload` in the place of all that the board has not acknowledged, and behind it:
-  // whichever frame the board takes next is this one. poll() sends it, again soon, and
-  // nothing new before the board has it. False while
-  // the board's first answer is awaited: then it may have to be put behind that, too.
+  // whichever frame the board takes next is this one. poll() sends it, again soon, and nothing new
+  // before the board has it. False while the board's first answer is awaited: then it may have to
+  // be put behind that, too.
   bool replace(const Bytes& payload) {
     const bool whole = synchronous_ || idle();
     if (whole && next_ - acked_ <= kBlocks) block(next_++).length = 0;
@@ -115,9 +118,9 @@ class Window {
     if (number > acked_) {
       const Block& last = block(number - 1);
       Ticks trip = std::max<Ticks>(now - last.gone, 0);
-      bool usual = measured_ && now - copied_ <= smooth_ + 4 * variation_ + rto_min_ / 10;
+      bool usual = measured_ && now - copied_ <= smooth_ + 4 * variation_ + rto_min_ / kUsualShare;
       doubtful_ = last.again && !usual ? trip : kNever;
-      apart_ = now + rto_min_ / 2;
+      apart_ = now + rto_min_ / kApartShare;
       if (!last.again) measure(trip);
       for (; acked_ < number; ++acked_) bytes_ -= block(acked_).length;
       deadline_ = std::max(now, idle() ? now : block(acked_).gone) + patience();

@@ -203,8 +203,7 @@ CATALOGUE: Mapping[str, Entry] = {
         "Select it again (M23) and print it from its beginning",
     ),
     "card.line-refused": _card(
-        "a line of it was not taken: {value}",
-        "Make such lines shorter, then upload the file again",
+        "a line of it was not taken: {value}", "Shorten it, then upload the file again"
     ),
     "console.unopened": Entry(
         "console",
