@@ -299,15 +299,18 @@ def test_without_a_card_every_command_says_so():
         assert "no file is selected" in s.host.ok("M24")[0]
 
 
-def test_a_card_that_is_pulled_stops_the_print(s, folder, monkeypatch):
-    (folder / "long.g").write_text("G28 X\n" + "".join(f"G1 X{i % 200}\n" for i in range(20000)))
-    s.host.ok("M32 long.g")
-    s.passes(5)
-
+def pull_card(monkeypatch):
     def pulled(*_):
         raise OSError(errno.EIO, os.strerror(errno.EIO))
 
     monkeypatch.setattr(os, "preadv", pulled)
+
+
+def test_a_card_that_is_pulled_stops_the_print(s, folder, monkeypatch):
+    (folder / "long.g").write_text("G28 X\n" + "".join(f"G1 X{i % 200}\n" for i in range(20000)))
+    s.host.ok("M32 long.g")
+    s.passes(5)
+    pull_card(monkeypatch)
     s.host.expect("Print of long.g stopped: long.g:[0-9]+: was removed while in use", 400)
     s.passes(60)
     at = s.positions()
@@ -322,11 +325,7 @@ def test_a_card_that_is_back_lets_its_print_go_on(s, folder, monkeypatch, back):
     (folder / "long.g").write_text(text)
     s.host.ok("M32 long.g")
     s.passes(5)
-
-    def pulled(*_):
-        raise OSError(errno.EIO, os.strerror(errno.EIO))
-
-    monkeypatch.setattr(os, "preadv", pulled)
+    pull_card(monkeypatch)
     s.host.expect("Print of long.g stopped", 400)
     monkeypatch.undo()
     if back == "another":

@@ -225,7 +225,7 @@ def test_an_upload_that_lacks_a_line_leaves_the_old_file(s, tmp_path):
     )
     assert s.host.ok("M29") == [
         "echo:error writing to file old.g: old.g: a line of it was not taken: format error: line"
-        " longer than 4096 characters. Make such lines shorter, then upload the file again.",
+        " longer than 4096 characters. Shorten it, then upload the file again.",
         "ok",
     ]
     assert (tmp_path / "old.g").read_text() == "G1 X1\n"

@@ -43,12 +43,17 @@ def left_after(places, *lines):
 def gone_on(places, left):
     """Where they are at the end of the print, gone on with from there."""
     with Scenario("i3", **places) as s:
-        for stepper in "xyz":
-            s.board.place(stepper, left[stepper])
-        s.host.ok("M302 P1")
-        s.host.ok("M1000", 600)
-        s.host.expect("Done printing", 300)
+        goes_on(s, left)
         return s.positions()
+
+
+def goes_on(s, left):
+    """The print, from where the motors were left to its end."""
+    for stepper in "xyz":
+        s.board.place(stepper, left[stepper])
+    s.host.ok("M302 P1")
+    s.host.ok("M1000", 600)
+    s.host.expect("Done printing", 300)
 
 
 def test_babysteps_of_a_console_are_not_forgotten(places):
@@ -531,11 +536,7 @@ def test_what_consoles_set_where_a_print_stood_before_it_moved_is_not_forgotten(
                 s.host.expect("Done printing", 300)
                 ends.append((list(s.printer.settings()), s.printer.job.modes))
     with Scenario("i3", **places) as s:
-        for stepper in "xyz":
-            s.board.place(stepper, left[stepper])
-        s.host.ok("M302 P1")
-        s.host.ok("M1000", 600)
-        s.host.expect("Done printing", 300)
+        goes_on(s, left)
         assert (list(s.printer.settings()), s.printer.job.modes) == ends[0]
     assert "M83" in ends[0][1]
 

@@ -213,12 +213,18 @@ def test_a_pause_in_m1000_comes_as_soon_as_the_print_goes_on(places, seconds):
         assert s.positions()["z"] == pytest.approx(HEIGHT_MM, abs=0.03)
 
 
+def paused_on_its_way(s):
+    """M1000 is under way, and the other console that it returns has sent M25."""
+    other = Host(s)
+    s.host.send("M1000")
+    s.passes(1)
+    other.ok("M25")
+    return other
+
+
 def test_a_pause_in_m1000_can_be_taken_back(places):
     with again(places, cut(places)) as s:
-        other = Host(s)
-        s.host.send("M1000")
-        s.passes(1)
-        other.ok("M25")
+        other = paused_on_its_way(s)
         assert other.ok("M24") == ["ok"]
         s.host.expect("Done printing", 600)
         assert "// action:paused" not in s.host.heard
@@ -226,10 +232,6 @@ def test_a_pause_in_m1000_can_be_taken_back(places):
 
 def test_a_pause_in_m1000_that_is_stopped_means_nothing_later(places):
     with again(places, cut(places)) as s:
-        other = Host(s)
-        s.host.send("M1000")
-        s.passes(1)
-        other.ok("M25")
-        other.ok("M524")
+        paused_on_its_way(s).ok("M524")
         s.host.expect("stopped", 30)
         ends_at_its_height(s)
