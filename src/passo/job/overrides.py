@@ -100,9 +100,9 @@ class Settings:
         if not self._watched():
             return
         before, self._seen = self._seen, self._now()
-        new = [line for line in self._seen if line not in before]
-        if self._printer.job.suspended:  # modes of a pause end with it
-            new = [line for line in new if line in meaning(self._printer)]
+        # Modes of a pause end with it.
+        now = meaning(self._printer) if self._printer.job.suspended else self._seen
+        new = [line for line in now if line not in before]
         if done and new:
             self._tell(new)
 
