@@ -39,12 +39,14 @@ class Job {
   const GcodeError& error() const { return error_; }
 
   // Reads on until input, an event or an error wants the caller, or until the plan reaches
-  // `horizon` (ticks) or more than `most` messages wait to be taken.
-  // With `to_boundary` it reads no more than the rest of the line that it is in.
+  // `horizon` (ticks), what is not settled yet at its least, or more than `most` messages wait to
+  // be taken. With `to_boundary` it reads no more than the rest of the line that it is in.
   Status advance(double horizon, size_t most, bool to_boundary = false) {
+    const bool bounded = horizon < kInfinity;
     for (;;) {
-      if (to_boundary ? interpreter.at_boundary()
-                      : motion.planner().clock() >= horizon || motion.stream().waiting() >= most)
+      double left = horizon;
+      if (bounded) left -= motion.planner().clock() + motion.planner().queued_ticks();
+      if (to_boundary ? interpreter.at_boundary() : left <= 0 || motion.stream().waiting() >= most)
         return Status::full;
       double start = now();
       Found found = Found::move;
@@ -53,7 +55,8 @@ class Job {
       begin_at_the_end();
       while (batch_.size() < Planner::kBatch && (found = interpreter.next()) == Found::move) {
         batch_.push_back(interpreter.move());
-        if (!(admitted = admit(batch_.back())) || may_be_slow_) break;
+        if (bounded) left -= least_s(batch_.back()) * motion.machine().clock_hz;
+        if (!(admitted = admit(batch_.back())) || may_be_slow_ || left <= 0) break;
         if (to_boundary && interpreter.at_boundary()) break;
       }
       double parsed = now();
@@ -287,12 +290,22 @@ class Job {
     interpreter.drop_hop(mm);
     return reach(m);
   }
-  // It may be too slow, as only its plan can tell: then nothing behind it must have been read.
-  bool slow(const MoveRequest& m) const {
+  double way_mm(const MoveRequest& m) const {
     double mm = 0;
     for (int j = 0; j < kAxes; ++j)
       if (j != kE) mm += std::fabs(m.target[j] - at_[j]);
     if (!extruders_at_.empty()) mm += std::fabs(m.target[kE] - extruders_at_[m.extruder]);
+    return mm;
+  }
+  // Hardly less than this it takes: what is read beyond the horizon may be a little less, too.
+  double least_s(const MoveRequest& m) {
+    double mm_s = 0;
+    for (const Row& row : motion.planner().constraints().rows) mm_s += row.speed;
+    return std::max(m.duration_s, way_mm(m) / std::min(m.feed_mm_s, mm_s));
+  }
+  // It may be too slow, as only its plan can tell: then nothing behind it must have been read.
+  bool slow(const MoveRequest& m) const {
+    const double mm = way_mm(m);
     return m.duration_s > kSurelyDone || mm > kSurelyDone * m.feed_mm_s ||
            mm > kSurelyDone * slowest_mm_s_;
   }

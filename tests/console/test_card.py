@@ -380,7 +380,7 @@ def test_progress_counts_on_behind_a_line_that_failed(s, folder):
     s.until(lambda: s.printer.drive.standing, 10)
     s.host.ok("M24")
     s.passes(0.1)
-    assert float(re.search(r"([\d.]+)%", s.host.ok("M73")[0])[1]) == pytest.approx(50, abs=2)
+    assert float(re.search(r"([\d.]+)%", s.host.ok("M73")[0])[1]) == pytest.approx(50, abs=5)
 
 
 def test_a_question_for_the_file_leaves_the_file_to_the_print(s, folder):

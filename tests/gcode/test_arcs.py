@@ -237,7 +237,7 @@ def test_of_an_arc_that_leaves_the_limits_the_filament_counts_that_has_moved(lin
 def test_of_an_arc_that_is_stopped_the_filament_counts_that_has_moved():
     job = Job(spec("i3"), True)
     job.feed(b"G1 X50 Y100 E1 F3000\nG2 X50 Y100 I50 P3 E61\n")
-    assert job.advance(1.0) == JobStatus.FULL  # the arc has not been read to its end
+    assert job.advance(6 * 16e6) == JobStatus.FULL  # the arc has not been read to its end
     job.flush()
     job.stop_from(0.5 * job.clock)
     e = job.machine_position[3]
@@ -258,7 +258,7 @@ def test_what_is_left_of_an_arc_lies_beside_it_behind_a_shift(axis):
     job = Job(spec("unbounded"), False)
     job.keep_moves(True)
     job.feed(b"G1 X25 Y110 F6000\nG2 X25 Y110 I100\nG1 X0\n")
-    job.advance(1.0)
+    job.advance(6 * 16e6)
     known = len(job.take_moves())
     assert known < 300  # of 332 moves
     job.shift_from(job.clock, axis, 0.5)
@@ -279,7 +279,7 @@ def test_what_is_left_of_an_arc_moves_its_filament_evenly_with_another_flow():
     job = Job(spec("unbounded"), False)
     job.keep_moves(True)
     job.feed(b"M83\nG1 X25 Y110 F6000\nG2 X25 Y110 I100 E33\n")
-    job.advance(1.0)
+    job.advance(6 * 16e6)
     (feed,) = {round(m.end_mm[3] - m.start_mm[3], 9) for m in job.take_moves()[1:]}
     job.scale_flow_from(job.clock, 0, 0.5)
     assert job.advance() == JobStatus.NEED_INPUT

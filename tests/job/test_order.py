@@ -154,3 +154,29 @@ def test_m220_during_homing_does_not_reach_it(s):
     other.ok("M220 S20")
     s.host.expect("^ok", 60)
     assert s.loop.time() - start == pytest.approx(usual, abs=0.3)
+
+
+def test_what_consoles_send_beside_long_moves_acts_within_seconds(tmp_path):
+    """A file is read no further ahead than 4 s of its moves, however long these are."""
+    moves = "".join(f"G1 X{20 + 100 * (i % 2)} F3000\n" for i in range(200))
+    (tmp_path / "a.g").write_text("M106 S0\nG92 X20 Y20 Z20\n" + moves)
+    with Scenario("i3", card=str(tmp_path)) as s:
+        s.host.send("M32 a.g")
+        s.passes(10)
+        assert s.printer.drive.ahead_s < 6
+        s.host.ok("M106 S255")
+        s.host.ok("M104 S200")
+        assert s.until(lambda: s.board.output_value("part") > 0, 6)
+        assert s.until(lambda: s.printer.connection.heaters["hotend"].target == 200, 1)
+        assert "byte" in s.host.ok("M27")[0]
+
+
+def test_long_moves_of_a_file_do_not_stop_where_its_reading_did(tmp_path):
+    moves = "".join(f"G1 X{20 + i} F1200\n" for i in range(200))
+    (tmp_path / "a.g").write_text("G92 X20 Y20 Z20\n" + moves)
+    with Scenario("i3", card=str(tmp_path)) as s:
+        s.host.send("M32 a.g")
+        assert s.until(lambda: s.positions()["x"] > 30.0, 5)
+        start = s.loop.time()
+        assert s.until(lambda: s.positions()["x"] > 210.0, 15)
+        assert s.loop.time() - start == pytest.approx(180 / 20, abs=0.05)

@@ -67,7 +67,7 @@ def test_a_babystep_while_it_stands_stays_with_the_tool_that_was_stopped():
 def test_a_print_with_such_tools_is_paused_and_ends_where_it_would_have_ended(
     tmp_path: Path,
 ) -> None:
-    turns = [f"G1 X{50 + 30 * (i % 2)} E2 F1800" for i in range(4)]
+    turns = [f"G1 X{50 + 30 * (i % 2)} E2 F3600" for i in range(4)]
     program = ["M302 P1", "G28", "M83", "T0", "G1 X60 Y50 Z5 F6000", *turns, "T1", *turns, "M400"]
     (tmp_path / "a.g").write_text("\n".join(program) + "\n")
 

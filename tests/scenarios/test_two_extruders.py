@@ -18,7 +18,7 @@ PARK = "\n[park]\nposition_mm = [5.0, 180.0]\nretract_mm = 2.0\n"
 # T1 prints, and T0 has lines that are read ahead when it stops.
 BOTH = "\n".join(
     ["M302 P1", "G28", "T1", "M83"]
-    + [f"G1 X{50 + 30 * (i % 2)} Y50 Z5 E2 F1800" for i in range(6)]
+    + [f"G1 X{50 + 30 * (i % 2)} Y50 Z5 E2 F3600" for i in range(6)]
     + ["T0"]
     + [f"G1 X{50 + 30 * (i % 2)} E2 F1800" for i in range(6)]
 )
