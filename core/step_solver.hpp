@@ -59,6 +59,12 @@ PASSO_SIMD inline void fill_line_at(double* __restrict t, const double* __restri
                                     double c0, double c1) {
   for (int j = 0; j < in_fours(n); ++j) t[j] = c0 + c1 * s[j];
 }
+// How many of them are below the limit.
+PASSO_SIMD inline int count_below(double limit, const double* s, int n) {
+  int below = 0;
+  for (int j = 0; j < n; ++j) below += s[j] < limit;
+  return below;
+}
 
 // Time law of a move as t(s): in each phase base + sign*sqrt(c0 + c1*s), or a line while cruising.
 struct TimeLaw {
@@ -91,16 +97,22 @@ struct TimeLaw {
     if (n2 > n1) fill_line(t + n1, n2 - n1, line0 + line1 * (s0 + n1 * ds), line1 * ds);
     if (n > n2) fill_root(t + n2, n - n2, c20 + c21 * (s0 + n2 * ds), c21 * ds, base2, -1);
   }
-  // n ascending positions.
+  // n ascending positions, one at least.
   void at(const double* s, int n, double* t) const {
-    int n1 = int(std::lower_bound(s, s + n, s1) - s);
-    int n2 = int(std::lower_bound(s + n1, s + n, std::max(s1, s2)) - s);
+    const int n1 = number_below(s1, s, n), n2 = std::max(n1, number_below(s2, s, n));
     if (n1 > 0) fill_root_at(t, s, n1, c00, c01, base0, sign0);
     if (n2 > n1) fill_line_at(t + n1, s + n1, n2 - n1, line0, line1);
     if (n > n2) fill_root_at(t + n2, s + n2, n - n2, c20, c21, base2, -1);
   }
 
  private:
+  // Of n ascending positions, one at least. How many of a few it is is as good as random: no
+  // search, which branches on each.
+  static int number_below(double limit, const double* s, int n) {
+    if (limit <= s[0]) return 0;
+    if (limit > s[n - 1]) return n;
+    return n <= 64 ? count_below(limit, s, n) : int(std::lower_bound(s, s + n, limit) - s);
+  }
   static int below(double limit, double s0, double ds, int n) {
     double k = (limit - s0) / ds;
     return k <= 0 ? 0 : k >= n ? n : int(std::ceil(k));

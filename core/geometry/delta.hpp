@@ -20,9 +20,6 @@ class Delta : public Geometry {
       return p[2] + std::sqrt(rod2 - dx * dx - dy * dy);
     }
     Centre centre(double q) const { return {{x, y, q}, {0, 0, 1}, {0, 0, 0}, rod2, 0, 0}; }
-    void centres(double q, double dq, int n, double* cx, double* cy, double* cz, double* r2) const {
-      for (int j = 0; j < in_fours(n); ++j) cx[j] = x, cy[j] = y, cz[j] = q + dq * j, r2[j] = rod2;
-    }
   };
 
   // Towers at `radius` from the middle and at `angles` (degrees, counter-clockwise from +X).

@@ -41,6 +41,23 @@ PASSO_SIMD inline void sphere_roots(double* __restrict s, const double* __restri
   }
 }
 
+// The same for centres above each other, at heights c + dc j, of one R: `flat` is what X and Y add
+// to B, `across2` what they add to |P0 - C|².
+PASSO_SIMD inline void lift_roots(double* __restrict s, int n, double z, double c, double dc,
+                                  double uz, double flat, double across2, double r2, double lambda,
+                                  double sign, double lo, double hi) {
+  double inverse = 1 / lambda;
+  for (int j = 0; j < in_fours(n); ++j) {
+    double dz = z - (c + dc * j);
+    double b = flat + uz * dz;
+    double root = b * b - lambda * (across2 + dz * dz - r2);
+    root = root > 0 ? root : 0;
+    double v = (sign * std::sqrt(root) - b) * inverse;
+    v = v > lo ? v : lo;
+    s[j] = v < hi ? v : hi;
+  }
+}
+
 // No position is less than the one before it.
 PASSO_SIMD inline bool ascending(const double* s, int n) {
   int falls = 0;
@@ -50,10 +67,10 @@ PASSO_SIMD inline bool ascending(const double* s, int n) {
 
 // Kernel: void local(const double p[3], double out[3]), the point that goes along, affine in p;
 // double value(const double local[3]), q or NaN; Centre centre(double q);
-// void centres(double q, double dq, int n, cx, cy, cz, r2), C and R² at in_fours(n) even
-// positions;
 // double sample_mm, the distance within which the actuator turns at most once;
-// bool kLifts: C goes straight up by q, and R stays.
+// bool kLifts: C goes straight up, to height q, and R stays; if not,
+// void centres(double q, double dq, int n, cx, cy, cz, r2), C and R² at in_fours(n) even
+// positions.
 template <class Kernel>
 class SphereSolver {
  public:
@@ -162,13 +179,21 @@ class SphereSolver {
     if (out.runs.empty() || out.runs.back().dir != dir) out.runs.push_back({int32_t(first), dir});
     const size_t room = size_t(in_fours(int(n)));
     out.s.resize(first + room + 3);  // TimeLaw reads up to three behind them
-    static thread_local UnsetDoubles buffer;
-    buffer.resize(4 * room);
-    double *cx = buffer.data(), *cy = cx + room, *cz = cy + room, *r2 = cz + room;
-    k.centres((double(k0) + 0.5 * dir) / per_unit, dir / per_unit, int(n), cx, cy, cz, r2);
+    const double q = (double(k0) + 0.5 * dir) / per_unit, dq = dir / per_unit;
+    const double sign = side > 0 ? 1 : -1, *p = line.p0, *u = line.u;
     double* s = out.s.data() + first;
-    sphere_roots(s, cx, cy, cz, r2, int(n), line.p0[0], line.p0[1], line.p0[2], line.u[0],
-                 line.u[1], line.u[2], side > 0 ? 1 : -1, lo, hi);
+    if constexpr (Kernel::kLifts) {
+      const Centre c = k.centre(q);
+      const double dx = p[0] - c.c[0], dy = p[1] - c.c[1];
+      lift_roots(s, int(n), p[2], q, dq, u[2], u[0] * dx + u[1] * dy, dx * dx + dy * dy, c.r2,
+                 u[0] * u[0] + u[1] * u[1] + u[2] * u[2], sign, lo, hi);
+    } else {
+      static thread_local UnsetDoubles buffer;
+      buffer.resize(4 * room);
+      double *cx = buffer.data(), *cy = cx + room, *cz = cy + room, *r2 = cz + room;
+      k.centres(q, dq, int(n), cx, cy, cz, r2);
+      sphere_roots(s, cx, cy, cz, r2, int(n), p[0], p[1], p[2], u[0], u[1], u[2], sign, lo, hi);
+    }
     out.s.resize(first + n);
     if (!ascending(s, int(n)))  // by rounding
       for (size_t j = 1; j < n; ++j) s[j] = std::max(s[j], s[j - 1]);
