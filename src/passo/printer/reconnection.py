@@ -136,7 +136,10 @@ class _Reconnection:
             # The link asks for the state as well, and its question may be older than a commit that
             # is still under way. Behind this answer, none is.
             connection.ask("get_config", "config")
-            for _ in range(int(BRAKING_S / LOOK_S)):
+            # By the board's own time: while questions are asked again that of a simulated one runs
+            # ahead of the machine's.
+            end = connection.now + int(BRAKING_S * connection.wire.hz)
+            while connection.now < end:
                 if (state := connection.stopped()) is not None:
                     behind = state["state"] in (states["resting"], states["held"])
                     return int(state["serial"]) if behind else 0
