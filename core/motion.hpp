@@ -20,6 +20,7 @@
 #include "program_lines.hpp"
 #include "statistics.hpp"
 #include "step_stream.hpp"
+#include "stopping.hpp"
 
 namespace passo {
 
@@ -34,7 +35,9 @@ class Motion {
   Motion(const Machine& machine, bool with_steps, double (*cpu_clock)() = nullptr)
       : machine_(machine), planner_(machine_), with_steps_(with_steps), cpu_clock_(cpu_clock),
         stream_(machine_, with_steps,
-                [this](int64_t clock, std::vector<Move>& moves) { brake_from(clock, moves); }),
+                [this](int64_t clock, std::vector<Move>& moves) {
+                  stop_from(clock, history_, planner_, machine_.clock_hz, moves);
+                }),
         history_(machine_.clock_hz), lines_(machine_.clock_hz) {
     plan_.filament_mm.resize(machine_.extruders.size());
   }
@@ -429,34 +432,6 @@ class Motion {
   auto light() {
     return
         [this](double ticks, uint32_t value) { stream_.set_output(laser_.target(), value, ticks); };
-  }
-  // How the machine would stop on its path from `clock` on.
-  void brake_from(int64_t clock, std::vector<Move>& moves) const {
-    auto under_way = history_.at(double(clock));
-    double v2 = planner_.speed2();
-    auto next = [&](const Move& m) {
-      Move copy = m;
-      if (v2 > 0) brake(copy, v2, moves);
-      return v2 > 0;
-    };
-    bool goes_on = true;
-    if (under_way != history_.end()) {
-      const Move& m = *under_way;
-      if (m.kind == MoveKind::dwell || m.start >= double(clock)) {
-        v2 = m.v0 * m.v0;
-        goes_on = m.kind != MoveKind::dwell && next(m);
-      } else {
-        auto [s, v] = m.along(double(clock) - m.start, machine_.clock_hz);
-        v2 = v * v;
-        Move left = m;
-        Bounds::cut(m, s / m.d, 1, left);
-        goes_on = next(left);
-      }
-      for (++under_way; goes_on && under_way != history_.end(); ++under_way)
-        goes_on = next(*under_way);
-    }
-    if (goes_on) planner_.all_queued(next);
-    plan_braking(moves, double(clock), machine_.clock_hz);
   }
   void resume_plan(std::vector<Move>& moves, double speed2, double clock) {
     unattached_ += planner_.resume(std::move(moves), speed2, clock);

@@ -13,73 +13,13 @@
 
 #include "flow.hpp"
 #include "gcode/arc.hpp"
+#include "gcode/found.hpp"
 #include "gcode/lexer.hpp"
 #include "gcode/words.hpp"
 #include "machine.hpp"
 #include "types.hpp"
 
 namespace passo {
-
-enum class Found : uint8_t { move, event, error, need_input, end };
-
-// A command that the caller must handle before it asks for more.
-struct Event {
-  uint32_t line = 0;
-  char letter = 0;  // 'G', 'M', 'T', 'S' (laser power of a move), or 0: extended command
-  int number = 0, minor = 0;
-  std::string name;  // of an extended command, upper case
-  std::string text;  // what follows the command, comment removed
-};
-
-enum class Fault : uint8_t {
-  number,
-  range,  // beyond point[0] or the limit
-  word,
-  checksum,
-  line_too_long,
-  feedrate,
-  arc,
-  centre,
-  radii,
-  out_of_range,
-  missing_tool,
-  not_homed,
-  cold,
-  garbage,
-  unsaved,
-  unreachable,
-  actuator,
-  too_long,
-  too_slow
-};
-
-struct GcodeError {
-  uint32_t line = 0;
-  Fault fault = Fault::word;
-  std::string word;  // the offending word, or the axis
-  double value = 0, limit = 0;
-  double point[3] = {0, 0, 0};  // of what cannot be reached, mm
-};
-
-// A line as it was understood: its number, whether it had a checksum, and its commands in order.
-struct Heard {
-  struct Command {
-    std::string code;  // as the dialect writes it; empty: a move in the way of the last one
-    std::vector<std::string> words;
-    std::string text;  // what follows the code, as it is written; nothing of moves
-  };
-  std::string number;
-  bool checked = false;
-  std::vector<Command> commands;
-};
-
-// APrinter's words of a laser, in W·s for a move and in W·s/mm from now on; 0: no such word.
-struct LaserWords {
-  char energy = 0, density = 0;
-  double full_w = 1, most_w = 1;  // the laser's power fully on, and what a move may ask for
-  bool any() const { return energy || density; }
-  bool has(char letter) const { return any() && (letter == energy || letter == density); }
-};
 
 class Interpreter {
  public:
@@ -445,12 +385,8 @@ class Interpreter {
     pending_.push_back(std::move(item));
   }
   // Whether a word's value is within the least and the most; else the line fails.
-  bool within(char letter, double value, double least, double most) {
-    if (value >= least && value <= most) return true;
-    fail(Fault::range, std::string(1, letter), value, most);
-    pending_.back().error.point[0] = least;
-    return false;
-  }
+  bool within(char letter, double value, double least, double most);
+  void emit(char letter, int number, int minor, std::string_view name, std::string_view text);
   void note_clamp(int j, double value, double limit) {
     if (clamped_[j].times++ == 0)
       clamped_[j].first = {lines().number(), Fault::out_of_range, axis_name(j), value, limit, {}};
@@ -459,13 +395,6 @@ class Interpreter {
     if (word.number && std::fabs(word.value) <= kLargestWord) return true;
     fail(Fault::number, std::string(1, word.letter), word.value, word.number ? kLargestWord : 0);
     return false;
-  }
-  void emit(char letter, int number, int minor, std::string_view name, std::string_view text) {
-    Item item{};
-    item.found = Found::event;
-    name = name.substr(0, kLongestName);
-    item.event = {lines().number(), letter, number, minor, readable(name), readable(text)};
-    pending_.push_back(std::move(item));
   }
 
   // mm of filament that the program's E counts already, of moves that have not been taken.
@@ -642,35 +571,8 @@ class Interpreter {
     return true;
   }
 
-  // What the laser gives to a move from position_, and the speed at which that is all it may give.
-  void shine(MoveRequest& m) const {
-    double mm2 = 0, longest = 0;
-    for (int j = 0; j < kAxes; ++j) {
-      double mm = std::fabs(m.target[j] - position_[j]);
-      longest = std::max(longest, mm);
-      if (j <= kZ) mm2 += mm * mm;
-    }
-    double mm = mm2 > 0 ? std::sqrt(mm2) : longest;
-    double density = m.energy_ws > 0 ? m.energy_ws / mm : m.rapid ? 0 : density_;
-    m.beam = density / laser_.full_w;
-    m.fastest_mm_s = density > 0 ? laser_.most_w / density : 0;
-  }
-
-  void comment(std::string_view text) {
-    auto starts = [&](std::string_view s) { return text.substr(0, s.size()) == s; };
-    if (starts("LAYER:") || starts("LAYER_CHANGE") || starts(" layer ") ||
-        starts("BEFORE_LAYER_CHANGE")) {
-      if (!starts("BEFORE_LAYER_CHANGE")) ++marked_layers_;
-    } else if (starts("TYPE:")) {
-      text.remove_prefix(5);
-      while (!text.empty() && std::isspace(uint8_t(text.back()))) text.remove_suffix(1);
-      std::string name = readable(text);
-      auto at = std::find(features_.begin(), features_.end(), name);
-      if (at == features_.end() && features_.size() < 1000) at = features_.insert(at, name);
-      feature_ = at == features_.end() ? 0 : uint16_t(at - features_.begin());
-    }
-  }
-
+  void shine(MoveRequest& m) const;
+  void comment(std::string_view text);
   void pass_on(std::string_view name, std::string_view text);
   void run_line(const char* p, const char* end);
   void run_words();

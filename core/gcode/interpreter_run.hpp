@@ -7,6 +7,22 @@
 
 namespace passo {
 
+inline void Interpreter::emit(char letter, int number, int minor, std::string_view name,
+                              std::string_view text) {
+  Item item{};
+  item.found = Found::event;
+  name = name.substr(0, kLongestName);
+  item.event = {lines().number(), letter, number, minor, readable(name), readable(text)};
+  pending_.push_back(std::move(item));
+}
+
+inline bool Interpreter::within(char letter, double value, double least, double most) {
+  if (value >= least && value <= most) return true;
+  fail(Fault::range, std::string(1, letter), value, most);
+  pending_.back().error.point[0] = least;
+  return false;
+}
+
 inline void Interpreter::hear(std::string_view code, const Word* first, const Word* last,
                               std::string_view text) {
   ++commands_;

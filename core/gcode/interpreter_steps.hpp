@@ -1,4 +1,5 @@
-// Moves that the program asks for without words of its own: saved places, retraction, filament.
+// Moves that the program asks for without words of their own: saved places, retraction, filament;
+// and what goes with moves: a laser's light, a slicer's comments.
 #pragma once
 #include "gcode/interpreter.hpp"
 
@@ -125,6 +126,36 @@ inline void Interpreter::run_retract(bool in, bool swap) {
     queue_step(
         kE, std::max(drawn.mm + extra, 0.0),  // less than nothing is not pushed
         retraction_.recover_feed_mm_s > 0 ? retraction_.recover_feed_mm_s : retraction_.feed_mm_s);
+  }
+}
+
+// What the laser gives to a move from position_, and the speed at which that is all it may give.
+inline void Interpreter::shine(MoveRequest& m) const {
+  double mm2 = 0, longest = 0;
+  for (int j = 0; j < kAxes; ++j) {
+    double mm = std::fabs(m.target[j] - position_[j]);
+    longest = std::max(longest, mm);
+    if (j <= kZ) mm2 += mm * mm;
+  }
+  double mm = mm2 > 0 ? std::sqrt(mm2) : longest;
+  double density = m.energy_ws > 0 ? m.energy_ws / mm : m.rapid ? 0 : density_;
+  m.beam = density / laser_.full_w;
+  m.fastest_mm_s = density > 0 ? laser_.most_w / density : 0;
+}
+
+// Layers and features, as slicers tell them.
+inline void Interpreter::comment(std::string_view text) {
+  auto starts = [&](std::string_view s) { return text.substr(0, s.size()) == s; };
+  if (starts("LAYER:") || starts("LAYER_CHANGE") || starts(" layer ") ||
+      starts("BEFORE_LAYER_CHANGE")) {
+    if (!starts("BEFORE_LAYER_CHANGE")) ++marked_layers_;
+  } else if (starts("TYPE:")) {
+    text.remove_prefix(5);
+    while (!text.empty() && std::isspace(uint8_t(text.back()))) text.remove_suffix(1);
+    std::string name = readable(text);
+    auto at = std::find(features_.begin(), features_.end(), name);
+    if (at == features_.end() && features_.size() < 1000) at = features_.insert(at, name);
+    feature_ = at == features_.end() ? 0 : uint16_t(at - features_.begin());
   }
 }
 

@@ -78,7 +78,7 @@ CATALOGUE: Mapping[str, Entry] = {
         "file", "holds no command that is known", "Give a sliced file, not a model or a text"
     ),
     "input.garbage": _input(
-        "gcode", "is not G-code: {value}", "Give a sliced text file, not a model or a binary"
+        "gcode", "this is not G-code: {value}", "Give a sliced text file, not a model or a binary"
     ),
     "input.number": _input(
         "gcode",

@@ -101,7 +101,7 @@ def test_an_estimate_agrees_with_the_print(capsys, unpacked):
 
 BAD = {
     "empty": (b"", [], 4, "holds no command"),
-    "noise": (bytes(range(256)) * 40, [], 4, ":1: is not G-code"),
+    "noise": (bytes(range(256)) * 40, [], 4, ":1: this is not G-code"),
     "long line": (b"G1 X" + b"1" * 10_000_000, [], 4, "a line is longer than 64 KiB"),
     "nan": (b"G28\nG1 XNaN\n", [], 4, ":2: the word 'X' has no valid number"),
     "huge": (b"G28\nG1 X2000000000\n", [], 4, ":2: the word 'X2000000000'"),

@@ -208,6 +208,7 @@ def test_noise_on_either_cable(monkeypatch, undisturbed, seed):
             s.passes(5.0)
             s.board.spoil_cable(board, 0.0)
             s.passes(3.0)
+            assert not [line for line in s.host.heard if line.startswith("echo:Print of")]
             assert not s.printer.halted
             bursts += 1
         assert bursts > 3

@@ -1,0 +1,70 @@
+// What the interpreter finds in lines, beside moves.
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace passo {
+
+enum class Found : uint8_t { move, event, error, need_input, end };
+
+// A command that the caller must handle before it asks for more.
+struct Event {
+  uint32_t line = 0;
+  char letter = 0;  // 'G', 'M', 'T', 'S' (laser power of a move), or 0: extended command
+  int number = 0, minor = 0;
+  std::string name;  // of an extended command, upper case
+  std::string text;  // what follows the command, comment removed
+};
+
+enum class Fault : uint8_t {
+  number,
+  range,  // beyond point[0] or the limit
+  word,
+  checksum,
+  line_too_long,
+  feedrate,
+  arc,
+  centre,
+  radii,
+  out_of_range,
+  missing_tool,
+  not_homed,
+  cold,
+  garbage,
+  unsaved,
+  unreachable,
+  actuator,
+  too_long,
+  too_slow
+};
+
+struct GcodeError {
+  uint32_t line = 0;
+  Fault fault = Fault::word;
+  std::string word;  // the offending word, or the axis
+  double value = 0, limit = 0;
+  double point[3] = {0, 0, 0};  // of what cannot be reached, mm
+};
+
+// A line as it was understood: its number, whether it had a checksum, and its commands in order.
+struct Heard {
+  struct Command {
+    std::string code;  // as the dialect writes it; empty: a move in the way of the last one
+    std::vector<std::string> words;
+    std::string text;  // what follows the code, as it is written; nothing of moves
+  };
+  std::string number;
+  bool checked = false;
+  std::vector<Command> commands;
+};
+
+// APrinter's words of a laser, in W·s for a move and in W·s/mm from now on; 0: no such word.
+struct LaserWords {
+  char energy = 0, density = 0;
+  double full_w = 1, most_w = 1;  // the laser's power fully on, and what a move may ask for
+  bool any() const { return energy || density; }
+  bool has(char letter) const { return any() && (letter == energy || letter == density); }
+};
+
+}  // namespace passo
