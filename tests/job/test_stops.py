@@ -46,6 +46,18 @@ def test_a_cancelled_print_sets_no_temperature_any_more(tmp_path: Path, moment: 
         assert s.printer.connection.heaters["hotend"].target == 0
 
 
+def test_a_fan_set_at_once_behind_a_stop_is_known_as_that() -> None:
+    """What was planned of it acts no more."""
+    with Scenario("i3") as s:
+        for line in ("G92 X0 Y0 Z0", "G1 X100 F600", "M106 S255", "G1 X0"):
+            s.host.ok(line)
+        s.passes(1.0)
+        s.host.ok("M410")
+        s.host.ok("M106 S51 F")
+        assert s.printer.commands.fans["part"] == pytest.approx(0.2)
+        assert s.until(lambda: s.board.output_value("part") > 0, 5)
+
+
 def test_a_pause_ends_with_the_board(tmp_path: Path) -> None:
     with printing(tmp_path, "G1 X100 F3000\nG1 X0\n" * 5) as s:
         s.passes(1.0)

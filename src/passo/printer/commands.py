@@ -324,6 +324,10 @@ class Commands:
         """What G10 has said to others of the same machine holds here; heaters stay as they are."""
         self._tool_c |= other._tool_c
 
+    def plan_forgotten(self) -> None:
+        """Nothing that was planned acts any more."""
+        self._acts_at.clear()
+
     def follow_tool(self) -> None:
         """Another tool is in use, without a command: the program stands aside, stops or resumes."""
         self._tool = self._job.tool

@@ -302,6 +302,7 @@ class Printer:
     def stop(self) -> None:
         """Brakes to a stop on the path and forgets all moves that were planned."""
         self.drive.stop()
+        self.commands.plan_forgotten()
         self.commands.follow_tool()
         self.cooled_c.clear()
         self.beeper.forget()
