@@ -102,6 +102,13 @@ def test_names_are_found_in_every_form(s):
     assert "file.open failed, File: A long name.gcode" in s.host.ok("M23 A long name.gcode")[0]
 
 
+def test_escaped_bytes_of_a_name_are_utf_8_where_they_can_be(s, folder):
+    for name in ("é.gcode", "ü.gcode"):
+        (folder / name).write_text("G92 X0\n")
+    assert s.host.ok("M23 F\\C3\\A9.gcode")[1] == "File selected"
+    assert s.host.ok("M23 F\\FC.gcode")[1] == "File selected"  # of Latin-1
+
+
 def test_a_pause_brakes_parks_and_goes_on_from_the_very_point(folder):
     with Scenario("i3", card=str(folder)) as s:
         s.host.ok("M32 square.gcode")

@@ -61,23 +61,43 @@ def test_a_hit_stops_the_machine_where_that_is_asked_for(s):
     assert s.host.ok("G28", 60)[-1] == "ok"
 
 
-def test_a_hit_ends_a_print(tmp_path):
-    (tmp_path / "a.g").write_text("G28\nG1 X20 Y20 Z5\n" + "G1 X100 F3000\nG1 X20\n" * 50)
+PRINT = "G28\nG1 X20 Y20 Z5 F6000\n" + "G1 X100 F3000\nG1 X20\n" * 50
+
+
+@pytest.mark.parametrize("switch", ["x", "y", "z"])
+def test_a_hit_ends_a_print(tmp_path, switch):
+    """Behind homing all switches are pressed; they are watched once they have been let go."""
+    (tmp_path / "a.g").write_text(PRINT)
     with Scenario("i3", card=str(tmp_path)) as s:
         s.host.ok("M540 S1")
         s.host.ok("M32 a.g")
-        s.passes(9)
-        s.host.ok("M25")
-        s.passes(6)
-        s.host.ok("M24")
-        s.passes(6)
-        s.board.force_switch("y", True)
-        s.host.expect("Print of a.g stopped: endstop y was hit", 3)
+        s.passes(20)
+        assert s.printer.job.line_at(s.printer.drive.now) > 3
+        s.host.silent(1, "endstops hit")
+        s.board.force_switch(switch, True)
+        s.host.expect(f"Print of a.g stopped: endstop {switch} was hit", 3)
         s.passes(2)
         at = s.positions()
         s.passes(2)
         assert s.positions() == at
         assert "Not SD printing" in s.host.ok("M27")[0]
+
+
+def test_each_hit_of_a_print_is_told_while_a_switch_stays_pressed(tmp_path):
+    (tmp_path / "a.g").write_text(PRINT)
+    with Scenario("i3", card=str(tmp_path)) as s:
+        s.host.ok("M120")
+        s.host.ok("M32 a.g")
+        s.passes(20)
+        for switch in "yxz":  # each stays pressed from then on
+            s.board.force_switch(switch, True)
+            s.host.expect(f"endstops hit: {switch.upper()} at", 1)
+        s.board.force_switch("y", None)
+        s.passes(0.5)
+        s.board.force_switch("y", True)
+        s.host.expect("endstops hit: Y at", 1)
+        s.host.expect("Done printing file", 400)
+        assert s.board.device.fault == ""
 
 
 @pytest.mark.parametrize("after_s", [0.9, 1.7303, 2.4181, 3.1])

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 PROGRAMS = {".g", ".gc", ".gco", ".gcode", ".nc", ".ngc", ".cnc", ".tap"}  # listed by M20
 AUTOSTART = "auto0.g"
 _DEEPEST = 8  # directories that M20 goes down
-_ESCAPE = re.compile(r"\\([0-9A-Fa-f]{2})")
+_ESCAPE = re.compile(rb"\\([0-9A-Fa-f]{2})")
 
 
 class CardCommands:
@@ -357,5 +357,10 @@ def _unquoted(text: str) -> str:
 
 
 def _unescaped(text: str) -> str:
-    """`\\HH` is the byte of that number, in APrinter's strings."""
-    return _ESCAPE.sub(lambda m: chr(int(m[1], 16)), text.strip())
+    """`\\HH` is the byte of that number, in APrinter's strings: of UTF-8, if all are, else of
+    Latin-1."""
+    raw = _ESCAPE.sub(lambda m: bytes((int(m[1], 16),)), text.strip().encode())
+    try:
+        return raw.decode()
+    except UnicodeDecodeError:
+        return raw.decode("latin-1")

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
 _REST_S = 0.001  # the board looks so often
 _AHEAD_S = 0.02  # from the command to its first look
+_PRESSED_S = 0.25  # whether one that is pressed has been let go is asked so often
 
 
 class EndstopWatch:
@@ -24,8 +25,6 @@ class EndstopWatch:
         self._printer = printer
         self._switches = switches(printer.machine)
         self._on = False
-        self._armed = False
-        self._stale = True  # which switches are pressed must be asked anew
         self.stops = False  # M540: a hit stops the machine
         self.immediate: dict[str, Handler] = {
             "M120": lambda c, r: self._watch(True),
@@ -37,45 +36,54 @@ class EndstopWatch:
     def begin(self) -> None:
         """The board has begun anew."""
         self._endstops = Endstops(self._printer.connection)
-        self._armed, self._stale = False, True
+        self._watched: list[str] = []
+        self._next_look = 0  # clock
 
     def pause(self) -> None:
         """Homing needs the switches for itself."""
-        if self._armed:
-            self._endstops.disarm()
-            self._armed = False
-        self._stale = True
+        self._arm([])
+        self._next_look = 0
 
     def time_passed(self) -> None:
-        """Looks for hits; begins to watch anew when the machine stands."""
-        if not self._on or self._printer.halted:
+        """Looks for hits, and for switches that have been let go."""
+        printer = self._printer
+        if not self._on or printer.halted or printer.homer.active or printer.drive.interrupted:
             return
-        if self._armed:
+        if self._watched:
             self._endstops.all_hit()
             if self._endstops.hit:
                 self._report(sorted(self._endstops.hit))
-        elif self._stale and self._printer.drive.standing and not self._printer.turn.taken:
-            self._arm()
+                return
+        if len(self._watched) < len(self._switches) and printer.connection.now >= self._next_look:
+            self._look()
 
-    def _arm(self) -> None:
-        """Watches the switches that are open."""
+    def _look(self) -> None:
+        """Watches all switches that are open now."""
         connection = self._printer.connection
-        open_ones = [s.name for s in self._switches if not self._endstops.pressed(s.name)]
-        self._stale = len(open_ones) < len(self._switches)
-        if not open_ones:
+        self._next_look = connection.now + int(_PRESSED_S * connection.board.clock_hz)
+        others = [s.name for s in self._switches if s.name not in self._watched]
+        let_go = [name for name in others if not self._endstops.pressed(name)]
+        if let_go:
+            self._arm([*self._watched, *let_go])
+
+    def _arm(self, names: list[str]) -> None:
+        """From now on these switches are watched."""
+        if self._watched:
+            self._endstops.disarm()
+        self._watched = names
+        if not names:
             return
         # The board stops no motor by itself: the plan would go on without it.
+        connection = self._printer.connection
         clock = connection.now + int(_AHEAD_S * connection.board.clock_hz)
-        self._endstops.arm(dict.fromkeys(open_ones, ()), clock, _REST_S)
-        self._armed = True
+        self._endstops.arm(dict.fromkeys(names, ()), clock, _REST_S)
 
     def _report(self, names: list[str]) -> None:
         """Where the machine was when the switches closed, which is a while ago by now."""
         printer = self._printer
         base = printer.drive.base
         clocks = {name: self._endstops.hit_clock(name) - base for name in names}
-        self._endstops.disarm()
-        self._armed, self._stale = False, True
+        self._arm([name for name in self._watched if name not in clocks])
         for name, clock in clocks.items():
             places = printer.positions.at(clock)
             where = " ".join(f"{k}:{at:.3f}" for k, at in places.items() if k != "E")
