@@ -79,6 +79,22 @@ def test_m190_r_waits_for_cooling_too(s):
     assert heater(s, "bed").celsius == pytest.approx(50, abs=2.1)
 
 
+def test_what_cools_no_further_is_not_waited_for(s):
+    """In a room of 25 C."""
+    s.host.ok("M104 S60")
+    start = s.loop.time()
+    s.host.ok("M190 R20", 70)
+    assert s.loop.time() - start == pytest.approx(60, abs=2)
+    assert "echo:bed cools no further than 25.0 C: not waited for" in s.host.heard
+    s.host.ok("M190 S60", 300)
+    start = s.loop.time()
+    s.host.ok("M190 R24", 2000)  # it does so for a while
+    assert s.loop.time() - start > 300
+    assert heater(s, "bed").celsius < 36
+    s.host.ok("M190 R60", 300)  # one that is too cold warms up
+    assert heater(s, "bed").celsius == pytest.approx(60, abs=2.1)
+
+
 def test_m116_waits_for_all_that_it_names(s):
     s.host.ok("M104 S60")
     s.host.ok("M140 S40")

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from passo.printer.printer import Printer
 
 WARMING_S = 1.0  # of host time between two lines of temperatures for who waits for them
+# A heater that has cooled down by less than this in this time gets no further (StuFW's values).
+_LEAST_COOLING_C, _COOLING_S = 1.5, 60.0
 
 
 class Waiting:
@@ -143,6 +145,17 @@ class Waiting:
         printer, now = self._printer, asyncio.get_running_loop().time
         heaters = {name: printer.connection.heaters[name] for name in wait.heaters}
         told_s = now()
+        seen: dict[str, tuple[float, float]] = {}  # when each that cools was how warm
+        as_cool_as_it_gets: set[str] = set()
+
+        def cools(name: str, celsius: float) -> bool:
+            before, was = seen.setdefault(name, (printer.drive.now_s, celsius))
+            if printer.drive.now_s >= before + _COOLING_S:
+                seen[name] = printer.drive.now_s, celsius
+                if was - celsius < _LEAST_COOLING_C and name not in as_cool_as_it_gets:
+                    as_cool_as_it_gets.add(name)
+                    reply.say(f"echo:{name} cools no further than {celsius:.1f} C: not waited for")
+            return name not in as_cool_as_it_gets
 
         def there() -> bool:
             nonlocal told_s
@@ -155,8 +168,11 @@ class Waiting:
                 or all(
                     h.target <= 0
                     or h.reached
-                    or (h.target <= h.celsius <= h.limits.max_c and not wait.cooling)
-                    for h in heaters.values()
+                    or (
+                        h.target <= h.celsius <= h.limits.max_c
+                        and not (wait.cooling and cools(name, h.celsius))
+                    )
+                    for name, h in heaters.items()
                 )
             )
 
