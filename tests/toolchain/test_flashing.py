@@ -3,8 +3,12 @@
 import asyncio
 import io
 import json
+import signal
 import struct
+import subprocess
+import sys
 from collections.abc import Iterator
+from functools import partial
 from hashlib import sha256
 from pathlib import Path
 
@@ -354,6 +358,28 @@ def test_the_end_of_input_is_no_enter(
     assert main(["firmware", "flash", "melzi", "--port", port.name, "--image", str(image)]) == 2
     said = capsys.readouterr().err
     assert "nobody pressed Enter after: Put a jumper on" in said and ".." not in said
+    assert not notes.exists()
+
+
+def test_who_is_to_press_enter_may_give_up(tools: Path, image: Path, port: Port) -> None:
+    """The first interruption counts, and nothing is written."""
+    notes = program(tools, "avrdude")
+    words = ["firmware", "flash", "melzi", "--port", port.name, "--image", str(image)]
+    run = f"import sys; from passo.cli.main import main; sys.argv[1:] = {words}; sys.exit(main())"
+    with subprocess.Popen(
+        [sys.executable, "-c", run],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=partial(signal.signal, signal.SIGINT, signal.default_int_handler),
+    ) as process:
+        assert process.stdout is not None
+        while "press Enter" not in process.stdout.readline():
+            assert process.poll() is None
+        process.send_signal(signal.SIGINT)
+        _, said = process.communicate(timeout=60)
+    assert (process.returncode, said) == (130, "Interrupted.\n")
     assert not notes.exists()
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import asyncio
 import json
+import signal
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -127,6 +128,12 @@ def _tell(text: str) -> None:
 
 
 def _wait(text: str) -> None:
-    print(f"{text} Then press Enter.", flush=True)
-    if not sys.stdin.readline():  # its end is no Enter
+    # That of the event loop would wait for the line.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        print(f"{text} Then press Enter.", flush=True)
+        answer = sys.stdin.readline()
+    finally:
+        signal.signal(signal.SIGINT, before)
+    if not answer:  # its end is no Enter
         raise FirmwareError([Problem("firmware.nobody", values={"value": text.rstrip(".")})])
