@@ -390,6 +390,18 @@ def test_progress_counts_on_behind_a_line_that_failed(s, folder):
     assert float(re.search(r"([\d.]+)%", s.host.ok("M73")[0])[1]) == pytest.approx(50, abs=5)
 
 
+def test_where_no_time_is_known_the_slicer_s_progress_counts_before_bytes(s, folder):
+    (folder / "a.g").write_text("G92 X0 Y0 Z0\n" + "G1 X100 F600\nG1 X0\n" * 9)
+    s.host.ok("G92 X0 Y0 Z0")
+    s.host.ok("M23 a.g")
+    s.host.ok("M26 S13")
+    s.host.ok("M24")
+    s.passes(2)
+    assert "% of the file" in s.host.ok("M73")[0]
+    s.host.ok("M73 P10 R7")
+    assert s.host.ok("M73")[0] == "echo:Progress: 10%, 7 min left"
+
+
 def test_a_question_for_the_file_leaves_the_file_to_the_print(s, folder):
     (folder / "say.g").write_text("G28\n" + "G1 X30 F6000\nM114\nG1 X60\n" * 200)
     other = Host(s)

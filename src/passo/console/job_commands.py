@@ -231,10 +231,10 @@ class JobCommands:
         if times is not None:
             parts.append(f"{100 * times[0] / times[1]:.1f}%")
             parts.append(f"{(times[1] - times[0]) / 60:.1f} min left")
+        elif self._percent is not None:  # the slicer knows more than bytes do
+            parts.append(f"{self._percent:g}%")
         elif done is not None:
             parts.append(f"{100 * done:.1f}% of the file")
-        elif self._percent is not None:
-            parts.append(f"{self._percent:g}%")
         if self._minutes_left is not None and times is None:
             parts.append(f"{self._minutes_left:g} min left")
         reply.say(f"echo:Progress: {', '.join(parts) or 'nothing is printed'}")
