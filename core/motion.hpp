@@ -36,7 +36,7 @@ class Motion {
       : machine_(machine), planner_(machine_), with_steps_(with_steps), cpu_clock_(cpu_clock),
         stream_(machine_, with_steps,
                 [this](int64_t clock, std::vector<Move>& moves) {
-                  stop_from(clock, history_, planner_, machine_.clock_hz, moves);
+                  brake_from(clock, history_, planner_, machine_.clock_hz, moves);
                 }),
         history_(machine_.clock_hz), lines_(machine_.clock_hz) {
     plan_.filament_mm.resize(machine_.extruders.size());

@@ -106,12 +106,12 @@ struct TimeLaw {
   }
 
  private:
-  // Of n ascending positions, one at least. How many of a few it is is as good as random: no
-  // search, which branches on each.
+  // Of n ascending positions, one at least. Mostly of few, and then as good as random how many: a
+  // search would branch on that.
   static int number_below(double limit, const double* s, int n) {
     if (limit <= s[0]) return 0;
     if (limit > s[n - 1]) return n;
-    return n <= 64 ? count_below(limit, s, n) : int(std::lower_bound(s, s + n, limit) - s);
+    return count_below(limit, s, n);
   }
   static int below(double limit, double s0, double ds, int n) {
     double k = (limit - s0) / ds;

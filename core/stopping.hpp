@@ -14,8 +14,8 @@ namespace passo {
 
 // Puts into `moves` the way to a stop from `clock` on, planned: of the moves that have been planned
 // up to there, and of those that the planner still has.
-inline void stop_from(int64_t clock, const History& history, const Planner& planner, double hz,
-                      std::vector<Move>& moves) {
+inline void brake_from(int64_t clock, const History& history, const Planner& planner, double hz,
+                       std::vector<Move>& moves) {
   auto under_way = history.at(double(clock));
   double v2 = planner.speed2();
   auto next = [&](const Move& m) {

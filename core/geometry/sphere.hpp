@@ -24,6 +24,15 @@ struct Centre {
   double r2, r2d, r2dd;
 };
 
+// (±sqrt(square) - b) / λ, no less than `lo` and no more than `hi`.
+PASSO_INLINE double root_within(double b, double square, double inverse, double sign, double lo,
+                                double hi) {
+  square = square > 0 ? square : 0;
+  double v = (sign * std::sqrt(square) - b) * inverse;
+  v = v > lo ? v : lo;
+  return v < hi ? v : hi;
+}
+
 PASSO_SIMD inline void sphere_roots(double* __restrict s, const double* __restrict cx,
                                     const double* __restrict cy, const double* __restrict cz,
                                     const double* __restrict r2, int n, double x, double y,
@@ -33,11 +42,8 @@ PASSO_SIMD inline void sphere_roots(double* __restrict s, const double* __restri
   for (int j = 0; j < in_fours(n); ++j) {
     double dx = x - cx[j], dy = y - cy[j], dz = z - cz[j];
     double b = ux * dx + uy * dy + uz * dz;
-    double root = b * b - lambda * (dx * dx + dy * dy + dz * dz - r2[j]);
-    root = root > 0 ? root : 0;
-    double v = (sign * std::sqrt(root) - b) * inverse;
-    v = v > lo ? v : lo;
-    s[j] = v < hi ? v : hi;
+    s[j] = root_within(b, b * b - lambda * (dx * dx + dy * dy + dz * dz - r2[j]), inverse, sign, lo,
+                       hi);
   }
 }
 
@@ -50,11 +56,7 @@ PASSO_SIMD inline void lift_roots(double* __restrict s, int n, double z, double 
   for (int j = 0; j < in_fours(n); ++j) {
     double dz = z - (c + dc * j);
     double b = flat + uz * dz;
-    double root = b * b - lambda * (across2 + dz * dz - r2);
-    root = root > 0 ? root : 0;
-    double v = (sign * std::sqrt(root) - b) * inverse;
-    v = v > lo ? v : lo;
-    s[j] = v < hi ? v : hi;
+    s[j] = root_within(b, b * b - lambda * (across2 + dz * dz - r2), inverse, sign, lo, hi);
   }
 }
 
