@@ -22,11 +22,32 @@ from passo.printer.waits import (
 )
 
 if TYPE_CHECKING:
+    from passo._core import Heater
     from passo.printer.printer import Printer
 
 WARMING_S = 1.0  # of host time between two lines of temperatures for who waits for them
 # A heater that has cooled down by less than this in this time gets no further (StuFW's values).
 _LEAST_COOLING_C, _COOLING_S = 1.5, 60.0
+
+
+class _Cooling:
+    """Whether a heater that is waited for still cools down; tells once if not."""
+
+    def __init__(self, name: str, reply: Reply) -> None:
+        self._name, self._reply = name, reply
+        self._seen: tuple[float, float] | None = None  # print time in s, and how warm it was then
+        self._over = False
+
+    def goes_on(self, now_s: float, celsius: float) -> bool:
+        """To be called as time passes."""
+        before_s, was = self._seen = self._seen or (now_s, celsius)
+        if not self._over and now_s >= before_s + _COOLING_S:
+            self._seen = now_s, celsius
+            self._over = was - celsius < _LEAST_COOLING_C
+            if self._over:
+                text = f"echo:{self._name} cools no further than {celsius:.1f} C: not waited for"
+                self._reply.say(text)
+        return not self._over
 
 
 class Waiting:
@@ -145,36 +166,23 @@ class Waiting:
         printer, now = self._printer, asyncio.get_running_loop().time
         heaters = {name: printer.connection.heaters[name] for name in wait.heaters}
         told_s = now()
-        seen: dict[str, tuple[float, float]] = {}  # when each that cools was how warm
-        as_cool_as_it_gets: set[str] = set()
+        cooling = {name: _Cooling(name, reply) for name in heaters}
 
-        def cools(name: str, celsius: float) -> bool:
-            before, was = seen.setdefault(name, (printer.drive.now_s, celsius))
-            if printer.drive.now_s >= before + _COOLING_S:
-                seen[name] = printer.drive.now_s, celsius
-                if was - celsius < _LEAST_COOLING_C and name not in as_cool_as_it_gets:
-                    as_cool_as_it_gets.add(name)
-                    reply.say(f"echo:{name} cools no further than {celsius:.1f} C: not waited for")
-            return name not in as_cool_as_it_gets
+        def on_its_way(name: str, h: Heater) -> bool:
+            if h.target <= 0 or h.reached:
+                return False
+            if not h.target <= h.celsius <= h.limits.max_c:
+                return True
+            return wait.cooling and cooling[name].goes_on(printer.drive.now_s, h.celsius)
 
         def there() -> bool:
             nonlocal told_s
             if now() >= told_s + WARMING_S:
                 told_s += WARMING_S
                 reply.warming(f" {self.temperatures()} W:?")
-            return (
-                printer.interrupted
-                or any(h.fault for h in heaters.values())
-                or all(
-                    h.target <= 0
-                    or h.reached
-                    or (
-                        h.target <= h.celsius <= h.limits.max_c
-                        and not (wait.cooling and cools(name, h.celsius))
-                    )
-                    for name, h in heaters.items()
-                )
-            )
+            # Each is looked at: those that cool do so at the same time.
+            left = [name for name, h in heaters.items() if on_its_way(name, h)]
+            return printer.interrupted or any(h.fault for h in heaters.values()) or not left
 
         self.heating = True
         try:
