@@ -59,7 +59,7 @@ def test_a_stall_of_the_interpreter_delays_no_step(
         assert not scenario.printer.drive.standing
         scenario.until(lambda: scenario.printer.drive.standing, 20.0)
         ends(scenario)
-        assert not [line for line in scenario.host.heard if "waits" in line]
+        assert not [line for line in scenario.host.heard if "The machine waits" in line]
     assert net_steps([cable]) == ZIGZAG_STEPS
     cable.close()
 
