@@ -59,6 +59,10 @@ class Observer {
   double body_c() const { return body_; }
   // Share of full power that would keep the body at `celsius` as things are.
   double holding(double celsius) const { return loss_ * (celsius - room_) / m_.rise_c; }
+  // The part of it that the fan takes, in a room as the model has it.
+  double blown(double celsius) const {
+    return (loss_ - 1) * (celsius - m_.ambient_c) / m_.rise_c;
+  }
   // Share of full power that the readings show beyond (below) what the model expects.
   double unexplained() const { return loss_ * (room_ - m_.ambient_c) / m_.rise_c; }
 

@@ -1,7 +1,10 @@
-// PID control: derivative on the measurement and filtered, a bounded integral, a functional range.
+// PID control: derivative on the measurement and filtered, a bounded integral, a functional range,
+// and what is known of the fan.
 #pragma once
 #include <algorithm>
+#include <utility>
 
+#include "observer.hpp"
 #include "reading.hpp"
 
 namespace passo::heat {
@@ -31,13 +34,16 @@ class Pid {
     known_ = true;
     if (r.target <= 0) {
       i_ = o_.drive_min;
+      fan_ = 0;
       terms_ = {};
       return 0;
     }
     double error = r.target - r.celsius;
     double low = std::min(o_.drive_min, r.max_power), high = std::min(o_.drive_max, r.max_power);
     if (error < -o_.range_c) i_ = low;
-    i_ = std::clamp(i_, low, high);
+    // The integral would find out in time what the fan takes; it need not wait for the sensor.
+    double fan = r.body ? r.body->blown(r.target) : 0;
+    i_ = std::clamp(i_ + fan - std::exchange(fan_, fan), low, high);
     bool far = error > o_.range_c || error < -o_.range_c;
     near_s_ = far ? 0 : near_s_ + r.dt;
     if (error > o_.range_c) return finish(error, 0, 0, r.max_power, r.max_power);
@@ -61,6 +67,7 @@ class Pid {
 
   PidControl o_;
   double before_ = 0, rate_ = 0, trend_ = 0, near_s_ = 0, i_ = 0;
+  double fan_ = 0;  // the part of the integral that the fan takes
   bool known_ = false;
   Terms terms_;
 

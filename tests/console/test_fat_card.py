@@ -52,6 +52,8 @@ def test_a_full_card_keeps_what_it_has_and_says_so(image):
         line = b"M117 " + b"y" * 4000 + b"\n"
         for _ in range(36):
             s.host.send_bytes(line * 256)
+        told = [heard for heard in s.host.heard if "the card is full" in heard]
+        assert len(told) == 1  # with the first line that is not kept
         answer = s.host.ok("M29", 10)[0]
         assert answer.startswith("echo:error writing to file a.g: ")
         assert "the card is full" in answer

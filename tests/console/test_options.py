@@ -32,6 +32,7 @@ def test_options_are_told(s):
     }.items():
         assert s.host.ok(f"M925 I{name}") == [value, "ok"], name
     assert "UnknownOption" in s.host.ok("M925 IFooBar")[0]
+    assert s.host.ok(r"M925 IInactive\54ime") == s.host.ok("M925 IInactiveTime")
 
 
 TOLD = {

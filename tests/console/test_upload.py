@@ -57,6 +57,16 @@ def test_a_wrapper_that_cannot_begin_ends_as_a_good_one_does(s, tmp_path):
     assert s.host.ok("M29") == ["Done saving file.", "ok"]
 
 
+def test_bytes_beyond_ascii_are_kept_as_they_came(s, tmp_path):
+    stored = "M117 Grüße, 25 °C\nG1 X2\x85\nM118 ".encode() + b"\xff\xb2\x80\n"
+    s.host.ok("M28 a.g")
+    s.host.send_bytes(stored)
+    assert s.host.ok("M29") == ["Done saving file.", "ok"]
+    assert (tmp_path / "a.g").read_bytes() == stored
+    assert s.host.ok("M117 Grüße") == ["// action:notification Gr????e", "ok"]
+    assert s.host.ok("M28 Grüße.g")[0].startswith("echo:/Gr????e.g: the name")
+
+
 def test_a_path_from_the_root_is_one_wherever_names_count_from(s, tmp_path):
     (tmp_path / "parts").mkdir()
     s.host.ok("M23 Dparts")

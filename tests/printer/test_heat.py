@@ -99,6 +99,15 @@ def test_what_cools_no_further_is_not_waited_for(s):
     assert heater(s, "bed").celsius == pytest.approx(60, abs=2.1)
 
 
+@pytest.mark.parametrize("line", ["M190 F S40", "M191 S40 F", "M109 F S40"])
+def test_waits_take_the_f_of_settings(line):
+    text = config.shipped_text("i3").replace('kind = "bed"', 'kind = "chamber"', 1)
+    with Scenario(config.load_text(text) if "M191" in line else "i3") as s:
+        name = "hotend" if "M109" in line else "bed"
+        assert s.host.ok(line, 300)[-1].startswith("ok")
+        assert heater(s, name).celsius == pytest.approx(40, abs=2.1)
+
+
 def test_m116_waits_for_all_that_it_names(s):
     s.host.ok("M104 S60")
     s.host.ok("M140 S40")

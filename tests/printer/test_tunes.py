@@ -210,7 +210,26 @@ def test_a_thermistor_can_be_changed_while_it_runs():
         wrong = s.host.ok("M305 H0 A90000 B-3")[0]
         assert wrong.startswith("echo:B is -3: expected a number of at least 100")
         assert "A100000 B4267" in s.host.ok("M305 H0")[0]
-        assert s.host.ok("M306 H0")[0] == "M306 H0 L5 O285 C255 U1 T1"
+        assert s.host.ok("M306 H0")[0] == "M306 H0 A0 B255 L5 O285 C255 U1 T1"
+
+
+def test_the_bounds_of_an_integral_are_settings(tmp_path):
+    with Scenario("i3", state=str(tmp_path)) as s:
+        assert s.host.ok("M306 H0 A25.5 B204") == ["ok"]
+        for line, says in (
+            ("M306 H0 B256", "B is 256: expected 0 to 255"),
+            ("M306 H0 A-1", "A is -1: expected 0 to 255"),
+            ("M306 H0 B20", "B is 20: expected at least A, 25.5"),
+            ("M306 H0 O400", "heaters.hotend is fixed while the printer runs"),
+        ):
+            assert s.host.ok(line)[0].startswith(f"echo:{says}")
+        control = s.printer.connection.heaters["hotend"].control
+        assert (control.drive_min, control.drive_max) == (0.1, 0.8)
+        s.host.ok("M500")
+    with Scenario("i3", state=str(tmp_path)) as s:
+        assert s.host.ok("M306 H0")[0] == "M306 H0 A25.5 B204 L5 O285 C255 U1 T1"
+        s.host.ok("M502")
+        assert s.host.ok("M306 H0")[0] == "M306 H0 A0 B255 L5 O285 C255 U1 T1"
 
 
 @pytest.mark.parametrize(

@@ -102,16 +102,20 @@ def test_home_offsets_move_the_home_position(s):
 
 
 def test_motors_go_off_after_ten_minutes_and_heaters_after_half_an_hour(s):
-    for line in ("M140 S40", "G1 X1 Y1 F6000", "M400"):
+    for line in ("G1 X1 Y1 F6000", "M400"):
         s.host.ok(line)
     s.passes(590)
     assert [s.board.output_value(f"{motor}-enable") for motor in "xy"] == [0, 0]
     s.passes(15)
     assert [s.board.output_value(f"{motor}-enable") for motor in "xy"] == [1, 1]
-    s.passes(1185)
+    for line in ("M140 S40", "G92 X0 Y0", "G1 X2 Y2 F6000", "M400"):
+        s.host.ok(line)
+    s.passes(1790)
     assert s.printer.connection.heaters["bed"].target == 40
+    assert [s.board.output_value(f"{motor}-enable") for motor in "xy"] == [0, 0]
     s.passes(15)
     assert s.printer.connection.heaters["bed"].target == 0
+    assert [s.board.output_value(f"{motor}-enable") for motor in "xy"] == [1, 1]
 
 
 def test_only_the_named_motors_go_off(s):

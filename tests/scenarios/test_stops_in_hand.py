@@ -24,6 +24,27 @@ def test_m112_behind_another_command_halts(s, line):
     assert s.printer.connection.heaters["hotend"].target == 0
 
 
+@pytest.mark.parametrize("line", ["G1 X500 M112", "G1 E5M112", "X500 m0112", "M104 S900 M112"])
+def test_nor_does_it_matter_whether_the_other_one_is_refused(s, line):
+    s.host.ok("G1 X10")
+    s.host.ok(line)
+    s.host.expect("Error:Printer halted: emergency stop by M112", 2)
+
+
+def test_m112_ahead_of_the_line_that_it_stands_in(s):
+    s.host.ok("M104 S150")
+    s.host.send("G4 S60", "M400", "G1 X20 M112")
+    s.passes(1)
+    assert s.printer.halted == "emergency stop by M112"
+
+
+@pytest.mark.parametrize("line", ["M117 M112", "G1 X11 ; M112", "G1 X11 (M112)", "M118 G1 M112"])
+def test_m112_that_is_only_written_of_stops_nothing(s, line):
+    s.host.ok(line)
+    s.passes(2)
+    assert not s.printer.halted
+
+
 def test_m112_in_a_file_halts(tmp_path):
     (tmp_path / "a.g").write_text("G92 X0\nM104 S200\nG1 X5 F600\nM400\nM112\nG1 X50\n")
     with Scenario(card=str(tmp_path)) as s:

@@ -182,6 +182,26 @@ def test_filament_is_guarded_by_the_hotend_of_its_tool(two):
     assert two.host.ok("G1 E2 F600") == ["ok"]
 
 
+def test_cold_filament_is_allowed_to_one_tool_alone(two):
+    two.host.ok("G92 X0 Y0 Z0 E0")
+    two.host.ok("M302 T1 P1")
+    assert "cold extrusion prevented" in two.host.ok("G1 E1 F600")[0]
+    for line, state in (
+        ("M302", "disabled (min temp 170C), but enabled for hotend1"),
+        ("M302 T0", "disabled (min temp 170C)"),
+        ("M302 T1", "enabled (min temp 170C)"),
+    ):
+        assert two.host.ok(line)[0] == f"echo:Cold extrudes are {state}"
+    stored = [line for line in two.host.ok("M503") if "M302" in line]
+    assert stored == ["M302 S170 P0", "M302 T1 P1"]
+    two.host.ok("T1")
+    assert two.host.ok("G1 E2 F600") == ["ok"]
+    two.host.ok("M302 P0")
+    assert "cold extrusion prevented" in two.host.ok("G1 E3 F600")[0]
+    assert two.host.ok("M302 T5 P1")[0].startswith("echo:there is no hotend with number 5")
+    assert "cold extrusion prevented" in two.host.ok("G1 E3 F600")[0]
+
+
 @pytest.mark.parametrize("share", [0.0, 1.0, "erratic"])
 def test_the_heat_that_a_broken_sensor_tells_melts_nothing(share):
     text = config.shipped_text("i3")

@@ -198,6 +198,14 @@ class Boards:
         """As `Connection.set_target`."""
         self.connection_of("heaters", heater).set_target(heater, celsius)
 
+    def switch_heaters_off(self) -> None:
+        """Turns every heater off. One that has failed is off, and keeps its set-point, to be read:
+        only while nothing can rearm it."""
+        for connection in self.connections:
+            for heater in connection.heaters.values():
+                if heater.fault is None:
+                    heater.target = 0.0
+
     def set_sensor(self, heater: str, sensor: Sensor) -> None:
         """As `Connection.set_sensor`."""
         self.connection_of("heaters", heater).set_sensor(heater, sensor)

@@ -159,7 +159,8 @@ class Park(Model):
 
 
 class Idle(Model):
-    """What goes off when nothing has moved and nobody has commanded for so long; 0: nothing."""
+    """What goes off when nothing has moved and nobody has commanded for so long; 0: nothing. Motors
+    stay on while a heater has a target."""
 
     motors_off_s: NotNegative = 600.0
     heaters_off_s: NotNegative = 1800.0

@@ -2,14 +2,28 @@
 
 from __future__ import annotations
 
+import re
 from collections import deque
 
 from passo.console.upload import Upload
+from passo.gcode.dialect import row_of
 from passo.printer.printer import Printer
 from passo.printer.words import Command
 
 RESUMES = ("M24", "M602")
 LIFTS = ("M922", "M999")
+_NO_WORDS = re.compile(r'"[^"]*"|\([^)]*\)')
+_HALT = re.compile(r"M\s*0*112(?![\d.])", re.IGNORECASE)
+
+
+def halts(command: Command) -> bool:
+    """M112, also behind another command of its line, which may be refused."""
+    if command.code == "M112":
+        return True
+    row = row_of(command.code)
+    axis = command.letter not in "GMT"  # of a line that repeats the last move
+    read_as_words = axis if row is None else row.bare is not None
+    return read_as_words and _HALT.search(_NO_WORDS.sub("", command.text)) is not None
 
 
 class Ahead:
@@ -79,7 +93,7 @@ class Ahead:
     def act(self, command: Command) -> None:
         """What such a command does, if it is one."""
         code = command.code
-        if code == "M112":
+        if halts(command):
             self._printer.halt("emergency stop by M112")
         elif code == "M108" or self._answers(command):
             self._printer.go_on()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterator
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING
@@ -14,7 +13,7 @@ from passo.console.upload import Upload
 from passo.errors import CardError, CommandError, PassoError
 from passo.job.runner import Runner, State
 from passo.printer.waits import Handler, Reply, Wait
-from passo.printer.words import Command
+from passo.printer.words import Command, unescaped
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -22,7 +21,6 @@ if TYPE_CHECKING:
 PROGRAMS = {".g", ".gc", ".gco", ".gcode", ".nc", ".ngc", ".cnc", ".tap"}  # listed by M20
 AUTOSTART = "auto0.g"
 _DEEPEST = 8  # directories that M20 goes down
-_ESCAPE = re.compile(rb"\\([0-9A-Fa-f]{2})")
 
 
 class CardCommands:
@@ -137,7 +135,7 @@ class CardCommands:
         except CardError:
             if not letter or name[:1].upper() != letter or len(name) == 1:
                 raise
-            name = _unescaped(name[1:])
+            name = unescaped(name[1:])
             self.card.find(self._place(name))
         return self._place(name)
 
@@ -145,7 +143,7 @@ class CardCommands:
 
     def _list(self, text: str, reply: Reply) -> None:
         if text[:1].upper() == "D":
-            directory = self._place(_unescaped(text[1:]))
+            directory = self._place(unescaped(text[1:]))
             for entry in self.card.list(directory):
                 reply.say(f"{'d' if entry.is_directory else 'f'} {entry.name}")
             return
@@ -175,7 +173,7 @@ class CardCommands:
                     yield shown, entry
 
     def _select(self, text: str, reply: Reply) -> None:
-        letter, rest = text[:1].upper(), _unescaped(text[1:])
+        letter, rest = text[:1].upper(), unescaped(text[1:])
         try:
             path = self._existing(text)
         except CardError:
@@ -273,7 +271,7 @@ class CardCommands:
         if name[:1].upper() != "F" or len(name) == 1 or self._there(self._place(name)):
             return name
         parent = str(PurePosixPath(self._place(name)).parent)
-        return _unescaped(name[1:]) if strict or not self._there(parent) else name
+        return unescaped(name[1:]) if strict or not self._there(parent) else name
 
     def _there(self, path: str) -> bool:
         try:
@@ -354,13 +352,3 @@ def _numbers(text: str) -> dict[str, float]:
 def _unquoted(text: str) -> str:
     name = text.strip()
     return name[1:-1] if len(name) > 1 and name[0] == name[-1] == '"' else name
-
-
-def _unescaped(text: str) -> str:
-    """`\\HH` is the byte of that number, in APrinter's strings: of UTF-8, if all are, else of
-    Latin-1."""
-    raw = _ESCAPE.sub(lambda m: bytes((int(m[1], 16),)), text.strip().encode())
-    try:
-        return raw.decode()
-    except UnicodeDecodeError:
-        return raw.decode("latin-1")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from passo.console.option_table import Option, options
 from passo.errors import CommandError
 from passo.printer.waits import Handler, Reply, Silence, Still, Wait
-from passo.printer.words import Command, numeral
+from passo.printer.words import Command, numeral, unescaped
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -40,7 +40,7 @@ class OptionCommands:
 
     def _named(self, command: Command) -> tuple[Option, str | None]:
         words = {word[0].upper(): word[1:] for word in reversed(command.text.split())}
-        name = words.get("I", "")
+        name = unescaped(words.get("I", ""))
         option = self._options.get(name.lower())
         if option is None:
             raise CommandError.of("option.unknown", value=name or "nothing")

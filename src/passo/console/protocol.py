@@ -25,7 +25,8 @@ _TEXT = re.compile(r"\s*[Mm]11[78](?!\d)")
 
 
 class Line(NamedTuple):
-    """A line to carry out; `number` if it had one. `text` is free of number, checksum, comment."""
+    """A line to carry out; `number` if it had one. `text` is free of number, checksum, comment; its
+    bytes beyond ASCII are escaped as surrogates, which no pattern takes for digits or blanks."""
 
     text: str
     number: int | None = None
@@ -66,7 +67,7 @@ class LineProtocol:
         return found
 
     def _line(self, raw: bytes) -> Line | Refusal | None:
-        text = raw[: LONGEST + 1].decode("ascii", "replace")
+        text = raw[: LONGEST + 1].decode("ascii", "surrogateescape")
         numbered = _NUMBERED.match(text)
         if len(raw) > LONGEST:
             reason = f"format error: line longer than {LONGEST} characters"

@@ -7,12 +7,12 @@ import re
 from collections.abc import Callable
 from typing import Protocol
 
-from passo.console.ahead import LIFTS, RESUMES, Ahead
+from passo.console.ahead import LIFTS, RESUMES, Ahead, halts
 from passo.console.in_hand import Heard, InHand
 from passo.console.protocol import Line, LineProtocol, Refusal
 from passo.console.timers import Timers
 from passo.console.upload import Upload
-from passo.errors import PassoError, in_words
+from passo.errors import CardError, PassoError, in_words
 from passo.printer.drive import MOST_QUEUED
 from passo.printer.printer import Printer
 from passo.printer.waits import Stopped, Wait
@@ -42,6 +42,7 @@ class Wire(Protocol):
 
 def command_of(text: str) -> Command:
     """The command that a line begins with; a name of its own if it has no letter and number."""
+    text = text.encode("ascii", "replace").decode()
     head = _HEAD.match(text)
     if head is None:
         name, _, rest = text.strip().partition(" ")
@@ -77,6 +78,7 @@ class Session:
         self._given_up = 0  # so many of the lines in hand were there when the machine was stopped
         self._overtaken = False  # and so was the line that waits for its turn
         self._working = False  # this console's line has the turn and is under way
+        self._printed = False  # and it is a move with a number: of a print, as far as can be told
         self.closed = False
         self._noted: set[str] = set()
         self._then: Callable[[], None] | None = None  # to call after the last line
@@ -105,7 +107,7 @@ class Session:
                 seen = self._ahead.see(command, line.number, self._upload)
                 self._lines.append((line, command, seen))
             else:
-                if (command := command_of(line.text)).code == "M112":  # no stop waits for a resend
+                if halts(command := command_of(line.text)):  # no stop waits for a resend
                     self._ahead.see(command, line.resend, self._upload)
                 self._lines.append(line)
         if heard and self._resting:
@@ -168,9 +170,12 @@ class Session:
 
     def fail(self, text: str) -> None:
         """A command that was not carried out. Not `Error:`, which makes hosts disconnect; a strict
-        console knows that word."""
+        console knows that word. A host that prints is asked to pause before it sends more: what
+        would follow on a move that is missing spoils the print."""
         self.failed = True
         self.say(("Error:" if self.strict else "echo:") + text)
+        if self._printed:
+            self.say("// action:pause")
 
     def every(self, name: str, seconds: float, action: Callable[[], None] | None) -> None:
         """Calls an action at an interval of host time, in place of the one of that name; 0: no
@@ -215,6 +220,7 @@ class Session:
                 self._acknowledge(None)
                 continue
             line, command, seen = heard
+            self._printed = line.number is not None and bool(_MOVES.match(command.code))
             try:
                 if self._take(line, command, seen=seen, given_up=given_up):
                     return
@@ -238,7 +244,7 @@ class Session:
         stored = not refused and self._stored(line, code)
         text = stored and self._upload is not None and self._upload.takes_all
         # What was to be text for a file has become none; an M999 may have come before an M112.
-        if not text and (not seen or code == "M112"):
+        if not text and (not seen or halts(command)):
             self._ahead.act(command)
         if refused or stored or resumed or self._halted(code):
             return False
@@ -338,7 +344,10 @@ class Session:
         if upload.writer is None:
             return code not in (*_EVEN_AFTER_FAILURE, "M28") and self._dropped(upload, code)
         if upload.log:
-            upload.write(line.text)
+            try:
+                upload.write(line.text)
+            except CardError as error:
+                self.fail(str(error))
             return False
         upload.numbered = upload.numbered or line.number is not None
         if upload.numbered and line.number is None:

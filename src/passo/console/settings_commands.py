@@ -44,6 +44,7 @@ class SettingsCommands:
         controls = self._printer.controls
         yield "Heater sensors", list(controls.sensor_lines())
         yield "Heater PID", list(controls.gain_lines())
+        yield "Heater PID's bounds", list(controls.drive_lines())
         models = list(controls.model_lines())
         if models:
             yield "Heater models", models
@@ -57,7 +58,7 @@ class SettingsCommands:
         idle = f"M84 S{numeral(self._printer.motors.idle_s)}"
         yield "Idle times", [idle, self._printer.person.kill_line()]
         yield "Endstops", [self._printer.endstops.stop_line()]
-        yield "Cold extrusion", [f"M302 S{numeral(heat.cold_c)} P{int(heat.cold_allowed)}"]
+        yield "Cold extrusion", list(heat.cold_lines())
 
     def lines(self) -> Iterator[str]:
         """All settings as commands."""

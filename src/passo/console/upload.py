@@ -23,13 +23,15 @@ class Upload:
         return self.writer is not None and not self.log
 
     def write(self, text: str) -> None:
-        """Takes one line. A failure shows in `finish`."""
+        """Takes one line, byte by byte as it came. Raises CardError with the first that cannot be
+        written; those behind it go nowhere, and `finish` says the same."""
         if self.writer is None or self._failure:
             return
         try:
-            self.writer.write(text.encode("ascii", "replace") + b"\n")
+            self.writer.write(text.encode("ascii", "surrogateescape") + b"\n")
         except CardError as error:
             self._failure = error
+            raise
 
     def lose(self, reason: str) -> None:
         """One of its lines was refused, which `finish` says."""

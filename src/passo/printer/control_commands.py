@@ -204,14 +204,49 @@ class ControlCommands:
     def _limits(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
         name = self.named(words)
-        if set(words) - {"H", "E"}:
+        if set(words) - {"A", "B", "E", "H"}:
             raise CommandError.of("command.fixed", value=f"heaters.{name}")
-        h = self._machine.heaters[name]
+        given = {k: v for k, v in words.items() if k in "AB"}
+        h, old = self._machine.heaters[name], self.control(name)
+        if given:
+            self._set_drive(name, given)
+            return None
+        pid = isinstance(old, _core.PidControl)
+        drive = f" {_drive(old)}" if pid else ""
         reply.say(
-            f"M306 H{self.number_of(name)} L{h.min_c:g} O{h.max_c:g}"
-            f" C{h.max_power * M301_FULL_POWER:g} U{int(h.control.kind == 'pid')} T1"
+            f"M306 H{self.number_of(name)}{drive} L{h.min_c:g} O{h.max_c:g}"
+            f" C{h.max_power * M301_FULL_POWER:g} U{int(pid)} T1"
         )
         return None
+
+    def _set_drive(self, name: str, given: dict[str, float]) -> None:
+        old = self.control(name)
+        if not isinstance(old, _core.PidControl):
+            raise CommandError.of("heat.no-pid", axis=name)
+        for letter, value in given.items():
+            if not 0 <= value <= M301_FULL_POWER:
+                raise CommandError.bad_value(letter, value, f"0 to {M301_FULL_POWER:g}")
+        low = given["A"] / M301_FULL_POWER if "A" in given else old.drive_min
+        high = given["B"] / M301_FULL_POWER if "B" in given else old.drive_max
+        if low > high:
+            least = f"at least A, {numeral(low * M301_FULL_POWER)}"
+            raise CommandError.bad_value("B", high * M301_FULL_POWER, least)
+        self.set_control(
+            name,
+            _core.PidControl(old.kp, old.ki, old.kd, old.filter_s, low, high, old.range_c),
+        )
+
+    def drive_lines(self) -> Iterator[str]:
+        """M306 for each heater whose integral has bounds."""
+        for number, name in self._numbered(()):
+            control = self.control(name)
+            if isinstance(control, _core.PidControl):
+                yield f"M306 H{number} {_drive(control)}"
+
+
+def _drive(control: _core.PidControl) -> str:
+    low, high = control.drive_min * M301_FULL_POWER, control.drive_max * M301_FULL_POWER
+    return f"A{numeral(low)} B{numeral(high)}"
 
 
 def with_gains(old: _core.PidControl, gains: Gains) -> _core.PidControl:

@@ -35,7 +35,7 @@ class HeatCommands:
         self._machine = printer.machine
         self.presets = [Preset(190, 60, 255), Preset(235, 100, 0), Preset(230, 80, 128)]
         self.cold_c = _COLD_C
-        self.cold_allowed = False
+        self._cold_allowed: set[str] = set()  # hotends whose filament may move cold
         self.planned: dict[str, Handler] = {
             "M106": self._fan,
             "M107": self._fan,
@@ -97,18 +97,33 @@ class HeatCommands:
 
     def _cold_extrusion(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
+        meant = set(self._hotends)
+        if "T" in words:
+            meant = {self._printer.commands.heater("hotend", int(words["T"]))}
         if "S" in words:
             if words["S"] < 0:
                 raise CommandError.bad_value("S", words["S"], "0 C or more")
             self.cold_c = words["S"]
-            self.cold_allowed = self.cold_c == 0
+            self._cold_allowed = set(self._hotends) if self.cold_c == 0 else set()
         if "P" in words:
-            self.cold_allowed = words["P"] != 0
-        if not words:
-            state = "enabled" if self.cold_allowed else "disabled"
-            reply.say(f"echo:Cold extrudes are {state} (min temp {self.cold_c:g}C)")
+            self._cold_allowed = self._cold_allowed - meant | (meant if words["P"] else set())
+        if words.keys() <= {"T"}:
+            allowed = meant & self._cold_allowed
+            state = "enabled" if allowed == meant else "disabled"
+            for_some = ""
+            if allowed and allowed != meant:
+                for_some = f", but enabled for {', '.join(sorted(allowed))}"
+            reply.say(f"echo:Cold extrudes are {state} (min temp {self.cold_c:g}C){for_some}")
         self.guard_extrusion()
         return None
+
+    def cold_lines(self) -> Iterable[str]:
+        """M302 as it is set."""
+        every = set(self._hotends) <= self._cold_allowed
+        yield f"M302 S{numeral(self.cold_c)} P{int(every)}"
+        if not every:
+            for name in sorted(self._cold_allowed):
+                yield f"M302 T{self._printer.controls.number_of(name)} P1"
 
     def guard_extrusion(self) -> None:
         """Tells the interpreter which filament may move."""
@@ -129,7 +144,7 @@ class HeatCommands:
         return [n for n, h in self._machine.heaters.items() if h.kind == "hotend"]
 
     def _melts(self, heater: str | None) -> bool:
-        if self.cold_allowed or heater is None:
+        if heater is None or heater in self._cold_allowed:
             return True
         sensed = self._printer.connection.heaters[heater]
         if sensed.celsius < self.cold_c:

@@ -18,7 +18,9 @@ def look_after_idleness(printer: Printer) -> None:
         _cool_hotends(printer)
     if printer.busy() or printer.turn.taken:
         return
-    motors_off = 0 < printer.motors.idle_s < idle_s and bool(printer.motors.on)
+    # Where something is kept warm a host may only have paused: its print must not lose its place.
+    warm = any(heater.target > 0 for heater in printer.connection.heaters.values())
+    motors_off = 0 < printer.motors.idle_s < idle_s and bool(printer.motors.on) and not warm
     if printer.commands.lit and (idle_s > LASER_OFF_S or motors_off):
         printer.laser_off()
         printer.tell("echo:Laser off after standing idle; M3 switches it on again")

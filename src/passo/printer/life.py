@@ -127,8 +127,7 @@ class Life:
     def _make_safe(self) -> None:
         """The board may only have been silent for a moment: it must not go on when it is back."""
         printer = self._printer
-        for name in printer.heaters:
-            printer.connection.set_target(name, 0.0)
+        printer.connection.switch_heaters_off()
         printer.connection.stop_job()
         printer.connection.emergency_stop()
 

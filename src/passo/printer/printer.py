@@ -262,8 +262,7 @@ class Printer:
         self.halted = reason.rstrip(".")
         self.failures += 1
         self.cooled_c.clear()
-        for name in self.heaters:
-            self.connection.set_target(name, 0.0)
+        self.connection.switch_heaters_off()
         self.connection.emergency_stop()
         self.drive.await_answer()
 
@@ -380,8 +379,9 @@ class Printer:
         return self.job.queued <= MOST_QUEUED if self.busy() else not self.drive.full
 
     def answers_halted(self, code: str) -> bool:
-        """A halted printer carries such a command out: it acts at once, and not on the plan."""
-        return code in self.immediate and code not in self.motion.immediate
+        """A halted printer carries such a command out: it acts at once, and not on the plan. What
+        has halted it is not rearmed; M999 begins anew, cold."""
+        return code in self.immediate and code not in self.motion.immediate and code != "M922"
 
     def beside(self, reply: Reply) -> bool:
         """Who asks is not the one whose moves are planned: a console beside a print from the card,

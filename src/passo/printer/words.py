@@ -11,6 +11,7 @@ from passo.gcode.dialect import row_of
 
 _WORD = re.compile(r"([A-Z])\s*(?:([-+]?(?:\d+\.?\d*|\.\d+))|(\"[^\"]*\")|(nan)\b)?", re.IGNORECASE)
 _PAIR = re.compile(r"([^\s=]+)(?:\s*=\s*(\"[^\"]*\"|(?![^\s=]+\s*=)\S+)?)?")
+_ESCAPE = re.compile(rb"\\([0-9A-Fa-f]{2})")
 LARGEST = 1e9  # as in the words of moves
 
 
@@ -78,3 +79,13 @@ def words_of(text: str) -> list[tuple[str, float]]:
         for m in _WORD.finditer(text)
         if m[2] is not None and abs(number := float(m[2])) <= LARGEST
     ]
+
+
+def unescaped(text: str) -> str:
+    """`\\HH` is the byte of that number, in APrinter's strings: of UTF-8, if all are, else of
+    Latin-1."""
+    raw = _ESCAPE.sub(lambda m: bytes((int(m[1], 16),)), text.strip().encode())
+    try:
+        return raw.decode()
+    except UnicodeDecodeError:
+        return raw.decode("latin-1")
