@@ -197,12 +197,24 @@ void bind_heater(nb::module_& m) {
       },
       "converter"_a, "low"_a, "high"_a,
       "The least and the greatest word between two shares of full scale, from 0 on.");
+  nb::class_<Arrival>(m, "Arrival",
+                      "When a target is reached: within `window_c` for `seconds`, which begin anew "
+                      "beyond `leaves_c`.")
+      .def(
+          "__init__",
+          [](Arrival* self, double window_c, double leaves_c, double seconds) {
+            new (self) Arrival{window_c, leaves_c, seconds};
+          },
+          "window_c"_a = 1.0, "leaves_c"_a = 3.0, "seconds"_a = 10.0)
+      .def_ro("window_c", &Arrival::window_c)
+      .def_ro("leaves_c", &Arrival::leaves_c)
+      .def_ro("seconds", &Arrival::seconds);
   nb::class_<HeaterOptions>(m, "HeaterOptions")
       .def(
           "__init__",
           [](HeaterOptions* self, uint32_t sensor_oid, uint32_t output_oid, bool pwm, uint32_t full,
              uint32_t adc_full, const SensorQuery& query, double longest_s, double max_power,
-             double tolerance_c, const Points& celsius, double low_share, double high_share,
+             const Arrival& arrival, const Points& celsius, double low_share, double high_share,
              bool open_is_high, const Control& control, const ProtectionLimits& limits,
              const std::optional<HeatModel>& model, int32_t fan_target, double fan_full,
              bool inverted, heat::Converter converter, uint32_t spi_oid,
@@ -213,7 +225,7 @@ void bind_heater(nb::module_& m) {
                               pwm,          full,
                               adc_full,     query,
                               longest_s,    max_power,
-                              tolerance_c,  heat::Curve(celsius),
+                              arrival,      heat::Curve(celsius),
                               low_share,    high_share,
                               open_is_high, control,
                               limits,       model,
@@ -222,10 +234,10 @@ void bind_heater(nb::module_& m) {
                               spi_oid,      wire::Bytes(clears, clears + clears_faults.size())};
           },
           "sensor_oid"_a, "output_oid"_a, "pwm"_a, "full"_a, "adc_full"_a, "query"_a, "longest_s"_a,
-          "max_power"_a, "tolerance_c"_a, "celsius"_a, "low_share"_a, "high_share"_a,
-          "open_is_high"_a, "control"_a, "limits"_a, "model"_a.none(), "fan_target"_a = -1,
-          "fan_full"_a = 1.0, "inverted"_a = false, "converter"_a = heat::Converter::none,
-          "spi_oid"_a = 0, "clears_faults"_a = nb::bytes(""),
+          "max_power"_a, "arrival"_a, "celsius"_a, "low_share"_a, "high_share"_a, "open_is_high"_a,
+          "control"_a, "limits"_a, "model"_a.none(), "fan_target"_a = -1, "fan_full"_a = 1.0,
+          "inverted"_a = false, "converter"_a = heat::Converter::none, "spi_oid"_a = 0,
+          "clears_faults"_a = nb::bytes(""),
           "longest_s: how long the board leaves the power on without being told.\n"
           "fan_target: index of the fan's output among the link's pins.");
   nb::class_<Heater>(m, "Heater", "A heater loop beside the link.")
@@ -235,7 +247,11 @@ void bind_heater(nb::module_& m) {
       .def_prop_rw("target", &held<&Heater::target>, &held<&Heater::set_target, double>)
       .def_prop_ro("power", &held<&Heater::power>)
       .def_prop_ro("max_power", [](const Heater& h) { return h.options().max_power; })
-      .def_prop_ro("reached", &held<&Heater::reached>)
+      .def_prop_ro("reached", &held<&Heater::reached>,
+                   "It has been at its target, since that was set.")
+      .def_prop_ro("settled", &held<&Heater::settled>,
+                   "It has been at its target for as long as who waits for it wants.")
+      .def_prop_ro("arrival", [](const Heater& h) { return h.options().arrival; })
       .def_prop_ro("terms", &held<&Heater::terms>)
       .def_prop_ro("control", &held<&Heater::control>)
       .def("set_control", &held<&Heater::set_control, const Control&>, "control"_a,

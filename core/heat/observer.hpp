@@ -60,9 +60,7 @@ class Observer {
   // Share of full power that would keep the body at `celsius` as things are.
   double holding(double celsius) const { return loss_ * (celsius - room_) / m_.rise_c; }
   // The part of it that the fan takes, in a room as the model has it.
-  double blown(double celsius) const {
-    return (loss_ - 1) * (celsius - m_.ambient_c) / m_.rise_c;
-  }
+  double blown(double celsius) const { return (loss_ - 1) * (celsius - m_.ambient_c) / m_.rise_c; }
   // Share of full power that the readings show beyond (below) what the model expects.
   double unexplained() const { return loss_ * (room_ - m_.ambient_c) / m_.rise_c; }
 

@@ -34,13 +34,16 @@ class Pid {
     known_ = true;
     if (r.target <= 0) {
       i_ = o_.drive_min;
-      fan_ = 0;
+      fan_ = target_ = 0;
       terms_ = {};
       return 0;
     }
     double error = r.target - r.celsius;
     double low = std::min(o_.drive_min, r.max_power), high = std::min(o_.drive_max, r.max_power);
-    if (error < -o_.range_c) i_ = low;
+    // What holds one target holds another one in proportion to how much warmer than a room it is.
+    if (target_ > kRoom && r.target > kRoom && r.target != target_)
+      i_ *= (r.target - kRoom) / (target_ - kRoom);
+    target_ = r.target;
     // The integral would find out in time what the fan takes; it need not wait for the sensor.
     double fan = r.body ? r.body->blown(r.target) : 0;
     i_ = std::clamp(i_ + fan - std::exchange(fan_, fan), low, high);
@@ -63,11 +66,13 @@ class Pid {
 
  private:
   static constexpr double kApproachSeconds = 30;
+  static constexpr double kRoom = 25;  // °C
   static constexpr double kTrend = 4;  // filters of the derivative: beyond the ADC's steps
 
   PidControl o_;
   double before_ = 0, rate_ = 0, trend_ = 0, near_s_ = 0, i_ = 0;
-  double fan_ = 0;  // the part of the integral that the fan takes
+  double target_ = 0;  // that the integral belongs to
+  double fan_ = 0;     // the part of it that the fan takes
   bool known_ = false;
   Terms terms_;
 

@@ -3,6 +3,7 @@
 // lets the board switch the heater off.
 #pragma once
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <deque>
 #include <mutex>
@@ -23,15 +24,22 @@ struct SensorQuery {
   uint32_t sample_ticks, sample_count, rest_ticks, minimum, maximum, range_checks;
 };
 
+// When a target is reached: within `window_c` for the first time, and for good after so many
+// seconds of it, unless the temperature leaves it by more than `leaves_c`: then they begin anew
+// (StuFW's rule, which is Marlin's).
+struct Arrival {
+  double window_c = 1, leaves_c = 3, seconds = 10;
+};
+
 struct HeaterOptions {
   uint32_t sensor_oid, output_oid;
   bool pwm;           // queue_pwm_out, else queue_digital_out
   uint32_t full;      // value of full power: PWM_MAX, or the ticks of the software PWM's cycle
   uint32_t adc_full;  // a report of the sensor at the ADC's full scale
   SensorQuery query;
-  double longest_s;              // without being told the board leaves the power on for so long
-  double max_power;              // 0…1
-  double tolerance_c;            // a target is reached within it
+  double longest_s;  // without being told the board leaves the power on for so long
+  double max_power;  // 0…1
+  Arrival arrival;
   heat::Curve celsius;           // share of full scale → °C
   double low_share, high_share;  // beyond them the sensor is broken …
   bool open_is_high;             // … and open above the one, shorted below the other, or vice versa
@@ -71,12 +79,15 @@ class Heater {
   double target() const { return target_; }
   double power() const { return power_; }
   const heat::Terms& terms() const { return controller_.terms(); }
-  // True from the first report within the tolerance of the target on, until the target changes.
+  // True from the first report in the target's window on, until the target changes.
   bool reached() const { return reached_; }
+  // It has stayed there for as long as who waits for it wants.
+  bool settled() const { return near_s_ && *near_s_ >= o_.arrival.seconds; }
+  const Arrival& arrival() const { return o_.arrival; }
   // While there is a fault the target is kept, but nothing heats.
   void set_target(double celsius) {
     double wanted = celsius > 0 ? celsius : 0;  // nor does anything heat to what is no number
-    if (wanted != target_) reached_ = false;
+    if (wanted != target_) leave();
     target_ = wanted;
   }
 
@@ -122,7 +133,7 @@ class Heater {
   // Lets a faulty heater heat again, to the target that it kept.
   void rearm() {
     fault_ = {};
-    reached_ = false;
+    leave();
     protection_.restart();
     if (body_) body_->restart();  // what it took for heat were the readings of a broken sensor
   }
@@ -130,7 +141,7 @@ class Heater {
   // The board has gone on alone, with no more power than what keeps the heater warm.
   void interrupted() {
     clock_.reset();
-    reached_ = false;
+    leave();
     protection_.interrupted();
     if (body_) body_->restart();
   }
@@ -164,8 +175,7 @@ class Heater {
     double target = faulty() ? 0 : target_;
     double power =
         controller_.update({celsius_, target, dt, o_.max_power, body_ ? &*body_ : nullptr});
-    if (target > 0 && celsius_ >= target - o_.tolerance_c && celsius_ <= target + o_.tolerance_c)
-      reached_ = true;
+    arrive(target, dt);
     keeping_ = reached_ ? keeping_ + (power - keeping_) * std::min(1.0, dt / kKeepingSeconds) : 0;
     bool send = power > 0 || power_ > 0 || failed;  // a heater that is on must be renewed
     power_ = power;
@@ -200,9 +210,29 @@ class Heater {
   std::deque<HeatSample> samples_;
   double target_ = 0, celsius_ = 0, power_ = 0, fan_ = 0, keeping_ = 0;
   uint32_t fan_value_ = 0;
-  std::optional<Ticks> clock_;  // of the last report
+  std::optional<Ticks> clock_;    // of the last report
+  std::optional<double> near_s_;  // so long it has been near its target
+  double off_ = 0;                // from its target, with the last report; 0 if there was none
   bool reached_ = false, news_ = false, wide_ = false, new_net_ = false;
 
+  void leave() {
+    reached_ = false;
+    near_s_.reset();
+    off_ = 0;
+  }
+  void arrive(double target, double dt) {
+    if (target <= 0) return leave();
+    double off = celsius_ - target, away = std::fabs(off);
+    bool crossed = off * std::exchange(off_, off) < 0;  // a coarse sensor steps over the window
+    if (away > o_.arrival.leaves_c) {
+      near_s_.reset();
+    } else if (near_s_) {
+      *near_s_ += dt;
+    } else if (away <= o_.arrival.window_c || crossed) {
+      near_s_ = 0;
+      reached_ = true;
+    }
+  }
   // A relay swings around its target: only being on the way up can be judged by the target.
   double heating_target() const {
     bool tuning = std::holds_alternative<heat::RelayControl>(control());

@@ -282,8 +282,24 @@ def converter_words(converter: Converter, low: float, high: float) -> tuple[int,
     The least and the greatest word between two shares of full scale, from 0 on.
     """
 
+class Arrival:
+    """
+    When a target is reached: within `window_c` for `seconds`, which begin anew beyond `leaves_c`.
+    """
+
+    def __init__(self, window_c: float = 1.0, leaves_c: float = 3.0, seconds: float = 10.0) -> None: ...
+
+    @property
+    def window_c(self) -> float: ...
+
+    @property
+    def leaves_c(self) -> float: ...
+
+    @property
+    def seconds(self) -> float: ...
+
 class HeaterOptions:
-    def __init__(self, sensor_oid: int, output_oid: int, pwm: bool, full: int, adc_full: int, query: SensorQuery, longest_s: float, max_power: float, tolerance_c: float, celsius: Sequence[tuple[float, float]], low_share: float, high_share: float, open_is_high: bool, control: PidControl | OnOffControl | ModelControl | RelayControl, limits: ProtectionLimits, model: HeatModel | None, fan_target: int = -1, fan_full: float = 1.0, inverted: bool = False, converter: Converter = Converter.NONE, spi_oid: int = 0, clears_faults: bytes = ...) -> None:
+    def __init__(self, sensor_oid: int, output_oid: int, pwm: bool, full: int, adc_full: int, query: SensorQuery, longest_s: float, max_power: float, arrival: Arrival, celsius: Sequence[tuple[float, float]], low_share: float, high_share: float, open_is_high: bool, control: PidControl | OnOffControl | ModelControl | RelayControl, limits: ProtectionLimits, model: HeatModel | None, fan_target: int = -1, fan_full: float = 1.0, inverted: bool = False, converter: Converter = Converter.NONE, spi_oid: int = 0, clears_faults: bytes = ...) -> None:
         """
         longest_s: how long the board leaves the power on without being told.
         fan_target: index of the fan's output among the link's pins.
@@ -312,7 +328,15 @@ class Heater:
     def max_power(self) -> float: ...
 
     @property
-    def reached(self) -> bool: ...
+    def reached(self) -> bool:
+        """It has been at its target, since that was set."""
+
+    @property
+    def settled(self) -> bool:
+        """It has been at its target for as long as who waits for it wants."""
+
+    @property
+    def arrival(self) -> Arrival: ...
 
     @property
     def terms(self) -> HeatTerms: ...

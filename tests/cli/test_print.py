@@ -53,9 +53,9 @@ def test_the_example_on_the_i3(capsys, unpacked):
 
 
 GOLDEN = {
-    ("demo", "i3"): "12c689018ac30885",
-    ("gear_arcs", "mk3s"): "fa1bab0c517769f6",
-    ("plate_toolchanger", "dual-extruder"): "f4df9f36a5731a93",
+    ("demo", "i3"): "cd534b5fa7fabc46",
+    ("gear_arcs", "mk3s"): "eaa9b37e5604e29f",
+    ("plate_toolchanger", "dual-extruder"): "79c65a015ad8b038",
 }
 
 

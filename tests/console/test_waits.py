@@ -152,7 +152,7 @@ def test_a_fault_in_what_is_waited_for_halts(s, monkeypatch):
     s.passes(1)
     s.host._read = len(s.host.heard)
     heater = type(s.printer.connection.heaters["hotend"])
-    monkeypatch.setattr(heater, "reached", property(lambda _: broken()), raising=True)
+    monkeypatch.setattr(heater, "settled", property(lambda _: broken()), raising=True)
     s.host.expect(FAULT, 3)
     s.host.expect("^ok", 1)
     s.host.expect("^Error:Printer halted: a fault of the program", 1)

@@ -36,6 +36,24 @@ def test_it_settles_without_overshoot_and_in_the_wind(name, target):
     assert oven.faults == []
 
 
+@pytest.mark.parametrize("name", CONTROLS)
+@pytest.mark.parametrize(
+    ("before", "target", "within_s"),
+    [(200, 150, 60), (240, 200, 45), (150, 200, 45), (200, 205, 30)],
+)
+def test_another_target_is_held_as_well(name, before, target, within_s):
+    oven = Oven(CONTROLS[name])
+    oven.heat(before)
+    oven.run(200)
+    oven.heat(target)
+    begin = oven.now_s
+    rows = oven.run(150)
+    first = next(s for s, body, _, _ in rows if abs(body - target) < 1)
+    assert all(abs(body - target) < 2.0 for s, body, _, _ in rows if s > first)
+    assert all(abs(body - target) < 0.5 for s, body, _, _ in rows if s > begin + within_s)
+    assert oven.faults == []
+
+
 def test_a_fan_that_is_not_known_is_felt_by_the_sensor():
     model = "model = { rise_c = 380.0, time_constant_s = 120.0, fan_loss = 0.0 }"
     oven = Oven(f"{CONTROLS['pid']}\n{model}")

@@ -19,7 +19,7 @@ def heater(s, name="hotend"):
 
 def test_a_wait_ends_when_the_temperature_is_there(s):
     assert s.host.ok("M109 S200", 300)[-1] == "ok"
-    assert heater(s).celsius == pytest.approx(200, abs=2.1)
+    assert heater(s).celsius == pytest.approx(200, abs=1.1)
     s.passes(60)
     assert heater(s).celsius == pytest.approx(200, abs=0.5)
 
@@ -76,7 +76,7 @@ def test_m190_r_waits_for_cooling_too(s):
     s.host.ok("M190 S50", 5)  # hotter already
     s.host.ok("M190 R50", 900)
     assert s.loop.time() - start > 10
-    assert heater(s, "bed").celsius == pytest.approx(50, abs=2.1)
+    assert heater(s, "bed").celsius == pytest.approx(50, abs=1.1)
 
 
 def test_what_cools_no_further_is_not_waited_for(s):
@@ -96,7 +96,7 @@ def test_what_cools_no_further_is_not_waited_for(s):
     assert s.loop.time() - start > 300
     assert heater(s, "bed").celsius < 36
     s.host.ok("M190 R60", 300)  # one that is too cold warms up
-    assert heater(s, "bed").celsius == pytest.approx(60, abs=2.1)
+    assert heater(s, "bed").celsius == pytest.approx(60, abs=1.1)
 
 
 @pytest.mark.parametrize("line", ["M190 F S40", "M191 S40 F", "M109 F S40"])
@@ -105,15 +105,15 @@ def test_waits_take_the_f_of_settings(line):
     with Scenario(config.load_text(text) if "M191" in line else "i3") as s:
         name = "hotend" if "M109" in line else "bed"
         assert s.host.ok(line, 300)[-1].startswith("ok")
-        assert heater(s, name).celsius == pytest.approx(40, abs=2.1)
+        assert heater(s, name).celsius == pytest.approx(40, abs=1.1)
 
 
 def test_m116_waits_for_all_that_it_names(s):
     s.host.ok("M104 S60")
     s.host.ok("M140 S40")
     s.host.ok("M116 T0 B0", 300)
-    assert heater(s).celsius == pytest.approx(60, abs=2.1)
-    assert heater(s, "bed").celsius == pytest.approx(40, abs=2.1)
+    assert heater(s).celsius == pytest.approx(60, abs=1.1)
+    assert heater(s, "bed").celsius == pytest.approx(40, abs=1.1)
     assert "there is no bed with number 1" in s.host.ok("M116 B1")[0]
 
 

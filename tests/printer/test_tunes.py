@@ -219,7 +219,7 @@ def test_the_bounds_of_an_integral_are_settings(tmp_path):
         for line, says in (
             ("M306 H0 B256", "B is 256: expected 0 to 255"),
             ("M306 H0 A-1", "A is -1: expected 0 to 255"),
-            ("M306 H0 B20", "B is 20: expected at least A, 25.5"),
+            ("M306 H0 B20", "B is 20: expected more than A, 25.5"),
             ("M306 H0 O400", "heaters.hotend is fixed while the printer runs"),
         ):
             assert s.host.ok(line)[0].startswith(f"echo:{says}")

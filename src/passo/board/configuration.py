@@ -247,7 +247,7 @@ def heater_options(
         query=sensor_query(board, sensor, dictionary),
         longest_s=output.max_duration_ticks / board.clock_hz,
         max_power=heater.max_power,
-        tolerance_c=heater.tolerance_c,
+        arrival=heater.arrival,
         celsius=table,
         low_share=table[0][0],
         high_share=table[-1][0],

@@ -132,7 +132,7 @@ class Heater:
 
     `limits` are its protections; one of them, the model deviation, needs a `model` of what is
     heated (that of a model-predictive `control` is known without). `fan` names the output that
-    cools it, for the model. A target is reached within `tolerance_c`.
+    cools it, for the model. `arrival` says when a target is reached.
     """
 
     name: str
@@ -143,7 +143,7 @@ class Heater:
     model: _core.HeatModel | None = None
     fan: str | None = None
     max_power: float = 1.0
-    tolerance_c: float = 2.0
+    arrival: _core.Arrival = field(default_factory=_core.Arrival)
 
 
 @dataclass(frozen=True, slots=True)

@@ -87,6 +87,16 @@ class Protection(Model):
     deviation_s: Positive = 30.0
 
 
+class Arrival(Model):
+    """Who waits for a target goes on `seconds` after the temperature has come within `window_c` of
+    it; when it leaves it by more than `leaves_c`, they begin anew. `seconds` is 10 unless given,
+    and 0 for a bang-bang control, which swings."""
+
+    window_c: Positive = 1.0
+    leaves_c: Positive = 3.0
+    seconds: NotNegative | None = None
+
+
 class SimulatedHeat(Model):
     """How the heater behaves on a simulated printer: a first-order body under a first-order sensor.
 
@@ -124,6 +134,7 @@ class Heater(Model):
     control: AnyControl = Field(default_factory=PidControl)
     model: HeatModel | None = None
     protection: Protection = Field(default_factory=Protection)
+    arrival: Arrival = Field(default_factory=Arrival)
     on_fault: Literal["machine", "job", "heater"] = "machine"
     simulated: SimulatedHeat
 

@@ -36,6 +36,13 @@ def check_heaters(data: Raw) -> Iterator[Finding]:
         if least is not None and least >= (1.0 if most is None else most):
             limit = "a share of power below drive_max"
             yield Finding("config.value", (*path, "control", "drive_min"), least, limit)
+        arrival = table(heater, "arrival")
+        window, leaves = number(arrival, "window_c"), number(arrival, "leaves_c")
+        if (3.0 if leaves is None else leaves) < (1.0 if window is None else window):
+            value = window if leaves is None else leaves
+            key = "window_c" if leaves is None else "leaves_c"
+            limit = "at most leaves_c, 3" if leaves is None else "at least window_c"
+            yield Finding("config.value", (*path, "arrival", key), value, limit)
         yield from _check_points((*path, "sensor"), table(heater, "sensor"))
 
 

@@ -150,24 +150,30 @@ def _heater(printer: Printer, name: str) -> Iterator[Option]:
     if config.kind == "hotend":
         yield Option(f"{prefix}MinExtrusionTemp", lambda: printer.heat.cold_c, "M302 S{}")
     wired = next(h for h in printer.connection.board.heaters if h.name == name)
-    yield Option(f"{prefix}ObserverTolerance", lambda: wired.tolerance_c)
+    yield Option(f"{prefix}ObserverInterval", lambda: SENSOR_PERIOD_S)
+    yield Option(f"{prefix}ObserverTolerance", lambda: wired.arrival.window_c)
+    yield Option(f"{prefix}ObserverMinTime", lambda: wired.arrival.seconds)
     if config.control.kind != "pid":
         return
-    low, high = config.control.drive_min, config.control.drive_max
-    yield Option(f"{prefix}PidIStateMin", lambda: low)
-    yield Option(f"{prefix}PidIStateMax", lambda: high)
+    for suffix, letter, key in (("Min", "A", "drive_min"), ("Max", "B", "drive_max")):
+        yield Option(
+            f"{prefix}PidIState{suffix}",
+            lambda key=key: _of_pid(printer, name, key),
+            "" if number is None else f"M306 H{number} {letter}{{}}",
+            M301_FULL_POWER,
+        )
     share = config.control.filter_s / (SENSOR_PERIOD_S + config.control.filter_s)
     yield Option(f"{prefix}PidDHistory", lambda: share)
     for letter, key in (("P", "kp"), ("I", "ki"), ("D", "kd")):
         yield Option(
             f"{prefix}Pid{letter}",
-            lambda key=key: _gain(printer, name, key),
+            lambda key=key: _of_pid(printer, name, key),
             "" if number is None else f"M301 H{number} {letter}{{}}",
             M301_FULL_POWER,
         )
 
 
-def _gain(printer: Printer, name: str, key: str) -> float:
+def _of_pid(printer: Printer, name: str, key: str) -> float:
     control = printer.controls.control(name)
     return float(getattr(control, key)) if isinstance(control, _core.PidControl) else 0.0
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from passo import _core
 from passo.config.heat import BangBangControl, Heater, ModelControl
 
+_SETTLES_S = 10.0
 _HOTEND_WATCH_S = 20.0
 _SLOW_WATCH_S = 90.0  # a bed near the end of what it can do gains 2 °C in a minute
 
@@ -44,6 +45,13 @@ def pid_gains(model: _core.HeatModel) -> tuple[float, float, float]:
     lag = model.sensor_lag_s
     kp = model.time_constant_s / model.rise_c / (2 * lag)
     return kp, kp / (8 * lag), 0.0
+
+
+def arrival_of(heater: Heater) -> _core.Arrival:
+    """When its target is reached."""
+    a, swings = heater.arrival, isinstance(heater.control, BangBangControl)
+    usual_s = 0.0 if swings else _SETTLES_S
+    return _core.Arrival(a.window_c, a.leaves_c, usual_s if a.seconds is None else a.seconds)
 
 
 def limits_of(heater: Heater) -> _core.ProtectionLimits:

@@ -209,7 +209,7 @@ class Print:
 
     def _on_its_way(self, name: str) -> bool:
         heater = self.connection.heaters[name]
-        late = not heater.reached and heater.celsius < heater.target
+        late = not heater.settled and heater.celsius <= heater.target + heater.arrival.window_c
         return heater.target > 0 and late and heater.fault is None
 
     def _goes_on_without(self, name: str) -> bool:

@@ -228,8 +228,8 @@ class ControlCommands:
                 raise CommandError.bad_value(letter, value, f"0 to {M301_FULL_POWER:g}")
         low = given["A"] / M301_FULL_POWER if "A" in given else old.drive_min
         high = given["B"] / M301_FULL_POWER if "B" in given else old.drive_max
-        if low > high:
-            least = f"at least A, {numeral(low * M301_FULL_POWER)}"
+        if low >= high:
+            least = f"more than A, {numeral(low * M301_FULL_POWER)}"
             raise CommandError.bad_value("B", high * M301_FULL_POWER, least)
         self.set_control(
             name,

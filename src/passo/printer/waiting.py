@@ -168,12 +168,18 @@ class Waiting:
         told_s = now()
         cooling = {name: _Cooling(name, reply) for name in heaters}
 
+        cools: dict[tuple[str, float], bool] = {}  # was it too warm for that target?
+
         def on_its_way(name: str, h: Heater) -> bool:
-            if h.target <= 0 or h.reached:
+            if h.target <= 0 or h.settled:
                 return False
-            if not h.target <= h.celsius <= h.limits.max_c:
+            above = h.target + h.arrival.window_c < h.celsius <= h.limits.max_c
+            began_above = cools.setdefault((name, h.target), above)
+            if not above:
                 return True
-            return wait.cooling and cooling[name].goes_on(printer.drive.now_s, h.celsius)
+            if began_above and not wait.cooling:
+                return False
+            return cooling[name].goes_on(printer.drive.now_s, h.celsius)
 
         def there() -> bool:
             nonlocal told_s

@@ -27,7 +27,7 @@ from passo.config.sensor_tables import (
     sensor_table,
     share_at,
 )
-from passo.heat.control import control_of, limits_of, model_of
+from passo.heat.control import arrival_of, control_of, limits_of, model_of
 from passo.printer.beeper import most_ticks
 from passo.printer.driver_wiring import (
     converter_wires,
@@ -164,6 +164,7 @@ def _heater(name: str, heater: HeaterConfig) -> Heater:
         model=model_of(heater),
         fan=heater.fan,
         max_power=heater.max_power,
+        arrival=arrival_of(heater),
     )
 
 
