@@ -1,0 +1,156 @@
+"""M1000 after the power has gone at any moment: what it prints begins where the print was cut off,
+or a little before, and ends as if nothing had happened."""
+
+import random
+import re
+import shutil
+from bisect import bisect_right
+
+import pytest
+from tests.console.scenario import Scenario
+from tests.job.test_journal import journal_of
+
+from passo import config
+from passo.console.recovery_commands import EVERY_S
+from passo.printer.drive import TICK_S
+
+BEFORE, CUTS = 10, 50  # of each machine: while it homes and warms up, and while it prints
+HORIZON_S = EVERY_S + 2 * TICK_S  # between two records, each noticed a tick late at most
+SPEED_MM_S = 50.0
+FILAMENT = 0.05  # mm by mm of path
+SIDES_MM = (12.0, 8.0, -12.0, -8.0)  # of a ring: along X, Y, X and Y
+RINGS = (6, 1)  # of the two parts of a layer; six take longer than a horizon
+HOP_MM = 0.4  # from one part to the other
+LAYERS = 3
+PRIME_MM = 5.0  # see Park
+STEP_MM = 1 / 80  # the coarsest of these machines
+HEAD = ["M302 P1", "G28", "M109 S45", "M106 S128", "G92 E0", "G1 X10 Y10 Z5 F3000"]
+
+
+def rings():
+    """A file, and where each of its lines that moves ends: X, Y, Z and E by its number."""
+    lines, ends = HEAD[:], {len(HEAD): (10.0, 10.0, 5.0, 0.0)}
+    e = 0.0
+
+    def add(text, *end):
+        lines.append(text)
+        ends[len(lines)] = end
+
+    for layer in range(1, LAYERS + 1):
+        z = round(0.2 * layer, 1)
+        for part, high in enumerate((z, z + HOP_MM)):
+            x, y, _, _ = ends[len(lines)]
+            add(f"G1 Z{high:.1f} F600", x, y, high, e)
+            x = y = 10.0 + 20.0 * part
+            add(f"G1 X{x} Y{y} F9000", x, y, high, e)
+            add(f"G1 Z{z} F600", x, y, z, e)
+            for at in range(4 * RINGS[part]):
+                mm = SIDES_MM[at % 4] * (1 - at // 4 / 8)  # each ring within the one before
+                x, y = (x, y + mm) if at % 2 else (x + mm, y)
+                e = round(e + abs(mm) * FILAMENT, 3)
+                add(f"G1 X{x} Y{y} E{e} F{60 * SPEED_MM_S}", x, y, z, e)
+    return "".join(f"{line}\n" for line in lines), ends
+
+
+TEXT, ENDS = rings()
+
+
+class Cuts:
+    """One print of a machine, and what the power would leave of it at random instants: what is on
+    the disk, and where the motors are."""
+
+    def __init__(self, name, directory):
+        self.machine, self.directory = config.load(name), directory
+        (directory / "card").mkdir()
+        (directory / "card" / "rings.gcode").write_text(TEXT)
+        self.starts, self.clocks, self.left = [], [], []
+        with self.printer("whole") as s:
+            s.host.ok("M32 rings.gcode")
+            begun = s.loop.time()
+            assert s.until(lambda: self.filament(s) > 0, 100)
+            prints, ends = s.loop.time() - begun, self.ended(s) - begun
+            self.end = s.positions()
+            self.targets = {n: h.target for n, h in s.printer.connection.heaters.items()}
+        generator = random.Random(name)
+        instants = [generator.uniform(0, prints) for _ in range(BEFORE)]
+        instants += [generator.uniform(prints, ends) for _ in range(CUTS)]
+        with self.printer("cut") as s:
+            s.printer.job.keep_moves(True)
+            s.host.ok("M32 rings.gcode")
+            begun = s.loop.time()
+            for number, instant in enumerate(sorted(instants)):
+                s.passes(begun + instant - s.loop.time())
+                shutil.copytree(directory / "cut", directory / str(number))
+                self.left.append((s.positions(), self.filament(s)))
+                self.clocks.append(s.printer.drive.now)
+                self.starts += [
+                    (m.core.start_ticks if hasattr(m, "core") else m.start_ticks, m.line)
+                    for m in s.printer.job.take_moves()
+                    if m.line
+                ]
+            self.hz = s.printer.drive.hz
+
+    def printer(self, state):
+        places = {"card": self.directory / "card", "state": self.directory / state}
+        return Scenario(self.machine, **{name: str(path) for name, path in places.items()})
+
+    def filament(self, s):
+        return sum(s.positions()[name] for name in self.machine.extruders)
+
+    def nozzle(self, s):
+        """Where it is, by the motors."""
+        geometry, motors = self.machine.geometry, s.positions()
+        return geometry.forward(tuple(motors[name] for name in geometry.actuators))
+
+    def ended(self, s):
+        """The loop's time at the end of the print."""
+        s.host.expect("Done printing", 100)
+        return s.loop.time()
+
+    def line_at(self, number, ago_s):
+        """The line whose move was under way so long before a cut; 0: none."""
+        clock = self.clocks[number] - ago_s * self.hz
+        at = bisect_right(self.starts, (clock, len(TEXT)))
+        return self.starts[at - 1][1] if at else 0
+
+
+def goes_on(cuts, number):
+    """The print after a cut; returns the line that it has gone on with, 0 for its beginning."""
+    left, pushed = cuts.left[number]
+    with cuts.printer(str(number)) as s:
+        for stepper in cuts.machine.geometry.actuators:
+            s.board.place(stepper, left[stepper])
+        s.host.send("M1000")
+        answer = s.host.expect("echo:Printing rings.gcode from", 100)
+        found = re.search(r" from line (\d+)$", answer)
+        line = int(found[1]) if found else 0
+        assert cuts.line_at(number, HORIZON_S) <= line <= cuts.line_at(number, 0), number
+        begins = 0.0
+        if line:
+            *place, begins = ENDS.get(line - 1, (*cuts.machine.home_point, 0.0))
+            assert cuts.nozzle(s) == pytest.approx(place, abs=0.03), number
+            again = pushed - begins
+            most = max(abs(mm) for mm in SIDES_MM) + HORIZON_S * SPEED_MM_S
+            assert -STEP_MM <= again <= most * FILAMENT, number
+            assert cuts.filament(s) == pytest.approx(PRIME_MM, abs=STEP_MM)
+            assert s.board.temperature("hotend") > 43
+        cuts.ended(s)
+        end = s.positions()
+        for name in cuts.machine.geometry.actuators:
+            assert end[name] == pytest.approx(cuts.end[name], abs=0.03), number
+        rest = ENDS[max(ENDS)][3] - begins + (PRIME_MM if line else 0)
+        assert cuts.filament(s) == pytest.approx(rest, abs=2 * STEP_MM), number
+        assert {n: h.target for n, h in s.printer.connection.heaters.items()} == cuts.targets
+    assert journal_of(cuts.directory / str(number)) is None
+    return line
+
+
+@pytest.mark.parametrize("machine", ["i3", "corexy", "delta", "dual-extruder"])
+def test_m1000_at_random_instants_prints_nothing_later_and_at_most_a_horizon_again(
+    machine, tmp_path
+):
+    cuts = Cuts(machine, tmp_path)
+    lines = [goes_on(cuts, number) for number in range(BEFORE + CUTS)]
+    assert lines == sorted(lines)
+    assert lines[0] == 0
+    assert len(set(lines)) > CUTS / 4
