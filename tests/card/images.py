@@ -97,6 +97,16 @@ class Image:
             return struct.unpack(layout, file.read(struct.calcsize(layout)))[0]
 
 
+def partitioned(image: Image, entries: list[tuple[int, int, int]]) -> None:
+    """Put a partition table of (type, first sector, sectors) before the volume of an image."""
+    table = bytearray(512)
+    for at, (kind, start, count) in enumerate(entries):
+        struct.pack_into("<4xB3xII", table, 446 + 16 * at, kind, start, count)
+    table[510:] = b"\x55\xaa"
+    image.path.write_bytes(table + bytes(2047 * 512) + image.path.read_bytes())
+    image.start = 1 << 20
+
+
 Write = tuple[int, bytes]
 
 

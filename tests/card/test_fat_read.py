@@ -2,7 +2,6 @@
 
 import os
 import random
-import struct
 from collections.abc import Callable
 from datetime import datetime
 from pathlib import Path
@@ -12,7 +11,7 @@ import pytest
 from passo.card import FatCard, FolderCard, open_card
 from passo.errors import CardError
 
-from .images import Image, code, run
+from .images import Image, code, partitioned, run
 
 CONTENT = random.Random(3).randbytes(300_001)
 
@@ -81,16 +80,6 @@ def test_a_fragmented_file_is_read_from_anywhere(image: Image, tmp_path: Path):
             assert reader.seek(at) == at
             assert reader.read(count) == content[at : at + count]
     card.close()
-
-
-def partitioned(image: Image, entries: list[tuple[int, int, int]]) -> None:
-    """Put a partition table of (type, first sector, sectors) before the volume of an image."""
-    table = bytearray(512)
-    for at, (kind, start, count) in enumerate(entries):
-        struct.pack_into("<4xB3xII", table, 446 + 16 * at, kind, start, count)
-    table[510:] = b"\x55\xaa"
-    image.path.write_bytes(table + bytes(2047 * 512) + image.path.read_bytes())
-    image.start = 1 << 20
 
 
 @pytest.mark.parametrize("kind", [0x0B, 0x0C])

@@ -5,6 +5,7 @@ import os
 import subprocess
 
 import pytest
+from tests.card.devices import BlockDevice
 from tests.card.images import ENVIRONMENT, run
 from tests.console.scenario import Scenario
 
@@ -40,6 +41,27 @@ def test_what_is_uploaded_is_printed_and_survives(image):
         assert 'ALONGN~1.GCO 19 "a long name.gcode"' in s.host.ok("M20 L")
         s.host.ok("M30 A LONG NAME.GCODE")
         assert len(s.host.ok("M20")) == 3
+    assert clean(image)
+
+
+def test_a_block_device_is_printed_from_and_let_go(image, monkeypatch):
+    device = BlockDevice(image, monkeypatch)
+    with Scenario("i3", card=str(image)) as s:
+        s.host.ok("M28 a long name.gcode")
+        for line in ("G28 X", "G1 X12 F6000", "M29"):
+            s.host.ok(line)
+        s.host.ok("M32 ALONGN~1.GCO")
+        s.host.expect("Done printing", 60)
+        assert s.positions()["x"] == 12.0
+        s.host.ok("M22")
+        mounted = os.open(image, os.O_RDONLY | os.O_EXCL)  # refused if the card still had it
+        assert "in use: it is mounted" in s.host.ok("M21")[0]
+        os.close(mounted)
+        assert s.host.ok("M21")[0] == "SD card ok"
+        assert s.host.ok("M20 L")[1] == 'ALONGN~1.GCO 19 "a long name.gcode"'
+        with pytest.raises(OSError, match="busy"):
+            os.open(image, os.O_RDONLY | os.O_EXCL)
+    assert [bool(flags & os.O_EXCL) for flags in device.opened] == [True] * 3
     assert clean(image)
 
 

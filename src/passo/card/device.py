@@ -24,7 +24,7 @@ class Device:
         self.path = str(path)
         self.read_only = False
         try:
-            # On a block device O_EXCL means: not while a file system on it is mounted.
+            # On a block device O_EXCL means: not while it is mounted or another program has it so.
             mode = Path(path).stat().st_mode
             if not (stat.S_ISBLK(mode) or stat.S_ISREG(mode)):
                 raise CardError.of(
@@ -41,7 +41,8 @@ class Device:
                 self.read_only = True
         except OSError as error:
             if error.errno == errno.EBUSY:
-                raise CardError.of("card.busy", self.path, value="it is mounted") from error
+                why = "it is mounted, or another program has it"
+                raise CardError.of("card.busy", self.path, value=why) from error
             raise CardError.of("card.absent", self.path, value=error.strerror) from error
         try:
             sharing = fcntl.LOCK_SH if self.read_only else fcntl.LOCK_EX
