@@ -1,8 +1,11 @@
 """A host that sends more than can be carried out."""
 
 import asyncio
+import gc
 import socket
+import weakref
 
+import pytest
 from tests.console.scenario import Host, Scenario
 
 from passo import config
@@ -51,3 +54,71 @@ def test_lines_that_take_long_let_others_have_their_turn():
         assert int(s.host.heard[0].split()[0]) < 20
         s.until(lambda: flooding.heard.count("ok") == 500, 10)
         assert flooding.heard == ["slow", "ok"] * 500
+
+
+def kept(s):
+    """What a console must not leave behind: who listens, and tasks."""
+
+    async def counted():
+        return len(s.printer.listeners), len(s.printer.stop_listeners), len(asyncio.all_tasks())
+
+    return s.run(counted())
+
+
+def closed(s, hosts):
+    async def close():
+        for host in hosts:
+            host.session.close()
+
+    s.run(close())
+
+
+def oks(host):
+    return [line for line in host.heard if line.startswith("ok")]
+
+
+def test_after_200_consoles_the_printer_is_as_it_was():
+    """Half of them stay to their last answer; the others go in the midst of their lines, while one
+    waits for the end of a dwell, or for its turn to wait for it."""
+    lines = ["M105"] * 20 + ["G1 X0.2 F6000"] * 5 + ["M105"]
+    with Scenario("i3") as s:
+        for line in ("G28", "M104 S45", "M106 S128", "G91"):
+            s.host.ok(line, 60)
+        before = kept(s)
+        hosts = [Host(s) for _ in range(200)]
+        staying, going = hosts[::2], hosts[1::2]
+        sessions = weakref.WeakSet(host.session for host in hosts)
+        for one, other in zip(staying, going, strict=True):
+            one.send(*lines)
+            other.send("M155 S1", *["M105"] * 20, "G4 P200", "M400", *["M105"] * 1000)
+        assert kept(s)[:2] == (before[0] + 200, before[1] + 200)
+        for part in range(4):
+            s.passes(0.15 * part)
+            closed(s, going[part::4])
+        assert kept(s)[:2] == (before[0] + 100, before[1] + 100)
+        answered = [len(oks(host)) for host in going]
+        assert set(answered) == {21, 22}  # before G4, or before M400
+        assert s.until(lambda: min(len(oks(host)) for host in hosts[::2]) == len(lines), 60)
+        for host in staying:
+            assert [" T:" in ok for ok in oks(host)] == [line == "M105" for line in lines]
+        s.host.ok("M400", 60)
+        closed(s, staying)
+        s.passes(0.1)
+        assert kept(s) == before
+        told = [len(host.heard) for host in hosts]
+        s.printer.tell("to all")
+        assert [len(host.heard) for host in hosts] == told
+        assert s.host.ok("M114")[0].startswith("X:100.000 Y:0.000 Z:0.000 E:0.0000 ")
+        assert s.positions() == {"x": 100.0, "y": 0.0, "z": 0.0, "e": 0.0}
+        assert s.printer.halted == ""
+        assert s.printer.commands.fans["part"] == pytest.approx(128 / 255)
+        targets = {name: heater.target for name, heater in s.printer.connection.heaters.items()}
+        assert targets == {"hotend": 45.0, "bed": 0.0}
+        s.passes(60)
+        assert s.board.temperature("hotend") == pytest.approx(45, abs=1.5)
+        s.host.ok("G1 X-100 F6000")
+        s.host.ok("M400")
+        assert s.positions() == {"x": 0.0, "y": 0.0, "z": 0.0, "e": 0.0}
+        hosts, staying, going, host, one, other = [None] * 6
+        gc.collect()  # sessions are in circles
+        assert len(sessions) == 0  # not even the one that had moved last, now that another has

@@ -347,16 +347,43 @@ async def test_one_client_too_many_is_told_so(s):
 
 @served
 async def test_200_clients(s):
+    """And when they are gone, nothing of them is left but what their lines have done."""
+
+    def kept():
+        printer = s.printer
+        return (
+            len(printer.listeners),
+            len(printer.stop_listeners),
+            len([*Path("/dev/fd").iterdir()]),
+        )
+
     console = await s.tcp(clients=200)
+    before = kept()
     clients = [await at_tcp(console) for _ in range(200)]
     for client in clients:
         client.write(b"M110\nM105\n")
     for client in clients:
         assert (await client.until("^ok T:"))[:2] == ["start", "ok"]
-    clients[0].write(b"M118 to all\n")
-    for client in clients:
+    assert kept()[:2] == (before[0] + 200, before[1] + 200)
+    for line in ("M104 S45", "G92 X0 Y0 Z0", "G91"):
+        await clients[0].ok(line)
+    assert "to all" in await clients[0].ok("M118 to all")
+    for client in clients[1:]:
         await client.until("^to all$")
+    for client in clients:
+        client.write(b"G1 X0.25 F6000\n")
+    for client in clients:
+        await client.until("^ok$")
         client.close()
+    while any(now > then for now, then in zip(kept(), before, strict=True)):
+        await asyncio.sleep(0)
+    last = await at_tcp(console)
+    await last.ok("M400")
+    assert (await last.ok("M114"))[-2].startswith("X:50.000 Y:0.000 Z:0.000 E:0.0000 ")
+    heaters = s.printer.connection.heaters
+    assert {name: heater.target for name, heater in heaters.items()} == {"hotend": 45, "bed": 0}
+    assert s.printer.halted == ""
+    last.close()
 
 
 @served
