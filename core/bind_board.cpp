@@ -213,8 +213,15 @@ void bind_board(nb::module_& m) {
            "drift"_a = 0.0, "latency"_a = 0, "jitter"_a = 0, "seed"_a = 1, nb::keep_alive<1, 2>())
       .def_prop_ro("now", &Distant::now, "Host time.")
       .def("cut", &Distant::cut, "on"_a, "What is sent either way is lost.")
-      .def("spoil", &Distant::spoil, "share"_a,
-           "So many of all bytes, either way, arrive as others, not at all, twice, or elsewhere.")
+      .def("spoil", &Distant::spoil, "share"_a, "frames"_a = 0.0,
+           "So many of all bytes, either way, arrive as others, not at all, twice, or elsewhere; "
+           "and so many of all frames not at all, twice, behind the next one, or late.")
+      .def_prop_ro(
+          "spoilt_frames",
+          [](const Distant& d) {
+            return std::vector<int>(d.spoilt_frames().begin(), d.spoilt_frames().end());
+          },
+          "How many frames were lost, doubled, swapped with the next, and late so far.")
       .def("clock_at", &Distant::clock_at, "host_ticks"_a)
       .def("host_at", &Distant::host_at, "clock"_a);
   m.def(

@@ -1,12 +1,14 @@
 // A device whose clock and cable are not perfect.
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <deque>
 #include <utility>
 
 #include "device.hpp"
+#include "frame.hpp"
 
 namespace passo::wire {
 
@@ -34,40 +36,56 @@ class Distant : public Device {
   void cut(bool on) { cut_ = on; }
   // So large a share of all bytes, either way, arrives as another one, not at all, twice, before
   // the one before it, or behind one that nobody sent; and what is sent at once may arrive in two
-  // parts.
-  void spoil(double share) { spoilt_ = share; }
+  // parts. So large a share of all frames arrives not at all, twice, behind the next one, or late
+  // and at once with what is sent meanwhile. No frame overtakes more than one: a number of four
+  // bits, of which twelve may be on their way, tells no older ones.
+  void spoil(double bytes, double frames) { spoilt_ = bytes, frames_ = frames; }
+  // How many frames were lost, doubled, swapped and late so far.
+  const std::array<int, 4>& spoilt_frames() const { return counts_; }
 
   void feed(const uint8_t* data, size_t n, Ticks now) override {
     if (cut_) return;
     carry(down_, Bytes(data, data + n), now);
   }
   void poll(Ticks now, Bytes& out) override {
-    while (!down_.empty() && down_.front().first <= now) {
-      Bytes& bytes = down_.front().second;
-      device_.feed(bytes.data(), bytes.size(), clock_at(down_.front().first));
-      listen(down_.front().first);
-      down_.pop_front();
+    release(down_, now);
+    for (auto& flying = down_.flying; !flying.empty() && flying.front().first <= now;) {
+      Bytes& bytes = flying.front().second;
+      device_.feed(bytes.data(), bytes.size(), clock_at(flying.front().first));
+      listen(flying.front().first);
+      flying.pop_front();
     }
     listen(now);
-    for (; !up_.empty() && up_.front().first <= now; up_.pop_front())
-      out.insert(out.end(), up_.front().second.begin(), up_.front().second.end());
+    release(up_, now);
+    for (auto& flying = up_.flying; !flying.empty() && flying.front().first <= now;) {
+      out.insert(out.end(), flying.front().second.begin(), flying.front().second.end());
+      flying.pop_front();
+    }
   }
   Ticks next_deadline() const override {
     Ticks next = host_at(device_.next_deadline());
-    if (!down_.empty()) next = std::min(next, down_.front().first);
-    if (!up_.empty()) next = std::min(next, up_.front().first);
+    for (const Way* way : {&down_, &up_}) {
+      if (!way->flying.empty()) next = std::min(next, way->flying.front().first);
+      if (!way->held.empty()) next = std::min(next, way->until);
+    }
     return next;
   }
   bool stopped() const override { return device_.stopped(); }
 
  private:
-  using Way = std::deque<std::pair<Ticks, Bytes>>;  // bytes by their time of arrival
+  static constexpr Ticks kHeldTrips = 8, kLateTrips = 40;  // in times of a trip
+  struct Way {
+    std::deque<std::pair<Ticks, Bytes>> flying;  // bytes by their time of arrival
+    Bytes held;                                  // a frame that lets the next one pass
+    Ticks until = 0;                             // which goes if none has come by then
+  };
   Device& device_;
   Ticks start_;
   double rate_;
   Ticks latency_, jitter_, now_ = 0;
   uint32_t random_;
-  double spoilt_ = 0;
+  double spoilt_ = 0, frames_ = 0;
+  std::array<int, 4> counts_{};
   bool cut_ = false;
   Way down_, up_;
 
@@ -75,14 +93,52 @@ class Distant : public Device {
     random_ = random_ * 1664525u + 1013904223u;  // as in Numerical Recipes
     return double(random_) / 4294967296.0;
   }
-  void carry(Way& way, Bytes bytes, Ticks now) {
+  void carry(Way& way, const Bytes& bytes, Ticks now) {
+    if (frames_ == 0 && way.held.empty()) return send(way, bytes, now, 0);
+    for (auto at = bytes.begin(); at != bytes.end();) {
+      Bytes frame(at, at + long(frame_size(&*at, size_t(bytes.end() - at))));
+      at += long(frame.size());
+      Bytes held = std::exchange(way.held, {});
+      int what = random() < frames_ ? int(4 * random()) : -1;
+      if (what >= 0) ++counts_[size_t(what)];
+      if (what == 2 && held.empty()) {
+        way.held = std::move(frame);
+        way.until = now + kHeldTrips * (latency_ + jitter_);
+        continue;
+      }
+      if (what == 1) frame.insert(frame.end(), frame.begin(), frame.end());
+      Ticks late = what == 3 ? Ticks(random() * double(kLateTrips * (latency_ + jitter_))) : 0;
+      if (what != 0) send(way, frame, now, late);
+      if (!held.empty()) send(way, held, now, 0);
+    }
+  }
+  // Bytes of the frame that some begin with, and of the marks before it; all if they do not.
+  static size_t frame_size(const uint8_t* data, size_t n) {
+    size_t marks = 0;
+    while (marks < n && data[marks] == kSync) ++marks;
+    if (marks == n || data[marks] < kFrameMin || marks + data[marks] > n) return n;
+    return marks + data[marks];
+  }
+  void release(Way& way, Ticks now) {
+    if (!way.held.empty() && way.until <= now) send(way, std::exchange(way.held, {}), now, 0);
+  }
+  void send(Way& way, Bytes bytes, Ticks now, Ticks late) {
     if (spoilt_ > 0) {
       bytes = spoilt(bytes);
       auto cut = bytes.begin() + long(random() * double(bytes.size()));
-      way.push_back({arrival(way, now), Bytes(bytes.begin(), cut)});
+      push(way, Bytes(bytes.begin(), cut), now, late);
       bytes.erase(bytes.begin(), cut);
+      late = 0;
     }
-    way.push_back({arrival(way, now), std::move(bytes)});
+    push(way, std::move(bytes), now, late);
+  }
+  void push(Way& way, Bytes bytes, Ticks now, Ticks late) {
+    Ticks at = arrival(way, now) + late;
+    auto& flying = way.flying;
+    if (frames_ > 0 && !flying.empty() && flying.back().first == at)
+      flying.back().second.insert(flying.back().second.end(), bytes.begin(), bytes.end());
+    else
+      flying.push_back({at, std::move(bytes)});
   }
   Bytes spoilt(const Bytes& bytes) {
     Bytes out;
@@ -97,7 +153,7 @@ class Distant : public Device {
   }
   Ticks arrival(const Way& way, Ticks now) {
     Ticks late = Ticks(random() * double(jitter_));
-    Ticks earliest = way.empty() ? 0 : way.back().first;
+    Ticks earliest = way.flying.empty() ? 0 : way.flying.back().first;
     return std::max(now + latency_ + late, earliest);
   }
   void listen(Ticks now) {

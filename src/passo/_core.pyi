@@ -800,9 +800,15 @@ class Distant(Device):
     def cut(self, on: bool) -> None:
         """What is sent either way is lost."""
 
-    def spoil(self, share: float) -> None:
+    def spoil(self, share: float, frames: float = 0.0) -> None:
         """
-        So many of all bytes, either way, arrive as others, not at all, twice, or elsewhere.
+        So many of all bytes, either way, arrive as others, not at all, twice, or elsewhere; and so many of all frames not at all, twice, behind the next one, or late.
+        """
+
+    @property
+    def spoilt_frames(self) -> list[int]:
+        """
+        How many frames were lost, doubled, swapped with the next, and late so far.
         """
 
     def clock_at(self, host_ticks: int) -> int: ...
