@@ -476,7 +476,7 @@ class Connection:
         return self._chunk(0, _CHUNK, tries=1)
 
     def _follow_clock(self) -> None:
-        self.link.follow_clock(self.now)
+        self.link.follow_clock(0)  # at once: `now` counts in ticks of the main board
         for _ in range(int(_PATIENCE_S * _TRIES / _STEP_S)):
             self.run(self.now)
             if self.link.synchronous:
