@@ -11,6 +11,7 @@ from passo.config import load
 from passo.geometry.base import GeometryModel
 from passo.geometry.registry import AnyGeometry
 
+HZ = 16_000_000
 Point = tuple[float, float, float]
 REACH: dict[str, tuple[Point, Point]] = {  # machine: middle and half sizes of a box in its reach
     "delta": ((0, 0, 60), (45, 45, 40)),
@@ -21,10 +22,10 @@ REACH: dict[str, tuple[Point, Point]] = {  # machine: middle and half sizes of a
 
 
 def nonlinear(name: str) -> tuple[dict[str, Any], GeometryModel]:
-    """One of REACH, and the plain geometry of it; the arms on two towers are driven as those of
-    the SCARA."""
+    """One of REACH at 16 MHz, and the plain geometry of it; the arms on two towers are driven as
+    those of the SCARA."""
     machine = load("scara" if name == "dual-scara" else name)
-    spec, geometry = machine.core_spec(), machine.geometry
+    spec, geometry = machine.core_spec() | {"clock_hz": HZ}, machine.geometry
     if name == "dual-scara":
         geometry = TypeAdapter(AnyGeometry).validate_python({"kind": "dual_scara"})
         spec["geometry"] = geometry.spec()
@@ -60,7 +61,7 @@ def cartesian(**limits: Any) -> dict[str, Any]:
     """80/80/400/95.5 steps per mm, 16 MHz, junction deviation 0.02 mm."""
     return {
         "name": "test",
-        "clock_hz": 16_000_000,
+        "clock_hz": HZ,
         "tolerance_s": 2e-6,
         "axes": [axis("X"), axis("Y"), axis("Z", speed=12.0, accel=100.0)],
         "extruders": [{"name": "e", "speed": 100.0, "accel": 5000.0, "jerk": 1.0}],
