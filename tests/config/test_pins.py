@@ -303,13 +303,16 @@ def test_a_board_of_klippers_keeps_what_its_dictionary_reserves(tmp_path: Path) 
 def test_without_a_dictionary_the_clock_must_be_told(tmp_path: Path) -> None:
     bare = KLIPPER.replace('dictionary = "board.dict"\n', "")
     (problem,) = problems_of(bare)
-    assert "board.clock_hz is missing" in problem
+    assert problem.endswith(
+        "board.dictionary is missing: expected the file of the data dictionary that the firmware's"
+        " build has left, or clock_hz. Add the key."
+    )
     assert config.load_text(bare + "clock_hz = 72_000_000\n").board.clock_hz == 72_000_000
-    missing = problems_of(KLIPPER, str(tmp_path / "my.toml"))
-    assert "board.dictionary is 'board.dict': expected a file to read" in missing[-1]
+    (missing,) = problems_of(KLIPPER, str(tmp_path / "my.toml"))
+    assert "board.dictionary is 'board.dict': expected a file to read" in missing
     (tmp_path / "board.dict").write_bytes(b"{}")
-    broken = problems_of(KLIPPER, str(tmp_path / "my.toml"))
-    assert "expected a data dictionary of Klipper's protocol" in broken[-1]
+    (broken,) = problems_of(KLIPPER, str(tmp_path / "my.toml"))
+    assert "expected a data dictionary of Klipper's protocol" in broken
 
 
 def _with(text: str, changes: dict[str, str]) -> str:

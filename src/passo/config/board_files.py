@@ -26,6 +26,7 @@ Tables = dict[str, Any]
 
 _BOARDS = FilePath(__file__).parent / "boards"
 _NAMED = ("outputs", "thermistors", "endstops", "pins")
+_ANY_CLOCK_HZ = 16_000_000  # in place of one that is not known: no second finding tells of it
 _RESERVES = "RESERVE_PINS_"
 _SOCKET_PINS = {"step": "STEP", "direction": "DIR", "enable": "ENABLE", "select": "SELECT"}
 
@@ -123,6 +124,10 @@ def _put_board(
         yield Finding("config.value", (*place, "numbering"), printed, limit, hint)
     if "dictionary" in board:
         yield from _read_dictionary(board, (*place, "dictionary"), folder)
+    elif _is_klippers(board) and "clock_hz" not in board:
+        limit = "the file of the data dictionary that the firmware's build has left, or clock_hz"
+        yield Finding("config.missing-key", (*place, "dictionary"), None, limit)
+        board["clock_hz"] = _ANY_CLOCK_HZ
     _put_klippers_budget(board)
     yield from check_bauds(board, own, place)
     variants = table(board, "variants")
@@ -133,11 +138,15 @@ def _put_board(
     resolve_names(board)
 
 
+def _is_klippers(board: Tables) -> bool:
+    """Whether it runs Klipper's firmware."""
+    return "klipper" in (board.get("base"), board.get("mcu"))
+
+
 def _put_klippers_budget(board: Tables) -> None:
     """Puts what Klipper's firmware is taken to need under the board's own budget."""
     clock_hz, own = number(board, "clock_hz"), board.get("budget", {})
-    klippers = "klipper" in (board.get("base"), board.get("mcu"))
-    if klippers and clock_hz is not None and isinstance(own, Mapping):
+    if _is_klippers(board) and clock_hz is not None and isinstance(own, Mapping):
         board["budget"] = {**klippers_budget(clock_hz), **table(board, "budget")}
 
 
@@ -152,8 +161,10 @@ def _read_dictionary(board: Tables, path: Path, folder: FilePath) -> Iterator[Fi
         pins = _dictionary_pins(found["enumerations"]["pin"])
         board.setdefault("clock_hz", int(found["config"]["CLOCK_FREQ"]))
     except OSError as error:
+        board.setdefault("clock_hz", _ANY_CLOCK_HZ)
         yield Finding("config.value", path, name, f"a file to read ({error.strerror})")
     except (ValueError, KeyError, TypeError, RecursionError, zlib.error):
+        board.setdefault("clock_hz", _ANY_CLOCK_HZ)
         yield Finding("config.value", path, name, "a data dictionary of Klipper's protocol")
     else:
         board["pins"] = {**{pin: pin for pin in pins}, **table(board, "pins")}
