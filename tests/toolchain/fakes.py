@@ -91,15 +91,30 @@ class Port:
         os.close(self.master)
 
 
-def program(folder: Path, name: str, status: int = 0) -> Path:
-    """Puts a program of that name into a folder; returns the file where it notes its words."""
+class Unplugged(Port):
+    """One whose cable is drawn at the first question."""
+
+    def serve(self, loop: asyncio.AbstractEventLoop) -> None:
+        def drawn() -> None:
+            loop.remove_reader(self.master)
+            os.close(self.master)
+
+        loop.add_reader(self.master, drawn)
+
+    def close(self) -> None:
+        os.close(self.slave)
+
+
+def program(folder: Path, name: str, status: int = 0, *, then: str = "") -> Path:
+    """Puts a program of that name into a folder; returns the file where it notes its words. `then`
+    is what it does besides."""
     folder.mkdir(exist_ok=True)
     notes = folder / f"{name}.called"
     script = folder / name
     script.write_text(
         f"#!{sys.executable}\nimport json, pathlib, sys\n"
         f"pathlib.Path({str(notes)!r}).write_text(json.dumps(sys.argv[1:]))\n"
-        f"sys.exit({status})\n"
+        f"{then}\nsys.exit({status})\n"
     )
     script.chmod(0o755)
     return notes

@@ -23,7 +23,17 @@ from passo.toolchain.formats import intel_hex as whole_hex
 from passo.toolchain.formats import uf2
 from passo.toolchain.images import About, write_about
 
-from .fakes import AVR_CODE, SAM_CODE, TEENSY_CODE, Board, Port, intel_hex, packed, program
+from .fakes import (
+    AVR_CODE,
+    SAM_CODE,
+    TEENSY_CODE,
+    Board,
+    Port,
+    Unplugged,
+    intel_hex,
+    packed,
+    program,
+)
 
 UF2 = uf2(bytes(256), 0x1000_0000)
 
@@ -56,6 +66,12 @@ def about(image: Path, dictionary: bytes, mcu: str = "atmega2560") -> None:
     sizes = (100, 262_144, 10, 8192)
     names = ("ramps", "RAMPS 1.4", mcu, image.name)
     write_about(About(*names, hashes[0], *sizes, "0.1.0-test", "gcc", hashes[1], {}), image)
+
+
+def with_gap(count: int) -> bytes:
+    """An Intel hex of a start and, so many bytes behind it, of one part more."""
+    first, rest = (whole_hex(AVR_CODE, at).splitlines() for at in (0, 16 + count))
+    return b"\n".join([*first[:-1], *rest])
 
 
 def elf(address: int, content: bytes) -> bytes:
@@ -167,6 +183,33 @@ def test_a_board_that_does_not_answer(tools: Path, image: Path) -> None:
     assert caught.value.status == 5
 
 
+def test_a_port_that_has_gone_when_the_board_is_asked(
+    tools: Path, image: Path, port: Port, tmp_path: Path
+) -> None:
+    link = tmp_path / "port"
+    link.symlink_to(port.name)
+    notes = program(tools, "avrdude", then=f"pathlib.Path({str(link)!r}).unlink()")
+    says = r"port: the image was written, but the port has gone \(No such file or directory\)"
+    with pytest.raises(
+        FirmwareError, match=f"ramps does not tell who it is at .*/{says}"
+    ) as caught:
+        flashed("ramps", str(link), image, port)
+    assert caught.value.status == 5
+    assert notes.exists()
+
+
+def test_a_port_that_goes_while_the_board_is_asked(
+    tools: Path, image: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    program(tools, "avrdude")
+    port = Unplugged(None)
+    with pytest.raises(FirmwareError, match=r"the port has gone \(Input/output error\)") as caught:
+        flashed("ramps", port.name, image, port)
+    port.close()
+    assert caught.value.status == 5
+    assert caplog.records == []
+
+
 def test_a_board_that_runs_something_else(tools: Path, image: Path) -> None:
     program(tools, "avrdude")
     about(image, packed())
@@ -242,6 +285,8 @@ OWN_SAM_CODE = SAM_CODE.ljust(28, b"\0") + struct.pack("<2I", 0x8_0100, 0x6F7373
             "melzi",
             "one for the flash of ATmega1284P, 0x0 to 0x1ffff: this has something at 0x20000",
         ),
+        ("a.hex", with_gap(8), "ramps", "a whole one: this lacks what is at 0x10"),
+        ("a.hex", with_gap(0x8000), "melzi", "a whole one: this lacks what is at 0x10"),
         ("a.bin", SAM_CODE.ljust(0x80001, b"\0"), "radds", "something at 0x100000"),
         ("a.bin", SAM_CODE.ljust(0x40001, b"\0"), "4pi", "something at 0xc0000"),
         ("a.uf2", uf2(bytes(256), 0x2000_0000), "pico", "something at 0x20000000"),
@@ -275,6 +320,12 @@ def test_an_image_fills_the_flash(tools: Path, tmp_path: Path, port: Port) -> No
     image = tmp_path / "radds.bin"
     image.write_bytes(SAM_CODE.ljust(0x80000, b"\0"))
     assert flashed("radds", port.name, image, port)[-1].startswith("radds: written")
+
+
+def test_bytes_that_align_what_follows_are_no_gap(tools: Path, image: Path, port: Port) -> None:
+    program(tools, "avrdude")
+    image.write_bytes(with_gap(7))
+    assert flashed("ramps", port.name, image, port)[-1].startswith("ramps: written")
 
 
 def test_an_image_that_tells_its_end_is_whole(tools: Path, tmp_path: Path, port: Port) -> None:
@@ -394,15 +445,44 @@ def test_the_command_flashes_and_reads_back(
     )
 
 
-def test_a_dry_run_does_nothing(
-    tools: Path, image: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    words = ["firmware", "flash", "melzi", "--port", "/dev/ttyUSB0", "--image", str(image)]
-    assert main([*words, "--dry-run"]) == 0
+def dry(capsys: pytest.CaptureFixture[str], board: str, port: str, image: Path) -> list[str]:
+    """What a dry run tells, without what it tells of the image."""
+    assert (
+        main(["firmware", "flash", board, "--port", port, "--image", str(image), "--dry-run"]) == 0
+    )
     doubt, *lines = capsys.readouterr().out.splitlines()
-    assert doubt.endswith("ramps.json of its build nobody knows that it is for this board.")
+    assert doubt.startswith(f"{image}: without the {image.stem}.json of its build nobody knows")
+    return lines
+
+
+def test_a_dry_run_does_nothing(
+    tools: Path, image: Path, port: Port, capsys: pytest.CaptureFixture[str]
+) -> None:
+    notes = program(tools, "avrdude")
+    lines = dry(capsys, "melzi", port.name, image)
     assert [line[:3] for line in lines] == ["1. ", "2. ", "3. "]
-    assert lines[1].startswith("2. avrdude -p atmega1284p -c stk500v1 -b 57600 -P /dev/ttyUSB0")
+    assert lines[1].startswith(f"2. avrdude -p atmega1284p -c stk500v1 -b 57600 -P {port.name}")
+    assert not notes.exists()
+
+
+def test_a_dry_run_tells_what_is_missing_or_wrong_now(
+    tools: Path, image: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    nothing, missing, *lines = dry(capsys, "melzi", "/dev/no-such-port", image)
+    assert nothing == "/dev/no-such-port: nothing is there now."
+    assert missing.startswith("As things are, the program avrdude is missing, which melzi needs.")
+    assert [line[:3] for line in lines] == ["1. ", "2. ", "3. "]
+    program(tools, "avrdude")
+    wrong, *lines = dry(capsys, "melzi", "/dev/null", image)
+    assert wrong.startswith(
+        "As things are, melzi cannot be flashed through /dev/null: expected a serial port."
+    )
+    assert [line[:3] for line in lines] == ["1. ", "2. ", "3. "]
+    drive = tmp_path / "pico.uf2"
+    drive.write_bytes(UF2)
+    wrong, *lines = dry(capsys, "pico", "/dev/null", drive)
+    assert "expected the folder of its drive" in wrong
+    assert [line[:3] for line in lines] == ["1. ", "2. "]
 
 
 @pytest.mark.parametrize(
@@ -413,6 +493,11 @@ def test_a_dry_run_does_nothing(
             ["flash", "ramps", "--image", "x.hex"],
             "no port was named for ramps",
         ),
+        (
+            ["flash", "ramps", "--port", "", "--image", "x.hex"],
+            "no port was named for ramps: it needs a serial port",
+        ),
+        (["flash", "pico", "--port", ""], "for pico: it needs the folder of its drive"),
         (["flash", "ramps", "--port", "/dev/null", "--image", "x.bin"], "ends in .hex"),
         (["flash", "klipper", "--port", "/dev/null", "--image", "x.hex"], "no firmware of Passo"),
         (["build", "rumps"], "there is no board called 'rumps'"),

@@ -16,6 +16,7 @@ _UF2_BLOCK = 512
 _UF2_MOST = 476  # bytes of content in a block
 _UF2_MAGIC = (0x0A324655, 0x9E5D5157, 0x0AB16F30)
 _UF2_NOT_FLASH = 1
+_ALIGNMENT = 8
 _OWN_MARK = 0x6F737350  # OWN_MARK in firmware/hal/arm/start.c
 
 
@@ -90,6 +91,18 @@ def missing(parts: Parts, chip: Chip) -> int | None:
     words = struct.unpack("<9I", _head(parts, chip, 36))
     needed = [words[1] & ~1, *([words[7] - 1] if words[8] == _OWN_MARK else [])]
     return next((address for address in needed if address >= end), None)
+
+
+def hole(parts: Parts) -> int | None:
+    """The first address that the parts leave out between them, None if there is none. What a linker
+    leaves out to align the next part counts as there: nobody reads it."""
+    ordered = sorted((address, address + len(content)) for address, content in parts)
+    end = ordered[0][1]
+    for first, behind in ordered:
+        if first - end >= _ALIGNMENT:
+            return end
+        end = max(end, behind)
+    return None
 
 
 def tells_its_end(parts: Parts, chip: Chip) -> bool:

@@ -71,7 +71,7 @@ def plan(name: str, board: Board, port: str | None, image: Path) -> list[Step]:
     flash = board.flash
     if flash is None or board.chip is None:
         raise no_firmware(name, KLIPPERS if board.chip is None else "it has no way to be flashed")
-    if port is None and flash.method in _NEEDS_PORT:
+    if not port and flash.method in _NEEDS_PORT:
         expected = "the folder of its drive" if flash.method == "uf2" else "a serial port"
         values = {"axis": name, "limit": expected}
         raise FirmwareError([Problem("firmware.no-port", values=values)])

@@ -12,7 +12,7 @@ from pathlib import Path
 from passo.config.board import Board
 from passo.errors import FirmwareError, Problem
 from passo.serial_line import open_serial_line
-from passo.toolchain.flash_plan import SUFFIXES, Copy, Hands, Run, Touch, plan
+from passo.toolchain.flash_plan import SUFFIXES, Copy, Hands, Run, Step, Touch, plan
 from passo.toolchain.images import About, about_path, check_image, could_be_cut
 from passo.toolchain.readback import identify
 
@@ -34,26 +34,22 @@ async def flash(
 ) -> None:
     """Flashes `image` onto the board called `name` at `port`, and reads back who it is then.
 
-    With `dry_run` the steps are told and none is done. Raises FirmwareError: before the first step
-    if the image, the port or the program is wrong or missing, later if something fails.
+    With `dry_run` the steps are told, and what is wrong with the port or missing now, and nothing
+    is done. Raises FirmwareError: before the first step if the image, the port or the program is
+    wrong or missing, later if something fails.
     """
+    port = port or None
     suffixes = SUFFIXES.get(board.flash.method, ()) if board.flash else ()
     steps = plan(name, board, port, image)
     about = check_image(image, name, board, suffixes)
     if dry_run:
         _tell_doubts(image, about, board, person)
+        _tell_obstacles(name, port, steps, person)
         for number, step in enumerate(steps, 1):
             person.tell(f"{number}. {step}")
         return
-    for step in steps:
-        if isinstance(step, Run) and shutil.which(step.words[0]) is None:
-            raise _problem("firmware.tool", value=step.words[0], axis=name)
-    # One that is not there yet may come with what hands do; a wrong one must not cost the firmware.
-    if port is not None and Path(port).exists():
-        if not any(isinstance(it, Copy) for it in steps):
-            _check_serial(name, port)
-        elif not _may_become_drive(Path(port)):
-            raise _no_drive(name, Path(port))
+    _check_tools(name, steps)
+    _check_port(name, port, steps)
     _tell_doubts(image, about, board, person)
     touched = False  # another opening at that rate would start the loader once more
     for step in steps:
@@ -79,6 +75,34 @@ def _tell_doubts(image: Path, about: About | None, board: Board, person: Person)
         unknown = "is for this board" + could_be_cut(image, board) * " and is whole"
         beside = about_path(image).name
         person.tell(f"{image}: without the {beside} of its build nobody knows that it {unknown}.")
+
+
+def _tell_obstacles(name: str, port: str | None, steps: list[Step], person: Person) -> None:
+    """Tells why the steps could not be done now."""
+    if port is not None and not Path(port).exists():
+        person.tell(f"{port}: nothing is there now.")
+    for check in (lambda: _check_tools(name, steps), lambda: _check_port(name, port, steps)):
+        try:
+            check()
+        except FirmwareError as error:
+            person.tell(f"As things are, {error}")
+
+
+def _check_tools(name: str, steps: list[Step]) -> None:
+    for step in steps:
+        if isinstance(step, Run) and shutil.which(step.words[0]) is None:
+            raise _problem("firmware.tool", value=step.words[0], axis=name)
+
+
+def _check_port(name: str, port: str | None, steps: list[Step]) -> None:
+    """One that is not there yet may come with what hands do; a wrong one must not cost the
+    firmware."""
+    if port is None or not Path(port).exists():
+        return
+    if not any(isinstance(it, Copy) for it in steps):
+        _check_serial(name, port)
+    elif not _may_become_drive(Path(port)):
+        raise _no_drive(name, Path(port))
 
 
 def _check_serial(name: str, port: str) -> None:
@@ -148,8 +172,8 @@ async def _read_back(
     try:
         found = await identify(port, console.baud)
     except OSError as error:
-        expected = f"a serial port that opens ({error.strerror})"
-        raise _problem("firmware.port", axis=name, value=port, limit=expected) from None
+        why = f"{port}: the image was written, but the port has gone ({error.strerror})"
+        raise _problem("firmware.silent", axis=name, value=why) from None
     if found is None or found.dictionary is None:
         raise _problem("firmware.silent", axis=name, value=f"{port}, {console.baud} baud")
     if about is not None and found.sha256 != about.dictionary_sha256:

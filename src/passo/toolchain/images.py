@@ -11,7 +11,7 @@ from typing import Any
 from passo.config.board import Board
 from passo.config.chips import Chip
 from passo.errors import FirmwareError, Problem
-from passo.toolchain.contents import missing, outside, parts_of, starts, tells_its_end
+from passo.toolchain.contents import hole, missing, outside, parts_of, starts, tells_its_end
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,6 +98,10 @@ def _check_content(image: Path, name: str, data: bytes, chip: Chip) -> None:
     lost = missing(parts, chip)
     if lost is not None:
         raise _wrong(image, name, f"a whole one: this is cut short and lacks what is at 0x{lost:x}")
+    # What is left out of Intel hex keeps what was in the flash, or becomes 0xFF.
+    left_out = hole(parts) if image.suffix == ".hex" else None
+    if left_out is not None:
+        raise _wrong(image, name, f"a whole one: this lacks what is at 0x{left_out:x}")
 
 
 def could_be_cut(image: Path, board: Board) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import errno
 import os
 import termios
 
@@ -17,25 +18,35 @@ _AT_ONCE = 4096
 async def identify(port: str, baud: int, within_s: float = 10.0) -> Identification | None:
     """The dictionary of the board on a port; None if it has not told it `within_s` seconds of the
     loop's time: opening the port makes many boards start anew, which takes a second or two.
-    Raises OSError if the port cannot be opened."""
+    Raises OSError if the port cannot be opened, or vanishes."""
     loop = asyncio.get_running_loop()
     wire = open_serial_line(port, baud)
     found = Identification()
     arrived = asyncio.Event()
+    gone: list[OSError] = []
 
     def read() -> None:
-        with contextlib.suppress(BlockingIOError):
-            try:
-                found.feed(os.read(wire, _AT_ONCE))
-            except DictionaryError:
-                loop.remove_reader(wire)  # it will never be whole: `within_s` ends this
-            arrived.set()
+        try:
+            data = os.read(wire, _AT_ONCE)
+            if not data:  # hung up
+                raise OSError(errno.EIO, os.strerror(errno.EIO))
+            found.feed(data)
+        except BlockingIOError:
+            return
+        except DictionaryError:
+            loop.remove_reader(wire)  # it will never be whole: `within_s` ends this
+        except OSError as error:
+            loop.remove_reader(wire)
+            gone.append(error)
+        arrived.set()
 
     try:
-        termios.tcflush(wire, termios.TCIOFLUSH)
+        _forget(wire)
         loop.add_reader(wire, read)
         end = loop.time() + within_s
         while found.dictionary is None and loop.time() < end:
+            if gone:
+                raise gone[0]
             data, again = found.poll(loop.time())
             if data:
                 with contextlib.suppress(BlockingIOError):
@@ -47,3 +58,11 @@ async def identify(port: str, baud: int, within_s: float = 10.0) -> Identificati
         loop.remove_reader(wire)
         os.close(wire)
     return found if found.dictionary else None
+
+
+def _forget(wire: int) -> None:
+    """Throws away what has come so far. Raises OSError."""
+    try:
+        termios.tcflush(wire, termios.TCIOFLUSH)
+    except termios.error as error:
+        raise OSError(*error.args) from None
