@@ -514,7 +514,7 @@ CATALOGUE: Mapping[str, Entry] = {
     "machine.dictionary": Entry(
         "board",
         "the board's dictionary does not fit the machine file: {value}",
-        "Choose the right board in the machine file, or build the firmware for it",
+        "Choose the right board and firmware in the machine file, or build the firmware for it",
         ExitStatus.MACHINE_FAULT,
     ),
     "machine.old-firmware": Entry(

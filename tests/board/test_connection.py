@@ -33,6 +33,17 @@ def test_connect_identifies_configures_and_follows_the_clock():
     assert (state["is_config"], state["is_shutdown"]) == (1, 0)
 
 
+def test_a_board_that_cannot_stop_by_itself_is_refused_where_the_plan_counts_on_it():
+    with pytest.raises(MachineError) as error:
+        Bench(replace(description(), survives=True))
+    assert str(error.value) == (
+        "the board's dictionary does not fit the machine file: its firmware is Klipper's, or one"
+        " like that, and not Passo's. Choose the right board and firmware in the machine file, or"
+        " build the firmware for it."
+    )
+    assert error.value.status == 5
+
+
 def test_a_job_is_executed_to_the_tick():
     bench = Bench()
     plan = Planner()

@@ -78,6 +78,21 @@ def test_a_board_with_klippers_firmware_has_a_budget(
     assert longer["steps_s"] == pytest.approx(steps_s / 2)
 
 
+def test_a_shipped_board_may_run_klippers_firmware(i3_text: str) -> None:
+    """Its own budget is of Passo's; what the machine file states itself still counts."""
+    serial = 'link = "serial"\nport = "/dev/x"\n'
+    own = config.load_text(f"{i3_text}{serial}").board
+    assert (own.is_klippers, own.survives) == (False, True)
+    assert own.budget and own.budget.cycles_per_step == 90
+    board = config.load_text(f'{i3_text}{serial}firmware = "klipper"\n').board
+    assert (board.is_klippers, board.survives) == (True, False)
+    assert board.budget and board.budget.cycles_per_step == 164
+    assert board.pin("X_STEP") == "PF0"
+    stated = f'{serial}firmware = "klipper"\nbudget = {{ cycles_per_step = 120 }}\n'
+    board = config.load_text(i3_text + stated).board
+    assert board.budget and board.budget.cycles_per_step == 120
+
+
 def test_a_machine_file_states_what_it_knows_better() -> None:
     """One key of a budget leaves the others; a USB port carries more than its baud rate says."""
     stated = "clock_hz = 72_000_000\nbudget = { link_bytes_s = 400_000, cycles_per_step = 120 }"

@@ -307,7 +307,7 @@ def test_fisher_carriages_stay_on_their_towers() -> None:
 
 
 @pytest.mark.parametrize(
-    ("driver", "cycles"), [("DRV8825", 164), ("TB6600", 164 + 16), ("TB6560", 164 + 28 * 16)]
+    ("driver", "cycles"), [("DRV8825", 90), ("TB6600", 90 + 16), ("TB6560", 90 + 28 * 16)]
 )
 def test_a_long_pulse_takes_its_time_from_the_budget(
     i3_text: str, driver: str, cycles: int
@@ -319,7 +319,7 @@ def test_a_long_pulse_takes_its_time_from_the_budget(
 
 def test_a_board_brings_its_budget(i3_text: str) -> None:
     spec = config.load("i3").core_spec()["budget"]
-    assert spec["steps_s"] == pytest.approx(0.65 * 16e6 / 164)
+    assert spec["steps_s"] == pytest.approx(0.65 * 16e6 / 90)
     assert spec["commands_s"] == pytest.approx(0.3 * 16e6 / 1950)
     assert spec["burst"] == 401 / 2
     assert spec["by_link"] is False

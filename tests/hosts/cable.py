@@ -26,6 +26,8 @@ class Cable:
         self.board: SimulatedBoard = simulated_board(
             machine, board_description(machine, name), name
         )
+        own = machine.all_boards[name].firmware
+        self.runs = "passo" if own == "passo" else "klipper"  # for the machine of who connects
         self._hz = float(self.board.board.clock_hz)
         self._begin()
 

@@ -31,9 +31,9 @@ def stall() -> None:
     ctypes.PyDLL(None).usleep(STALL_US)
 
 
-def on(link: str, port: str) -> MachineConfig:
-    """The machine with its board at such a place."""
-    board = MACHINE.board.model_copy(update={"link": link, "port": port})
+def on(link: str, port: str, runs: str = "passo") -> MachineConfig:
+    """The machine with its board at such a place, which runs Passo's firmware or Klipper's."""
+    board = MACHINE.board.model_copy(update={"link": link, "port": port, "firmware": runs})
     return MACHINE.model_copy(update={"board": board})
 
 

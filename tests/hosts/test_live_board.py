@@ -50,7 +50,7 @@ def test_a_stall_of_the_interpreter_delays_no_step(
     made: type[Cable], link: str, machine: MachineConfig
 ) -> None:
     cable = made(machine)
-    with Scenario(on(link, cable.path), loop=asyncio.new_event_loop()) as scenario:
+    with Scenario(on(link, cable.path, cable.runs), loop=asyncio.new_event_loop()) as scenario:
         zigzag(scenario.host)
         scenario.passes(0.8)
         stall()
@@ -66,7 +66,7 @@ def test_a_stall_of_the_interpreter_delays_no_step(
 
 def test_a_stall_of_the_interpreter_is_none_of_the_links(cable: Cable) -> None:
     """A plan for two seconds is on the way: the thread sends it in time."""
-    with Scenario(on("serial", cable.path), loop=asyncio.new_event_loop()) as scenario:
+    with Scenario(on("serial", cable.path, cable.runs), loop=asyncio.new_event_loop()) as scenario:
         host, link = scenario.host, scenario.printer.connection.main.link
         host.ok("G92 X0")
         host.send("G1 X40 F600", "G1 X60")
@@ -93,7 +93,7 @@ def test_a_board_that_breaks_its_own_dictionary_is_named() -> None:
 
 def test_a_stall_at_the_end_of_a_few_long_moves_costs_nothing(cable: Cable) -> None:
     """The host's last move comes when the plan is about to run dry, and then nobody looks."""
-    with Scenario(on("serial", cable.path), loop=asyncio.new_event_loop()) as scenario:
+    with Scenario(on("serial", cable.path, cable.runs), loop=asyncio.new_event_loop()) as scenario:
         host, drive = scenario.host, scenario.printer.drive
         host.ok("G92 X0")
         host.send("G1 X10 F600", "G1 X20")
@@ -108,7 +108,7 @@ def test_a_stall_at_the_end_of_a_few_long_moves_costs_nothing(cable: Cable) -> N
 
 
 def test_a_stall_at_the_start_of_a_move_costs_nothing(cable: Cable) -> None:
-    with Scenario(on("serial", cable.path), loop=asyncio.new_event_loop()) as scenario:
+    with Scenario(on("serial", cable.path, cable.runs), loop=asyncio.new_event_loop()) as scenario:
         host = scenario.host
         host.ok("G92 X0")
         host.send("G1 X5 F3000")
@@ -120,7 +120,7 @@ def test_a_stall_at_the_start_of_a_move_costs_nothing(cable: Cable) -> None:
 
 def test_a_print_goes_on_when_the_cable_is_back() -> None:
     cable = Cable(RUNS_FIRMWARE)
-    with Scenario(on("serial", cable.path), loop=asyncio.new_event_loop()) as scenario:
+    with Scenario(on("serial", cable.path, cable.runs), loop=asyncio.new_event_loop()) as scenario:
         host, other = scenario.host, Host(scenario)
         host.send("M104 S50")
         zigzag(host)
@@ -138,7 +138,7 @@ def test_a_print_goes_on_when_the_cable_is_back() -> None:
 
 def test_who_does_not_want_to_wait_for_the_board_stops_the_printer() -> None:
     cable = Cable(RUNS_FIRMWARE)
-    with Scenario(on("serial", cable.path), loop=asyncio.new_event_loop()) as scenario:
+    with Scenario(on("serial", cable.path, cable.runs), loop=asyncio.new_event_loop()) as scenario:
         host = scenario.host
         host.ok("G92 X0 Y0 Z0")
         host.send("G1 X50 F600")
@@ -155,7 +155,7 @@ def test_who_does_not_want_to_wait_for_the_board_stops_the_printer() -> None:
 
 def test_an_emergency_stop_reaches_the_board_when_its_cable_is_back() -> None:
     cable = Cable(RUNS_FIRMWARE)
-    with Scenario(on("serial", cable.path), loop=asyncio.new_event_loop()) as scenario:
+    with Scenario(on("serial", cable.path, cable.runs), loop=asyncio.new_event_loop()) as scenario:
         host = scenario.host
         cable.unplug()
         host.expect("The machine waits", 5.0)
@@ -172,7 +172,7 @@ def test_an_emergency_stop_reaches_the_board_when_its_cable_is_back() -> None:
 
 def test_a_cut_cable_halts_the_printer_of_a_board_that_cannot_stop_by_itself() -> None:
     cable = Cable(MACHINE)
-    with Scenario(on("serial", cable.path), loop=asyncio.new_event_loop()) as scenario:
+    with Scenario(on("serial", cable.path, cable.runs), loop=asyncio.new_event_loop()) as scenario:
         scenario.host.ok("G92 X0 Y0 Z0")
         cable.cut()
         scenario.host.expect("connection to the board has ended", 5.0)
@@ -181,7 +181,7 @@ def test_a_cut_cable_halts_the_printer_of_a_board_that_cannot_stop_by_itself() -
 
 
 def test_an_emergency_stop_is_over_after_m999(cable: Cable) -> None:
-    with Scenario(on("serial", cable.path), loop=asyncio.new_event_loop()) as scenario:
+    with Scenario(on("serial", cable.path, cable.runs), loop=asyncio.new_event_loop()) as scenario:
         host = scenario.host
         host.ok("G92 X0")
         host.send("G1 X50 F600")
@@ -202,7 +202,7 @@ def test_an_emergency_stop_is_over_after_m999(cable: Cable) -> None:
 
 
 def test_heaters_are_off_when_the_printer_ends(cable: Cable) -> None:
-    with Scenario(on("serial", cable.path), loop=asyncio.new_event_loop()) as scenario:
+    with Scenario(on("serial", cable.path, cable.runs), loop=asyncio.new_event_loop()) as scenario:
         scenario.host.ok("M104 S200")
         scenario.passes(2.0)
         assert scenario.printer.connection.heaters["hotend"].power > 0.5

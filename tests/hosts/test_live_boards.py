@@ -18,10 +18,12 @@ from passo.config.machine import MachineConfig
 MACHINE = two_boards(**{'socket = "X"': 'socket = "tool:X"'})
 
 
-def on(paths: dict[str, str]) -> MachineConfig:
-    """The machine with its boards on these serial devices."""
+def on(cables: dict[str, Cable]) -> MachineConfig:
+    """The machine with its boards on these cables."""
     boards = {
-        name: board.model_copy(update={"link": "serial", "port": paths[name]})
+        name: board.model_copy(
+            update={"link": "serial", "port": cables[name].path, "firmware": cables[name].runs}
+        )
         for name, board in MACHINE.all_boards.items()
     }
     return MACHINE.model_copy(update={"board": boards.pop(""), "boards": boards})
@@ -38,7 +40,7 @@ def cables() -> Iterator[dict[str, Cable]]:
 @pytest.fixture
 def scenario(cables: dict[str, Cable]) -> Iterator[Scenario]:
     """What may be looked at when it is closed: the boards are unplugged then."""
-    machine = on({name: cable.path for name, cable in cables.items()})
+    machine = on(cables)
     scenario = Scenario(machine, loop=asyncio.new_event_loop())
     yield scenario
     if not scenario.loop.is_closed():
@@ -84,7 +86,7 @@ def test_a_switch_stops_a_motor_on_the_other_board(scenario, cables):
 def test_a_board_that_is_plugged_in_again_goes_on_with_the_other() -> None:
     machine = two_boards(firmware="passo", **{'socket = "X"': 'socket = "tool:X"'})
     cables = {name: Cable(machine, name) for name in machine.all_boards}
-    scenario = Scenario(on({n: c.path for n, c in cables.items()}), loop=asyncio.new_event_loop())
+    scenario = Scenario(on(cables), loop=asyncio.new_event_loop())
     with scenario:
         zigzag(scenario.host)
         for cable in cables.values():
@@ -117,7 +119,7 @@ def test_another_host_goes_on_where_both_have_stopped(tmp_path) -> None:
     """The one before falls silent in mid-print: nothing is homed again."""
     machine = two_boards(firmware="passo", **{'socket = "X"': 'socket = "tool:X"'})
     cables = {name: Cable(machine, name) for name in machine.all_boards}
-    wired = on({name: cable.path for name, cable in cables.items()})
+    wired = on(cables)
     card = tmp_path / "card"
     card.mkdir()
     moves = [f"G1 X{60 if i % 2 else 40} Y{40 + i / 4} F3000" for i in range(32)]

@@ -44,7 +44,7 @@ def test_shares_and_places(dense):
     assert link.load == pytest.approx((8.3 * per_s + 1200) / 23_750)
     assert slots.load == pytest.approx(0.2 * per_s / 401)
     assert found.commits == pytest.approx(1200 / 23_750)
-    fastest = 50 * 80 * 164 / 16e6  # on the long moves
+    fastest = 50 * 80 * 90 / 16e6  # on the long moves
     assert found.densest["steps"].load == pytest.approx(fastest)
     assert found.densest["steps"].line == 4
 
@@ -59,7 +59,7 @@ TOOL = '\n[boards.tool]\nbase = "ramps"\nlink = "serial"\nport = "/dev/y"\n'
 
 def test_of_several_boards_the_one_that_binds_is_told(dense):
     """The tool's link is slower than the main board's, its processor faster."""
-    tool = TOOL + "baud = 19_200\nmove_count = 2000\nbudget = { cycles_per_step = 100 }\n"
+    tool = TOOL + "baud = 19_200\nmove_count = 2000\nbudget = { cycles_per_step = 80 }\n"
     found = use(dense, LINK + tool)
     alone = use(dense, LINK + "baud = 19_200\n")
     assert found.densest["link"].load == alone.densest["link"].load > 0.9
@@ -102,7 +102,7 @@ def test_each_limit_that_did_not_hold_has_its_board(dense, cycles, link, limits)
 def test_a_long_pulse_counts_in_the_share_of_steps(dense):
     slow = TEXT.replace('socket = "X"', 'socket = "X"\ndriver = "TB6560"')
     found = estimate(config.load_text(slow), dense).budget.densest["steps"]
-    assert found.load == pytest.approx(50 * 80 * (164 + 28 * 16) / 16e6)
+    assert found.load == pytest.approx(50 * 80 * (90 + 28 * 16) / 16e6)
 
 
 def test_an_estimate_shows_them(dense, tmp_path, capsys):

@@ -435,6 +435,8 @@ class Connection:
     def _check_version(self) -> None:
         if 0 < self.dictionary.number("SURVIVE") < _SURVIVE:
             raise MachineError.of("machine.old-firmware")
+        if self.board.survives and not self.survives:
+            raise DictionaryError("its firmware is Klipper's, or one like that, and not Passo's")
 
     def _check_clock(self) -> None:
         hz, wanted = self.dictionary.number("CLOCK_FREQ"), self.board.clock_hz

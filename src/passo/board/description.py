@@ -172,7 +172,8 @@ class BoardDescription:
     `endstops_elsewhere` are the names of endstops of other boards that stop steppers of this one.
 
     `clock_hz` is the nominal frequency of the board's clock; `move_count` the number of commands
-    that it can hold (a simulated board has as many, a real one reports its own).
+    that it can hold (a simulated board has as many, a real one reports its own). One that
+    `survives` is taken to run Passo's firmware.
     """
 
     clock_hz: int
@@ -185,6 +186,7 @@ class BoardDescription:
     settings: tuple[Setting, ...] = ()
     move_count: int = 1024
     mcu: str = "atmega2560"
+    survives: bool = False
     endstops_elsewhere: tuple[str, ...] = ()
     stepper_targets: tuple[int, ...] = ()
     output_targets: tuple[int, ...] = ()

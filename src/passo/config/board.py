@@ -107,11 +107,11 @@ class Board(Model):
     `compression_tolerance_us` bounds how far a step may be from its ideal time, unless the board's
     budget asks for more; `move_count` is the number of commands that the board can hold. Without a
     `budget` the planner takes the board to be fast enough; a board with Klipper's firmware has the
-    one that its clock suggests. A simulated board is a
-    model of one ("virtual") or runs Passo's firmware ("passo"): to the tick the same, but slower.
-    A simulated board beside the main one begins at the clock `start_s`, which runs `drift_ppm`
-    faster than the main board's. `dictionary` is the file of a data dictionary as Klipper's build
-    leaves it, for boards of the kind `klipper`.
+    one that its clock suggests. A real board runs Passo's firmware unless `firmware` is "klipper";
+    a simulated one is a model ("virtual") or runs Passo's ("passo"): to the tick the same, but
+    slower. A simulated board beside the main one begins at the clock `start_s`, which runs
+    `drift_ppm` faster than the main board's. `dictionary` is the file of a data dictionary as
+    Klipper's build leaves it, for boards of the kind `klipper`.
     """
 
     base: str | None = None
@@ -122,7 +122,7 @@ class Board(Model):
     link: Literal["simulated", "serial", "tcp"] = "simulated"
     port: str | None = None
     baud: Annotated[int, Field(ge=1200, le=4_000_000)] = 250_000
-    firmware: Literal["virtual", "passo"] = "virtual"
+    firmware: Literal["virtual", "passo", "klipper"] = "virtual"
     drift_ppm: Annotated[float, Field(ge=-500, le=500)] = 0.0
     start_s: Annotated[float, Field(ge=0, le=1e6)] = 0.0
     clock_hz: Annotated[int, Field(ge=1_000_000, le=1_000_000_000)]
@@ -184,7 +184,7 @@ class Board(Model):
     @property
     def is_klippers(self) -> bool:
         """Whether the board runs Klipper's firmware."""
-        return "klipper" in (self.base, self.mcu)
+        return "klipper" in (self.base, self.mcu, self.firmware)
 
     @property
     def survives(self) -> bool:

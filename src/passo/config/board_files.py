@@ -58,7 +58,7 @@ def load_board(name: str) -> Board:
         raise KeyError(name)
     data = shipped_tables(name)[0] | {"base": name}
     data.setdefault("clock_hz", 16_000_000)  # of `klipper`, whose boards say it themselves
-    _put_klippers_budget(data)
+    _put_klippers_budget(data, {})
     resolve_names(data)
     return Board.model_validate(data)
 
@@ -128,7 +128,7 @@ def _put_board(
         limit = "the file of the data dictionary that the firmware's build has left, or clock_hz"
         yield Finding("config.missing-key", (*place, "dictionary"), None, limit)
         board["clock_hz"] = _ANY_CLOCK_HZ
-    _put_klippers_budget(board)
+    _put_klippers_budget(board, own)
     yield from check_bauds(board, own, place)
     variants = table(board, "variants")
     variant = board.get("variant")
@@ -140,14 +140,15 @@ def _put_board(
 
 def _is_klippers(board: Tables) -> bool:
     """Whether it runs Klipper's firmware."""
-    return "klipper" in (board.get("base"), board.get("mcu"))
+    return "klipper" in (board.get("base"), board.get("mcu"), board.get("firmware"))
 
 
-def _put_klippers_budget(board: Tables) -> None:
-    """Puts what Klipper's firmware is taken to need under the board's own budget."""
-    clock_hz, own = number(board, "clock_hz"), board.get("budget", {})
-    if _is_klippers(board) and clock_hz is not None and isinstance(own, Mapping):
-        board["budget"] = {**klippers_budget(clock_hz), **table(board, "budget")}
+def _put_klippers_budget(board: Tables, own: Mapping[str, Any]) -> None:
+    """Puts what Klipper's firmware is taken to need under the budget that the machine file states
+    itself; a shipped board's is of Passo's firmware."""
+    clock_hz, stated = number(board, "clock_hz"), own.get("budget", {})
+    if _is_klippers(board) and clock_hz is not None and isinstance(stated, Mapping):
+        board["budget"] = {**klippers_budget(clock_hz), **table(own, "budget")}
 
 
 def _read_dictionary(board: Tables, path: Path, folder: FilePath) -> Iterator[Finding]:

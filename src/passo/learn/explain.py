@@ -74,7 +74,7 @@ def explain(machine: MachineConfig, path: str | os.PathLike[str], line: int, pol
     begin, end = seen.moves[0].start_ticks, seen.moves[-1].end_ticks
     runs = _runs(job, begin, end)
     parts.append(_steps(job, runs, hz))
-    told = [run for run in runs if machine.all_boards[run.board].firmware == "virtual"]
+    told = [run for run in runs if machine.all_boards[run.board].firmware != "passo"]
     if told or not runs:
         parts.append(_wire(told, {c.name: c.board.clock_hz for c in job.connection.connections}))
     if len(told) < len(runs):

@@ -85,6 +85,7 @@ def board_description(machine: MachineConfig, board: str = MAIN) -> BoardDescrip
         settings=tuple(current_settings(machine, board)),
         move_count=config.move_count,
         mcu=config.mcu,
+        survives=config.survives,
         endstops_elsewhere=tuple(
             s.name
             for s in switches(machine)
@@ -248,7 +249,8 @@ def simulated_board(
             for simulated in (machine.heaters[heater.name].simulated,)
         ),
     )
-    return SimulatedBoard(board, plant, firmware=machine.all_boards[name].firmware)
+    runs = "passo" if machine.all_boards[name].firmware == "passo" else "virtual"
+    return SimulatedBoard(board, plant, firmware=runs)
 
 
 def _actuators(machine: MachineConfig) -> tuple[Actuator, ...]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 from tests.board.bench import PID, TABLE, Planner
 
+from passo import config
 from passo.board.description import BoardDescription, Heater, Output, Sensor, Stepper
 from passo.toolchain import avr, avr_wheel
 
@@ -36,6 +37,15 @@ def _live(count: int, make) -> AvrConnection:
     return connection
 
 
+def _budget(count: int) -> tuple[int, int]:
+    """Ticks between a motor's steps and steps of a command at the rates that the planner gives this
+    board, and a tenth more steps."""
+    spec = config.load_board("ramps").budget_spec()
+    assert spec
+    steps_s = 1.1 * spec["steps_s"]
+    return round(count * HZ / steps_s), int(steps_s / spec["commands_s"])
+
+
 @pytest.mark.parametrize(
     ("count", "interval", "segment", "p99", "make"),
     [
@@ -43,8 +53,10 @@ def _live(count: int, make) -> AvrConnection:
         (3, 240, 250, 250, avr_wheel.build),
         (3, 480, 60, 250, avr.build),
         (4, 400, 100, 400, avr.build),
+        (3, *_budget(3), 250, avr.build),
+        (4, *_budget(4), 400, avr.build),
     ],
-    ids=["200k steps/s", "200k steps/s, packages", "100k steps/s", "four motors"],
+    ids=["200k steps/s", "200k, packages", "100k steps/s", "four", "budget", "budget of four"],
 )
 def test_steps_are_on_time_with_everything_alive(count, interval, segment, p99, make):
     connection = _live(count, make)
