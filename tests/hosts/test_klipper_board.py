@@ -12,34 +12,10 @@ from typing import Any
 import pytest
 from tests.config.test_pins import KLIPPER
 from tests.console.scenario import Scenario
-from tests.hosts.klipper_board import KlipperBoard, dictionary
+from tests.hosts.klipper_board import KlipperBoard, dictionary, on_its_pins
 
 from passo import config
 from passo.config.machine import MachineConfig
-
-# The same parts on the pins of a RAMPS.
-AVR_PINS = {
-    "PB0": "PF0",
-    "PB1": "PF1",
-    "PB2": "PD7",
-    "PB3": "PF6",
-    "PB4": "PF7",
-    "PB5": "PF2",
-    "PB6": "PL3",
-    "PB7": "PL1",
-    "PB8": "PK0",
-    "PB9": "PA4",
-    "PB10": "PA6",
-    "PB11": "PC3",
-    "PA5": "PB4",
-    "PA0": "PK5",
-    "PA6": "PH5",
-    "PA1": "PK6",
-    "PA7": "PH6",
-    "PA8": "PE5",
-    "PA9": "PJ1",
-    "PA10": "PD3",
-}
 
 
 @pytest.fixture(params=["avr", "stm32, newer"])
@@ -54,9 +30,7 @@ def board(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[KlipperBoa
 
 def machine(board: KlipperBoard, folder: Path) -> MachineConfig:
     (folder / "board.dict").write_text(json.dumps(board.told))
-    text = KLIPPER + f'link = "serial"\nport = "{board.path}"\n'
-    if board.told["config"]["MCU"] == "atmega2560":
-        text = re.sub(r'(?<="|!|\^)P[AB]\d+(?=")', lambda pin: AVR_PINS[pin[0]], text)
+    text = on_its_pins(KLIPPER + f'link = "serial"\nport = "{board.path}"\n', board.told)
     return config.load_text(text, str(folder / "my.toml"))
 
 

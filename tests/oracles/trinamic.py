@@ -38,6 +38,18 @@ def line_bits(data: bytes) -> list[int]:
     return bits
 
 
+def line_bytes(bits: bytes) -> bytes:
+    """The bytes between start and stop bits, which must be there; eight bits a byte, the first one
+    lowest, and the line is high behind the last."""
+    line = [byte >> i & 1 for byte in bits for i in range(8)]
+    found: list[int] = []
+    for at in range(0, len(line) - 9, 10):
+        start, *byte, stop = line[at : at + 10]
+        assert (start, stop) == (0, 1)
+        found.append(sum(bit << i for i, bit in enumerate(byte)))
+    return bytes(found)
+
+
 def packed(bits: Sequence[int]) -> bytes:
     """Eight bits a byte, the first one lowest."""
     return bytes(
