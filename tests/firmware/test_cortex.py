@@ -198,11 +198,14 @@ def test_steps_that_are_late_keep_pulse_and_low_time(case: Case) -> None:
 
 
 def test_three_motors_keep_up_with_the_budget_of_the_board(case: Case) -> None:
-    budget = board_target(case.board).board.budget
-    assert budget
+    """A tenth more steps than the planner gives the board, beside all the commands that its link
+    carries, each in a frame of its own, which is more work than several in one."""
+    board = board_target(case.board).board
+    spec = board.model_copy(update={"link": "serial", "port": "x"}).budget_spec()
+    assert spec
     host = case.host()
     pins = [pin for pin in board_target(case.board).chip.pins if pin not in TAKEN][:3]
-    enumeration = host.dictionary.enumerations["pin"]
+    numbers = host.dictionary.enumerations["pin"]
     host.send(
         "allocate_oids count=3",
         *(
@@ -212,20 +215,27 @@ def test_three_motors_keep_up_with_the_budget_of_the_board(case: Case) -> None:
         ),
         "finalize_config crc=1",
     )
-    interval = round(3 * case.hz * budget.cycles_per_step / budget.step_share / budget.cpu_hz)
-    start = host.chip.clock + case.hz // 200
-    for i in range(3):
-        host.send(f"reset_step_clock oid={i} clock={start + i * interval // 3}")
-        host.send(f"queue_step oid={i} interval={interval} count=500 add=0")
+    steps_s = 1.1 * spec["steps_s"]
+    interval = round(3 * case.hz / steps_s)
+    count = int(steps_s / spec["commands_s"])
+    start = host.chip.clock + case.hz // 100
+    orders = [
+        f"queue_step oid={i} interval={interval} count={count} add=0" for i in (*range(3),) * 18
+    ]
+    host.send(*(f"reset_step_clock oid={i} clock={start + i * interval // 3}" for i in range(3)))
+    host.send(*orders[:9])
     host.chip.edges.clear()
-    host.chip.run((start - host.chip.clock) / case.hz + 503 * interval / case.hz)
+    host.chip.run((start - host.chip.clock) / case.hz)
+    for order in orders[9:]:
+        host.give(order)
+        host.chip.run(1 / spec["commands_s"])
+    host.chip.run(4 * count * interval / case.hz)
     for i, pin in enumerate(pins):
-        rises = [at for at, n, level in host.chip.edges if n == enumeration[pin] and level]
+        rises = [at for at, n, level in host.chip.edges if n == numbers[pin] and level]
         first = start + i * interval // 3 + interval
         late = [at - first - k * interval for k, at in enumerate(rises)]
-        assert len(late) == 500
+        assert len(late) == 18 * count
         assert max(late) < case.hz // 50_000  # 20 µs
-        assert sum(late[250:]) <= 1.5 * sum(late[:250]) + case.hz // 1000  # it does not grow
 
 
 def test_outputs_sensors_and_the_shutdown(case: Case) -> None:

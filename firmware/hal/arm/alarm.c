@@ -17,14 +17,12 @@ struct alarm {
 // Written under hal_irq_save() or by SysTick's interrupt, which nothing interrupts.
 static volatile struct alarm steps, timers;
 
-uint32_t hal_clock(void) { return chip_clock(); }
-
-static int32_t ahead(const volatile struct alarm *alarm, uint32_t now) {
+static inline int32_t ahead(const volatile struct alarm *alarm, uint32_t now) {
   return alarm->set ? (int32_t)(alarm->clock - now) : FARTHEST;
 }
 
 // An alarm that is further away than SysTick can count comes early, and asks again.
-static void arm(void) {
+static inline void arm(void) {
   if (!steps.set && !timers.set) {
     SYST_CSR = 0;
     return;
@@ -53,11 +51,6 @@ static void set(volatile struct alarm *alarm, uint32_t clock) {
 void hal_alarm(uint32_t clock) { set(&timers, clock); }
 void stepgen_alarm(uint32_t clock) { set(&steps, clock); }
 
-void stepgen_wait(uint32_t clock) {
-  while ((int32_t)(chip_clock() - clock) <= 0) {
-  }
-}
-
 void alarm_start(void) {
   steps.set = timers.set = false;
   SYST_CSR = 0;
@@ -67,8 +60,9 @@ void alarm_start(void) {
 void alarm_interrupt(void) {
   SYST_CSR = 0;
   if (steps.set && ahead(&steps, chip_clock()) <= 0) {
-    steps.set = false;
-    stepgen_interrupt();
+    uint32_t again;
+    steps.set = stepgen_interrupt(&again);
+    steps.clock = again;
   }
   if (timers.set && ahead(&timers, chip_clock()) <= 0) {
     timers.set = false;

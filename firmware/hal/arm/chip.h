@@ -26,6 +26,12 @@ struct hal_analog {
   uint8_t input;
 };
 
+static inline uint32_t hal_clock(void) { return chip_clock(); }
+static inline void stepgen_wait(uint32_t clock) {
+  while ((int32_t)(chip_clock() - clock) <= 0) {
+  }
+}
+
 typedef uint32_t hal_irq_t;
 
 static inline hal_irq_t hal_irq_save(void) {

@@ -57,40 +57,71 @@ static void advance(struct axis *axis) {
   axis->interval += (uint32_t)(int32_t)axis->add;
 }
 
-static void set_alarm(void) {
-  struct axis *soonest = NULL;
-  for (struct axis *axis = axes; axis < axes + axis_count; ++axis)
-    if (axis->active && (soonest == NULL || (int32_t)(axis->next - soonest->next) < 0))
-      soonest = axis;
-  if (soonest == NULL) return;
-  stepgen_alarm(late && (int32_t)(soonest->next - low_until) < 0 ? low_until : soonest->next);
+// Keeps the lesser of `soonest` and the ticks from `now` to a clock.
+static inline void note(int32_t *soonest, uint32_t clock, uint32_t now) {
+  int32_t ahead = (int32_t)(clock - now);
+  if (ahead < *soonest) *soonest = ahead;
 }
 
-void stepgen_interrupt(void) {
+// The clock for the next alarm, the soonest step being so many ticks after `now`.
+static uint32_t alarm_at(int32_t soonest, uint32_t now) {
+  uint32_t clock = now + (uint32_t)soonest;
+  return late && (int32_t)(clock - low_until) < 0 ? low_until : clock;
+}
+
+static void set_alarm(void) {
   uint32_t now = hal_clock();
-  uint16_t pulse_ticks = 0;
-  struct axis *due[HAL_STEPPERS];
-  uint8_t due_count = 0;
-  for (struct axis *axis = axes; axis < axes + axis_count; ++axis) {
-    if (!axis->active || (int32_t)(now - axis->next) < 0) continue;
+  int32_t soonest = INT32_MAX;
+  for (struct axis *axis = axes; axis < axes + axis_count; ++axis)
+    if (axis->active) note(&soonest, axis->next, now);
+  if (soonest < INT32_MAX) stepgen_alarm(alarm_at(soonest, now));
+}
+
+bool stepgen_interrupt(uint32_t *again) {
+  uint32_t now = hal_clock();
+  if (late && (int32_t)(now - low_until) >= 0) late = false;
+  int32_t soonest = INT32_MAX;  // of the axes that are not due
+  uint32_t pulse_ticks = 0;
+  struct axis *due[HAL_STEPPERS], **due_end = due;
+  for (struct axis *axis = axes, *end = axes + axis_count; axis < end; ++axis) {
+    if (!axis->active) continue;
+    if ((int32_t)(axis->next - now) > 0) {
+      note(&soonest, axis->next, now);
+      continue;
+    }
     hal_output_write(&axis->step, !axis->invert);
     if (axis->pulse_ticks > pulse_ticks) pulse_ticks = axis->pulse_ticks;
-    due[due_count++] = axis;
+    *due_end++ = axis;
   }
-  // The clock is read again only where it matters: that takes time.
-  uint32_t end = hal_clock() + pulse_ticks, soon = end + 2u * pulse_ticks, next = soon;
-  if (due_count > 0) stepgen_wait(end);
-  while (due_count > 0) {
-    struct axis *axis = due[--due_count];
-    hal_output_write(&axis->step, axis->invert);
-    if (--axis->count == 0) load(axis);
-    if (!axis->active) continue;
-    advance(axis);
-    if ((int32_t)(axis->next - next) < 0) next = axis->next;
+  if (due_end > due) {
+    uint32_t end = hal_clock() + pulse_ticks;
+    int32_t own = INT32_MAX;  // of those that are
+    // What comes next is reckoned while the pulses last; but directions stay until they are over.
+    for (struct axis **at = due; at < due_end; ++at) {
+      if (--(*at)->count == 0) continue;
+      advance(*at);
+      note(&own, (*at)->next, now);
+    }
+    stepgen_wait(end);
+    for (struct axis **at = due; at < due_end; ++at) {
+      struct axis *axis = *at;
+      hal_output_write(&axis->step, axis->invert);
+      if (axis->count > 0) continue;
+      load(axis);
+      if (!axis->active) continue;
+      advance(axis);
+      note(&own, axis->next, now);
+    }
+    // The clock is read again only where it matters: that takes time.
+    late = own < (int32_t)(end - now + 2 * pulse_ticks);
+    if (late) {
+      low_until = hal_clock() + pulse_ticks;
+      late = own < (int32_t)(low_until - now);
+    }
+    if (own < soonest) soonest = own;
   }
-  if (next != soon) low_until = hal_clock() + pulse_ticks;
-  late = next != soon && (int32_t)(next - low_until) < 0;
-  set_alarm();
+  *again = alarm_at(soonest, now);
+  return soonest < INT32_MAX;
 }
 
 bool stepgen_append(uint8_t index, struct move *move, uint32_t first) {

@@ -9,12 +9,13 @@
 // `oldest` and `newest` are the foreground's; what else the interrupt writes, the foreground
 // touches under hal_irq_save().
 #pragma once
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "hal.h"
 
 // What the chip's layer gives. Calls stepgen_interrupt() at `clock` or as soon after as can be; a
-// newer clock replaces the older.
+// newer clock replaces the older. Not in that interrupt.
 void stepgen_alarm(uint32_t clock);
 // Returns when `clock` is over, since it may be reckoned from the end of a tick: a few microseconds
 // at most.
@@ -22,5 +23,6 @@ void stepgen_wait(uint32_t clock);
 
 // Forgets all axes, as after power-on.
 void stepgen_start(void);
-// Called by the chip's layer, and interrupted by nothing that calls the functions of hal.h.
-void stepgen_interrupt(void);
+// Called by the chip's layer, and interrupted by nothing that calls the functions of hal.h. True,
+// and the clock at which or soon after it is to be called `again`, while an axis moves.
+bool stepgen_interrupt(uint32_t *again);

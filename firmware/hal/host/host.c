@@ -127,8 +127,8 @@ static void run(int64_t until) {
     if (due > until) break;
     if (due > now) now = due;
     if (steps_due == due) {
-      steps_due = NEVER;
-      stepgen_interrupt();
+      uint32_t again;
+      steps_due = stepgen_interrupt(&again) ? widen(again) : NEVER;
       not_before = now;
     } else {
       timer_due = NEVER;

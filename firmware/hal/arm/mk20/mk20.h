@@ -1,5 +1,6 @@
 // MK20 chips: what is alike. registers.h of each has its figures.
 #pragma once
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "cortex.h"
@@ -91,3 +92,7 @@ struct hal_pwm {
 #define FTM_MODE 21
 
 static inline uint32_t chip_clock(void) { return DWT_CYCCNT; }
+
+static inline void hal_output_write(const struct hal_output *output, bool level) {
+  output->port[level ? GPIO_PSOR : GPIO_PCOR] = output->mask;
+}

@@ -25,10 +25,6 @@ bool hal_output_setup(struct hal_output *output, uint16_t pin, bool level) {
   return true;
 }
 
-void hal_output_write(const struct hal_output *output, bool level) {
-  output->port[level ? GPIO_PSOR : GPIO_PCOR] = output->mask;
-}
-
 bool hal_input_setup(struct hal_input *input, uint16_t pin, bool pull_up) {
   if (!usable(pin)) return false;
   input->port = GPIO(pin / 32);

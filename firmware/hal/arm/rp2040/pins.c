@@ -17,13 +17,6 @@ bool hal_output_setup(struct hal_output *output, uint16_t pin, bool level) {
   return true;
 }
 
-void hal_output_write(const struct hal_output *output, bool level) {
-  if (level)
-    SIO_OUT_SET = output->mask;
-  else
-    SIO_OUT_CLR = output->mask;
-}
-
 bool hal_input_setup(struct hal_input *input, uint16_t pin, bool pull_up) {
   if (!pin_usable(pin)) return false;
   input->mask = 1u << pin;

@@ -1,5 +1,6 @@
 // RP2040 (data sheet RP-008371-DS): addresses of what the layer uses, and the chip's figures.
 #pragma once
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "cortex.h"
@@ -109,3 +110,10 @@ struct hal_pwm {
 #define SIO_OE_CLR REG(0xD0000028)
 
 static inline uint32_t chip_clock(void) { return TIMER_RAW_LOW; }
+
+static inline void hal_output_write(const struct hal_output *output, bool level) {
+  if (level)
+    SIO_OUT_SET = output->mask;
+  else
+    SIO_OUT_CLR = output->mask;
+}

@@ -12,10 +12,6 @@ bool hal_output_setup(struct hal_output *output, uint16_t pin, bool level) {
   return true;
 }
 
-void hal_output_write(const struct hal_output *output, bool level) {
-  output->port[level ? PIO_SODR : PIO_CODR] = output->mask;
-}
-
 bool hal_input_setup(struct hal_input *input, uint16_t pin, bool pull_up) {
   if (!pin_usable(pin)) return false;
   input->port = PIO(pin / 32);

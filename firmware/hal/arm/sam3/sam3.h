@@ -1,5 +1,6 @@
 // SAM3X and SAM3U: what is alike. registers.h of each chip has the places of the modules.
 #pragma once
+#include <stdbool.h>
 #include <stdint.h>
 
 #define CHIP_UART_IRQ ID_UART
@@ -70,3 +71,7 @@ struct hal_pwm {
 #define PWM_CDTY 1
 #define PWM_CDTYUPD 2
 #define PWM_CPRD 3
+
+static inline void hal_output_write(const struct hal_output *output, bool level) {
+  output->port[level ? PIO_SODR : PIO_CODR] = output->mask;
+}

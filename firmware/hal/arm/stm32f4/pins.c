@@ -32,10 +32,6 @@ bool hal_output_setup(struct hal_output *output, uint16_t pin, bool level) {
   return true;
 }
 
-void hal_output_write(const struct hal_output *output, bool level) {
-  *output->set_reset = level ? output->mask : output->mask << 16;
-}
-
 bool hal_input_setup(struct hal_input *input, uint16_t pin, bool pull_up) {
   if (!pin_usable(pin)) return false;
   input->data = &GPIO(pin / 32)[GPIO_IDR];

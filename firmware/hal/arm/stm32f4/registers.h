@@ -1,6 +1,7 @@
 // STM32F405/407 and STM32F42x (reference manual RM0090): addresses of what the layer uses, and the
 // chips' figures.
 #pragma once
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "cortex.h"
@@ -107,3 +108,7 @@ struct hal_pwm {
 #define TIM_BDTR 17
 
 static inline uint32_t chip_clock(void) { return TIM2_CNT; }
+
+static inline void hal_output_write(const struct hal_output *output, bool level) {
+  *output->set_reset = level ? output->mask : output->mask << 16;
+}
