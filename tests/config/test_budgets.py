@@ -67,12 +67,15 @@ def test_a_board_without_a_budget_is_bound_by_its_link() -> None:
 def test_a_board_with_klippers_firmware_has_a_budget(
     clock_hz: int, steps_s: float, commands_s: float
 ) -> None:
-    board = klippers(f"clock_hz = {clock_hz}")
+    board = klippers(f"clock_hz = {clock_hz}\nmove_count = 1024")
     spec = board.budget_spec()
     assert spec
     assert spec["steps_s"] == pytest.approx(steps_s)
     assert spec["commands_s"] == pytest.approx(commands_s)
-    assert spec["burst"] == 128  # half of the slots that are certain
+    certain = klippers(f"clock_hz = {clock_hz}").budget_spec()  # no more slots than these
+    assert certain
+    assert certain["commands_s"] == pytest.approx(min(commands_s, 256 / 0.15))
+    assert certain["burst"] == 128
     longer = board.budget_spec(3.0)  # the end of a pulse that long is an event of its own
     assert longer
     assert longer["steps_s"] == pytest.approx(steps_s / 2)
@@ -95,8 +98,8 @@ def test_a_shipped_board_may_run_klippers_firmware(i3_text: str) -> None:
 
 def test_a_machine_file_states_what_it_knows_better() -> None:
     """One key of a budget leaves the others; a USB port carries more than its baud rate says."""
-    stated = "clock_hz = 72_000_000\nbudget = { link_bytes_s = 400_000, cycles_per_step = 120 }"
-    board = klippers(stated)
+    stated = "budget = { link_bytes_s = 400_000, cycles_per_step = 120 }"
+    board = klippers(f"clock_hz = 72_000_000\nmove_count = 2000\n{stated}")
     assert board.link_bytes_s == 400_000
     spec = board.budget_spec()
     assert spec

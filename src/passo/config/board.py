@@ -10,11 +10,13 @@ from pydantic import Field
 
 from passo.config.base import Model, Pin, Positive
 from passo.config.budget import (
+    AHEAD_S,
     BURST_S,
     BYTES_PER_BAUD,
     COMMAND_BYTES,
     COMMIT_BURST_S,
     COMMIT_BYTES_S,
+    COMMITTED_S,
     LINK_BURST_S,
     PULSE_US,
     Budget,
@@ -156,14 +158,14 @@ class Board(Model):
         steps_s, by_board = self._processor_rates(pulse_us)
         by_link = (self.link_bytes_s - self.commit_bytes_s) / COMMAND_BYTES
         burst_s = COMMIT_BURST_S if self.survives else LINK_BURST_S
-        commands_s = min(by_board, by_link)
-        if isinf(commands_s):
+        if isinf(by_board) and isinf(by_link):
             return None
+        commands_s = min(by_board, by_link, self.move_count / self.ahead_s)
         return {
             "steps_s": steps_s,
             "commands_s": commands_s,
             "burst": min(BURST_S * commands_s, burst_s * by_link, self.move_count / 2),
-            "by_link": by_link < by_board,
+            "by_link": by_link == commands_s,
         }
 
     def _processor_rates(self, pulse_us: float) -> tuple[float, float]:
@@ -193,6 +195,11 @@ class Board(Model):
         if self.link == "simulated":
             return self.firmware == "passo"
         return not self.is_klippers
+
+    @property
+    def ahead_s(self) -> float:
+        """Commands for so long ahead are on the board."""
+        return COMMITTED_S if self.survives else AHEAD_S
 
     @property
     def link_bytes_s(self) -> float:

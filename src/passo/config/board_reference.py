@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 
 from passo.config.board import Board
 from passo.config.board_files import load_board, shipped_boards
+from passo.config.budget import COMMITTED_S
 from passo.config.chips import Chip
 
 _HEAD = """# Boards
@@ -69,11 +70,14 @@ def _budget(board: Board) -> Iterator[str]:
     serial = {"link": "serial", "baud": board.console.baud if board.console else board.baud}
     rates = board.model_copy(update=serial).budget_spec() or {}
     cycles = f"{budget.cycles_per_step:g} cycles a step, {budget.cycles_per_command:g} a command"
-    bound = "the link" if rates["by_link"] else "the processor"
+    by_slots = rates["commands_s"] == board.move_count / COMMITTED_S
+    bounds = "the processor bounds"
+    if by_slots or rates["by_link"]:
+        bounds = "its move slots bound" if by_slots else "the link bounds"
     yield (
         f"- budget: {cycles}, at {(budget.cpu_hz or board.clock_hz) / 1e6:g} MHz; of all motors"
         f" together {rates['steps_s']:.0f} steps/s, and {rates['commands_s']:.0f} commands/s, which"
-        f" {bound} bounds"
+        f" {bounds}"
     )
 
 

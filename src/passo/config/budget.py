@@ -19,6 +19,9 @@ COMMIT_BYTES_S = 1200.0
 PULSE_US = 2.0
 # A burst of so many seconds of commands may come ahead, but never more than half of the slots.
 BURST_S = 0.1
+# Commands for so long ahead are on the board; the second where motion comes in commits.
+AHEAD_S = 0.15
+COMMITTED_S = 0.2
 # A link needs so long at most to carry one away: commands leave 125 ms before their time and are
 # late with less than 60 ms left. In commits they are needed 75 ms sooner, and leave 50 ms sooner.
 LINK_BURST_S = 0.06

@@ -14,9 +14,6 @@ if TYPE_CHECKING:
     from passo.config.board import Board
     from passo.config.machine import MachineConfig
 
-_HORIZON_S = 0.15  # commands for so long ahead are on the board
-_COMMITTED_S = 0.2  # the same where motion comes in commits
-
 _BURST = ", in a burst that is sent ahead"
 _NAMES = {
     "steps": "processor{}, for steps",
@@ -135,8 +132,7 @@ def _shares(
 ) -> dict[str, tuple[int, float]]:
     """Line and share of all that the plan takes of one board."""
     (step_line, steps_s), (line, commands_s) = peaks["steps_s"], peaks["commands_s"]
-    ahead_s = _COMMITTED_S if board.survives else _HORIZON_S
-    found = {"slots": (line, min(1.0, commands_s * ahead_s / board.move_count))}
+    found = {"slots": (line, min(1.0, commands_s * board.ahead_s / board.move_count))}
     if budget := board.budget:
         cpu_hz = budget.cpu_hz or board.clock_hz
         found["steps"] = step_line, budget.step_share * steps_s / most_steps_s
