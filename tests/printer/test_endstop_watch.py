@@ -44,12 +44,17 @@ def test_unwatched_switches_count_only_for_homing(s):
 def test_a_hit_stops_the_machine_where_that_is_asked_for(s):
     s.host.ok("M540 S1")
     assert s.host.ok("M540")[0] == "M540 S1"
+    s.host.ok("M104 S150")
+    s.host.ok("M140 S60")
     s.passes(0.2)
     s.host.ok("G1 X150 F1200")
     s.passes(2)
     s.board.force_switch("z", True)
     s.host.expect("endstops hit: Z", 1)
     s.passes(1)
+    assert "echo:Heaters are off: a switch was hit in mid-move (M540)" in s.host.heard
+    assert "// action:pause" in s.host.heard
+    assert [h.target for h in s.printer.connection.heaters.values()] == [0, 0]
     at = s.positions()["x"]
     assert 85 < at < 105
     s.passes(2)

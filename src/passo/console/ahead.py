@@ -20,6 +20,8 @@ def halts(command: Command) -> bool:
     """M112, also behind another command of its line, which may be refused."""
     if command.code == "M112":
         return True
+    if "112" not in command.text:
+        return False
     row = row_of(command.code)
     axis = command.letter not in "GMT"  # of a line that repeats the last move
     read_as_words = axis if row is None else row.bare is not None

@@ -285,8 +285,14 @@ class Printer:
         return plan["move_s"] + plan["dwell_s"]
 
     def stop_by_endstop(self, names: Sequence[str]) -> None:
-        """A switch was hit in mid-move: brakes, and ends the print if one is under way."""
+        """A switch was hit in mid-move: brakes, and ends the print if one is under way, with all
+        heaters off. A host that prints is asked to pause."""
         self.stop_all(f"endstop {', '.join(names)} was hit")
+        if not self.halted:
+            for name in self.heaters:
+                self.set_target(name, 0.0, at_once=True)
+            self.tell("echo:Heaters are off: a switch was hit in mid-move (M540)")
+            self.tell("// action:pause")
 
     def stop_all(self, reason: str) -> None:
         """M410: brakes to a stop on the path and forgets all moves that were planned. A print that
