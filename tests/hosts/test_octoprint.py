@@ -78,6 +78,23 @@ def test_a_pause_loses_nothing(printer, program, host, at_end, way):
     at_end(printer)
 
 
+def test_a_move_that_is_refused_pauses_the_print(printer, program, host, at_end, tmp_path):
+    """The motors go off in mid-print, and with them the place: nothing is printed in the air."""
+    lines = program.text.split("\n")
+    half = len(lines) // 2
+    (tmp_path / "lost.gcode").write_text("\n".join([*lines[:half], "M84", *lines[half:]]))
+    host.connect(port(printer, "pty"))
+    host.print(tmp_path / "lost.gcode")
+    host.wait(lambda: host.state == "Paused")
+    assert host.sent < 99
+    assert printer.position()["e"] < 0.6 * program.end["e"]
+    host.job(command="cancel")
+    host.wait(lambda: host.state == "Operational")
+    host.print(program.path)
+    host.finished()
+    at_end(printer)
+
+
 @pytest.mark.parametrize("way", ["pty", "tcp"])
 def test_after_a_cancel_it_prints_again(printer, program, host, at_end, way):
     host.connect(port(printer, way))
