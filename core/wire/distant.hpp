@@ -106,7 +106,10 @@ class Distant : public Device {
         way.until = now + kHeldTrips * (latency_ + jitter_);
         continue;
       }
-      if (what == 1) frame.insert(frame.end(), frame.begin(), frame.end());
+      if (what == 1) {
+        Bytes again = frame;
+        frame.insert(frame.end(), again.begin(), again.end());
+      }
       Ticks late = what == 3 ? Ticks(random() * double(kLateTrips * (latency_ + jitter_))) : 0;
       if (what != 0) send(way, frame, now, late);
       if (!held.empty()) send(way, held, now, 0);
