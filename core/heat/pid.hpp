@@ -34,19 +34,30 @@ class Pid {
     known_ = true;
     if (r.target <= 0) {
       i_ = o_.drive_min;
-      fan_ = target_ = 0;
+      blown_ = fan_ = target_ = 0;
       terms_ = {};
       return 0;
     }
     double error = r.target - r.celsius;
     double low = std::min(o_.drive_min, r.max_power), high = std::min(o_.drive_max, r.max_power);
-    // What holds one target holds another one in proportion to how much warmer than a room it is.
-    if (target_ > kRoom && r.target > kRoom && r.target != target_)
-      i_ *= (r.target - kRoom) / (target_ - kRoom);
+    // What holds one target holds a lower one in proportion to how much warmer than a room it is.
+    // On the way up it is too little, which costs time, and never too much.
+    if (target_ > kRoom && r.target < target_) {
+      double part = std::max(0.0, (r.target - kRoom) / (target_ - kRoom));
+      i_ *= part;
+      fan_ *= part;
+      blown_ *= part;
+      falls_ = true;
+    }
     target_ = r.target;
-    // The integral would find out in time what the fan takes; it need not wait for the sensor.
-    double fan = r.body ? r.body->blown(r.target) : 0;
-    i_ = std::clamp(i_ + fan - std::exchange(fan_, fan), low, high);
+    if (error >= -o_.range_c) falls_ = false;
+    if (error < -o_.range_c && !falls_) i_ = low;  // it has gathered too much
+    // The integral would find out in time what the fan takes; it need not wait for the sensor. What
+    // its bounds keep off when the fan starts is not taken away when it stops.
+    double blown = r.body ? r.body->blown(r.target) : 0;
+    double more = std::max(blown - std::exchange(blown_, blown), -fan_), was = i_;
+    i_ = std::clamp(i_ + more, low, high);
+    fan_ = std::max(0.0, fan_ + i_ - was);
     bool far = error > o_.range_c || error < -o_.range_c;
     near_s_ = far ? 0 : near_s_ + r.dt;
     if (error > o_.range_c) return finish(error, 0, 0, r.max_power, r.max_power);
@@ -71,9 +82,9 @@ class Pid {
 
   PidControl o_;
   double before_ = 0, rate_ = 0, trend_ = 0, near_s_ = 0, i_ = 0;
-  double target_ = 0;  // that the integral belongs to
-  double fan_ = 0;     // the part of it that the fan takes
-  bool known_ = false;
+  double target_ = 0;                   // that the integral belongs to
+  double blown_ = 0, fan_ = 0;          // what the fan takes, and what of that is in the integral
+  bool known_ = false, falls_ = false;  // it is on its way down to a lower target
   Terms terms_;
 
   double finish(double error, double p, double d, double output, double max_power) {

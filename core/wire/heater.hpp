@@ -26,9 +26,11 @@ struct SensorQuery {
 
 // When a target is reached: within `window_c` for the first time, and for good after so many
 // seconds of it, unless the temperature leaves it by more than `leaves_c`: then they begin anew
-// (StuFW's rule, which is Marlin's).
+// (StuFW's rule, which is Marlin's). Nobody waits for ever for the last degree: what has been
+// nearer than `leaves_c` for a minute is there.
 struct Arrival {
   double window_c = 1, leaves_c = 3, seconds = 10;
+  static constexpr double kPatience = 60;  // seconds
 };
 
 struct HeaterOptions {
@@ -82,7 +84,9 @@ class Heater {
   // True from the first report in the target's window on, until the target changes.
   bool reached() const { return reached_; }
   // It has stayed there for as long as who waits for it wants.
-  bool settled() const { return near_s_ && *near_s_ >= o_.arrival.seconds; }
+  bool settled() const {
+    return (near_s_ && *near_s_ >= o_.arrival.seconds) || about_s_ >= Arrival::kPatience;
+  }
   const Arrival& arrival() const { return o_.arrival; }
   // While there is a fault the target is kept, but nothing heats.
   void set_target(double celsius) {
@@ -211,19 +215,22 @@ class Heater {
   double target_ = 0, celsius_ = 0, power_ = 0, fan_ = 0, keeping_ = 0;
   uint32_t fan_value_ = 0;
   std::optional<Ticks> clock_;    // of the last report
-  std::optional<double> near_s_;  // so long it has been near its target
+  std::optional<double> near_s_;  // so long it has been there, once it was within its window
+  double about_s_ = 0;            // and so long it has been nearer than where it leaves it
   double off_ = 0;                // from its target, with the last report; 0 if there was none
   bool reached_ = false, news_ = false, wide_ = false, new_net_ = false;
 
   void leave() {
     reached_ = false;
     near_s_.reset();
-    off_ = 0;
+    about_s_ = off_ = 0;
   }
   void arrive(double target, double dt) {
     if (target <= 0) return leave();
     double off = celsius_ - target, away = std::fabs(off);
     bool crossed = off * std::exchange(off_, off) < 0;  // a coarse sensor steps over the window
+    about_s_ = away > o_.arrival.leaves_c ? 0 : about_s_ + dt;
+    if (about_s_ >= Arrival::kPatience) reached_ = true;
     if (away > o_.arrival.leaves_c) {
       near_s_.reset();
     } else if (near_s_) {

@@ -18,7 +18,7 @@ from passo.errors import MachineError
 from passo.simulator import SimulatedBoard
 from passo.simulator.dictionary import compressed_dictionary
 
-from .bench import HZ, MS, PLANT, START, Bench, LateLink, Planner, description, executed
+from .bench import HZ, MS, PLANT, START, Bench, Kind, LateLink, Planner, description, executed
 
 
 def test_connect_identifies_configures_and_follows_the_clock():
@@ -37,11 +37,17 @@ def test_a_board_that_cannot_stop_by_itself_is_refused_where_the_plan_counts_on_
     with pytest.raises(MachineError) as error:
         Bench(replace(description(), survives=True))
     assert str(error.value) == (
-        "the board's dictionary does not fit the machine file: its firmware is Klipper's, or one"
-        " like that, and not Passo's. Choose the right board and firmware in the machine file, or"
-        " build the firmware for it."
+        "the board's dictionary does not fit the machine file: it runs Klipper's firmware, or the"
+        ' like, which `firmware = "klipper"` would say. Choose the right board and firmware in the'
+        " machine file, or build the firmware for it."
     )
     assert error.value.status == 5
+
+
+def test_a_board_that_can_is_refused_where_the_plan_does_not_count_on_it(monkeypatch):
+    monkeypatch.setattr(Kind, "firmware", "passo")
+    with pytest.raises(MachineError, match="it runs Passo's firmware, and is taken to run Klipper"):
+        Bench(replace(description(), survives=False))
 
 
 def test_a_job_is_executed_to_the_tick():

@@ -55,7 +55,7 @@ def test_the_example_on_the_i3(capsys, unpacked):
 GOLDEN = {
     ("demo", "i3"): "cd534b5fa7fabc46",
     ("gear_arcs", "mk3s"): "eaa9b37e5604e29f",
-    ("plate_toolchanger", "dual-extruder"): "b80b30fa0dfd25a3",
+    ("plate_toolchanger", "dual-extruder"): "79c65a015ad8b038",
 }
 
 

@@ -117,6 +117,17 @@ def test_the_clock_of_a_dictionary_counts(tmp_path: Path) -> None:
     assert spec["steps_s"] == pytest.approx(0.65 * 72e6 / 300)
 
 
+def test_it_counts_before_the_clock_of_a_shipped_board(tmp_path: Path, i3_text: str) -> None:
+    pins = {f"P{port}{i}": 8 * n + i for n, port in enumerate("ABCDEFGHJKL") for i in range(8)}
+    content = {"config": {"CLOCK_FREQ": 20_000_000}, "enumerations": {"pin": pins}}
+    (tmp_path / "board.dict").write_text(json.dumps(content))
+    runs = 'firmware = "klipper"\ndictionary = "board.dict"\n'
+    (tmp_path / "mine.toml").write_text(i3_text + runs)
+    assert config.load(tmp_path / "mine.toml").board.clock_hz == 20_000_000
+    (tmp_path / "mine.toml").write_text(i3_text + runs + "clock_hz = 16_000_000\n")
+    assert config.load(tmp_path / "mine.toml").board.clock_hz == 16_000_000
+
+
 def test_a_board_with_klippers_firmware_counts_beside_others(i3_text: str) -> None:
     tool = '\n[boards.tool]\nbase = "klipper"\nclock_hz = 16_000_000\nmove_count = 100\n'
     assert config.load_text(i3_text + tool).core_spec()["budget"]["burst"] == 50

@@ -6,6 +6,8 @@ import pytest
 from tests.console.scenario import Host, Scenario
 from tests.console.test_card import numbered
 
+from passo.errors import CardError
+
 REFUSED = ["Error:PreviousCommandFailed", "ok"]
 
 
@@ -65,6 +67,23 @@ def test_bytes_beyond_ascii_are_kept_as_they_came(s, tmp_path):
     assert (tmp_path / "a.g").read_bytes() == stored
     assert s.host.ok("M117 Grüße") == ["// action:notification Gr????e", "ok"]
     assert s.host.ok("M28 Grüße.g")[0].startswith("echo:/Gr????e.g: the name")
+
+
+def test_a_log_that_cannot_be_written_spoils_no_print(s, monkeypatch):
+    s.host.ok("G92 X20 Y20 Z20")
+    s.host.ok("M928 log.g")
+
+    def full(_: bytes) -> None:
+        raise CardError.of("card.full", "log.g", value=1, limit=0)
+
+    monkeypatch.setattr(s.host.session.upload.writer, "write", full)
+    move, wait = numbered((1, "G1 X21 F6000"), (2, "M400"))
+    told, *others, ok = s.host.ok(move)
+    assert told.startswith("echo:log.g: the card is full")
+    assert (others, ok) == ([], "ok")  # and no pause
+    assert s.host.ok(wait) == ["ok"]
+    assert s.positions()["x"] == 21
+    assert not s.host.session.failed
 
 
 def test_a_path_from_the_root_is_one_wherever_names_count_from(s, tmp_path):

@@ -96,6 +96,17 @@ def test_what_is_too_warm_already_is_not_waited_for():
         assert done(s) - begin == pytest.approx(10, abs=0.3)
 
 
+def test_nobody_waits_for_ever_for_the_last_degree():
+    """Without an integral the temperature ends two degrees below."""
+    control = "control = { kind = 'pid', kp = 0.2, ki = 0.0, kd = 0.0 }"
+    with scenario(f"{control}\narrival = {{ window_c = 0.2 }}") as s:
+        s.host.send("M109 S200")
+        assert s.until(lambda: heater(s).celsius >= 197, 300)
+        begin = s.loop.time()
+        assert done(s) - begin == pytest.approx(60, abs=0.6)
+        assert 197 < heater(s).celsius < 199
+
+
 def test_a_sensor_of_coarse_steps_arrives_too():
     with scenario() as s:
         s.host.ok("M109 S281", 300)  # a step of the converter is 1.7 °C there

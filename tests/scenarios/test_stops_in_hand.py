@@ -38,7 +38,13 @@ def test_m112_ahead_of_the_line_that_it_stands_in(s):
     assert s.printer.halted == "emergency stop by M112"
 
 
-@pytest.mark.parametrize("line", ["M117 M112", "G1 X11 ; M112", "G1 X11 (M112)", "M118 G1 M112"])
+@pytest.mark.parametrize(
+    "line",
+    [
+        *("M117 M112", "G1 X11 ; M112", "G1 X11 (M112)", "M118 G1 M112", "M486 AItem112"),
+        *("EXCLUDE_OBJECT_START NAME=Item112_stl_id_0", "M486 Aframe M112", "M105 M1120"),
+    ],
+)
 def test_m112_that_is_only_written_of_stops_nothing(s, line):
     s.host.ok(line)
     s.passes(2)

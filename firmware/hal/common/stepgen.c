@@ -57,6 +57,8 @@ static void advance(struct axis *axis) {
   axis->interval += (uint32_t)(int32_t)axis->add;
 }
 
+#define NEVER INT32_MAX  // 12 s and more, which no host leaves between two steps
+
 // Keeps the lesser of `soonest` and the ticks from `now` to a clock.
 static inline void note(int32_t *soonest, uint32_t clock, uint32_t now) {
   int32_t ahead = (int32_t)(clock - now);
@@ -71,16 +73,16 @@ static uint32_t alarm_at(int32_t soonest, uint32_t now) {
 
 static void set_alarm(void) {
   uint32_t now = hal_clock();
-  int32_t soonest = INT32_MAX;
+  int32_t soonest = NEVER;
   for (struct axis *axis = axes; axis < axes + axis_count; ++axis)
     if (axis->active) note(&soonest, axis->next, now);
-  if (soonest < INT32_MAX) stepgen_alarm(alarm_at(soonest, now));
+  if (soonest < NEVER) stepgen_alarm(alarm_at(soonest, now));
 }
 
 bool stepgen_interrupt(uint32_t *again) {
   uint32_t now = hal_clock();
   if (late && (int32_t)(now - low_until) >= 0) late = false;
-  int32_t soonest = INT32_MAX;  // of the axes that are not due
+  int32_t soonest = NEVER;  // of the axes that are not due
   uint32_t pulse_ticks = 0;
   struct axis *due[HAL_STEPPERS], **due_end = due;
   for (struct axis *axis = axes, *end = axes + axis_count; axis < end; ++axis) {
@@ -95,7 +97,7 @@ bool stepgen_interrupt(uint32_t *again) {
   }
   if (due_end > due) {
     uint32_t end = hal_clock() + pulse_ticks;
-    int32_t own = INT32_MAX;  // of those that are
+    int32_t own = NEVER;  // of those that are
     // What comes next is reckoned while the pulses last; but directions stay until they are over.
     for (struct axis **at = due; at < due_end; ++at) {
       if (--(*at)->count == 0) continue;
@@ -121,7 +123,7 @@ bool stepgen_interrupt(uint32_t *again) {
     if (own < soonest) soonest = own;
   }
   *again = alarm_at(soonest, now);
-  return soonest < INT32_MAX;
+  return soonest < NEVER;
 }
 
 bool stepgen_append(uint8_t index, struct move *move, uint32_t first) {

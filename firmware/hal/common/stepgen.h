@@ -15,7 +15,7 @@
 #include "hal.h"
 
 // What the chip's layer gives. Calls stepgen_interrupt() at `clock` or as soon after as can be; a
-// newer clock replaces the older. Not in that interrupt.
+// newer clock replaces the older. Not to be called from stepgen_interrupt().
 void stepgen_alarm(uint32_t clock);
 // Returns when `clock` is over, since it may be reckoned from the end of a tick: a few microseconds
 // at most.
@@ -23,6 +23,6 @@ void stepgen_wait(uint32_t clock);
 
 // Forgets all axes, as after power-on.
 void stepgen_start(void);
-// Called by the chip's layer, and interrupted by nothing that calls the functions of hal.h. True,
-// and the clock at which or soon after it is to be called `again`, while an axis moves.
+// Called by the chip's layer, and interrupted by nothing that calls the functions of hal.h. While
+// an axis moves it is true, and `again` the clock at which it is to be called next, or soon after.
 bool stepgen_interrupt(uint32_t *again);

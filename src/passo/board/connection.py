@@ -19,7 +19,7 @@ from passo.board.configuration import (
     queries,
 )
 from passo.board.description import BoardDescription, Output, Sensor, inverted
-from passo.board.dictionary import Dictionary, DictionaryError
+from passo.board.dictionary import RUNS_KLIPPERS, RUNS_PASSOS, Dictionary, DictionaryError
 from passo.board.faults import (
     BoardAloneError,
     BoardSilentError,
@@ -435,8 +435,8 @@ class Connection:
     def _check_version(self) -> None:
         if 0 < self.dictionary.number("SURVIVE") < _SURVIVE:
             raise MachineError.of("machine.old-firmware")
-        if self.board.survives and not self.survives:
-            raise DictionaryError("its firmware is Klipper's, or one like that, and not Passo's")
+        if self.board.survives not in (None, self.survives):
+            raise DictionaryError(RUNS_PASSOS if self.survives else RUNS_KLIPPERS)
 
     def _check_clock(self) -> None:
         hz, wanted = self.dictionary.number("CLOCK_FREQ"), self.board.clock_hz

@@ -173,7 +173,7 @@ class BoardDescription:
 
     `clock_hz` is the nominal frequency of the board's clock; `move_count` the number of commands
     that it can hold (a simulated board has as many, a real one reports its own). One that
-    `survives` is taken to run Passo's firmware.
+    `survives` is taken to run Passo's firmware, and one that does not, not to; None: either.
     """
 
     clock_hz: int
@@ -186,7 +186,7 @@ class BoardDescription:
     settings: tuple[Setting, ...] = ()
     move_count: int = 1024
     mcu: str = "atmega2560"
-    survives: bool = False
+    survives: bool | None = None
     endstops_elsewhere: tuple[str, ...] = ()
     stepper_targets: tuple[int, ...] = ()
     output_targets: tuple[int, ...] = ()

@@ -11,6 +11,9 @@ from typing import Any
 
 from passo import _core
 
+RUNS_KLIPPERS = 'it runs Klipper\'s firmware, or the like, which `firmware = "klipper"` would say'
+RUNS_PASSOS = "it runs Passo's firmware, and is taken to run Klipper's (base, firmware)"
+
 
 class DictionaryError(ValueError):
     """The dictionary is damaged, or a text names what it does not hold."""

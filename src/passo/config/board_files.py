@@ -123,6 +123,8 @@ def _put_board(
         hint, limit = did_you_mean(printed, numberings()), "a numbering of pins"
         yield Finding("config.value", (*place, "numbering"), printed, limit, hint)
     if "dictionary" in board:
+        if "clock_hz" not in own:
+            board.pop("clock_hz", None)  # the dictionary's counts
         yield from _read_dictionary(board, (*place, "dictionary"), folder)
     elif _is_klippers(board) and "clock_hz" not in board:
         limit = "the file of the data dictionary that the firmware's build has left, or clock_hz"

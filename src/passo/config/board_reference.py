@@ -6,7 +6,6 @@ from collections.abc import Iterable, Iterator
 
 from passo.config.board import Board
 from passo.config.board_files import load_board, shipped_boards
-from passo.config.budget import COMMITTED_S
 from passo.config.chips import Chip
 
 _HEAD = """# Boards
@@ -68,9 +67,10 @@ def _budget(board: Board) -> Iterator[str]:
     if budget is None:
         return
     serial = {"link": "serial", "baud": board.console.baud if board.console else board.baud}
-    rates = board.model_copy(update=serial).budget_spec() or {}
+    wired = board.model_copy(update=serial)
+    rates = wired.budget_spec() or {}
     cycles = f"{budget.cycles_per_step:g} cycles a step, {budget.cycles_per_command:g} a command"
-    by_slots = rates["commands_s"] == board.move_count / COMMITTED_S
+    by_slots = rates["commands_s"] == board.move_count / wired.ahead_s
     bounds = "the processor bounds"
     if by_slots or rates["by_link"]:
         bounds = "its move slots bound" if by_slots else "the link bounds"

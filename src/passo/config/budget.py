@@ -36,12 +36,12 @@ class Budget(Model):
     """What a board's processor and its link take; the planner keeps to it.
 
     Steps may take `step_share` of the processor's time at `cycles_per_step`, and what a pulse takes
-    beyond 2 µs, commands
-    `command_share` at `cycles_per_command`, frames and all. `cpu_hz` is the board's clock unless
-    given. A serial link carries 95 of 100 bytes that fit its `baud`, and any link no more than
-    `link_bytes_s` (bytes/s) if given; of a board with Klipper's firmware that counts in place of
-    its `baud`. On a board that can stop by itself a part of it is kept for the ways on which it
-    would.
+    beyond 2 µs, commands `command_share` at `cycles_per_command`, frames and all: figures that
+    together give rates at which a board was seen to keep up, not costs of their own. `cpu_hz` is
+    the board's clock unless given. A serial link carries 95 of 100 bytes that fit its `baud`, and
+    any link no more than `link_bytes_s` (bytes/s) if given; of a board with Klipper's firmware that
+    counts in place of its `baud`. On a board that can stop by itself a part of it is kept for the
+    ways on which it would.
     """
 
     cpu_hz: Annotated[int, Field(ge=1_000_000, le=10_000_000_000)] | None = None

@@ -6,7 +6,7 @@ import re
 from collections import deque
 
 from passo.console.upload import Upload
-from passo.gcode.dialect import row_of
+from passo.gcode.dialect import ANY, row_of
 from passo.printer.printer import Printer
 from passo.printer.words import Command
 
@@ -14,18 +14,21 @@ RESUMES = ("M24", "M602")
 LIFTS = ("M922", "M999")
 _NO_WORDS = re.compile(r'"[^"]*"|\([^)]*\)')
 _HALT = re.compile(r"M\s*0*112(?![\d.])", re.IGNORECASE)
+_HALT_APART = re.compile(rf"(?<!\S){_HALT.pattern}", re.IGNORECASE)
 
 
 def halts(command: Command) -> bool:
     """M112, also behind another command of its line, which may be refused."""
     if command.code == "M112":
         return True
-    if "112" not in command.text:
+    if command.name or "112" not in command.text:
         return False
+    text = _NO_WORDS.sub("", command.text)
+    if command.letter != "M":  # a move, or an axis of a line that repeats the last one
+        return _HALT.search(text) is not None
     row = row_of(command.code)
-    axis = command.letter not in "GMT"  # of a line that repeats the last move
-    read_as_words = axis if row is None else row.bare is not None
-    return read_as_words and _HALT.search(_NO_WORDS.sub("", command.text)) is not None
+    labels = row is None or row.bare in (None, ANY)
+    return not labels and _HALT_APART.search(text) is not None
 
 
 class Ahead:

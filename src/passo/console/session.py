@@ -347,8 +347,9 @@ class Session:
             try:
                 upload.write(line.text)
             except CardError as error:
-                self.fail(str(error))
+                self.say(f"echo:{error}")  # what was to be done is done
             return False
+        self._printed = False
         upload.numbered = upload.numbered or line.number is not None
         if upload.numbered and line.number is None:
             if code in self._printer.immediate:

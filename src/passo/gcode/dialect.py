@@ -348,7 +348,7 @@ TABLE: tuple[Row, ...] = (
     ),
     Row("M221", _P, _I, "T S(%)", "Scales a tool's extrusion; from beside of what is planned too."),
     Row("M290", _P, _I, "X Y Z (mm)", "Shifts all that is not done yet, in mid-move.", bare="R"),
-    Row("M302", _Q, _I, "S(°C) P T", "Allows cold extrusion, of T alone, or tells of it."),
+    Row("M302", _Q, _I, "S(°C) P T", "Allows cold extrusion, P of tool T alone, or tells of it."),
     Row(
         "M300",
         _Q,

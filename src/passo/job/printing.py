@@ -121,6 +121,9 @@ class Print:
         self._run_to(start)
         self._apply_marks(float("inf"))
         waited = 0.0
+        loops = {name: self.connection.heaters[name] for name in heaters}
+        warm = [n for n, h in loops.items() if h.celsius > h.target + h.arrival.window_c]
+        heaters = [name for name in heaters if name not in warm]  # only heating is waited for
         while any(self._on_its_way(name) for name in heaters):
             if waited >= _PATIENCE_S:
                 raise self._too_slow(heaters)
@@ -209,8 +212,7 @@ class Print:
 
     def _on_its_way(self, name: str) -> bool:
         heater = self.connection.heaters[name]
-        late = not heater.settled and heater.celsius <= heater.target + heater.arrival.window_c
-        return heater.target > 0 and late and heater.fault is None
+        return heater.target > 0 and not heater.settled and heater.fault is None
 
     def _goes_on_without(self, name: str) -> bool:
         return self._machine.heaters[name].on_fault == "heater"

@@ -103,13 +103,15 @@ class HeatCommands:
         if "S" in words:
             if words["S"] < 0:
                 raise CommandError.bad_value("S", words["S"], "0 C or more")
+            if "T" in words:
+                raise CommandError.bad_value("S", words["S"], "no S beside T: it is of all tools")
             self.cold_c = words["S"]
             self._cold_allowed = set(self._hotends) if self.cold_c == 0 else set()
         if "P" in words:
             self._cold_allowed = self._cold_allowed - meant | (meant if words["P"] else set())
         if words.keys() <= {"T"}:
             allowed = meant & self._cold_allowed
-            state = "enabled" if allowed == meant else "disabled"
+            state = "enabled" if meant and allowed == meant else "disabled"
             for_some = ""
             if allowed and allowed != meant:
                 for_some = f", but enabled for {', '.join(sorted(allowed))}"
@@ -119,7 +121,7 @@ class HeatCommands:
 
     def cold_lines(self) -> Iterable[str]:
         """M302 as it is set."""
-        every = set(self._hotends) <= self._cold_allowed
+        every = bool(self._hotends) and set(self._hotends) <= self._cold_allowed
         yield f"M302 S{numeral(self.cold_c)} P{int(every)}"
         if not every:
             for name in sorted(self._cold_allowed):

@@ -5,8 +5,10 @@ from __future__ import annotations
 import asyncio
 import os
 import shutil
+import stat
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from passo.config.board import Board
@@ -49,7 +51,7 @@ async def flash(
             person.tell(f"{number}. {step}")
         return
     _check_tools(name, steps)
-    _check_port(name, port, steps)
+    _check_port(port, partial(_check_serial, name), name, steps)
     _tell_doubts(image, about, board, person)
     touched = False  # another opening at that rate would start the loader once more
     for step in steps:
@@ -81,9 +83,14 @@ def _tell_obstacles(name: str, port: str | None, steps: list[Step], person: Pers
     """Tells why the steps could not be done now."""
     if port is not None and not Path(port).exists():
         person.tell(f"{port}: nothing is there now.")
-    for check in (lambda: _check_tools(name, steps), lambda: _check_port(name, port, steps)):
+
+    def look(path: str) -> None:
+        if not stat.S_ISCHR(Path(path).stat().st_mode):  # opening it would reset many boards
+            raise _problem("firmware.port", axis=name, value=path, limit="a serial port")
+
+    for check in (_check_tools, partial(_check_port, port, look)):
         try:
-            check()
+            check(name, steps)
         except FirmwareError as error:
             person.tell(f"As things are, {error}")
 
@@ -94,13 +101,15 @@ def _check_tools(name: str, steps: list[Step]) -> None:
             raise _problem("firmware.tool", value=step.words[0], axis=name)
 
 
-def _check_port(name: str, port: str | None, steps: list[Step]) -> None:
+def _check_port(
+    port: str | None, check_serial: Callable[[str], None], name: str, steps: list[Step]
+) -> None:
     """One that is not there yet may come with what hands do; a wrong one must not cost the
     firmware."""
     if port is None or not Path(port).exists():
         return
     if not any(isinstance(it, Copy) for it in steps):
-        _check_serial(name, port)
+        check_serial(port)
     elif not _may_become_drive(Path(port)):
         raise _no_drive(name, Path(port))
 
@@ -172,7 +181,7 @@ async def _read_back(
     try:
         found = await identify(port, console.baud)
     except OSError as error:
-        why = f"{port}: the image was written, but the port has gone ({error.strerror})"
+        why = f"{port}: the image was written, but the port cannot be read ({error.strerror})"
         raise _problem("firmware.silent", axis=name, value=why) from None
     if found is None or found.dictionary is None:
         raise _problem("firmware.silent", axis=name, value=f"{port}, {console.baud} baud")
