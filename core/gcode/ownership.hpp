@@ -9,11 +9,12 @@
 namespace passo {
 
 inline bool text_command(const Word& w) {  // its argument is free text, not words
-  if (w.letter != 'M' || !w.whole() || std::fabs(w.value) > 1000) return false;
+  if (w.letter != 'M' || std::fabs(w.value) > 1000) return false;
   int n = int(w.value);
-  return n == 16 || n == 20 || n == 23 || n == 28 || n == 30 || n == 32 || n == 36 || n == 38 ||
-         n == 98 || n == 115 || n == 117 || n == 118 || n == 486 || n == 550 || n == 587 ||
-         n == 600 || n == 862 || n == 928;
+  if (!w.whole()) return n == 862;
+  return n == 0 || n == 1 || n == 16 || n == 20 || n == 23 || n == 28 || n == 30 || n == 32 ||
+         n == 36 || n == 38 || n == 98 || n == 115 || n == 117 || n == 118 || n == 486 ||
+         n == 550 || n == 587 || n == 600 || n == 862 || n == 928;
 }
 
 // Commands whose words are read here alone; those of moves are, too, by run_motion.

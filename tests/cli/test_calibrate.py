@@ -34,7 +34,7 @@ def test_given_points(capsys):
     assert out[1].split() == ["180.0", "169.0", "-13.4", "-7.6"]
     assert out[4].split() == ["240.0", "208.0", "-5.6", "+3.3"]
     assert out[-2].split() == ["β", "in", "K", "4436", "4304"]
-    assert out[-1] == "To use the fit: M305 H0 B4304, then M303 H0, then M500."
+    assert out[-1] == "To use the fit: M305 H0 B4304, then M303 H0 U, then M500."
 
 
 def test_the_guide(capsys, monkeypatch):
@@ -69,7 +69,7 @@ def test_the_guide_says_how_each_heater_is_heated(
     asked = re.findall(r"M1\d\d [^,]*,", out)
     assert (asked[0], asked[4]) == (first, last)
     assert f"M305 {number} B" in out
-    assert f"M303 {number}," in out
+    assert f"M303 {number} U," in out
 
 
 @pytest.mark.parametrize(

@@ -48,7 +48,7 @@ def test_m108_ends_a_wait_that_has_no_room_yet(s, own, feed, waits):
 def test_m108_ends_the_first_wait_of_such_a_line_alone(s):
     s.host.ok("G1 X100 F600")
     start = len(s.host.heard)
-    s.host.send("M0 M0")
+    s.host.send("M109 S200 M0")
     s.passes(0.5)
     s.host.send("M108")
     s.passes(20)
@@ -71,7 +71,9 @@ def test_an_axis_is_not_homed_if_somebody_wants_no_wait(s):
 # -- hosts that leave -----------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("line", ["M0 M0 M0", "M109 S200 M0 M190 S90", "M0 G28 M0", "G4 S1 M0 M0"])
+@pytest.mark.parametrize(
+    "line", ["M0", "M109 S200 M190 S90 M0", "M190 S90 G28 M0", "G4 S1 M400 M0"]
+)
 def test_a_host_that_leaves_ends_all_waits_of_its_line(s, line):
     other = Host(s)
     other.send(line)

@@ -60,7 +60,7 @@ def test_a_print_that_has_lost_its_place_is_paused_by_its_first_move(s):
     assert ok == "ok"
 
 
-@pytest.mark.parametrize("line", ["G1 E5", "G28", "X70"])
+@pytest.mark.parametrize("line", ["G1 E5", "G28", "X70", "T3"])
 def test_each_move_that_is_missing_pauses_the_print(s, line):
     print_ = begun(s)
     print_.ok("M104 S0")

@@ -31,6 +31,36 @@ def test_nor_does_it_matter_whether_the_other_one_is_refused(s, line):
     s.host.expect("Error:Printer halted: emergency stop by M112", 2)
 
 
+@pytest.mark.parametrize(
+    ("line", "what"),
+    [
+        ("M220 S50 G1 X12 F6000", lambda s: (s.positions()["x"], s.printer.job.speed_factor)),
+        ("M105 G1 X12", lambda s: (s.positions()["x"], s.printer.job.speed_factor * 0.5)),
+    ],
+)
+def test_what_stands_behind_a_command_that_acts_at_once_is_done(s, line, what):
+    s.host.ok(line)
+    s.host.ok("M400")
+    assert what(s) == (pytest.approx(START + 12, abs=0.02), 0.5)
+
+
+@pytest.mark.parametrize("first", ["M302 S170", "M220 S100", "M85 S0", "M113 S2"])
+def test_words_belong_to_their_own_command(s, first):
+    s.host.ok(f"{first} M104 S60")
+    s.passes(0.5)
+    assert s.printer.connection.heaters["hotend"].target == 60
+    assert (s.printer.heat.cold_c, s.printer.person.kill_s, s.host.session.busy_s) == (170, 0, 2)
+    assert s.printer.job.speed_factor == 1.0
+
+
+@pytest.mark.parametrize("line", ["M0 P1 then M104 S100", "M1 P1 then M106 S255"])
+def test_the_text_of_a_pause_is_no_command(s, line):
+    s.host.ok(line)
+    s.passes(2)
+    assert s.printer.connection.heaters["hotend"].target == 0
+    assert s.printer.commands.fans.get("part", 0) == 0
+
+
 def test_m112_ahead_of_the_line_that_it_stands_in(s):
     s.host.ok("M104 S150")
     s.host.send("G4 S60", "M400", "G1 X20 M112")

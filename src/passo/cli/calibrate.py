@@ -185,7 +185,7 @@ def _result(ntc: Ntc, number: int | None, points: list[Point]) -> str:
     lines.append(f"{'β in K':>17} {rule.beta_k:9.0f} {fit.beta_k:9.0f}")
     to_use = f"beta_k = {fit.beta_k:.0f} in the machine file"
     if number is not None:
-        to_use = f"M305 H{number} B{fit.beta_k:.0f}, then M303 H{number}, then M500"
+        to_use = f"M305 H{number} B{fit.beta_k:.0f}, then M303 H{number} U, then M500"
     lines.append(f"To use the fit: {to_use}.")
     return "\n".join(lines)
 

@@ -8,11 +8,10 @@ from collections import deque
 from passo.console.upload import Upload
 from passo.gcode.dialect import ANY, row_of
 from passo.printer.printer import Printer
-from passo.printer.words import Command
+from passo.printer.words import Command, worded
 
 RESUMES = ("M24", "M602")
 LIFTS = ("M922", "M999")
-_NO_WORDS = re.compile(r'"[^"]*"|\([^)]*\)')
 _HALT = re.compile(r"M\s*0*112(?![\d.])", re.IGNORECASE)
 _HALT_APART = re.compile(rf"(?<!\S){_HALT.pattern}", re.IGNORECASE)
 
@@ -23,7 +22,7 @@ def halts(command: Command) -> bool:
         return True
     if command.name or "112" not in command.text:
         return False
-    text = _NO_WORDS.sub("", command.text)
+    text = worded(command.text)
     if command.letter != "M":  # a move, or an axis of a line that repeats the last one
         return _HALT.search(text) is not None
     row = row_of(command.code)

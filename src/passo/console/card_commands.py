@@ -38,7 +38,7 @@ class CardCommands:
                 ("M20", self._list),
                 ("M21", self._mount),
                 ("M22", self._release),
-                ("M23", self._select),
+                ("M23", self._choose),
                 ("M24", self._start),
                 ("M25", self._pause),
                 ("M26", self._seek),
@@ -163,31 +163,38 @@ class CardCommands:
         stack = [(str(at), "")]
         while stack:
             path, shown = stack.pop()
+            inner: list[tuple[str, str]] = []
             for entry in self.card.list(path):
                 if entry.name.startswith("."):
                     continue
                 if entry.is_directory:
                     if shown.count("/") < deepest:
-                        stack.append((f"{path}/{entry.name}", f"{shown}{entry.short_name}/"))
+                        inner.append((f"{path}/{entry.name}", f"{shown}{entry.short_name}/"))
                 elif PurePosixPath(entry.name.lower()).suffix in PROGRAMS:
                     yield shown, entry
+            stack += reversed(inner)
 
-    def _select(self, text: str, reply: Reply) -> None:
+    def _choose(self, text: str, reply: Reply) -> None:
+        self._select(text, reply)
+
+    def _select(self, text: str, reply: Reply) -> bool:
+        """True if it is a file; else the directory has changed."""
         letter, rest = text[:1].upper(), unescaped(text[1:])
         try:
             path = self._existing(text)
         except CardError:
             if letter == "R" and not rest:
                 self._directory = PurePosixPath("/")
-                return
+                return False
             if letter != "D":
                 raise
             self.card.list(self._place(rest))
             self._directory = self._directory / rest
-            return
+            return False
         self.open(path)
         reply.say(f"File opened: {self._runner.name} Size: {self._runner.size}")
         reply.say("File selected")
+        return True
 
     def open(self, path: str) -> None:
         """Selects a file to print. Raises CardError, and CommandError while one is printed."""
@@ -196,8 +203,8 @@ class CardCommands:
         self._selected = entry
 
     def _select_and_start(self, text: str, reply: Reply) -> None:
-        self._select(text, reply)
-        self._runner.start()
+        if self._select(text, reply):  # a directory starts nothing
+            self._runner.start()
 
     def _start(self, text: str, _: Reply) -> None:
         words = _numbers(text)

@@ -89,6 +89,7 @@ class JobCommands:
             "M600": self._change_filament,
             "M601": self._pause,
         }
+        printer.end_asking = self._end_asking
         runner.watchers.append(self._job_changed)
         printer.stop_listeners.append(self._stopped)
         printer.closers.append(self._close)
@@ -284,12 +285,25 @@ class JobCommands:
 
     def _answer(self, command: Command, reply: Reply) -> Wait | None:
         """M876: of a wait it acted when the line came in. Raises CommandError."""
-        words, person = command.words(), self._printer.person
-        if "S" in words and self._paused and person.asking and not person.awaited:
+        words = command.words()
+        if "S" in words and self._asks:
             self._runner.start()
         elif not words.keys() & {"S", "P"}:
             reply.say("M876 P1")
         return None
+
+    @property
+    def _asks(self) -> bool:
+        """The file's pause has asked somebody to go on."""
+        person = self._printer.person
+        return self._paused and person.asking and not person.awaited
+
+    def _end_asking(self) -> None:
+        if self._asks:
+            try:
+                self._runner.start()
+            except PassoError as error:
+                self._printer.tell(f"echo:{error}")
 
     def _resume(self, _: Command, __: Reply) -> Wait | None:
         """M602: of a wait for a person it acted when the line came in. Raises CommandError."""

@@ -56,7 +56,7 @@ class JsonStatus:
             },
             "currentTool": job.tool,
             "params": {
-                "atxPower": 1,
+                "atxPower": int(printer.mains.on),
                 "fanPercent": [
                     round(100 * printer.commands.fans.get(name, 0.0), 1)
                     for name in printer.machine.fans

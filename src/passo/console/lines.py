@@ -17,8 +17,9 @@ REOPEN_S = 1.0  # between two looks for a device that was unplugged
 
 
 class _Pty(StreamWire):
-    """Holds the end that hosts open and close, and the link to it. While a file is uploaded only
-    the host holds that end, so that its hanging up is seen: what comes next is not for the file."""
+    """Holds the end that hosts open and close, and the link to it. While a file is uploaded, and in
+    the midst of a line, only the host holds that end, so that its hanging up is seen: what comes
+    next is not for the file, and no end of the line."""
 
     def __init__(self, printer: Printer, opened: Opened, path: str) -> None:
         super().__init__(printer, opened, f"pty {path}")
@@ -47,26 +48,37 @@ class _Pty(StreamWire):
         """A host has opened the other end."""
         super().connection_made(transport)
         assert self.session is not None
-        self.session.on_upload = self._uploads
+        self.session.on_upload = lambda _: self._share()
+
+    def data_received(self, data: bytes) -> None:
+        """Gives what a host has sent to its session."""
+        super().data_received(data)
+        if self._master >= 0:
+            self._share()
 
     def connection_lost(self, exc: Exception | None) -> None:
         """The host has hung up, or this end is closed."""
         super().connection_lost(exc)
         if self._master >= 0:  # the host has hung up: the next one finds the other end open
-            self._uploads(False)
+            self._hold(True)
             if self.writer is not None:
                 self.writer.abort()
             assert self._slave is not None
             termios.tcflush(self._slave, termios.TCIFLUSH)  # answers to the host that has gone
             self._joining = asyncio.get_running_loop().create_task(self._join())
 
-    def _uploads(self, uploads: bool) -> None:
-        if uploads and self._slave is not None:
+    def _share(self) -> None:
+        session = self.session
+        if session is not None and not session.closed:
+            self._hold(session.upload is None and not session.unfinished)
+
+    def _hold(self, holds: bool) -> None:
+        if not holds and self._slave is not None:
             os.close(self._slave)
             self._slave = None
-        elif not uploads and self._slave is None:
+        elif holds and self._slave is None:
             self._slave = os.open(self._name, os.O_RDWR | os.O_NOCTTY)
-            tty.setraw(self._slave)
+            tty.setraw(self._slave, termios.TCSANOW)  # answers that are not read yet stay
 
     def _let_go(self) -> None:
         for fd in (self._master, self._slave):

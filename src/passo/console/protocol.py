@@ -52,6 +52,11 @@ class LineProtocol:
         self._numbering = False  # lines with numbers have come
         self._taken: deque[str] = deque(maxlen=_REMEMBERED)  # the last of them
 
+    @property
+    def unfinished(self) -> bool:
+        """The beginning of a line has come, and not its end."""
+        return bool(self._rest)
+
     def feed(self, data: bytes) -> list[Line | Refusal]:
         """What the bytes complete, in order. Blank lines and comments are not lines."""
         # A zero byte is noise that the exclusive or does not see.
@@ -100,10 +105,12 @@ class LineProtocol:
         if _TEXT.match(text):
             return Line(text.strip())
         checked = _CHECKSUM.search(text)
-        if self._numbering and (checked or _FRAGMENT.match(text)):
-            # Its number is damaged: nobody checks lines without one.
+        sound = checked is not None and (";" in text or _right(raw, checked))
+        if (checked and not sound) or (self._numbering and (checked or _FRAGMENT.match(text))):
+            # Its number is damaged, for nobody checks lines without one; or a host has hung up in
+            # the midst of it, and this is the next one's first line behind that.
             return self._asked_again("checksum mismatch")
-        if checked and _right(raw, checked):
+        if checked:
             text = text[: checked.start()]
         text = uncommented(text)
         set_number = _SET_NUMBER.match(text)

@@ -27,6 +27,7 @@ _NO_TEXT = ("M29", "M110", "M932", "M933")  # not even while a file is written
 _EVEN_AFTER_FAILURE = (*_NO_TEXT, "M108", "M112", "M410", "M876", "M999")
 # A line that begins so moves the machine; a word of an axis repeats the last move.
 _MOVES = re.compile(r"G([0-3]|10|11|28|61)\Z|M(60[01]|70[12])\Z|[A-EH-LO-RU-Z][-+.\d]")
+_TOOL = re.compile(r"T\d")  # without it filament of another one would be printed
 _HEAD = re.compile(r"\s*([A-Za-z])\s*(\d{1,9})(?:\.(\d))?\s*(.*)\Z", re.DOTALL)
 
 
@@ -48,6 +49,11 @@ def command_of(text: str) -> Command:
         name, _, rest = text.strip().partition(" ")
         return Command(0, "", 0, 0, name.upper(), rest)
     return Command(0, head[1].upper(), int(head[2]), int(head[3] or 0), "", head[4])
+
+
+def prints(code: str) -> bool:
+    """What would follow on such a command is spoilt without it."""
+    return bool(_MOVES.match(code) or _TOOL.match(code))
 
 
 def _ascii(text: str) -> bytes:
@@ -95,6 +101,11 @@ class Session:
     def upload(self, upload: Upload | None) -> None:
         self._upload = upload
         self.on_upload(upload is not None)
+
+    @property
+    def unfinished(self) -> bool:
+        """The beginning of a line has come, and not its end."""
+        return self._protocol.unfinished
 
     # -- bytes ------------------------------------------------------------------------------------
 
@@ -220,7 +231,7 @@ class Session:
                 self._acknowledge(None)
                 continue
             line, command, seen = heard
-            self._printed = line.number is not None and bool(_MOVES.match(command.code))
+            self._printed = line.number is not None and prints(command.code)
             try:
                 if self._take(line, command, seen=seen, given_up=given_up):
                     return

@@ -35,7 +35,7 @@ from passo.printer.turn import Turn
 from passo.printer.waiting import Waiting
 from passo.printer.waits import Handler, Reply, Room, Silence, Still, Stopped, Temperatures, Wait
 from passo.printer.wiring import connect
-from passo.printer.words import Command
+from passo.printer.words import Command, alone
 
 if TYPE_CHECKING:
     from passo.board.boards import Boards
@@ -74,6 +74,7 @@ class Printer:
         self.begin(connection)
         self.turn = Turn()
         self.busy: Callable[[], bool] = lambda: False  # a print is under way, or paused
+        self.end_asking: Callable[[], None] = lambda: None  # a paused file goes on, if it asks
         self.settings: Callable[[], Iterable[str]] = tuple  # commands that bring them back
         self.heat = HeatCommands(self)
         self.motion = MotionCommands(self)
@@ -241,9 +242,12 @@ class Printer:
 
     def go_on(self) -> None:
         """M108: ends the wait that goes on, for moves, time, temperatures or a person. Moves go
-        on."""
+        on. Where nothing waits but a file whose pause asks somebody, that goes on."""
+        waited = self.waits.busy
         self.drive.skip_dwell()
         self.end_wait()
+        if not waited:
+            self.end_asking()
 
     def end_wait(self) -> None:
         """Whoever waits waits no more. What moves goes on, dwells too."""
@@ -372,6 +376,8 @@ class Printer:
         in_order = command.code in self.motion.beside_only and not self.beside(reply)
         if in_order or (handler is None and not forced(command)):
             return False
+        if not alone(command):
+            return False  # they take their places
         handler = handler or self.planned.get(command.code)
         self._carried_out(handler, command, reply)
         return True

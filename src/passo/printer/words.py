@@ -7,7 +7,7 @@ from decimal import Decimal
 from typing import NamedTuple
 
 from passo.errors import WordError
-from passo.gcode.dialect import row_of
+from passo.gcode.dialect import ANY, row_of
 
 _WORD = re.compile(r"([A-Z])\s*(?:([-+]?(?:\d+\.?\d*|\.\d+))|(\"[^\"]*\")|(nan)\b)?", re.IGNORECASE)
 _PAIR = re.compile(r"([^\s=]+)(?:\s*=\s*(\"[^\"]*\"|(?![^\s=]+\s*=)\S+)?)?")
@@ -70,6 +70,24 @@ def written(value: float) -> str:
 def numeral(value: float) -> str:
     """A number in commands, to 10 digits: the E of an exponent would be a word of its own."""
     return f"{Decimal(f'{value:.10g}'):f}"
+
+
+_NO_WORDS = re.compile(r'"[^"]*"|\([^)]*\)')
+_COMMAND = re.compile(r"[GMT]\s*\d", re.IGNORECASE)
+
+
+def worded(text: str) -> str:
+    """A command's text without what is quoted or in parentheses."""
+    return _NO_WORDS.sub("", text)
+
+
+def alone(command: Command) -> bool:
+    """No other command stands behind it in its line."""
+    row = row_of(command.code)
+    if command.name or row is None or row.bare in (None, ANY):
+        return True
+    own = {letter for letter in "GMT" if f" {letter}" in f" {row.parameters}"}
+    return not any(m[0][0].upper() not in own for m in _COMMAND.finditer(worded(command.text)))
 
 
 def words_of(text: str) -> list[tuple[str, float]]:
