@@ -44,6 +44,18 @@ def test_what_stands_behind_a_command_that_acts_at_once_is_done(s, line, what):
     assert what(s) == (pytest.approx(START + 12, abs=0.02), 0.5)
 
 
+def test_nothing_stands_behind_a_question_of_a_halted_printer(s):
+    s.host.ok("M112")
+    s.passes(1)
+    for line in ("M105 G1 X12", "M105 M104 S200"):
+        assert s.host.ok(line)[0].startswith("echo:Printer stopped: emergency stop by M112")
+    assert s.host.ok("M105")[-1].startswith("ok T:")
+    s.host.ok("M999")
+    s.passes(5)
+    assert s.printer.connection.heaters["hotend"].target == 0
+    assert s.positions()["x"] == pytest.approx(START + 10, abs=0.02)
+
+
 @pytest.mark.parametrize("first", ["M302 S170", "M220 S100", "M85 S0", "M113 S2"])
 def test_words_belong_to_their_own_command(s, first):
     s.host.ok(f"{first} M104 S60")

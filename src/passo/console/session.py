@@ -268,6 +268,8 @@ class Session:
             if revives:
                 self._task = self._loop.create_task(self._revive(line, printer.life.answered()))
             return revives
+        if self._halted(""):  # not even what stands behind a question
+            return False
         if given_up and self._was_stopped(code):
             return False
         if not (printer.has_room() and printer.turn.take()):
