@@ -37,6 +37,9 @@ def last_far(rows: list[tuple[float, float, float, float]], begin: float) -> flo
 def main() -> None:
     controls = {
         "PID, gains left out": "",
+        "PID, fan not in its model": (
+            "model = { rise_c = 380.0, time_constant_s = 120.0, fan_loss = 0.0 }"
+        ),
         "PID, tuned by rule 0": by_rule(0),
         "PID, tuned by rule 2": by_rule(2),
         "model": "control = { kind = 'model' }",
@@ -52,7 +55,7 @@ def main() -> None:
         wind = oven.run(120)
         worst = max((body - TARGET_C for _, body, _, _ in wind), key=abs)
         print(
-            f"{name:20}  overshoot {over:.1f} °C, settled {last_far(rise, begin):.0f} s, "
+            f"{name:25}  overshoot {over:.1f} °C, settled {last_far(rise, begin):.0f} s, "
             f"fan {worst:+.1f} °C, {last_far(wind, gust):.0f} s"
         )
 

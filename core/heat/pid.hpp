@@ -40,10 +40,11 @@ class Pid {
     }
     double error = r.target - r.celsius;
     double low = std::min(o_.drive_min, r.max_power), high = std::min(o_.drive_max, r.max_power);
-    // What holds one target holds a lower one in proportion to how much warmer than a room it is.
+    // What holds one target holds a lower one in proportion to how much warmer than the room it is.
     // On the way up it is too little, which costs time, and never too much.
-    if (target_ > kRoom && r.target < target_) {
-      double part = std::max(0.0, (r.target - kRoom) / (target_ - kRoom));
+    double room = (r.body ? r.body->model() : HeatModel{}).ambient_c;
+    if (target_ > room && r.target < target_) {
+      double part = std::max(0.0, (r.target - room) / (target_ - room));
       i_ *= part;
       fan_ *= part;
       blown_ *= part;
@@ -77,7 +78,6 @@ class Pid {
 
  private:
   static constexpr double kApproachSeconds = 30;
-  static constexpr double kRoom = 25;  // °C
   static constexpr double kTrend = 4;  // filters of the derivative: beyond the ADC's steps
 
   PidControl o_;

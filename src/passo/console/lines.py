@@ -48,7 +48,7 @@ class _Pty(StreamWire):
         """A host has opened the other end."""
         super().connection_made(transport)
         assert self.session is not None
-        self.session.on_upload = lambda _: self._share()
+        self.session.on_upload = self._share
 
     def data_received(self, data: bytes) -> None:
         """Gives what a host has sent to its session."""

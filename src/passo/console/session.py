@@ -80,7 +80,7 @@ class Session:
         self.busy_s = 2.0  # M113
         self.advanced_ok = False
         self._upload: Upload | None = None
-        self.on_upload: Callable[[bool], None] = lambda _: None  # an upload begins, or has ended
+        self.on_upload: Callable[[], None] = lambda: None  # an upload begins, or has ended
         self._given_up = 0  # so many of the lines in hand were there when the machine was stopped
         self._overtaken = False  # and so was the line that waits for its turn
         self._working = False  # this console's line has the turn and is under way
@@ -100,7 +100,7 @@ class Session:
     @upload.setter
     def upload(self, upload: Upload | None) -> None:
         self._upload = upload
-        self.on_upload(upload is not None)
+        self.on_upload()
 
     @property
     def unfinished(self) -> bool:

@@ -85,7 +85,7 @@ def board_description(machine: MachineConfig, board: str = MAIN) -> BoardDescrip
         settings=tuple(current_settings(machine, board)),
         move_count=config.move_count,
         mcu=config.mcu,
-        survives=None if config.link == "simulated" else config.survives,
+        survives=config.survives,
         endstops_elsewhere=tuple(
             s.name
             for s in switches(machine)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import pytest
@@ -36,7 +37,7 @@ def test_the_dictionary_names_chip_and_pins():
     ("machine", "moves"), [("i3", 423), ("mk3s", 415), ("dual-extruder", 401), ("cnc", 479)]
 )
 def test_a_ramps_holds_at_least_the_moves_of_its_file(machine, moves):
-    description = board_description(config.load(machine))
+    description = replace(board_description(config.load(machine)), survives=None)
     chip = bench()
     for channel in range(16):
         chip.set_voltage(channel, 4.7)
