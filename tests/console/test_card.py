@@ -1,6 +1,7 @@
 """Files on the card as hosts see them: list, upload, print, pause, cancel."""
 
 import errno
+import json
 import os
 import re
 
@@ -390,16 +391,50 @@ def test_progress_counts_on_behind_a_line_that_failed(s, folder):
     assert float(re.search(r"([\d.]+)%", s.host.ok("M73")[0])[1]) == pytest.approx(50, abs=5)
 
 
-def test_where_no_time_is_known_the_slicer_s_progress_counts_before_bytes(s, folder):
-    (folder / "a.g").write_text("G92 X0 Y0 Z0\n" + "G1 X100 F600\nG1 X0\n" * 9)
-    s.host.ok("G92 X0 Y0 Z0")
+def test_a_card_that_was_released_is_left_alone(s):
+    s.host.ok("M22")
+    for line in ("M20", "M23 square.gcode", "M36 square.gcode", "M28 new.g"):
+        assert "there is no card: M22 has released it (M21 mounts it)" in s.host.ok(line)[0]
+    assert s.host.ok("M29") == ["ok"]
+    assert s.host.ok("M21")[0] == "SD card ok"
+    assert s.host.ok("M20")[0] == "Begin file list"
+
+
+@pytest.mark.parametrize("name", ["frog.gco", "Frog.gco", "F"])
+def test_a_file_that_is_not_there_is_named_as_it_was_asked_for(s, name):
+    assert s.host.ok(f"M23 {name}")[0].startswith(
+        f"echo:file.open failed, File: {name}. /{name}: is not"
+    )
+
+
+def test_progress_from_the_midst_of_a_file_counts_what_lies_before(s, folder):
+    way = "".join(f"G1 X{10 + i % 2 * 50} F600\n" for i in range(40))
+    (folder / "a.g").write_text(f"G28 X\n{way}")
+    s.host.ok("G28 X", 100)
     s.host.ok("M23 a.g")
-    s.host.ok("M26 S13")
+    s.host.ok(f"M26 S{len('G28 X ') + len(way) // 4 * 3}")
     s.host.ok("M24")
+    for seconds, percent in ((0.5, 75), (25, 87.5)):
+        s.passes(seconds)
+        assert float(re.search(r"([\d.]+)%, ", s.host.ok("M73")[0])[1]) == pytest.approx(
+            percent, abs=1.5
+        )
+        at = json.loads(s.host.ok("M408 S3")[0])["fractionPrinted"]
+        assert at == pytest.approx(percent, abs=1.5)
+
+
+def test_where_no_time_is_known_the_slicer_s_progress_counts_before_bytes(s, folder):
+    (folder / "a.g").write_text("G92 X0 Y0 Z0\n" + "G1 X100 F600\nG1 X0\n" * 9 + "G2 X10\n")
+    s.host.ok("M32 a.g")
     s.passes(2)
     assert "% of the file" in s.host.ok("M73")[0]
     s.host.ok("M73 P10 R7")
     assert s.host.ok("M73")[0] == "echo:Progress: 10%, 7 min left"
+    assert json.loads(s.host.ok("M408 S3")[0])["fractionPrinted"] == 10
+    s.host.ok("M524")
+    s.host.ok("M24")
+    s.passes(1)
+    assert "% of the file" in s.host.ok("M73")[0]
 
 
 def test_a_question_for_the_file_leaves_the_file_to_the_print(s, folder):

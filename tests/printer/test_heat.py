@@ -140,6 +140,25 @@ def test_presets_stay_below_the_limits(s):
     assert "S is 5: expected 0 to 2" in s.host.ok("M145 S5")[0]
 
 
+def test_a_material_is_heated_for(s):
+    s.host.ok("M145 S2 H205 B55")
+    heaters = s.printer.connection.heaters
+    s.host.ok("M104 I2")
+    s.host.ok("M140 S40 I2")
+    s.passes(1)
+    assert (heaters["hotend"].target, heaters["bed"].target) == (205, 55)
+    s.host.send("M190 I0")
+    s.passes(1)
+    assert heaters["bed"].target == 60
+    s.host.ok("M108")
+    assert "I is 3: expected 0 to 2" in s.host.ok("M104 I3")[0]
+    s.passes(1)
+    assert heaters["hotend"].target == 205
+    s.host.ok("M104")
+    s.passes(1)
+    assert heaters["hotend"].target == 0
+
+
 def with_policy(policy):
     text = shipped_text("i3").replace(
         "[heaters.hotend]\n", f'[heaters.hotend]\non_fault = "{policy}"\n'

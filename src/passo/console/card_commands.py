@@ -29,6 +29,7 @@ class CardCommands:
     def __init__(self, printer: Printer, runner: Runner, path: str | None) -> None:
         self._printer, self._runner, self._path = printer, runner, path
         self._card: Card | None = None
+        self._released = False
         self._selected: Entry | None = None
         self._directory = PurePosixPath("/")
         printer.closers.append(self._leave)
@@ -59,7 +60,9 @@ class CardCommands:
 
     @property
     def card(self) -> Card:
-        """The card that is mounted. Raises CardError if there is none."""
+        """The card that is mounted. Raises CardError if there is none, or M22 has released it."""
+        if self._released:
+            raise CardError.of("card.absent", value="M22 has released it (M21 mounts it)")
         if self._card is None:
             self.mount()
         assert self._card is not None
@@ -74,13 +77,9 @@ class CardCommands:
         if self._path is None:
             raise CardError.of("card.absent", value="start with --sd")
         self._card = open_card(self._path)
+        self._released = False
         if self._runner.stands:
             self._open_again()
-
-    def unmount(self) -> None:
-        """Leaves the card. Raises CommandError while a file of it is printed."""
-        self._runner.release()
-        self._leave()
 
     def _leave(self) -> None:
         if self._card is not None:
@@ -116,7 +115,9 @@ class CardCommands:
         reply.say("SD card ok")
 
     def _release(self, _: str, reply: Reply) -> None:
-        self.unmount()
+        self._runner.release()
+        self._leave()
+        self._released = True
         reply.say("SD card released")
 
     # -- names ------------------------------------------------------------------------------------
@@ -133,10 +134,10 @@ class CardCommands:
         try:
             self.card.find(self._place(name))
         except CardError:
-            if not letter or name[:1].upper() != letter or len(name) == 1:
+            inner = unescaped(name[1:]) if letter and name[:1].upper() == letter else ""
+            if not inner or not self._there(self._place(inner)):
                 raise
-            name = unescaped(name[1:])
-            self.card.find(self._place(name))
+            name = inner
         return self._place(name)
 
     # -- commands ---------------------------------------------------------------------------------
@@ -147,9 +148,9 @@ class CardCommands:
             for entry in self.card.list(directory):
                 reply.say(f"{'d' if entry.is_directory else 'f'} {entry.name}")
             return
-        flags = text.upper().split()
+        flags, programs = text.upper().split(), self._programs(self.card)
         reply.say("Begin file list")
-        for directory, entry in self._programs(PurePosixPath("/"), _DEEPEST):
+        for directory, entry in programs:
             line = f"{directory}{entry.short_name} {entry.size}"
             if "T" in flags:
                 line += f" 0x{entry.fat_timestamp:08X}"
@@ -158,17 +159,17 @@ class CardCommands:
             reply.say(line)
         reply.say("End file list")
 
-    def _programs(self, at: PurePosixPath, deepest: int) -> Iterator[tuple[str, Entry]]:
+    def _programs(self, card: Card) -> Iterator[tuple[str, Entry]]:
         """All G-code files with the short names of their directories in front."""
-        stack = [(str(at), "")]
+        stack = [("/", "")]
         while stack:
             path, shown = stack.pop()
             inner: list[tuple[str, str]] = []
-            for entry in self.card.list(path):
+            for entry in card.list(path):
                 if entry.name.startswith("."):
                     continue
                 if entry.is_directory:
-                    if shown.count("/") < deepest:
+                    if shown.count("/") < _DEEPEST:
                         inner.append((f"{path}/{entry.name}", f"{shown}{entry.short_name}/"))
                 elif PurePosixPath(entry.name.lower()).suffix in PROGRAMS:
                     yield shown, entry

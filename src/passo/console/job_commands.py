@@ -109,8 +109,9 @@ class JobCommands:
                 self._from_card = self._statistics.begun(
                     self._runner.name, lambda: self._watch.seconds, self._runner.size, meant
                 )
-                if self._runner.offset == 0:  # else it goes on behind a line that failed
-                    self._planned_s = self._printer.planned_s()
+                self._planned_s = self._printer.planned_s()
+                if self._runner.offset == 0:
+                    self._percent = self._minutes_left = None
                 self._reckon()
             self._watch.start()
             return
@@ -155,7 +156,9 @@ class JobCommands:
             self._forecast = None
             return
         loop = asyncio.get_running_loop()
-        self._forecast = loop.create_task(forecast(self._printer.machine, reader))
+        self._forecast = loop.create_task(
+            forecast(self._printer.machine, reader, self._runner.offset)
+        )
         self._forecast.add_done_callback(self._foretell)
 
     def _foretell(self, task: asyncio.Task[Forecast | None]) -> None:
@@ -165,17 +168,25 @@ class JobCommands:
             self._printer.tell(f"echo:{sentence}")
 
     def _times(self) -> tuple[float, float] | None:
-        """Seconds of motion done and in all, of a print from its beginning; None if not known."""
+        """Seconds of motion done and in all; None if not known."""
         task = self._forecast
-        if not self._runner.active or self._runner.first_line > 1 or task is None:
+        if not self._runner.active or task is None:
             return None
         found = task.result() if task.done() and not task.cancelled() else None
         if not found or not found.seconds:
             return None
         total = found.seconds
         ahead = max(0.0, self._printer.drive.ahead_s)
-        done = self._printer.planned_s() - self._planned_s - ahead
+        done = found.before_s + self._printer.planned_s() - self._planned_s - ahead
         return min(max(done, 0.0), total), total
+
+    def share_done(self) -> float | None:
+        """Of the print, 0 to 1, by the best that is known: its time, what the file or the host says
+        of it (M73, M532), its bytes. None if nothing is printed."""
+        times = self._times()
+        if times is not None:
+            return times[0] / times[1]
+        return self._runner.progress if self._percent is None else self._percent / 100
 
     def _time(self, _: Command, reply: Reply) -> Wait | None:
         reply.say(f"echo:Print time {spoken(self._watch.seconds)}")
@@ -215,27 +226,27 @@ class JobCommands:
         return None
 
     def _host_progress(self, command: Command, _: Reply) -> Wait | None:
-        self._percent = command.words().get("X", self._percent)
+        words = command.words()
+        if "X" in words:
+            self._percent = _percent(words["X"])
         return None
 
     def _progress(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
         if "P" in words:
-            self._percent = min(max(words["P"], 0.0), 100.0)
+            self._percent = _percent(words["P"])
         if "R" in words:
             self._minutes_left = max(words["R"], 0.0)
         if words:
             return None
         parts: list[str] = []
-        times = self._times()
-        done = self._runner.progress
+        times, share = self._times(), self.share_done()
+        if share is not None:
+            parts.append(f"{round(100 * share, 1):g}%")
         if times is not None:
-            parts.append(f"{100 * times[0] / times[1]:.1f}%")
             parts.append(f"{(times[1] - times[0]) / 60:.1f} min left")
-        elif self._percent is not None:  # the slicer knows more than bytes do
-            parts.append(f"{self._percent:g}%")
-        elif done is not None:
-            parts.append(f"{100 * done:.1f}% of the file")
+        elif share is not None and self._percent is None:
+            parts[0] += " of the file"
         if self._minutes_left is not None and times is None:
             parts.append(f"{self._minutes_left:g} min left")
         reply.say(f"echo:Progress: {', '.join(parts) or 'nothing is printed'}")
@@ -310,3 +321,7 @@ class JobCommands:
         if self._runner.state is State.PAUSED:
             self._runner.start()
         return None
+
+
+def _percent(given: float) -> float:
+    return min(max(given, 0.0), 100.0)

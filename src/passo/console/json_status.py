@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any
 
+from passo.console.job_commands import JobCommands
 from passo.console.options import OptionCommands
 from passo.job.runner import Runner, State
 from passo.printer.waits import Handler, Reply, Wait
@@ -20,8 +21,11 @@ _WITH_MACHINE, _WITH_PRINT = 2, 3  # S
 class JsonStatus:
     """M408 of one printer."""
 
-    def __init__(self, printer: Printer, runner: Runner, options: OptionCommands) -> None:
-        self._printer, self._runner, self._options = printer, runner, options
+    def __init__(
+        self, printer: Printer, runner: Runner, jobs: JobCommands, options: OptionCommands
+    ) -> None:
+        self._printer, self._runner = printer, runner
+        self._jobs, self._options = jobs, options
         self.handlers: dict[str, Handler] = {"M408": self._say}
 
     def _say(self, command: Command, reply: Reply) -> Wait | None:
@@ -108,5 +112,5 @@ class JsonStatus:
         return {
             "currentLayer": self._printer.job.layer,
             "extrRaw": [round(mm, 1) for mm in statistics["filament_mm"]],
-            "fractionPrinted": round(100 * (self._runner.progress or 0.0), 1),
+            "fractionPrinted": round(100 * (self._jobs.share_done() or 0.0), 1),
         }

@@ -96,7 +96,6 @@ def _furnish(printer: Printer, card: str | None, state: str | None) -> None:
     options = OptionCommands(printer)
     printer.immediate.update(options.immediate)
     printer.planned.update(options.planned)
-    printer.immediate.update(JsonStatus(printer, runner, options).handlers)
     files = CardCommands(printer, runner, card)
     printer.immediate.update(files.handlers)
     statistics = Statistics(printer, None if state is None else Path(state))
@@ -104,6 +103,7 @@ def _furnish(printer: Printer, card: str | None, state: str | None) -> None:
     jobs = JobCommands(printer, runner, statistics, lambda path: files.card.open(path))
     printer.immediate.update(jobs.immediate)
     printer.planned.update(jobs.planned)
+    printer.immediate.update(JsonStatus(printer, runner, jobs, options).handlers)
     recovery = None
     if state is not None:
         recovery = RecoveryCommands(printer, runner, files, Path(state))

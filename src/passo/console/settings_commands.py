@@ -48,7 +48,7 @@ class SettingsCommands:
         models = list(controls.model_lines())
         if models:
             yield "Heater models", models
-        yield "Material presets", list(heat.preset_lines())
+        yield "Material presets", list(self._printer.commands.presets.lines())
         if self._printer.machine.extruders:
             yield "Filament", list(motion.filament_lines())
             yield "Firmware retraction", list(motion.retraction_lines())

@@ -15,6 +15,7 @@ from passo.gcode.dialect import Kind, row_of
 from passo.printer.faults import problem, problem_of
 from passo.printer.omissions import Omission, Omissions
 from passo.printer.places import place_of_actuators, place_of_axes
+from passo.printer.presets import Presets
 from passo.printer.waits import Homing, Person, Still, Stop, Temperatures, Wait
 from passo.printer.words import LARGEST, Command
 
@@ -101,6 +102,7 @@ class Commands:
         self._spindle_mode = ""  # M3: as set, M4: with the speed, or off
         if machine.laser:
             job.set_laser(*self._outputs["laser"])
+        self.presets = Presets(machine)
         self.ended = False
         self.omitted = Omissions()
 
@@ -281,20 +283,27 @@ class Commands:
             limit = f"{heater.min_c:g} to {heater.max_c:g}"
             raise CommandError.of("heat.unsafe-target", axis=name, value=target, limit=limit)
 
+    def _celsius(self, words: dict[str, float], kind: str) -> float | None:
+        """What a command asks for: the material I of M145, or S, or R. Raises CommandError."""
+        if "I" in words and kind in ("hotend", "bed"):
+            return self.presets.celsius(words["I"], kind)
+        return words.get("S", words.get("R"))
+
     def _set_temperature(self, command: Command, kind: str) -> None:
         words = command.words()
         if self._exists(kind, words):
             name = self.heater(kind, self._numbered(words))
             at_once = _AT_ONCE.search(command.text) is not None
-            self._heat_to(name, words.get("S", words.get("R")), at_once=at_once)
+            self._heat_to(name, self._celsius(words, kind), at_once=at_once)
 
     def _reach_temperature(self, command: Command, kind: str) -> Wait | None:
         words = command.words()
         if not self._exists(kind, words):
             return None
         name = self.heater(kind, self._numbered(words))
-        if "S" in words or "R" in words:
-            self._heat_to(name, words.get("S", words.get("R")))
+        target = self._celsius(words, kind)
+        if target is not None:
+            self._heat_to(name, target)
         return Temperatures((name,), cooling="R" in words)
 
     def _reach_all(self, command: Command) -> Wait | None:
@@ -565,6 +574,7 @@ class Commands:
         "M190": lambda self, c: self._reach_temperature(c, "bed"),
         "M191": lambda self, c: self._reach_temperature(c, "chamber"),
         "M116": _reach_all,
+        "M145": lambda self, c: self.presets.set(c.words()),
         "M106": lambda self, c: self.set_fan(self.fan_order(c)),
         "M107": lambda self, c: self.set_fan(self.fan_order(c)),
         "M201": lambda self, c: self._axis_limits(c, "accel"),

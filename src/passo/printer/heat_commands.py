@@ -17,14 +17,6 @@ if TYPE_CHECKING:
 _COLD_C = 170.0  # filament does not move below it, unless M302 says otherwise
 # What such a sensor says, 400 °C of a short circuit maybe, melts nothing.
 _NO_TEMPERATURE = (FaultKind.SENSOR_OPEN, FaultKind.SENSOR_SHORT, FaultKind.SENSOR_ERRATIC)
-_PRESET_MARGIN_C = 15.0  # presets stay so far below a heater's limit
-
-
-class Preset:
-    """A material of M145: hotend and bed in °C, fan 0 to 255."""
-
-    def __init__(self, hotend_c: float, bed_c: float, fan: float) -> None:
-        self.hotend_c, self.bed_c, self.fan = hotend_c, bed_c, fan
 
 
 class HeatCommands:
@@ -33,7 +25,6 @@ class HeatCommands:
     def __init__(self, printer: Printer) -> None:
         self._printer = printer
         self._machine = printer.machine
-        self.presets = [Preset(190, 60, 255), Preset(235, 100, 0), Preset(230, 80, 128)]
         self.cold_c = _COLD_C
         self._cold_allowed: set[str] = set()  # hotends whose filament may move cold
         self.planned: dict[str, Handler] = {
@@ -72,28 +63,11 @@ class HeatCommands:
         return None
 
     def _preset(self, command: Command, reply: Reply) -> Wait | None:
-        words = command.words()
-        index = int(words.get("S", -1))
-        if "S" not in words:
-            for line in self.preset_lines():
-                reply.say(line)
-            return None
-        if not 0 <= index < len(self.presets):
-            raise CommandError.bad_value("S", index, "0 to 2")
-        preset = self.presets[index]
-        preset.hotend_c = min(max(words.get("H", preset.hotend_c), 0.0), self._most("hotend"))
-        preset.bed_c = min(max(words.get("B", preset.bed_c), 0.0), self._most("bed"))
-        preset.fan = min(max(words.get("F", preset.fan), 0.0), 255.0)
+        words, presets = command.words(), self._printer.commands.presets
+        presets.set(words)
+        for line in () if "S" in words else presets.lines():
+            reply.say(line)
         return None
-
-    def _most(self, kind: str) -> float:
-        limits = [h.max_c for h in self._machine.heaters.values() if h.kind == kind]
-        return min(limits, default=1200.0) - _PRESET_MARGIN_C
-
-    def preset_lines(self) -> Iterable[str]:
-        """The presets as commands."""
-        for i, p in enumerate(self.presets):
-            yield f"M145 S{i} H{numeral(p.hotend_c)} B{numeral(p.bed_c)} F{numeral(p.fan)}"
 
     def _cold_extrusion(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
