@@ -413,24 +413,6 @@ def test_cards_on_four_wires(name: str, clock: str, command: str, data: list[str
     ]
 
 
-@pytest.mark.parametrize(
-    ("name", "most"),
-    [
-        *((name, 115_600) for name in ("ramps", "mks-gen", "mks-gen-l", "melzi")),
-        *((name, 116_000) for name in ("radds", "ramps-fd", "duet-0.6")),
-        *((f"stm32f4{kind}-discovery", 168_000) for kind in ("07", "29")),
-        *(("4pi", 130_000), ("pico", 124_000)),
-        *(("teensy3-mk20dx128", 78_000), ("teensy3-mk20dx256", 106_000)),
-    ],
-)
-def test_boards_promise_no_more_steps_than_the_firmware_keeps_up_with(name: str, most: int):
-    budget = config.load_board(name).budget
-    assert budget is not None
-    cpu_hz = budget.cpu_hz or config.load_board(name).clock_hz
-    steps_s = budget.step_share * cpu_hz / budget.cycles_per_step
-    assert steps_s == pytest.approx(most, rel=0.01)
-
-
 def test_host_and_firmware_speak_at_one_rate() -> None:
     text = config.shipped_text("i3")
     for line, bauds in (

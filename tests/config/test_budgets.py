@@ -81,6 +81,13 @@ def test_a_board_with_klippers_firmware_has_a_budget(
     assert longer["steps_s"] == pytest.approx(steps_s / 2)
 
 
+def test_a_board_waits_while_a_pulse_lasts() -> None:
+    board = config.load_board("stm32f407-discovery")
+    wired = board.model_copy(update={"link": "serial", "baud": 250_000})
+    rates = [spec["steps_s"] for us in (0.1, 0.3, 2.0) if (spec := wired.budget_spec(us))]
+    assert rates == pytest.approx([364_000, 364_000, 0.65 * 168e6 / (300 + 1.7 * 168)])
+
+
 def test_a_shipped_board_may_run_klippers_firmware(i3_text: str) -> None:
     """Its own budget is of Passo's; what the machine file states itself still counts."""
     serial = 'link = "serial"\nport = "/dev/x"\n'

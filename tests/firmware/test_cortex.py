@@ -6,6 +6,7 @@ import struct
 from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
+from math import ceil
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -197,11 +198,12 @@ def test_steps_that_are_late_keep_pulse_and_low_time(case: Case) -> None:
     assert edges[-1][0] - edges[0][0] < 40 * 2 * 2 * us + 40 * 400 * case.hz / case.model.CORE_HZ
 
 
-def test_three_motors_keep_up_with_the_budget_of_the_board(case: Case) -> None:
+@pytest.mark.parametrize("pulse_us", [0.1, 2])
+def test_three_motors_keep_up_with_the_budget_of_the_board(case: Case, pulse_us: float) -> None:
     """A tenth more steps than the planner gives the board, beside all the commands that its link
     carries, each in a frame of its own, which is more work than several in one."""
     board = board_target(case.board).board
-    spec = board.model_copy(update={"link": "serial", "port": "x"}).budget_spec()
+    spec = board.model_copy(update={"link": "serial", "port": "x"}).budget_spec(pulse_us)
     assert spec
     host = case.host()
     pins = [pin for pin in board_target(case.board).chip.pins if pin not in TAKEN][:3]
@@ -210,7 +212,7 @@ def test_three_motors_keep_up_with_the_budget_of_the_board(case: Case) -> None:
         "allocate_oids count=3",
         *(
             f"config_stepper oid={i} step_pin={pin} dir_pin={case.direction[0]} invert_step=0"
-            f" step_pulse_ticks={2 * case.hz // 1_000_000}"
+            f" step_pulse_ticks={ceil(pulse_us * case.hz / 1e6)}"
             for i, pin in enumerate(pins)
         ),
         "finalize_config crc=1",

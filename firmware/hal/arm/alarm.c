@@ -10,37 +10,32 @@ _Static_assert(RATIO *HAL_CLOCK_HZ == CHIP_CORE_HZ, "the core's clock is no mult
 _Static_assert(HAL_CLOCK_HZ == CHIP_CLOCK_HZ, "the chip's clock has another frequency");
 #define FARTHEST ((int32_t)(SYST_MAX / RATIO))
 
-struct alarm {
+// Touched under hal_irq_save() or by SysTick's interrupt, which nothing interrupts.
+static struct alarm {
   uint32_t clock;
   bool set;
-};
-// Written under hal_irq_save() or by SysTick's interrupt, which nothing interrupts.
-static volatile struct alarm steps, timers;
+} steps, timers;
 
-static inline int32_t ahead(const volatile struct alarm *alarm, uint32_t now) {
-  return alarm->set ? (int32_t)(alarm->clock - now) : FARTHEST;
+static inline bool due(const struct alarm *alarm, uint32_t now) {
+  return alarm->set && (int32_t)(alarm->clock - now) <= 0;
 }
 
 // An alarm that is further away than SysTick can count comes early, and asks again.
 static inline void arm(void) {
-  if (!steps.set && !timers.set) {
-    SYST_CSR = 0;
-    return;
-  }
   uint32_t now = chip_clock();
-  int32_t first = ahead(&steps, now), other = ahead(&timers, now);
-  if (other < first) first = other;
+  int32_t first = FARTHEST;
+  if (steps.set && (int32_t)(steps.clock - now) < first) first = (int32_t)(steps.clock - now);
+  if (timers.set && (int32_t)(timers.clock - now) < first) first = (int32_t)(timers.clock - now);
   if (first <= 0) {
     SCB_ICSR = ICSR_PENDSTSET;
     return;
   }
-  if (first > FARTHEST) first = FARTHEST;
   SYST_RVR = (uint32_t)first * RATIO;
   SYST_CVR = 0;
   SYST_CSR = SYST_ON;
 }
 
-static void set(volatile struct alarm *alarm, uint32_t clock) {
+static void set(struct alarm *alarm, uint32_t clock) {
   hal_irq_t irq = hal_irq_save();
   alarm->clock = clock;
   alarm->set = true;
@@ -59,12 +54,9 @@ void alarm_start(void) {
 
 void alarm_interrupt(void) {
   SYST_CSR = 0;
-  if (steps.set && ahead(&steps, chip_clock()) <= 0) {
-    uint32_t again;
-    steps.set = stepgen_interrupt(&again);
-    steps.clock = again;
-  }
-  if (timers.set && ahead(&timers, chip_clock()) <= 0) {
+  uint32_t now = chip_clock();
+  if (due(&steps, now)) steps.set = stepgen_interrupt(now, &steps.clock);
+  if (due(&timers, now)) {
     timers.set = false;
     SCB_ICSR = ICSR_PENDSVSET;
   }

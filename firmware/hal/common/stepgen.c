@@ -3,24 +3,27 @@
 #include <stddef.h>
 
 static struct axis {
-  struct hal_output step, direction_pin;
-  bool invert, active, stopped;
-  uint8_t direction;  // level of its pin
-  uint16_t pulse_ticks;
+  struct axis *later;  // of those that move: the one whose step comes next
+  struct axis *also;   // one more with a pulse under way
+  bool active, invert, stopped;
+  uint8_t direction;        // level of its pin
   uint32_t next, interval;  // clock of the next step; and from it to the one after
-  uint16_t count;           // steps left of the move, the next one included
-  int16_t add;
+  int32_t add;
+  uint32_t count;  // steps left of the move, the next one included
+  uint32_t pulse_ticks;
+  struct hal_output step, direction_pin;
   int32_t end;  // position when the move is done
   struct move *oldest, *waiting, *newest;
 } axes[HAL_STEPPERS];
-static uint8_t axis_count;
+static struct axis *soonest;  // of those that move, by their next steps
 // Steps that are late do not begin before `low_until`: drivers want the pin to be low between two
 // pulses for as long as a pulse takes.
 static bool late;
 static uint32_t low_until;
 
 void stepgen_start(void) {
-  axis_count = 0;
+  for (struct axis *axis = axes; axis < axes + HAL_STEPPERS; ++axis) *axis = (struct axis){0};
+  soonest = NULL;
   late = false;
 }
 
@@ -31,7 +34,6 @@ bool stepgen_setup(uint8_t index, uint16_t step_pin, uint16_t direction_pin, boo
   *axis = (struct axis){.invert = invert, .pulse_ticks = pulse_ticks};
   if (!hal_output_setup(&axis->step, step_pin, invert)) return false;
   if (!hal_output_setup(&axis->direction_pin, direction_pin, false)) return false;
-  axis_count = (uint8_t)(index + 1);
   return true;
 }
 
@@ -54,76 +56,70 @@ static void load(struct axis *axis) {
 // The step after the one at axis->next.
 static void advance(struct axis *axis) {
   axis->next += axis->interval;
-  axis->interval += (uint32_t)(int32_t)axis->add;
+  axis->interval += (uint32_t)axis->add;
 }
 
-#define NEVER INT32_MAX  // 12 s and more, which no host leaves between two steps
-
-// Keeps the lesser of `soonest` and the ticks from `now` to a clock.
-static inline void note(int32_t *soonest, uint32_t clock, uint32_t now) {
-  int32_t ahead = (int32_t)(clock - now);
-  if (ahead < *soonest) *soonest = ahead;
+static void take_out(const struct axis *axis) {
+  struct axis **at = &soonest;
+  while (*at != axis) at = &(*at)->later;
+  *at = axis->later;
 }
 
-// The clock for the next alarm, the soonest step being so many ticks after `now`.
-static uint32_t alarm_at(int32_t soonest, uint32_t now) {
-  uint32_t clock = now + (uint32_t)soonest;
-  return late && (int32_t)(clock - low_until) < 0 ? low_until : clock;
+// Puts one that moves where its next step belongs. Clocks that are 12 s and more apart could not be
+// told apart, but no host leaves so much between two steps.
+static inline void insert(struct axis *axis) {
+  struct axis **at = &soonest;
+  while (*at != NULL && (int32_t)((*at)->next - axis->next) <= 0) at = &(*at)->later;
+  axis->later = *at;
+  *at = axis;
 }
 
-static void set_alarm(void) {
-  uint32_t now = hal_clock();
-  int32_t soonest = NEVER;
-  for (struct axis *axis = axes; axis < axes + axis_count; ++axis)
-    if (axis->active) note(&soonest, axis->next, now);
-  if (soonest < NEVER) stepgen_alarm(alarm_at(soonest, now));
+// The clock for the next alarm.
+static inline uint32_t alarm_at(void) {
+  uint32_t next = soonest->next;
+  return late && (int32_t)(next - low_until) < 0 ? low_until : next;
 }
 
-bool stepgen_interrupt(uint32_t *again) {
-  uint32_t now = hal_clock();
-  if (late && (int32_t)(now - low_until) >= 0) late = false;
-  int32_t soonest = NEVER;  // of the axes that are not due
+bool stepgen_interrupt(uint32_t now, uint32_t *again) {
+  struct axis *due = NULL;
   uint32_t pulse_ticks = 0;
-  struct axis *due[HAL_STEPPERS], **due_end = due;
-  for (struct axis *axis = axes, *end = axes + axis_count; axis < end; ++axis) {
-    if (!axis->active) continue;
-    if ((int32_t)(axis->next - now) > 0) {
-      note(&soonest, axis->next, now);
-      continue;
-    }
+  for (struct axis *axis = soonest; axis != NULL && (int32_t)(axis->next - now) <= 0;) {
     hal_output_write(&axis->step, !axis->invert);
     if (axis->pulse_ticks > pulse_ticks) pulse_ticks = axis->pulse_ticks;
-    *due_end++ = axis;
+    axis->also = due;
+    due = axis;
+    soonest = axis = axis->later;
   }
-  if (due_end > due) {
+  if (due != NULL) {
     uint32_t end = hal_clock() + pulse_ticks;
-    int32_t own = NEVER;  // of those that are
+    int32_t low = INT32_MAX;  // ticks from the pulses to the next step of one of them
     // What comes next is reckoned while the pulses last; but directions stay until they are over.
-    for (struct axis **at = due; at < due_end; ++at) {
-      if (--(*at)->count == 0) continue;
-      advance(*at);
-      note(&own, (*at)->next, now);
+    for (struct axis *axis = due; axis != NULL; axis = axis->also) {
+      if (--axis->count == 0) continue;
+      advance(axis);
+      insert(axis);
+      if ((int32_t)(axis->next - end) < low) low = (int32_t)(axis->next - end);
     }
     stepgen_wait(end);
-    for (struct axis **at = due; at < due_end; ++at) {
-      struct axis *axis = *at;
+    for (struct axis *axis = due; axis != NULL; axis = axis->also) {
       hal_output_write(&axis->step, axis->invert);
       if (axis->count > 0) continue;
       load(axis);
       if (!axis->active) continue;
       advance(axis);
-      note(&own, axis->next, now);
+      insert(axis);
+      if ((int32_t)(axis->next - end) < low) low = (int32_t)(axis->next - end);
     }
     // The clock is read again only where it matters: that takes time.
-    late = own < (int32_t)(end - now + 2 * pulse_ticks);
+    late = low < (int32_t)(2 * pulse_ticks);
     if (late) {
       low_until = hal_clock() + pulse_ticks;
-      late = own < (int32_t)(low_until - now);
+      late = low < (int32_t)(low_until - end);
     }
-    if (own < soonest) soonest = own;
   }
-  *again = alarm_at(soonest, now);
-  return soonest < NEVER;
+  if (soonest == NULL) return false;
+  *again = alarm_at();
+  return true;
 }
 
 bool stepgen_append(uint8_t index, struct move *move, uint32_t first) {
@@ -142,7 +138,8 @@ bool stepgen_append(uint8_t index, struct move *move, uint32_t first) {
       load(axis);
       axis->next = first - axis->interval;
       advance(axis);
-      set_alarm();
+      insert(axis);
+      if (soonest == axis) stepgen_alarm(alarm_at());
     }
   }
   hal_irq_restore(irq);
@@ -154,13 +151,14 @@ bool stepgen_active(uint8_t index) { return axes[index].active; }
 // Steps left of the move under way, with their sign.
 static int32_t left(const struct axis *axis) {
   if (!axis->active) return 0;
-  return axis->direction ? axis->count : -(int32_t)axis->count;
+  return axis->direction ? (int32_t)axis->count : -(int32_t)axis->count;
 }
 
 void stepgen_stop(uint8_t index) {
   struct axis *axis = &axes[index];
   hal_irq_t irq = hal_irq_save();
   axis->end -= left(axis);
+  if (axis->active) take_out(axis);
   axis->active = false;
   axis->waiting = NULL;
   axis->stopped = true;

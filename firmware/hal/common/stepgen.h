@@ -23,6 +23,7 @@ void stepgen_wait(uint32_t clock);
 
 // Forgets all axes, as after power-on.
 void stepgen_start(void);
-// Called by the chip's layer, and interrupted by nothing that calls the functions of hal.h. While
-// an axis moves it is true, and `again` the clock at which it is to be called next, or soon after.
-bool stepgen_interrupt(uint32_t *again);
+// Called by the chip's layer at `now`, and interrupted by nothing that calls the functions of
+// hal.h. While an axis moves it is true, and `again` the clock at which it is to be called next, or
+// soon after.
+bool stepgen_interrupt(uint32_t now, uint32_t *again);

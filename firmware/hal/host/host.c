@@ -128,7 +128,7 @@ static void run(int64_t until) {
     if (due > now) now = due;
     if (steps_due == due) {
       uint32_t again;
-      steps_due = stepgen_interrupt(&again) ? widen(again) : NEVER;
+      steps_due = stepgen_interrupt(hal_clock(), &again) ? widen(again) : NEVER;
       not_before = now;
     } else {
       timer_due = NEVER;

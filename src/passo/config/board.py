@@ -18,7 +18,6 @@ from passo.config.budget import (
     COMMIT_BYTES_S,
     COMMITTED_S,
     LINK_BURST_S,
-    PULSE_US,
     Budget,
 )
 from passo.config.chips import Chip, chip, chip_names
@@ -177,8 +176,8 @@ class Board(Model):
             return inf, inf
         cpu_hz = budget.cpu_hz or self.clock_hz
         per_step = budget.cycles_per_step
-        if pulse_us > PULSE_US:
-            waits = (pulse_us - PULSE_US) * 1e-6 * cpu_hz
+        if pulse_us > budget.pulse_us:
+            waits = (pulse_us - budget.pulse_us) * 1e-6 * cpu_hz
             per_step += budget.cycles_per_step if self.is_klippers else waits
         steps_s = budget.step_share * cpu_hz / per_step
         return steps_s, budget.command_share * cpu_hz / budget.cycles_per_command

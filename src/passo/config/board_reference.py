@@ -8,6 +8,8 @@ from passo.config.board import Board
 from passo.config.board_files import load_board, shipped_boards
 from passo.config.chips import Chip
 
+_SLOW_DRIVERS_US, _QUICK_DRIVERS_US = 2, 0.1  # pulses
+
 _HEAD = """# Boards
 
 Made from the files in `src/passo/config/boards/` and `chips/` (`passo.config.board_reference`). A
@@ -68,7 +70,12 @@ def _budget(board: Board) -> Iterator[str]:
         return
     serial = {"link": "serial", "baud": board.console.baud if board.console else board.baud}
     wired = board.model_copy(update=serial)
-    rates = wired.budget_spec() or {}
+    rates = wired.budget_spec(_SLOW_DRIVERS_US) or {}
+    quick = wired.budget_spec(_QUICK_DRIVERS_US) or {}
+    steps = f"{rates['steps_s']:.0f} steps/s"
+    if quick["steps_s"] > rates["steps_s"]:
+        steps += f" with pulses of {_SLOW_DRIVERS_US:g} µs"
+        steps += f" ({quick['steps_s']:.0f} with {_QUICK_DRIVERS_US:g} µs)"
     cycles = f"{budget.cycles_per_step:g} cycles a step, {budget.cycles_per_command:g} a command"
     by_slots = rates["commands_s"] == board.move_count / wired.ahead_s
     bounds = "the processor bounds"
@@ -76,8 +83,7 @@ def _budget(board: Board) -> Iterator[str]:
         bounds = "its move slots bound" if by_slots else "the link bounds"
     yield (
         f"- budget: {cycles}, at {(budget.cpu_hz or board.clock_hz) / 1e6:g} MHz; of all motors"
-        f" together {rates['steps_s']:.0f} steps/s, and {rates['commands_s']:.0f} commands/s, which"
-        f" {bounds}"
+        f" together {steps}, and {rates['commands_s']:.0f} commands/s, which {bounds}"
     )
 
 

@@ -15,8 +15,6 @@ BYTES_PER_BAUD = 0.095  # ten bits a byte; some are repeated or come late
 # What commits with their brake tails take of a link, bytes/s, one in 75 ms: 1180 were measured with
 # four motors at 60 mm/s. Longer brakes are taken to need about as many commands, at 50 µs each.
 COMMIT_BYTES_S = 1200.0
-# The pulses with which steps were measured.
-PULSE_US = 2.0
 # A burst of so many seconds of commands may come ahead, but never more than half of the slots.
 BURST_S = 0.1
 # Commands for so long ahead are on the board; the second where motion comes in commits.
@@ -35,17 +33,18 @@ _Cycles = Annotated[float, Field(gt=0, le=1_000_000)]
 class Budget(Model):
     """What a board's processor and its link take; the planner keeps to it.
 
-    Steps may take `step_share` of the processor's time at `cycles_per_step`, and what a pulse takes
-    beyond 2 µs, commands `command_share` at `cycles_per_command`, frames and all: figures that
-    together give rates at which a board was seen to keep up, not costs of their own. `cpu_hz` is
-    the board's clock unless given. A serial link carries 95 of 100 bytes that fit its `baud`, and
-    any link no more than `link_bytes_s` (bytes/s) if given; of a board with Klipper's firmware that
-    counts in place of its `baud`. On a board that can stop by itself a part of it is kept for the
-    ways on which it would.
+    Steps may take `step_share` of the processor's time at `cycles_per_step`, and what the longest
+    pulse lasts beyond `pulse_us`, commands `command_share` at `cycles_per_command`, frames and all:
+    figures that together give rates at which a board was seen to keep up, not costs of their own.
+    `cpu_hz` is the board's clock unless given. A serial link carries 95 of 100 bytes that fit its
+    `baud`, and any link no more than `link_bytes_s` (bytes/s) if given; of a board with Klipper's
+    firmware that counts in place of its `baud`. On a board that can stop by itself a part of it is
+    kept for the ways on which it would.
     """
 
     cpu_hz: Annotated[int, Field(ge=1_000_000, le=10_000_000_000)] | None = None
     cycles_per_step: _Cycles
+    pulse_us: Annotated[float, Field(ge=0, le=100)] = 2.0
     cycles_per_command: _Cycles
     step_share: _Share = 0.65
     command_share: _Share = 0.3

@@ -37,8 +37,9 @@ _RECEIVE_WINDOW = 192
 _LOAD = 1
 _PIN = re.compile(r"(?:P|PT)([A-Z])(\d+)|gpio(\d+)")
 _COMPILE = (
-    *("-std=gnu11", "-Os", "-Wall", "-Wextra", "-ffreestanding", "-fno-builtin"),
+    *("-std=gnu11", "-O2", "-Wall", "-Wextra", "-ffreestanding", "-fno-builtin"),
     *("-fno-strict-aliasing", "-ffunction-sections", "-fdata-sections", "-fshort-enums"),
+    *("-fno-unwind-tables", "-fno-asynchronous-unwind-tables"),
 )
 
 
