@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from tests.console.scenario import Scenario
 from tests.hosts.klipper_board import dictionary
-from tests.printer.klipper_printer import STEPS_PER_MM, Board, connected, machine
+from tests.printer.klipper_printer import STEPS_PER_MM, Board, Port, connected, machine
 
 from passo import _core
 from passo.board.trinamic import registers as r
@@ -20,7 +20,7 @@ from passo.board.trinamic import registers as r
 def board(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Board:
     chip, _, newer = request.param.partition(", ")
     it = Board(dictionary(stm32=chip == "stm32", newer=bool(newer)))
-    monkeypatch.setattr("passo.printer.printer.connect", connected(it))
+    monkeypatch.setattr("passo.printer.printer.connect", connected(Port(it)))
     return it
 
 
@@ -118,7 +118,7 @@ def test_a_driver_that_is_not_there_lets_nothing_move(
     motor: str, chip: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     board = Board(dictionary(stm32=True, newer=True))
-    monkeypatch.setattr("passo.printer.printer.connect", connected(board))
+    monkeypatch.setattr("passo.printer.printer.connect", connected(Port(board)))
     board.chips[motor].plugged = False
     with Scenario(machine(board.told, tmp_path)) as s:
         says = f"motor {motor}: its driver, a {chip}.* does not answer"
