@@ -177,7 +177,7 @@ def test_a_problem_reads_as_a_sentence() -> None:
             "is 3: expected a table",
         ),
         ('base = "ramps"', 'base = "ramps"\nvariant = []', "board.variant", "the board's variants"),
-        ('socket = "X"', 'socket = "X"\npulse_us = 9e9', "steppers.x.pulse_us", "at most 10000"),
+        ('socket = "X"', 'socket = "X"\npulse_us = 9e9', "steppers.x.pulse_us", "at most 30"),
         (
             'base = "ramps"',
             'base = "ramps"\nbudget = { cycles_per_step = 1e300 }',

@@ -371,6 +371,21 @@ def test_a_teensy_keeps_the_pins_of_its_crystal(words: str, pin: str) -> None:
     assert host.send("get_config")["config"]["is_shutdown"] == 1
 
 
+@pytest.mark.parametrize(("pulse_us", "taken"), [(30, 1), (31, 0)])
+def test_a_pulse_that_would_hold_up_everything_is_refused(
+    case: Case, pulse_us: int, taken: int
+) -> None:
+    host = case.host()
+    host.send(
+        "allocate_oids count=1",
+        f"config_stepper oid=0 step_pin={case.step[0]} dir_pin={case.direction[0]} invert_step=0"
+        f" step_pulse_ticks={pulse_us * case.hz // 1_000_000}",
+        "finalize_config crc=1",
+    )
+    state = host.send("get_config")["config"]
+    assert (state["is_config"], state["is_shutdown"]) == (taken, 1 - taken)
+
+
 def test_an_endstop_is_looked_at_every_15_us(case: Case) -> None:
     host = configured(case)
     sample = 15 * case.hz // 1_000_000

@@ -2,6 +2,9 @@
 
 #include <stddef.h>
 
+// 30 µs, in which the interrupt waits.
+#define LONGEST_PULSE (HAL_CLOCK_HZ / 1000000 * 30)
+
 static struct axis {
   struct axis *later;  // of those that move: the one whose step comes next
   struct axis *also;   // one more with a pulse under way
@@ -29,7 +32,7 @@ void stepgen_start(void) {
 
 bool stepgen_setup(uint8_t index, uint16_t step_pin, uint16_t direction_pin, bool invert,
                    uint16_t pulse_ticks) {
-  if (index >= HAL_STEPPERS) return false;
+  if (index >= HAL_STEPPERS || pulse_ticks > LONGEST_PULSE) return false;
   struct axis *axis = &axes[index];
   *axis = (struct axis){.invert = invert, .pulse_ticks = pulse_ticks};
   if (!hal_output_setup(&axis->step, step_pin, invert)) return false;

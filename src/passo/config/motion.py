@@ -76,7 +76,8 @@ class Tool(Model):
     heater: str | None = None
 
 
-_PulseUs = Annotated[float, Field(ge=0, le=10_000)]
+_PulseUs = Annotated[float, Field(ge=0, le=30)]  # no board makes longer ones
+_DirectionUs = Annotated[float, Field(ge=0, le=10_000)]
 _RateHz = Annotated[float, Field(ge=1)]  # so that a board's clocks hold its interval
 
 
@@ -104,8 +105,8 @@ class Stepper(Model):
     tmc: Tmc | None = None
     peak_current_a: Positive | None = None
     pulse_us: _PulseUs | None = None
-    direction_setup_us: _PulseUs | None = None
-    direction_hold_us: _PulseUs | None = None
+    direction_setup_us: _DirectionUs | None = None
+    direction_hold_us: _DirectionUs | None = None
     max_rate_hz: _RateHz | None = None
     socket: str | None = None
     step_pin: Pin | None = None

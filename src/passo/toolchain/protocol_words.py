@@ -150,8 +150,8 @@ SHUTDOWNS = {
     "STEP_TOO_LATE": "a motor's first step has come after its time",
     "COUNT_ZERO": "a move of no step",
     "STEPPER_ACTIVE": "",
-    "STEPPER_PINS": "a pin cannot do it, or there are too many motors that the image was not built"
-    " for: with other pins, or with long pulses",
+    "STEPPER_PINS": "a pin cannot do it, a pulse would be longer than 30 µs, or there are too many"
+    " motors that the image was not built for: with other pins, or with long pulses",
     "PERIOD_TOO_SHORT": "looks or reports that leave the chip no time",
     "INPUT_PIN": "",
     "OUTPUT_PIN": "",
