@@ -37,9 +37,8 @@ _RECEIVE_WINDOW = 192
 _LOAD = 1
 _PIN = re.compile(r"(?:P|PT)([A-Z])(\d+)|gpio(\d+)")
 _COMPILE = (
-    *("-std=gnu11", "-Wall", "-Wextra", "-ffreestanding", "-fno-builtin"),
+    *("-std=gnu11", "-Os", "-Wall", "-Wextra", "-ffreestanding", "-fno-builtin"),
     *("-fno-strict-aliasing", "-ffunction-sections", "-fdata-sections", "-fshort-enums"),
-    *("-fno-unwind-tables", "-fno-asynchronous-unwind-tables"),
 )
 
 
@@ -157,11 +156,11 @@ def flags(command: list[str], chip: Chip) -> list[str]:
         # A loop in memcpy() must not become a call of memcpy().
         common.append("-fno-tree-loop-distribute-patterns")
         common.append("-fno-code-hoisting")  # from version 14 on a step takes longer with it
-        return ["-mthumb", f"-mcpu={chip.core}", "-O2", *common, "-Wl,--gc-sections", "-lgcc"]
+        return ["-mthumb", f"-mcpu={chip.core}", *common, "-Wl,--gc-sections", "-lgcc"]
     target = ["-target", "thumb-freestanding-eabi", f"-mcpu={chip.core.replace('-', '_')}"]
     common.remove("-nostdlib")  # the compiler's own support library comes with the standard ones
     # The floating point unit of an M4 is off, and its registers would not be saved.
-    return [*target, "-mfloat-abi=soft", "-Os", *common, "-Wl,--gc-sections"]
+    return [*target, "-mfloat-abi=soft", *common, "-Wl,--gc-sections"]
 
 
 def enumerations(chip: Chip) -> dict[str, dict[str, int | tuple[int, int]]]:
