@@ -37,7 +37,7 @@ check: .venv/.built .venv/.dev
 	$(BIN)/lint-imports
 	$(STUB) build/_core.pyi && diff src/passo/_core.pyi build/_core.pyi
 	$(BIN)/clang-format --dry-run --Werror $(CORE) $(filter %.c %.h,$(FIRMWARE)) \
-	  $(wildcard tests/fuzz/*.cpp)
+	  $(wildcard tests/fuzz/*.cpp tests/firmware/stepgen/*)
 
 # The types of the native core, for editors and pyright; run it after changing a binding.
 stub: .venv/.built
@@ -46,7 +46,7 @@ stub: .venv/.built
 format: .venv/.dev
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
-	$(BIN)/clang-format -i $(CORE) $(filter %.c %.h,$(FIRMWARE)) $(wildcard tests/fuzz/*.cpp)
+	$(BIN)/clang-format -i $(CORE) $(filter %.c %.h,$(FIRMWARE)) $(wildcard tests/fuzz/*.cpp tests/firmware/stepgen/*)
 
 bench: .venv/.built .venv/.dev
 	$(BIN)/python bench/run.py
