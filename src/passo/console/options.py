@@ -43,7 +43,7 @@ class OptionCommands:
         name = unescaped(words.get("I", ""))
         option = self._options.get(name.lower())
         if option is None:
-            raise CommandError.of("option.unknown", value=name or "nothing")
+            raise CommandError.of("option.unknown", value=name or "without a name")
         return option, words.get("V")
 
     def _tell(self, command: Command, reply: Reply) -> Wait | None:
