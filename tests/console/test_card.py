@@ -423,6 +423,16 @@ def test_progress_from_the_midst_of_a_file_counts_what_lies_before(s, folder):
         assert at == pytest.approx(percent, abs=1.5)
 
 
+def test_a_file_takes_back_the_speed_that_it_has_kept(s, folder):
+    (folder / "a.g").write_text("G92 X0 Y0 Z0\nM220 B\nM220 S50\nG1 X5 F600\nM220 R\nG1 X0 F600\n")
+    s.host.ok("M220 S150")
+    s.host.ok("M32 a.g")
+    s.passes(0.6)
+    assert json.loads(s.host.ok("M408 S0")[0])["params"]["speedFactor"] == 150  # as planned by now
+    s.host.expect("Done printing", 10)
+    assert s.host.ok("M220") == ["Speed factor override: 150", "ok"]
+
+
 def test_where_no_time_is_known_the_slicer_s_progress_counts_before_bytes(s, folder):
     (folder / "a.g").write_text("G92 X0 Y0 Z0\n" + "G1 X100 F600\nG1 X0\n" * 9 + "G2 X10\n")
     s.host.ok("M32 a.g")

@@ -148,6 +148,12 @@ def test_m92_tells_the_heights_of_whole_steps(s, words, layer):
         ("i3", "M201 X500 U5", "U names nothing that moves here: expected X, Y, Z"),
         ("i3", "M92 X200000", "X is 200000: expected 0.001 to 100,000 microsteps per mm"),
         ("i3", "M220 S5", "echo:M220: 5 % is not within 10 to 1000 %, 10 % is taken"),
+        (
+            "i3",
+            "M305 H0 T5 A100000",
+            "echo:M305 sets neither type nor pin; the machine file has them",
+        ),
+        ("i3", "M301 H0 P20 C5", "echo:M301 adds nothing for extrusion (C, L)"),
         ("i3", "M220 S4000", "echo:M220: 4000 % is not within 10 to 1000 %, 1000 % is taken"),
     ],
 )

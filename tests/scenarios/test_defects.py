@@ -38,6 +38,24 @@ def test_a_speed_factor_that_is_no_number_changes_nothing(s):
     assert s.host.ok("M220") == ["Speed factor override: 120", "ok"]
 
 
+def test_a_speed_factor_is_kept_and_taken_back(s):
+    s.host.ok("M220 S150")
+    for line in ("M220 B", "M220 S100", "M220 R"):
+        assert s.host.ok(line) == ["ok"]
+    assert s.host.ok("M220") == ["Speed factor override: 150", "ok"]
+    s.host.ok("M220 B S80")  # as Marlin: kept is what held before
+    assert s.host.ok("M220") == ["Speed factor override: 80", "ok"]
+    s.host.ok("M220 R")
+    assert s.host.ok("M220") == ["Speed factor override: 150", "ok"]
+
+
+@pytest.mark.parametrize("code", ["M84", "M85"])
+def test_no_time_is_less_than_none(s, code):
+    s.host.ok(f"{code} S600")
+    assert "S is -5: expected 0 s or more" in s.host.ok(f"{code} S-5")[0]
+    assert f"{code} S600" in s.host.ok("M503 S0", 20)
+
+
 def test_commands_in_lower_case_are_the_same_commands(s):
     s.host.ok("g1 x10 f6000")
     assert x_of(s) == 10

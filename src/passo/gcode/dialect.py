@@ -358,8 +358,9 @@ TABLE: tuple[Row, ...] = (
         "M220",
         _P,
         _I,
-        "S(%)",
-        "Scales the speed; from a console of what is planned too.",
+        "S(%) B R",
+        "Scales the speed; from a console of what is planned too. B keeps the factor that holds, R"
+        " takes the one back that was kept.",
         bare="BR",
     ),
     Row("M221", _P, _I, "T S(%)", "Scales a tool's extrusion; from beside of what is planned too."),

@@ -70,6 +70,7 @@ class Recovery:
         printer.commands.follow_tool()
         printer.commands.take_tool_temperatures(past.commands)
         printer.job.set_speed_factor(state.speed_factor)
+        printer.commands.speed.kept = past.commands.speed.kept
         printer.motion.babysteps_mm |= self._moment.babysteps_mm
         return offset
 

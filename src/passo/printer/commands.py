@@ -16,6 +16,7 @@ from passo.printer.faults import problem, problem_of
 from passo.printer.omissions import Omission, Omissions
 from passo.printer.places import place_of_actuators, place_of_axes
 from passo.printer.presets import Presets
+from passo.printer.speed_factor import SpeedFactor
 from passo.printer.waits import Homing, Person, Still, Stop, Temperatures, Wait
 from passo.printer.words import LARGEST, Command
 
@@ -35,7 +36,6 @@ _FORCED = re.compile(
 _BY_INTERPRETER = re.compile(r"([A-Z]-?\d+\.\d{6} )+")  # words of its events
 _BABYSTEP_MM = 2.0  # at most, with one command
 _FLOW = (1.0, 1000.0)  # percent of M221
-_PERCENT = (10.0, 1000.0)  # of M220
 _DEVIATION = (1e-5, 0.3)  # mm, of M205 J
 _CORNERS = {
     "deviation": "corners obey J, the junction deviation",
@@ -103,6 +103,7 @@ class Commands:
         if machine.laser:
             job.set_laser(*self._outputs["laser"])
         self.presets = Presets(machine)
+        self.speed = SpeedFactor(job)
         self.ended = False
         self.omitted = Omissions()
 
@@ -446,23 +447,11 @@ class Commands:
         return f"M205: {' '.join(idle)} without effect, for {_CORNERS[law]}" if idle else ""
 
     def _speed(self, command: Command) -> None:
-        factor, note = self.speed_factor(command.words())
+        factor, note = self.speed.asked(command)
         if factor is not None:
             self._job.set_speed_factor(factor)
         if note:
             self.omitted.count(Omission.REFUSED, note, command.line)
-
-    def speed_factor(self, words: dict[str, float]) -> tuple[float | None, str]:
-        """M220: the factor that S gives, None without it, and a note if S is beyond the limits, of
-        which the nearer one is taken. Raises CommandError."""
-        if "S" not in words:
-            return None, ""
-        percent, (low, high) = words["S"], _PERCENT
-        if percent <= 0:
-            raise CommandError.bad_value("S", percent, f"{low:g} to {high:g} percent")
-        taken = min(max(percent, low), high)
-        note = f"M220: {percent:g} % is not within {low:g} to {high:g} %, {taken:g} % is taken"
-        return taken / 100, note if taken != percent else ""
 
     def flow(self, command: Command) -> tuple[int, int, float | None] | None:
         """M221: the tool that it means, its extruder, and the factor that S gives. None where the

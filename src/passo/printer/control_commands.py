@@ -114,6 +114,8 @@ class ControlCommands:
 
     def _set_gains(self, name: str, words: dict[str, float], reply: Reply) -> Wait | None:
         given = {k: v for k, v in words.items() if k in "PID"}
+        if words.keys() & {"C", "L"}:
+            reply.note("M301 C", "M301 adds nothing for extrusion (C, L)")
         if not given:
             for line in self.gain_lines(name):
                 reply.say(line)
@@ -177,6 +179,8 @@ class ControlCommands:
         given = {k: v for k, v in words.items() if k in _SENSOR_KEYS}
         if not isinstance(sensor, Thermistor):
             raise CommandError.of("heat.no-thermistor", axis=name)
+        if words.keys() & {"T", "P"}:
+            reply.note("M305 T", "M305 sets neither type nor pin; the machine file has them")
         if not given:
             for line in self.sensor_lines(name):
                 reply.say(line)

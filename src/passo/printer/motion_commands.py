@@ -372,9 +372,10 @@ class MotionCommands:
 
     def _speed(self, command: Command, reply: Reply, *, live: bool) -> Wait | None:
         job = self._printer.job
-        factor, note = self._printer.commands.speed_factor(command.words())
+        factor, note = self._printer.commands.speed.asked(command)
         if factor is None:
-            reply.say(f"Speed factor override: {job.speed_factor * 100:g}")
+            if not command.text.strip():
+                reply.say(f"Speed factor override: {job.speed_factor * 100:g}")
             return None
         job.set_speed_factor(factor, live)
         if note:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from passo.config.drives import axis_order
+from passo.errors import CommandError
 from passo.printer.switches import is_actuator, steppers_of
 from passo.printer.waits import Handler, Reply, Still, Wait
 from passo.printer.wiring import enable_outputs
@@ -99,8 +100,10 @@ class Motors:
 
     def _switch_off(self, command: Command, _: Reply) -> Wait | None:
         words = command.words()
+        if words.get("S", 0.0) < 0:  # 0 would be never
+            raise CommandError.bad_value("S", words["S"], "0 s or more")
         if "S" in words:
-            self.idle_s = max(words["S"], 0.0)
+            self.idle_s = words["S"]
             return None
         steppers = self.named(command.text)
         self._printer.laser_off()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
+from passo.errors import CommandError
 from passo.printer.waits import Handler, Person, Reply, Wait
 from passo.printer.words import Command, numeral, words_of
 
@@ -62,8 +63,10 @@ class PersonCommands:
 
     def _kill_after(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
+        if words.get("S", 0.0) < 0:  # 0 would be never
+            raise CommandError.bad_value("S", words["S"], "0 s or more")
         if "S" in words:
-            self.kill_s = max(words["S"], 0.0)
+            self.kill_s = words["S"]
         else:
             reply.say(self.kill_line())
         return None
