@@ -52,6 +52,23 @@ def test_prints_that_are_done_cancelled_or_failed_are_told(places, tmp_path):
         assert "Prints: 0" in s.host.ok("M78")[0]
 
 
+def test_a_print_that_is_gone_on_with_stays_one(places):
+    Path(places["card"], "bad.g").write_text("G28 X\nG1 X999\nG1 X50 F600\n")
+    with Scenario("i3", **places) as s:
+        s.host.ok("M32 bad.g")
+        s.host.expect("stopped", 30)
+        s.passes(100)
+        s.host.ok("M24")
+        s.host.expect("Done printing", 30)
+        answer = s.host.ok("M78")
+        assert answer[0] == "echo:Prints: 1, finished: 1, failed or cancelled: 0"
+        assert re.fullmatch("echo:  bad.g: done, 0h 0m [678]s", answer[2])
+        s.host.ok("M26")
+        s.host.ok("M24")
+        s.host.expect("stopped", 30)
+        assert s.host.ok("M78")[0] == "echo:Prints: 2, finished: 1, failed or cancelled: 1"
+
+
 def test_a_history_of_an_older_kind_is_taken_over(tmp_path):
     base = sqlite3.connect(tmp_path / "history.sqlite")
     base.execute(

@@ -69,6 +69,7 @@ class JobCommands:
         self._planned_s = 0.0  # before this print
         self._watch = Stopwatch(printer)
         self._from_card: Print | None = None
+        self._failed: Print | None = None  # the last one from the card, if so it ended
         self._from_host: Print | None = None  # that says by itself when it begins and ends
         self._paused = False  # the print from the card
         self._percent: float | None = None  # M73
@@ -104,11 +105,7 @@ class JobCommands:
         self._paused = state is State.PAUSED
         if state is State.PRINTING:
             if self._from_card is None:
-                meant, self._from_host = self._from_host, None  # a host has announced this one
-                self._watch.reset()
-                self._from_card = self._statistics.begun(
-                    self._runner.name, lambda: self._watch.seconds, self._runner.size, meant
-                )
+                self._from_card = self._begun()
                 self._planned_s = self._printer.planned_s()
                 if self._runner.offset == 0:
                     self._percent = self._minutes_left = None
@@ -120,6 +117,16 @@ class JobCommands:
             if state is not State.PAUSED:
                 job, self._from_card = self._from_card, None
                 self._statistics.ended(job, self._runner.ended)
+                self._failed = job if self._runner.ended == "failed" else None
+
+    def _begun(self) -> Print:
+        """The print from the card that begins, or goes on behind what has failed."""
+        name, failed = self._runner.name, self._failed
+        if failed is not None and failed.name == name and self._runner.offset > 0:
+            return self._statistics.goes_on(failed)
+        meant, self._from_host = self._from_host, None  # a host has announced this one
+        self._watch.reset()
+        return self._statistics.begun(name, lambda: self._watch.seconds, self._runner.size, meant)
 
     def _close(self) -> None:
         self._host_ends("cancelled")

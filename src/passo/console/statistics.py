@@ -72,6 +72,12 @@ class Statistics:
         self._note(self._job, "interrupted")
         return self._job
 
+    def goes_on(self, job: Print) -> Print:
+        """A print that has failed is gone on with: it stays one."""
+        self._job = job
+        self._note(job, "interrupted")
+        return job
+
     def ended(self, job: Print, how: str) -> None:
         """A print is over: done, cancelled or failed."""
         self._job = None
