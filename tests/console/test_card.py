@@ -442,6 +442,9 @@ def test_where_no_time_is_known_the_slicer_s_progress_counts_before_bytes(s, fol
     assert s.host.ok("M73")[0] == "echo:Progress: 10%, 7 min left"
     assert json.loads(s.host.ok("M408 S3")[0])["fractionPrinted"] == 10
     s.host.ok("M524")
+    assert s.host.ok("M73")[0] == "echo:Progress: nothing is printed"
+    assert json.loads(s.host.ok("M408 S3")[0])["fractionPrinted"] == 0
+    s.host.ok("M26 S13")  # of the next print, too, nothing is known yet
     s.host.ok("M24")
     s.passes(1)
     assert "% of the file" in s.host.ok("M73")[0]

@@ -165,7 +165,7 @@ void stepgen_stop(uint8_t index) {
   axis->active = false;
   axis->waiting = NULL;
   axis->stopped = true;
-  late = false;
+  if (soonest == NULL) late = false;
   hal_irq_restore(irq);
 }
 

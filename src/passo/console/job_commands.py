@@ -107,8 +107,6 @@ class JobCommands:
             if self._from_card is None:
                 self._from_card = self._begun()
                 self._planned_s = self._printer.planned_s()
-                if self._runner.offset == 0:
-                    self._percent = self._minutes_left = None
                 self._reckon()
             self._watch.start()
             return
@@ -118,12 +116,15 @@ class JobCommands:
                 job, self._from_card = self._from_card, None
                 self._statistics.ended(job, self._runner.ended)
                 self._failed = job if self._runner.ended == "failed" else None
+                if self._failed is None:
+                    self._percent = self._minutes_left = None
 
     def _begun(self) -> Print:
         """The print from the card that begins, or goes on behind what has failed."""
         name, failed = self._runner.name, self._failed
         if failed is not None and failed.name == name and self._runner.offset > 0:
             return self._statistics.goes_on(failed)
+        self._percent = self._minutes_left = None
         meant, self._from_host = self._from_host, None  # a host has announced this one
         self._watch.reset()
         return self._statistics.begun(name, lambda: self._watch.seconds, self._runner.size, meant)
@@ -189,7 +190,7 @@ class JobCommands:
 
     def share_done(self) -> float | None:
         """Of the print, 0 to 1, by the best that is known: its time, what the file or the host says
-        of it (M73, M532), its bytes. None if nothing is printed."""
+        of it (M73, M532), its bytes. None if nothing is known of one."""
         times = self._times()
         if times is not None:
             return times[0] / times[1]

@@ -103,7 +103,7 @@ def board_descriptions(machine: MachineConfig) -> dict[str, BoardDescription]:
 
 def _stepper(machine: MachineConfig, spec: dict[str, Any], clock_hz: int) -> Stepper:
     def ticks(seconds: float) -> int:
-        return max(1, ceil(seconds * clock_hz))
+        return max(1, ceil(seconds * clock_hz - 1e-6))  # 30 µs are 1620 ticks of 54 MHz
 
     pulse = ticks(spec["pulse_s"])
     return Stepper(
