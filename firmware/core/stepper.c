@@ -160,24 +160,28 @@ bool stepper_is_late(const struct stepper *stepper) {
   const struct move *first[] = {stepper->staged.first, stepper->next_tail.first};
   for (uint8_t i = 0; i < 2; ++i)
     for (const struct move *move = first[i]; move != NULL; move = move->next) {
-      if (move->count > 0) return !halted && before(clock + move->interval, hal_clock());
+      if (move->count > 0)
+        return !halted && before(clock + move->interval, hal_clock() + HAL_COMMIT_WORK);
       clock = move->interval;
       halted = false;
     }
   return false;
 }
 
-void stepper_commit(struct stepper *stepper) {
+bool stepper_give_staged(struct stepper *stepper) {
+  struct move *move;
+  bool steps = false;
+  while (!steps && (move = take(&stepper->staged)) != NULL) {
+    steps = move->count > 0;
+    give(stepper, move);
+  }
+  return steps;
+}
+
+void stepper_take_tail(struct stepper *stepper) {
   drop(&stepper->tail);
   stepper->tail = stepper->next_tail;
   stepper->next_tail.first = NULL;
-  struct move *move = take(&stepper->staged);
-  if (move != NULL) give(stepper, move);
-}
-
-void stepper_give_staged(struct stepper *stepper) {
-  struct move *move;
-  while ((move = take(&stepper->staged)) != NULL) give(stepper, move);
 }
 
 void stepper_brake(struct stepper *stepper) {

@@ -35,11 +35,12 @@ void stepper_halt(struct stepper *stepper);
 // Puts a move into the tail of the next commit: `args` as those of survive_tail. Its interval
 // counts from the step before; with a count of 0 it is what reset_step_clock sets.
 void stepper_add_tail(struct stepper *stepper, const uint32_t *args);
-// The next tail takes the place of the tail, and the first staged move goes to the generator.
-void stepper_commit(struct stepper *stepper);
-// All staged moves go to the generator.
-void stepper_give_staged(struct stepper *stepper);
-// Whether the motor stands, and the first step that is staged, or of the next tail, is past.
+// The next staged move with steps goes to the generator; false if there is none.
+bool stepper_give_staged(struct stepper *stepper);
+// The next tail takes the place of the tail.
+void stepper_take_tail(struct stepper *stepper);
+// Whether the motor stands, and the first step that is staged, or of the next tail, is past, or so
+// near that it may be before a commit is done.
 bool stepper_is_late(const struct stepper *stepper);
 // The tail goes to the generator, what is staged is dropped.
 void stepper_brake(struct stepper *stepper);

@@ -183,11 +183,14 @@ void command_survive_commit(const uint32_t *args) {
   }
   hal_irq_restore(irq);
   if (valid) {
-    // The first move of each before all others: it is the most urgent one.
+    // Of each motor in turn: the most urgent moves are the first ones.
+    for (bool more = true; more;) {
+      more = false;
+      for (int16_t oid = -1; (stepper = object_next(&oid, OBJECT_STEPPER)) != NULL;)
+        more |= stepper_give_staged(stepper);
+    }
     for (int16_t oid = -1; (stepper = object_next(&oid, OBJECT_STEPPER)) != NULL;)
-      stepper_commit(stepper);
-    for (int16_t oid = -1; (stepper = object_next(&oid, OBJECT_STEPPER)) != NULL;)
-      stepper_give_staged(stepper);
+      stepper_take_tail(stepper);
     return;
   }
   for (int16_t oid = -1; (stepper = object_next(&oid, OBJECT_STEPPER)) != NULL;)

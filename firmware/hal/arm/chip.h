@@ -13,6 +13,7 @@
 #define HAL_CLOCK_HZ BOARD_CLOCK_HZ
 #define HAL_STEPPERS 12
 #define HAL_MOVES_MAX 1024
+#define HAL_COMMIT_WORK (HAL_CLOCK_HZ / 2000)
 
 #define HAL_CONST
 #define hal_const8(p) (*(const uint8_t *)(p))

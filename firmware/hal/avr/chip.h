@@ -25,6 +25,7 @@
 #define HAL_ARENA 12400
 #endif
 #define HAL_MOVES_MAX 1024
+#define HAL_COMMIT_WORK (HAL_CLOCK_HZ / 500)
 
 #define HAL_CONST PROGMEM
 #define hal_const8(p) pgm_read_byte(p)

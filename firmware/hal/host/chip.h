@@ -11,6 +11,7 @@ extern uint16_t host_dictionary_size;
 #define HAL_STEPPERS 32
 #define HAL_ARENA (1 << 21)
 #define HAL_MOVES_MAX host_moves_max
+#define HAL_COMMIT_WORK 0
 #define HAL_SHORTEST_PERIOD 100
 #define HAL_ANALOG_WAIT 100
 #define HAL_PWM_MAX 255

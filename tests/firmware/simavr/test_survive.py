@@ -1,5 +1,7 @@
 """A chip that is left alone: what it was told for that case comes on time, on all motors."""
 
+import pytest
+
 from .boards import HZ, motors
 
 MOTORS, COMMITS, MOVES, STEPS = 3, 4, 36, 10
@@ -40,3 +42,59 @@ def test_commits_and_tails_come_on_time():
     held = connection.dictionary.enumerations["survive"]["held"]
     assert (told["state"], told["serial"]) == (held, COMMITS)
     connection.bench.close()
+
+
+@pytest.mark.parametrize("interval", [400, 300])
+def test_a_commit_that_comes_just_in_time_is_taken_while_motors_step(interval):
+    """Three motors go on, at 120 000 and 160 000 steps/s together; in it a fourth begins, by a
+    clock of its own."""
+    connection = motors(4)
+    connection.command("survive_arm")
+    base = connection.link.clock_at(connection.now) + HZ // 3
+    steps = round(0.075 * HZ / interval) // MOVES
+    limit = base + steps * MOVES * interval
+    for oid in range(4):
+        connection.command(f"reset_step_clock oid={oid} clock={base % 2**32}")
+        connection.command(f"set_next_step_dir oid={oid} dir=1")
+    for serial in (1, 2):
+        for oid in range(3):
+            for _ in range(MOVES):
+                connection.command(f"queue_step oid={oid} interval={interval} count={steps} add=0")
+        if serial == 1:
+            for oid in range(3):
+                connection.command(f"survive_tail oid={oid} interval={TAIL} count=3 add=0 dir=1")
+            connection.command(f"survive_commit serial=1 clock={limit % 2**32} rest=0")
+    connection.command(f"reset_step_clock oid=3 clock={limit % 2**32}")
+    connection.command(f"queue_step oid=3 interval={interval} count=60 add=0")
+    connection.run(limit - round(0.0053 * HZ))  # the decision falls 5 ms before
+    connection.command(f"survive_commit serial=2 clock={(2 * limit - base) % 2**32} rest=1")
+    connection.run(2 * limit - base + HZ // 4)
+    told = connection.ask("survive_query", "survive_state")
+    resting = connection.dictionary.enumerations["survive"]["resting"]
+    assert (told["state"], told["serial"]) == (resting, 2)
+    made = [connection.net_steps(f"m{oid}") for oid in range(4)]
+    assert made == [2 * steps * MOVES] * 3 + [60]
+    connection.bench.close()
+
+
+def test_behind_a_rest_a_commit_is_made_or_refused_however_late_it_comes():
+    made = []
+    for ahead in range(95_000, 135_000, 4_000):  # ticks from the first word to the first step
+        connection = motors(4)
+        connection.command("survive_arm")
+        first = connection.link.clock_at(connection.now) + ahead
+        for oid in range(4):
+            connection.command(f"reset_step_clock oid={oid} clock={(first - 1000) % 2**32}")
+            connection.command(f"set_next_step_dir oid={oid} dir=1")
+            for _ in range(3):
+                connection.command(f"queue_step oid={oid} interval=1000 count=5 add=0")
+        connection.command(f"survive_commit serial=1 clock={(first + 15_000) % 2**32} rest=1")
+        connection.run(connection.now + HZ // 3)
+        told = connection.ask("survive_query", "survive_state")
+        steps = [connection.net_steps(f"m{oid}") for oid in range(4)]
+        resting = told["state"] == connection.dictionary.enumerations["survive"]["resting"]
+        assert steps == ([15] * 4 if resting else [0] * 4)
+        made.append(resting)
+        connection.bench.close()
+    assert made == sorted(made)
+    assert set(made) == {False, True}
