@@ -184,11 +184,11 @@ void stepper_take_tail(struct stepper *stepper) {
   stepper->next_tail.first = NULL;
 }
 
-void stepper_brake(struct stepper *stepper) {
+void stepper_stage_tail(struct stepper *stepper) {
   drop(&stepper->staged);
   drop(&stepper->next_tail);
-  struct move *move;
-  while ((move = take(&stepper->tail)) != NULL) give(stepper, move);
+  stepper->staged = stepper->tail;
+  stepper->tail.first = NULL;
 }
 
 void stepper_forget(struct stepper *stepper, bool tail) {

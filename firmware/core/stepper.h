@@ -42,8 +42,8 @@ void stepper_take_tail(struct stepper *stepper);
 // Whether the motor stands, and the first step that is staged, or of the next tail, is past, or so
 // near that it may be before a commit is done.
 bool stepper_is_late(const struct stepper *stepper);
-// The tail goes to the generator, what is staged is dropped.
-void stepper_brake(struct stepper *stepper);
+// The tail takes the place of what is staged.
+void stepper_stage_tail(struct stepper *stepper);
 // Drops what is staged and the next tail. With `tail` that as well, and clocks that were staged are
 // set: the host takes over.
 void stepper_forget(struct stepper *stepper, bool tail);

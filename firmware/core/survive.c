@@ -103,6 +103,16 @@ static bool report_state(void) {
   return report(REPORT_SURVIVE_STATE, (uint32_t[]){told, serial, limit}, 3);
 }
 
+// Of each motor in turn: the most urgent moves are the first ones.
+static void give_staged(void) {
+  struct stepper *stepper;
+  for (bool more = true; more;) {
+    more = false;
+    for (int16_t oid = -1; (stepper = object_next(&oid, OBJECT_STEPPER)) != NULL;)
+      more |= stepper_give_staged(stepper);
+  }
+}
+
 void survive_task(void) {
   struct stepper *stepper;
   if (state == OFF) return;
@@ -113,7 +123,8 @@ void survive_task(void) {
   } else if (undone) {
     undone = false;
     for (int16_t oid = -1; (stepper = object_next(&oid, OBJECT_STEPPER)) != NULL;)
-      stepper_brake(stepper);
+      stepper_stage_tail(stepper);
+    give_staged();
   }
   // A host that was only late must hear of it.
   if (untold) untold = !report_state();
@@ -183,12 +194,7 @@ void command_survive_commit(const uint32_t *args) {
   }
   hal_irq_restore(irq);
   if (valid) {
-    // Of each motor in turn: the most urgent moves are the first ones.
-    for (bool more = true; more;) {
-      more = false;
-      for (int16_t oid = -1; (stepper = object_next(&oid, OBJECT_STEPPER)) != NULL;)
-        more |= stepper_give_staged(stepper);
-    }
+    give_staged();
     for (int16_t oid = -1; (stepper = object_next(&oid, OBJECT_STEPPER)) != NULL;)
       stepper_take_tail(stepper);
     return;

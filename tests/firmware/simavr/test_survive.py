@@ -7,7 +7,7 @@ from .boards import HZ, motors
 MOTORS, COMMITS, MOVES, STEPS = 3, 4, 36, 10
 INTERVAL, TAIL = 2000, 5000
 SPAN = MOVES * STEPS * INTERVAL
-PINS = ("PF0", "PF6", "PL3")
+PINS = ("PF0", "PF6", "PL3", "PA4")
 
 
 def test_commits_and_tails_come_on_time():
@@ -31,7 +31,7 @@ def test_commits_and_tails_come_on_time():
         connection.run(max(connection.now, limit - SPAN - HZ // 8))
     connection.run(limit + HZ // 4)
     edges = connection.bench.edges()
-    for oid, pin in enumerate(PINS):
+    for oid, pin in enumerate(PINS[:MOTORS]):
         wanted = [base + INTERVAL * i for i in range(1, COMMITS * MOVES * STEPS + 1)]
         wanted += [limit + TAIL * i for i in range(1, 4 + oid)]
         rises = [e.cycle for e in edges if e.level and e.pin == pin]
@@ -74,6 +74,38 @@ def test_a_commit_that_comes_just_in_time_is_taken_while_motors_step(interval):
     assert (told["state"], told["serial"]) == (resting, 2)
     made = [connection.net_steps(f"m{oid}") for oid in range(4)]
     assert made == [2 * steps * MOVES] * 3 + [60]
+    connection.bench.close()
+
+
+@pytest.mark.parametrize("interval", [400, 300])
+def test_long_tails_come_on_time_behind_fast_steps(interval):
+    """Four motors' tails of many moves are queued while three step, at 120 000 and 160 000
+    steps/s together; the fourth begins with its tail."""
+    tail, count, moves = 3 * interval // 2, 24, 30
+    connection = motors(4)
+    connection.command("survive_arm")
+    base = connection.link.clock_at(connection.now) + HZ // 3
+    steps = round(0.075 * HZ / interval) // MOVES
+    limit = base + steps * MOVES * interval
+    for oid in range(3):
+        connection.command(f"reset_step_clock oid={oid} clock={base % 2**32}")
+        connection.command(f"set_next_step_dir oid={oid} dir=1")
+        for _ in range(MOVES):
+            connection.command(f"queue_step oid={oid} interval={interval} count={steps} add=0")
+    connection.command(f"survive_tail oid=3 interval={limit % 2**32} count=0 add=0 dir=1")
+    words = f"interval={tail} count={count} add=0 dir=1"
+    for oid in range(4):
+        for _ in range(moves):
+            connection.command(f"survive_tail oid={oid} {words}")
+    connection.command(f"survive_commit serial=1 clock={limit % 2**32} rest=0")
+    connection.run(limit + HZ // 4)
+    told = connection.ask("survive_query", "survive_state")
+    assert told["state"] == connection.dictionary.enumerations["survive"]["held"]
+    made = [connection.net_steps(f"m{oid}") for oid in range(4)]
+    assert made == [steps * MOVES + moves * count] * 3 + [moves * count]
+    rises = [e for e in connection.bench.edges() if e.level]
+    begun = [next(e.cycle for e in rises if e.pin == pin) for pin in (PINS[0], PINS[3])]
+    assert abs(begun[1] - begun[0] - (limit + tail - base - interval)) < 450
     connection.bench.close()
 
 
