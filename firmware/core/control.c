@@ -5,6 +5,7 @@
 #include "object.h"
 #include "scheduler.h"
 #include "shutdown.h"
+#include "spi.h"
 
 DECL_REPORT("identify_response offset=%u data=%.*s");
 DECL_REPORT("clock clock=%u");
@@ -97,6 +98,7 @@ void command_reset(const uint32_t *args) {
   (void)args;
   hal_irq_save();
   objects_shut_down();
+  spi_send_last();
   hal_reset();
 }
 

@@ -8,6 +8,7 @@
 #include "object.h"
 #include "scheduler.h"
 #include "shutdown.h"
+#include "spi.h"
 #include "stepper.h"
 #include "survive.h"
 #include "thermocouple.h"
@@ -30,6 +31,7 @@ bool core_task(void) {
   survive_task();  // nothing may delay a brake
   if (task_woken()) {
     busy = true;
+    spi_send_last();
     trsync_task();
     analog_in_task();
     buttons_task();

@@ -80,20 +80,15 @@ void *object_next(int16_t *oid, uint8_t type) {
   return NULL;
 }
 
-// What heats first; messages, which take their time, when nothing heats or moves any more.
-enum { OUTPUTS, OTHERS, MESSAGES, TURNS };
-
-static uint8_t turn_of(uint8_t type) {
-  if (type == OBJECT_DIGITAL_OUT || type == OBJECT_PWM_OUT) return OUTPUTS;
-  return type == OBJECT_SPI_SHUTDOWN ? MESSAGES : OTHERS;
-}
+static bool is_output(uint8_t type) { return type == OBJECT_DIGITAL_OUT || type == OBJECT_PWM_OUT; }
 
 void objects_shut_down(void) {
-  for (uint8_t turn = 0; turn < TURNS; ++turn) {
+  for (uint8_t turn = 0; turn < 2; ++turn) {
     for (uint8_t oid = 0; oid < object_count; ++oid) {
       struct object *object = objects[oid];
       if (object == NULL || object->kind->shut_down == NULL) continue;
-      if (turn_of(object->kind->type) == turn) object->kind->shut_down(object);
+      bool first = is_output(object->kind->type);  // what may heat
+      if (first == (turn == 0)) object->kind->shut_down(object);
     }
   }
 }

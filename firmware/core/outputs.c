@@ -66,7 +66,7 @@ static bool keep(struct output *output, uint32_t clock) {
   uint32_t value = output->value < output->full ? output->value : output->full;
   if (from_default(output, output->kept_value) < from_default(output, value))
     value = output->kept_value;
-  if (output->left == 0) value = output->default_value;
+  if (output->left == 0 || !survive_watches()) value = output->default_value;
   set(output, clock, value);
   output->keeping = true;
   if (output->left > 0) --output->left;

@@ -4,6 +4,7 @@
 #include "hal.h"
 #include "object.h"
 #include "scheduler.h"
+#include "spi.h"
 #include "survive.h"
 
 DECL_SHUTDOWN(EMERGENCY_STOP, "Command request");
@@ -58,6 +59,7 @@ void command_clear_shutdown(const uint32_t *args) {
   (void)args;
   shutdown_task();
   survive_task();
+  spi_send_last();
   unreported = false;  // if the console has no room: what it would tell later is not so any more
   reason = 0;
 }

@@ -33,13 +33,20 @@ void spi_exchange(const struct spi *spi, uint8_t *bytes, uint8_t size) {
 
 static const struct object_kind kind = {OBJECT_SPI, NULL};
 
-static void send_last(void *object) {
-  const struct spi_shutdown *last = object;
-  uint8_t bytes[FRAME_MAX];
-  memcpy(bytes, last->bytes, last->size);
-  if (last->spi != NULL) spi_exchange(last->spi, bytes, last->size);
+// The shutdown may have come in the midst of a transfer: that ends first.
+static void send_soon(void *object) { ((struct spi_shutdown *)object)->due = true; }
+static const struct object_kind shutdown_kind = {OBJECT_SPI_SHUTDOWN, send_soon};
+
+void spi_send_last(void) {
+  struct spi_shutdown *last;
+  for (int16_t oid = -1; (last = object_next(&oid, OBJECT_SPI_SHUTDOWN)) != NULL;) {
+    if (!last->due) continue;
+    last->due = false;
+    uint8_t bytes[FRAME_MAX];
+    memcpy(bytes, last->bytes, last->size);
+    spi_exchange(last->spi, bytes, last->size);
+  }
 }
-static const struct object_kind shutdown_kind = {OBJECT_SPI_SHUTDOWN, send_last};
 
 struct spi *spi_get(uint32_t oid) {
   struct spi *spi = object_get(oid, OBJECT_SPI);
@@ -68,7 +75,6 @@ DECL_COMMAND(command_spi_set_sw_bus,
 void command_spi_set_sw_bus(const uint32_t *args) {
   struct spi *spi = object_get(args[0], OBJECT_SPI);
   if (spi == NULL) return;
-  // Interrupts are off during the messages of a shutdown.
   if (args[5] > LONGEST_PULSE) {
     shut_down(SHUTDOWN_SPI_TOO_SLOW);
     return;

@@ -22,11 +22,14 @@ struct spi {
 struct spi_shutdown {
   struct object object;
   const struct spi *spi;
+  volatile bool due;
   uint8_t size;
   uint8_t bytes[];
 };
 
 // The device if it has its bus, or null after a shutdown. Foreground.
 struct spi *spi_get(uint32_t oid);
-// Sends bytes and puts what comes back in their place. Foreground, or under hal_irq_save().
+// Sends bytes and puts what comes back in their place. Foreground.
 void spi_exchange(const struct spi *spi, uint8_t *bytes, uint8_t size);
+// Sends what a shutdown has asked for. Foreground.
+void spi_send_last(void);

@@ -55,6 +55,8 @@ bool survive_stages(void) { return state == RESTING || state == MOVING; }
 bool survive_refuses(void) { return state >= BRAKING; }
 bool survive_is_on(void) { return state != OFF; }
 
+bool survive_watches(void) { return analog_in_watches() || thermocouple_watches(); }
+
 uint32_t survive_in_time(uint32_t clock) {
   uint32_t now = hal_clock();
   return survive_is_on() && before(clock, now) ? now + HAL_SHORTEST_PERIOD : clock;
@@ -212,8 +214,7 @@ void command_survive_output(const uint32_t *args) {
   if (output == NULL) return;
   if (args[2] > LONGEST)
     shut_down(SHUTDOWN_SURVIVE_TOO_LONG);
-  else if (args[2] > 0 && args[1] != output->default_value && !analog_in_watches() &&
-           !thermocouple_watches())
+  else if (args[2] > 0 && args[1] != output->default_value && !survive_watches())
     shut_down(SHUTDOWN_SURVIVE_UNWATCHED);
   else
     output_keep(output, args[1], (uint8_t)args[2]);

@@ -11,6 +11,9 @@ bool survive_refuses(void);
 // Whether an output that the host does not renew is held rather than a reason to shut down. Any
 // context.
 bool survive_is_on(void);
+// Whether a sensor with a range is being sampled: without, nothing is kept but at its default. Any
+// context.
+bool survive_watches(void);
 // A clock of the host's; one that is past, while the board survives a bad link, becomes one that is
 // not. Any context.
 uint32_t survive_in_time(uint32_t clock);

@@ -55,9 +55,10 @@ def test_a_transfer_clocks_each_bit_and_selects_the_device(mode, active_high, da
     assert levels(board, "clock") == [1 - rest, rest] * 8 * len(data)
 
 
-def test_the_last_message_is_sent_at_a_shutdown():
+@pytest.mark.parametrize("line", ["emergency_stop", "reset"])
+def test_the_last_message_is_sent_at_a_shutdown(line):
     board = wired(0)
-    board.tell("emergency_stop")
+    board.tell(line)
     assert levels(board, "mosi") == [1, 0, 1, 0, 1, 0, 1, 0, 1]
     assert levels(board, "select") == [0, 1]
     assert len(levels(board, "clock")) == 32

@@ -239,6 +239,22 @@ def test_a_heater_is_kept_for_its_time_and_then_off():
     assert host.board.device.fault == ""
 
 
+@pytest.mark.parametrize(("before", "seconds"), [(1500, 0), (1_000_000, 1)])
+def test_a_kept_heater_goes_off_when_its_sensor_is_not_sampled_any_more(before, seconds):
+    host, heater = heating()
+    on = host.board.now + 1000
+    host.tell(f"queue_digital_out oid=7 clock={on & 0xFFFFFFFF} on_ticks=1")
+    host.board.wait(before)
+    host.tell(
+        "query_analog_in oid=4 clock=0 sample_ticks=0 sample_count=0 rest_ticks=0"
+        " bytes_per_report=0 min_value=0 max_value=0 range_check_count=0"
+    )
+    host.board.wait(60_000_000)
+    off = on + HEATER_LONGEST + seconds * 16_000_000
+    assert host.board.device.take_edges(heater) == [(on, 1), (off, 0)]
+    assert host.board.device.fault == ""
+
+
 def test_each_time_that_the_host_is_gone_it_is_kept_for_its_whole_time():
     host, heater = heating()
     first = host.board.now + 1000
