@@ -1,0 +1,70 @@
+"""What an SPI device hears when a board shuts down while the foreground is speaking to one."""
+
+from __future__ import annotations
+
+import pytest
+
+from .talk import Host
+from .test_cortex import CASES, TAKEN, board_target
+
+LAST = "a55a"
+TRANSFER = "0102030405"
+SELECTS = ("first", "second")  # the devices, of which one is selected at a time
+
+
+def bits(data: str) -> str:
+    return "".join(f"{byte:08b}" for byte in bytes.fromhex(data))
+
+
+def heard(host: Host, names: dict[str, str]) -> list[tuple[str, str]]:
+    """Who was selected, and the bits of the bus until that ended; in mode 0."""
+    numbers = host.dictionary.enumerations["pin"]
+    pins = {numbers[pin]: name for name, pin in names.items()}
+    levels = {"mosi": 0, "first": 1, "second": 1}
+    taken = dict.fromkeys(SELECTS, "")
+    told: list[tuple[str, str]] = []
+    for _, pin, level in host.chip.edges:
+        name = pins.get(pin, "")
+        if name == "clock" and level:
+            for select in SELECTS:
+                taken[select] += str(levels["mosi"]) if levels[select] == 0 else ""
+        elif name in levels:
+            levels[name] = level
+            if name in SELECTS and level:
+                told.append((name, taken[name]))
+                taken[name] = ""
+    return told
+
+
+@pytest.mark.parametrize("last_to", [0, 1], ids=["the-same", "another"])
+@pytest.mark.parametrize("late_ms", [0.3, 0.7, 1.4])
+def test_a_transfer_ends_before_the_last_message(late_ms: float, last_to: int) -> None:
+    """Of 1.6 ms; a sensor that is out of its range is seen so long after it was asked for."""
+    case = next(case for case in CASES if case.board == "radds")
+    host, us = case.host(), case.hz // 1_000_000
+    free = [name for name in board_target("radds").chip.pins if name not in TAKEN]
+    names: dict[str, str] = dict(zip((*SELECTS, "miso", "mosi", "clock"), free, strict=False))
+    bus = f"miso_pin={names['miso']} mosi_pin={names['mosi']} sclk_pin={names['clock']} mode=0"
+    host.send("allocate_oids count=4")
+    for oid, select in enumerate(SELECTS):
+        host.send(
+            f"config_spi oid={oid} pin={names[select]} cs_active_high=0",
+            f"spi_set_sw_bus oid={oid} {bus} pulse_ticks={20 * us}",
+        )
+    host.send(
+        f"config_spi_shutdown oid=2 spi_oid={last_to} shutdown_msg={LAST}",
+        f"config_analog_in oid=3 pin={case.sensor[0]}",
+        "finalize_config crc=1",
+    )
+    host.chip.analog[case.sensor[1]] = 4000
+    at = host.chip.clock + 20_000 * us
+    host.send(
+        f"query_analog_in oid=3 clock={at} sample_ticks={50 * us} sample_count=1"
+        f" rest_ticks={10_000 * us} bytes_per_report=2 min_value=0 max_value=100"
+        " range_check_count=1"
+    )
+    host.chip.run((at - host.chip.clock) / case.hz - late_ms / 1000)
+    host.chip.edges.clear()
+    host.send(f"spi_send oid=0 data={TRANSFER}", seconds=0.02)
+    assert host.send("get_config")["config"]["is_shutdown"] == 1
+    assert heard(host, names) == [("first", bits(TRANSFER)), (SELECTS[last_to], bits(LAST))]
