@@ -43,6 +43,7 @@ def test_a_pin_has_one_owner_under_all_its_names(i3_text: str, name: str) -> Non
         ('"D9"', '"^D9"', "fans.part.pin is '^D9': expected no ^ before PH6: it does nothing here"),
         ('"D10"', '"~D10"', "heaters.hotend.pin is '~D10': expected no ~ before PB4"),
         ('"T0"', '"^T0"', "heaters.hotend.sensor_pin is '^T0': expected no ^ before PK5"),
+        ('"D9"', '"!!D9"', "fans.part.pin is '!!D9': expected at most one ! before D9"),
         ('"T0"', '"!T0"', "heaters.hotend.sensor_pin is '!T0': expected no ! before PK5"),
         ('"^X_MIN"', '"~X_MIN"', "homing.x.pin is '~X_MIN': expected no ~ before PE5"),
         (

@@ -48,8 +48,9 @@ def test_nothing_is_wired_where_nothing_is_set():
 
 
 def test_a_current_that_the_board_cannot_set():
-    with pytest.raises(ConfigError, match=r"at most 1\.89 A"):
-        config.load_text(with_currents(y=1.895))  # 255.1 steps
+    for ampere in (1.895, 0.007):  # 255.1 steps, and 0.9
+        with pytest.raises(ConfigError, match=rf"is {ampere}: expected 0\.008 to 1\.89 A"):
+            config.load_text(with_currents(y=ampere))
     ramps = config.shipped_text("i3").replace("[steppers.y]", "[steppers.y]\npeak_current_a = 1.0")
     with pytest.raises(ConfigError, match="the board does not set the current of this socket"):
         config.load_text(ramps)

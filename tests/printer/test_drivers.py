@@ -198,9 +198,9 @@ def test_currents_and_modes_by_command(s):
     assert "Y driver mode: stealthChop" in s.host.ok("M569")
     assert "M906 X500" in "\n".join(s.host.ok("M503"))
     s.host.send("M906 X5000")
-    s.host.expect("X is 5000.*at most 1740 mA", 1)
+    s.host.expect("X is 5000.*31 to 1740 mA", 1)
     s.host.send("M906 X1741")
-    s.host.expect("X is 1741: expected above 0 and at most 1740 mA", 1)
+    s.host.expect("X is 1741: expected 31 to 1740 mA", 1)
     s.host.send("M569 S2 X")
     s.host.expect(r"S is 2: expected 0 \(spreadCycle\) or 1 \(stealthChop\)", 1)
     s.host.send("M112")
@@ -216,7 +216,7 @@ def test_a_standing_current_above_the_running_one_is_one_that_the_driver_can_do(
         lines = s.host.ok("M122")
         assert "X TMC2209 0.82 A running, 1.58 A standing, 16 microsteps, stealthChop" in lines
         s.host.send("M906 X871")
-        s.host.expect("X is 871: expected above 0 and at most 870 mA", 1)
+        s.host.expect("X is 871: expected 31 to 870 mA", 1)
         s.host.ok("M906 X870")
         assert any("1.74 A standing" in line for line in s.host.ok("M122"))
 

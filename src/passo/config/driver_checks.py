@@ -13,7 +13,7 @@ from passo.config.board_files import pin_of
 from passo.config.findings import Finding, did_you_mean, number, table, tables
 from passo.config.lines import Path
 from passo.config.places import bare, placed, section
-from passo.config.trinamic import CHIPS, ChipName, chip_of, largest_current_ma
+from passo.config.trinamic import CHIPS, ChipName, chip_of, largest_current_ma, least_current_ma
 
 Raw = Mapping[str, Any]
 
@@ -110,11 +110,12 @@ def _check_currents(tmc: Raw, chip: ChipName, path: Path) -> Iterator[Finding]:
     resistor = number(tmc, "sense_resistor_ohm") or CHIPS[chip].resistor_ohm
     if resistor <= 0:
         return
+    least_a = least_current_ma(chip, resistor) / 1000
     most_a = largest_current_ma(chip, resistor) / 1000
     for key in _CURRENTS:
         ampere = number(tmc, key)
-        if ampere is not None and ampere > most_a:
-            limit = f"at most {most_a:g} A with a sense resistor of {resistor:g} ohm"
+        if ampere is not None and not least_a <= ampere <= most_a:
+            limit = f"{least_a:g} to {most_a:g} A with a sense resistor of {resistor:g} ohm"
             yield Finding("config.value", (*path, key), ampere, limit)
 
 

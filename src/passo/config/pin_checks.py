@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from math import ceil
 from typing import Any, Literal
 
 from passo.config.board import WIPER_MAX, pin_behind
@@ -227,8 +228,8 @@ def _check_current(stepper: Raw, path: Path, board: Raw, socket: str) -> Iterato
     if "current" not in table(board, "sockets", socket) or not steps:
         limit = "no such key: the board does not set the current of this socket"
         yield Finding("config.conflict", path, ampere, limit)
-    elif isinstance(ampere, int | float) and ampere * 1000 * steps > WIPER_MAX:
-        limit = f"at most {WIPER_MAX / steps / 1000:.2f} A"
+    elif isinstance(ampere, int | float) and not 1 <= ampere * 1000 * steps <= WIPER_MAX:
+        limit = f"{ceil(1 / steps) / 1000:g} to {WIPER_MAX / steps / 1000:.2f} A"
         yield Finding("config.value", path, ampere, limit)
 
 
@@ -288,9 +289,12 @@ class _Owners:
         return set(self._pin(claim)) & set(_MARKS.get(claim.need, ""))
 
     def _check_marks(self, claim: Claim) -> Iterator[Finding]:
-        pin = self._pin(claim)
+        pin, name = self._pin(claim), bare(claim.pin)
         for mark in "!^~":
-            if mark in pin and mark not in self._marks(claim):
+            if claim.pin.removesuffix(name).count(mark) > 1:
+                limit = f"at most one {mark} before {name}"
+                yield Finding("config.conflict", claim.path, claim.pin, limit)
+            elif mark in pin and mark not in self._marks(claim):
                 limit = f"no {mark} before {bare(pin)}: it does nothing here"
                 yield Finding("config.conflict", claim.path, claim.pin, limit)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import floor, sqrt
+from math import ceil, floor, sqrt
 from typing import Annotated, Literal, NamedTuple, TypeAlias
 
 from pydantic import Field
@@ -14,20 +14,22 @@ ChipName: TypeAlias = Literal["TMC2208", "TMC2209", "TMC2130", "TMC5160"]
 
 class ChipFacts(NamedTuple):
     """How a chip is spoken to, and how its current comes about: full scale of the voltage over the
-    sense resistor in its ranges, the resistance inside the chip, and the resistor of most modules.
-    """
+    sense resistor in its ranges, the least share of a range that it can be set to, the resistance
+    inside the chip, and the resistor of most modules."""
 
     wire: Literal["uart", "spi"]
     full_scale_v: tuple[float, ...]
+    least_share: float
     inner_ohm: float
     resistor_ohm: float
 
 
+# The TMC5160's range is scaled by 32/256 at least, and IRUN takes a 32nd of that.
 CHIPS: dict[ChipName, ChipFacts] = {
-    "TMC2208": ChipFacts("uart", (0.18, 0.32), 0.02, 0.11),
-    "TMC2209": ChipFacts("uart", (0.18, 0.32), 0.02, 0.11),
-    "TMC2130": ChipFacts("spi", (0.18, 0.32), 0.02, 0.11),
-    "TMC5160": ChipFacts("spi", (0.325,), 0.0, 0.075),
+    "TMC2208": ChipFacts("uart", (0.18, 0.32), 1 / 32, 0.02, 0.11),
+    "TMC2209": ChipFacts("uart", (0.18, 0.32), 1 / 32, 0.02, 0.11),
+    "TMC2130": ChipFacts("spi", (0.18, 0.32), 1 / 32, 0.02, 0.11),
+    "TMC5160": ChipFacts("spi", (0.325,), 1 / 256, 0.0, 0.075),
 }
 
 
@@ -45,6 +47,14 @@ def full_scale_a(chip: ChipName, resistor_ohm: float, full_scale_v: float) -> fl
 def largest_current_ma(chip: ChipName, resistor_ohm: float) -> int:
     """The most current (mA, effective value) that the chip can be set to, rounded down."""
     return floor(1000 * full_scale_a(chip, resistor_ohm, max(CHIPS[chip].full_scale_v)))
+
+
+def least_current_ma(chip: ChipName, resistor_ohm: float) -> int:
+    """The least current (mA, effective value) that the chip can be set to, rounded up."""
+    facts = CHIPS[chip]
+    return ceil(
+        1000 * facts.least_share * full_scale_a(chip, resistor_ohm, min(facts.full_scale_v))
+    )
 
 
 class Tmc(Model):

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from passo.board.drivers import DriverState
 from passo.board.trinamic import findings, open_coils, threshold_of
-from passo.config.trinamic import largest_current_ma
+from passo.config.trinamic import largest_current_ma, least_current_ma
 from passo.errors import CommandError
 from passo.printer.waits import Handler, Reply, Wait
 from passo.printer.words import Command, numeral
@@ -54,8 +54,9 @@ class DriverCommands:
         settings = self._watch.states[motor].settings
         share = settings.hold_a / settings.run_a
         most = floor(largest_current_ma(settings.chip, settings.resistor_ohm) / max(1.0, share))
-        if not 0 < milliampere <= most:
-            limit = f"above 0 and at most {most} mA"
+        least = least_current_ma(settings.chip, settings.resistor_ohm)
+        if not least <= milliampere <= most:
+            limit = f"{least} to {most} mA"
             raise CommandError.bad_value(letter, milliampere, limit)
         run_a = milliampere / 1000
         self._watch.set(motor, replace(settings, run_a=run_a, hold_a=run_a * share))
