@@ -80,16 +80,10 @@ void *object_next(int16_t *oid, uint8_t type) {
   return NULL;
 }
 
-static bool is_output(uint8_t type) { return type == OBJECT_DIGITAL_OUT || type == OBJECT_PWM_OUT; }
-
 void objects_shut_down(void) {
-  for (uint8_t turn = 0; turn < 2; ++turn) {
-    for (uint8_t oid = 0; oid < object_count; ++oid) {
-      struct object *object = objects[oid];
-      if (object == NULL || object->kind->shut_down == NULL) continue;
-      bool first = is_output(object->kind->type);  // what may heat
-      if (first == (turn == 0)) object->kind->shut_down(object);
-    }
+  for (uint8_t oid = 0; oid < object_count; ++oid) {
+    struct object *object = objects[oid];
+    if (object != NULL && object->kind->shut_down != NULL) object->kind->shut_down(object);
   }
 }
 
