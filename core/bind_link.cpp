@@ -124,6 +124,8 @@ void bind_link(nb::module_& m) {
            "What a byte takes on a serial line.")
       .def_prop_ro("synchronous", &held<&Link::synchronous>)
       .def_prop_ro("lost", &held<&Link::lost>)
+      .def_prop_ro("begun_anew", &held<&Link::begun_anew>,
+                   "The board was reset, or its supply has failed.")
       .def(
           "clock_at",
           [](Link& l, Ticks host) {

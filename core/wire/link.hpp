@@ -61,6 +61,7 @@ class Link {
     is_shutdown_id_ = id_of("is_shutdown");
     survive_id_ = id_of("survive_state");
     trsync_id_ = id_of("trsync_state");
+    starting_id_ = id_of("starting");
   }
   const Formats& commands() const { return commands_; }
 
@@ -80,9 +81,10 @@ class Link {
   // Messages of the board that nobody in the core has use for, oldest first.
   std::deque<Response>& inbox() { return inbox_; }
 
-  // Starts to follow the board's clock; its first answer makes synchronous() true.
+  // Starts to follow the clock of the board, which has its configuration; its first answer makes
+  // synchronous() true.
   void follow_clock(Ticks now) {
-    following_ = true;
+    following_ = configured_ = true;
     next_sync_ = now;
     samples_ = 0;
     asked_at_ = now;
@@ -95,8 +97,11 @@ class Link {
   }
   bool synchronous() const { return sync_.ready(); }
   const ClockSync& clock() const { return sync_; }
-  // True when the board left its questions unanswered for some four seconds.
-  bool lost() const { return lost_; }
+  // True when the board left its questions unanswered for some four seconds, or has begun anew.
+  bool lost() const { return lost_ || begun_anew_; }
+  // The board has said that it is starting, and so knows of nothing any more: it was reset, or its
+  // supply has failed. Nothing is sent to it until it is connected again.
+  bool begun_anew() const { return begun_anew_; }
 
   // This link's board is one of several: the main one, whose clock is that of the timeline, or a
   // further one, whose steps may miss their times by `tolerance` ticks more than the plan's.
@@ -186,7 +191,7 @@ class Link {
     open_size_ = 0;
     open_first_ = open_need_ = kNever;
     holds_question_ = holds_command_ = asked_ = shut_down_ = false;
-    holds_query_ = queried_ = false;
+    holds_query_ = queried_ = begun_anew_ = false;
   }
 
   // The board has heard nothing of this host in time, and stops by itself.
@@ -199,6 +204,7 @@ class Link {
     heaters_.interrupted();
     if (following_) follow_clock(0);
     long_ago_ = true;
+    configured_ = false;  // as far as anybody knows; opening a port resets many boards
   }
   // The board has all commands that were sent at once. What answers them at once has been received
   // by then, or is lost.
@@ -224,6 +230,7 @@ class Link {
   }
   // The board has taken over again what it keeps; the job goes on.
   void go_on() {
+    configured_ = true;
     alone_ = false;
     agree();
     map_anew_ = job_.retimer() != nullptr;
@@ -245,7 +252,8 @@ class Link {
     scanner_.feed(
         data, n,
         [&](uint8_t sequence, const uint8_t* payload, size_t size) {
-          if (!window_.acknowledge(sequence, size == 0, now) || size == 0) return;
+          if (configured_ && is_starting(payload, size)) begin_anew();
+          if (begun_anew_ || !window_.acknowledge(sequence, size == 0, now) || size == 0) return;
           receive(payload, size, now);
           waited = true;
         },
@@ -264,6 +272,7 @@ class Link {
   // Appends what is to be sent now; returns the host time of the next call that has any use, if no
   // bytes come before.
   Ticks poll(Ticks now, Bytes& out) {
+    if (begun_anew_) return due_ = kNever;
     size_t before = out.size();
     if (timeline_ && timeline_->halted() && !shut_down_ && !std::exchange(halted_, true))
       send("emergency_stop", {});
@@ -347,7 +356,8 @@ class Link {
   Ticks asked_at_ = 0;  // the first of the questions that were not answered
   bool lost_ = false;
   int32_t clock_id_ = -1000, uptime_id_ = -1000, analog_id_ = -1000, converter_id_ = -1000,
-          shutdown_id_ = -1000, is_shutdown_id_ = -1000, trsync_id_ = -1000;
+          shutdown_id_ = -1000, is_shutdown_id_ = -1000, trsync_id_ = -1000, starting_id_ = -1000;
+  bool configured_ = false, begun_anew_ = false;
   int32_t survive_id_ = -1000;
   static constexpr int64_t kBraking = 4;  // state of survive_state from which on the board is alone
   bool alone_ = false, long_ago_ = false;  // the board was not heard for a while
@@ -508,6 +518,16 @@ class Link {
     return std::max(next, now + 1);
   }
 
+  // Whatever its number: the board counts frames anew.
+  bool is_starting(const uint8_t* payload, size_t size) const {
+    Reader in{payload, payload + size};
+    return size > 0 && int32_t(in.vlq()) == starting_id_ && in.ok;
+  }
+  void begin_anew() {
+    begun_anew_ = true;
+    job_.stop();
+    if (timeline_) timeline_->lost();
+  }
   void receive(const uint8_t* payload, size_t size, Ticks now) {
     Reader in{payload, payload + size};
     int32_t id = int32_t(in.vlq());

@@ -540,6 +540,10 @@ class Link:
     @property
     def lost(self) -> bool: ...
 
+    @property
+    def begun_anew(self) -> bool:
+        """The board was reset, or its supply has failed."""
+
     def clock_at(self, host_ticks: int) -> int: ...
 
     def host_at(self, clock: int) -> int: ...

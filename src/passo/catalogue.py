@@ -563,7 +563,7 @@ CATALOGUE: Mapping[str, Entry] = {
     ),
     "machine.began-anew": Entry(
         "board",
-        "the board has begun anew since the link was lost, and its place is not known any more",
+        "{value} has begun anew, after a reset or a failure of its supply; its place is lost",
         "Home the machine; M1000 resumes a print from the card",
         ExitStatus.MACHINE_FAULT,
     ),

@@ -5,6 +5,8 @@ import random
 
 from tests.console.scenario import Scenario
 
+from passo import _core
+
 
 def spiral():
     """Short moves and long ones, reversals, retractions, and rests of single motors."""
@@ -77,3 +79,12 @@ def shift_by_babysteps(s, generator, wanted):
     for name, net in steps(s).items():
         assert net == wanted[name] + round(sums.get(name, 0.0) * per_mm[name]), name
     return sums
+
+
+def reset(s):
+    """The board begins anew. Whatever number it waits for, one of these frames has it."""
+    dictionary = s.printer.connection.main.dictionary
+    payload = _core.Formats(dictionary.commands).encode(*dictionary.values("reset"))
+    now = s.printer.drive.base + s.printer.drive.now
+    for number in range(16):
+        s.board.device.feed(_core.make_frame(payload, number), now)

@@ -5,7 +5,7 @@ from contextlib import contextmanager
 
 import pytest
 from tests.console.scenario import Scenario
-from tests.job.disturbed import spiral
+from tests.job.disturbed import reset, spiral
 from tests.job.test_lost_link import FIRMWARE, break_link
 
 from passo.errors import MachineError
@@ -60,18 +60,16 @@ def test_a_motor_that_was_turned_by_hand(printing, monkeypatch):
     goes_on(s)
 
 
-def test_a_board_that_was_reset_while_nobody_heard_it(printing, monkeypatch):
+def test_a_board_that_was_reset_while_nobody_heard_it(printing):
     s = printing
-    connection = s.printer.connection.main
-    real = connection._ask
-
-    def forgotten(name, *more, **options):
-        answer = real(name, *more, **options)
-        return {**answer, "is_config": 0} if name == "get_config" else answer
-
-    monkeypatch.setattr(connection, "_ask", forgotten)
-    break_link(s, 2.0)
-    s.host.expect("has begun anew since the link was lost", 10)
+    port, drive = s.printer.connection.main.port, s.printer.drive
+    port.unplug()
+    s.passes(1)
+    reset(s)
+    s.passes(1)
+    port.plug(drive.base + drive.now)
+    s.board.device.poll(drive.base + drive.now)
+    s.host.expect("has begun anew", 10)
     s.host.expect("The printer is ready again", 10)
     s.passes(1)
     goes_on(s)

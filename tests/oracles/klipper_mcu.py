@@ -279,6 +279,7 @@ class KlipperMcu:
     def _act_reset(self) -> None:
         self.resets += 1
         self._begin_anew()
+        self._report("starting")
 
     def _act_query_analog_in(self, oid: int, rest_ticks: int, sample_count: int, **_: int) -> None:
         self._sensors[oid] = (self.now + rest_ticks, rest_ticks, sample_count)

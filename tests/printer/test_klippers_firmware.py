@@ -111,6 +111,22 @@ def test_a_board_that_was_reset_has_its_drivers_set_up_anew(s: Scenario, board: 
     assert_there(s, board)
 
 
+def test_a_board_that_begins_anew_all_of_a_sudden(s: Scenario, board: Board) -> None:
+    s.host.ok("G28", 60)
+    s.host.send("G1 X50 F600")
+    s.passes(1)
+    board._act_reset()
+    for chip in board.chips.values():
+        chip.power_on()
+    s.host.expect("^Error:the board has begun anew", 2)
+    s.host.expect("ready again", 10)
+    assert (board.resets, board.is_shutdown, board.is_config) == (1, 0, 1)
+    s.host.ok("G28", 60)
+    s.host.ok("G1 X10 F3000")
+    s.host.ok("M400", 30)
+    assert_there(s, board)
+
+
 @pytest.mark.parametrize(
     ("motor", "chip"), [("y", "TMC2209 on PB12"), ("z", "TMC2130 on PB13")], ids=("uart", "spi")
 )

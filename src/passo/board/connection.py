@@ -20,12 +20,7 @@ from passo.board.configuration import (
 )
 from passo.board.description import BoardDescription, Output, Sensor, inverted
 from passo.board.dictionary import RUNS_KLIPPERS, RUNS_PASSOS, Dictionary, DictionaryError
-from passo.board.faults import (
-    BoardAloneError,
-    BoardSilentError,
-    HeaterFault,
-    PlaceLostError,
-)
+from passo.board.faults import BoardAloneError, BoardResetError, BoardSilentError, HeaterFault
 from passo.board.ports import LinkLostError, Port
 from passo.errors import MachineError
 
@@ -160,7 +155,7 @@ class Connection:
     async def reopen(self) -> None:
         """`open_again`, and the board has gone on alone.
 
-        Raises LinkLostError if it cannot be reached, PlaceLostError if it does not know any more
+        Raises LinkLostError if it cannot be reached, BoardResetError if it does not know any more
         what it did, MachineError if it has shut down.
         """
         await self.open_again()
@@ -170,7 +165,7 @@ class Connection:
             self._ask("survive_off", [], "is_shutdown", {}, tries=1)
             raise self.shutdown_error()
         if not state["is_config"] or state["crc"] != self._crc:
-            raise PlaceLostError.of("machine.began-anew")
+            raise BoardResetError(self._named("the board"))
 
     async def open_again(self) -> None:
         """Opens the port again after the link was lost, while the loop goes on. The job stands
@@ -587,8 +582,10 @@ class Connection:
         self._responses += self.link.take_responses()
         del self._responses[:-_RESPONSES_KEPT]  # what nobody takes
 
-    def silence(self, question: str) -> BoardSilentError:
-        """The board has left a question unanswered."""
+    def silence(self, question: str) -> LinkLostError:
+        """The board has left a question unanswered, perhaps because it has begun anew."""
+        if self.link.begun_anew:
+            return BoardResetError(self._named("the board"))
         return BoardSilentError(self._named(question))
 
     def _named(self, text: str) -> str:

@@ -49,6 +49,13 @@ class PlaceLostError(MachineError):
     """Where the motors of a board stand cannot be proved any more; nothing else is wrong."""
 
 
+class BoardResetError(PlaceLostError, LinkLostError):
+    """The board has begun anew, and knows of nothing that it was told before."""
+
+    def __init__(self, board: str) -> None:
+        super().__init__([Problem("machine.began-anew", values={"value": board})])
+
+
 class BoardSilentError(LinkLostError):
     """The board does not answer."""
 

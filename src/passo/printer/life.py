@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+from math import inf
 from typing import TYPE_CHECKING
 
-from passo.board.faults import PlaceLostError
+from passo.board.faults import BoardResetError, PlaceLostError
 from passo.board.ports import LinkLostError
 from passo.errors import MachineError, in_words
 from passo.printer.drive import TICK_S
@@ -18,6 +19,10 @@ if TYPE_CHECKING:
     from passo.printer.printer import Printer
 
 
+# A board that begins anew twice within this time does so because of what is turned on, perhaps.
+_SOON_S = 60.0
+
+
 class Life:
     """One printer's drive at work, again and again."""
 
@@ -26,6 +31,7 @@ class Life:
         self._revived = asyncio.Event()  # somebody has sent M999, and no M112 since
         self._asking: list[asyncio.Future[None]] = []  # who waits for what becomes of M999
         self._warm = False  # what is warm stays so when the printer begins anew
+        self._reset_s = -inf  # when a board has begun anew
 
     def revive(self) -> None:
         """Somebody has made the halted machine safe."""
@@ -60,7 +66,7 @@ class Life:
                 failure = await self._reconnect(error)
                 if failure is None:
                     continue
-                displaced = not printer.halted and isinstance(failure, PlaceLostError)
+                displaced = isinstance(failure, PlaceLostError) and not self._has_to_halt(failure)
                 printer.failures += not printer.halted  # else it has been counted
                 self._warm = displaced
                 printer.halted = printer.halted or str(in_words(failure)).rstrip(".")
@@ -75,6 +81,13 @@ class Life:
                     await self._revive()
                 finally:
                     printer.turn.give()
+
+    def _has_to_halt(self, failure: PlaceLostError) -> bool:
+        """It was halted before, or what it keeps warm may be what resets the board."""
+        if not isinstance(failure, BoardResetError):
+            return bool(self._printer.halted)
+        before, self._reset_s = self._reset_s, asyncio.get_running_loop().time()
+        return bool(self._printer.halted) or self._reset_s - before < _SOON_S
 
     async def _drive(self) -> None:
         """Lets time pass until the board fails. After a fault of the program, which halts the
@@ -94,6 +107,8 @@ class Life:
         printer = self._printer
         if printer.halted or not isinstance(error, LinkLostError):
             return error
+        if isinstance(error, PlaceLostError):
+            return error  # nothing is left that could be taken over
         boards = printer.connection
         if not boards.survives or boards.timeline.halted:
             return error

@@ -13,7 +13,7 @@ from passo.board.connection import (
     LOOK_S,
     Connection,
 )
-from passo.board.faults import BoardAloneError, PlaceLostError
+from passo.board.faults import BoardAloneError, BoardResetError, PlaceLostError
 from passo.board.ports import LinkLostError
 from passo.printer.drive import TICK_S
 
@@ -43,6 +43,8 @@ async def reconnect(printer: Printer, lost: LinkLostError) -> None:
             break
         except BoardAloneError:
             continue
+        except BoardResetError:
+            raise
         except LinkLostError:
             reconnection.look_for_silent()
             await asyncio.sleep(_AGAIN_S)

@@ -1,0 +1,62 @@
+"""A board that begins anew all of a sudden: its supply has failed for a moment, or its watchdog has
+struck."""
+
+import pytest
+from tests.console.scenario import Scenario
+from tests.job import test_place_lost
+from tests.job.disturbed import reset
+from tests.job.test_lost_link import FIRMWARE
+
+printing = test_place_lost.printing
+
+
+def test_a_print_goes_on_from_the_journal(printing):
+    s = printing
+    reset(s)
+    s.host.expect("^Error:the board has begun anew, after a reset or a failure of its supply", 1)
+    s.host.expect("The printer is ready again", 1)
+    assert not any("The machine waits" in line for line in s.host.heard)
+    s.passes(1)
+    assert s.board.device.fault == ""  # nothing was sent to a board without a configuration
+    test_place_lost.goes_on(s)
+
+
+@pytest.mark.parametrize("doing", ["M104 S60", "M109 S200", "G28", "G1 X10 Y10 F300"])
+def test_whatever_the_printer_is_doing(doing):
+    with Scenario(FIRMWARE) as s:
+        s.host.ok("G28", 60)
+        s.host.send(doing)
+        s.passes(1.2)
+        target = s.printer.connection.heaters["hotend"].target
+        reset(s)
+        s.host.expect("the board has begun anew", 1)
+        s.host.expect("The printer is ready again", 1)
+        s.passes(2)
+        assert s.printer.connection.heaters["hotend"].target == target
+        assert (s.board.output_value("hotend") > 0) == (target > 0)
+        assert "axis X does not know where it is" in s.host.ok("G1 X50")[0]
+        s.host.ok("G28", 60)
+        s.host.ok("G1 X50 F6000")
+        s.host.ok("M400", 20)
+        assert s.positions()["x"] == 50
+        assert s.board.device.fault == ""
+
+
+@pytest.mark.parametrize(("seconds", "warm"), [(50, False), (70, True)])
+def test_a_second_time_within_a_minute_halts_it_cold(seconds, warm):
+    """What it keeps warm may be what its supply fails at."""
+    with Scenario(FIRMWARE) as s:
+        s.host.ok("M104 S60")
+        s.passes(5)
+        reset(s)
+        s.host.expect("The printer is ready again", 1)
+        s.passes(seconds - 1)
+        reset(s)
+        s.passes(2)
+        assert (s.printer.halted == "") == warm
+        assert (s.printer.connection.heaters["hotend"].target > 0) == warm
+        assert (s.board.output_value("hotend") > 0) == warm
+        if not warm:
+            s.host.expect("^Error:Printer halted: the board has begun anew", 1)
+            s.host.send("M999")
+            s.host.expect("The printer is ready again", 5)
