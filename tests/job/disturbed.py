@@ -6,6 +6,7 @@ import random
 from tests.console.scenario import Scenario
 
 from passo import _core
+from passo.config.places import MAIN
 
 
 def spiral():
@@ -81,10 +82,11 @@ def shift_by_babysteps(s, generator, wanted):
     return sums
 
 
-def reset(s):
-    """The board begins anew. Whatever number it waits for, one of these frames has it."""
-    dictionary = s.printer.connection.main.dictionary
+def reset(s, board=MAIN):
+    """It begins anew. Whatever number it waits for, one of these frames has it."""
+    connection = next(c for c in s.printer.connection.connections if c.name == board)
+    dictionary, device = connection.dictionary, connection.port.device
     payload = _core.Formats(dictionary.commands).encode(*dictionary.values("reset"))
     now = s.printer.drive.base + s.printer.drive.now
     for number in range(16):
-        s.board.device.feed(_core.make_frame(payload, number), now)
+        device.feed(_core.make_frame(payload, number), now)

@@ -6,6 +6,9 @@ from tests.console.scenario import Scenario
 from tests.job import test_place_lost
 from tests.job.disturbed import reset
 from tests.job.test_lost_link import FIRMWARE
+from tests.job.two_boards import two_boards
+
+from passo.config.places import MAIN
 
 printing = test_place_lost.printing
 
@@ -40,6 +43,25 @@ def test_whatever_the_printer_is_doing(doing):
         s.host.ok("M400", 20)
         assert s.positions()["x"] == 50
         assert s.board.device.fault == ""
+
+
+@pytest.mark.parametrize("board", [MAIN, "tool"])
+def test_one_of_two_boards(board):
+    with Scenario(two_boards(firmware="passo")) as s:
+        s.host.ok("G92 X0 Y0 Z0")
+        s.host.ok("M104 S60")
+        s.host.send("G1 X100 Z20 F600")
+        s.passes(2)
+        reset(s, board)
+        name = "board tool" if board else "the board"
+        s.host.expect(f"^Error:{name} has begun anew", 2)
+        s.host.expect("The printer is ready again", 2)
+        s.passes(2)
+        assert s.printer.connection.heaters["hotend"].target == 60
+        s.host.ok("G28", 60)
+        s.host.ok("G1 X50 F6000")
+        s.host.ok("M400", 20)
+        assert s.positions()["x"] == 50
 
 
 @pytest.mark.parametrize(("seconds", "warm"), [(50, False), (70, True)])

@@ -165,7 +165,7 @@ class Connection:
             self._ask("survive_off", [], "is_shutdown", {}, tries=1)
             raise self.shutdown_error()
         if not state["is_config"] or state["crc"] != self._crc:
-            raise BoardResetError(self._named("the board"))
+            raise self._reset_error()
 
     async def open_again(self) -> None:
         """Opens the port again after the link was lost, while the loop goes on. The job stands
@@ -584,9 +584,11 @@ class Connection:
 
     def silence(self, question: str) -> LinkLostError:
         """The board has left a question unanswered, perhaps because it has begun anew."""
-        if self.link.begun_anew:
-            return BoardResetError(self._named("the board"))
-        return BoardSilentError(self._named(question))
+        silent = BoardSilentError(self._named(question))
+        return self._reset_error() if self.link.begun_anew else silent
+
+    def _reset_error(self) -> BoardResetError:
+        return BoardResetError(f"board {self.name}" if self.name else "the board")
 
     def _named(self, text: str) -> str:
         return f"{text} (board {self.name})" if self.name else text
