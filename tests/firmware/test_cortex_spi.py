@@ -1,11 +1,11 @@
-"""What an SPI device hears when a board shuts down while the foreground is speaking to one."""
+"""What SPI devices hear, also when a board shuts down while the foreground is speaking to one."""
 
 from __future__ import annotations
 
 import pytest
 
 from .talk import Host
-from .test_cortex import CASES, TAKEN, board_target
+from .test_cortex import CASES, TAKEN, Case, board_target
 
 LAST = "a55a"
 TRANSFER = "0102030405"
@@ -16,8 +16,9 @@ def bits(data: str) -> str:
     return "".join(f"{byte:08b}" for byte in bytes.fromhex(data))
 
 
-def heard(host: Host, names: dict[str, str]) -> list[tuple[str, str]]:
-    """Who was selected, and the bits of the bus until that ended; in mode 0."""
+def heard(host: Host, names: dict[str, str], mode: int = 0) -> list[tuple[str, str]]:
+    """Who was selected, and the bits of the bus until that ended."""
+    rest, second_phase = mode >> 1, mode & 1
     numbers = host.dictionary.enumerations["pin"]
     pins = {numbers[pin]: name for name, pin in names.items()}
     levels = {"mosi": 0, "first": 1, "second": 1}
@@ -25,7 +26,7 @@ def heard(host: Host, names: dict[str, str]) -> list[tuple[str, str]]:
     told: list[tuple[str, str]] = []
     for _, pin, level in host.chip.edges:
         name = pins.get(pin, "")
-        if name == "clock" and level:
+        if name == "clock" and level == (rest if second_phase else 1 - rest):
             for select in SELECTS:
                 taken[select] += str(levels["mosi"]) if levels[select] == 0 else ""
         elif name in levels:
@@ -36,21 +37,37 @@ def heard(host: Host, names: dict[str, str]) -> list[tuple[str, str]]:
     return told
 
 
-@pytest.mark.parametrize("last_to", [0, 1], ids=["the-same", "another"])
-@pytest.mark.parametrize("late_ms", [0.3, 0.7, 1.4])
-def test_a_transfer_ends_before_the_last_message(late_ms: float, last_to: int) -> None:
-    """Of 1.6 ms; a sensor that is out of its range is seen so long after it was asked for."""
+def wired(mode: int) -> tuple[Case, Host, dict[str, str]]:
+    """Two devices on a bus with a bit of 40 µs; a shutdown and a sensor may follow."""
     case = next(case for case in CASES if case.board == "radds")
-    host, us = case.host(), case.hz // 1_000_000
+    host = case.host()
     free = [name for name in board_target("radds").chip.pins if name not in TAKEN]
     names: dict[str, str] = dict(zip((*SELECTS, "miso", "mosi", "clock"), free, strict=False))
-    bus = f"miso_pin={names['miso']} mosi_pin={names['mosi']} sclk_pin={names['clock']} mode=0"
+    bus = f"miso_pin={names['miso']} mosi_pin={names['mosi']} sclk_pin={names['clock']}"
     host.send("allocate_oids count=4")
     for oid, select in enumerate(SELECTS):
         host.send(
             f"config_spi oid={oid} pin={names[select]} cs_active_high=0",
-            f"spi_set_sw_bus oid={oid} {bus} pulse_ticks={20 * us}",
+            f"spi_set_sw_bus oid={oid} {bus} mode={mode} pulse_ticks={20 * case.hz // 1_000_000}",
         )
+    return case, host, names
+
+
+@pytest.mark.parametrize("mode", [0, 1, 2, 3])
+def test_bits_stand_at_the_edge_of_each_mode(mode: int) -> None:
+    _, host, names = wired(mode)
+    host.send("finalize_config crc=1")
+    host.chip.edges.clear()
+    host.send("spi_send oid=0 data=53ca", "spi_send oid=1 data=0f", seconds=0.01)
+    assert heard(host, names, mode) == [("first", bits("53ca")), ("second", bits("0f"))]
+
+
+@pytest.mark.parametrize("last_to", [0, 1], ids=["the-same", "another"])
+@pytest.mark.parametrize("late_ms", [0.3, 0.7, 1.4])
+def test_a_transfer_ends_before_the_last_message(late_ms: float, last_to: int) -> None:
+    """Of 1.6 ms; a sensor that is out of its range is seen so long after it was asked for."""
+    case, host, names = wired(0)
+    us = case.hz // 1_000_000
     host.send(
         f"config_spi_shutdown oid=2 spi_oid={last_to} shutdown_msg={LAST}",
         f"config_analog_in oid=3 pin={case.sensor[0]}",
