@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 
 from .talk import Host
@@ -53,13 +55,40 @@ def wired(mode: int) -> tuple[Case, Host, dict[str, str]]:
     return case, host, names
 
 
+class Answer(dict[int, int]):
+    """The inputs of a chip: a device that puts its bits on one of them at the edges of its mode, a
+    microsecond behind it: when the clock leaves its rest or, the first bit at the beginning, when
+    it goes back to it."""
+
+    def __init__(self, host: Host, names: dict[str, str], mode: int, data: str, hz: int) -> None:
+        numbers = host.dictionary.enumerations["pin"]
+        self._chip, self._pin, self._clock = (
+            host.chip,
+            numbers[names["miso"]],
+            numbers[names["clock"]],
+        )
+        self._shifts_at = 1 - (mode >> 1) if mode & 1 else mode >> 1
+        self._begins_at = mode & 1
+        self._bits, self._delay = bits(data), hz // 1_000_000
+
+    def items(self) -> Any:
+        settled = self._chip.clock - self._delay
+        edges = (e for e in self._chip.edges if e[1:] == (self._clock, self._shifts_at))
+        shifts = sum(clock < settled for clock, _, _ in edges)
+        at = shifts - self._begins_at
+        return [(self._pin, int(0 <= at < len(self._bits) and self._bits[at]))]
+
+
 @pytest.mark.parametrize("mode", [0, 1, 2, 3])
-def test_bits_stand_at_the_edge_of_each_mode(mode: int) -> None:
-    _, host, names = wired(mode)
+def test_bits_go_both_ways_at_the_edges_of_each_mode(mode: int) -> None:
+    case, host, names = wired(mode)
     host.send("finalize_config crc=1")
+    host.send("spi_send oid=0 data=00", seconds=0.01)  # the clock is at rest
     host.chip.edges.clear()
-    host.send("spi_send oid=0 data=53ca", "spi_send oid=1 data=0f", seconds=0.01)
-    assert heard(host, names, mode) == [("first", bits("53ca")), ("second", bits("0f"))]
+    host.chip.inputs = Answer(host, names, mode, "a5c3", case.hz)
+    said = host.send("spi_transfer oid=1 data=53ca", seconds=0.01)["spi_transfer_response"]
+    assert said["response"] == bytes.fromhex("a5c3")
+    assert heard(host, names, mode) == [("second", bits("53ca"))]
 
 
 @pytest.mark.parametrize("last_to", [0, 1], ids=["the-same", "another"])
