@@ -63,7 +63,7 @@ def test_eleven_errors_are_reported_at_once_in_order() -> None:
         (21, "config.missing-key", "axes.z.accel_mm_s2", None),
         (26, "config.value", "steppers.x.driver", "A4989"),
         (27, "config.conflict", "steppers.y.rotation_distance_mm", 40),
-        (28, "config.conflict", "steppers.z.socket", "PF0"),
+        (28, "config.conflict", "steppers.z.socket", "X"),
         (31, "config.value", "tools[0].extruder", "e"),
         (34, "config.value", "board.base", "rampz"),
     ]
@@ -85,7 +85,7 @@ def test_a_problem_reads_as_a_sentence() -> None:
         "many.toml:21: axes.z.accel_mm_s2 is missing: expected a number. Add the key."
     )
     assert sentences[28] == (
-        "many.toml:28: steppers.z.socket is 'PF0': expected a pin of its own: PF0 belongs to "
+        "many.toml:28: steppers.z.socket is 'X': expected a pin of its own: PF0 belongs to "
         "steppers.x.socket (many.toml:26). Change or remove it."
     )
     assert sentences[34].endswith("Did you mean 'ramps'?")

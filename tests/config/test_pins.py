@@ -90,7 +90,7 @@ def test_drivers_on_spi_and_the_card_share_no_select(
     text = i3_text.replace(f'socket = "{socket}"', f'socket = "{socket}"\ndriver = "TMC2130"')
     config.load_text(text)
     (problem,) = problems_of(text + 'fitted = ["card"]\n')
-    assert f"steppers.{socket.lower()}.socket is '{pin}': expected a pin of its own" in problem
+    assert f"steppers.{socket.lower()}.socket is '{socket}': expected a pin of its own" in problem
     assert f"{pin} belongs to board.card.{key} ({board_place('ramps', 'card', key)})" in problem
 
 

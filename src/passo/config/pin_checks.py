@@ -56,12 +56,13 @@ _NEEDS = {"analog": "an analog input", "pwm": "a pin with hardware PWM"}
 
 @dataclass(frozen=True, slots=True)
 class Claim:
-    """A part of the machine, at `path`, wants the pin written there for what it needs. `value` is
-    what stands there, where that is not the pin but a socket."""
+    """A part of the machine, at `path`, wants `pin` for what it needs. `written` is what stands
+    there: the pin, or the socket that has it."""
 
     path: Path
     pin: str
-    need: Need = "digital"
+    need: Need
+    written: str
 
 
 def check_pins(data: Raw) -> Iterator[Finding]:
@@ -92,14 +93,14 @@ def machine_claims(data: Raw) -> Iterator[Claim]:
             if f"{key}_pin" in stepper:
                 yield from _claim((*path, f"{key}_pin"), stepper[f"{key}_pin"], need)
             else:
-                yield from _claim((*path, "socket"), _on(board, socket.get(key)), need)
+                yield from _of_socket(path, stepper, socket.get(key), need)
         for pin in array(socket, "microstep"):
-            yield from _claim((*path, "socket"), _on(board, pin))
+            yield from _of_socket(path, stepper, pin)
         tmc = table(stepper, "tmc")
         if "cs_pin" in tmc:
             yield from _claim((*path, "tmc", "cs_pin"), tmc["cs_pin"], "select")
         elif stepper.get("driver") in _SPI_DRIVERS:
-            yield from _claim((*path, "socket"), _on(board, socket.get("select")), "select")
+            yield from _of_socket(path, stepper, socket.get("select"), "select")
         yield from _wires((*path, "tmc"), tmc)
     for part in ("heaters", "fans"):
         for name, content in tables(data, part):
@@ -121,8 +122,11 @@ def _board(data: Raw, name: str) -> Raw:
     return table(data, *section(name))
 
 
-def _on(board: str, pin: object) -> object:
-    return named_on(board, pin) if isinstance(pin, str) else pin
+def _of_socket(path: Path, stepper: Raw, pin: object, need: Need = "digital") -> Iterator[Claim]:
+    """One of the pins of the socket that a motor is in."""
+    written = str(stepper.get("socket"))
+    if isinstance(pin, str):
+        yield Claim((*path, "socket"), named_on(placed(written)[0], pin), need, written)
 
 
 def _check_boards(claims: list[Claim], boards: Mapping[str, Raw]) -> Iterator[Finding]:
@@ -131,7 +135,7 @@ def _check_boards(claims: list[Claim], boards: Mapping[str, Raw]) -> Iterator[Fi
         if name not in boards:
             limit = "the name of one of the boards before the colon"
             hint = did_you_mean(name, [known for known in boards if known])
-            yield Finding("config.value", claim.path, claim.pin, limit, hint)
+            yield Finding("config.value", claim.path, claim.written, limit, hint)
 
 
 def _check_parts(data: Raw) -> Iterator[Finding]:
@@ -186,7 +190,7 @@ def board_claims(board: Raw, place: Path) -> Iterator[Claim]:
 
 def _claim(path: Path, pin: object, need: Need = "digital") -> Iterator[Claim]:
     if isinstance(pin, str):
-        yield Claim(path, pin, need)
+        yield Claim(path, pin, need, pin)
 
 
 def _check_sockets(data: Raw) -> Iterator[Finding]:
@@ -269,10 +273,10 @@ class _Owners:
                 owned.append(claim)
             elif not _may_share(owner, claim):
                 limit = f"a pin of its own: {pin} belongs to"
-                yield Finding("config.conflict", claim.path, claim.pin, limit, owner=owner.path)
+                yield Finding("config.conflict", claim.path, claim.written, limit, owner=owner.path)
             elif claim.need in _SHARED and self._marks(owner) != self._marks(claim):
                 limit = f"{placed(owner.pin)[1]}, as it stands at"
-                yield Finding("config.conflict", claim.path, claim.pin, limit, owner=owner.path)
+                yield Finding("config.conflict", claim.path, claim.written, limit, owner=owner.path)
         for claim in self.claims:
             yield from self._check_marks(claim)
         yield from self._check_steps()
@@ -293,16 +297,18 @@ class _Owners:
         for mark in "!^~":
             if claim.pin.removesuffix(name).count(mark) > 1:
                 limit = f"at most one {mark} before {name}"
-                yield Finding("config.conflict", claim.path, claim.pin, limit)
+                yield Finding("config.conflict", claim.path, claim.written, limit)
             elif mark in pin and mark not in self._marks(claim):
                 limit = f"no {mark} before {bare(pin)}: it does nothing here"
-                yield Finding("config.conflict", claim.path, claim.pin, limit)
+                yield Finding("config.conflict", claim.path, claim.written, limit)
 
     def _unknown(self, claim: Claim) -> Finding:
         mcu = self.chip.name if self.chip else "the board's dictionary"
         hint = did_you_mean(bare(placed(claim.pin)[1]), {*self.known, *self.names})
         limit = f"a pin of {mcu} or a name on the board"
-        return Finding("config.value", claim.path, claim.pin, limit, hint)
+        if claim.written != claim.pin:
+            limit = f"a socket with pins of {mcu}, not with {placed(claim.pin)[1]}"
+        return Finding("config.value", claim.path, claim.written, limit, hint)
 
     def _check_steps(self) -> Iterator[Finding]:
         """Each compare unit times the steps of one motor: a chip that has them moves no more."""
@@ -344,11 +350,11 @@ class _Owners:
                 timer = chip.pwm[pin][0].timer
                 why = f"{timer} {chip.timers[timer].firmware}"
                 limit = f"a pin whose timer is free: {why}; {self._offer(free)}"
-                yield Finding("config.conflict", claim.path, claim.pin, limit)
+                yield Finding("config.conflict", claim.path, claim.written, limit)
 
     def _unsuited(self, claim: Claim, able: list[str]) -> Finding:
         limit = f"{_NEEDS[claim.need]}; {self._offer(able)}"
-        return Finding("config.conflict", claim.path, claim.pin, limit)
+        return Finding("config.conflict", claim.path, claim.written, limit)
 
     def _offer(self, able: list[str]) -> str:
         """The pins among `able` that nobody has, under their names on the board."""
