@@ -199,6 +199,13 @@ def test_motors_with_long_pulses_get_units_that_can_make_them(
     assert [(len(board.motors), board.slow_motors) for board in made] == [(3, 1)]
 
 
+def test_a_machine_that_runs_klippers_has_none_of_ours(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(config.shipped_text("i3") + 'firmware = "klipper"\n')
+    with pytest.raises(FirmwareError, match="no firmware of Passo for i3: it runs Klipper's own"):
+        target(str(path))
+
+
 def test_motors_of_boards() -> None:
     assert [m.name for m in board_target("melzi").motors] == ["X", "Y", "Z", "E"]
     assert board_target("duet-0.6").motors[0] == Motor("X", "PD4", "PD5")

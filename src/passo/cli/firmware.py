@@ -17,13 +17,17 @@ if TYPE_CHECKING:
     from passo.config.board import Board
 
 
+_TARGET = "BOARD|MACHINE.toml[:NAME]"
+_TARGETS = "a board of `passo firmware list`, or that of a machine file, or its further board NAME"
+
+
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declares what follows `passo firmware`."""
     parts = parser.add_subparsers(dest="part", metavar="list|build|flash", required=True)
     listed = parts.add_parser("list", help="the boards, and how far their firmware is")
     listed.add_argument("--json", action="store_true", help="print one JSON list")
     built = parts.add_parser("build", help="make an image and a JSON file that says what it is")
-    built.add_argument("target", metavar="BOARD|MACHINE.toml", help="see `passo firmware list`")
+    built.add_argument("target", metavar=_TARGET, help=_TARGETS)
     built.add_argument(
         "--output", type=Path, default=Path(), metavar="DIR", help="where to; default: here"
     )
@@ -33,7 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="understand Kalico and older Klipper in place of Passo's and newer Klipper's sensors",
     )
     flashed = parts.add_parser("flash", help="bring an image onto a board, and ask who it is then")
-    flashed.add_argument("target", metavar="BOARD|MACHINE.toml", help="see `passo firmware list`")
+    flashed.add_argument("target", metavar=_TARGET, help=_TARGETS)
     flashed.add_argument(
         "--port", metavar="PORT", help="serial port, such as /dev/ttyUSB0, or a drive's folder"
     )

@@ -48,7 +48,8 @@ def target(name: str) -> Target:
     """The shipped board of that name, or the board of the machine file of that path; with
     `:NAME` behind it, the further board of that name.
 
-    Raises FirmwareError if there is no such board, ConfigError for a machine file with errors.
+    Raises FirmwareError if there is no such board, or if the machine's runs Klipper's firmware, and
+    ConfigError for a machine file with errors.
     """
     path, colon, board = name.partition(".toml:")
     if colon:
@@ -75,6 +76,8 @@ def _of_machine(path: str, board_name: str) -> Target:
     board = machine.all_boards.get(board_name)
     if board is None:
         raise FirmwareError([Problem("firmware.board", values={"value": board_name})])
+    if board.is_klippers:
+        raise no_firmware(machine.name, KLIPPERS)
     motors: list[Motor] = []
     for name, stepper in machine.steppers.items():
         if machine.board_of_stepper(name) != board_name:
