@@ -64,6 +64,8 @@ class ClockSync {
 
   void add(uint32_t clock32, Ticks sent, Ticks received) {
     Ticks clock = unwrap(clock32);
+    // No clock goes back, but that of a host that slept stood still.
+    if (clock < last_clock_ - Ticks(hz_)) clock += Ticks(1) << 32;
     last_clock_ = std::max(last_clock_, clock);
     const double trip = double(received - sent), asked = double(sent - origin_time_);
     // What was once the shortest may be out of reach by now.

@@ -272,6 +272,37 @@ class Stopped(Wire):
         return board if board > 2**62 else board + self._lost
 
 
+class Asleep(Wire):
+    """Of a board whose host sleeps after half a minute, and its clock with it, for `rate` s."""
+
+    @property
+    def _slept(self) -> int:
+        return int(self.rate * HZ) if self.now > self.start + 30 * HZ else 0
+
+    def board_time(self, host: int) -> int:
+        return host + self._slept
+
+    def host_time(self, board: int) -> int:
+        return board if board > 2**62 else board - self._slept
+
+
+@pytest.mark.parametrize("slept_s", [10, 130, 150, 260, 280, 5000])
+def test_behind_a_hosts_sleep_its_idea_of_the_boards_clock_goes_on_forward(slept_s):
+    """By as much as 32 bits tell."""
+    bench = Bench()
+    wire = Asleep(bench, MS // 3, slept_s)
+    d = bench.connection.dictionary
+    bench.link = _core.Link(HZ)
+    bench.link.set_dictionary(d.commands, d.reports, d.number("RECEIVE_WINDOW"))
+    bench.link.follow_clock(wire.now)
+    wire.run(wire.now + 30 * HZ)
+    before = bench.link.clock_at(wire.now)
+    wire.run(wire.now + 3 * HZ)
+    assert bench.link.clock_at(wire.now) > before
+    off = (bench.link.clock_at(wire.now) - wire.board_time(wire.now) + 2**31) % 2**32 - 2**31
+    assert abs(off * 1e6 / HZ) < 20
+
+
 @pytest.mark.parametrize(
     ("wire_of", "rate", "seconds"),
     [(Warming, 33e-9 / HZ, 300), (Stopped, 1.0, 33)],  # 10 ppm in five minutes
