@@ -14,6 +14,7 @@ from tests.printer.klipper_printer import STEPS_PER_MM, Board, Port, connected, 
 
 from passo import _core
 from passo.board.trinamic import registers as r
+from passo.errors import MachineError
 
 
 @pytest.fixture(params=["avr", "stm32, newer"])
@@ -109,6 +110,18 @@ def test_a_board_that_was_reset_has_its_drivers_set_up_anew(s: Scenario, board: 
     s.host.ok("G1 X10 F3000")
     s.host.ok("M400", 30)
     assert_there(s, board)
+
+
+def test_a_board_that_holds_less_than_was_planned_with(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    board = Board(dictionary(stm32=True, newer=True))
+    monkeypatch.setattr("tests.oracles.klipper_mcu._MOVES", 200)
+    monkeypatch.setattr("passo.printer.printer.connect", connected(Port(board)))
+    with pytest.raises(
+        MachineError, match="room for 200 commands, so write move_count = 200 there"
+    ):
+        Scenario(machine(board.told, tmp_path)).__enter__()
 
 
 def test_a_board_that_begins_anew_all_of_a_sudden(s: Scenario, board: Board) -> None:

@@ -10,6 +10,7 @@ from passo.board.connection import LEAD_S, Connection
 from passo.board.description import Sensor, together
 from passo.board.faults import BoardAloneError, HeaterFault
 from passo.board.ports import LinkLostError
+from passo.errors import MachineError
 
 # Until the clocks of several boards are known well enough, and so much longer for each second by
 # which answers usually are late; never longer than the last.
@@ -45,6 +46,7 @@ class Boards:
         adopt = adopt and all(connection.left_alone() for connection in self.connections)
         for connection in self.connections:
             connection.begin(adopt=adopt)
+            _check_room(connection)
         if len(self.connections) > 1:
             for connection in self.connections:
                 main = connection is self.main
@@ -230,3 +232,12 @@ class Boards:
         """Switches heaters and the laser off and lets go of all boards. Raises nothing."""
         for connection in self.connections:
             connection.close()
+
+
+def _check_room(connection: Connection) -> None:
+    """What was planned for more would come late."""
+    room = connection.move_count
+    if room < connection.board.move_count:
+        where = f" of board {connection.name}" if connection.name else ""
+        value = f"it has room for {room} commands, so write move_count = {room}{where} there"
+        raise MachineError.of("machine.dictionary", value=value)

@@ -165,7 +165,7 @@ class Connection:
             self._ask("survive_off", [], "is_shutdown", {}, tries=1)
             raise self.shutdown_error()
         if not state["is_config"] or state["crc"] != self._crc:
-            raise self._reset_error()
+            raise BoardResetError(self.name)
 
     async def open_again(self) -> None:
         """Opens the port again after the link was lost, while the loop goes on. The job stands
@@ -584,11 +584,8 @@ class Connection:
 
     def silence(self, question: str) -> LinkLostError:
         """The board has left a question unanswered, perhaps because it has begun anew."""
-        silent = BoardSilentError(self._named(question))
-        return self._reset_error() if self.link.begun_anew else silent
-
-    def _reset_error(self) -> BoardResetError:
-        return BoardResetError(f"board {self.name}" if self.name else "the board")
+        reset = self.link.begun_anew
+        return BoardResetError(self.name) if reset else BoardSilentError(self._named(question))
 
     def _named(self, text: str) -> str:
         return f"{text} (board {self.name})" if self.name else text

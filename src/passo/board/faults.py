@@ -50,9 +50,11 @@ class PlaceLostError(MachineError):
 
 
 class BoardResetError(PlaceLostError, LinkLostError):
-    """The board has begun anew, and knows of nothing that it was told before."""
+    """The board has begun anew, and knows of nothing that it was told before. The main board's name
+    is empty."""
 
-    def __init__(self, board: str) -> None:
+    def __init__(self, name: str) -> None:
+        board = f"board {name}" if name else "the board"
         super().__init__([Problem("machine.began-anew", values={"value": board})])
 
 
