@@ -136,6 +136,23 @@ def test_a_print_goes_on_when_the_cable_is_back() -> None:
     cable.close()
 
 
+def test_a_board_that_begins_anew_in_mid_move_is_configured_again(cable: Cable) -> None:
+    with Scenario(on("serial", cable.path, cable.runs), loop=asyncio.new_event_loop()) as scenario:
+        host = scenario.host
+        host.send("M104 S50")
+        zigzag(host)
+        scenario.passes(1.2)
+        scenario.printer.connection.main.command("reset")
+        host.expect("^Error:the board has begun anew", 3.0)
+        host.expect("The printer is ready again", 10.0)
+        assert scenario.printer.connection.heaters["hotend"].target == 50.0
+        stood = cable.look(lambda: cable.board.net_steps("x"))
+        host.ok("G92 X0 Y0 Z0")
+        host.send("G1 X5 F3000")
+        ends(scenario)
+    assert net_steps([cable])["x"] - stood == 5 * 80
+
+
 def test_who_does_not_want_to_wait_for_the_board_stops_the_printer() -> None:
     cable = Cable(RUNS_FIRMWARE)
     with Scenario(on("serial", cable.path, cable.runs), loop=asyncio.new_event_loop()) as scenario:
