@@ -22,6 +22,7 @@ from passo.board.description import BoardDescription, Output, Sensor, inverted
 from passo.board.dictionary import RUNS_KLIPPERS, RUNS_PASSOS, Dictionary, DictionaryError
 from passo.board.faults import BoardAloneError, BoardResetError, BoardSilentError, HeaterFault
 from passo.board.ports import LinkLostError, Port
+from passo.board.words import check_words
 from passo.errors import MachineError
 
 Values: TypeAlias = dict[str, int | bytes]
@@ -423,6 +424,7 @@ class Connection:
             self._identify()
             self._check_version()
             self._check_clock()
+            check_words(self.board, self.dictionary)
             self._crc = checksum(commands(self.board, self.dictionary))
         except DictionaryError as error:
             raise MachineError.of("machine.dictionary", value=str(error)) from None

@@ -1,0 +1,114 @@
+"""Words that the host says to a board, or hears of it, once that is configured."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
+
+from passo.board.description import BoardDescription
+from passo.board.dictionary import Dictionary, DictionaryError
+
+
+class _Words(NamedTuple):
+    """Names with their parameters; of those between bars a board has one."""
+
+    commands: tuple[str, ...]
+    reports: tuple[str, ...]
+
+
+_ALWAYS = _Words(
+    ("get_config", "get_uptime", "get_clock", "emergency_stop"),
+    (
+        "config is_config crc is_shutdown move_count",
+        "uptime high clock",
+        "clock clock",
+        "shutdown clock static_string_id",
+        "is_shutdown static_string_id",
+    ),
+)
+_STEPPERS = _Words(
+    (
+        "queue_step oid interval count add",
+        "set_next_step_dir oid dir",
+        "reset_step_clock oid clock",
+        "stepper_get_position oid",
+        "stepper_stop_on_trigger oid trsync_oid",
+    ),
+    ("stepper_position oid pos",),
+)
+_ENDSTOPS = _Words(
+    (
+        "endstop_home oid clock sample_ticks sample_count rest_ticks pin_value trsync_oid"
+        " trigger_reason",
+        "endstop_query_state oid",
+        "trsync_start oid report_clock report_ticks expire_reason",
+        "trsync_set_timeout oid clock",
+        "trsync_trigger oid reason",
+    ),
+    (
+        "endstop_state oid homing next_clock pin_value",
+        "trsync_state oid can_trigger trigger_reason clock",
+    ),
+)
+_ANALOG = "query_analog_in oid clock sample_ticks sample_count rest_ticks"
+_ANALOG_RANGE = "min_value max_value range_check_count"
+_SENSORS = _Words(
+    (f"{_ANALOG} bytes_per_report {_ANALOG_RANGE} | {_ANALOG} {_ANALOG_RANGE}",),
+    ("analog_in_state oid next_clock values | analog_in_state oid next_clock value",),
+)
+_CONVERTER = "query_thermocouple oid clock rest_ticks min_value max_value"
+_CONVERTERS = _Words(
+    (f"{_CONVERTER} | {_CONVERTER} max_invalid_count",),
+    ("thermocouple_result oid next_clock value fault",),
+)
+_SWITCHED = _Words(("queue_digital_out oid clock on_ticks", "update_digital_out oid value"), ())
+_PULSED = _Words(("queue_pwm_out oid clock value",), ())
+_UARTS = _Words(("tmcuart_send oid write read",), ("tmcuart_response oid read",))
+_SPI = _Words(
+    ("spi_send oid data", "spi_transfer oid data"), ("spi_transfer_response oid response",)
+)
+
+
+def check_words(board: BoardDescription, dictionary: Dictionary) -> None:
+    """Raises DictionaryError for a word that is needed to drive the board, and that it does not
+    know, or with other parameters. Configuring it shows whether it knows those of that."""
+    commands, reports = (
+        {name: words for _, text in texts for name, *words in (text.split(),)}
+        for texts in (dictionary.commands, dictionary.reports)
+    )
+    for needed in _needed(board):
+        for word in needed.commands:
+            _check(word, commands)
+        for word in needed.reports:
+            _check(word, reports)
+
+
+def _needed(board: BoardDescription) -> Iterator[_Words]:
+    kinds = {output.kind for output in board.outputs}
+    yield _ALWAYS
+    if board.steppers:
+        yield _STEPPERS
+    if board.endstops or board.endstops_elsewhere:
+        yield _ENDSTOPS
+    if any(sensor.spi is None for sensor in board.sensors):
+        yield _SENSORS
+    if any(sensor.spi is not None for sensor in board.sensors):
+        yield _CONVERTERS
+    if kinds - {"pwm"}:
+        yield _SWITCHED
+    if "pwm" in kinds:
+        yield _PULSED
+    if board.uarts:
+        yield _UARTS
+    if board.spi_devices:
+        yield _SPI
+
+
+def _check(word: str, declared: Mapping[str, list[str]]) -> None:
+    forms = [form.split() for form in word.split(" | ")]
+    name = forms[0][0]
+    if name not in declared:
+        raise DictionaryError(f"the board has no message {name!r}")
+    found = [name, *(parameter.split("=")[0] for parameter in declared[name])]
+    if found not in forms:
+        raise DictionaryError(f"the board has {' '.join(found)!r}, where {word!r} is needed")

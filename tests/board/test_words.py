@@ -1,0 +1,105 @@
+"""A board must know every word that its host will need, before anything moves or heats."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from tests.hosts.klipper_board import dictionary
+from tests.printer.klipper_printer import machine
+
+from passo.board.description import BoardDescription
+from passo.board.dictionary import Dictionary, DictionaryError
+from passo.board.words import check_words
+from passo.printer.wiring import board_description
+
+COMMANDS = [
+    "get_config",
+    "get_uptime",
+    "get_clock",
+    "emergency_stop",
+    "queue_step",
+    "set_next_step_dir",
+    "reset_step_clock",
+    "stepper_get_position",
+    "stepper_stop_on_trigger",
+    "endstop_home",
+    "endstop_query_state",
+    "trsync_start",
+    "trsync_set_timeout",
+    "trsync_trigger",
+    "query_analog_in",
+    "queue_digital_out",
+    "update_digital_out",
+    "tmcuart_send",
+    "spi_send",
+    "spi_transfer",
+]
+REPORTS = [
+    "config",
+    "uptime",
+    "clock",
+    "shutdown",
+    "is_shutdown",
+    "stepper_position",
+    "endstop_state",
+    "trsync_state",
+    "analog_in_state",
+    "tmcuart_response",
+    "spi_transfer_response",
+]
+
+
+@pytest.fixture(params=[False, True], ids=["older", "newer"])
+def told(request: pytest.FixtureRequest) -> dict:
+    return dictionary(stm32=True, newer=request.param)
+
+
+@pytest.fixture
+def board(told: dict, tmp_path: Path) -> BoardDescription:
+    return board_description(machine(told, tmp_path))
+
+
+def parsed(told: dict, commands: dict[str, int], reports: dict[str, int]) -> Dictionary:
+    pairs = [
+        tuple((number, text) for text, number in words.items()) for words in (commands, reports)
+    ]
+    return Dictionary(pairs[0], pairs[1], told["enumerations"], told["config"])
+
+
+def changed(words: dict[str, int], name: str, becomes: str | None) -> dict[str, int]:
+    """Without the word of that name, or with another declaration in its place."""
+    kept = {text: number for text, number in words.items() if text.split()[0] != name}
+    assert len(kept) == len(words) - 1
+    return kept if becomes is None else {**kept, becomes: 4000}
+
+
+def test_a_board_that_knows_all_is_taken(told: dict, board: BoardDescription) -> None:
+    check_words(board, parsed(told, told["commands"], told["responses"]))
+
+
+@pytest.mark.parametrize(
+    ("part", "name"), [*(("commands", n) for n in COMMANDS), *(("responses", n) for n in REPORTS)]
+)
+def test_one_without_a_word_is_refused(
+    told: dict, board: BoardDescription, part: str, name: str
+) -> None:
+    for becomes, says in (
+        (None, f"the board has no message '{name}'"),
+        (f"{name} other=%u", f"the board has '{name} other', where '{name}.*' is needed"),
+    ):
+        words = {**told, part: changed(told[part], name, becomes)}
+        with pytest.raises(DictionaryError, match=f"^{says}$"):
+            check_words(board, parsed(told, words["commands"], words["responses"]))
+
+
+def test_what_the_board_has_no_part_for_it_need_not_know(
+    told: dict, board: BoardDescription
+) -> None:
+    bare = replace(
+        board, steppers=(), sensors=(), outputs=(), endstops=(), heaters=(), drivers=(), settings=()
+    )
+    always = {"get_config", "get_uptime", "get_clock", "emergency_stop"}
+    commands = {text: n for text, n in told["commands"].items() if text.split()[0] in always}
+    check_words(bare, parsed(told, commands, told["responses"]))
