@@ -225,7 +225,7 @@ def test_a_heater_is_off_before_the_last_messages_and_the_chip_lives_on(monkeypa
     lines = [
         "allocate_oids count=3",
         "config_spi_without_cs oid=0",
-        # A message takes 256 000 ticks, more than three turns of the timer.
+        # The message takes 256 000 ticks.
         "spi_set_sw_bus oid=0 miso_pin=PA0 mosi_pin=PA2 sclk_pin=PA4 mode=0 pulse_ticks=800",
         f"config_spi_shutdown oid=1 spi_oid=0 shutdown_msg={'55' * 20}",
         "config_digital_out oid=2 pin=PH5 value=0 default_value=0 max_duration=0",
@@ -239,6 +239,7 @@ def test_a_heater_is_off_before_the_last_messages_and_the_chip_lives_on(monkeypa
     chip.watch(["PH5", "PA4"])
     connection.command("emergency_stop")
     assert connection.pump.run(connection.now + HZ // 10) is _core.Stop.SHUTDOWN
+    connection.pump.run(connection.now + HZ // 10)
     off, *clocked = chip.edges()
     assert (off.pin, off.level) == ("PH5", 0)
     assert [edge.level for edge in clocked] == [1, 0] * 160
