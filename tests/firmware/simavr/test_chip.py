@@ -245,7 +245,7 @@ def test_a_heater_is_off_before_the_last_messages_and_the_chip_lives_on(monkeypa
     assert [edge.level for edge in clocked] == [1, 0] * 160
     assert clocked[0].cycle - off.cycle < 4000
     waits = [b.cycle - a.cycle for a, b in pairwise(clocked)]
-    assert 800 <= min(waits) <= max(waits) < 1000
+    assert 800 <= min(waits) <= max(waits) < 2000  # interrupts may come in between
     chip.close()
 
 
