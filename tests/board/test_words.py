@@ -94,6 +94,17 @@ def test_one_without_a_word_is_refused(
             check_words(board, parsed(told, words["commands"], words["responses"]))
 
 
+def test_a_report_may_tell_more_and_a_command_must_not_ask_more(
+    told: dict, board: BoardDescription
+) -> None:
+    state = "endstop_state oid=%c homing=%c next_clock=%u pin_value=%c more=%u"
+    reports = changed(told["responses"], "endstop_state", state)
+    check_words(board, parsed(told, told["commands"], reports))
+    commands = changed(told["commands"], "get_clock", "get_clock of=%u")
+    with pytest.raises(DictionaryError, match="'get_clock of', where 'get_clock' is needed"):
+        check_words(board, parsed(told, commands, reports))
+
+
 def test_what_the_board_has_no_part_for_it_need_not_know(
     told: dict, board: BoardDescription
 ) -> None:

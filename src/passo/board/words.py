@@ -10,7 +10,8 @@ from passo.board.dictionary import Dictionary, DictionaryError
 
 
 class _Words(NamedTuple):
-    """Names with their parameters; of those between bars a board has one."""
+    """Names with their parameters; of those between bars a board has one. Reports may go on with
+    others."""
 
     commands: tuple[str, ...]
     reports: tuple[str, ...]
@@ -19,7 +20,7 @@ class _Words(NamedTuple):
 _ALWAYS = _Words(
     ("get_config", "get_uptime", "get_clock", "emergency_stop"),
     (
-        "config is_config crc is_shutdown move_count",
+        "config is_config crc is_shutdown move_count | config is_config crc move_count is_shutdown",
         "uptime high clock",
         "clock clock",
         "shutdown clock static_string_id",
@@ -80,7 +81,7 @@ def check_words(board: BoardDescription, dictionary: Dictionary) -> None:
         for word in needed.commands:
             _check(word, commands)
         for word in needed.reports:
-            _check(word, reports)
+            _check(word, reports, may_go_on=True)
 
 
 def _needed(board: BoardDescription) -> Iterator[_Words]:
@@ -104,11 +105,11 @@ def _needed(board: BoardDescription) -> Iterator[_Words]:
         yield _SPI
 
 
-def _check(word: str, declared: Mapping[str, list[str]]) -> None:
+def _check(word: str, declared: Mapping[str, list[str]], *, may_go_on: bool = False) -> None:
     forms = [form.split() for form in word.split(" | ")]
     name = forms[0][0]
     if name not in declared:
         raise DictionaryError(f"the board has no message {name!r}")
     found = [name, *(parameter.split("=")[0] for parameter in declared[name])]
-    if found not in forms:
+    if not any(found == form or (may_go_on and found[: len(form)] == form) for form in forms):
         raise DictionaryError(f"the board has {' '.join(found)!r}, where {word!r} is needed")
