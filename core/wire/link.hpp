@@ -554,7 +554,7 @@ class Link {
         return;
       }
       if (id == shutdown_id_ || id == is_shutdown_id_) {
-        shutdown_reason_ = uint32_t(std::get<int64_t>(values.at(values.size() - 1)));
+        shutdown_reason_ = uint32_t(std::get<int64_t>(values.at(id == shutdown_id_ ? 1 : 0)));
         shut_down_ = true;
         job_.stop();
         if (timeline_) timeline_->halt();

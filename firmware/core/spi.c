@@ -99,6 +99,7 @@ void command_config_spi_shutdown(const uint32_t *args) {
   memcpy(last->bytes, command_bytes(), args[2]);
   last->size = (uint8_t)args[2];
   last->spi = spi;
+  if (is_shut_down()) last->due = true;  // in this moment
 }
 
 DECL_COMMAND(command_spi_transfer, "spi_transfer oid=%c data=%*s", 0);

@@ -85,3 +85,22 @@ def test_boards_that_lose_each_other_stop_all_motors(two: Two) -> None:
     s.host.ok("G1 X5 F3000")
     s.host.ok("M400", 30)
     assert two.place("x") == pytest.approx(5, abs=1.01 / 80)
+
+
+@pytest.mark.parametrize("which", ["main", "tool"])
+def test_one_that_begins_anew_stops_the_other_and_is_named(two: Two, which: str) -> None:
+    s = two.s
+    s.host.ok("G28", 60)
+    s.host.send("G1 X100 Y100 F1200")
+    s.passes(2)
+    board = two.main if which == "main" else two.tool
+    board._act_reset()
+    name = "the board" if which == "main" else "board tool"
+    s.host.expect(f"^Error:{name} has begun anew", 2)
+    s.host.expect("The printer is ready again", 10)
+    for each in (two.main, two.tool):
+        assert (each.resets, each.is_shutdown, each.is_config) == (1, 0, 1)
+    s.host.ok("G28", 60)
+    s.host.ok("G1 X5 F3000")
+    s.host.ok("M400", 30)
+    assert two.place("x") == pytest.approx(5, abs=1.01 / 80)

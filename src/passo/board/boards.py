@@ -180,9 +180,15 @@ class Boards:
 
     def _look_for_shutdown(self) -> None:
         stopped = [c for c in self.connections if c.link.shut_down]
+        if not stopped:
+            return
         # The one that was first, not those that were stopped for its sake.
-        for connection in sorted(stopped, key=lambda c: c.link.stopped_with_others):
-            raise connection.shutdown_error()
+        first = min(stopped, key=lambda c: c.link.stopped_with_others)
+        if first.link.stopped_with_others:
+            for connection in self.connections:
+                if connection.link.begun_anew:
+                    raise connection.silence("get_clock")
+        raise first.shutdown_error()
 
     def connection_of(self, part: str, name: str) -> Connection:
         """The board that has a part, one of `steppers`, `outputs`, `sensors`, `heaters`,
