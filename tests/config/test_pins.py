@@ -367,3 +367,44 @@ KLIPPER = _with(
         '"^Z_MIN"': '"^PA10"',
     },
 )
+
+
+@pytest.mark.parametrize(
+    ("written", "is_taken"),
+    [("HE0", True), ("!PC8", True), ("!HE0", True), ("PC8", False)],
+)
+def test_what_is_on_when_low_must_say_so(written: str, is_taken: bool) -> None:
+    """A Duet switches its heaters on with a low level; `!HE0` is for a relay that inverts."""
+    text = config.shipped_text("delta").replace('"HE0"', f'"{written}"')
+    if is_taken:
+        machine = config.load_text(text)
+        assert machine.pin(machine.heaters["hotend"].pin) == (
+            "PC8" if written == "!HE0" else "!PC8"
+        )
+        return
+    (problem,) = problems_of(text)
+    assert (
+        "heaters.hotend.pin is 'PC8': expected HE0 or !PC8, since here it is on when low;"
+        " !HE0 is on when high" in problem
+    )
+
+
+def test_klippers_firmware_uses_its_chip_in_its_own_way(i3_text: str) -> None:
+    """Passo's times steps with the timer of D6."""
+    text = i3_text.replace("[board]", '[laser]\npin = "D6"\n\n[board]')
+    (problem,) = problems_of(text)
+    assert "expected a pin whose timer is free: TIMER4" in problem
+    config.load_text(text.replace("[board]", '[board]\nfirmware = "klipper"'))
+
+
+def test_a_board_with_klippers_moves_more_motors_than_it_has_compare_units() -> None:
+    motor = '[steppers.x1]\nsteps_per_mm = 80.0\nstep_pin = "PA1"\ndirection_pin = "PA2"\n'
+    sockets = {'"E0"': '"E"', '"D10"': '"HE0"', '"D8"': '"BED"', '"D9"': '"FAN"'}
+    sockets |= {f"{axis}_MIN": f"{axis}_STOP" for axis in "XYZ"}
+    sockets |= {'"T0"': '"HE0_TEMP"', '"T1"': '"BED_TEMP"', '"ramps"': '"melzi"'}
+    text = config.shipped_text("i3")
+    for old, new in sockets.items():
+        text = text.replace(old, new)
+    text = text.replace("[extruders.e]", f"{motor}[extruders.e]")
+    assert any("at most 4 motors on one ATmega1284P" in p for p in problems_of(text))
+    config.load_text(text.replace("[board]", '[board]\nfirmware = "klipper"'))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 from tests.console.scenario import Scenario
+from tests.job.two_boards import two_boards
 
 from passo import config
 from passo.config.load import shipped_text
@@ -31,3 +32,25 @@ def test_it_blinks_until_the_board_shuts_down(firmware):
 def test_its_pin_is_its_own():
     with pytest.raises(ConfigError, match=r"a pin of its own: PB4 belongs to board\.status_led"):
         config.load_text(text("virtual", "D10"), "m.toml")
+
+
+@pytest.mark.parametrize(
+    ("led", "says"),
+    [
+        ("tool:LED", "is 'tool:LED': expected a pin of the board itself, without the name of one"),
+        ("^LED", "is '^LED': expected no ^ before PB7: it does nothing here"),
+    ],
+)
+def test_it_is_a_light_of_its_own_board(led, says):
+    with pytest.raises(ConfigError) as error:
+        config.load_text(text("virtual", led) + '\n[boards.tool]\nbase = "pico"\n', "m.toml")
+    assert f"board.status_led {says}" in str(error.value)
+
+
+def test_each_board_has_its_own():
+    machine = two_boards('status_led = "LED"')
+    with Scenario(machine) as s:
+        outputs = {name: board.board.outputs for name, board in s.board.boards.items()}
+        assert [o.name for o in outputs["tool"] if o.blinks] == ["status-led-tool"]
+        assert not [o for o in outputs[""] if o.blinks]
+        assert s.board.boards["tool"].output_value("status-led-tool") == HZ // 2

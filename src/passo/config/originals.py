@@ -37,8 +37,12 @@ class Binding:
 
     @property
     def rebound(self) -> bool:
-        """Whether the machine uses another pin than the board's own."""
-        return self.original is not None and bare(self.pin) != bare(self.original)
+        """Whether the machine uses another pin than the board's own, or inverts it otherwise."""
+        if self.original is None:
+            return False
+        pins = (self.pin, self.original)
+        (pin, inverted), (own, own_inverted) = ((bare(p), "!" in p) for p in pins)
+        return (pin, inverted) != (own, own_inverted)
 
 
 def put_originals(data: dict[str, Any]) -> None:

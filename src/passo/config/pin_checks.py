@@ -51,6 +51,7 @@ _MARKS: dict[Need, str] = {
     "switch": "!^",
     "receive": "^",
 }
+_LOADS = ("heaters", "fans", "laser", "mains")
 _NEEDS = {"analog": "an analog input", "pwm": "a pin with hardware PWM"}
 
 
@@ -130,6 +131,11 @@ def _of_socket(path: Path, stepper: Raw, pin: object, need: Need = "digital") ->
 
 
 def _check_boards(claims: list[Claim], boards: Mapping[str, Raw]) -> Iterator[Finding]:
+    for name, board in boards.items():
+        led = board.get("status_led")
+        if isinstance(led, str) and placed(led)[0]:
+            limit = "a pin of the board itself, without the name of one"
+            yield Finding("config.value", (*section(name), "status_led"), led, limit)
     for claim in claims:
         name = placed(claim.pin)[0]
         if name not in boards:
@@ -178,7 +184,9 @@ def board_claims(board: Raw, place: Path) -> Iterator[Claim]:
     for what in table(board, "reserved"):
         for pin in array(table(board, "reserved"), what):
             yield from _claim((*place, "reserved", what), pin)
-    yield from _claim((*place, "status_led"), board.get("status_led"))
+    led = board.get("status_led")
+    if isinstance(led, str) and not placed(led)[0]:
+        yield from _claim((*place, "status_led"), led)
     for word in array(board, "fitted"):
         if word == "card":
             path, pins = (*place, "card"), table(board, "card")
@@ -258,6 +266,8 @@ class _Owners:
         self.known = known_pins(self.board)
         mcu = self.board.get("mcu")
         self.chip: Chip | None = chip(mcu) if mcu in chip_names() else None
+        # That of Klipper's uses its chip in its own way, and says itself what it cannot do.
+        self.klippers = "klipper" in (self.board.get("base"), self.board.get("firmware"))
         self.pins: dict[str, Claim] = {}
         self.units: dict[str, Path] = {}
 
@@ -277,9 +287,12 @@ class _Owners:
             elif claim.need in _SHARED and self._marks(owner) != self._marks(claim):
                 limit = f"{placed(owner.pin)[1]}, as it stands at"
                 yield Finding("config.conflict", claim.path, claim.written, limit, owner=owner.path)
-        for claim in self.claims:
+        for claim in (*self._status_led(), *self.claims):
             yield from self._check_marks(claim)
-        yield from self._check_steps()
+        for claim in self.claims:
+            yield from self._check_level(claim)
+        if not self.klippers:
+            yield from self._check_steps()
         if self.chip:
             for claim in owned:
                 yield from self._check_need(claim, self.chip)
@@ -301,6 +314,22 @@ class _Owners:
             elif mark in pin and mark not in self._marks(claim):
                 limit = f"no {mark} before {bare(pin)}: it does nothing here"
                 yield Finding("config.conflict", claim.path, claim.written, limit)
+
+    def _status_led(self) -> Iterator[Claim]:
+        place = (*section(self.name), "status_led")
+        return _claim(place, self.board.get("status_led"))
+
+    def _check_level(self, claim: Claim) -> Iterator[Finding]:
+        """An output that is on when low is not taken for one that is on when high: what heats would
+        do so while it is off. Its name says which it is, and so does a mark."""
+        pin = self._pin(claim)
+        if claim.path[0] not in _LOADS or claim.need not in ("digital", "pwm") or "!" in pin:
+            return
+        outputs = table(self.board, "outputs")
+        own = next((n for n in outputs if pin_behind(self.names, n) == f"!{pin}"), None)
+        if own and "!" not in claim.pin:
+            limit = f"{own} or !{pin}, since here it is on when low; !{own} is on when high"
+            yield Finding("config.conflict", claim.path, claim.written, limit)
 
     def _unknown(self, claim: Claim) -> Finding:
         mcu = self.chip.name if self.chip else "the board's dictionary"
@@ -343,7 +372,7 @@ class _Owners:
         if claim.need == "analog" and pin not in chip.adc:
             yield self._unsuited(claim, list(chip.adc))
         elif claim.need == "pwm":
-            free = [p for p, ways in chip.pwm.items() if _free(ways, chip)]
+            free = [p for p, ways in chip.pwm.items() if self.klippers or _free(ways, chip)]
             if pin not in chip.pwm:
                 yield self._unsuited(claim, free)
             elif pin not in free:

@@ -118,15 +118,16 @@ def _stepper(machine: MachineConfig, spec: dict[str, Any], clock_hz: int) -> Ste
 
 def _outputs(machine: MachineConfig) -> list[tuple[str, str]]:
     """All outputs and their pins as written, by number: those on the timeline, then what switches
-    motors on, what chooses their microsteps, the main board's status LED, the mains, and the
-    beeper."""
+    motors on, what chooses their microsteps, the boards' status LEDs, the mains, and the beeper."""
     outputs = list(machine.timed_outputs.items())
     for name, output in enable_outputs(machine).items():
         if output == f"{name}-enable":
             outputs.append((output, str(enable_pin(machine, name))))
     outputs += microstep_outputs(machine)
-    if machine.board.status_led:
-        outputs.append(("status-led", machine.board.status_led))
+    for name, board in machine.all_boards.items():
+        if board.status_led:
+            led = f"status-led-{name}" if name else "status-led"
+            outputs.append((led, named_on(name, board.status_led)))
     if machine.mains:
         outputs.append(("mains", machine.mains.pin))
     if machine.beeper:
@@ -150,7 +151,7 @@ def _output(machine: MachineConfig, name: str, written: str, clock_hz: int) -> O
     if name == "beeper":
         config = machine.all_boards[placed(written)[0]]
         return Output(name, pin, "digital", round(clock_hz / 1000), most_ticks(config))
-    if name == "status-led":
+    if name.startswith("status-led"):
         return Output(name, pin, cycle_ticks=clock_hz, blinks=True)
     return Output(name, pin, "digital")
 
