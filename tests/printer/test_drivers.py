@@ -301,3 +301,76 @@ def test_the_printer_starts_over_a_bad_link(monkeypatch, drivers):
     with Scenario(machine(firmware="passo") if drivers else FIRMWARE) as s:
         assert s.printer.connection.now < 20 * s.printer.connection.board.clock_hz
         assert not any(state.failure for state in s.printer.drivers.states.values())
+
+
+SECOND_Z = """
+[steppers.left]
+drives = "z"
+driver = "TMC2209"
+steps_per_mm = 400.0
+socket = "E1"
+tmc = { run_current_a = 0.9, stealthchop_below_mm_s = 5, uart_pin = "^D40", address = 2 }
+"""
+
+
+def set_to(s):
+    states = s.printer.drivers.states
+    return {
+        m: (round(1000 * state.settings.run_a), state.settings.threshold is not None)
+        for m, state in states.items()
+    }
+
+
+def test_each_of_two_motors_of_an_axis_has_its_own(tmp_path):
+    meant = {"x": (800, True), "y": (800, False), "z": (600, False), "left": (900, True)}
+    meant["e"] = (1200, False)
+    with Scenario(machine(DRIVERS + SECOND_Z), state=str(tmp_path)) as s:
+        assert set_to(s) == meant
+        s.host.ok("M500")
+    with Scenario(machine(DRIVERS + SECOND_Z), state=str(tmp_path)) as s:
+        assert set_to(s) == meant  # nothing has changed
+        s.host.ok("M906 I1 Z700")
+        s.host.ok("M569 I0 S1 Z")
+        changed = meant | {"z": (600, True), "left": (700, True)}
+        assert set_to(s) == changed
+        s.host.ok("M500")
+    with Scenario(machine(DRIVERS + SECOND_Z), state=str(tmp_path)) as s:
+        assert set_to(s) == changed
+        s.host.ok("M906 Z500")
+        assert set_to(s) == changed | {"z": (500, True), "left": (500, True)}
+        assert s.host.ok("M906 I2 Z600")[0] == "echo:Z has no driver that can be set up"
+
+
+@pytest.mark.parametrize(
+    ("line", "stealthy"),
+    [
+        ("M569 S1 X1", "x"),
+        ("M569 S1 X Y2", "xy"),
+        ("M569 S1 E T0", "e"),
+        ("M569S1Z", "z"),
+        ("M569 P0 S1", ""),
+        ("M569 S1", "xyze"),
+    ],
+)
+def test_a_mode_is_that_of_the_letters(s, line, stealthy):
+    s.host.ok("M569 S0")
+    lines = s.host.ok(line)
+    assert [m for m, (_, stealth) in set_to(s).items() if stealth] == list(stealthy)
+    assert (lines[0] == "echo:P has no driver that can be set up") == ("P" in line)
+
+
+def test_currents_are_set_all_or_none(s):
+    s.host.send("M906 X500 Y99999")
+    s.host.expect("Y is 99999: expected 31 to 1740 mA", 1)
+    assert set_to(s)["x"] == (800, True)
+
+
+def test_a_flag_that_is_kept_of_what_is_over_halts_nothing(s):
+    s.host.ok("G28", 60)
+    s.host.ok("M84")
+    s.board.drivers["e"].set(r.GSTAT, 4)  # its charge pump had too little voltage once
+    s.host.expect("too little voltage", 3)
+    s.passes(3)
+    assert register(s, "e", r.GSTAT) == 0
+    s.host.ok("G28", 60)
+    assert s.printer.halted == ""

@@ -9,7 +9,7 @@ from math import floor
 from typing import TYPE_CHECKING
 
 from passo.board.drivers import DriverState
-from passo.board.trinamic import findings, open_coils, threshold_of
+from passo.board.trinamic import DriverSettings, findings, open_coils, threshold_of
 from passo.config.trinamic import largest_current_ma, least_current_ma
 from passo.errors import CommandError
 from passo.printer.waits import Handler, Reply, Wait
@@ -18,7 +18,8 @@ from passo.printer.words import Command, numeral
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
 
-_NUMBERED = re.compile(r"[A-Z]\s*-?[\d.]+")
+_LETTER = re.compile(r"([A-Z])\s*[-+\d.]*")
+_MOTORS = "XYZABCUVWE"  # letters of axes, actuators and extruders
 
 
 class DriverCommands:
@@ -39,17 +40,21 @@ class DriverCommands:
 
     def _currents(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
-        tool = words.pop("T", words.pop("I", None))
+        index, tool = words.pop("I", None), words.pop("T", None)
         if not words:
             for motor, state in self._watch.states.items():
                 reply.say(f"{motor.upper()} driver current: {state.settings.run_a * 1000:.0f}")
             return None
-        for letter, milliampere in words.items():
-            for motor in self._motors(letter, tool, reply):
-                self._set_current(motor, letter, milliampere)
+        wanted = [
+            (motor, self._with_current(motor, letter, milliampere))
+            for letter, milliampere in words.items()
+            for motor in self._motors(letter, reply, index, tool)
+        ]
+        for motor, settings in wanted:
+            self._watch.set(motor, settings)
         return None
 
-    def _set_current(self, motor: str, letter: str, milliampere: float) -> None:
+    def _with_current(self, motor: str, letter: str, milliampere: float) -> DriverSettings:
         """The current at a standstill keeps its share; the driver must be able to do it, too."""
         settings = self._watch.states[motor].settings
         share = settings.hold_a / settings.run_a
@@ -59,7 +64,7 @@ class DriverCommands:
             limit = f"{least} to {most} mA"
             raise CommandError.bad_value(letter, milliampere, limit)
         run_a = milliampere / 1000
-        self._watch.set(motor, replace(settings, run_a=run_a, hold_a=run_a * share))
+        return replace(settings, run_a=run_a, hold_a=run_a * share)
 
     def _microsteps(self, command: Command, reply: Reply) -> Wait | None:
         """They belong to the scale of the motor: both stand in the machine file."""
@@ -81,11 +86,11 @@ class DriverCommands:
             return None
         if words["S"] not in (0, 1):
             raise CommandError.bad_value("S", words["S"], "0 (spreadCycle) or 1 (stealthChop)")
-        letters = re.sub(r"[^A-Z]", "", _NUMBERED.sub("", command.text.upper()))
+        letters = [x for x in _LETTER.findall(command.text.upper()) if x not in "SIT"]
         motors = list(self._watch.states)
         if letters:
-            tool = words.get("T")
-            motors = [m for letter in letters for m in self._motors(letter, tool, reply)]
+            which = words.get("I"), words.get("T")
+            motors = [m for letter in letters for m in self._motors(letter, reply, *which)]
         for motor in motors:
             threshold = self._stealth_threshold(motor) if words["S"] else None
             settings = self._watch.states[motor].settings
@@ -99,18 +104,23 @@ class DriverCommands:
         below = (tmc.stealthchop_below_mm_s or tmc.stealthchop_below_deg_s) if tmc else None
         return threshold_of(below * stepper.steps_per_unit, stepper.microsteps) if below else 0
 
-    def _motors(self, letter: str, tool: float | None, reply: Reply) -> Iterable[str]:
-        """The motors of a letter that have drivers with registers."""
+    def _motors(
+        self, letter: str, reply: Reply, index: float | None = None, tool: float | None = None
+    ) -> Iterable[str]:
+        """The motors of a letter that have drivers with registers, or the one of that index; an
+        extruder's is a tool."""
         named = self._printer.motors.named(letter)
         if letter == "E" and tool is not None:
-            named = named[int(tool) : int(tool) + 1] if tool >= 0 else []
+            index = tool
+        if index is not None:
+            named = named[int(index) : int(index) + 1] if index >= 0 else []
         found = [motor for motor in named if motor in self._watch.states]
         if not found:
             reply.say(f"echo:{letter} has no driver that can be set up")
         return found
 
     def setting_lines(self) -> Iterator[str]:
-        """M906 and M569 for each driver, by the letter of its axis."""
+        """M906 and M569 for each driver, by a letter and, where that has several, its index."""
         for words, state in self._words():
             axis, *tool = reversed(words.split())
             where = "".join(f"{word} " for word in tool)
@@ -118,14 +128,14 @@ class DriverCommands:
             yield f"M569 {where}S{int(state.settings.threshold is not None)} {axis}"
 
     def _words(self) -> Iterator[tuple[str, DriverState]]:
-        extruders = self._printer.motors.named("E")
-        letters: set[str] = set()
+        groups = {letter: self._printer.motors.named(letter) for letter in _MOTORS}
         for motor, state in self._watch.states.items():
-            if motor in extruders:
-                yield f"T{extruders.index(motor)} E", state
-            elif motor[0] not in letters:
-                letters.add(motor[0])
-                yield motor[0].upper(), state
+            letter = min((x for x in groups if motor in groups[x]), key=lambda x: len(groups[x]))
+            index = groups[letter].index(motor)
+            if letter == "E":
+                yield f"T{index} E", state
+            else:
+                yield f"I{index} {letter}" if len(groups[letter]) > 1 else letter, state
 
     # -- how they are -----------------------------------------------------------------------------
 
@@ -161,7 +171,7 @@ class DriverCommands:
         if not letters:
             self._watch.prewarned.clear()
         for letter in letters:
-            self._watch.prewarned.difference_update(self._motors(letter, None, reply))
+            self._watch.prewarned.difference_update(self._motors(letter, reply))
         return None
 
 

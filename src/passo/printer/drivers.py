@@ -15,12 +15,14 @@ if TYPE_CHECKING:
     from passo.printer.printer import Printer
 
 _LOOK_S = 1.0  # between two questions how a driver is
+# What setting the driver up ends: it has lost its settings, or keeps a flag of what is over.
+_LATCHED = ("driver.reset", "driver.undervoltage", "driver.stopped")
 
 
 class DriverWatch:
     """The drivers of one printer. Each is asked every second how it is. While the motors are on, a
-    driver that has failed halts the printer; while they are off, one that has lost its settings is
-    set up anew. Nothing moves while one of them cannot be spoken to."""
+    driver that has failed halts the printer; while they are off, one that has lost its settings, or
+    whose supply was too low, is set up anew. Nothing moves while one cannot be spoken to."""
 
     def __init__(self, printer: Printer) -> None:
         self._printer = printer
@@ -125,7 +127,7 @@ class DriverWatch:
         grave = [f.problem for f in found if f.stops]
         if grave and on:
             self._printer.halt(str(grave[0]))
-        elif any(problem.code == "driver.reset" for problem in grave):
+        elif any(problem.code in _LATCHED for problem in grave):
             self._of(motor).begin_configure(motor)
         for finding in found:
             code = finding.problem.code
