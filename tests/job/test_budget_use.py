@@ -130,3 +130,16 @@ def test_a_print_is_told_them_when_it_begins(dense):
         assert shown
         assert int(shown[1]) > 20
         assert FIRST <= int(shown[2]) < FIRST + 600
+
+
+@pytest.mark.parametrize(("baud", "unsure"), [(57_600, True), (115_200, False)])
+def test_so_few_commands_that_a_lower_speed_may_not_do_are_told(tmp_path, baud, unsure):
+    path = tmp_path / "dense.g"
+    lines = ["G92 X0 Y0 Z0 E0", "M302 P1"]
+    lines += [f"G1 X{0.05 * i:.3f} Y{0.04 * (i % 2) + 0.05 * i:.3f} F6000" for i in range(600)]
+    path.write_text("\n".join(lines) + "\n")
+    found = use(path, f'{LINK}baud = {baud}\nfirmware = "klipper"\n')
+    assert max(place.load for place in found.worst.values()) > 1.9
+    says = "Commands may come late there all the same: 659 a second are few. Use a faster link"
+    assert any(line.startswith(says) for line in found.told("f")) == unsure
+    assert (found.unsure_s > 0) == unsure

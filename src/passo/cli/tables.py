@@ -59,6 +59,8 @@ def _budget(use: BudgetUse, file: str) -> list[tuple[str, str]]:
         (f"more than {limit} takes", f"{place.load:.2f} times at {file}:{place.line}")
         for limit, place in use.limits()
     ]
+    if use.unsure_s > 0:
+        pairs.append(("may come late there", use.advice))
     if use.widened_s > 0:
         text = f"up to {use.tolerance_us:.1f} µs, for {duration(use.widened_s)}"
         pairs.append(("wider step tolerance", text))

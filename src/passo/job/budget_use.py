@@ -7,13 +7,14 @@ from dataclasses import dataclass, field
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
-from passo.config.budget import COMMAND_BYTES
+from passo.config.budget import COMMAND_BYTES, SURE_COMMANDS_S
 from passo.config.places import MAIN
 
 if TYPE_CHECKING:
     from passo.config.board import Board
     from passo.config.machine import MachineConfig
 
+_WIDEST_US = 25.0  # of a step's time, where that saves commands
 _BURST = ", in a burst that is sent ahead"
 _NAMES = {
     "steps": "processor{}, for steps",
@@ -46,7 +47,8 @@ class BudgetUse:
     `densest`: of the plan as it is, the share of the processor's time for steps and for commands,
     of the link's bytes, and of the board's slots; each of the board where that share is largest.
     `commits` is the share of that link's bytes that brake tails take whenever the machine moves.
-    Empty without a budget.
+    `unsure_s` commands a second are so few that some may come late in spite of a lower speed; 0 if
+    none may. Empty without a budget.
     """
 
     worst: dict[str, Place] = field(default_factory=dict[str, Place])
@@ -54,6 +56,7 @@ class BudgetUse:
     tolerance_us: float = 0.0
     densest: dict[str, Place] = field(default_factory=dict[str, Place])
     commits: float = 0.0
+    unsure_s: float = 0.0
 
     def told(self, file: str) -> Iterator[str]:
         """What a console should hear before a print: nothing without a budget."""
@@ -66,6 +69,16 @@ class BudgetUse:
                 f"{file}:{place.line} asks for {place.load:.2f} times what {limit} takes,"
                 " and gets less even steps or lower speed"
             )
+        if self.unsure_s > 0:
+            yield f"Commands may come late there all the same: {self.advice}"
+
+    @property
+    def advice(self) -> str:
+        """What to do about `unsure_s`."""
+        return (
+            f"{self.unsure_s:.0f} a second are few. Use a faster link or board, longer moves, or"
+            " less acceleration"
+        )
 
     def limits(self) -> Iterator[tuple[str, Place]]:
         """`worst`, with what did not hold in words: `the link of the board tool`."""
@@ -100,6 +113,7 @@ def budget_use(plan: Mapping[str, Any], machine: MachineConfig) -> BudgetUse:
         plan["widest_ticks"] * 1e6 / machine.board.clock_hz,
         densest,
         _commits(densest, machine),
+        _unsure_s(plan["loads"], machine),
     )
 
 
@@ -116,6 +130,15 @@ def _worst(loads: Mapping[str, tuple[int, float]], machine: MachineConfig) -> di
         if limit not in found or load > found[limit].load:
             found[limit] = Place(line, load, name if machine.boards else None)
     return found
+
+
+def _unsure_s(loads: Mapping[str, tuple[int, float]], machine: MachineConfig) -> float:
+    """The rate of commands that binds, if it is low and a lower speed is to keep to it."""
+    if "commands" not in loads:
+        return 0.0
+    saved = (_WIDEST_US / machine.board.compression_tolerance_us) ** 0.25
+    rate = min(spec["commands_s"] for spec in machine.budget_specs.values())
+    return rate if rate < SURE_COMMANDS_S and loads["commands"][1] > saved else 0.0
 
 
 def _densest(peaks: Mapping[str, tuple[int, float]], machine: MachineConfig) -> dict[str, Place]:
