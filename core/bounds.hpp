@@ -29,7 +29,7 @@ class Bounds {
     const Limits& limits = rules.limits;
     const Constraints& constraints = *rules.constraints;
     const double speed_factor = m.unscaled ? 1 : rules.speed_factor;
-    m.curved_steps = m.tolerance = m.step_load = m.command_load = 0;
+    m.curved_steps = m.curved_bends = m.tolerance = m.step_load = m.command_load = 0;
     m.steps = m.commands = m.ahead0 = m.ahead1 = 0;
     if (m.kind == MoveKind::dwell) {
       m.d = m.vn2 = 0;
@@ -144,6 +144,7 @@ class Bounds {
       if (part.v * part.v < p.vn2) p.vn2 = part.v * part.v, p.speed_limit = part.speed_id;
       if (part.a < p.a) p.a = p.b = part.a, p.accel_limit = part.accel_id;
       p.curved_steps = part.steps * p.d;
+      p.curved_bends = part.bends;
       first = last;
     }
   }
@@ -169,7 +170,7 @@ class Bounds {
   static constexpr double kOfBends = 0.5;  // share of an acceleration that bends may take
 
   struct Sample {
-    double v, a, steps;  // steps of all actuators by path length
+    double v, a, steps, bends;  // steps of all actuators by path length; curved_bends
     LimitId speed_id, accel_id;
   };
   const Machine& machine_;
@@ -195,8 +196,12 @@ class Bounds {
   }
 
   static Sample worse(const Sample& x, const Sample& y) {
-    return {std::min(x.v, y.v), std::min(x.a, y.a), std::max(x.steps, y.steps),
-            x.v < y.v ? x.speed_id : y.speed_id, x.a < y.a ? x.accel_id : y.accel_id};
+    return {std::min(x.v, y.v),
+            std::min(x.a, y.a),
+            std::max(x.steps, y.steps),
+            std::max(x.bends, y.bends),
+            x.v < y.v ? x.speed_id : y.speed_id,
+            x.a < y.a ? x.accel_id : y.accel_id};
   }
 
   // Of an arc: the direction of its centre, or the opposite one, and the acceleration to there by
@@ -257,7 +262,7 @@ class Bounds {
     path.length = m.d;
     double v = std::sqrt(m.vn2), a = m.a;
     LimitId speed_id = m.speed_limit, accel_id = m.accel_limit;
-    double q1[8], q2[8];
+    double q1[8], q2[8], line2[8];  // the last without an arc's own bend
     int n = std::min(8, machine_.geometry->actuators());
     const Bed bed = bed_below(m);
     const Turn turn = turn_of(m);
@@ -272,7 +277,7 @@ class Bounds {
       else
         machine_.geometry->slopes(i, path, s, q1[i], q2[i]);
       q1[i] = std::fabs(q1[i]);
-      q2[i] = std::fabs(q2[i]);
+      line2[i] = q2[i] = std::fabs(q2[i]);
       if (turn.bend > 0) {
         double first, second;
         machine_.geometry->slopes(i, inwards, 0, first, second);
@@ -288,10 +293,13 @@ class Bounds {
       double left = row.accel - q2[i] * v * v;
       if (q1[i] * a > left) a = left / q1[i], accel_id = row.accel_id;
     }
-    double steps = 0;
+    double steps = 0, bends = 0;
     for (const StepperSpec& s : machine_.steppers)
-      if (s.drive == Drive::actuator && s.index < n) steps += q1[s.index] * s.steps_per_unit;
-    return {v, a, steps, speed_id, accel_id};
+      if (s.drive == Drive::actuator && s.index < n) {
+        steps += q1[s.index] * s.steps_per_unit;
+        bends += std::sqrt(line2[s.index] * s.steps_per_unit);
+      }
+    return {v, a, steps, bends, speed_id, accel_id};
   }
 };
 

@@ -24,6 +24,7 @@ struct Move {
   double from_faster;  // deceleration from beyond its nominal speed, after a replan; 0: never there
   double flow, owed;   // of MoveRequest; `owed` at its start
   double curved_steps;  // steps of the nonlinear actuators, at most
+  double curved_bends;  // of these at constant speed: sum of √(steps/s²), by speed, at most
   double tolerance;     // ticks by which steps may miss their ideal times; 0: the board's own
   double step_load, command_load;  // share of the board's budget that was asked for; ≤ 1: kept
   double steps, commands;          // of all motors together, as the budget reckons; 0 without one
