@@ -42,11 +42,29 @@ def test_a_range_of_pins_is_expanded():
 
 @pytest.mark.parametrize(
     "data",
-    [b"", b"junk", zlib.compress(b"{"), zlib.compress(b"[]"), zlib.compress(b'{"commands":1}')],
+    [
+        b"",
+        b"junk",
+        zlib.compress(b"{"),
+        zlib.compress(b"[]"),
+        zlib.compress(b'{"commands":1}'),
+        *(
+            zlib.compress(
+                b'{"commands":{},"responses":{},"config":{},"enumerations":{"pin":{"PA0":%s}}}' % v
+            )
+            for v in (b"[1]", b"[0, 1e999]", b"[0, 1000000000000]")
+        ),
+    ],
 )
 def test_a_damaged_dictionary_is_named(data):
     with pytest.raises(DictionaryError, match="damaged"):
         Dictionary.parse(data)
+
+
+def test_a_constant_that_is_no_number_is_named():
+    text = b'{"commands":{},"responses":{},"config":{"CLOCK_FREQ":"fast"},"enumerations":{}}'
+    with pytest.raises(DictionaryError, match="the board's CLOCK_FREQ is 'fast', not a number"):
+        Dictionary.parse(zlib.compress(text)).number("CLOCK_FREQ")
 
 
 def test_values_follow_the_declaration():

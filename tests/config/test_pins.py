@@ -311,7 +311,24 @@ def test_without_a_dictionary_the_clock_must_be_told(tmp_path: Path) -> None:
     assert config.load_text(bare + "clock_hz = 72_000_000\n").board.clock_hz == 72_000_000
     (missing,) = problems_of(KLIPPER, str(tmp_path / "my.toml"))
     assert "board.dictionary is 'board.dict': expected a file to read" in missing
-    (tmp_path / "board.dict").write_bytes(b"{}")
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"{}",
+        b"[]",
+        b"null",
+        b"\x00",
+        b'{"config": {"CLOCK_FREQ": 1e999}, "enumerations": {"pin": {}}}',
+        b'{"config": {"CLOCK_FREQ": 72000000}, "enumerations": {"pin": []}}',
+        b'{"config": {"CLOCK_FREQ": 72000000}, "enumerations": {"pin": {"PA0": [0]}}}',
+        b'{"config": {"CLOCK_FREQ": 72000000}, "enumerations": {"pin": {"PA0": "x"}}}',
+        b'{"config": {"CLOCK_FREQ": 72000000}, "enumerations": [1]}',
+    ],
+)
+def test_a_file_that_is_no_dictionary_is_named(tmp_path: Path, content: bytes) -> None:
+    (tmp_path / "board.dict").write_bytes(content)
     (broken,) = problems_of(KLIPPER, str(tmp_path / "my.toml"))
     assert "expected a data dictionary of Klipper's protocol" in broken
 

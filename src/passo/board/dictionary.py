@@ -14,6 +14,18 @@ from passo import _core
 RUNS_KLIPPERS = 'it runs Klipper\'s firmware, or the like, which `firmware = "klipper"` would say'
 RUNS_PASSOS = "it runs Passo's firmware, and is taken to run Klipper's (base, firmware)"
 
+_MOST_PINS = 4096  # that one entry may begin
+# What reading something else in its place raises.
+_NO_DICTIONARY = (
+    ValueError,
+    LookupError,
+    TypeError,
+    AttributeError,
+    OverflowError,
+    RecursionError,
+    zlib.error,
+)
+
 
 class DictionaryError(ValueError):
     """The dictionary is damaged, or a text names what it does not hold."""
@@ -44,12 +56,17 @@ class Dictionary:
                 constants=dict(raw["config"]),
                 version=str(raw.get("version", "")),
             )
-        except (zlib.error, ValueError, KeyError, AttributeError, TypeError) as error:
+        except _NO_DICTIONARY as error:
             raise DictionaryError(f"the board's data dictionary is damaged: {error}") from error
 
     def number(self, constant: str, default: int = 0) -> int:
-        """A numeric constant, `default` if the board does not declare it."""
-        return int(self.constants.get(constant, default))
+        """A numeric constant, `default` if the board does not declare it. Raises DictionaryError if
+        it is no number."""
+        value = self.constants.get(constant, default)
+        try:
+            return int(value)
+        except (ValueError, TypeError, OverflowError):
+            raise DictionaryError(f"the board's {constant} is {value!r}, not a number") from None
 
     def values(self, text: str) -> tuple[str, list[int | bytes]]:
         """Splits `name a=1 pin=PA0` into the name and its values in the order of the declaration.
@@ -103,6 +120,8 @@ def _expand(names: Mapping[str, Any]) -> dict[str, int]:
             expanded[name] = value
             continue
         start, count = int(value[0]), int(value[1])
+        if count > _MOST_PINS:
+            raise ValueError(f"{name} begins {count} pins")
         match = re.fullmatch(r"(.*?)(\d+)", name)
         if match is None or not 0 < count <= 4096:
             raise ValueError(f"bad range {name}")

@@ -14,10 +14,10 @@ from functools import cache
 from pathlib import Path as FilePath
 from typing import Any, cast
 
-from passo.config.baud_checks import check_bauds
 from passo.config.board import Board, joined_marks, pin_behind
 from passo.config.budget import klippers_budget
 from passo.config.chips import chip, chip_names, expanded, numbering, numberings
+from passo.config.console_checks import check_console
 from passo.config.findings import Finding, array, did_you_mean, number, table, tables
 from passo.config.lines import Path
 from passo.config.places import placed, section
@@ -131,13 +131,19 @@ def _put_board(
         yield Finding("config.missing-key", (*place, "dictionary"), None, limit)
         board["clock_hz"] = _ANY_CLOCK_HZ
     _put_klippers_budget(board, own)
-    yield from check_bauds(board, own, place)
     variants = table(board, "variants")
     variant = board.get("variant")
     if variant is not None and str(variant) not in variants:
         hint, limit = did_you_mean(variant, variants), "one of the board's variants"
         yield Finding("config.value", (*place, "variant"), variant, limit, hint)
     resolve_names(board)
+    if not _is_klippers(board):
+        mcu, known = board.get("mcu"), chip_names()
+        if mcu in known:
+            yield from check_console(board, own, place)
+        elif isinstance(mcu, str):
+            limit = f"a chip of Passo's firmware ({', '.join(known)}), or Klipper's firmware"
+            yield Finding("config.value", (*place, "mcu"), mcu, limit, did_you_mean(mcu, known))
 
 
 def _is_klippers(board: Tables) -> bool:
@@ -153,6 +159,18 @@ def _put_klippers_budget(board: Tables, own: Mapping[str, Any]) -> None:
         board["budget"] = {**klippers_budget(clock_hz), **table(own, "budget")}
 
 
+# What reading something else in its place raises.
+_NO_DICTIONARY = (
+    ValueError,
+    LookupError,
+    TypeError,
+    AttributeError,
+    OverflowError,
+    RecursionError,
+    zlib.error,
+)
+
+
 def _read_dictionary(board: Tables, path: Path, folder: FilePath) -> Iterator[Finding]:
     """Pins and clock of the data dictionary that the key `dictionary` names."""
     name = board["dictionary"]
@@ -166,7 +184,7 @@ def _read_dictionary(board: Tables, path: Path, folder: FilePath) -> Iterator[Fi
     except OSError as error:
         board.setdefault("clock_hz", _ANY_CLOCK_HZ)
         yield Finding("config.value", path, name, f"a file to read ({error.strerror})")
-    except (ValueError, KeyError, TypeError, RecursionError, zlib.error):
+    except _NO_DICTIONARY:
         board.setdefault("clock_hz", _ANY_CLOCK_HZ)
         yield Finding("config.value", path, name, "a data dictionary of Klipper's protocol")
     else:

@@ -31,6 +31,15 @@ class Timer(Model):
     outputs: dict[str, list[str]] = {}
 
 
+class Uart(Model):
+    """A UART that the firmware can have its console on, and the pins that it can receive and send
+    with. It makes `hz` by whole numbers, an AVR's an eighth of the board's clock."""
+
+    hz: Annotated[int, Field(gt=0)] | None = None
+    receive: list[str]
+    send: list[str]
+
+
 class _Data(Model):
     name: str
     core: Literal["avr", "cortex-m0plus", "cortex-m3", "cortex-m4"]
@@ -40,7 +49,7 @@ class _Data(Model):
     ram_start: Annotated[int, Field(ge=0)]
     adc_bits: Literal[10, 12]
     alarm: str = "SysTick"
-    uarts: dict[str, Annotated[int, Field(gt=0)]] = {}
+    uarts: dict[str, Uart]
     uart_divisor: Annotated[int, Field(ge=1)] = 1
     pins: list[str]
     adc: list[str] = []
@@ -59,9 +68,8 @@ class Pulse:
 @dataclass(frozen=True)
 class Chip:
     """A microcontroller. `pins` are in the order of its ports; `adc` gives the channel of each
-    analog input, `pwm` the timers' channels that reach a pin; `alarm` wakes the firmware. The baud
-    rates of a UART are its frequency in `uarts` by whole numbers from `uart_divisor` on. Sizes and
-    addresses in bytes."""
+    analog input, `pwm` the timers' channels that reach a pin; `alarm` wakes the firmware. The
+    whole numbers of `uarts` begin at `uart_divisor`. Sizes and addresses in bytes."""
 
     key: str
     name: str
@@ -72,7 +80,7 @@ class Chip:
     ram_start: int
     adc_bits: int
     alarm: str
-    uarts: dict[str, int]
+    uarts: dict[str, Uart]
     uart_divisor: int
     pins: tuple[str, ...]
     adc: dict[str, int]

@@ -1,4 +1,5 @@
-"""Baud rates that a board's chip cannot make are errors of the machine file."""
+"""Chips, UARTs, pins and baud rates that Passo's firmware does not know are errors of the machine
+file."""
 
 from __future__ import annotations
 
@@ -9,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from passo import config
-from passo.config.baud_checks import makes
 from passo.config.chips import chip
+from passo.config.console_checks import makes
 from passo.errors import ConfigError
 
 ARM = Path(__file__).parents[2] / "firmware" / "hal" / "arm"
@@ -79,9 +80,9 @@ def test_rates_of_an_avr_are_those_of_its_firmware() -> None:
 def test_rates_of_other_chips_are_those_of_their_firmware(name: str) -> None:
     uart, registers = (ARM / folder for folder in SOURCES[name])
     defined = dict(re.findall(r"#define (CHIP_\w+) (.+)", (registers / "registers.h").read_text()))
-    for key, hz in chip(name).uarts.items():
+    for key, it in chip(name).uarts.items():
         bus = "CHIP_APB2_HZ" if key == "USART1" else "CHIP_APB1_HZ"
-        least = chip(name).uart_divisor
+        hz, least = it.hz or 0, chip(name).uart_divisor
         made = assertion((uart / "uart.c").read_text(), defined | {"USART_HZ": bus}, least)
         assert [b for b in BAUDS if makes(hz, least, b)] == [b for b in BAUDS if made(b)]
 
@@ -100,3 +101,68 @@ def assertion(source: str, defined: dict[str, str], least: int) -> Callable[[int
     return lambda baud: (
         number("DIVISOR", baud) >= least and abs(number("MADE", baud) - baud) < baud // 40
     )
+
+
+BOARD = """
+name = "Mine"
+mcu = "stm32f407"
+clock_hz = 168_000_000
+move_count = 1024
+console = { connector = "serial", uart = "USART2", pins = ["PD6", "PA2"], baud = 250_000 }
+budget = { cycles_per_step = 600, cycles_per_command = 2000 }
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "sentence"),
+    [
+        (
+            "stm32f407",
+            "stm32f470",
+            "boards.tool.mcu is 'stm32f470': expected a chip of Passo's firmware (atmega1284p,"
+            " atmega2560, mk20dx128, mk20dx256, rp2040, sam3u4e, sam3x8e, stm32f407, stm32f429), or"
+            " Klipper's firmware. Did you mean 'stm32f407'?",
+        ),
+        (
+            "USART2",
+            "USART6",
+            "boards.tool.console.uart is 'USART6': expected one that the firmware speaks on:"
+            " USART1, USART2, USART3. Correct the value.",
+        ),
+        (
+            'uart = "USART2", ',
+            "",
+            "boards.tool.console.uart is missing: expected one that the firmware speaks on: USART1,"
+            " USART2, USART3. Add the key.",
+        ),
+        (
+            '"PD6", "PA2"',
+            '"PA2", "PD6"',
+            "boards.tool.console.pins is 'PA2, PD6': expected the pins that USART2 receives and"
+            " sends on: PA3 or PD6, then PA2 or PD5. Correct the value.",
+        ),
+        (
+            ', pins = ["PD6", "PA2"]',
+            "",
+            "boards.tool.console.pins is missing: expected the pins that USART2 receives and sends"
+            " on: PA3 or PD6, then PA2 or PD5. Add the key.",
+        ),
+    ],
+)
+def test_chip_and_console_of_a_board_of_ones_own(
+    i3_text: str, old: str, new: str, sentence: str
+) -> None:
+    text = f"{i3_text}\n[boards.tool]{BOARD}"
+    assert config.load_text(text).boards["tool"].console is not None
+    assert problem(text.replace(old, new)).split(": ", 1)[1] == sentence
+
+
+@pytest.mark.parametrize("uart", ["USART3", "USART0"])
+def test_the_console_of_an_avr_is_that_of_its_firmware(i3_text: str, uart: str) -> None:
+    """Whose pins nothing else can have."""
+    own = f'[boards.tool]\nbase = "ramps"\nconsole = {{ uart = "{uart}", pins = ["D15", "D14"] }}'
+    found = problem(f"{i3_text}\n{own}\n")
+    if uart == "USART0":
+        assert "is 'PJ0, PJ1': expected the pins that USART0 receives and sends on: PE0" in found
+    else:
+        assert "uart is 'USART3': expected one that the firmware speaks on: USART0." in found
