@@ -252,7 +252,7 @@ class Link {
     scanner_.feed(
         data, n,
         [&](uint8_t sequence, const uint8_t* payload, size_t size) {
-          if (configured_ && is_starting(payload, size)) begin_anew();
+          if (is_starting(payload, size)) return started();
           if (begun_anew_ || !window_.acknowledge(sequence, size == 0, now) || size == 0) return;
           receive(payload, size, now);
           waited = true;
@@ -523,7 +523,8 @@ class Link {
     Reader in{payload, payload + size};
     return size > 0 && int32_t(in.vlq()) == starting_id_ && in.ok;
   }
-  void begin_anew() {
+  void started() {
+    if (!configured_) return window_.restart();  // or it would be told again to reset itself
     begun_anew_ = true;
     job_.stop();
     if (timeline_) timeline_->lost();

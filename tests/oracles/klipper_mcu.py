@@ -180,10 +180,11 @@ class KlipperMcu:
             good = crc16(whole[:-3]).to_bytes(2, "big") == whole[-3:-1] and whole[-1] == 0x7E
             if good and whole[1] & 15 == self._next:
                 self._next = (self._next + 1) % 16
-                self._write(b"")
+                before = self.resets
                 self._obey(whole[2:-3])
-            else:
-                self._write(b"")
+                if self.resets > before:
+                    continue  # nobody is there to acknowledge it
+            self._write(b"")
 
     def _write(self, payload: bytes) -> None:
         self._out += frame(payload, self._next)

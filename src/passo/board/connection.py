@@ -514,13 +514,13 @@ class Connection:
         if not state["is_config"]:
             for line in [*lines, f"finalize_config crc={self._crc}"]:
                 self.command(line)
-            state = self.ask("get_config", "config")
+            state = self._ask("get_config", [], "config", {"is_config": 1})  # none of before that
         self.move_count = int(state["move_count"])
 
     def _prepare(self) -> None:
         renewed = sum(o.max_duration_ticks > 0 for o in self.board.outputs)
         slots = self.move_count - _SLOTS_RENEWED * renewed
-        self.link.set_slots(slots)
+        self.link.set_slots(max(slots, 1))
         for target, s in zip(self.board.stepper_targets, self.board.steppers, strict=True):
             turned = s.invert != inverted(s.dir_pin)
             self.link.add_stepper(target, s.name, self.oids.steppers[s.name], turned)
