@@ -480,7 +480,7 @@ def test_a_slow_link_is_named_with_its_worst_line(capsys, tmp_path):
     assert asked.keys() == {"steps", "commands", "slots"}
     assert asked["slots"]["load"] > 0.3
     given = slow["budget"]["densest"]["link"]
-    assert 0.9 < given["load"] < 1.3
+    assert 0.9 < given["load"] < 1.5  # all of 0.15 s, and a burst of 0.06 s
     assert 2 <= given["line"] <= len(lines)
     assert slow["limits"]["link"] > 1.0
     assert slow["move_time_s"] > 1.2 * free["move_time_s"]

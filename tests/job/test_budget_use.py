@@ -133,21 +133,21 @@ def test_a_print_is_told_them_when_it_begins(dense):
         assert FIRST <= int(shown[2]) < FIRST + 600
 
 
-@pytest.mark.parametrize(("baud", "unsure"), [(57_600, True), (115_200, False)])
+@pytest.mark.parametrize(("baud", "unsure"), [(38_400, True), (115_200, False)])
 def test_so_few_commands_that_a_lower_speed_may_not_do_are_told(tmp_path, baud, unsure):
     path = tmp_path / "dense.g"
     lines = ["G92 X0 Y0 Z0 E0", "M302 P1"]
     lines += [f"G1 X{0.05 * i:.3f} Y{0.04 * (i % 2) + 0.05 * i:.3f} F6000" for i in range(600)]
     path.write_text("\n".join(lines) + "\n")
     found = use(path, f'{LINK}baud = {baud}\nfirmware = "klipper"\n')
-    assert [place.load > 1.9 for place in found.worst.values()] == [True] * unsure
-    says = "Commands may come late there all the same: 659 a second are few. Use a faster link"
+    says = "Commands may come late there all the same: 440 a second are few. Use a faster link"
     assert any(line.startswith(says) for line in found.told("f")) == unsure
     assert (found.unsure_s > 0) == unsure
 
 
 def test_straight_lines_of_a_delta_bend_its_motors(tmp_path):
-    """Its towers accelerate all along them: some twelve times the commands of straight motors."""
+    """Its towers accelerate all along them: some twelve times the commands of straight motors. The
+    densest place is a turn, with what speeds its motors up."""
     path = tmp_path / "infill.g"
     lines = ["G28", "G1 Z10 F3000"]
     lines += [f"G1 X{30 if i % 2 else -30} Y{0.4 * i - 12:.1f} F4800" for i in range(60)]
@@ -156,4 +156,5 @@ def test_straight_lines_of_a_delta_bend_its_motors(tmp_path):
     slots = estimate(machine, path).budget.densest["slots"].load
     taken_s = slots * machine.board.move_count / machine.board.ahead_s
     result = Print(machine).run(path)
-    assert taken_s == pytest.approx(result.queue_step_commands / result.move_time_s, rel=0.25)
+    taken_on_average_s = result.queue_step_commands / result.move_time_s
+    assert taken_on_average_s < taken_s < 1.6 * taken_on_average_s

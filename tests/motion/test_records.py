@@ -57,8 +57,8 @@ def test_motion_from_a_stop_comes_behind_the_record_there():
 
 
 def test_records_are_a_part_of_what_the_link_takes():
-    """At 1000 commands a second 2000 values take 2 s more, whatever the moves want."""
-    limits = {"steps_s": inf, "commands_s": 1000.0, "burst": 10.0, "by_link": True}
+    """At 500 commands a second 2000 values take 4 s at least, the moves by themselves 2 s."""
+    limits = {"steps_s": inf, "commands_s": 500.0, "burst": 10.0, "by_link": True}
     seconds = []
     for records in (0, 1):
         motion = Motion(cartesian() | {"budget": limits})
@@ -68,7 +68,8 @@ def test_records_are_a_part_of_what_the_link_takes():
             motion.push([0.1 * (i + 1), 0.0, 0.0, 0.0], 100.0)
         motion.flush()
         seconds.append(motion.clock / oracle.HZ)
-    assert 2.0 <= seconds[1] - seconds[0] < 2.4
+    assert seconds[0] < 2.1
+    assert 3.9 <= seconds[1] < 5.0
 
 
 def test_what_comes_before_a_move_in_parts_is_done_once():

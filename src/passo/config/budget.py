@@ -24,7 +24,7 @@ COMMITTED_S = 0.2
 # late with less than 60 ms left. In commits they are needed 75 ms sooner, and leave 50 ms sooner.
 LINK_BURST_S = 0.06
 # So many commands a second the plan was seen to keep to, whatever a file asks (docs/planning.md).
-SURE_COMMANDS_S = 1000.0
+SURE_COMMANDS_S = 600.0
 COMMIT_BURST_S = 0.035
 
 
