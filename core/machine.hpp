@@ -68,6 +68,7 @@ struct Budget {
   double command_rate = kInfinity;  // commands per second
   double burst = 0;                 // commands that may come ahead of that rate
   bool by_link = false;             // the link bounds the rate of commands, else the processor
+  double commits = 0;               // per second, each with the way on which every motor brakes
 };
 
 struct Machine {

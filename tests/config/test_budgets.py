@@ -45,12 +45,13 @@ def test_a_stated_link_never_widens_a_serial_one(
 def test_a_board_without_a_budget_is_bound_by_its_link() -> None:
     board = config.load("i3").board.model_copy(update={"budget": None})
     assert board.budget_spec() is None
-    rate = (10_944 - 1200) / 8.3
+    rate = (10_944 - 20 / 0.075) / 8.3
     assert board.model_copy(update=SERIAL | {"baud": 115_200}).budget_spec() == {
         "steps_s": inf,
         "commands_s": pytest.approx(rate),
         "burst": pytest.approx(0.035 * rate),
         "by_link": True,
+        "commits_s": pytest.approx(1 / 0.075),
     }
 
 

@@ -23,7 +23,8 @@ WIDEST = 25e-6 * HZ
 
 
 def budget(**values):
-    return {"steps_s": inf, "commands_s": inf, "burst": 0.0, "by_link": True} | values
+    least = {"steps_s": inf, "commands_s": inf, "burst": 0.0, "by_link": True, "commits_s": 0.0}
+    return least | values
 
 
 def machine(accel=3000.0, speed=500.0, **values):

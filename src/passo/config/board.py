@@ -15,7 +15,8 @@ from passo.config.budget import (
     BYTES_PER_BAUD,
     COMMAND_BYTES,
     COMMIT_BURST_S,
-    COMMIT_BYTES_S,
+    COMMIT_BYTES,
+    COMMIT_S,
     COMMITTED_S,
     LINK_BURST_S,
     Budget,
@@ -165,6 +166,7 @@ class Board(Model):
             "commands_s": commands_s,
             "burst": min(BURST_S * commands_s, burst_s * by_link, self.move_count / 2),
             "by_link": by_link == commands_s,
+            "commits_s": 1 / COMMIT_S if self.survives else 0.0,
         }
 
     def _processor_rates(self, pulse_us: float) -> tuple[float, float]:
@@ -212,8 +214,8 @@ class Board(Model):
 
     @property
     def commit_bytes_s(self) -> float:
-        """What is kept of that for commits, bytes/s: never more than half of it."""
-        return min(COMMIT_BYTES_S, self.link_bytes_s / 2) if self.survives else 0.0
+        """What commits take of that without their tails, bytes/s: never more than half of it."""
+        return min(COMMIT_BYTES / COMMIT_S, self.link_bytes_s / 2) if self.survives else 0.0
 
     @property
     def chip(self) -> Chip | None:

@@ -12,9 +12,8 @@ from passo.config.base import Model
 # 8.28 on sliced files of 1.6 million commands.
 COMMAND_BYTES = 8.3
 BYTES_PER_BAUD = 0.095  # ten bits a byte; some are repeated or come late
-# What commits with their brake tails take of a link, bytes/s, one in 75 ms: 1180 were measured with
-# four motors at 60 mm/s. Longer brakes are taken to need about as many commands, at 50 µs each.
-COMMIT_BYTES_S = 1200.0
+COMMIT_S = 0.075  # of print time in a commit
+COMMIT_BYTES = 20.0  # on the wire, without its brake tails: those are commands
 # A burst of so many seconds of commands may come ahead, but never more than half of the slots.
 BURST_S = 0.1
 # Commands for so long ahead are on the board; the second where motion comes in commits.

@@ -190,7 +190,8 @@ class MachineConfig(Model):
         if not specs:
             return None
         fewest = min(specs, key=lambda s: s["commands_s"])
-        return fewest | {key: min(s[key] for s in specs) for key in ("steps_s", "burst")}
+        least = {key: min(s[key] for s in specs) for key in ("steps_s", "burst")}
+        return fewest | least | {"commits_s": max(s["commits_s"] for s in specs)}
 
     def _longest_pulse_us(self, board: str) -> float:
         own = (s for name, s in self.steppers.items() if self.board_of_stepper(name) == board)

@@ -46,7 +46,6 @@ class BudgetUse:
 
     `densest`: of the plan as it is, the share of the processor's time for steps and for commands,
     of the link's bytes, and of the board's slots; each of the board where that share is largest.
-    `commits` is the share of that link's bytes that brake tails take whenever the machine moves.
     `unsure_s` commands a second are so few that some may come late in spite of a lower speed; 0 if
     none may. Empty without a budget.
     """
@@ -55,7 +54,6 @@ class BudgetUse:
     widened_s: float = 0.0
     tolerance_us: float = 0.0
     densest: dict[str, Place] = field(default_factory=dict[str, Place])
-    commits: float = 0.0
     unsure_s: float = 0.0
 
     def told(self, file: str) -> Iterator[str]:
@@ -91,28 +89,22 @@ class BudgetUse:
     def shares(self) -> list[tuple[str, str]]:
         """What is taken, and the share with its line; nothing without a budget. More than there is,
         in some 0.15 s, is a burst: the plan sends a part of it ahead."""
-        found = [
+        return [
             (
                 _NAMES[name].format(place.of_board),
                 f"{place.load:.0%} at line {place.line}{_BURST if place.load > 1 else ''}",
             )
             for name, place in self.densest.items()
         ]
-        if self.commits > 0:
-            link = f"link{self.densest['link'].of_board}"
-            found.append((f"{link}, for brake tails", f"{self.commits:.0%} in all moves"))
-        return found
 
 
 def budget_use(plan: Mapping[str, Any], machine: MachineConfig) -> BudgetUse:
     """From the statistics of a job on this machine."""
-    densest = _densest(plan["densest"], machine)
     return BudgetUse(
         _worst(plan["loads"], machine),
         plan["widened_s"],
         plan["widest_ticks"] * 1e6 / machine.board.clock_hz,
-        densest,
-        _commits(densest, machine),
+        _densest(plan["densest"], machine),
         _unsure_s(plan["loads"], machine),
     )
 
@@ -164,10 +156,3 @@ def _shares(
         asked = commands_s * COMMAND_BYTES + board.commit_bytes_s
         found["link"] = line, asked / board.link_bytes_s
     return found
-
-
-def _commits(densest: Mapping[str, Place], machine: MachineConfig) -> float:
-    if "link" not in densest:
-        return 0.0
-    board = machine.all_boards[densest["link"].board or MAIN]
-    return board.commit_bytes_s / board.link_bytes_s

@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from passo._core import Within
+from passo.config.budget import COMMIT_S
 from passo.errors import MachineError
 from passo.printer.slots import SLOTS
 
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
 TICK_S = 0.01  # host time between two looks at the board in real time
 HORIZON_S = 0.16  # of print time ahead that cannot be taken back: the board has it
 COMMITS_AHEAD_S = 0.2  # the same where motion comes in commits, less the time to notice
-COMMIT_S = 0.075  # of print time in a commit
 _SHARE_OF_SLOTS = 4  # a commit takes no more than this part of them
 RUNNING_DRY_S = 0.9  # a plan that ends sooner is settled for a stop, as Python may stall for 0.5 s
 TAKE_BACK_S = 1.0  # that stop is taken back, if more moves came in, when it is so near
