@@ -98,7 +98,7 @@ inline Machine machine_of(const nb::dict& spec) {
   if (spec.contains("budget") && !spec["budget"].is_none()) {
     nb::dict budget = get<nb::dict>(spec, "budget");
     m.budget = {get<double>(budget, "steps_s"), get<double>(budget, "commands_s"),
-                get<double>(budget, "burst"), get<bool>(budget, "by_link"),
+                get<double>(budget, "burst"), get<std::string>(budget, "bound") == "link",
                 get<double>(budget, "commits_s")};
   }
   return m;

@@ -29,7 +29,7 @@ def test_a_low_baud_rate_bounds_every_board(base: str) -> None:
     assert board.link_bytes_s == pytest.approx(1824)
     spec = board.budget_spec()
     assert spec
-    assert spec["by_link"]
+    assert spec["bound"] == "link"
     assert spec["commands_s"] == pytest.approx((1824 - board.commit_bytes_s) / 8.3)
 
 
@@ -50,7 +50,7 @@ def test_a_board_without_a_budget_is_bound_by_its_link() -> None:
         "steps_s": inf,
         "commands_s": pytest.approx(rate),
         "burst": pytest.approx(0.035 * rate),
-        "by_link": True,
+        "bound": "link",
         "commits_s": pytest.approx(1 / 0.075),
     }
 
@@ -113,7 +113,7 @@ def test_a_machine_file_states_what_it_knows_better() -> None:
     assert spec
     assert spec["steps_s"] == pytest.approx(0.65 * 72e6 / 120)
     assert spec["commands_s"] == pytest.approx(0.3 * 72e6 / 1950)
-    assert spec["by_link"] is False
+    assert spec["bound"] == "commands"
 
 
 def test_the_clock_of_a_dictionary_counts(tmp_path: Path) -> None:

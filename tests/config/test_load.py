@@ -322,13 +322,13 @@ def test_a_board_brings_its_budget(i3_text: str) -> None:
     assert spec["steps_s"] == pytest.approx(0.65 * 16e6 / 90)
     assert spec["commands_s"] == pytest.approx(0.3 * 16e6 / 1950)
     assert spec["burst"] == 401 / 2
-    assert spec["by_link"] is False
+    assert spec["bound"] == "commands"
     slow = config.load_text(i3_text + "budget = { link_bytes_s = 8300 }\nmove_count = 152\n")
     serial = 'link = "serial"\nport = "/dev/x"\nbaud = 83_000\n'
     bound = pytest.approx((7885 - 20 / 0.075) / 8.3)
     assert config.load_text(i3_text + serial).core_spec()["budget"]["commands_s"] == bound
     bound, burst = pytest.approx(1000), pytest.approx(60)
-    less = spec | {"commands_s": bound, "burst": burst, "by_link": True}
+    less = spec | {"commands_s": bound, "burst": burst, "bound": "link"}
     assert slow.core_spec()["budget"] == less
 
 

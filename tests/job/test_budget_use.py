@@ -41,10 +41,10 @@ def test_shares_and_places(dense):
     link, commands, slots = (found.densest[n] for n in ("link", "commands", "slots"))
     assert FIRST <= link.line < FIRST + 600
     assert link.line == commands.line == slots.line
-    per_s = commands.load * 16e6 / 1950
+    per_s = commands.load * 0.3 * 16e6 / 1950
     assert link.load == pytest.approx((8.3 * per_s + 20 / 0.075) / 23_750)
     assert slots.load == pytest.approx(0.2 * per_s / 401)
-    fastest = 50 * 80 * 90 / 16e6  # on the long moves
+    fastest = 50 * 80 * 90 / (0.65 * 16e6)  # on the long moves
     assert found.densest["steps"].load == pytest.approx(fastest)
     assert found.densest["steps"].line == 4
 
@@ -79,12 +79,28 @@ def test_of_several_boards_the_one_that_binds_is_told(dense):
 @pytest.mark.parametrize(
     ("cycles", "link", "limits"),
     [
-        ("step = 9000", LINK, {"board": ("tool", "the board tool")}),
-        ("command = 99_000", LINK, {"board": ("tool", "the board tool")}),
+        (
+            "step = 9000",
+            LINK,
+            {"steps": ("tool", "the processor of the board tool takes in steps")},
+        ),
+        (
+            "command = 99_000",
+            LINK,
+            {"commands": ("tool", "the processor of the board tool takes in commands")},
+        ),
+        (
+            "command = 1",
+            LINK + "move_count = 20\n",
+            {"slots": ("", "the move slots of the main board take")},
+        ),
         (
             "step = 9000",
             LINK + "baud = 19_200\n",
-            {"board": ("tool", "the board tool"), "link": ("", "the link of the main board")},
+            {
+                "steps": ("tool", "the processor of the board tool takes in steps"),
+                "link": ("", "the link of the main board takes"),
+            },
         ),
     ],
 )
@@ -100,7 +116,7 @@ def test_each_limit_that_did_not_hold_has_its_board(dense, cycles, link, limits)
 def test_a_long_pulse_counts_in_the_share_of_steps(dense):
     slow = TEXT.replace('socket = "X"', 'socket = "X"\ndriver = "TB6560"')
     found = estimate(config.load_text(slow), dense).budget.densest["steps"]
-    assert found.load == pytest.approx(50 * 80 * (90 + 28 * 16) / 16e6)
+    assert found.load == pytest.approx(50 * 80 * (90 + 28 * 16) / (0.65 * 16e6))
 
 
 def test_an_estimate_shows_them(dense, tmp_path, capsys):

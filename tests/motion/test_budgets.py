@@ -23,7 +23,7 @@ WIDEST = 25e-6 * HZ
 
 
 def budget(**values):
-    least = {"steps_s": inf, "commands_s": inf, "burst": 0.0, "by_link": True, "commits_s": 0.0}
+    least = {"steps_s": inf, "commands_s": inf, "burst": 0.0, "bound": "link", "commits_s": 0.0}
     return least | values
 
 

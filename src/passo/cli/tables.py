@@ -56,7 +56,7 @@ def _budget(use: BudgetUse, file: str) -> list[tuple[str, str]]:
     densest = [(f"  {name}", share) for name, share in use.shares()]
     pairs = [("at its densest", ""), *densest] if densest else []
     pairs += [
-        (f"more than {limit} takes", f"{place.load:.2f} times at {file}:{place.line}")
+        (f"more than {limit}", f"{place.load:.2f} times at {file}:{place.line}")
         for limit, place in use.limits()
     ]
     if use.unsure_s > 0:

@@ -154,18 +154,22 @@ class Board(Model):
 
     def budget_spec(self, pulse_us: float = 0.0) -> dict[str, Any] | None:
         """The budget for the core: rates per second of all motors together, a burst in commands.
-        `pulse_us` is the longest pulse of its motors. None where nothing bounds either rate."""
+        `bound` is what bounds the rate of commands: the link, the processor's time for "commands",
+        or the slots. `pulse_us` is the longest pulse of its motors. None where nothing bounds
+        either rate."""
         steps_s, by_board = self._processor_rates(pulse_us)
         by_link = (self.link_bytes_s - self.commit_bytes_s) / COMMAND_BYTES
         burst_s = COMMIT_BURST_S if self.survives else LINK_BURST_S
         if isinf(by_board) and isinf(by_link):
             return None
-        commands_s = min(by_board, by_link, self.move_count / self.ahead_s)
+        rates = {"link": by_link, "commands": by_board, "slots": self.move_count / self.ahead_s}
+        bound = min(rates, key=lambda name: rates[name])
+        commands_s = rates[bound]
         return {
             "steps_s": steps_s,
             "commands_s": commands_s,
             "burst": min(BURST_S * commands_s, burst_s * by_link, self.move_count / 2),
-            "by_link": by_link == commands_s,
+            "bound": bound,
             "commits_s": 1 / COMMIT_S if self.survives else 0.0,
         }
 

@@ -77,10 +77,11 @@ def _budget(board: Board) -> Iterator[str]:
         steps += f" with pulses of {_SLOW_DRIVERS_US:g} µs"
         steps += f" ({quick['steps_s']:.0f} with {_QUICK_DRIVERS_US:g} µs)"
     cycles = f"{budget.cycles_per_step:g} cycles a step, {budget.cycles_per_command:g} a command"
-    by_slots = rates["commands_s"] == board.move_count / wired.ahead_s
-    bounds = "the processor bounds"
-    if by_slots or rates["by_link"]:
-        bounds = "its move slots bound" if by_slots else "the link bounds"
+    bounds = {
+        "commands": "the processor bounds",
+        "slots": "its move slots bound",
+        "link": "the link bounds",
+    }[rates["bound"]]
     yield (
         f"- budget: {cycles}, at {(budget.cpu_hz or board.clock_hz) / 1e6:g} MHz; of all motors"
         f" together {steps}, and {rates['commands_s']:.0f} commands/s, which {bounds}"

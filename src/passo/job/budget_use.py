@@ -22,6 +22,12 @@ _NAMES = {
     "slots": "move slots{}",
     "link": "link{}",
 }
+_BOUNDS = {
+    "steps": "the processor{} takes in steps",
+    "commands": "the processor{} takes in commands",
+    "slots": "the move slots{} take",
+    "link": "the link{} takes",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,11 +47,11 @@ class Place:
 
 @dataclass(frozen=True, slots=True)
 class BudgetUse:
-    """`worst` by limit, "board" or "link", where the budget did not hold what was asked. For
-    `widened_s` seconds steps may be farther from their ideal times, by `tolerance_us` at most.
+    """`worst` by limit, where the budget did not hold what was asked. For `widened_s` seconds steps
+    may be farther from their ideal times, by `tolerance_us` at most.
 
-    `densest`: of the plan as it is, the share of the processor's time for steps and for commands,
-    of the link's bytes, and of the board's slots; each of the board where that share is largest.
+    `densest`: of the plan as it is, the share of the processor's time that steps and commands may
+    have, of the link's bytes, and of the board's slots; each of the board where it is largest.
     `unsure_s` commands a second are so few that some may come late in spite of a lower speed; 0 if
     none may. Empty without a budget.
     """
@@ -62,10 +68,11 @@ class BudgetUse:
             told = "; ".join(f"{name} {share}" for name, share in self.shares())
             several = any(place.board is not None for place in self.densest.values())
             yield f"At its densest the file takes of the board{'s' if several else ''}: {told}"
-        for limit, place in self.limits():
+        for name, place in self.worst.items():
+            gets = "lower speed" if name == "steps" else "less even steps or lower speed"
             yield (
-                f"{file}:{place.line} asks for {place.load:.2f} times what {limit} takes,"
-                " and gets less even steps or lower speed"
+                f"{file}:{place.line} asks for {place.load:.2f} times what"
+                f" {_BOUNDS[name].format(place.of_board)}, and gets {gets}"
             )
         if self.unsure_s > 0:
             yield f"Commands may come late there all the same: {self.advice}"
@@ -79,12 +86,9 @@ class BudgetUse:
         )
 
     def limits(self) -> Iterator[tuple[str, Place]]:
-        """`worst`, with what did not hold in words: `the link of the board tool`."""
+        """`worst`, with what did not hold in words: `the link of the board tool takes`."""
         for name, place in self.worst.items():
-            if name == "board" and place.board is not None:
-                yield _board(place.board), place
-            else:
-                yield f"the {name}{place.of_board}", place
+            yield _BOUNDS[name].format(place.of_board), place
 
     def shares(self) -> list[tuple[str, str]]:
         """What is taken, and the share with its line; nothing without a budget. More than there is,
@@ -114,13 +118,12 @@ def _board(name: str) -> str:
 
 
 def _worst(loads: Mapping[str, tuple[int, float]], machine: MachineConfig) -> dict[str, Place]:
-    """The loads on the boards that bind steps and commands, the greater one of each limit."""
+    """The loads on the boards that bind steps and commands."""
     specs, found = machine.budget_specs, dict[str, Place]()
     for kind, (line, load) in loads.items():
         name = min(specs, key=lambda name: specs[name][f"{kind}_s"])
-        limit = "link" if kind == "commands" and specs[name]["by_link"] else "board"
-        if limit not in found or load > found[limit].load:
-            found[limit] = Place(line, load, name if machine.boards else None)
+        limit = kind if kind == "steps" else specs[name]["bound"]
+        found[limit] = Place(line, load, name if machine.boards else None)
     return found
 
 
@@ -149,9 +152,9 @@ def _shares(
     (step_line, steps_s), (line, commands_s) = peaks["steps_s"], peaks["commands_s"]
     found = {"slots": (line, min(1.0, commands_s * board.ahead_s / board.move_count))}
     if budget := board.budget:
-        cpu_hz = budget.cpu_hz or board.clock_hz
-        found["steps"] = step_line, budget.step_share * steps_s / most_steps_s
-        found["commands"] = line, commands_s * budget.cycles_per_command / cpu_hz
+        most_cycles_s = budget.command_share * (budget.cpu_hz or board.clock_hz)
+        found["steps"] = step_line, steps_s / most_steps_s
+        found["commands"] = line, commands_s * budget.cycles_per_command / most_cycles_s
     if isfinite(board.link_bytes_s):
         asked = commands_s * COMMAND_BYTES + board.commit_bytes_s
         found["link"] = line, asked / board.link_bytes_s
