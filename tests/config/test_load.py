@@ -216,6 +216,7 @@ def test_numbers_of_fans() -> None:
 
 
 def test_known_words_are_told_if_they_are_few() -> None:
+    assert did_you_mean("d9", ["D8", "D9"]) == "Did you mean 'D9'?"
     assert did_you_mean("q", []) == ""
     assert did_you_mean("q", map(str, range(17))) == ""
     assert did_you_mean("q", map(str, range(16))).startswith("Known here: 0, 1, 10, ")

@@ -94,6 +94,11 @@ def test_drivers_on_spi_and_the_card_share_no_select(
     assert f"{pin} belongs to board.card.{key} ({board_place('ramps', 'card', key)})" in problem
 
 
+def test_what_is_fitted_is_named_once(i3_text: str) -> None:
+    (problem,) = problems_of(i3_text + 'fitted = ["card", "card"]\n')
+    assert "board.fitted[1] is 'card': expected each thing once" in problem
+
+
 def test_two_displays_share_their_plug(i3_text: str) -> None:
     both = '["reprap-discount-smart", "reprap-discount-full-graphic"]'
     problems = problems_of(i3_text + f"fitted = {both}\n")

@@ -98,7 +98,9 @@ def test_a_reset_loses_the_settings_and_halts_only_motors_that_are_on(s):
     assert field(s, "y", r.IHOLD_IRUN, "irun") > 0
     s.host.ok("M17")
     s.board.drivers["y"].power_on()
-    s.host.expect("^Error:Printer halted: motor y: its driver, a TMC2209, was reset", 3)
+    told = s.host.expect("^Error:Printer halted: motor y: its driver, a TMC2209, was reset", 3)
+    assert told.endswith(", then M999")
+    assert told.count("M999") == 1
 
 
 def test_a_damaged_answer_is_asked_for_again(s):

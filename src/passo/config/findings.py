@@ -68,9 +68,10 @@ def as_written(value: object) -> object:
 def did_you_mean(word: object, known: Iterable[str]) -> str:
     """A hint naming the closest known word, or all of them if few; empty if neither helps."""
     names = sorted(known)
-    close = get_close_matches(str(word), names, n=1, cutoff=0.6)
+    folded = {name.casefold(): name for name in names}
+    close = get_close_matches(str(word).casefold(), folded, n=1, cutoff=0.6)
     if close:
-        return f"Did you mean {close[0]!r}?"
+        return f"Did you mean {folded[close[0]]!r}?"
     return f"Known here: {', '.join(names)}" if 0 < len(names) <= 16 else ""
 
 

@@ -187,11 +187,11 @@ def board_claims(board: Raw, place: Path) -> Iterator[Claim]:
     led = board.get("status_led")
     if isinstance(led, str) and not placed(led)[0]:
         yield from _claim((*place, "status_led"), led)
-    for word in array(board, "fitted"):
+    for word in dict.fromkeys(map(str, array(board, "fitted"))):
         if word == "card":
             path, pins = (*place, "card"), table(board, "card")
         else:
-            path, pins = (*place, "displays", str(word)), table(board, "displays", str(word))
+            path, pins = (*place, "displays", word), table(board, "displays", word)
         for key, pin in pins.items():
             yield from _claim((*path, key), pin)
 
@@ -247,8 +247,11 @@ def _check_current(stepper: Raw, path: Path, board: Raw, socket: str) -> Iterato
 
 def _check_fitted(board: Raw, place: Path) -> Iterator[Finding]:
     known = [*(["card"] if "card" in board else []), *table(board, "displays")]
-    for index, word in enumerate(array(board, "fitted")):
-        if word not in known:
+    words = array(board, "fitted")
+    for index, word in enumerate(words):
+        if word in words[:index]:
+            yield Finding("config.value", (*place, "fitted", index), word, "each thing once")
+        elif word not in known:
             hint, limit = did_you_mean(word, known), "what has a place on this board"
             yield Finding("config.value", (*place, "fitted", index), word, limit, hint)
 

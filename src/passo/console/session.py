@@ -390,7 +390,7 @@ class Session:
 
     def _halted(self, code: str) -> bool:
         if self._printer.halted and not self._printer.answers_halted(code):
-            self.fail(f"Printer stopped: {self._printer.halted}. Make it safe, then send M999")
+            self.fail(f"Printer stopped: {self._printer.why_halted}")
             return True
         return False
 

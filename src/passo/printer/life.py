@@ -130,7 +130,7 @@ class Life:
         """Waits until somebody has made the machine safe."""
         printer = self._printer
         self._make_safe()
-        printer.tell(f"Error:Printer halted: {printer.halted}. Make it safe, then send M999")
+        printer.tell(f"Error:Printer halted: {printer.why_halted}")
         printer.drive.end_waits()
         await self._until_revived()
 

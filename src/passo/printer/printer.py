@@ -270,6 +270,12 @@ class Printer:
         self.connection.emergency_stop()
         self.drive.await_answer()
 
+    @property
+    def why_halted(self) -> str:
+        """`halted`, and what to do."""
+        said = self.halted.endswith("M999")
+        return self.halted if said else f"{self.halted}. Make it safe, then send M999"
+
     def revive(self) -> None:
         """M999: a halted printer begins anew, cold, and without knowing where it is."""
         if self.halted:
