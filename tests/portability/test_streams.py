@@ -30,7 +30,7 @@ corexy 24568 72a81fb4ccbc3b8f
 delta 43381 290df8468d7b82a4
 rotary_delta 38195 a6416805b5b7e50f
 scara 31425 ccf210b3065b0564
-short of commands 22444 5e720c53ed2f494f
+short of commands 22493 6e3c6b1a538b6c82
 above a bent bed 44065 1393ad46f59376d1
 demo 233747 c656834fbd4341d1
 gear_arcs 381704 090c49892ad8227b
