@@ -24,9 +24,9 @@ class MoveBudget {
   // and never more in all than its steps. Fitted to circles and random paths of 0.02 to 3 mm a
   // move, 5 to 300 mm/s, 1000 to 20000 mm/s², at 2 µs; at 25 µs what grows with a root is half.
   static constexpr double kPerSecond = 20, kPerRampSecond = 1.1, kPerTurn = 3, kMostPerTurn = 1.5;
-  // The same where a nonlinear actuator accelerates along a straight line at constant speed: 0.7 on
-  // lines of 60 mm at 80 mm/s on a delta.
-  static constexpr double kPerBendSecond = 0.8;
+  // The same where a nonlinear actuator accelerates along a straight line at constant speed. A
+  // rotary delta's lines of 24 mm need that much, a delta's of 60 mm 0.7.
+  static constexpr double kPerBendSecond = 0.9;
   // With each commit comes the way on which a motor that moves would brake: a command, and for the
   // root of its steps/mm by the acceleration, times the speed, so many. Nine were measured with two
   // motors at 60 mm/s, 22 with one at 250 mm/s, and 33 on a delta.

@@ -14,6 +14,7 @@ from tests.oracles.motion import (
     executed_ticks,
 )
 
+from passo import config
 from passo._core import Motion
 
 from .machines import cartesian
@@ -137,6 +138,22 @@ def test_a_link_with_a_burst_of_35_ms_is_kept_to(accel, z_accel, mm, turn):
         motion, plan, messages = planned(spec, zigzag(mm, 700, turn))
         assert most_ahead(messages, rate) < 0.06 * rate
         assert motion.counts()[0] == round(80 * plan[-1].end_mm[0])
+
+
+@pytest.mark.parametrize("name", ["delta", "rotary-delta", "scara"])
+def test_lines_of_curved_motors_keep_to_a_link(name):
+    """They cost it commands all along."""
+    rate = 600.0
+    spec = config.load(name).core_spec()
+    spec["budget"] = budget(commands_s=rate, burst=0.035 * rate)
+    x, y = (100.0, 100.0) if name == "scara" else (0.0, 0.0)
+    motion = Motion(spec)
+    motion.set_position([x - 12.0, y - 8.0, 5.0, 0.0])
+    for i in range(40):
+        way = [x + (12.0 if i % 2 else -12.0), y - 8.0 + 0.4 * i, 5.0, 0.5 * i]
+        motion.push(way, 80.0, "print")
+    motion.flush()
+    assert most_ahead(motion.take_messages(), rate * HZ / spec["clock_hz"]) < 0.06 * rate
 
 
 def test_smooth_curves_of_short_moves_need_few_commands():
