@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from string import Formatter
@@ -10,13 +11,19 @@ from typing import Any, Self
 from passo.catalogue import CATALOGUE, Entry, ExitStatus
 
 _LONGEST_VALUE = 500  # characters; people write lines of any length
+_STEERS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")  # C0 and C1 (ECMA-48), but tab and line feed
+
+
+def _escaped(character: re.Match[str]) -> str:
+    return f"\\x{ord(character[0]):02x}"
 
 
 class _Sentence(Formatter):
-    """Puts values into a sentence, of long ones only the beginning."""
+    """Puts values into a sentence: of long ones only the beginning, and without what would steer a
+    terminal (a compiler may tell several lines)."""
 
     def format_field(self, value: object, format_spec: str) -> str:
-        text = str(super().format_field(value, format_spec))
+        text = _STEERS.sub(_escaped, str(super().format_field(value, format_spec)))
         return text if len(text) <= _LONGEST_VALUE else text[:_LONGEST_VALUE] + "…"
 
 

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import asyncio
-import json
 import os
 import struct
 import sys
 import threading
 import tty
-import zlib
 from pathlib import Path
 
 from passo import _core
+from passo.toolchain.tables import compress
 
 DICTIONARY = {
     "version": "0.1.0-test",
@@ -24,7 +23,7 @@ DICTIONARY = {
 
 
 def packed(**changes: object) -> bytes:
-    return zlib.compress(json.dumps(DICTIONARY | changes).encode())
+    return compress(DICTIONARY | changes)
 
 
 class Board:

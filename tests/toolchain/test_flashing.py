@@ -22,6 +22,7 @@ from passo.toolchain.flashing import Person, flash
 from passo.toolchain.formats import intel_hex as whole_hex
 from passo.toolchain.formats import uf2
 from passo.toolchain.images import About, write_about
+from passo.toolchain.tables import compress
 
 from .fakes import (
     AVR_CODE,
@@ -61,11 +62,16 @@ def port() -> Iterator[Port]:
     it.close()
 
 
-def about(image: Path, dictionary: bytes, mcu: str = "atmega2560") -> None:
+def about(image: Path, dictionary: bytes, board: str = "RAMPS 1.4") -> None:
     hashes = (sha256(image.read_bytes()).hexdigest(), sha256(dictionary).hexdigest())
     sizes = (100, 262_144, 10, 8192)
-    names = ("ramps", "RAMPS 1.4", mcu, image.name)
+    names = ("ramps", board, "atmega2560", image.name)
     write_about(About(*names, hashes[0], *sizes, "0.1.0-test", "gcc", hashes[1], {}), image)
+
+
+def carrying(**constants: object) -> bytes:
+    """The hex file of an image that carries a dictionary with these constants."""
+    return whole_hex(AVR_CODE + packed(config=constants), 0)
 
 
 def with_gap(count: int) -> bytes:
@@ -214,7 +220,7 @@ def test_a_port_that_goes_while_the_board_is_asked(
 
 def test_a_board_that_runs_something_else(tools: Path, image: Path) -> None:
     program(tools, "avrdude")
-    about(image, packed())
+    image.write_bytes(whole_hex(AVR_CODE + b"\x78\xda\x78" + packed(), 0))
     port = Port(Board(packed(version="0.0.9")))
     with pytest.raises(FirmwareError, match=r"another image .* version '0.0.9', not '0.1.0-test'"):
         flashed("ramps", port.name, image, port)
@@ -348,9 +354,78 @@ def test_an_image_for_another_board_with_the_same_chip(
     assert main(["firmware", "flash", "ramps", *words]) == 0
 
 
+RAMPS = {"MCU": "atmega2560", "CLOCK_FREQ": 16_000_000, "SERIAL_BAUD": 250_000}
+
+
+@pytest.mark.parametrize(
+    ("constants", "says"),
+    [
+        ({"MCU": "atmega1284p"}, "one for atmega2560: this is for atmega1284p"),
+        ({"MCU": "\x1b[2J\x9b31m\x07"}, r"this is for \\x1b\[2J\\x9b31m\\x07\. Build one"),
+        ({"CLOCK_FREQ": 20_000_000}, "one for 16000000 Hz: this is for 20000000 Hz"),
+        (
+            {"SERIAL_BAUD": 115_200},
+            "one for 250000 baud on PE0,PE1: this is for 115200 baud on PE0,PE1",
+        ),
+        (
+            {"RESERVE_PINS_serial": "PD2,PD3"},
+            "one for 250000 baud on PE0,PE1: this is for 250000 baud on PD2,PD3",
+        ),
+    ],
+)
+def test_an_image_that_says_itself_what_it_is_for(
+    image: Path, constants: dict[str, object], says: str
+) -> None:
+    image.write_bytes(carrying(**RAMPS | constants))
+    with pytest.raises(FirmwareError, match=says) as caught:
+        flashed("ramps", "/dev/null", image)
+    assert caught.value.status == 2
+
+
+@pytest.mark.parametrize(
+    "behind",
+    [
+        packed(config=RAMPS)[:-1],  # cut: its sum is missing
+        packed(config=RAMPS | {"MCU": 9 * 2**20 * "a"}),  # more than a dictionary unpacks to
+        compress({"MCU": "atmega1284p"}),  # none of a board
+        20_000 * b"\x78\xda",
+    ],
+)
+def test_what_looks_like_a_dictionary_and_is_none(
+    tools: Path, image: Path, port: Port, behind: bytes
+) -> None:
+    program(tools, "avrdude")
+    image.write_bytes(whole_hex(AVR_CODE + behind, 0))
+    doubt, _, last = flashed("ramps", port.name, image, port)
+    assert doubt.endswith("nobody knows that it is for this board.")
+    assert last.startswith("ramps: written")
+
+
+def test_klippers_name_of_a_chip_is_longer_and_its_clock_another(
+    tools: Path, tmp_path: Path
+) -> None:
+    program(tools, "openocd")
+    image = tmp_path / "klipper.bin"
+    code = struct.pack("<2I8x", 0x2000_1000, 0x0800_0009)
+    image.write_bytes(code + packed(config={"MCU": "stm32f407xx", "CLOCK_FREQ": 168_000_000}))
+    doubt, *_ = flashed("stm32f407-discovery", None, image)
+    assert doubt.endswith("nobody knows that it is whole.")
+
+
+def test_nothing_is_doubted_of_an_image_that_says_what_it_is_for(
+    tools: Path, image: Path, port: Port
+) -> None:
+    program(tools, "avrdude")
+    image.write_bytes(carrying(**RAMPS))
+    assert port.board
+    port.board.dictionary = packed(config=RAMPS)
+    said = flashed("ramps", port.name, image, port)
+    assert [line.split()[0] for line in said] == ["avrdude", "ramps:"]
+
+
 def test_an_image_for_another_chip_or_changed_since(tools: Path, image: Path) -> None:
-    about(image, packed(), mcu="atmega1284p")
-    with pytest.raises(FirmwareError, match=r"one for atmega2560: this is for atmega1284p"):
+    about(image, packed(), board="Melzi")
+    with pytest.raises(FirmwareError, match=r"one for RAMPS 1.4: this is for Melzi"):
         flashed("ramps", "/dev/null", image)
     about(image, packed())
     image.write_text(intel_hex(b"other"))

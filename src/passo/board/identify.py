@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-
 from passo import _core
 from passo.board.dictionary import Dictionary
 
@@ -16,7 +14,8 @@ _RETRY_S = 0.25
 class Identification:
     """Reads a board's data dictionary. Give it what arrives (`feed`), send what it says (`poll`).
 
-    Times are seconds of any steady clock. Done when `dictionary` is there.
+    Times are seconds of any steady clock. Done when `dictionary` is there; `compressed` are its
+    bytes as the board carries them.
     """
 
     def __init__(self) -> None:
@@ -26,11 +25,6 @@ class Identification:
         self._commands, self._reports = _core.Formats(_COMMANDS), _core.Formats(_REPORTS)
         self._sequence = 0
         self._asked_at: float | None = None
-
-    @property
-    def sha256(self) -> str:
-        """Of the dictionary as the board carries it, in hexadecimal digits."""
-        return hashlib.sha256(self.compressed).hexdigest()
 
     def feed(self, data: bytes) -> None:
         """Bytes from the board, cut anywhere. Raises DictionaryError if the dictionary is

@@ -14,8 +14,9 @@ from pathlib import Path
 from passo.config.board import Board
 from passo.errors import FirmwareError, Problem
 from passo.serial_line import open_serial_line
+from passo.toolchain.carried import Carried
 from passo.toolchain.flash_plan import SUFFIXES, Copy, Hands, Run, Step, Touch, plan
-from passo.toolchain.images import About, about_path, check_image, could_be_cut
+from passo.toolchain.images import about_path, check_image
 from passo.toolchain.readback import identify
 
 _LOADER_STARTS_S = 0.5
@@ -43,16 +44,16 @@ async def flash(
     port = port or None
     suffixes = SUFFIXES.get(board.flash.method, ()) if board.flash else ()
     steps = plan(name, board, port, image)
-    about = check_image(image, name, board, suffixes)
+    checked = check_image(image, name, board, suffixes)
     if dry_run:
-        _tell_doubts(image, about, board, person)
+        _tell_doubts(image, checked.unknown, person)
         _tell_obstacles(name, port, steps, person)
         for number, step in enumerate(steps, 1):
             person.tell(f"{number}. {step}")
         return
     _check_tools(name, steps)
     _check_port(port, partial(_check_serial, name), name, steps)
-    _tell_doubts(image, about, board, person)
+    _tell_doubts(image, checked.unknown, person)
     touched = False  # another opening at that rate would start the loader once more
     for step in steps:
         match step:
@@ -69,14 +70,13 @@ async def flash(
             case Copy():
                 person.tell(str(step))
                 _copy(name, step)
-    await _read_back(name, board, port, about, person)
+    await _read_back(name, board, port, checked.carried, person)
 
 
-def _tell_doubts(image: Path, about: About | None, board: Board, person: Person) -> None:
-    if about is None:
-        unknown = "is for this board" + could_be_cut(image, board) * " and is whole"
-        beside = about_path(image).name
-        person.tell(f"{image}: without the {beside} of its build nobody knows that it {unknown}.")
+def _tell_doubts(image: Path, unknown: tuple[str, ...], person: Person) -> None:
+    if unknown:
+        beside, what = about_path(image).name, " and ".join(unknown)
+        person.tell(f"{image}: without the {beside} of its build nobody knows that it {what}.")
 
 
 def _tell_obstacles(name: str, port: str | None, steps: list[Step], person: Person) -> None:
@@ -172,7 +172,7 @@ def _copy(name: str, step: Copy) -> None:
 
 
 async def _read_back(
-    name: str, board: Board, port: str | None, about: About | None, person: Person
+    name: str, board: Board, port: str | None, carried: Carried | None, person: Person
 ) -> None:
     console = board.console
     if console is None or console.connector != "serial" or port is None:
@@ -185,8 +185,9 @@ async def _read_back(
         raise _problem("firmware.silent", axis=name, value=why) from None
     if found is None or found.dictionary is None:
         raise _problem("firmware.silent", axis=name, value=f"{port}, {console.baud} baud")
-    if about is not None and found.sha256 != about.dictionary_sha256:
-        why = f"its dictionary is of version {found.dictionary.version!r}, not {about.version!r}"
+    if carried is not None and found.compressed != carried.compressed:
+        versions = f"{found.dictionary.version!r}, not {carried.dictionary.version!r}"
+        why = f"its dictionary is of version {versions}"
         raise _problem("firmware.other", axis=name, value=why)
     version, count = found.dictionary.version, len(found.dictionary.commands)
     person.tell(f"{name}: written, and it answers: version {version}, {count} commands.")

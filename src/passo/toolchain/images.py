@@ -11,7 +11,9 @@ from typing import Any
 from passo.config.board import Board
 from passo.config.chips import Chip
 from passo.errors import FirmwareError, Problem
-from passo.toolchain.contents import hole, missing, outside, parts_of, starts, tells_its_end
+from passo.toolchain.carried import Carried, carried_by, unlike
+from passo.toolchain.contents import Parts, hole, missing, outside, parts_of, starts, tells_its_end
+from passo.toolchain.targets import KLIPPERS, no_firmware
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,10 +57,18 @@ def read_about(image: Path) -> About | None:
         return None
 
 
-def check_image(image: Path, name: str, board: Board, suffixes: tuple[str, ...]) -> About | None:
+@dataclass(frozen=True, slots=True)
+class Checked:
+    """An image that may be flashed: what it carries, if it does, and what nobody knows of it."""
+
+    carried: Carried | None
+    unknown: tuple[str, ...]
+
+
+def check_image(image: Path, name: str, board: Board, suffixes: tuple[str, ...]) -> Checked:
     """Whether a file can be an image for the board that is called `name`: its ending, its content,
-    its addresses, its length as far as it tells it, and, where a JSON file stands beside it, its
-    microcontroller, its board and its hash. Returns what that file says.
+    its addresses, its length as far as it tells it, the dictionary that it carries, and, where a
+    JSON file stands beside it, its board and its hash.
 
     Raises FirmwareError with the first thing that is wrong.
     """
@@ -70,24 +80,31 @@ def check_image(image: Path, name: str, board: Board, suffixes: tuple[str, ...])
         raise _wrong(image, name, f"a file to read ({error.strerror})") from None
     about = read_about(image)
     if about is not None:
-        if about.mcu != board.mcu:
-            raise _wrong(
-                image, name, f"one for {board.mcu}: this is for {about.mcu} ({about.board})"
-            )
         if about.board != board.name:
             raise _wrong(image, name, f"one for {board.name}: this is for {about.board}")
         if about.sha256 != hashlib.sha256(data).hexdigest():
             raise _wrong(image, name, f"the image of {about_path(image).name}: its hash differs")
-    if board.chip is not None:
-        _check_content(image, name, data, board.chip)
-    return about
-
-
-def _check_content(image: Path, name: str, data: bytes, chip: Chip) -> None:
+    if board.chip is None:
+        raise no_firmware(name, KLIPPERS)
     try:
-        parts = parts_of(data, image.suffix, chip.flash_start)
+        parts = parts_of(data, image.suffix, board.chip.flash_start)
     except ValueError:
         raise _wrong(image, name, f"the content of a {image.suffix} file") from None
+    _check_content(image, name, parts, board.chip)
+    carried = carried_by(parts)
+    other = unlike(carried.dictionary, board) if carried else None
+    if other is not None:
+        raise _wrong(image, name, f"one for {other[0]}: this is for {other[1]}")
+    unknown: list[str] = []
+    if about is None and carried is None:
+        unknown.append("is for this board")
+    # A plain copy of a flash may be the beginning of a longer one.
+    if about is None and image.suffix == ".bin" and not tells_its_end(parts, board.chip):
+        unknown.append("is whole")
+    return Checked(carried, tuple(unknown))
+
+
+def _check_content(image: Path, name: str, parts: Parts, chip: Chip) -> None:
     beyond = outside(parts, chip)
     if beyond is not None:
         last = chip.flash_start + chip.flash_bytes - 1
@@ -102,15 +119,6 @@ def _check_content(image: Path, name: str, data: bytes, chip: Chip) -> None:
     left_out = hole(parts) if image.suffix == ".hex" else None
     if left_out is not None:
         raise _wrong(image, name, f"a whole one: this lacks what is at 0x{left_out:x}")
-
-
-def could_be_cut(image: Path, board: Board) -> bool:
-    """Whether an image that `check_image` accepted could be the beginning of a longer one: a plain
-    copy of a flash that does not itself say how long it is."""
-    if image.suffix != ".bin" or board.chip is None:
-        return False
-    parts = parts_of(image.read_bytes(), image.suffix, board.chip.flash_start)
-    return not tells_its_end(parts, board.chip)
 
 
 def _wrong(image: Path, name: str, expected: str) -> FirmwareError:

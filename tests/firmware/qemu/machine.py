@@ -94,11 +94,11 @@ class Host:
 
     def __init__(self, machine: Machine) -> None:
         self.machine = machine
-        self.dictionary, self.sha256 = self._identify()
+        self.dictionary, self.compressed = self._identify()
         self._commands = _core.Formats(list(self.dictionary.commands))
         self._reports = _core.Formats(list(self.dictionary.reports))
 
-    def _identify(self) -> tuple[Dictionary, str]:
+    def _identify(self) -> tuple[Dictionary, bytes]:
         found, heard = Identification(), 0
         while found.dictionary is None:
             found.feed(self._receive())  # first it says that it starts
@@ -109,7 +109,7 @@ class Host:
             data, _ = found.poll(heard / 16)
             self.machine.uart.sendall(data)
         self._scanner, self._sequence = found._scanner, found._sequence
-        return found.dictionary, found.sha256
+        return found.dictionary, found.compressed
 
     def _receive(self) -> bytes:
         data = self.machine.uart.recv(4096)

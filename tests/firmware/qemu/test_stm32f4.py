@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from hashlib import sha256
 from pathlib import Path
 
 import pytest
@@ -43,7 +44,7 @@ def host(built: tuple[Path, About]) -> Iterator[Host]:
 
 
 def test_it_starts_and_tells_who_it_is(host: Host, built: tuple[Path, About]) -> None:
-    assert host.sha256 == built[1].dictionary_sha256
+    assert sha256(host.compressed).hexdigest() == built[1].dictionary_sha256
     assert host.dictionary.constants["MCU"] == "stm32f407"
     assert host.dictionary.number("CLOCK_FREQ") == HZ
     assert host.dictionary.enumerations["pin"]["PE5"] == 4 * 32 + 5
