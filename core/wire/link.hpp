@@ -260,7 +260,7 @@ class Link {
         [] {});
     if (sync_.ready())
       for (; acked < window_.acked(); ++acked)
-        lateness_.arrived(acked, !window_.sent_once(acked), clock);
+        lateness_.arrived(acked, window_.repeated(acked), clock);
     return waited || window_.refused();
   }
   // The cable takes no bytes now, so poll() has to wait.
@@ -578,7 +578,9 @@ class Link {
     if (!asked_ || question_ == 0 || window_.acked() != question_ + 1) return;
     asked_ = false;
     lost_ = false;
-    if (!window_.sent_once(question_)) return;  // it is not known which copy was answered
+    if (window_.opening(question_)) return;
+    // Of a frame that was sent again nobody knows which copy was answered, but no other came before
+    // the first: that much, and no more, it tells of the clock.
     Ticks heard = window_.sent_at(question_) + on_the_line(window_.length(question_));
     answered = std::max(answered, heard);
     if (uptime)

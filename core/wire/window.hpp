@@ -74,7 +74,7 @@ class Window {
     b.length = uint8_t(seal_frame(b.data, payload, next_));
     b.sent = now;
     b.gone = on_the_line(b.length, now);
-    b.again = !synchronous_;
+    b.again = b.opening = !synchronous_;
     if (idle()) deadline_ = b.gone + rto_;
     bytes_ += b.length;
     ++next_;
@@ -157,11 +157,12 @@ class Window {
     deadline_ = copied_ + patience();
   }
   Ticks deadline() const { return idle() ? kNever : deadline_; }
-  // False if the frame had to be sent again, is long gone, or was the first after a restart, whose
-  // answer may be that to another one.
-  bool sent_once(uint64_t number) const {
-    return number + kSequenceMask >= next_ && !blocks_[number & kSequenceMask].again;
+  // The frame had to be sent again, or is so long gone that nobody knows.
+  bool repeated(uint64_t number) const {
+    return number + kSequenceMask < next_ || blocks_[number & kSequenceMask].again;
   }
+  // The frame was the first after a restart: an answer to it may be that to another one.
+  bool opening(uint64_t number) const { return blocks_[number & kSequenceMask].opening; }
   size_t length(uint64_t number) const { return blocks_[number & kSequenceMask].length; }
   Ticks sent_at(uint64_t number) const { return blocks_[number & kSequenceMask].sent; }
 
@@ -169,7 +170,8 @@ class Window {
   struct Block {
     uint8_t data[kFrameMax + kOverrun];
     uint8_t length = 0;
-    bool again = false;        // also of numbers that renumbering has left out, and of the first
+    bool again = false;  // also of numbers that renumbering has left out, and of the first
+    bool opening = false;
     Ticks sent = 0, gone = 0;  // first; and when its last byte left then
   };
 

@@ -528,6 +528,31 @@ def test_the_clock_is_never_far_off_from_the_first_answer_on(seed):
     assert max(abs(seconds) for seconds in wrong) < 150e-6
 
 
+def test_the_clock_is_known_where_every_question_is_sent_again():
+    """On a computer that became busy: all that either side has sent is looked at every 0.1 s only.
+    The copies come with the first, and their refusals with the answer: no trip can be measured."""
+    device = SimulatedBoard(description(), PLANT, 0).device
+    link = _core.Link(float(HZ))
+    link.set_dictionary(_core.board_commands(), _core.board_reports(), 0)
+    down = b""
+    wrong: list[int] = []
+    for now in range(0, 3 * HZ, 5 * MS):
+        if now < HZ:
+            link.send("get_config", [])
+        if now == HZ:
+            link.follow_clock(now)
+        if now < HZ or now % (100 * MS) == 0:
+            device.feed(down, now)
+            down = b""
+            link.feed(device.poll(now), now)
+            if link.synchronous:
+                wrong.append(abs(link.clock_at(now) - now))
+        down += link.poll(now)[0]
+    assert link.retransmitted_bytes > 100  # copies of all of them
+    assert len(wrong) > 15
+    assert max(wrong) <= 100 * MS
+
+
 def hash_of(messages: list[tuple[int, int, int, int]], chunk: int) -> int:
     """Stream hash of (target, interval, count, add) commands, given `chunk` at a time."""
     bench = Bench()
