@@ -1,5 +1,6 @@
 // The firmware behind its wire: frames good and bad, commands in any order with any arguments, time
-// that passes between them. Whatever happened, it must answer and obey a reset.
+// that passes between them. Whatever happened, all that it says is in good frames, and it must
+// answer and obey a reset.
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
@@ -25,6 +26,15 @@ void output(void*, uint16_t, uint32_t value, uint32_t full, int64_t clock) {
 }
 bool level(void*, uint16_t pin, int64_t clock) { return (clock >> 14 ^ pin) & 1; }
 uint16_t analog(void*, uint16_t pin, int64_t clock) { return uint16_t((clock >> 16) + pin) & 1023; }
+
+// Listens; returns how many bytes the firmware has said.
+size_t heard() {
+  size_t size;
+  const uint8_t* said = firmware->take(&size);
+  passo::wire::Scanner().feed(
+      said, size, [](uint8_t, const uint8_t*, size_t) {}, [] { std::abort(); });
+  return size;
+}
 
 // Sends a payload in the frame that is expected next.
 void tell(const uint8_t* payload, size_t size) {
@@ -89,18 +99,17 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     } else {
       tell(data + 1, n);
     }
+    heard();
     if ((data[0] & 3) == 1) n = 0;
     data += n + 1;
     size -= n + 1;
   }
   Bytes syncs(64, passo::wire::kSync);
   firmware->feed(syncs.data(), syncs.size(), now);
-  size_t said;
-  firmware->take(&said);
+  heard();
   const uint8_t question[] = {COMMAND_GET_CLOCK}, reset[] = {COMMAND_RESET};
   tell(question, 1);
-  firmware->take(&said);
-  if (said <= passo::wire::kFrameMin) std::abort();
+  if (heard() <= passo::wire::kFrameMin) std::abort();
   tell(reset, 1);
   if (firmware->state().reason != 0 || firmware->state().frames != 0) std::abort();
   return 0;
