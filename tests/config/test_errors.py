@@ -138,7 +138,13 @@ def test_a_problem_reads_as_a_sentence() -> None:
         ("[fans.part]", "[fans.a]\npin = 'D4'\n[fans.part]", "fans.part.number", "fans.a"),
         ("[fans.part]", "[fans]\npart = 3\n[fans.b]", "fans.part", "expected a table"),
         ("[board]", "[laser]\npim = 'D4'\n[board]", "laser.pim", "Did you mean 'pin'?"),
-        ("[board]", "[laser]\n[board]", "laser.pin", "expected a text in quotes"),
+        ("[board]", "[laser]\n[board]", "laser.pin", "expected a pin in quotes"),
+        (
+            "[board]",
+            "[fans.b]\nnumber = 1\n[board]",
+            "fans.b.pin",
+            "missing: expected a pin in quotes, for the board's variant HFB has no output for fan1.",
+        ),
         ("[board]", "[bed]\ncenter_mm = [1, 1]\n[board]", "bed.size_mm", "a list in brackets"),
         ('direction = "min"\n', "", "homing.x.direction", "is missing: expected one of min, max."),
         (

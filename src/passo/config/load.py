@@ -94,7 +94,7 @@ def _machine(text: str, file: str) -> MachineConfig:
     folder = FilePath(file).parent
     sources: list[Source] = []
     findings = [*put_boards(data, folder, sources), *with_sensor_files(data, folder)]
-    put_originals(data)
+    findings += put_originals(data)
     put_pullups(data)
     machine = None
     try:

@@ -99,6 +99,8 @@ def _missing(model: Any, key: str) -> str:
     place = _one(model.model_fields[key].annotation) if _is_model(model) else None
     if get_origin(place) is Literal:
         return f"one of {', '.join(map(str, get_args(place)))}"
+    if key == "pin" or key.endswith("_pin"):
+        return "a pin in quotes"
     words: dict[Any, str] = {
         float: "a number",
         int: "a whole number",

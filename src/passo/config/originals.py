@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from passo.config.drives import Drive, Driven, axis_order
-from passo.config.findings import table, tables
+from passo.config.findings import Finding, table, tables
 from passo.config.places import MAIN, bare, placed, section
 from passo.config.sensors import CONVERTERS, Converter
 
@@ -45,17 +45,24 @@ class Binding:
         return (pin, inverted) != (own, own_inverted)
 
 
-def put_originals(data: dict[str, Any]) -> None:
-    """Gives heaters and fans of a raw machine file that name no pin the board's own."""
-    functions = table(data, "board", "functions")
+def put_originals(data: dict[str, Any]) -> Iterator[Finding]:
+    """Gives heaters and fans of a raw machine file that name no pin the board's own; finds where
+    there is none."""
+    board = table(data, "board")
+    functions, chosen = table(board, "functions"), board.get("variant")
+    whose = "the board" if chosen is None else f"the board's variant {chosen}"
     for part in ("heaters", "fans"):
-        for key, content in _functions(data, part):
+        for name, key, content in _functions(data, part):
             function = table(functions, key)
             for own, other in (("pin", "output"), ("sensor_pin", "sensor")):
-                if other == "sensor" and (part == "fans" or _selects(content)):
+                if own in content or other == "sensor" and (part == "fans" or _selects(content)):
                     continue
-                if own not in content and other in function:
+                if other in function:
                     content[own] = function[other]
+                else:
+                    why = f", for {whose} has no {other} for {key}" if functions else ""
+                    path = (part, name, own)
+                    yield Finding("config.missing-key", path, None, f"a pin in quotes{why}")
 
 
 def put_pullups(data: dict[str, Any]) -> None:
@@ -75,12 +82,13 @@ def _selects(heater: Mapping[str, Any]) -> bool:
     return table(heater, "sensor").get("kind") in CONVERTERS
 
 
-def _functions(data: Mapping[str, Any], part: str) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Heaters or fans with the names of their functions."""
-    names = _FunctionNames()
-    for _, content in tables(data, part):
+def _functions(data: Mapping[str, Any], part: str) -> Iterator[tuple[str, str, dict[str, Any]]]:
+    """Heaters or fans: their names and those of their functions."""
+    functions = _FunctionNames()
+    for name, content in tables(data, part):
         if isinstance(content, dict):
-            yield names.of("fan" if part == "fans" else str(content.get("kind"))), content
+            kind = "fan" if part == "fans" else str(content.get("kind"))
+            yield name, functions.of(kind), content
 
 
 class _FunctionNames:
