@@ -143,7 +143,7 @@ def test_a_problem_reads_as_a_sentence() -> None:
             "[board]",
             "[fans.b]\nnumber = 1\n[board]",
             "fans.b.pin",
-            "missing: expected a pin in quotes, for the board's variant HFB has no output for fan1.",
+            "expected a pin in quotes, for the board's variant HFB has no output for fan1.",
         ),
         ("[board]", "[bed]\ncenter_mm = [1, 1]\n[board]", "bed.size_mm", "a list in brackets"),
         ('direction = "min"\n', "", "homing.x.direction", "is missing: expected one of min, max."),

@@ -55,7 +55,7 @@ def put_originals(data: dict[str, Any]) -> Iterator[Finding]:
         for name, key, content in _functions(data, part):
             function = table(functions, key)
             for own, other in (("pin", "output"), ("sensor_pin", "sensor")):
-                if own in content or other == "sensor" and (part == "fans" or _selects(content)):
+                if own in content or (other == "sensor" and (part == "fans" or _selects(content))):
                     continue
                 if other in function:
                     content[own] = function[other]
