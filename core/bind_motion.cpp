@@ -210,6 +210,14 @@ void bind_motion(nb::module_& m) {
           "release", [](RecordedMotion& self) { self.motion.release(); },
           "Goes on with what hold_from left.")
       .def(
+          "use_commits",
+          [](RecordedMotion& self, int64_t period, size_t most) {
+            self.motion.use_commits(period, most);
+          },
+          "period"_a, "most"_a,
+          "Messages come in commits of at most so many ticks and messages from now on; only behind "
+          "flush().")
+      .def(
           "set_speed_factor",
           [](RecordedMotion& self, double factor, bool live) {
             self.motion.planner().rules().change(live, [&](Rules& r) { r.speed_factor = factor; });

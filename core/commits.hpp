@@ -30,7 +30,6 @@ class Commits {
     for (size_t i = 0; i < machine.steppers.size(); ++i) {
       solvers_.emplace_back(machine, machine.steppers[i]);
       compressors_.emplace_back(machine, machine.steppers[i], uint16_t(i));
-      compressors_.back().keep_steps_behind();
     }
   }
 
@@ -222,7 +221,7 @@ class Commits {
         m.tolerance = widest_;
         solvers_[i].solve(m, c.steps());
       }
-      c.advance(moves.back().end(), true);
+      c.advance(moves.back().end(), true, clock);
       // Nothing of it is ever taken back: whether the clock must be told anew is known here, of
       // what does not wait.
       c.forget_resets(kNoMessage);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <deque>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -22,6 +23,8 @@ struct StepStatistics {
   double error_max = 0, error_square = 0;  // ticks, ticks²: executed against ideal
 };
 
+// Every clock is behind this one.
+inline constexpr int64_t kAnyClock = std::numeric_limits<int64_t>::min();
 // Ticks from a step to one that is not known, or that there is none.
 inline constexpr double kNeverNear = 1e15;
 
@@ -63,9 +66,10 @@ class Compressor {
   int64_t last() const { return last_; }
 
   // Makes commands of all steps that can no longer change, all steps before `frontier` being known;
-  // `still`: none will follow until the machine has stood.
-  void advance(double frontier, bool still) {
+  // `still`: none will follow until the machine has stood. None is done at or before `behind`.
+  void advance(double frontier, bool still, int64_t behind) {
     drop_close_reversals();
+    behind_ = behind;
     if (crowded_ && steps_.ticks.size() > 1) set_apart();
     const size_t n = steps_.ticks.size();
     size_t known = n;
@@ -86,8 +90,6 @@ class Compressor {
 
   // No command may be due before this clock: messages up to it are handed out already.
   void not_before(int64_t clock) { floor_ = clock; }
-  // Nor may a step: what is owed comes behind that clock.
-  void keep_steps_behind() { steps_behind_ = true; }
 
   // The motor has stopped by itself: its clock and direction are told anew before its next step.
   void renew(bool on = true) {
@@ -156,13 +158,13 @@ class Compressor {
   StepStatistics statistics_;
   int64_t last_ = 0;  // executed clock of the last step compressed
   int dir_ = 0;
-  int64_t floor_ = 0;
+  int64_t floor_ = 0, behind_ = kAnyClock;
   struct Reset {
     int64_t at, before;  // clock set, last step before it
     bool renewed;        // it was the one that renew() had asked for
   };
   std::deque<Reset> resets_;
-  bool crowded_ = false, keeps_ideal_ = false, renew_ = false, steps_behind_ = false;
+  bool crowded_ = true, keeps_ideal_ = false, renew_ = false;
   std::vector<double> ideal_;
 
   // Where the motor turns, opposite steps that are too close for the driver cancel each other.
@@ -216,7 +218,7 @@ class Compressor {
     const double apart = this->apart();
     bool anew = resets(steps_.ticks[1]);
     double least = std::max(double(last_), anew ? double(floor_) : steps_.ticks[0]);
-    if (steps_behind_) least = std::max(least, double(floor_) - apart + 1);
+    least = std::max(least, double(behind_) - apart + 1);
     for (size_t k = 1; k < steps_.ticks.size() && steps_.ticks[k] < least + apart; ++k)
       steps_.ticks[k] = least += apart;
   }
@@ -260,6 +262,8 @@ class Compressor {
       for (size_t k : {run.first - 1, run.first})
         if (k >= base_ && k < to) narrow(k, half);
     }
+    for (size_t k = 0; k < to - base_ && lo_[k] <= double(behind_); ++k)
+      lo_[k] = double(behind_) + 1;
   }
   // Around a reversal executed steps keep pulse, hold and set-up apart, and a pause as a pulse.
   double half_turn(size_t b) const {

@@ -89,7 +89,9 @@ class StepStream {
   }
   // Makes commands of steps: no further one comes before `clock`; `still`: none is under way there.
   void compress(double clock, bool still) {
-    for (Compressor& c : compressors_) c.advance(clock, still);
+    // What follows a commit lies behind it, also where its first steps may be a little early.
+    const int64_t behind = commits_ ? commits_->points().back().clock : kAnyClock;
+    for (Compressor& c : compressors_) c.advance(clock, still, behind);
   }
   // An output's value, from `ticks` on. Returns its clock, which is not before what is handed out.
   int64_t set_output(uint16_t target, uint32_t value, double ticks) {

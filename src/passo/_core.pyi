@@ -1160,6 +1160,11 @@ class Motion:
     def release(self) -> None:
         """Goes on with what hold_from left."""
 
+    def use_commits(self, period: int, most: int) -> None:
+        """
+        Messages come in commits of at most so many ticks and messages from now on; only behind flush().
+        """
+
     def set_speed_factor(self, factor: float, live: bool = True) -> None:
         """M220: of moves to come, or, `live`, of all that is planned anew."""
 

@@ -71,7 +71,6 @@ struct Board {
 
 // A board that takes commits.
 struct LoneBoard {
-  static constexpr int64_t kTolerance = 801;  // ticks
   Board moves;
   std::vector<Message> staged, tails, next_tails;
   uint32_t serial = 0;
@@ -104,7 +103,7 @@ struct LoneBoard {
         moves.clock[m.target] += int32_t(m.interval - uint32_t(moves.clock[m.target]));
         continue;
       }
-      if (moves.clock[m.target] + int64_t(m.interval) < limit - kTolerance) std::abort();
+      if (moves.clock[m.target] + int64_t(m.interval) <= limit) std::abort();
       moves.direction[m.target] = m.dir ? 1 : -1;
       m.kind = MessageKind::queue_step;
       moves.take(m);

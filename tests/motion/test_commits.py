@@ -5,10 +5,14 @@ from __future__ import annotations
 from array import array
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from tests.oracles.motion import HZ
 
-from passo._core import Job, JobStatus
+from passo._core import Job, JobStatus, Motion
 from passo.config import load
+
+from . import machines
 
 PERIOD = int(0.075 * HZ)
 
@@ -68,3 +72,41 @@ def test_a_motor_that_has_stopped_by_itself_is_told_its_clock_and_direction_once
         return len(job.messages)
 
     assert messages(True) == messages(False) + 2
+
+
+halves = st.sampled_from((-3, -1, 1, 3))
+starts = st.lists(st.tuples(halves, st.integers(1, 1000), st.booleans()), min_size=2, max_size=12)
+
+
+@given(path=starts)
+@settings(max_examples=200, deadline=None)
+def test_no_step_is_done_before_the_commit_that_it_follows(path):
+    """Also where one is due as soon as the machine moves, and could be a little early; nor is any
+    of a tail."""
+    motion = Motion(machines.cartesian() | {"tolerance_s": 25e-6})
+    motion.use_commits(PERIOD // 8, 1_000_000)
+    x = 0.0
+    for half_steps, picometres, stands in path:
+        for by in (half_steps / 160 - picometres * 1e-9, half_steps / 16 * 5):
+            x += by
+            motion.push([x, 0.0, 0.0, 0.0], 100.0)
+        if stands:
+            motion.flush()
+    motion.flush()
+    committed = done = 0
+    tail = []  # of the commit to come
+    for kind, _, clock, end, interval, count, add, _ in motion.take_messages():
+        if kind == "reset_clock":
+            done = clock
+        elif kind == "queue_step":
+            assert done + interval > committed
+            done = end
+        elif kind == "tail":
+            tail.append((interval, count, add))
+        elif kind == "commit":
+            committed, at = clock, done
+            assert done <= committed
+            for interval, count, add in tail:
+                assert at + interval > committed
+                at += count * interval + count * (count - 1) // 2 * add
+            tail.clear()
