@@ -65,7 +65,7 @@ fuzz: $(FUZZERS)
 	@for fuzzer in $^; do \
 	  echo "$$fuzzer: $(FUZZ_SECONDS) s"; \
 	  mkdir -p $$fuzzer.corpus; \
-	  $$fuzzer -max_total_time=$(FUZZ_SECONDS) -timeout=20 -verbosity=0 -print_final_stats=1 \
+	  $$fuzzer -max_total_time=$(FUZZ_SECONDS) -timeout=120 -verbosity=0 -print_final_stats=1 \
 	    -artifact_prefix=$$fuzzer. $$fuzzer.corpus $$(ls -d tests/fuzz/seeds/$$(basename $$fuzzer) \
 	    2>/dev/null) || exit 1; \
 	done
