@@ -111,9 +111,8 @@ class Commits {
     }
   }
   // Messages that follow the last commit, in their order, before all that waits already.
-  void put_back(std::vector<Message> messages) {
-    for (; !waiting_.empty(); waiting_.pop()) messages.push_back(waiting_.front());
-    for (const Message& m : messages) waiting_.push(m);
+  void put_back(const std::vector<Message>& messages) {
+    for (auto m = messages.rbegin(); m != messages.rend(); ++m) waiting_.push_front(*m);
   }
   // Of those that were taken, until a clock, no more than so many will be asked for.
   void forget(int64_t taken_until, size_t kept) {
@@ -205,7 +204,7 @@ class Commits {
       behind_.insert(behind_.end(), ahead.begin(), ahead.end());
       ahead.clear();
     }
-    put_back(std::move(behind_));
+    put_back(behind_);
   }
 
   template <typename Out>

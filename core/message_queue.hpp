@@ -26,6 +26,12 @@ class MessageQueue {
     if (tail_ - kept_ > mask_) grow();
     ring_[tail_++ & mask_] = message;
   }
+  // Before all that wait. Only where nothing is kept.
+  void push_front(const Message& message) {
+    if (tail_ - kept_ > mask_) grow();
+    kept_ = --head_;
+    ring_[head_ & mask_] = message;
+  }
   // Behind all messages whose clocks are not later.
   void insert(const Message& message) {
     push(message);

@@ -169,7 +169,7 @@ class StepStream {
     if (commits_) {
       commits_->revoke(at);
       std::stable_sort(open.begin(), open.end(), sooner);
-      commits_->put_back(std::move(open));
+      commits_->put_back(open);
     }
     outputs_.clear();
     handed_out_ = at;
