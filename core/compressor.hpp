@@ -217,8 +217,8 @@ class Compressor {
     crowded_ = false;
     const double apart = this->apart();
     bool anew = resets(steps_.ticks[1]);
-    double least = std::max(double(last_), anew ? double(floor_) : steps_.ticks[0]);
-    least = std::max(least, double(behind_) - apart + 1);
+    double least = std::max(
+        {double(last_), anew ? double(floor_) : steps_.ticks[0], double(behind_) - apart + 1});
     for (size_t k = 1; k < steps_.ticks.size() && steps_.ticks[k] < least + apart; ++k)
       steps_.ticks[k] = least += apart;
   }

@@ -110,3 +110,4 @@ def test_no_step_is_done_before_the_commit_that_it_follows(path):
                 assert at + interval > committed
                 at += count * interval + count * (count - 1) // 2 * add
             tail.clear()
+    assert committed >= done > 0
