@@ -31,9 +31,9 @@ void bind_controls(nb::module_& m) {
       .def_ro("ambient_c", &HeatModel::ambient_c)
       .def(nb::self == nb::self);
   nb::class_<PidControl>(m, "PidControl",
-                         "Gains as shares of full power by °C, by °C·s and by °C/s; drive_min and "
-                         "drive_max bound the integral; farther than range_c from the target it is "
-                         "fully on or off.")
+                         "Gains in 1/255 of full power by °C, by °C·s and by °C/s, as M301 has "
+                         "them; drive_min and drive_max, fractions of full power, bound the "
+                         "integral; farther than range_c from the target it is fully on or off.")
       .def(nb::init<double, double, double, double, double, double, double>(), "kp"_a, "ki"_a,
            "kd"_a, "filter_s"_a = 1.0, "drive_min"_a = 0.0, "drive_max"_a = 1.0, "range_c"_a = 10.0)
       .def_ro("kp", &PidControl::kp)

@@ -9,8 +9,10 @@
 
 namespace passo::heat {
 
+inline constexpr double kGainFull = 255;  // full power in the unit of gains, as in M301
+
 struct PidControl {
-  double kp = 0, ki = 0, kd = 0;        // share of power by °C, by °C·s, by °C/s
+  double kp = 0, ki = 0, kd = 0;        // 1/255 of full power by °C, by °C·s, by °C/s
   double filter_s = 1;                  // time constant of the derivative
   double drive_min = 0, drive_max = 1;  // bounds of the integral, shares of power
   double range_c = 10;                  // farther from the target: full on, or off
@@ -63,7 +65,8 @@ class Pid {
     near_s_ = far ? 0 : near_s_ + r.dt;
     if (error > o_.range_c) return finish(error, 0, 0, r.max_power, r.max_power);
     if (error < -o_.range_c) return finish(error, 0, 0, 0, r.max_power);
-    double p = o_.kp * error, d = -o_.kd * rate_, step = o_.ki * error * r.dt;
+    double p = o_.kp / kGainFull * error, d = -o_.kd / kGainFull * rate_;
+    double step = o_.ki / kGainFull * error * r.dt;
     // Anti-windup: the integral grows only while that still changes the power, and not while the
     // temperature, coming from afar, is closing in faster than the integral could follow: what it
     // gathered there would have to be given back as overshoot.

@@ -33,7 +33,7 @@ class HeatModel:
 
 class PidControl:
     """
-    Gains as shares of full power by °C, by °C·s and by °C/s; drive_min and drive_max bound the integral; farther than range_c from the target it is fully on or off.
+    Gains in 1/255 of full power by °C, by °C·s and by °C/s, as M301 has them; drive_min and drive_max, fractions of full power, bound the integral; farther than range_c from the target it is fully on or off.
     """
 
     def __init__(self, kp: float, ki: float, kd: float, filter_s: float = 1.0, drive_min: float = 0.0, drive_max: float = 1.0, range_c: float = 10.0) -> None: ...

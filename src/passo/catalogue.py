@@ -71,6 +71,10 @@ CATALOGUE: Mapping[str, Entry] = {
     "config.missing-key": _config("{key} is missing: expected {limit}", "Add the key"),
     "config.value": _config("{key} is {value!r}: expected {limit}", "Correct the value"),
     "config.conflict": _config("{key} is {value!r}: expected {limit}", "Change or remove it"),
+    "config.gain": _config(
+        "{key} is {value!r}: {limit}",
+        "Copy the gains of Klipper, Marlin or M303, or leave them out",
+    ),
     "input.unreadable": _input("file", "cannot be read: {value}", "Check the path and permissions"),
     "input.pipe": _input("file", "can be read only once, and not again", "Save it to a file first"),
     "input.empty": _input("file", "holds no command", "Slice the model again"),

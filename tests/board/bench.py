@@ -34,7 +34,7 @@ PLANT = PlantDescription(
 )
 
 
-PID = _core.PidControl(kp=0.05, ki=0.002, kd=0.1)
+PID = _core.PidControl(kp=12.75, ki=0.51, kd=25.5)
 
 
 def description(

@@ -73,6 +73,24 @@ def test_check_shows_the_boards_own_pin_beside_another(
     assert not rows["steppers.x.enable_pin"]["rebound"]
 
 
+def test_check_questions_gains_of_another_unit(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "mine.toml"
+    head = "[heaters.hotend]\n"
+    gains = 'control = { kind = "pid", kp = 0.08 }\n'
+    path.write_text(config.shipped_text("i3").replace(head, head + gains))
+    assert main(["check", str(path)]) == 0
+    question = capsys.readouterr().out.splitlines()[1]
+    assert question.startswith("  Question: ")
+    assert "heaters.hotend.control.kp is 0.08: a hotend has 1.5 to 1000" in question
+    assert question.endswith("Did you mean kp = 20.4 (multiplied by 255)?")
+    assert main(["check", "--json", str(path)]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert report["ok"] is True
+    assert [row["code"] for row in report["questions"]] == ["config.gain"]
+
+
 def test_check_of_a_bad_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "bad.toml"
     path.write_text("name = 5\nuuid = 'x'\n")

@@ -67,6 +67,59 @@ def test_what_is_refused(i3_text, line, says):
     assert problem.line is not None
 
 
+QUESTIONS = [
+    ("hotend", "kp = 0.0844, ki = 0.00417", "kp", "kp = 21.52, ki = 1.063 (multiplied by 255)"),
+    ("hotend", "kp = 1.0", "kp", "kp = 255 (multiplied by 255)"),
+    ("hotend", "kp = 5489.385", "kp", "kp = 21.53 (divided by 255)"),
+    ("hotend", "kp = 5000, kd = 0.0", "kp", "kp = 19.61, kd = 0 (divided by 255)"),
+    ("hotend", "kp = 21.5, ki = 300.0", "ki", "ki = 1.176 (divided by 255)"),
+    ("hotend", "kp = 21.5, kd = 0.4", "kd", "kd = 102 (multiplied by 255)"),
+    ("bed", "kp = 1.27, ki = 0.01", "kp", "kp = 323.9, ki = 2.55 (multiplied by 255)"),
+]
+
+
+@pytest.mark.parametrize(("heater", "gains", "key", "meant"), QUESTIONS)
+def test_gains_of_another_unit_are_questioned(i3_text, tmp_path, heater, gains, key, meant):
+    head = f"[heaters.{heater}]\n"
+    line = f"control = {{ kind = 'pid', {gains} }}\n"
+    file = tmp_path / "my.toml"
+    file.write_text(i3_text.replace(head, head + line))
+    machine, (question,) = config.load_and_question(file)
+    assert getattr(machine.heaters[heater].control, key) > 0
+    assert question.place == f"{file}:{i3_text[: i3_text.index(head)].count(chr(10)) + 2}"
+    assert f"heaters.{heater}.control.{key} is " in str(question)
+    assert meant in str(question)
+
+
+@pytest.mark.parametrize(
+    ("heater", "gains"),
+    [
+        ("hotend", "kp = 21.527, ki = 1.063, kd = 108.982"),
+        ("hotend", "kp = 7.65, ki = 0.0, kd = 0.0"),
+        ("bed", "kp = 10.0, ki = 0.023, kd = 305.4"),
+        ("bed", "kp = 690.34, ki = 111.47, kd = 1068.83"),
+        ("hotend", ""),
+    ],
+)
+def test_gains_as_owners_copy_them_are_not_questioned(i3_text, tmp_path, heater, gains):
+    head = f"[heaters.{heater}]\n"
+    gains = f", {gains}" if gains else ""
+    file = tmp_path / "my.toml"
+    file.write_text(i3_text.replace(head, f"{head}control = {{ kind = 'pid'{gains} }}\n"))
+    assert config.load_and_question(file).questions == ()
+
+
+def test_a_gain_that_no_unit_explains_gets_the_usual_range(i3_text, tmp_path):
+    head = "[heaters.hotend]\n"
+    file = tmp_path / "my.toml"
+    file.write_text(i3_text.replace(head, f"{head}control = {{ kind = 'pid', kp = 0.001 }}\n"))
+    (question,) = config.load_and_question(file).questions
+    assert str(question).endswith(
+        "kp is 0.001: a hotend has 1.5 to 1000, where full power is 255. Copy the gains of Klipper,"
+        " Marlin or M303, or leave them out."
+    )
+
+
 def test_a_fan_that_is_not_there(i3_text):
     with pytest.raises(ConfigError, match=r"fan is 'prat': .* Did you mean 'part'"):
         config.load_text(i3_text.replace('fan = "part"', 'fan = "prat"'))

@@ -98,7 +98,7 @@ def test_what_is_too_warm_already_is_not_waited_for():
 
 def test_nobody_waits_for_ever_for_the_last_degree():
     """Without an integral the temperature ends two degrees below."""
-    control = "control = { kind = 'pid', kp = 0.2, ki = 0.0, kd = 0.0 }"
+    control = "control = { kind = 'pid', kp = 51.0, ki = 0.0, kd = 0.0 }"
     with scenario(f"{control}\narrival = {{ window_c = 0.2 }}") as s:
         s.host.send("M109 S200")
         assert s.until(lambda: heater(s).celsius >= 197, 300)

@@ -12,7 +12,7 @@ from passo.printer.wiring import connect_simulated
 
 CONTROLS = {
     "pid": "control = { kind = 'pid' }",
-    "tuned pid": "control = { kind = 'pid', kp = 0.2189, ki = 0.0438, kd = 0.2737 }",
+    "tuned pid": "control = { kind = 'pid', kp = 55.82, ki = 11.17, kd = 69.79 }",
     "model": "control = { kind = 'model' }",
 }
 
@@ -95,7 +95,7 @@ def test_a_fan_that_asks_for_more_power_than_there_is_leaves_nothing_behind(name
 
 
 def test_what_has_gathered_too_much_power_is_off_above_its_range():
-    oven = Oven("control = { kind = 'pid', kp = 0.05, ki = 0.05, kd = 0.0, range_c = 5.0 }")
+    oven = Oven("control = { kind = 'pid', kp = 12.75, ki = 12.75, kd = 0.0, range_c = 5.0 }")
     oven.heat(210.0)
     rows = oven.run(300)
     assert max(body for _, body, _, _ in rows) < 230
@@ -152,7 +152,7 @@ def test_a_model_may_err(rise_c, time_constant_s):
 
 
 def test_gains_that_are_far_too_small_are_no_fault():
-    oven = Oven("control = { kind = 'pid', kp = 0.04, ki = 0.0005, kd = 0.1 }")
+    oven = Oven("control = { kind = 'pid', kp = 10.2, ki = 0.1275, kd = 25.5 }")
     oven.heat(210.0)
     slow = oven.run(600)
     assert max(body for _, body, _, _ in slow) < 210.5
@@ -208,7 +208,7 @@ def test_bang_bang_keeps_its_interval():
 
 
 def test_the_terms_of_pid_can_be_traced():
-    oven = Oven("control = { kind = 'pid', kp = 0.05, ki = 0.01, kd = 0.1, drive_min = 0.1 }")
+    oven = Oven("control = { kind = 'pid', kp = 12.75, ki = 2.55, kd = 25.5, drive_min = 0.1 }")
     oven.heat(100.0)
     oven.run(60)
     samples = oven.heater.take_samples()

@@ -43,7 +43,7 @@ def test_a_fan_is_pulsed_as_the_machine_file_says(key, period):
 
 @pytest.mark.parametrize("hz", [8, 20, 100])
 def test_a_heater_gets_its_share_in_whole_cycles_between_two_readings(hz):
-    control = 'control = { kind = "pid", kp = 0.001, ki = 0.0, kd = 0.0, range_c = 1000.0 }'
+    control = 'control = { kind = "pid", kp = 0.255, ki = 0.0, kd = 0.0, range_c = 1000.0 }'
     with Scenario(config.load_text(text(f"pwm_hz = {hz}\nmax_power = 0.25\n{control}"))) as s:
         s.host.ok("M104 S270")
         s.passes(2)

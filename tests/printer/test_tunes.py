@@ -1,6 +1,7 @@
 """Tunes and gains on a console."""
 
 import re
+import tomllib
 
 import pytest
 from tests.console.scenario import Host, Scenario
@@ -35,6 +36,53 @@ def test_a_relay_tune_finds_gains_that_hold_the_temperature(tmp_path):
         assert s.board.temperature("hotend") == pytest.approx(210, abs=0.5)
     with Scenario("i3", state=str(tmp_path)) as s:
         assert gains(s.host.ok("M301 H0")[0]) == pytest.approx(gains(found))
+
+
+@pytest.mark.parametrize(
+    ("heater", "words", "control"),
+    [
+        ("hotend", "H0 S200", 'control = { kind = "pid", kp = 20.0, filter_s = 2.0 }\n'),
+        ("bed", "H-1 S60", ""),
+    ],
+)
+def test_a_tune_ends_with_the_keys_of_the_machine_file(heater, words, control):
+    head = f'[heaters.{heater}]\nkind = "{heater}"\n'
+    text = shipped_text("i3")
+    assert head in text
+    with Scenario(config.load_text(text.replace(head, head + control))) as s:
+        answer = s.host.ok(f"M303 {words} C3 U", 3600)
+        assert answer[-3:] == [
+            f"To keep this, write in the machine file, in the table [heaters.{heater}]:",
+            answer[-2],
+            "ok",
+        ]
+        found = s.printer.controls.control(heater)
+    kept = answer[-2] + "\n"
+    machine = config.load_text(text.replace(head, head + kept))
+    with Scenario(machine) as s:
+        again = s.printer.controls.control(heater)
+        for key in ("kp", "ki", "kd"):
+            assert getattr(again, key) == pytest.approx(getattr(found, key), rel=1e-3)
+        assert again.filter_s == (2.0 if control else 1.0)
+
+
+def test_gains_of_the_machine_file_are_those_of_m301_and_m503():
+    head = "[heaters.hotend]\n"
+    gains = 'control = { kind = "pid", kp = 21.527, ki = 1.063, kd = 108.982 }\n'
+    with Scenario(config.load_text(shipped_text("i3").replace(head, head + gains))) as s:
+        assert s.host.ok("M301 H0")[0] == "M301 H0 P21.527 I1.063 D108.982"
+        assert "M301 H0 P21.527 I1.063 D108.982" in s.host.ok("M503")
+
+
+def test_m301_questions_gains_of_another_unit():
+    with Scenario("i3") as s:
+        assert s.host.ok("M301 H0 P0.0844 I0.00417") == [
+            "echo:P is 0.0844: a hotend has 1.5 to 1000, where full power is 255. Did you mean"
+            " kp = 21.52, ki = 1.063 (multiplied by 255)?",
+            "ok",
+        ]
+        assert s.host.ok("M301 H0")[0] == "M301 H0 P0.0844 I0.00417 D0"
+        assert s.host.ok("M301 H0 P21.5 I1 D0") == ["ok"]
 
 
 def test_without_u_a_tune_only_reports():
@@ -106,9 +154,17 @@ def test_r5_finds_the_model_of_a_heater_that_its_gains_control(tmp_path):
         settings = s.host.ok("M503")
         answer = s.host.ok("M303 H0 S200 R5 U", 3600)
         assert answer[:2] == ["MPC Autotune start", "Hotend:0 Temp:200"]
-        told = dict(re.findall(r"(\w[\w ]*):([\d.]+)", answer[-2]))
+        told = dict(re.findall(r"(\w[\w ]*):([\d.]+)", answer[-4]))
         assert float(told["rise"]) == pytest.approx(380, rel=0.01)
         assert float(told["time constant"]) == pytest.approx(120, rel=0.01)
+        keys = tomllib.loads(answer[-2])["model"]
+        assert keys == {
+            "rise_c": pytest.approx(float(told["rise"]), abs=0.06),
+            "time_constant_s": pytest.approx(float(told["time constant"]), abs=0.06),
+            "sensor_lag_s": pytest.approx(float(told["sensor lag"]), abs=0.006),
+            "fan_loss": pytest.approx(float(told["fan loss"]), abs=0.0006),
+            "ambient_c": pytest.approx(25, abs=0.5),
+        }
         assert s.host.ok("M503") == settings
         assert "R is 6: expected 0 to 5" in s.host.ok("M303 H0 R6")[0]
         assert "R is -1: expected 0 to 5" in s.host.ok("M303 H0 R-1")[0]
@@ -186,10 +242,10 @@ def test_gains_are_set_in_the_usual_unit():
     with Scenario("i3") as s:
         s.host.ok("M301 H0 P25.5 I2.55 D51")
         control = s.printer.connection.heaters["hotend"].control
-        assert (control.kp, control.ki, control.kd) == pytest.approx((0.1, 0.01, 0.2))
+        assert (control.kp, control.ki, control.kd) == (25.5, 2.55, 51)
         assert s.host.ok("M301 H0")[0] == "M301 H0 P25.5 I2.55 D51"
         s.host.ok("M304 P10.2")
-        assert s.printer.connection.heaters["bed"].control.kp == pytest.approx(0.04)
+        assert s.printer.connection.heaters["bed"].control.kp == 10.2
         refused = "echo:P is -1: expected a number of at least 0"
         assert s.host.ok("M301 P-1 H-5")[0].startswith(refused)
         assert s.host.ok("M301 I3 P-1 H0")[0].startswith(refused)

@@ -16,13 +16,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Prints one line on success, and one for each pin that is not the board's own for its part.
-    Raises ConfigError with every problem otherwise."""
+    """Prints one line on success, one for each value that the file cannot mean, and one for each
+    pin that is not the board's own for its part. Raises ConfigError with every problem otherwise.
+    """
     from passo import config
     from passo.config.originals import bindings
 
     try:
-        machine = config.load(arguments.file)
+        machine, questions = config.load_and_question(arguments.file)
     except ConfigError as error:
         if not arguments.json:
             raise
@@ -32,13 +33,17 @@ def run(arguments: argparse.Namespace) -> int:
     pins = bindings(machine)
     if arguments.json:
         rows = [asdict(pin) | {"rebound": pin.rebound} for pin in pins]
-        report = {"file": arguments.file, "ok": True, "problems": [], "pins": rows}
+        asked = [question.as_dict() for question in questions]
+        report = {"file": arguments.file, "ok": True, "problems": [], "questions": asked}
+        report |= {"pins": rows}
         print(json.dumps(report, indent=2))
     else:
         axes, steppers = len(machine.axes), len(machine.steppers)
         print(f"{arguments.file}: ok: {machine.name}, {machine.geometry.kind}, ", end="")
         others = [f"{name}: {board.name}" for name, board in machine.boards.items()]
         print(f"{axes} axes, {steppers} steppers, {', '.join([machine.board.name, *others])}")
+        for question in questions:
+            print(f"  Question: {question}")
         for pin in pins:
             if pin.rebound:
                 print(f"  {pin.key}: {_named(pin.name, pin.pin)}", end="")

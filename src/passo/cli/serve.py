@@ -125,7 +125,9 @@ def run(arguments: argparse.Namespace) -> int:
     from passo import config
     from passo.clock import new_loop
 
-    machine = config.load(arguments.machine)
+    machine, questions = config.load_and_question(arguments.machine)
+    for question in questions:
+        print(question, file=sys.stderr)
     if machine.board.link != "simulated" and arguments.clock != 1.0:
         where = f"{machine.board.port} keeps its own time"
         print(f"passo serve: error: the board at {where}: leave --clock out", file=sys.stderr)

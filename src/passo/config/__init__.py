@@ -4,12 +4,19 @@
 """
 
 from passo.config.board_files import load_board, shipped_boards
-from passo.config.load import load, load_text, shipped_machines, shipped_text
+from passo.config.load import (
+    load,
+    load_and_question,
+    load_text,
+    shipped_machines,
+    shipped_text,
+)
 from passo.config.machine import MachineConfig
 
 __all__ = [
     "MachineConfig",
     "load",
+    "load_and_question",
     "load_board",
     "load_text",
     "shipped_boards",

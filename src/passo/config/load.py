@@ -7,13 +7,14 @@ import re
 import tomllib
 from collections.abc import Iterable, Iterator
 from pathlib import Path as FilePath
-from typing import cast
+from typing import NamedTuple, cast
 
 from pydantic import ValidationError
 
 from passo.config.board_files import Source, put_boards
 from passo.config.checks import check_all
 from passo.config.findings import Finding, as_written, did_you_mean, key_text, table
+from passo.config.gains import question_gains
 from passo.config.heat_checks import check_sensors
 from passo.config.home_checks import check_home, check_park, check_scales
 from passo.config.kinds import KINDS
@@ -46,19 +47,31 @@ def _shipped(name: str) -> FilePath:
     return _HERE / "machines" / f"{name}.toml"
 
 
+class Loaded(NamedTuple):
+    """A machine, and what its file may not mean: values that are allowed and cannot be right."""
+
+    machine: MachineConfig
+    questions: tuple[Problem, ...]
+
+
 def load(name_or_path: str | os.PathLike[str]) -> MachineConfig:
     """The machine of that name, or of that TOML file.
 
     A word without a path separator and without the ending .toml is the name of a shipped machine.
     Raises ConfigError with *every* problem of the file, each with its line.
     """
+    return load_and_question(name_or_path).machine
+
+
+def load_and_question(name_or_path: str | os.PathLike[str]) -> Loaded:
+    """As `load`, with a question for each value that the file cannot mean, each with its line."""
     text = os.fspath(name_or_path)
     if text.endswith(".toml") or os.sep in text:
         return _load_file(FilePath(text))
     return _load_file(_shipped(text))
 
 
-def _load_file(path: FilePath) -> MachineConfig:
+def _load_file(path: FilePath) -> Loaded:
     try:
         text = path.read_bytes().decode("utf-8-sig")
     except OSError as error:
@@ -67,18 +80,22 @@ def _load_file(path: FilePath) -> MachineConfig:
     except UnicodeDecodeError as error:
         reason = f"byte {error.start} is not UTF-8"
         raise ConfigError.of("config.unreadable", str(path), value=reason) from None
-    return load_text(text, str(path))
+    return _load_text(text, str(path))
 
 
 def load_text(text: str, file: str = "<text>") -> MachineConfig:
     """The machine that a TOML text describes; `file` names it in messages. Raises ConfigError."""
+    return _load_text(text, file).machine
+
+
+def _load_text(text: str, file: str) -> Loaded:
     try:
         return _machine(text, file)
     except RecursionError:  # in the parser, or in what walks through its tables
         raise ConfigError.of("config.syntax", file, value="it is nested too deeply") from None
 
 
-def _machine(text: str, file: str) -> MachineConfig:
+def _machine(text: str, file: str) -> Loaded:
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -115,7 +132,7 @@ def _machine(text: str, file: str) -> MachineConfig:
         findings += check_sensors(machine)
     if findings or machine is None:
         raise ConfigError(_problems(findings, text, file, sources))
-    return machine
+    return Loaded(machine, tuple(_problems(question_gains(machine), text, file, sources)))
 
 
 def _beyond_64_bits(value: object, path: Path = ()) -> Iterator[Finding]:

@@ -11,7 +11,7 @@ from passo.board.description import inverted
 from passo.config import platinum
 from passo.config.sensor_tables import sensor_table
 from passo.config.sensors import Platinum, PlatinumAmplifier, Thermistor
-from passo.heat.rules import M301_FULL_POWER
+from passo.heat.rules import FULL_POWER
 from passo.printer.homing import SLOW_OVERRUN
 
 if TYPE_CHECKING:
@@ -160,16 +160,16 @@ def _heater(printer: Printer, name: str) -> Iterator[Option]:
             f"{prefix}PidIState{suffix}",
             lambda key=key: _of_pid(printer, name, key),
             "" if number is None else f"M306 H{number} {letter}{{}}",
-            M301_FULL_POWER,
+            FULL_POWER,
         )
     share = config.control.filter_s / (SENSOR_PERIOD_S + config.control.filter_s)
     yield Option(f"{prefix}PidDHistory", lambda: share)
     for letter, key in (("P", "kp"), ("I", "ki"), ("D", "kd")):
         yield Option(
             f"{prefix}Pid{letter}",
-            lambda key=key: _of_pid(printer, name, key),
+            lambda key=key: _of_pid(printer, name, key) / FULL_POWER,
             "" if number is None else f"M301 H{number} {letter}{{}}",
-            M301_FULL_POWER,
+            FULL_POWER,
         )
 
 

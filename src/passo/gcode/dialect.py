@@ -374,7 +374,13 @@ TABLE: tuple[Row, ...] = (
         "Beeps where the machine file has a [beeper]; S0 is a rest.",
         bare=ANY,
     ),
-    Row("M301", _S, _I, "H P I D", "A heater's PID gains, in 1/255 of full power; H-1 is the bed."),
+    Row(
+        "M301",
+        _S,
+        _I,
+        "H P I D",
+        "A heater's PID gains, in 1/255 of full power as in the machine file; H-1 is the bed.",
+    ),
     Row(
         "M303",
         _S,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from passo import _core
 from passo.config.heat import BangBangControl, Heater, ModelControl
+from passo.heat.rules import FULL_POWER
 
 _SETTLES_S = 10.0
 _HOTEND_WATCH_S = 20.0
@@ -40,10 +41,11 @@ def control_of(heater: Heater) -> _core.PidControl | _core.OnOffControl | _core.
 
 
 def pid_gains(model: _core.HeatModel) -> tuple[float, float, float]:
-    """kp, ki, kd by the SIMC rules (S. Skogestad, 2003) for an integrating body: with the sensor's
-    lag as dead time θ and as the wanted time constant, Kc = τ / (k 2θ) and τI = 8θ."""
+    """kp, ki, kd in 1/255 of full power, by the SIMC rules (S. Skogestad, 2003) for an integrating
+    body: with the sensor's lag as dead time θ and as the wanted time constant, Kc = τ / (k 2θ) and
+    τI = 8θ."""
     lag = model.sensor_lag_s
-    kp = model.time_constant_s / model.rise_c / (2 * lag)
+    kp = FULL_POWER * model.time_constant_s / model.rise_c / (2 * lag)
     return kp, kp / (8 * lag), 0.0
 
 

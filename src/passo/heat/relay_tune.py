@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import pi
 
 from passo import _core
-from passo.heat.rules import M301_FULL_POWER, RULES, Gains
+from passo.heat.rules import FULL_POWER, RULES, Gains
 
 LEAST_CYCLES, MOST_CYCLES = 3, 20
 HEADROOM_C = 15.0  # a target must lie so far below the heater's limit
@@ -101,7 +101,7 @@ class RelayTune:
         lines: list[str] = []
         if self._count > 0:
             bias, swing = (
-                round(M301_FULL_POWER * abs(share)) for share in (sample.terms.p, sample.terms.d)
+                round(FULL_POWER * abs(share)) for share in (sample.terms.p, sample.terms.d)
             )
             extremes = f"min:{self._least_c:.2f} max:{self._most_c:.2f}"
             lines.append(f" bias:{bias} d:{swing} {extremes}")
@@ -113,29 +113,15 @@ class RelayTune:
         self._least_c = self.target_c
         if self._count > self.cycles and self._gains is not None:
             self.result = self._gains
-            lines += self._finish(self._gains)
+            lines += ["PID Autotune finished!", f" {self._gains}"]
         return lines
 
     def _reckon(self, tu_s: float) -> list[str]:
         """Ku = 4 d / (π a): the relay's swing d, with which the temperature swings by a."""
-        ku = 4 * self._swing / (pi * (self._most_c - self._least_c) / 2)
+        ku = 4 * FULL_POWER * self._swing / (pi * (self._most_c - self._least_c) / 2)
         rule = RULES[self.rule]
         self._gains = rule.gains(ku, tu_s)
-        return [f" Ku:{ku * M301_FULL_POWER:.2f} Tu:{tu_s:.2f}", f" {rule.name}", f" {self._gains}"]
-
-    def _finish(self, gains: Gains) -> list[str]:
-        says = (
-            "PID Autotune finished!"
-            " Put the last Kp, Ki and Kd constants from below into Configuration!"
-        )
-        if self.label.startswith("Hotend"):
-            return [says, f" {gains}"]
-        names = (("Kp", gains.kp), ("Ki", gains.ki), ("Kd", gains.kd))
-        part = self.label.lower()
-        return [
-            says,
-            *(f"#define DEFAULT_{part}{name} {g * M301_FULL_POWER:.2f}" for name, g in names),
-        ]
+        return [f" Ku:{ku:.2f} Tu:{tu_s:.2f}", f" {rule.name}", f" {self._gains}"]
 
     def _fail(self, reason: str) -> list[str]:
         self.failed = f"PID Autotune failed! {reason}"

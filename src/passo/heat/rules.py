@@ -4,21 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-M301_FULL_POWER = 255.0  # in the unit of the gains of M301
+FULL_POWER = 255.0  # in the unit of gains, which is that of Klipper's and Marlin's
 
 
 @dataclass(frozen=True, slots=True)
 class Gains:
-    """PID gains as shares of full power by °C, by °C·s and by °C/s."""
+    """PID gains in 1/255 of full power by °C, by °C·s and by °C/s."""
 
     kp: float
     ki: float
     kd: float
 
     def __str__(self) -> str:
-        """As M301 has them, in 1/255 of full power."""
-        kp, ki, kd = (gain * M301_FULL_POWER for gain in (self.kp, self.ki, self.kd))
-        return f"Kp:{kp:.2f} Ki:{ki:.2f} Kd:{kd:.2f}"
+        return f"Kp:{self.kp:.2f} Ki:{self.ki:.2f} Kd:{self.kd:.2f}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, TypeAlias, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from passo import _core
+from passo.config.gains import doubt
 from passo.config.heat import HeatModel
 from passo.config.heater_numbers import KINDS, number_of
 from passo.config.model_findings import expected
 from passo.config.sensor_tables import reads_within, sensor_table
 from passo.config.sensors import Thermistor
 from passo.errors import CommandError
-from passo.heat.rules import M301_FULL_POWER, Gains
+from passo.heat.rules import FULL_POWER, Gains
 from passo.printer.waits import Handler, Reply, Wait
 from passo.printer.wiring import sensor_of
 from passo.printer.words import Command, numeral
@@ -126,9 +127,12 @@ class ControlCommands:
         old = self.control(name)
         if not isinstance(old, _core.PidControl):
             raise CommandError.of("heat.no-pid", axis=name)
-        shares = {k: v / M301_FULL_POWER for k, v in given.items()}
-        gains = Gains(shares.get("P", old.kp), shares.get("I", old.ki), shares.get("D", old.kd))
+        gains = Gains(given.get("P", old.kp), given.get("I", old.ki), given.get("D", old.kd))
         self.set_control(name, with_gains(old, gains))
+        keys = {f"k{letter.lower()}": value for letter, value in given.items()}
+        if asked := doubt(self._machine.heaters[name].kind, keys):
+            letter = asked.key[-1].upper()
+            reply.say(f"echo:{letter} is {asked.value:g}: {asked.usual}. {asked.hint}".rstrip())
         return None
 
     def gain_lines(self, *names: str) -> Iterator[str]:
@@ -136,8 +140,8 @@ class ControlCommands:
         for number, name in self._numbered(names):
             control = self.control(name)
             if isinstance(control, _core.PidControl):
-                p, i, d = (g * M301_FULL_POWER for g in (control.kp, control.ki, control.kd))
-                yield f"M301 H{number} P{numeral(p)} I{numeral(i)} D{numeral(d)}"
+                p, i, d = map(numeral, (control.kp, control.ki, control.kd))
+                yield f"M301 H{number} P{p} I{i} D{d}"
 
     # -- models -----------------------------------------------------------------------------------
 
@@ -219,7 +223,7 @@ class ControlCommands:
         drive = f" {_drive(old)}" if pid else ""
         reply.say(
             f"M306 H{self.number_of(name)}{drive} L{h.min_c:g} O{h.max_c:g}"
-            f" C{h.max_power * M301_FULL_POWER:g} U{int(pid)} T1"
+            f" C{h.max_power * FULL_POWER:g} U{int(pid)} T1"
         )
         return None
 
@@ -228,13 +232,13 @@ class ControlCommands:
         if not isinstance(old, _core.PidControl):
             raise CommandError.of("heat.no-pid", axis=name)
         for letter, value in given.items():
-            if not 0 <= value <= M301_FULL_POWER:
-                raise CommandError.bad_value(letter, value, f"0 to {M301_FULL_POWER:g}")
-        low = given["A"] / M301_FULL_POWER if "A" in given else old.drive_min
-        high = given["B"] / M301_FULL_POWER if "B" in given else old.drive_max
+            if not 0 <= value <= FULL_POWER:
+                raise CommandError.bad_value(letter, value, f"0 to {FULL_POWER:g}")
+        low = given["A"] / FULL_POWER if "A" in given else old.drive_min
+        high = given["B"] / FULL_POWER if "B" in given else old.drive_max
         if low >= high:
-            least = f"more than A, {numeral(low * M301_FULL_POWER)}"
-            raise CommandError.bad_value("B", high * M301_FULL_POWER, least)
+            least = f"more than A, {numeral(low * FULL_POWER)}"
+            raise CommandError.bad_value("B", high * FULL_POWER, least)
         self.set_control(
             name,
             _core.PidControl(old.kp, old.ki, old.kd, old.filter_s, low, high, old.range_c),
@@ -249,7 +253,7 @@ class ControlCommands:
 
 
 def _drive(control: _core.PidControl) -> str:
-    low, high = control.drive_min * M301_FULL_POWER, control.drive_max * M301_FULL_POWER
+    low, high = control.drive_min * FULL_POWER, control.drive_max * FULL_POWER
     return f"A{numeral(low)} B{numeral(high)}"
 
 

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from passo import _core
+from passo.config.heat import HeatModel, PidControl
 from passo.errors import CommandError
 from passo.heat.relay_tune import RelayTune, TuneError
 from passo.heat.rules import RULES, Gains
 from passo.heat.step_tune import StepTune
 from passo.printer.control_commands import ControlCommands, with_gains
 from passo.printer.waits import Handler, Reply, Tuning, Wait
-from passo.printer.words import Command
+from passo.printer.words import Command, numeral
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -82,7 +84,23 @@ class TuneCommands:
             fan = self._machine.heaters[name].fan
             if fan is not None and isinstance(tune, StepTune):
                 self._printer.set_fan(fan, tune.fan)
+        if tune.result is not None:
+            for line in self._keys(name, tune.result):
+                reply.say(line)
         return tune.done or heater.fault is not None
+
+    def _keys(self, name: str, result: Gains | _core.HeatModel) -> Iterator[str]:
+        """What to write into the machine file so that it has what the tune has found."""
+        yield f"To keep this, write in the machine file, in the table [heaters.{name}]:"
+        if isinstance(result, Gains):
+            old = self._machine.heaters[name].control
+            kept = old.model_dump(exclude_unset=True) if isinstance(old, PidControl) else {}
+            found = {"kp": result.kp, "ki": result.ki, "kd": result.kd}
+            kept = {key: value for key, value in kept.items() if key not in ("kind", *found)}
+            yield f"control = {_inline({'kind': 'pid'} | found | kept)}"
+        else:
+            keys = HeatModel.model_fields
+            yield f"model = {_inline({key: getattr(result, key) for key in keys})}"
 
     def _end(self, name: str, tune: RelayTune | StepTune, apply: bool) -> None:
         """The heater off, unless somebody wants it otherwise by now, and, where asked for, with
@@ -105,3 +123,14 @@ class TuneCommands:
             self._controls.set_control(name, _core.ModelControl(result, old.horizon_s))
         if printer.store_settings is not None:
             printer.store_settings()
+
+
+def _inline(table: Mapping[str, str | float]) -> str:
+    """An inline table of TOML, numbers to 4 significant digits."""
+    rows = (
+        f'{key} = "{value}"'
+        if isinstance(value, str)
+        else f"{key} = {numeral(float(f'{value:.4g}'))}"
+        for key, value in table.items()
+    )
+    return f"{{ {', '.join(rows)} }}"

@@ -14,7 +14,7 @@ from passo.errors import MachineError
 from .boards import HZ, RAMPS_PINS, bench
 from .host import AvrConnection, Hotend
 
-CONTROL = _core.PidControl(kp=0.03, ki=0.015, kd=0.0)
+CONTROL = _core.PidControl(kp=7.65, ki=3.825, kd=0.0)
 
 
 def _heated(control: _core.PidControl | None = CONTROL) -> tuple[AvrConnection, Hotend]:
