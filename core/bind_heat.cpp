@@ -6,6 +6,7 @@
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
+#include "wire/heat_run.hpp"
 #include "wire/heater.hpp"
 
 namespace nb = nanobind;
@@ -289,10 +290,57 @@ void bind_heater(nb::module_& m) {
           "The samples since the last call, at most the newest 4096, oldest first.");
 }
 
+// A body and its heater by themselves; readings are exact to a thousandth of a degree.
+void bind_heat_run(nb::module_& m) {
+  nb::class_<HeatRun>(m, "HeatRun",
+                      "A heater loop and the body that it heats, without a board: how long heating "
+                      "takes, as on a simulated printer.")
+      .def(
+          "__init__",
+          [](HeatRun* self, const HeatModel& body, const Control& control, const Arrival& arrival,
+             double max_power, const ProtectionLimits& limits,
+             const std::optional<HeatModel>& model) {
+            constexpr double kLow = -273, kHigh = 1727;  // °C
+            constexpr uint32_t kFull = 2'000'000;
+            Points celsius{{0.0, kLow}, {1.0, kHigh}}, shares{{kLow, 0.0}, {kHigh, 1.0}};
+            HeaterOptions options{.sensor_oid = 0,
+                                  .output_oid = 0,
+                                  .pwm = true,
+                                  .full = 255,
+                                  .adc_full = kFull,
+                                  .query = {},
+                                  .longest_s = 3,
+                                  .max_power = max_power,
+                                  .arrival = arrival,
+                                  .celsius = heat::Curve(celsius),
+                                  .low_share = 0,
+                                  .high_share = 1,
+                                  .open_is_high = true,
+                                  .control = control,
+                                  .limits = limits,
+                                  .model = model};
+            HeatedBody plant{.heater_pin = 0,
+                             .sensor_pin = 0,
+                             .ambient_c = body.ambient_c,
+                             .rise_c = body.rise_c,
+                             .time_constant_s = body.time_constant_s,
+                             .sensor_time_constant_s = body.sensor_lag_s,
+                             .adc_ratio = heat::Curve(shares)};
+            plant.fan_loss = body.fan_loss;
+            new (self) HeatRun(std::move(options), std::move(plant));
+          },
+          "body"_a, "control"_a, "arrival"_a, "max_power"_a, "limits"_a, "model"_a.none())
+      .def("run", &HeatRun::run, "seconds"_a, "Lets time pass.")
+      .def("set_fan", &HeatRun::set_fan, "speed"_a,
+           "The fan that cools the body blows so fast from now on, 0 to 1.")
+      .def_prop_ro("heater", &HeatRun::heater, nb::rv_policy::reference_internal);
+}
+
 }  // namespace
 
 void bind_heat(nb::module_& m) {
   bind_controls(m);
   bind_protections(m);
   bind_heater(m);
+  bind_heat_run(m);
 }

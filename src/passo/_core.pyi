@@ -385,6 +385,22 @@ class Heater:
         The samples since the last call, at most the newest 4096, oldest first.
         """
 
+class HeatRun:
+    """
+    A heater loop and the body that it heats, without a board: how long heating takes, as on a simulated printer.
+    """
+
+    def __init__(self, body: HeatModel, control: PidControl | OnOffControl | ModelControl | RelayControl, arrival: Arrival, max_power: float, limits: ProtectionLimits, model: HeatModel | None) -> None: ...
+
+    def run(self, seconds: float) -> None:
+        """Lets time pass."""
+
+    def set_fan(self, speed: float) -> None:
+        """The fan that cools the body blows so fast from now on, 0 to 1."""
+
+    @property
+    def heater(self) -> Heater: ...
+
 def crc16(data: bytes) -> int:
     """CRC-16/MCRF4XX of the bytes."""
 

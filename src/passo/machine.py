@@ -14,7 +14,9 @@ from passo.printer.slots import slot_of_axis
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
+    from passo.job.estimate import Estimate
     from passo.job.result import PrintResult
+    from passo.job.steps import StepTrace
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,6 +83,39 @@ class Machine:
             ticks, count = solver.ideal_ticks(move.core, i, count)
             place = end
             yield from (tick / hz for tick in ticks)
+
+    def estimate(
+        self, path: str | os.PathLike[str], *, clamp: bool = False, ignore_tools: bool = False
+    ) -> Estimate:
+        """Time and filament of a file, without a board and without steps: see `Estimate`.
+
+        `clamp` moves targets beyond the machine's limits to the limit, and `ignore_tools` goes on
+        with the tool in place where the machine lacks one; otherwise such a file is an error.
+        Raises InputError.
+        """
+        from passo.job.estimate import estimate
+
+        return estimate(self.config, path, clamp=clamp, ignore_tools=ignore_tools)
+
+    def trace(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        from_s: float = 0.0,
+        to_s: float | None = None,
+        ideal: bool = False,
+        clamp: bool = False,
+        ignore_tools: bool = False,
+    ) -> StepTrace:
+        """Prints a file as `print` does and returns every step that each motor made from `from_s`
+        to `to_s` of print time: see `StepTrace`. With `ideal` the trace holds the ideal times, too;
+        `clamp` and `ignore_tools` are those of `estimate`. Raises InputError, MachineError.
+        """
+        from passo.job.printing import Policy
+        from passo.job.steps import trace_steps
+
+        policy = Policy(clamp=clamp, ignore_tools=ignore_tools)
+        return trace_steps(self.config, path, policy, from_s=from_s, to_s=to_s, ideal=ideal)
 
     def print(self, path: str | os.PathLike[str]) -> PrintResult:
         """Prints a file on a simulated board of this machine, in virtual time. Raises InputError,

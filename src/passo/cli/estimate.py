@@ -1,4 +1,4 @@
-"""`passo estimate`: how long a file takes, and why."""
+"""`passo estimate`: how long files take, and why."""
 
 from __future__ import annotations
 
@@ -12,36 +12,53 @@ from passo.errors import ExitStatus, PassoError
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declares the options of `passo estimate`."""
-    parser.add_argument("file", help="the G-code file")
+    parser.add_argument("files", nargs="+", metavar="file", help="a G-code file, or several")
     add_machine(parser)
     add_policy(parser)
     parser.add_argument(
-        "--json", action="store_true", help="print one JSON object and nothing else"
+        "--json",
+        action="store_true",
+        help="print JSON and nothing else: an object, of several files a list with an object each",
     )
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Plans the file and prints a table, or one JSON object."""
-    from passo import config
-    from passo.cli.tables import estimate_table
-    from passo.job.estimate import Estimate, estimate
+    """Plans the files and prints a table each, or JSON. A file that fails does not keep the others
+    from being planned; the status is that of the first one that failed."""
+    from passo.job.estimate import Estimate
+    from passo.machine import Machine
 
-    name = arguments.machine
-    try:
-        machine = config.load(name)
-        name = machine.name
-        result = estimate(
-            machine,
-            arguments.file,
-            clamp=arguments.out_of_range == "clamp",
-            ignore_tools=arguments.missing_tool == "ignore",
-        )
-    except PassoError as error:
-        if arguments.json:
-            told = [str(problem) for problem in error.problems]
-            print(json.dumps(Estimate(arguments.file, name, errors=told).as_dict()))
-        raise
-    for line in result.warnings:
+    status, results = ExitStatus.DONE, list[Estimate]()
+    machine, name = None, arguments.machine
+    for path in arguments.files:
+        try:
+            machine = machine or Machine.load(name)
+            result = machine.estimate(
+                path,
+                clamp=arguments.out_of_range == "clamp",
+                ignore_tools=arguments.missing_tool == "ignore",
+            )
+        except PassoError as error:
+            status = status or error.status
+            problems = [str(problem) for problem in error.problems]
+            known = name if machine is None else machine.config.name
+            results.append(Estimate(path, known, errors=problems))
+            _report(problems)
+            if machine is None and not arguments.json:
+                break
+            continue
+        _report(result.warnings)
+        if not arguments.json:
+            from passo.cli.tables import estimate_table
+
+            print(("\n" if results else "") + estimate_table(result))
+        results.append(result)
+    if arguments.json:
+        objects = [result.as_dict() for result in results]
+        print(json.dumps(objects if len(objects) > 1 else objects[0]))
+    return status
+
+
+def _report(lines: list[str]) -> None:
+    for line in lines:
         print(line, file=sys.stderr)
-    print(json.dumps(result.as_dict()) if arguments.json else estimate_table(result))
-    return ExitStatus.DONE

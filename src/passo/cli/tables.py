@@ -116,7 +116,13 @@ def estimate_table(estimate: Estimate) -> str:
         ("file", estimate.file),
         ("machine", estimate.machine),
         ("time", duration(estimate.total_s)),
-        ("  moving, waiting", f"{duration(estimate.move_s)}, {duration(estimate.dwell_s)}"),
+        (
+            "  moving, heating, waiting",
+            ", ".join(
+                duration(seconds)
+                for seconds in (estimate.moving_s, estimate.heating_s, estimate.dwell_s)
+            ),
+        ),
         ("filament", _lengths(estimate.filament_mm)),
         ("moves, layers", f"{estimate.moves:,}, {estimate.layers:,}"),
         (

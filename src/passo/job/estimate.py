@@ -1,4 +1,4 @@
-"""Time and filament of a file: the plan without steps."""
+"""Time and filament of a file: the plan without steps, and how long its heaters take."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from passo import _core
 from passo.job.budget_use import BudgetUse, budget_use
+from passo.job.heating import Heating
 from passo.job.program import run_program
 from passo.printer.commands import Commands
 
@@ -17,18 +18,25 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """Figures of a plan. Heating takes no time here: it depends on the room. `errors` are those of
-    an estimate that failed, whose figures are 0."""
+    """Figures of a plan. `total_s` is the sum of `moving_s`, `dwell_s` and `heating_s`.
+
+    `heating_s` is how long the file waits for temperatures on the simulated printer of the machine
+    file, from a room of 25 °C on; a real printer differs with its heaters and its room. `layers_s`
+    has one figure for each of `layers`, of moves and dwells; `before_layers_s` is the same before
+    the first one. `errors` are those of an estimate that failed, whose figures are 0.
+    """
 
     file: str
     machine: str
     total_s: float = 0.0
-    move_s: float = 0.0
+    moving_s: float = 0.0
+    heating_s: float = 0.0
     dwell_s: float = 0.0
     moves: int = 0
     layers: int = 0
     filament_mm: dict[str, float] = field(default_factory=dict[str, float])
     layers_s: list[float] = field(default_factory=list[float], repr=False)
+    before_layers_s: float = 0.0
     features_s: dict[str, float] = field(default_factory=dict[str, float])
     limits_s: dict[str, float] = field(default_factory=dict[str, float])
     budget: BudgetUse = field(default_factory=BudgetUse)
@@ -47,27 +55,34 @@ def estimate(
     clamp: bool = False,
     ignore_tools: bool = False,
 ) -> Estimate:
-    """Plans the file on the machine. Raises InputError."""
+    """Plans the file on the machine; nothing moves or heats, and no step is made. Raises
+    InputError."""
     spec = machine.core_spec()
     job = _core.Job(spec, False, clamp, ignore_tools)
-    commands = Commands.of_plan(machine, job)
-    for _ in run_program(job, commands, path):
+    heating = Heating(machine, job)
+    commands = Commands(machine, job, heating, [1] * len(machine.timed_outputs))
+    for _ in run_program(job, commands, path, lambda wait: heating.settle(wait, commands)):
         pass
     plan = job.statistics()
+    layers, layers_s = plan["layers"], plan["layer_s"]
+    # What rose before the first mark of a layer counts as no layer once there are marks.
+    counted_s = layers_s[1 : layers + 1]
     return Estimate(
         file=str(path),
         machine=machine.name,
-        total_s=plan["move_s"] + plan["dwell_s"],
-        move_s=plan["move_s"],
+        total_s=plan["move_s"] + plan["dwell_s"] + heating.seconds,
+        moving_s=plan["move_s"],
+        heating_s=heating.seconds,
         dwell_s=plan["dwell_s"],
         moves=plan["moves"],
-        layers=plan["layers"],
+        layers=layers,
         filament_mm=dict(
             zip((row["name"] for row in spec["extruders"]), plan["filament_mm"], strict=True)
         ),
-        layers_s=plan["layer_s"],
+        layers_s=counted_s + [0.0] * (layers - len(counted_s)),
+        before_layers_s=sum(layers_s) - sum(counted_s),
         features_s=plan["feature_s"],
         limits_s=plan["limit_s"],
         budget=budget_use(plan, machine),
-        warnings=commands.warnings(str(path)),
+        warnings=commands.warnings(str(path)) + heating.warnings(str(path)),
     )

@@ -1,0 +1,103 @@
+"""How long a plan waits for its heaters, by the simulated heat of the machine file."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from passo import _core
+from passo.heat.control import arrival_of, control_of, limits_of, model_of
+from passo.job.program import heated
+from passo.printer.waits import Wait
+
+if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
+    from passo.printer.commands import Commands
+
+SLICE_S = 0.5  # a wait looks at the temperatures this often
+LEAD_S = 0.25  # moves after a wait begin so much later
+LONGEST_S = 3600.0  # a heater that takes longer is broken
+
+
+class Heating:
+    """The heaters of one planned job: they heat, hold and cool while the plan goes on.
+
+    `seconds` is the time that the job has waited for them; `unreached` are the heaters that did not
+    reach a target within an hour, or failed, each with that target in °C.
+    """
+
+    def __init__(self, machine: MachineConfig, job: _core.Job) -> None:
+        self._job, self._hz = job, machine.board.clock_hz
+        self._names = list(machine.heaters)
+        self._fans = {name: heater.fan for name, heater in machine.heaters.items() if heater.fan}
+        self._bodies = {
+            name: _core.HeatRun(
+                _core.HeatModel(
+                    heater.simulated.full_power_rise_c,
+                    heater.simulated.time_constant_s,
+                    heater.simulated.sensor_time_constant_s,
+                    heater.simulated.fan_loss,
+                ),
+                control_of(heater),
+                arrival_of(heater),
+                heater.max_power,
+                limits_of(heater),
+                model_of(heater),
+            )
+            for name, heater in machine.heaters.items()
+        }
+        self._now_s = 0.0  # of the plan alone
+        self.seconds = 0.0
+        self.unreached: dict[str, float] = {}
+
+    def set_target(self, heater: str, celsius: float, *, at_once: bool = False) -> None:
+        """Sets a target when the moves so far are done, or at once."""
+        if at_once:
+            self._bodies[heater].heater.target = celsius
+        else:
+            self._job.mark(self._names.index(heater), round(celsius * 100))
+
+    def settle(self, wait: Wait, commands: Commands) -> None:
+        """What a plan does at a wait: temperatures take their time."""
+        heated(self._job, lambda heaters: self._wait(heaters, commands))(wait)
+
+    def warnings(self, file: str) -> list[str]:
+        """One sentence for each of `unreached`."""
+        return [
+            f"{file}: heater {name} does not reach {celsius:g} °C with the figures of its"
+            f" simulated table, so heating_s is too short. Correct these figures, or the target."
+            for name, celsius in self.unreached.items()
+        ]
+
+    def _wait(self, heaters: list[str], commands: Commands) -> None:
+        self._job.flush()
+        self._pass()
+        for name, fan in self._fans.items():
+            self._bodies[name].set_fan(commands.fans.get(fan, 0.0))
+        loops = {name: self._bodies[name].heater for name in heaters}
+        # Only heating is waited for.
+        waited = [h for h in loops.values() if h.celsius <= h.target + h.arrival.window_c]
+        took_s = 0.0
+        while took_s < LONGEST_S and any(
+            h.target > 0 and not h.settled and h.fault is None for h in waited
+        ):
+            self._run(SLICE_S)
+            took_s += SLICE_S
+        self.seconds += took_s + (LEAD_S if took_s else 0.0)
+        for name, h in loops.items():
+            if h.fault is not None or (h in waited and h.target > 0 and not h.settled):
+                self.unreached.setdefault(name, h.target)
+
+    def _pass(self) -> None:
+        """Time of the plan, which is settled, passes up to its end; targets change on the way."""
+        for clock, heater, centi in self._job.take_marks():
+            self._until(clock / self._hz)
+            self._bodies[self._names[heater]].heater.target = centi / 100
+        self._until(self._job.clock / self._hz)
+
+    def _until(self, plan_s: float) -> None:
+        self._run(plan_s - self._now_s)
+        self._now_s = max(self._now_s, plan_s)
+
+    def _run(self, seconds: float) -> None:
+        for body in self._bodies.values():
+            body.run(seconds)
