@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "numbers.hpp"
-#include "types.hpp"
+#include "base/numbers.hpp"
+#include "base/types.hpp"
 
 namespace passo {
 

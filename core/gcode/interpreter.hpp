@@ -11,13 +11,13 @@
 #include <utility>
 #include <vector>
 
-#include "flow.hpp"
+#include "base/types.hpp"
 #include "gcode/arc.hpp"
-#include "gcode/found.hpp"
 #include "gcode/lexer.hpp"
+#include "gcode/parse_result.hpp"
 #include "gcode/words.hpp"
-#include "machine.hpp"
-#include "types.hpp"
+#include "machine/machine.hpp"
+#include "plan/extrusion_flow.hpp"
 
 namespace passo {
 

@@ -3,7 +3,7 @@
 #include <iterator>
 
 #include "gcode/interpreter.hpp"
-#include "gcode/ownership.hpp"
+#include "gcode/word_grammar.hpp"
 
 namespace passo {
 

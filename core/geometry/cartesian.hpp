@@ -1,6 +1,6 @@
 // One actuator an axis.
 #pragma once
-#include "linear.hpp"
+#include "geometry/linear.hpp"
 
 namespace passo {
 

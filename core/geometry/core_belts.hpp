@@ -1,6 +1,6 @@
 // CoreXY, CoreXZ and CoreYZ: two belts move two axes together, A = u + v, B = u - v.
 #pragma once
-#include "linear.hpp"
+#include "geometry/linear.hpp"
 
 namespace passo {
 

@@ -2,8 +2,8 @@
 #pragma once
 #include <array>
 
-#include "facing.hpp"
-#include "sphere.hpp"
+#include "geometry/arm_angle_branch.hpp"
+#include "geometry/sphere.hpp"
 
 namespace passo {
 

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "left_unset.hpp"
+#include "base/uninitialised_vector.hpp"
 
 namespace passo {
 

@@ -1,6 +1,6 @@
 // Cartesian and Core machines: every actuator is a fixed sum of X, Y and Z.
 #pragma once
-#include "geometry.hpp"
+#include "geometry/geometry.hpp"
 
 namespace passo {
 

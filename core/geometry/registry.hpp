@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "cartesian.hpp"
-#include "core_belts.hpp"
-#include "delta.hpp"
-#include "dual_scara.hpp"
-#include "rotary_delta.hpp"
-#include "scara.hpp"
+#include "geometry/cartesian.hpp"
+#include "geometry/core_belts.hpp"
+#include "geometry/delta.hpp"
+#include "geometry/dual_scara.hpp"
+#include "geometry/rotary_delta.hpp"
+#include "geometry/scara.hpp"
 
 namespace passo {
 

@@ -2,7 +2,7 @@
 #pragma once
 #include <array>
 
-#include "sphere.hpp"
+#include "geometry/sphere.hpp"
 
 namespace passo {
 

@@ -1,7 +1,7 @@
 // SCARA: an upper arm about the origin, a forearm at its end, Z by itself.
 #pragma once
-#include "facing.hpp"
-#include "sphere.hpp"
+#include "geometry/arm_angle_branch.hpp"
+#include "geometry/sphere.hpp"
 
 namespace passo {
 

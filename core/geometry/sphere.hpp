@@ -12,9 +12,9 @@
 #include <cmath>
 #include <vector>
 
-#include "geometry.hpp"
-#include "numbers.hpp"
-#include "simd.hpp"
+#include "base/numbers.hpp"
+#include "base/simd.hpp"
+#include "geometry/geometry.hpp"
 
 namespace passo {
 

@@ -2,10 +2,10 @@
 #pragma once
 #include <variant>
 
-#include "on_off.hpp"
-#include "pid.hpp"
-#include "predictive.hpp"
-#include "relay.hpp"
+#include "heat/on_off.hpp"
+#include "heat/pid.hpp"
+#include "heat/predictive.hpp"
+#include "heat/relay.hpp"
 
 namespace passo::heat {
 

@@ -1,6 +1,6 @@
 // On/off control: full power below the target, none above it, never switched too often.
 #pragma once
-#include "reading.hpp"
+#include "heat/reading.hpp"
 
 namespace passo::heat {
 

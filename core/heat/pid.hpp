@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "observer.hpp"
-#include "reading.hpp"
+#include "heat/observer.hpp"
+#include "heat/reading.hpp"
 
 namespace passo::heat {
 

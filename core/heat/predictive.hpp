@@ -3,8 +3,8 @@
 #pragma once
 #include <algorithm>
 
-#include "observer.hpp"
-#include "reading.hpp"
+#include "heat/observer.hpp"
+#include "heat/reading.hpp"
 
 namespace passo::heat {
 

@@ -3,7 +3,7 @@
 #pragma once
 #include <algorithm>
 
-#include "reading.hpp"
+#include "heat/reading.hpp"
 
 namespace passo::heat {
 

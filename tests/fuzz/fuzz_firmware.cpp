@@ -8,7 +8,7 @@
 
 #include "declared.h"
 #include "host.h"
-#include "wire/frame.hpp"
+#include "link/frame.hpp"
 
 namespace {
 

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "wire/link.hpp"
-#include "wire/virtual_board.hpp"
+#include "link/link.hpp"
+#include "sim/virtual_board.hpp"
 
 using namespace passo::wire;
 

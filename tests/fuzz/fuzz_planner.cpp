@@ -16,7 +16,7 @@
 
 #include "geometry/cartesian.hpp"
 #include "geometry/delta.hpp"
-#include "motion.hpp"
+#include "motion/motion.hpp"
 
 using namespace passo;
 

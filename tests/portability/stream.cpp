@@ -8,8 +8,8 @@
 #include <string>
 
 #include "geometry/registry.hpp"
-#include "job.hpp"
-#include "wire/stream_hash.hpp"
+#include "link/stream_hash.hpp"
+#include "motion/job.hpp"
 
 using namespace passo;
 

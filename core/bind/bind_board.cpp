@@ -1,0 +1,248 @@
+// Python's view of simulated boards and the plant around them.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/map.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include "bind/bind_bytes.hpp"
+#include "sim/firmware_board.hpp"
+#include "sim/imperfect_link.hpp"
+#include "sim/virtual_board.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+using namespace passo;
+using namespace passo::wire;
+
+namespace {
+
+using Points = std::vector<std::pair<double, double>>;
+
+nb::bytes runs_of(const std::vector<StepRun>& runs) {
+  std::vector<int64_t> words;
+  for (const StepRun& r : runs) {
+    words.push_back(r.start);
+    words.push_back(r.interval);
+    words.push_back(r.count);
+    words.push_back(r.add);
+    words.push_back(r.dir);
+  }
+  return to_bytes(words.data(), words.size() * sizeof(int64_t));
+}
+nb::bytes steps_of(const nb::bytes& packed, Ticks from, Ticks to, int sign) {
+  std::vector<int64_t> ticks;
+  std::vector<int8_t> dirs;
+  const auto* w = reinterpret_cast<const int64_t*>(packed.c_str());
+  for (size_t i = 0; i + 5 <= packed.size() / sizeof(int64_t); i += 5) {
+    StepRun run{
+        w[i], 0, uint32_t(w[i + 1]), uint16_t(w[i + 2]), int16_t(w[i + 3]), int8_t(w[i + 4])};
+    for (int64_t k = 1; k <= run.count; ++k) {
+      Ticks at = run.at(k);
+      if (at < from || at >= to) continue;
+      if (sign != 0)
+        dirs.push_back(int8_t(run.dir * sign));
+      else
+        ticks.push_back(at);
+    }
+  }
+  return sign != 0 ? to_bytes(dirs.data(), dirs.size())
+                   : to_bytes(ticks.data(), ticks.size() * sizeof(int64_t));
+}
+
+std::vector<std::pair<int64_t, uint32_t>> changes_of(const std::vector<PinChange>& list) {
+  std::vector<std::pair<int64_t, uint32_t>> changes;
+  for (const PinChange& c : list) changes.emplace_back(c.clock, c.value);
+  return changes;
+}
+
+// The body as it is now.
+HeatedBody& body_of(Bench& b, uint32_t sensor_pin) {
+  b.plant().run_until(b.now());
+  for (HeatedBody& body : b.plant().bodies)
+    if (body.sensor_pin == sensor_pin) return body;
+  throw nb::key_error("no body has this sensor");
+}
+
+// Sets a fault of a body.
+template <auto Member, class Value>
+void set_fault(Bench& b, uint32_t sensor_pin, Value value) {
+  body_of(b, sensor_pin).*Member = value;
+}
+
+}  // namespace
+
+void bind_board(nb::module_& m) {
+  nb::register_exception_translator([](const std::exception_ptr& p, void*) {
+    try {
+      std::rethrow_exception(p);
+    } catch (const UnknownPin& e) {
+      PyErr_SetString(PyExc_KeyError, e.what());
+    }
+  });
+  nb::class_<Device>(m, "Device", "The far end of a link, in virtual time.")
+      .def(
+          "feed",
+          [](Device& d, const nb::bytes& data, Ticks now) {
+            d.feed(data_of(data), data.size(), now);
+          },
+          "data"_a, "now"_a)
+      .def(
+          "poll",
+          [](Device& d, Ticks now) {
+            Bytes out;
+            d.poll(now, out);
+            return to_bytes(out.data(), out.size());
+          },
+          "now"_a)
+      .def_prop_ro("next_deadline", &Device::next_deadline)
+      .def_prop_ro("stopped", &Device::stopped);
+  nb::class_<Bench, Device>(m, "Bench",
+                            "A simulated board with the plant around it; pins by number.")
+      .def(
+          "add_actuator",
+          [](Bench& b, uint32_t step_pin, double start, double per_step) {
+            b.plant().actuators.push_back({step_pin, start, per_step});
+          },
+          "step_pin"_a, "start"_a, "per_step"_a)
+      .def(
+          "add_switch",
+          [](Bench& b, uint32_t pin, std::vector<std::pair<uint32_t, double>> weights,
+             double position, bool at_maximum, bool pressed_level) {
+            b.plant().switches.push_back(
+                {pin, std::move(weights), position, at_maximum, pressed_level});
+          },
+          "pin"_a, "weights"_a, "position"_a, "at_maximum"_a, "pressed_level"_a,
+          "Pressed at or beyond `position` of the weighted sum of actuators: (step pin, weight).")
+      .def("feel", &Bench::feel, "step_pin"_a, "board"_a, "its_step_pin"_a,
+           "A motor on another board, as the switches of this one feel it while that board lives.")
+      .def("place", &Bench::place, "step_pin"_a, "position"_a,
+           "Somebody moves the motor's actuator by hand.")
+      .def(
+          "force_switch",
+          [](Bench& b, uint32_t pin, int pressed) {
+            for (Switch& s : b.plant().switches)
+              if (s.pin == pin) s.forced = pressed;
+          },
+          "pin"_a, "pressed"_a, "A fault: never pressed (0), always (1); -1 ends it.")
+      .def(
+          "add_body",
+          [](Bench& b, uint32_t heater_pin, uint32_t sensor_pin, double ambient_c, double rise_c,
+             double time_constant_s, double sensor_time_constant_s, const Points& adc_ratio,
+             uint32_t fan_pin, double fan_loss) {
+            HeatedBody body{heater_pin,
+                            sensor_pin,
+                            ambient_c,
+                            rise_c,
+                            time_constant_s,
+                            sensor_time_constant_s,
+                            heat::Curve(adc_ratio),
+                            fan_pin,
+                            fan_loss};
+            b.plant().add_body(std::move(body));
+          },
+          "heater_pin"_a, "sensor_pin"_a, "ambient_c"_a, "rise_c"_a, "time_constant_s"_a,
+          "sensor_time_constant_s"_a, "adc_ratio"_a, "fan_pin"_a = 0, "fan_loss"_a = 0.0)
+      .def(
+          "invert_output", [](Bench& b, uint32_t pin) { b.plant().low_is_on.push_back(pin); },
+          "pin"_a, "What hangs on this output pin is on when the pin is low.")
+      .def("force_adc", &set_fault<&HeatedBody::forced_ratio, double>, "sensor_pin"_a, "ratio"_a,
+           "A fault: the ADC sees this share of full scale; negative ends it.")
+      .def("force_heater", &set_fault<&HeatedBody::forced_duty, double>, "sensor_pin"_a, "duty"_a,
+           "A fault: the heater does this whatever its pin says; negative ends it.")
+      .def("add_noise", &set_fault<&HeatedBody::noise, double>, "sensor_pin"_a, "share"_a,
+           "A fault: the ADC errs by up to this share of full scale.")
+      .def("drop_sensor", &set_fault<&HeatedBody::fallen, bool>, "sensor_pin"_a, "fallen"_a,
+           "A fault: the sensor feels the room instead of its body.")
+      .def(
+          "temperature",
+          [](Bench& b, uint32_t sensor_pin) { return body_of(b, sensor_pin).body_c; },
+          "sensor_pin"_a)
+      .def("net_steps", &Bench::net_steps, "step_pin"_a)
+      .def("steps", &Bench::steps, "step_pin"_a)
+      .def("position", &Bench::position, "step_pin"_a)
+      .def("trace_steps", &Bench::trace_steps, "step_pin"_a, "from_clock"_a, "to_clock"_a)
+      .def(
+          "take_steps", [](Bench& b, uint32_t pin) { return runs_of(b.take_steps(pin)); },
+          "step_pin"_a,
+          "Traced steps done so far, as int64 rows (start, interval, count, add, direction).")
+      .def("output_value", &Bench::output_value, "pin"_a)
+      .def("trace_output", &Bench::trace_output, "pin"_a)
+      .def(
+          "take_changes", [](Bench& b, uint32_t pin) { return changes_of(b.take_changes(pin)); },
+          "pin"_a, "List of (clock, value) since the last call.")
+      .def_prop_ro("fault", &Bench::fault, "Why it is shut down, or an empty string.")
+      .def_prop_ro("frames", &Bench::frames)
+      .def_prop_ro("naks", &Bench::naks)
+      .def_prop_ro("now", &Bench::now);
+  nb::class_<VirtualBoard, Bench>(m, "VirtualBoard",
+                                  "A complete board in virtual time; pins by number.")
+      .def(
+          "__init__",
+          [](VirtualBoard* self, double clock_hz, uint32_t move_count, uint32_t adc_max,
+             uint32_t pwm_max, const nb::bytes& identify, Ticks start) {
+            new (self)
+                VirtualBoard({clock_hz, move_count, adc_max, pwm_max, from_bytes(identify), start});
+          },
+          "clock_hz"_a, "move_count"_a, "adc_max"_a, "pwm_max"_a, "identify"_a, "start"_a = 0)
+      .def_prop_ro("peak_slots", &VirtualBoard::peak_slots);
+  nb::class_<FirmwareBoard, Bench>(m, "FirmwareBoard",
+                                   "A board run by the firmware itself, in virtual time.")
+      .def(
+          "__init__",
+          [](FirmwareBoard* self, const std::string& library, uint32_t clock_hz,
+             uint16_t move_count, uint32_t adc_max, const nb::bytes& identify, Ticks start,
+             std::map<int, std::string> faults) {
+            new (self) FirmwareBoard(library, {clock_hz, move_count, adc_max, from_bytes(identify),
+                                               start, std::move(faults)});
+          },
+          "library"_a, "clock_hz"_a, "move_count"_a, "adc_max"_a, "identify"_a, "start"_a,
+          "faults"_a)
+      .def("add_motor", &FirmwareBoard::add_motor, "step_pin"_a, "dir_pin"_a, "step_inverted"_a,
+           "A motor driver on these pins; to be told before the board moves it.")
+      .def("trace_edges", &FirmwareBoard::trace_edges, "pin"_a)
+      .def(
+          "take_edges",
+          [](FirmwareBoard& b, uint32_t pin) { return changes_of(b.take_edges(pin)); }, "pin"_a,
+          "List of (clock, level) since the last call.");
+  nb::class_<Distant, Device>(m, "Distant",
+                              "A device with a clock and a cable that are not perfect: its clock "
+                              "begins at `start` and is a share of `drift` faster than host time; "
+                              "bytes travel `latency` to `latency` + `jitter` ticks each way.")
+      .def(nb::init<Device&, Ticks, double, Ticks, Ticks, uint32_t>(), "device"_a, "start"_a = 0,
+           "drift"_a = 0.0, "latency"_a = 0, "jitter"_a = 0, "seed"_a = 1, nb::keep_alive<1, 2>())
+      .def_prop_ro("now", &Distant::now, "Host time.")
+      .def("cut", &Distant::cut, "on"_a, "What is sent either way is lost.")
+      .def("spoil", &Distant::spoil, "share"_a, "frames"_a = 0.0,
+           "So many of all bytes, either way, arrive as others, not at all, twice, or elsewhere; "
+           "and so many of all frames not at all, twice, behind the next one, or late.")
+      .def_prop_ro(
+          "spoilt_frames",
+          [](const Distant& d) {
+            return std::vector<int>(d.spoilt_frames().begin(), d.spoilt_frames().end());
+          },
+          "How many frames were lost, doubled, swapped with the next, and late so far.")
+      .def("clock_at", &Distant::clock_at, "host_ticks"_a)
+      .def("host_at", &Distant::host_at, "clock"_a);
+  m.def(
+      "firmware_dictionary",
+      [](const std::string& library) {
+        FirmwareLibrary firmware(library);
+        size_t size;
+        const uint8_t* data = firmware->built_dictionary(&size);
+        return to_bytes(data, size);
+      },
+      "library"_a, "The dictionary that was built into a firmware library, compressed.");
+  m.def(
+      "expand_steps",
+      [](const nb::bytes& rows, Ticks from, Ticks to) { return steps_of(rows, from, to, 0); },
+      "rows"_a, "from_clock"_a, "to_clock"_a,
+      "int64 clocks of all steps of take_steps() within from…to.");
+  m.def(
+      "expand_directions",
+      [](const nb::bytes& rows, Ticks from, Ticks to, int sign) {
+        return steps_of(rows, from, to, sign);
+      },
+      "rows"_a, "from_clock"_a, "to_clock"_a, "sign"_a,
+      "int8 directions of the steps of expand_steps(), times sign (+1 or -1).");
+}

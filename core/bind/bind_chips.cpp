@@ -1,0 +1,90 @@
+// Python's view of what is wired to a simulated board besides motors, switches and heat.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/shared_ptr.h>
+
+#include <memory>
+
+#include "sim/converter_chip.hpp"
+#include "sim/digipot.hpp"
+#include "sim/simulated_device.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+using namespace passo::wire;
+
+void bind_chips(nb::module_& m) {
+  nb::enum_<TrinamicChip::Kind>(m, "TrinamicKind")
+      .value("TMC2208", TrinamicChip::Kind::tmc2208)
+      .value("TMC2209", TrinamicChip::Kind::tmc2209)
+      .value("TMC2130", TrinamicChip::Kind::tmc2130)
+      .value("TMC5160", TrinamicChip::Kind::tmc5160);
+  nb::class_<TrinamicChip>(m, "TrinamicChip", "A simulated motor driver with registers.")
+      .def(nb::init<TrinamicChip::Kind, uint8_t>(), "kind"_a, "address"_a = 0)
+      .def("read", &TrinamicChip::read, "register"_a)
+      .def("set", &TrinamicChip::set, "register"_a, "value"_a, "What the chip itself finds out.")
+      .def("power_on", &TrinamicChip::power_on, "Its supply was gone: it forgets its settings.")
+      .def_rw("plugged", &TrinamicChip::plugged)
+      .def_rw("damaged_answers", &TrinamicChip::damaged_answers,
+              "So many of its next answers have a bit turned over.");
+  m.def(
+      "add_uart_driver",
+      [](Bench& bench, uint32_t rx_pin, uint32_t tx_pin, std::shared_ptr<TrinamicChip> chip) {
+        Plant& plant = bench.plant();
+        if (!plant.uart(rx_pin)) plant.uarts.emplace_back(rx_pin, tx_pin);
+        plant.uart(rx_pin)->chips.push_back(std::move(chip));
+      },
+      "bench"_a, "rx_pin"_a, "tx_pin"_a, "chip"_a,
+      "Wires a driver to the UART on these pins, which may have others.");
+  m.def(
+      "add_spi_driver",
+      [](Bench& bench, uint32_t select_pin, uint32_t clock_pin, uint32_t to_device,
+         uint32_t from_device, std::shared_ptr<TrinamicChip> chip) {
+        bench.plant().spi_devices.emplace_back(
+            SpiPins{select_pin, clock_pin, to_device, from_device}, 3,
+            [chip](Ticks) { return chip->answer(); }, [chip](const Bytes& in) { chip->take(in); });
+      },
+      "bench"_a, "select_pin"_a, "clock_pin"_a, "to_device"_a, "from_device"_a, "chip"_a,
+      "Wires a driver to the SPI bus on these pins.");
+  nb::class_<Digipot>(m, "Digipot", "A simulated setter of motors' currents.")
+      .def("wiper", &Digipot::wiper, "channel"_a, "0 to 255.");
+  m.def(
+      "add_digipot",
+      [](Bench& bench, uint32_t select_pin, uint32_t clock_pin, uint32_t to_device,
+         uint32_t from_device) {
+        auto chip = std::make_shared<Digipot>();
+        bench.plant().spi_devices.emplace_back(
+            SpiPins{select_pin, clock_pin, to_device, from_device}, 0,
+            [](Ticks) { return Bytes(); }, [chip](const Bytes& in) { chip->take(in); });
+        return chip;
+      },
+      "bench"_a, "select_pin"_a, "clock_pin"_a, "to_device"_a, "from_device"_a,
+      "Wires a setter of currents to the SPI bus on these pins.");
+  nb::class_<ConverterChip>(m, "ConverterChip", "A simulated converter of a sensor.")
+      .def("setting", &ConverterChip::setting, "address"_a,
+           "What it was told: of a MAX31856 its modes (0) and its thermocouple (1), of a MAX31865 "
+           "its modes (0).");
+  m.def(
+      "add_converter",
+      [](Bench& bench, uint32_t select_pin, uint32_t clock_pin, uint32_t to_device,
+         uint32_t from_device, passo::heat::Converter converter) {
+        Plant& plant = bench.plant();
+        auto chip = std::make_shared<ConverterChip>(converter);
+        auto share = [&plant, select_pin](Ticks clock) { return plant.share(select_pin, clock); };
+        SpiPins pins{select_pin, clock_pin, to_device, from_device};
+        auto take = [chip](const Bytes& in) { chip->take(in); };
+        if (chip->has_registers())
+          plant.spi_devices.emplace_back(
+              pins, chip->spi_mode(), [](Ticks) { return Bytes{0xff}; }, take,
+              [chip, share](uint8_t address, Ticks clock) {
+                return chip->read(address, share(clock));
+              });
+        else
+          plant.spi_devices.emplace_back(
+              pins, chip->spi_mode(),
+              [chip, share](Ticks clock) { return chip->word(share(clock)); }, take);
+        return chip;
+      },
+      "bench"_a, "select_pin"_a, "clock_pin"_a, "to_device"_a, "from_device"_a, "converter"_a,
+      "Wires a converter to the SPI bus on these pins; its thermocouple belongs to the body whose"
+      " sensor is on the select pin.");
+}

@@ -1,0 +1,589 @@
+// passo._core.Job: whole programs through one machine.
+#include "bind/bind_job.hpp"
+
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <tuple>
+
+#include "bind/bind_machine.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+using namespace passo;
+
+namespace {
+
+using Table = nb::typed<nb::dict, nb::str, nb::any>;
+
+// M is a word of a move only where it is one of these letters.
+LaserWords laser_words(const nb::object& laser) {
+  LaserWords words;
+  if (laser.is_none()) return words;
+  auto letter = [&](const char* key) {
+    std::string text = get<std::string>(laser, key);
+    return text.empty() ? char(0) : text[0];
+  };
+  words.energy = letter("energy_letter");
+  words.density = letter("density_letter");
+  words.full_w = get<double>(laser, "full_w");
+  words.most_w = get<double>(laser, "most_w");
+  return words;
+}
+
+using ErrorTuple =
+    std::tuple<uint32_t, Fault, std::string, double, double, std::tuple<double, double, double>>;
+
+ErrorTuple as_tuple(const GcodeError& e) {
+  return {e.line, e.fault, e.word, e.value, e.limit, {e.point[0], e.point[1], e.point[2]}};
+}
+
+nb::typed<nb::dict, nb::str, nb::float_> cpu(const JobView& self) {
+  const Job& job = self.job;
+  nb::dict d;
+  d["parse"] = job.cpu_parse;
+  d["plan"] = job.cpu_plan;
+  d["steps"] = job.motion.cpu().steps;
+  d["compress"] = job.motion.cpu().compress;
+  return nb::typed<nb::dict, nb::str, nb::float_>(d);
+}
+
+Table statistics(JobView& self) {
+  Job& job = self.job;
+  const PlanStatistics& plan = job.motion.plan();
+  const Machine& machine = job.motion.machine();
+  nb::dict d, limits, features;
+  d["lines"] = job.interpreter.line();
+  d["moves"] = plan.moves;
+  d["arcs"] = job.interpreter.arcs();
+  d["move_s"] = plan.move_s;
+  d["dwell_s"] = plan.dwell_s;
+  d["travel_mm"] = plan.travel_mm;
+  d["print_mm"] = plan.print_mm;
+  d["filament_mm"] = plan.filament_mm;
+  d["layers"] = job.interpreter.layers();
+  d["layer_s"] = plan.layer_s;
+  const auto& names = job.motion.planner().constraints().names;
+  for (size_t i = 0; i < plan.limit_s.size(); ++i)
+    if (plan.limit_s[i] > 0) limits[names[i].c_str()] = plan.limit_s[i];
+  d["limit_s"] = limits;
+  nb::dict loads;
+  auto exceed = [&](const char* name, const PlanStatistics::Load& load) {
+    if (load.share > 1) loads[name] = std::make_tuple(load.line, load.share);
+  };
+  exceed("steps", plan.most_steps);
+  exceed("commands", plan.most_commands);
+  d["loads"] = loads;
+  nb::dict densest;
+  auto put = [&](const char* name, const PlanStatistics::Peak& p) {
+    densest[name] = std::make_tuple(p.line, p.most);
+  };
+  put("steps_s", plan.steps_s);
+  put("commands_s", plan.commands_s);
+  put("ahead", plan.ahead);
+  d["densest"] = densest;
+  d["widened_s"] = plan.widened_s;
+  d["widest_ticks"] = plan.widest_ticks;
+  for (size_t i = 0; i < plan.feature_s.size(); ++i) {
+    if (plan.feature_s[i] <= 0) continue;
+    const std::string& name = job.interpreter.features()[i];
+    features[name.empty() ? "other" : name.c_str()] = plan.feature_s[i];
+  }
+  d["feature_s"] = features;
+  std::vector<double> position;
+  for (size_t i = 0; i < machine.axes.size(); ++i)
+    position.push_back(job.motion.planner().position()[slot_of_axis(int(i))]);
+  for (size_t i = 0; i < machine.extruders.size(); ++i)
+    position.push_back(job.motion.planner().extruder_position(i));
+  d["position_mm"] = position;
+  return Table(d);
+}
+
+nb::typed<nb::list, Table> steppers(JobView& self) {
+  nb::typed<nb::list, Table> list;
+  Motion& motion = self.job.motion;
+  for (size_t i = 0; i < motion.machine().steppers.size(); ++i) {
+    const StepStatistics& s = motion.stream().statistics(i);
+    nb::dict d;
+    d["name"] = motion.machine().steppers[i].name;
+    d["steps_per_unit"] = motion.machine().steppers[i].steps_per_unit;
+    d["steps"] = s.steps;
+    d["net"] = s.net;
+    d["count"] = motion.stream().count(i);
+    d["expected_net"] = motion.stream().expected_net(i);
+    d["commands"] = s.commands;
+    d["dropped_pairs"] = s.dropped_pairs;
+    d["error_max_ticks"] = s.error_max;
+    d["error_square_ticks2"] = s.error_square;
+    list.append(d);
+  }
+  return list;
+}
+
+}  // namespace
+
+void bind_job(nb::module_& m) {
+  m.attr("LOAD_MM_S") = Interpreter::kLoadMmS;
+  m.attr("UNLOAD_MM_S") = Interpreter::kUnloadMmS;
+  m.attr("LONGEST_CHANGE_MM") = Interpreter::kLongestChange;
+  nb::enum_<Job::Status>(m, "JobStatus")
+      .value("NEED_INPUT", Job::Status::need_input)
+      .value("EVENT", Job::Status::event)
+      .value("ERROR", Job::Status::error)
+      .value("FULL", Job::Status::full)
+      .value("END", Job::Status::end);
+  nb::enum_<Job::Within>(m, "Within", "What a move outside of any program must keep to.")
+      .value("LIMITS", Job::Within::limits, "The machine's limits.")
+      .value("REACH", Job::Within::reach, "What its actuators reach: it has been there.")
+      .value("ANYTHING", Job::Within::anything, "Nothing: it does not know where it is.");
+  nb::enum_<Fault>(m, "Fault")
+      .value("NUMBER", Fault::number)
+      .value("RANGE", Fault::range)
+      .value("WORD", Fault::word)
+      .value("CHECKSUM", Fault::checksum)
+      .value("LINE_TOO_LONG", Fault::line_too_long)
+      .value("FEEDRATE", Fault::feedrate)
+      .value("ARC", Fault::arc)
+      .value("CENTRE", Fault::centre)
+      .value("RADII", Fault::radii)
+      .value("OUT_OF_RANGE", Fault::out_of_range)
+      .value("MISSING_TOOL", Fault::missing_tool)
+      .value("NOT_HOMED", Fault::not_homed)
+      .value("COLD", Fault::cold)
+      .value("GARBAGE", Fault::garbage)
+      .value("UNSAVED", Fault::unsaved)
+      .value("UNREACHABLE", Fault::unreachable)
+      .value("ACTUATOR", Fault::actuator)
+      .value("TOO_LONG", Fault::too_long)
+      .value("TOO_SLOW", Fault::too_slow);
+  nb::class_<JobView> job(m, "Job", "A G-code program through one machine. Not thread-safe.");
+  job.def(
+         "__init__",
+         [](JobView* self, const nb::dict& spec, bool with_steps, bool clamp, bool ignore_tools) {
+           std::vector<double> home;
+           for (nb::handle axis : spec["axes"]) home.push_back(get<double>(axis, "home"));
+           new (self)
+               JobView(machine_of(spec), std::move(home), laser_words(spec["laser"]), with_steps);
+           self->job.interpreter.clamp = clamp;
+           self->job.interpreter.ignore_tools = ignore_tools;
+         },
+         "spec"_a, "with_steps"_a = true, "clamp"_a = false, "ignore_tools"_a = false)
+      .def(
+          "feed",
+          [](JobView& self, const nb::bytes& data) {
+            self.job.interpreter.feed(data.c_str(), data.size());
+          },
+          "data"_a)
+      .def(
+          "finish", [](JobView& self) { self.job.interpreter.finish(); },
+          "No more input will come.")
+      .def(
+          "select", [](JobView& self, bool console) { self.job.interpreter.select(console); },
+          "console"_a, "Reads on from the console's lines, or the program's; only at a boundary.")
+      .def_prop_ro(
+          "at_boundary", [](JobView& self) { return self.job.interpreter.at_boundary(); },
+          "No line is under way.")
+      .def(
+          "restart",
+          [](JobView& self, uint32_t first_line) {
+            self.job.interpreter.restart(first_line);
+            self.job.motion.lines().forget();
+          },
+          "first_line"_a = 1,
+          "Forgets the unread text of the selected source; its lines count from this one again.")
+      .def(
+          "abandon", [](JobView& self) { self.job.abandon(); },
+          "After an error: forgets the rest of the line and goes on from where the plan ends.")
+      .def_prop_ro(
+          "offset", [](JobView& self) { return self.job.interpreter.offset(); },
+          "Bytes of the selected source that were read.")
+      .def_prop_ro(
+          "queued", [](JobView& self) { return self.job.motion.planner().queued(); },
+          "Moves that are not settled.")
+      .def_prop_ro(
+          "queued_ticks", [](JobView& self) { return self.job.motion.planner().queued_ticks(); },
+          "Ticks that these moves take at least.")
+      .def_prop_ro(
+          "program_position",
+          [](JobView& self) {
+            const Interpreter& i = self.job.interpreter;
+            std::vector<double> p;
+            for (size_t a = 0; a < self.job.motion.machine().axes.size(); ++a)
+              p.push_back(i.logical(slot_of_axis(int(a))));
+            p.push_back(i.logical(kE));
+            return p;
+          },
+          "Where the program is, in its own coordinates: the axes, then E.")
+      .def(
+          "advance",
+          [](JobView& self, double horizon, size_t most, bool to_boundary) {
+            nb::gil_scoped_release released;
+            return self.job.advance(horizon, most, to_boundary);
+          },
+          "horizon"_a = kInfinity, "most"_a = size_t(1) << 20, "to_boundary"_a = false,
+          "Reads on until something wants the caller, or the plan reaches a clock or a number of "
+          "messages; or no further than to the end of the line that it is in.")
+      .def_prop_ro(
+          "event",
+          [](const JobView& self) {
+            const Event& e = self.job.interpreter.event();
+            return std::make_tuple(e.line, e.letter ? std::string(1, e.letter) : std::string(),
+                                   e.number, e.minor, e.name, e.text);
+          },
+          "(line, letter, number, minor, name, text) of the event that advance stopped at.")
+      .def(
+          "listen", [](JobView& self, uint32_t line) { self.job.interpreter.listen(line); },
+          "line"_a, "Before this line of the program is read: notes its commands, see heard.")
+      .def_prop_ro(
+          "heard",
+          [](const JobView& self) {
+            const Heard& heard = self.job.interpreter.heard();
+            std::vector<std::tuple<std::string, std::vector<std::string>, std::string>> commands;
+            for (const auto& c : heard.commands) commands.emplace_back(c.code, c.words, c.text);
+            return std::make_tuple(heard.number, heard.checked, commands);
+          },
+          "(number, whether it had a checksum, [(code, words, text), …]) of the line "
+          "listened to. The code is empty for a move in the way of the last one, the text is what "
+          "follows the code.")
+      .def_prop_ro(
+          "ends_in_move", [](JobView& self) { return self.job.interpreter.ends_in_move(); },
+          "All was read, and the last line is a move without an end of line.")
+      .def_prop_ro(
+          "error", [](const JobView& self) { return as_tuple(self.job.error()); },
+          "(line, fault, word, value, limit, point) of the error that advance stopped at.")
+      .def_prop_ro(
+          "clamped",
+          [](const JobView& self) {
+            std::vector<std::pair<ErrorTuple, uint64_t>> all;
+            const Job& job = self.job;
+            for (int j = 0; j < kAxes; ++j)
+              if (const auto& c = job.interpreter.clamped(j); c.times > 0)
+                all.emplace_back(as_tuple(c.first), c.times);
+            if (job.left_out.times > 0)
+              all.emplace_back(as_tuple(job.left_out.first), job.left_out.times);
+            return all;
+          },
+          "What `clamp` has changed: for each axis the first target that was moved to the limit, "
+          "as "
+          "`error`, and how many were; then the same of the moves that were left out.")
+      .def(
+          "record",
+          [](JobView& self, uint16_t target, uint32_t value) {
+            self.job.motion.record(target, value);
+          },
+          "target"_a, "value"_a,
+          "A timed record for output `target`, due between the moves before and after.")
+      .def(
+          "record_at",
+          [](JobView& self, double ticks, uint16_t target, uint32_t value) {
+            self.job.motion.record_at(ticks, target, value);
+          },
+          "ticks"_a, "target"_a, "value"_a,
+          "A record for output `target` at this clock, whatever moves are planned; it cannot be "
+          "revoked.")
+      .def(
+          "mark",
+          [](JobView& self, uint16_t target, uint32_t value) {
+            self.job.motion.record(uint16_t(Motion::kMark + target), value);
+          },
+          "target"_a, "value"_a, "A timed record for the host itself, see take_marks.")
+      .def(
+          "take_marks",
+          [](JobView& self) {
+            std::vector<std::tuple<int64_t, int, uint32_t>> list;
+            for (auto& r : self.job.motion.marks())
+              list.emplace_back(r.clock, r.target - Motion::kMark, r.value);
+            self.job.motion.marks().clear();
+            return list;
+          },
+          "(clock, target, value) of the marks whose clock is known by now, in order.")
+      .def(
+          "flush",
+          [](JobView& self) {
+            nb::gil_scoped_release released;
+            self.job.motion.flush();
+          },
+          "Settles all for a stop.")
+      .def(
+          "settle_position", [](JobView& self) { self.job.settle_position(); },
+          "After homing: stop, and be where the program says.")
+      .def(
+          "wait_until", [](JobView& self, double ticks) { self.job.motion.wait_until(ticks); },
+          "ticks"_a, "The machine stands until then; only after flush.")
+      .def(
+          "replan_from",
+          [](JobView& self, double ticks) { return self.job.motion.replan_from(ticks); }, "ticks"_a)
+      .def(
+          "skip_dwell_from",
+          [](JobView& self, double ticks) { return self.job.motion.skip_dwell_from(ticks); },
+          "ticks"_a,
+          "Ends the dwell that is under way at this clock; returns the clock of the cut, None if "
+          "there is no dwell.")
+      .def(
+          "hold_from", [](JobView& self, double ticks) { return self.job.motion.hold_from(ticks); },
+          "ticks"_a)
+      .def(
+          "use_commits",
+          [](JobView& self, int64_t period, size_t most) {
+            self.job.motion.flush();
+            self.job.motion.use_commits(period, most);
+          },
+          "period"_a, "most"_a,
+          "Messages come in commits of at most so many ticks and messages from now on; only while "
+          "the machine stands.")
+      .def(
+          "stop_commits",
+          [](JobView& self) {
+            self.job.motion.flush();
+            self.job.motion.stream().stop_commits();
+          },
+          "Messages come as they are; only while the machine stands.")
+      .def(
+          "recover_from",
+          [](JobView& self, uint32_t serial) { return self.job.motion.recover_from(serial); },
+          "serial"_a,
+          "The boards have stopped behind this commit by themselves: what was to follow is held "
+          "until `release`. Returns its clock; None, and nothing is changed, if it is not known.")
+      .def(
+          "between_stops",
+          [](JobView& self, uint32_t serial, uint32_t next) {
+            return self.job.motion.stream().between_stops(serial, next);
+          },
+          "serial"_a, "next"_a,
+          "Net steps by which each motor is further where it has stopped behind the commit `next` "
+          "than where it would have behind `serial`, the one before; None if they are not known, "
+          "or "
+          "do not follow each other.")
+      .def_prop_ro(
+          "holds", [](JobView& self) { return self.job.motion.held() > 0; },
+          "Moves wait for `release`.")
+      .def("release", [](JobView& self) { self.job.motion.release(); })
+      .def(
+          "stop_from",
+          [](JobView& self, double ticks, bool program) {
+            return self.job.stop_from(ticks, program);
+          },
+          "ticks"_a, "program"_a = true,
+          "Brakes to a stop from this clock on and forgets what was to follow; returns the clock "
+          "of "
+          "the cut.")
+      .def(
+          "suspend", [](JobView& self) { self.job.suspend(); },
+          "After hold_from: other moves may come before what is held.")
+      .def_prop_ro("suspended", [](JobView& self) { return self.job.motion.suspended(); })
+      .def_prop_ro(
+          "stop_position",
+          [](JobView& self) {
+            if (!self.job.motion.suspended()) throw nb::value_error("nothing is suspended");
+            const double* p = self.job.motion.stop_position();
+            return std::vector<double>(p, p + kAxes);
+          },
+          "Where a suspended job goes on: X, Y, Z, E and further axes, in machine mm.")
+      .def(
+          "resume",
+          [](JobView& self) {
+            if (!self.job.motion.suspended()) throw nb::value_error("nothing is suspended");
+            self.job.resume();
+          },
+          "Goes on with what was suspended; the machine must be back at stop_position.")
+      .def(
+          "use_tool",
+          [](JobView& self, size_t tool) {
+            const auto& tools = self.job.motion.machine().tools;
+            if (tool >= std::max<size_t>(tools.size(), 1)) throw nb::index_error("no such tool");
+            self.job.interpreter.take_tool(tool);
+          },
+          "tool"_a,
+          "This tool is in use, with its offset, as if the program had selected it; nothing moves. "
+          "Tool 0 may be named without tools, too.")
+      .def("forget_suspended", [](JobView& self) { self.job.forget_suspended(); })
+      .def_prop_ro(
+          "machine_position",
+          [](JobView& self) {
+            const auto p = self.job.position();
+            return std::vector<double>(p.begin(), p.end());
+          },
+          "End of the plan: X, Y, Z, E of the tool in use and further axes, in machine mm.")
+      .def(
+          "set_laser",
+          [](JobView& self, uint16_t target, uint32_t full) {
+            self.job.motion.set_laser(target, full);
+          },
+          "target"_a, "full"_a, "This output is a laser, fully on at `full`.")
+      .def(
+          "follow_speed", [](JobView& self, double share) { self.job.motion.follow_speed(share); },
+          "share"_a,
+          "The laser's share of full power, at the feed rate of the moves that follow; it is less "
+          "where they are slower, and none while nothing moves. 0: records alone set it.")
+      .def(
+          "move_to",
+          [](JobView& self, const std::vector<double>& target, double feed_mm_s,
+             Job::Within within) {
+            if (target.size() != kAxes) throw nb::value_error("eight positions");
+            return self.job.move_to(target.data(), feed_mm_s, within);
+          },
+          "target"_a, "feed_mm_s"_a, "within"_a = Job::Within::limits,
+          "A straight move in machine coordinates (NaN: stay). False, and nothing is changed, if "
+          "it is too long, or not within what it must keep to: see error.")
+      .def(
+          "set_axes",
+          [](JobView& self, const std::vector<std::pair<int, double>>& places) {
+            Job& job = self.job;
+            job.motion.flush();
+            auto p = job.position();
+            for (auto [axis, mm] : places) {
+              p[size_t(slot_of_axis(axis))] = mm;
+              job.interpreter.set_axis(slot_of_axis(axis), mm);
+              job.interpreter.lock(slot_of_axis(axis), false);
+            }
+            job.motion.set_position(p.data(), job.interpreter.extruder());
+          },
+          "places"_a, "These axes, by number, are here now (mm), without motion.")
+      .def(
+          "use_joints",
+          [](JobView& self, bool on) {
+            self.job.motion.flush();
+            self.job.motion.use_joints(on);
+          },
+          "on"_a,
+          "X, Y and Z are from now on the first three actuators of a nonlinear geometry, or the "
+          "axes "
+          "again; only while the machine stands, and set_axes must say where they are.")
+      .def(
+          "renew_steppers",
+          [](JobView& self, const std::vector<size_t>& steppers) {
+            self.job.motion.flush();
+            for (size_t i : steppers) {
+              if (i >= self.job.motion.machine().steppers.size())
+                throw nb::index_error("no such stepper");
+              self.job.motion.stream().renew(i);
+            }
+          },
+          "steppers"_a,
+          "An endstop has stopped these motors: their clocks are told anew before the next step.")
+      .def(
+          "lock_axis",
+          [](JobView& self, int axis, bool locked) {
+            self.job.interpreter.lock(slot_of_axis(axis), locked);
+          },
+          "axis"_a, "locked"_a,
+          "A locked axis does not know where it is: moves of it are errors, until it is set.")
+      .def_prop_ro("locked_axes",
+                   [](JobView& self) {
+                     std::vector<int> axes;
+                     for (size_t a = 0; a < self.job.motion.machine().axes.size(); ++a)
+                       if (self.job.interpreter.locked(slot_of_axis(int(a))))
+                         axes.push_back(int(a));
+                     return axes;
+                   })
+      .def(
+          "shift_from",
+          [](JobView& self, double ticks, int axis, double mm) {
+            if (axis < 0 || axis > 2) throw nb::value_error("X, Y or Z");
+            return self.job.shift_from(ticks, axis, mm);
+          },
+          "ticks"_a, "axis"_a, "mm"_a,
+          "From this clock on all lies so much further; returns the clock of the cut, None if that "
+          "is out of range, see error.")
+      .def(
+          "shift",
+          [](JobView& self, int axis, double mm) {
+            if (axis < 0 || axis > 2) throw nb::value_error("X, Y or Z");
+            return self.job.shift(axis, mm);
+          },
+          "axis"_a, "mm"_a,
+          "The same behind all moves so far; False if that is out of range, see error.")
+      .def(
+          "adopt", [](JobView& self, JobView& other) { self.job.adopt(other.job); }, "other"_a,
+          "Takes the state of a program that another job has read up to where this machine stands.")
+      .def(
+          "line_at", [](JobView& self, double ticks) { return self.job.motion.lines().at(ticks); },
+          "ticks"_a,
+          "Line of the program's move that is under way, or was last, at a clock (0: none). Clocks "
+          "must not go back.")
+      .def(
+          "line_near",
+          [](JobView& self, double ticks) { return self.job.motion.lines().near(ticks); },
+          "ticks"_a, "As line_at, for any clock from a second before the last one asked for.")
+      .def(
+          "position_at",
+          [](JobView& self, double ticks) -> std::optional<std::vector<double>> {
+            auto p = self.job.motion.position_at(ticks);
+            if (!p) return std::nullopt;
+            return std::vector<double>(p->begin(), p->end());
+          },
+          "ticks"_a,
+          "Where the plan was at a clock not much more than a second ago, as machine_position; "
+          "None "
+          "if it is longer ago.")
+      .def(
+          "passed", [](JobView& self, double ticks) { self.job.motion.pass(ticks); }, "ticks"_a,
+          "Time has passed to this clock, or nothing before it will be planned anew.")
+      .def_prop_ro("held", [](JobView& self) { return self.job.motion.held(); })
+      .def_prop_ro(
+          "clock", [](JobView& self) { return self.job.motion.planner().clock(); },
+          "End of the settled plan, ticks.")
+      .def_prop_ro(
+          "rests", [](JobView& self) { return self.job.motion.planner().rests(); },
+          "The settled plan ends at rest: what is queued may begin later.")
+      .def_prop_ro(
+          "handed_out", [](JobView& self) { return self.job.motion.stream().handed_out(); },
+          "Clock of the last message, ticks.")
+      .def_prop_ro(
+          "commands", [](JobView& self) { return self.job.interpreter.commands(); },
+          "How many were read, unknown ones too.")
+      .def_prop_ro("line", [](JobView& self) { return self.job.interpreter.line(); })
+      .def_prop_ro("layer", [](JobView& self) { return self.job.interpreter.layers(); })
+      .def_prop_ro("tool", [](JobView& self) { return self.job.interpreter.tool(); })
+      .def_prop_ro(
+          "messages",
+          [](JobView& self) -> MessageQueue& { return self.job.motion.stream().messages(0); },
+          nb::rv_policy::reference_internal, "The main board's.")
+      .def(
+          "messages_of",
+          [](JobView& self, size_t board) -> MessageQueue& {
+            if (board >= self.job.motion.machine().boards) throw nb::index_error("no such board");
+            return self.job.motion.stream().messages(board);
+          },
+          "board"_a, nb::rv_policy::reference_internal)
+      .def(
+          "keep_moves",
+          [](JobView& self, bool on) {
+            if (on)
+              self.job.motion.on_move = [&self](const Move& move) { self.moves.push_back(move); };
+            else
+              self.job.motion.on_move = nullptr;
+          },
+          "on"_a)
+      .def("take_moves", [](JobView& self) { return std::exchange(self.moves, {}); })
+      .def(
+          "keep_ideal",
+          [](JobView& self, bool on) {
+            for (size_t i = 0; i < self.job.motion.machine().steppers.size(); ++i)
+              self.job.motion.stream().compressor(i).keep_ideal(on);
+          },
+          "on"_a, "From now on keeps the ideal time of every step, see take_ideal.")
+      .def(
+          "take_ideal",
+          [](JobView& self, size_t stepper) {
+            if (stepper >= self.job.motion.machine().steppers.size())
+              throw nb::index_error("no such stepper");
+            std::vector<double>& ideal = self.job.motion.stream().compressor(stepper).ideal();
+            nb::bytes bytes(reinterpret_cast<const char*>(ideal.data()),
+                            ideal.size() * sizeof(double));
+            ideal.clear();
+            return bytes;
+          },
+          "stepper"_a, "Ideal ticks (float64) of the steps made into commands since the last call.")
+      .def_prop_ro("limit_names",
+                   [](JobView& self) { return self.job.motion.planner().constraints().names; })
+      .def_prop_ro("feature_names", [](JobView& self) { return self.job.interpreter.features(); })
+      .def("statistics", &statistics)
+      .def("steppers", &steppers)
+      .def("cpu", &cpu);
+  bind_job_settings(job);
+}

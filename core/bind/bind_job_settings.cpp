@@ -1,0 +1,199 @@
+// What a job's moves are made with: limits, scales, offsets, retraction, flow.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <iterator>
+#include <memory>
+#include <tuple>
+
+#include "bind/bind_job.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+using namespace passo;
+
+namespace {
+
+double* place_of(Limits& l, const std::string& name) {
+  double* places[] = {&l.print_accel,        &l.travel_accel,         &l.retract_accel,   &l.speed,
+                      &l.junction_deviation, &l.minimum_cruise_ratio, &l.least_speed_gain};
+  const char* names[] = {"print_accel",        "travel_accel",         "retract_accel",   "speed",
+                         "junction_deviation", "minimum_cruise_ratio", "least_speed_gain"};
+  for (size_t i = 0; i < std::size(names); ++i)
+    if (name == names[i]) return places[i];
+  throw nb::key_error(name.c_str());
+}
+
+double Row::* place_of(const std::string& what) {
+  if (what == "speed") return &Row::speed;
+  if (what == "accel") return &Row::accel;
+  if (what == "jerk") return &Row::jerk;
+  throw nb::key_error(what.c_str());
+}
+
+void check_flow(const JobView& self, size_t extruder, double flow) {
+  if (extruder >= self.job.motion.machine().extruders.size())
+    throw nb::index_error("no such extruder");
+  if (!(flow > 0 && flow < kInfinity)) throw nb::value_error("a flow must be above 0");
+}
+
+}  // namespace
+
+void bind_job_settings(nb::class_<JobView>& job) {
+  job.def(
+         "set_steps_per_unit",
+         [](JobView& self, size_t stepper, double value) {
+           if (stepper >= self.job.motion.machine().steppers.size() || !(value > 0))
+             throw nb::value_error("no such stepper, or no such scale");
+           self.job.motion.flush();
+           self.job.motion.set_steps_per_unit(stepper, value);
+         },
+         "stepper"_a, "value"_a, "Another scale of a motor, while the machine stands.")
+      .def(
+          "set_tool_offset",
+          [](JobView& self, size_t tool, int axis, double mm) {
+            if (tool >= self.job.motion.machine().tools.size() || axis < 0 || axis > 2)
+              throw nb::value_error("no such tool or axis");
+            self.job.set_tool_offset(tool, axis, mm);
+          },
+          "tool"_a, "axis"_a, "mm"_a)
+      .def_prop_ro("tool_offsets",
+                   [](JobView& self) {
+                     std::vector<std::vector<double>> offsets;
+                     for (const Tool& t : self.job.motion.machine().tools)
+                       offsets.push_back({t.offset[0], t.offset[1], t.offset[2]});
+                     return offsets;
+                   })
+      .def_prop_ro(
+          "retraction",
+          [](JobView& self) {
+            Interpreter::Retraction r = self.job.interpreter.retraction();
+            return std::make_tuple(r.mm, r.feed_mm_s, r.hop_mm, r.recover_mm, r.recover_feed_mm_s,
+                                   r.swap_mm, r.swap_recover_mm);
+          },
+          "(mm, mm/s, hop mm, extra mm, mm/s back or 0, mm and extra mm of G10 S1) of M207 and "
+          "M208.")
+      .def_prop_ro(
+          "filament_diameters",
+          [](JobView& self) -> std::optional<std::vector<double>> {
+            const Interpreter& i = self.job.interpreter;
+            if (!i.volumetric()) return std::nullopt;
+            return i.diameters();
+          },
+          "mm, of each extruder, where E is a volume (M200); else None.")
+      .def_prop_ro(
+          "filament_changes",
+          [](JobView& self) {
+            std::vector<std::pair<double, double>> lengths;
+            for (const auto& c : self.job.interpreter.changes())
+              lengths.emplace_back(c.load_mm, c.unload_mm);
+            return lengths;
+          },
+          "mm that M701 pushes in and M702 pulls out, of each extruder.")
+      .def_prop_ro(
+          "modes", [](JobView& self) { return self.job.interpreter.modes(); },
+          "Tool, speed, plane, kinds of positions and units of a program that does not name its "
+          "own: a command a line, the units last.")
+      .def_prop_ro("auto_retract",
+                   [](JobView& self) { return self.job.interpreter.auto_retract(); })
+      .def(
+          "limit",
+          [](JobView& self, const std::string& name) {
+            Limits limits = self.job.motion.planner().rules().now().limits;
+            return *place_of(limits, name);
+          },
+          "name"_a, "A limit as set_limit takes it.")
+      .def(
+          "axis_limit",
+          [](JobView& self, const std::string& axis, const std::string& what) {
+            const Constraints& c = self.job.motion.planner().constraints();
+            const Machine& m = self.job.motion.machine();
+            for (size_t i = 0; i < m.axes.size(); ++i)
+              if (m.axes[i].name == axis) return c.rows[i].*place_of(what);
+            for (size_t i = 0; i < m.extruders.size(); ++i)
+              if (m.extruders[i].name == axis) return c.extruders[i].*place_of(what);
+            throw nb::key_error(axis.c_str());
+          },
+          "axis"_a, "what"_a, "The `speed`, `accel` or `jerk` of an axis or extruder now.")
+      .def_prop_rw(
+          "cold", [](JobView& self) { return bool(self.job.interpreter.cold >> kE & 1); },
+          [](JobView& self, bool cold) {
+            uint8_t& slots = self.job.interpreter.cold;
+            slots = uint8_t(cold ? slots | 1u << kE : slots & ~(1u << kE));
+          },
+          "While it is set, moves of the tool's filament are errors.")
+      .def(
+          "set_cold_axis",
+          [](JobView& self, int axis, bool cold) {
+            if (axis < 3 || size_t(axis) >= self.job.motion.machine().axes.size())
+              throw nb::index_error("no such further axis");
+            uint8_t &slots = self.job.interpreter.cold, bit = uint8_t(1u << slot_of_axis(axis));
+            slots = uint8_t(cold ? slots | bit : slots & ~bit);
+          },
+          "axis"_a, "cold"_a, "The same for an axis, by number, that pushes filament.")
+      .def_prop_ro(
+          "filament_scale", [](JobView& self) { return self.job.interpreter.e_scale(); },
+          "mm of filament of the tool in use for a mm, or mm3, of the program's E.")
+      .def_prop_ro(
+          "flows",
+          [](JobView& self) {
+            std::vector<double> flows;
+            for (size_t i = 0; i < self.job.motion.machine().extruders.size(); ++i)
+              flows.push_back(self.job.interpreter.flow(i));
+            return flows;
+          },
+          "M221 of each extruder, as a factor.")
+      .def(
+          "set_flow",
+          [](JobView& self, size_t extruder, double flow) {
+            check_flow(self, extruder, flow);
+            self.job.interpreter.set_flow(extruder, flow);
+          },
+          "extruder"_a, "flow"_a, "M221, a factor above 0, for what is read from now on.")
+      .def(
+          "scale_flow_from",
+          [](JobView& self, double ticks, size_t extruder, double flow) {
+            check_flow(self, extruder, flow);
+            return self.job.scale_flow_from(ticks, extruder, flow);
+          },
+          "ticks"_a, "extruder"_a, "flow"_a,
+          "M221, a factor above 0, for all that is planned anew from this clock on, and what is "
+          "read from now on; returns the clock of the cut.")
+      .def_prop_ro(
+          "speed_factor",
+          [](JobView& self) { return self.job.motion.planner().rules().now().speed_factor; },
+          "M220, as a factor.")
+      .def(
+          "set_speed_factor",
+          [](JobView& self, double factor, bool live) {
+            self.job.motion.planner().rules().change(live,
+                                                     [&](Rules& r) { r.speed_factor = factor; });
+          },
+          "factor"_a, "live"_a = false,
+          "M220 for the moves that follow; `live`: for all that is planned anew from now on.")
+      .def(
+          "set_limit",
+          [](JobView& self, const std::string& name, double value, bool live) {
+            self.job.motion.planner().rules().change(
+                live, [&](Rules& r) { *place_of(r.limits, name) = value; });
+          },
+          "name"_a, "value"_a, "live"_a = false,
+          "Changes a limit of the moves that follow; `live`: of all that is planned anew.")
+      .def(
+          "set_axis_limit",
+          [](JobView& self, const std::string& axis, const std::string& what, double value,
+             bool live) {
+            self.job.motion.planner().rules().change(live, [&](Rules& r) {
+              auto changed = std::make_shared<Constraints>(*r.constraints);
+              changed->set(self.job.motion.machine(), axis, place_of(what), value);
+              r.constraints = std::move(changed);
+            });
+          },
+          "axis"_a, "what"_a, "value"_a, "live"_a = false,
+          "Changes an axis' `speed`, `accel` or `jerk`, never beyond the machine's own, as "
+          "set_limit.");
+}

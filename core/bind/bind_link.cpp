@@ -1,0 +1,286 @@
+// Python's view of a link, of the messages of a job, and of what links share.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/map.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/variant.h>
+#include <nanobind/stl/vector.h>
+
+#include <functional>
+
+#include "bind/bind_bytes.hpp"
+#include "link/link.hpp"
+#include "steps/message_queue.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+using namespace passo;
+using namespace passo::wire;
+
+namespace {
+
+// Calls F with a link that its thread may be using.
+template <auto F, class... A>
+auto held(Link& link, A... arguments) {
+  std::lock_guard lock(link.guard());
+  return std::invoke(F, link, arguments...);
+}
+
+}  // namespace
+
+void bind_link(nb::module_& m) {
+  nb::enum_<MessageKind>(m, "MessageKind")
+      .value("QUEUE_STEP", MessageKind::queue_step)
+      .value("SET_DIR", MessageKind::set_dir)
+      .value("RESET_CLOCK", MessageKind::reset_clock)
+      .value("PIN", MessageKind::pin)
+      .value("TAIL", MessageKind::tail)
+      .value("COMMIT", MessageKind::commit);
+  nb::class_<MessageQueue>(m, "MessageQueue",
+                           "Planned messages of one board, in the order in which they leave.")
+      .def(nb::init<>())
+      .def(
+          "push",
+          [](MessageQueue& q, MessageKind kind, uint16_t target, int64_t clock, int64_t end_clock,
+             uint32_t interval, uint16_t count, int16_t add, bool dir) {
+            auto held = q.hold();
+            q.push({clock, end_clock, interval, count, add, target, kind, uint8_t(dir)});
+          },
+          "kind"_a, "target"_a, "clock"_a, "end_clock"_a = 0, "interval"_a = 0, "count"_a = 0,
+          "add"_a = 0, "dir"_a = false)
+      .def("clear",
+           [](MessageQueue& q) {
+             auto held = q.hold();
+             q.clear();
+           })
+      .def("__len__", [](MessageQueue& q) {
+        auto held = q.hold();
+        return q.size();
+      });
+  nb::enum_<PinKind>(m, "PinKind").value("DIGITAL", PinKind::digital).value("PWM", PinKind::pwm);
+  nb::enum_<Cause>(m, "Cause", "Why a frame was not at the board sooner.")
+      .value("PLAN", Cause::plan, "Its moves were planned late.")
+      .value("STALL", Cause::stall, "The program did not run.")
+      .value("BYTES", Cause::bytes, "The link carries no more bytes.")
+      .value("RETRANSMITS", Cause::retransmits, "Bytes got lost.")
+      .value("SLOTS", Cause::slots, "The board had no slot free.");
+  m.attr("LATE_S") = Lateness::kLateSeconds;
+  nb::class_<Slack>(m, "Slack",
+                    "Of a frame: ticks before the clock of its most urgent message at which the "
+                    "board had it, that clock, and what held it up for how long.")
+      .def_prop_ro("known", [](const Slack& s) { return s.slack != kNever; })
+      .def_ro("slack", &Slack::slack)
+      .def_ro("clock", &Slack::clock)
+      .def_ro("held", &Slack::held)
+      .def_ro("cause", &Slack::cause);
+  nb::class_<Timeline>(m, "Timeline", "What the links to the boards of one machine share.")
+      .def(nb::init<>())
+      .def(
+          "arm",
+          [](Timeline& t, const std::vector<std::pair<size_t, uint32_t>>& members, uint32_t reason,
+             uint32_t expired, double clock, double patience) {
+            std::vector<Timeline::Member> list;
+            for (auto [seat, oid] : members) list.push_back({seat, oid});
+            t.arm(std::move(list), reason, expired, clock, patience);
+          },
+          "members"_a, "reason"_a, "expired"_a, "clock"_a, "patience"_a,
+          "These trsyncs, (seat of the link, oid), trigger together, for one of two reasons; and "
+          "by themselves when one of them was not heard of for so many ticks.")
+      .def("disarm", &Timeline::disarm)
+      .def_prop_ro("halted", &Timeline::halted, "A board has stopped or is lost.");
+  nb::class_<Link>(m, "Link", "The host's end of a board's wire; times in ticks.")
+      .def(nb::init<double>(), "clock_hz"_a)
+      .def_prop_ro("hz", &Link::hz)
+      .def(
+          "set_dictionary",
+          [](Link& l, const FormatList& commands, const FormatList& reports,
+             size_t receive_window) {
+            std::lock_guard lock(l.guard());
+            l.set_dictionary(make_formats(commands), make_formats(reports), receive_window);
+          },
+          "commands"_a, "reports"_a, "receive_window"_a)
+      .def(
+          "send",
+          [](Link& l, const std::string& name, const nb::list& values) {
+            std::lock_guard lock(l.guard());
+            l.send(name, to_values(values));
+          },
+          "name"_a, "values"_a,
+          nb::sig("def send(self, name: str, values: list[int | bytes]) -> None"))
+      .def(
+          "take_responses",
+          [](Link& l) {
+            std::lock_guard lock(l.guard());
+            nb::list list;
+            for (const Response& r : l.inbox())
+              list.append(nb::make_tuple(r.format->name, to_dict(*r.format, r.values)));
+            l.inbox().clear();
+            return list;
+          },
+          nb::sig("def take_responses(self) -> list[tuple[str, dict[str, int | bytes]]]"))
+      .def("follow_clock", &held<&Link::follow_clock, Ticks>, "now"_a)
+      .def("set_byte_ticks", &held<&Link::set_byte_ticks, double>, "ticks"_a,
+           "What a byte takes on a serial line.")
+      .def_prop_ro("synchronous", &held<&Link::synchronous>)
+      .def_prop_ro("lost", &held<&Link::lost>)
+      .def_prop_ro("begun_anew", &held<&Link::begun_anew>,
+                   "The board was reset, or its supply has failed.")
+      .def(
+          "clock_at",
+          [](Link& l, Ticks host) {
+            std::lock_guard lock(l.guard());
+            return l.clock().clock_at(host);
+          },
+          "host_ticks"_a)
+      .def(
+          "host_at",
+          [](Link& l, Ticks clock) {
+            std::lock_guard lock(l.guard());
+            return l.clock().host_at(clock);
+          },
+          "clock"_a)
+      .def_prop_ro("clock_rate", &held<[](Link& l) { return l.clock().rate(); }>)
+      .def(
+          "add_stepper",
+          [](Link& l, size_t target, const std::string& name, uint32_t oid, bool invert) {
+            std::lock_guard lock(l.guard());
+            l.job().add_stepper(l.commands(), target, name, oid, invert);
+          },
+          "target"_a, "name"_a, "oid"_a, "invert"_a)
+      .def(
+          "join",
+          [](Link& l, const std::shared_ptr<Timeline>& timeline, bool main, double tolerance) {
+            std::lock_guard lock(l.guard());
+            l.join(timeline, main, tolerance);
+          },
+          "timeline"_a, "main"_a, "tolerance"_a = 0.0,
+          "The board is one of several: the main one, or one whose steps are told in its own "
+          "clock, within so many ticks.")
+      .def_prop_ro("seat", &held<&Link::seat>, "Its number among the links of the machine.")
+      .def("own_clock", &held<&Link::own_clock, Ticks>, "main_clock"_a,
+           "What this board's clock reads when the main one's reads so much.")
+      .def("main_clock", &held<&Link::main_clock, Ticks>, "own_clock"_a)
+      .def(
+          "set_apart",
+          [](Link& l, size_t target, double least, double turning) {
+            std::lock_guard lock(l.guard());
+            if (Retimer* retimer = l.job().retimer()) retimer->set_apart(target, {least, turning});
+          },
+          "target"_a, "least"_a, "turning"_a,
+          "How close steps of a motor may come, in ticks, one way and where it turns.")
+      .def(
+          "add_pin",
+          [](Link& l, size_t target, const std::string& name, uint32_t oid, PinKind kind,
+             uint32_t inverted_full, Ticks longest) {
+            std::lock_guard lock(l.guard());
+            l.job().add_pin(l.commands(), target, name, oid, kind, inverted_full, longest);
+          },
+          "target"_a, "name"_a, "oid"_a, "kind"_a, "inverted_full"_a = 0, "longest"_a = 0,
+          "inverted_full: the value at full scale of a pin that is on when low; longest: ticks "
+          "that "
+          "the board lets it be on without a word.")
+      .def(
+          "set_kick",
+          [](Link& l, size_t target, Ticks ticks, uint32_t full, uint32_t rise) {
+            std::lock_guard lock(l.guard());
+            l.job().set_kick(target, {ticks, full, rise});
+          },
+          "target"_a, "ticks"_a, "full"_a, "rise"_a,
+          "Where the value of a pin comes from 0, or rises by more than so much, it is `full` for "
+          "so many ticks first.")
+      .def(
+          "set_slots",
+          [](Link& l, size_t slots) {
+            std::lock_guard lock(l.guard());
+            l.job().set_slots(slots);
+          },
+          "slots"_a)
+      .def(
+          "set_queue",
+          [](Link& l, MessageQueue* q) {
+            std::lock_guard lock(l.guard());
+            l.set_queue(q);
+          },
+          "queue"_a.none(), nb::keep_alive<1, 2>())
+      .def("start_job", &held<&Link::start_job, Ticks, double>, "base_clock"_a, "main_hz"_a,
+           "Both are the main board's.")
+      .def_prop_ro("clock_jitter_s", &held<[](Link& l) { return l.clock().jitter_s(); }>,
+                   "What answers usually take longer than the quickest ones, seconds.")
+      .def("use_commits", &held<&Link::use_commits, Ticks>, "horizon"_a,
+           "The job comes in commits, and leaves so many ticks ahead.")
+      .def(
+          "begin_commits",
+          [](Link& l, bool on) {
+            std::lock_guard lock(l.guard());
+            l.begin_commits(on);
+          },
+          "on"_a,
+          "The machine stands, and what moves it comes in commits from here on, for the board is "
+          "armed; or it does no more.")
+      .def("reconnect", &held<&Link::reconnect>,
+           "The board has gone on without this host: what was on its way is forgotten, and the job "
+           "stands until go_on().")
+      .def_prop_ro("told", &held<&Link::told>,
+                   "The board has all commands; answers at once have come, or are lost.")
+      .def(
+          "unheard_s", &held<&Link::unheard_s, Ticks>, "clock"_a,
+          "Seconds since the first of what the board has not acknowledged was sent, when its clock "
+          "reads `clock`; 0 if it has acknowledged all.")
+      .def_prop_ro("delivered", &held<&Link::delivered>,
+                   "Everything of the job so far is at the board.")
+      .def("go_on", &held<&Link::go_on>)
+      .def("stop_job", &held<[](Link& l) { l.job().stop(); }>)
+      .def(
+          "add_heater",
+          [](Link& l, const HeaterOptions& options) -> Heater& {
+            std::lock_guard lock(l.guard());
+            return l.add_heater(options);
+          },
+          "options"_a, nb::rv_policy::reference_internal)
+      .def_prop_ro("shut_down", &held<&Link::shut_down>)
+      .def_prop_ro("alone", &held<&Link::alone>, "The board has stopped by itself.")
+      .def_prop_ro("stopped_with_others", &held<&Link::stopped_with_others>,
+                   "The board was shut down because another one of the machine had failed.")
+      .def_prop_ro("shutdown_reason", &held<&Link::shutdown_reason>)
+      .def(
+          "restart", &held<&Link::restart>,
+          "The board begins anew: what was on its way is forgotten, its numbering is learnt again.")
+      .def_prop_ro("wire_bytes", &held<&Link::wire_bytes>)
+      .def_prop_ro("frames", &held<&Link::frames>)
+      .def_prop_ro("retransmitted_bytes", &held<&Link::retransmitted_bytes>)
+      .def("take_slack", &held<[](Link& l) { return l.lateness().take_recent(); }>,
+           "The least since this was last asked.")
+      .def_prop_ro("least_slack", &held<[](Link& l) { return l.lateness().least(); }>)
+      .def_prop_ro(
+          "late_frames",
+          [](Link& l) {
+            std::lock_guard lock(l.guard());
+            std::map<Cause, uint64_t> frames;
+            for (size_t i = 0; i < kCauses; ++i) frames[Cause(i)] = l.lateness().late_frames()[i];
+            return frames;
+          },
+          "How many frames were at the board less than LATE_S before it needed them, by cause.")
+      .def_prop_ro("longest_stall", &held<[](Link& l) { return l.lateness().longest_stall(); }>,
+                   "The most that it was looked after too late, ticks.")
+      .def_prop_ro("queue_steps", &held<[](Link& l) { return l.job().queue_steps(); }>)
+      .def_prop_ro("messages", &held<[](Link& l) { return l.job().messages(); }>)
+      .def_prop_ro("stream_hash", &held<[](Link& l) { return l.job().hash(); }>)
+      .def(
+          "feed",
+          [](Link& l, const nb::bytes& data, Ticks now) {
+            std::lock_guard lock(l.guard());
+            l.feed(data_of(data), data.size(), now);
+          },
+          "data"_a, "now"_a)
+      .def(
+          "poll",
+          [](Link& l, Ticks now) {
+            std::lock_guard lock(l.guard());
+            Bytes out;
+            Ticks next = l.poll(now, out);
+            return nb::make_tuple(to_bytes(out.data(), out.size()), next);
+          },
+          nb::sig("def poll(self, now: int) -> tuple[bytes, int]"), "now"_a,
+          "(bytes to send, host time of the next call)");
+}

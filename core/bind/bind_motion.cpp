@@ -1,0 +1,298 @@
+// passo._core: Motion, Move, Message. The plan of moves given one by one, for tests, tools and
+// lessons; whole files go through Job.
+#include "bind/bind_motion.hpp"
+
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <cstring>
+#include <memory>
+#include <tuple>
+
+#include "bind/bind_machine.hpp"
+#include "motion/motion.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+using namespace passo;
+
+namespace {
+
+// Owns a Motion and keeps its settled moves for Python.
+struct RecordedMotion {
+  Motion motion;
+  std::vector<Move> moves;
+  RecordedMotion(const Machine& machine, bool with_steps) : motion(machine, with_steps) {
+    motion.on_move = [this](const Move& m) { moves.push_back(m); };
+  }
+};
+
+// Rows of coefficients: one an axis, then E; none means that the axis stays at 0.
+Piece piece_of(const Machine& machine, double seconds,
+               const std::vector<std::vector<double>>& coefficients, int extruder) {
+  if (coefficients.size() != machine.axes.size() + 1)
+    throw nb::value_error("a piece needs one row of coefficients an axis, then E");
+  if (extruder < 0 || (size_t(extruder) >= machine.extruders.size() && !machine.extruders.empty()))
+    throw nb::value_error("no such extruder");
+  Piece p{};
+  p.seconds = seconds;
+  p.extruder = uint16_t(extruder);
+  for (size_t i = 0; i < coefficients.size(); ++i) {
+    if (coefficients[i].empty() || coefficients[i].size() > Piece::kTerms)
+      throw nb::value_error("an axis of a piece has 1 to 6 coefficients");
+    int j = i < machine.axes.size() ? slot_of_axis(int(i)) : int(kE);
+    std::copy(coefficients[i].begin(), coefficients[i].end(), p.c[j]);
+  }
+  for (int j = 0; j < kAxes; ++j) p.end[j] = p.position(j, seconds);
+  return p;
+}
+using Rows = std::vector<std::vector<double>>;
+
+void add_pieces(RecordedMotion& self, const std::vector<std::tuple<double, Rows>>& pieces,
+                const std::optional<std::vector<double>>& end, int extruder) {
+  const Machine& machine = self.motion.machine();
+  std::vector<Piece> list;
+  for (const auto& [seconds, rows] : pieces) {
+    list.push_back(piece_of(machine, seconds, rows, extruder));
+    if (list.size() > 1)
+      for (int j = 0; j < kAxes; ++j) list[list.size() - 2].end[j] = list.back().c[j][0];
+  }
+  if (end && !list.empty()) {
+    if (end->size() != machine.axes.size() + 1)
+      throw nb::value_error("an end needs one number an axis, then E");
+    for (size_t i = 0; i < machine.axes.size(); ++i)
+      list.back().end[slot_of_axis(int(i))] = (*end)[i];
+    list.back().end[kE] = end->back();
+  }
+  self.motion.add_pieces(std::move(list));
+}
+
+void set_height_map(RecordedMotion& self, const std::tuple<double, double>& first,
+                    const std::tuple<double, double>& spacing, const Rows& heights) {
+  if (heights.empty()) return self.motion.set_height_map(nullptr);
+  std::vector<double> all;
+  for (const auto& row : heights) {
+    if (row.size() != heights[0].size()) throw nb::value_error("rows of heights differ in length");
+    for (double z : row)
+      if (!(std::fabs(z) < 1e3)) throw nb::value_error("a height is beyond 1000 mm");
+    all.insert(all.end(), row.begin(), row.end());
+  }
+  if (heights.size() < 2 || heights[0].size() < 2)
+    throw nb::value_error("heights need two rows of two at least");
+  auto [x, y] = first;
+  auto [dx, dy] = spacing;
+  if (!(std::fabs(x) < 1e6 && std::fabs(y) < 1e6 && dx > 0 && dy > 0))
+    throw nb::value_error("heights need a place, and a spacing above 0");
+  self.motion.set_height_map(std::make_shared<HeightMap>(x, y, dx, dy, int(heights[0].size()),
+                                                         int(heights.size()), std::move(all)));
+}
+
+void push(RecordedMotion& self, const std::vector<double>& target, double feed,
+          const std::string& kind, int extruder, double duration, double radius, bool inner,
+          uint32_t line, double flow) {
+  const Machine& machine = self.motion.machine();
+  if (target.size() != machine.axes.size() + 1)
+    throw nb::value_error("target needs one number an axis, then E");
+  if (extruder < 0 || (size_t(extruder) >= machine.extruders.size() && !machine.extruders.empty()))
+    throw nb::value_error("no such extruder");
+  MoveRequest r{};
+  for (size_t i = 0; i < machine.axes.size(); ++i) r.target[slot_of_axis(int(i))] = target[i];
+  r.target[kE] = target.back();
+  for (double x : r.target)
+    if (!(std::fabs(x) < 1e6)) throw nb::value_error("a target is beyond 1e6 mm");
+  if (!(feed > 0)) throw nb::value_error("the feed rate must be above 0");
+  r.feed_mm_s = feed;
+  r.duration_s = duration;
+  r.radius_mm = radius;
+  r.arc_axis = kZ;
+  r.line = line;
+  r.flow = flow;
+  r.extruder = uint16_t(extruder);
+  r.kind = kind == "print"     ? MoveKind::print
+           : kind == "extrude" ? MoveKind::extrude
+           : kind == "dwell"   ? MoveKind::dwell
+                               : MoveKind::travel;
+  r.arc_inner = inner;
+  self.motion.push(r);
+  if (self.motion.planner().too_slow() > 0) throw nb::value_error("the move takes beyond 1e6 s");
+}
+
+}  // namespace
+
+void bind_motion(nb::module_& m) {
+  bind_move(m);
+  nb::class_<RecordedMotion>(m, "Motion",
+                             "Plans moves, solves and compresses their steps. Not thread-safe.")
+      .def(
+          "__init__",
+          [](RecordedMotion* self, const nb::dict& spec, bool with_steps) {
+            new (self) RecordedMotion(machine_of(spec), with_steps);
+          },
+          "spec"_a, "with_steps"_a = true)
+      .def("push", &push, "target"_a, "feed_mm_s"_a, "kind"_a = "travel", "extruder"_a = 0,
+           "duration_s"_a = 0.0, "radius_mm"_a = kInfinity, "inner"_a = false, "line"_a = 0,
+           "flow"_a = 1.0,
+           "Adds a move to the absolute target: one number an axis, then E, which was scaled with "
+           "`flow` (0: by none, and never). Raises ValueError.")
+      .def(
+          "set_height_map", &set_height_map, "first"_a, "spacing"_a, "heights"_a,
+          "What the bed adds to Z: heights in mm on an even grid, rows along X, the first one at "
+          "the Y of `first`; bilinear in between, level beyond. No rows: the bed is flat. No motor "
+          "moves, but Z of the plan changes; only while nothing is queued. Raises ValueError.")
+      .def(
+          "add_pieces", &add_pieces, "pieces"_a, "end"_a = nb::none(), "extruder"_a = 0,
+          "Motion that is planned already, behind what was pushed so far: of each piece its "
+          "seconds, and for each axis, then E, up to six coefficients of a polynomial of time: mm, "
+          "mm/s, mm/s^2 and so on. Pieces join to 1e-6 mm; `end` says where the last one ends if "
+          "not where its polynomials do. Raises ValueError.")
+      .def(
+          "record",
+          [](RecordedMotion& self, uint16_t target, uint32_t value) {
+            self.motion.record(target, value);
+          },
+          "target"_a, "value"_a, "A timed record, due when the moves pushed so far are done.")
+      .def(
+          "set_position",
+          [](RecordedMotion& self, const std::vector<double>& position) {
+            const Machine& machine = self.motion.machine();
+            if (position.size() != machine.axes.size() + 1)
+              throw nb::value_error("a position needs one number an axis, then E");
+            double p[kAxes] = {};
+            for (size_t i = 0; i < machine.axes.size(); ++i) p[slot_of_axis(int(i))] = position[i];
+            p[kE] = position.back();
+            self.motion.set_position(p, 0);
+          },
+          "position"_a, "Sets where the machine is, without motion; only while nothing is queued.")
+      .def(
+          "flush", [](RecordedMotion& self) { self.motion.flush(); },
+          "Settles all for a stop at the end.")
+      .def(
+          "wait_until", [](RecordedMotion& self, double ticks) { self.motion.wait_until(ticks); },
+          "ticks"_a)
+      .def(
+          "replan_from",
+          [](RecordedMotion& self, double ticks) { return self.motion.replan_from(ticks); },
+          "ticks"_a,
+          "Plans anew from this clock on with the limits of now; returns the clock of the cut.")
+      .def(
+          "shift_from",
+          [](RecordedMotion& self, double ticks, int axis, double mm) {
+            if (axis < 0 || axis > 2) throw nb::value_error("X, Y or Z");
+            return self.motion.shift_from(ticks, axis, mm, 0, 0);
+          },
+          "ticks"_a, "axis"_a, "mm"_a,
+          "From this clock on all lies so much further; returns the clock of the cut.")
+      .def(
+          "change_flow_from",
+          [](RecordedMotion& self, double ticks, double flow, size_t extruder) {
+            if (extruder >= self.motion.machine().extruders.size())
+              throw nb::index_error("no such extruder");
+            if (!(flow > 0 && flow < kInfinity)) throw nb::value_error("a flow must be above 0");
+            FlowChange change(flow);
+            return self.motion.change_flow_from(ticks, extruder, change);
+          },
+          "ticks"_a, "flow"_a, "extruder"_a = 0,
+          "From behind this clock on filament moves with this flow; returns the clock of the cut.")
+      .def(
+          "skip_dwell_from",
+          [](RecordedMotion& self, double ticks) { return self.motion.skip_dwell_from(ticks); },
+          "ticks"_a,
+          "Ends the dwell that is under way at this clock; returns the clock of the cut, or None.")
+      .def(
+          "hold_from",
+          [](RecordedMotion& self, double ticks) { return self.motion.hold_from(ticks); },
+          "ticks"_a,
+          "Brakes to a stop on the path from this clock on; returns the clock of the cut.")
+      .def(
+          "release", [](RecordedMotion& self) { self.motion.release(); },
+          "Goes on with what hold_from left.")
+      .def(
+          "use_commits",
+          [](RecordedMotion& self, int64_t period, size_t most) {
+            self.motion.use_commits(period, most);
+          },
+          "period"_a, "most"_a,
+          "Messages come in commits of at most so many ticks and messages from now on; only behind "
+          "flush().")
+      .def(
+          "set_speed_factor",
+          [](RecordedMotion& self, double factor, bool live) {
+            self.motion.planner().rules().change(live, [&](Rules& r) { r.speed_factor = factor; });
+          },
+          "factor"_a, "live"_a = true,
+          "M220: of moves to come, or, `live`, of all that is planned anew.")
+      .def(
+          "set_accel",
+          [](RecordedMotion& self, double accel, bool live) {
+            self.motion.planner().rules().change(live, [&](Rules& r) {
+              r.limits.print_accel = r.limits.travel_accel = r.limits.retract_accel = accel;
+            });
+          },
+          "accel"_a, "live"_a = true)
+      .def_prop_ro(
+          "clock", [](RecordedMotion& self) { return self.motion.planner().clock(); },
+          "End of the last settled move, ticks.")
+      .def(
+          "take_moves", [](RecordedMotion& self) { return std::exchange(self.moves, {}); },
+          "Moves settled since the last call, in order.")
+      .def(
+          "take_messages",
+          [](RecordedMotion& self, double before) {
+            std::vector<std::tuple<std::string, int, int64_t, int64_t, uint32_t, int, int, int>>
+                out;
+            MessageQueue& queue = self.motion.stream().messages(0);
+            while (!queue.empty() && double(queue.front().clock) < before) {
+              const Message& g = queue.front();
+              const char* names[] = {"queue_step", "set_dir", "reset_clock",
+                                     "pin",        "tail",    "commit"};
+              out.emplace_back(names[int(g.kind)], g.target, g.clock, g.end_clock, g.interval,
+                               g.count, g.add, g.dir);
+              queue.pop();
+            }
+            return out;
+          },
+          "before"_a = kInfinity,
+          "Takes (kind, target, clock, end_clock, interval, count, add, dir) of all messages due "
+          "before a clock.")
+      .def(
+          "counts",
+          [](RecordedMotion& self) {
+            std::vector<int64_t> out;
+            for (size_t i = 0; i < self.motion.machine().steppers.size(); ++i)
+              out.push_back(self.motion.stream().count(i));
+            return out;
+          },
+          "Step count of every motor after all that was solved.")
+      .def("dropped_pairs",
+           [](RecordedMotion& self, size_t i) {
+             return self.motion.stream().statistics(i).dropped_pairs;
+           })
+      .def(
+          "ideal_ticks",
+          [](RecordedMotion& self, const Move& move, size_t stepper, int64_t count) {
+            const Machine& machine = self.motion.machine();
+            StepSolver solver(machine, machine.steppers.at(stepper));
+            solver.set_count(count);
+            Steps steps;
+            solver.solve(move, steps);
+            return std::make_tuple(steps.ticks, solver.count());
+          },
+          "move"_a, "stepper"_a, "count"_a,
+          "Unrounded step times of one motor in one move, and its count after it.")
+      .def(
+          "ideal_piece_ticks",
+          [](RecordedMotion& self, double seconds, const Rows& rows, size_t stepper, int64_t count,
+             int extruder) {
+            const Machine& machine = self.motion.machine();
+            StepSolver solver(machine, machine.steppers.at(stepper));
+            solver.set_count(count);
+            Steps steps;
+            solver.solve(piece_of(machine, seconds, rows, extruder), steps);
+            return std::make_tuple(steps.ticks, solver.count());
+          },
+          "seconds"_a, "coefficients"_a, "stepper"_a, "count"_a, "extruder"_a = 0,
+          "The same for one piece that starts at tick 0.");
+}

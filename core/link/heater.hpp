@@ -1,0 +1,250 @@
+// A heater loop beside the link: each report of the sensor is checked and sets the power anew, so a
+// host that stands still for a moment costs neither control nor protection, and a link that is lost
+// lets the board switch the heater off.
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+#include "heat/controller.hpp"
+#include "heat/converter.hpp"
+#include "heat/curve.hpp"
+#include "heat/protection.hpp"
+#include "link/device.hpp"
+
+namespace passo::wire {
+
+// How the board samples a sensor. Outside minimum…maximum, `range_checks` times in a row, it shuts
+// down: the net below the host's own protections.
+struct SensorQuery {
+  uint32_t sample_ticks, sample_count, rest_ticks, minimum, maximum, range_checks;
+};
+
+// When a target is reached: within `window_c` for the first time, and for good after so many
+// seconds of it, unless the temperature leaves it by more than `leaves_c`: then they begin anew
+// (StuFW's rule, which is Marlin's). Nobody waits for ever for the last degree: what has been
+// nearer than `leaves_c` for a minute is there.
+struct Arrival {
+  double window_c = 1, leaves_c = 3, seconds = 10;
+  static constexpr double kPatience = 60;  // seconds
+};
+
+struct HeaterOptions {
+  uint32_t sensor_oid, output_oid;
+  bool pwm;           // queue_pwm_out, else queue_digital_out
+  uint32_t full;      // value of full power: PWM_MAX, or the ticks of the software PWM's cycle
+  uint32_t adc_full;  // a report of the sensor at the ADC's full scale
+  SensorQuery query;
+  double longest_s;  // without being told the board leaves the power on for so long
+  double max_power;  // 0…1
+  Arrival arrival;
+  heat::Curve celsius;           // share of full scale → °C
+  double low_share, high_share;  // beyond them the sensor is broken …
+  bool open_is_high;             // … and open above the one, shorted below the other, or vice versa
+  heat::Control control;
+  heat::ProtectionLimits limits;
+  std::optional<heat::HeatModel> model;  // of the body, where it is known
+  int32_t fan_target = -1;               // pin of the job that cools the body; -1: none
+  double fan_full = 1;                   // that pin's value at full speed
+  bool inverted = false;                 // the output is on when low
+  heat::Converter converter = heat::Converter::none;  // whose words the reports are, if any's
+  uint32_t spi_oid = 0;                               // where that is
+  Bytes
+      clears_faults;  // what it is told when it has a fault, which it keeps until then; or nothing
+};
+
+// What the loop saw and did with one report.
+struct HeatSample {
+  Ticks clock;
+  double celsius, target, power;
+  heat::Terms terms;
+};
+
+class Heater {
+ public:
+  explicit Heater(HeaterOptions options)
+      : o_(std::move(options)), controller_(o_.control), protection_(o_.limits) {
+    if (o_.model) body_.emplace(*o_.model);
+    set_control(o_.control);
+  }
+
+  // Held by whoever uses a heater whose link has a thread.
+  std::mutex& guard() { return guard_; }
+  const HeaterOptions& options() const { return o_; }
+  double celsius() const { return celsius_; }
+  // The sensor has reported, and the link has not been lost since.
+  bool heard() const { return clock_.has_value(); }
+  double target() const { return target_; }
+  double power() const { return power_; }
+  const heat::Terms& terms() const { return controller_.terms(); }
+  // True from the first report in the target's window on, until the target changes.
+  bool reached() const { return reached_; }
+  // It has stayed there for as long as who waits for it wants.
+  bool settled() const {
+    return (near_s_ && *near_s_ >= o_.arrival.seconds) || about_s_ >= Arrival::kPatience;
+  }
+  const Arrival& arrival() const { return o_.arrival; }
+  // While there is a fault the target is kept, but nothing heats.
+  void set_target(double celsius) {
+    double wanted = celsius > 0 ? celsius : 0;  // nor does anything heat to what is no number
+    if (wanted != target_) leave();
+    target_ = wanted;
+  }
+
+  // Another sensor on the same input, or another idea of it: its table and its range.
+  void set_sensor(const HeaterOptions& other) {
+    o_.celsius = other.celsius;
+    o_.low_share = other.low_share;
+    o_.high_share = other.high_share;
+    o_.open_is_high = other.open_is_high;
+    o_.query = other.query;
+    new_net_ = true;
+    protection_.restart();
+  }
+
+  const heat::Control& control() const { return controller_.control(); }
+  void set_control(const heat::Control& control) {
+    controller_.set(control);
+    if (const auto* predictive = std::get_if<heat::ModelControl>(&control))
+      set_model(predictive->model);
+  }
+  void set_model(const heat::HeatModel& model) {
+    if (body_)
+      body_->set(model);
+    else
+      body_.emplace(model);
+  }
+  const std::optional<heat::Observer>& body() const { return body_; }
+  const heat::ProtectionLimits& limits() const { return protection_.limits(); }
+  void set_limits(const heat::ProtectionLimits& limits) { protection_.set(limits); }
+  double fan() const { return fan_; }
+  // How fast the fan blows that cools this heater, 0…1, for its model.
+  void set_fan(double speed) { fan_ = std::clamp(speed, 0.0, 1.0); }
+  // The job's last word on it, which counts when it is new.
+  void follow_fan(uint32_t value) {
+    if (value != fan_value_) set_fan(value / o_.fan_full);
+    fan_value_ = value;
+  }
+
+  const heat::Fault& fault() const { return fault_; }
+  bool faulty() const { return fault_.kind != heat::FaultKind::none; }
+  // True once after each fault.
+  bool take_news() { return std::exchange(news_, false); }
+  // Lets a faulty heater heat again, to the target that it kept.
+  void rearm() {
+    fault_ = {};
+    leave();
+    protection_.restart();
+    if (body_) body_->restart();  // what it took for heat were the readings of a broken sensor
+  }
+
+  // The board has gone on alone, with no more power than what keeps the heater warm.
+  void interrupted() {
+    clock_.reset();
+    leave();
+    protection_.interrupted();
+    if (body_) body_->restart();
+  }
+  // The share of power that has kept the target of late; 0 until it was reached, and of a faulty
+  // heater.
+  double keeping() const { return reached_ && !faulty() ? keeping_ : 0; }
+
+  std::deque<HeatSample>& samples() { return samples_; }
+
+  // Takes a report (sum of samples) made at board clock `clock`; true if `value` must be sent.
+  bool report(uint32_t sum, Ticks clock, double clock_hz, uint32_t& value) {
+    double dt = clock_ ? double(clock - *clock_) / clock_hz : 0;
+    if (dt > o_.longest_s) {  // nobody knows what power acted, and for how much of it
+      dt = o_.longest_s;
+      if (body_) body_->restart();
+    }
+    double share = double(sum) / o_.adc_full;
+    bool above = share > o_.high_share, below = share < o_.low_share;
+    clock_ = clock;
+    celsius_ = o_.celsius.at(share);
+    if (body_) body_->update(celsius_, power_, fan_, dt);
+    bool failed = false;
+    if (!faulty()) {
+      bool open = o_.open_is_high ? above : below, shorted = o_.open_is_high ? below : above;
+      bool full = power_ >= kFullShare * o_.max_power;
+      fault_ = protection_.check({celsius_, heating_target(), power_, dt, full, open, shorted,
+                                  body_ ? body_->unexplained() : 0});
+      fault_.clock = clock;
+      failed = news_ = faulty();
+    }
+    double target = faulty() ? 0 : target_;
+    double power =
+        controller_.update({celsius_, target, dt, o_.max_power, body_ ? &*body_ : nullptr});
+    arrive(target, dt);
+    keeping_ = reached_ ? keeping_ + (power - keeping_) * std::min(1.0, dt / kKeepingSeconds) : 0;
+    bool send = power > 0 || power_ > 0 || failed;  // a heater that is on must be renewed
+    power_ = power;
+    value = uint32_t(power * o_.full + 0.5);
+    if (samples_.size() == kSamplesMax) samples_.pop_front();
+    samples_.push_back({clock, celsius_, target_, power, controller_.terms()});
+    return send;
+  }
+
+  // The board was asked for its reports anew, with the sensor's own range.
+  void asked_anew() { wide_ = false; }
+  // The board's net hangs while there is no fault: a heater that is off already needs it no more,
+  // and whether the whole machine is to stop is then not the board's to decide. Returns true if the
+  // query must be sent anew, with `wide` or with its own range.
+  bool change_net(bool& wide) {
+    wide = faulty();
+    bool changed = std::exchange(wide_, wide) != wide;
+    return std::exchange(new_net_, false) || changed;
+  }
+
+ private:
+  static constexpr double kKeepingSeconds = 20;  // over which the power is averaged
+  static constexpr size_t kSamplesMax = 4096;
+  static constexpr double kFullShare = 0.95;  // of all the power: as good as all
+
+  std::mutex guard_;
+  HeaterOptions o_;
+  heat::Controller controller_;
+  heat::Protection protection_;
+  std::optional<heat::Observer> body_;
+  heat::Fault fault_;
+  std::deque<HeatSample> samples_;
+  double target_ = 0, celsius_ = 0, power_ = 0, fan_ = 0, keeping_ = 0;
+  uint32_t fan_value_ = 0;
+  std::optional<Ticks> clock_;    // of the last report
+  std::optional<double> near_s_;  // so long it has been there, once it was within its window
+  double about_s_ = 0;            // and so long it has been nearer than where it leaves it
+  double off_ = 0;                // from its target, with the last report; 0 if there was none
+  bool reached_ = false, news_ = false, wide_ = false, new_net_ = false;
+
+  void leave() {
+    reached_ = false;
+    near_s_.reset();
+    about_s_ = off_ = 0;
+  }
+  void arrive(double target, double dt) {
+    if (target <= 0) return leave();
+    double off = celsius_ - target, away = std::fabs(off);
+    bool crossed = off * std::exchange(off_, off) < 0;  // a coarse sensor steps over the window
+    about_s_ = away > o_.arrival.leaves_c ? 0 : about_s_ + dt;
+    if (about_s_ >= Arrival::kPatience) reached_ = true;
+    if (away > o_.arrival.leaves_c) {
+      near_s_.reset();
+    } else if (near_s_) {
+      *near_s_ += dt;
+    } else if (away <= o_.arrival.window_c || crossed) {
+      near_s_ = 0;
+      reached_ = true;
+    }
+  }
+  // A relay swings around its target: only being on the way up can be judged by the target.
+  double heating_target() const {
+    bool tuning = std::holds_alternative<heat::RelayControl>(control());
+    return tuning && terms().d < 0 ? 0 : target_;
+  }
+};
+
+}  // namespace passo::wire

@@ -1,0 +1,226 @@
+// Frames on their way to the board: numbered, kept until acknowledged, sent again when lost.
+#pragma once
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+
+#include "link/device.hpp"
+#include "link/frame.hpp"
+
+namespace passo::wire {
+
+// The retransmission timer is that of RFC 6298 (smoothed round trip plus four times its variation),
+// bounded by 25 ms and 5 s, with what differs on a line of its own, where nobody else's load can be
+// the cause of a loss and a step is due at the end of the horizon:
+// - it runs from when the frame's last byte has gone out, which no round trip contains either;
+// - it doubles only while the board has not answered at all, or after kSteady silent repetitions,
+//   and any good frame of the board ends that;
+// - where a board refuses copies of what it had, their time since the first sending counts as a
+//   round trip. RFC 6298 waits longer instead until one can be measured. The refusal must come
+//   later than the answer, as the copy left later than the first: where answers were lost, it is
+//   the copies that are answered, and all of that comes at once.
+class Window {
+ public:
+  static constexpr uint64_t kBlocks = 12;
+  // A frame under construction may overrun its end by a command.
+  static constexpr size_t kOverrun = 24;
+  // Repetitions at the same distance. At the shortest they take 100 ms, less than any command
+  // leaves ahead of its time.
+  static constexpr int kSteady = 4;
+  // Of the least wait for an answer: an answer that is late by less than the one is as soon as
+  // usual, and what is heard within the other came at once.
+  static constexpr Ticks kUsualShare = 10, kApartShare = 2;
+
+  explicit Window(double clock_hz)
+      : rto_min_(Ticks(0.025 * clock_hz)), rto_max_(Ticks(5 * clock_hz)),
+        rto_start_(Ticks(0.1 * clock_hz)), rto_(rto_start_) {}
+
+  // Bytes that the board can take in before it has worked; 0: no such limit.
+  void set_receive_window(size_t bytes) { receive_window_ = bytes; }
+
+  // Ticks that a byte takes on the line; 0: as good as none.
+  void set_byte_ticks(double ticks) { byte_ticks_ = ticks; }
+
+  // Forgets what is unanswered: the board begins anew and may count from anywhere.
+  void restart() {
+    acked_ = last_ack_ = next_;
+    bytes_ = 0;
+    synchronous_ = resend_ = measured_ = false;
+    silent_ = 0;
+    doubtful_ = kNever;
+    line_free_ = 0;
+    rto_ = rto_start_;
+    urgent_ = 0;
+  }
+
+  bool room(size_t payload) const {
+    if (next_ - acked_ >= (synchronous_ ? kBlocks : 1) || acked_ < urgent_) return false;
+    return receive_window_ == 0 || bytes_ == 0 || bytes_ + kFrameMin + payload <= receive_window_;
+  }
+  bool idle() const { return next_ == acked_; }
+  // What the board has not acknowledged yet was sent more than once.
+  bool resending() const { return !idle() && blocks_[acked_ & kSequenceMask].again; }
+  // The board has refused a frame, which poll() sends again.
+  bool refused() const { return resend_; }
+  uint64_t next() const { return next_; }
+  uint64_t acked() const { return acked_; }
+  uint64_t retransmitted_bytes() const { return retransmitted_bytes_; }
+  // Payload of the next frame, to be filled before seal(): kPayloadMax + kOverrun bytes.
+  uint8_t* payload() { return block(next_).data + kHeader; }
+
+  // Completes the next frame and sends it.
+  void seal(size_t payload, Ticks now, Bytes& out) {
+    Block& b = block(next_);
+    b.length = uint8_t(seal_frame(b.data, payload, next_));
+    b.sent = now;
+    b.gone = on_the_line(b.length, now);
+    b.again = b.opening = !synchronous_;
+    if (idle()) deadline_ = b.gone + rto_;
+    bytes_ += b.length;
+    ++next_;
+    out.insert(out.end(), b.data, b.data + b.length);
+  }
+
+  // Puts `payload` in the place of all that the board has not acknowledged, and behind it:
+  // whichever frame the board takes next is this one. poll() sends it, again soon, and nothing new
+  // before the board has it. False while the board's first answer is awaited: then it may have to
+  // be put behind that, too.
+  bool replace(const Bytes& payload) {
+    const bool whole = synchronous_ || idle();
+    if (whole && next_ - acked_ <= kBlocks) block(next_++).length = 0;
+    for (uint64_t i = acked_; i < next_; ++i) {
+      Block& b = block(i);
+      std::copy(payload.begin(), payload.end(), b.data + kHeader);
+      bytes_ -= b.length;
+      bytes_ += b.length = uint8_t(seal_frame(b.data, payload.size(), i));
+    }
+    resend_ |= urgent_ != next_;
+    urgent_ = next_;
+    return whole;
+  }
+
+  // A good frame came from the board. `empty`: an acknowledgement that says nothing else; the
+  // second of its kind is a refusal. False if the number cannot be (the frame is to be ignored).
+  bool acknowledge(uint8_t sequence, bool empty, Ticks now) {
+    uint64_t number = acked_ + ((sequence - acked_) & kSequenceMask);
+    if (!synchronous_) {
+      if (idle()) return true;
+      synchronous_ = true;
+      if (number !=
+          next_) {  // the board counts from elsewhere: number the first frame as it expects
+        renumber(number);
+        return true;
+      }
+    }
+    if (number > next_) return false;
+    silent_ = 0;
+    rto_ = measured_ ? base_ : rto_start_;
+    if (number > acked_) {
+      const Block& last = block(number - 1);
+      Ticks trip = std::max<Ticks>(now - last.gone, 0);
+      bool usual = measured_ && now - copied_ <= smooth_ + 4 * variation_ + rto_min_ / kUsualShare;
+      doubtful_ = last.again && !usual ? trip : kNever;
+      apart_ = now + rto_min_ / kApartShare;
+      if (!last.again) measure(trip);
+      for (; acked_ < number; ++acked_) bytes_ -= block(acked_).length;
+      deadline_ = std::max(now, idle() ? now : block(acked_).gone) + patience();
+    } else if (empty && doubtful_ != kNever && number <= ignored_ && now >= apart_) {
+      measure(std::exchange(doubtful_, kNever));
+    }
+    if (!empty) return true;
+    if (number > last_ack_) {
+      last_ack_ = number;
+    } else if (!idle() && number > ignored_) {
+      resend_ = true;
+    }
+    return true;
+  }
+
+  // Sends again what is due. Call before anything new is sealed.
+  void poll(Ticks now, Bytes& out) {
+    if (idle()) return;
+    bool late = now >= deadline_;
+    if (!late && !resend_) return;
+    if (late && (!measured_ || ++silent_ > kSteady)) rto_ = std::min(rto_ * 2, rto_max_);
+    resend_ = false;
+    // Copies of what did arrive will be refused: those refusals mean nothing.
+    ignored_ = next_;
+    size_t before = out.size();
+    out.push_back(kSync);
+    for (uint64_t i = acked_; i < next_; ++i) {
+      Block& b = block(i);
+      b.again = true;
+      out.insert(out.end(), b.data, b.data + b.length);
+    }
+    retransmitted_bytes_ += out.size() - before;
+    copied_ = on_the_line(out.size() - before, now);
+    deadline_ = copied_ + patience();
+  }
+  Ticks deadline() const { return idle() ? kNever : deadline_; }
+  // The frame had to be sent again, or is so long gone that nobody knows.
+  bool repeated(uint64_t number) const {
+    return number + kSequenceMask < next_ || blocks_[number & kSequenceMask].again;
+  }
+  // The frame was the first after a restart: an answer to it may be that to another one.
+  bool opening(uint64_t number) const { return blocks_[number & kSequenceMask].opening; }
+  size_t length(uint64_t number) const { return blocks_[number & kSequenceMask].length; }
+  Ticks sent_at(uint64_t number) const { return blocks_[number & kSequenceMask].sent; }
+
+ private:
+  struct Block {
+    uint8_t data[kFrameMax + kOverrun];
+    uint8_t length = 0;
+    bool again = false;  // also of numbers that renumbering has left out, and of the first
+    bool opening = false;
+    Ticks sent = 0, gone = 0;  // first; and when its last byte left then
+  };
+
+  Block blocks_[kSequenceMask + 1];
+  uint64_t next_ = 1, acked_ = 1;  // of the next frame; of the oldest one not acknowledged
+  uint64_t last_ack_ = 1, ignored_ = 0;
+  uint64_t urgent_ = 0;  // what comes before this is short and not to wait
+  size_t bytes_ = 0, receive_window_ = 0;
+  bool synchronous_ = false, resend_ = false, measured_ = false;
+  Ticks rto_min_, rto_max_, rto_start_, rto_, base_ = 0, deadline_ = kNever;
+  Ticks smooth_ = 0, variation_ = 0;
+  double byte_ticks_ = 0;
+  Ticks line_free_ = 0;      // when all bytes so far have gone out
+  int silent_ = 0;           // repetitions since the board was heard
+  Ticks doubtful_ = kNever;  // from the first sending of a repeated frame to its answer
+  Ticks apart_ = 0;          // what comes before this came with that answer
+  Ticks copied_ = 0;         // when the last copy had gone out
+  uint64_t retransmitted_bytes_ = 0;
+
+  Ticks patience() const { return acked_ < urgent_ ? rto_min_ : rto_; }
+  Block& block(uint64_t number) { return blocks_[number & kSequenceMask]; }
+
+  // When the last of some bytes has gone out.
+  Ticks on_the_line(size_t bytes, Ticks now) {
+    return line_free_ = std::max(line_free_, now) + Ticks(byte_ticks_ * double(bytes));
+  }
+
+  void renumber(uint64_t number) {
+    Block only = block(acked_);
+    size_t payload = only.length - kFrameMin;
+    number += kSequenceMask + 1;  // above all numbers used so far
+    only.length = uint8_t(seal_frame(only.data, payload, number));
+    acked_ = last_ack_ = number;
+    next_ = number + 1;
+    block(number) = only;
+    resend_ = true;
+  }
+  void measure(Ticks trip) {
+    if (!measured_) {
+      measured_ = true;
+      smooth_ = trip;
+      variation_ = trip / 2;
+    } else {
+      Ticks error = trip > smooth_ ? trip - smooth_ : smooth_ - trip;
+      variation_ += (error - variation_) / 4;
+      smooth_ += (trip - smooth_) / 8;
+    }
+    rto_ = base_ = std::clamp(smooth_ + 4 * variation_, rto_min_, rto_max_);
+  }
+};
+
+}  // namespace passo::wire

@@ -1,0 +1,108 @@
+// A machine as the core sees it: plain numbers, compiled once from the validated configuration.
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "base/types.hpp"
+#include "geometry/geometry.hpp"
+#include "machine/height_map.hpp"
+
+namespace passo {
+
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+enum class JunctionLaw : uint8_t { deviation, cornering_distance, jerk };
+
+struct Axis {  // X, Y, Z and further linear axes
+  std::string name;
+  char letter;
+  double min, max;         // mm
+  double speed, accel;     // mm/s, mm/s²
+  double jerk;             // mm/s, change of speed allowed at a junction (law `jerk`)
+  double cornering_steps;  // law `cornering_distance`
+  bool filament = false;   // an extruder without tools: it is never homed, and has no limits
+  bool by_arms = false;    // homed by arms, with all others that are
+};
+
+struct Extruder {  // one motor that pushes filament
+  std::string name;
+  double speed, accel, jerk;
+  double cornering_steps = 40;
+};
+
+struct Tool {
+  int extruder;
+  double offset[3];
+};
+
+enum class Drive : uint8_t { actuator, axis, extruder };
+
+struct StepperSpec {
+  std::string name;
+  Drive drive;
+  int index;                           // of the actuator, the axis or the extruder
+  double steps_per_unit;               // unit: mm, or degree on rotary actuators
+  int64_t pulse, dir_setup, dir_hold;  // ticks
+  double max_rate;                     // steps per second
+  double speed, accel, min, max;       // units; infinite where there is no limit
+  uint16_t board = 0;                  // the main one is 0
+};
+
+struct Limits {
+  double print_accel, travel_accel, retract_accel, speed;
+  JunctionLaw junction;
+  double junction_deviation;
+  double minimum_cruise_ratio;
+  double least_speed_gain;  // a move speeds up by this share of the faster of its ends, or not
+};
+
+// What the board and its link take, all motors together; infinite where nothing is said.
+struct Budget {
+  double step_rate = kInfinity;     // steps per second
+  double command_rate = kInfinity;  // commands per second
+  double burst = 0;                 // commands that may come ahead of that rate
+  bool by_link = false;             // the link bounds the rate of commands, else the processor
+  double commits = 0;               // per second, each with the way on which every motor brakes
+};
+
+struct Machine {
+  std::string name;
+  double clock_hz;
+  double tolerance;  // ticks, two-sided bound of the compressor
+  std::vector<Axis> axes;
+  std::vector<Extruder> extruders;
+  std::vector<Tool> tools;
+  std::vector<StepperSpec> steppers;
+  Limits limits;
+  Budget budget;
+  size_t boards = 1;
+  std::vector<uint16_t> output_boards;  // board of each output; those not named are the main one's
+  std::shared_ptr<const Geometry> geometry;
+  std::shared_ptr<const HeightMap> height_map;  // none: the bed is flat
+  bool joints = false;  // X, Y, Z of positions are the first three actuators' own, for homing
+
+  bool pushes_filament(const StepperSpec& s) const {
+    return s.drive == Drive::extruder || (s.drive == Drive::axis && axes[size_t(s.index)].filament);
+  }
+
+  // The nozzle's height for the geometry: Z of the program and what the bed adds.
+  double raised(const double* p) const {
+    return height_map ? p[2] + height_map->at(p[0], p[1]) : p[2];
+  }
+
+  // Ticks by which a step may miss its ideal time where the board's budget asks for it.
+  double widest_tolerance() const {
+    return budget.command_rate < kInfinity ? std::max(tolerance, 25e-6 * clock_hz) : tolerance;
+  }
+};
+
+// Index in MoveRequest::target of axis number i of Machine::axes.
+inline int slot_of_axis(int i) { return i < 3 ? i : kExtra + i - 3; }
+
+}  // namespace passo

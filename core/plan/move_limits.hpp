@@ -1,0 +1,70 @@
+// The limits and the feed rate override that moves were made with.
+#pragma once
+#include <cstdint>
+#include <deque>
+#include <memory>
+
+#include "machine/constraints.hpp"
+#include "machine/machine.hpp"
+
+namespace passo {
+
+struct Rules {
+  Limits limits;
+  std::shared_ptr<const Constraints> constraints;
+  double speed_factor;  // M220
+};
+
+// Each move keeps the number of the rules that held when it came in: whatever has it planned anew
+// later, an M204 behind it in the program does not reach back to it.
+class RuleBook {
+ public:
+  explicit RuleBook(const Machine& machine)
+      : rules_{{machine.limits, std::make_shared<const Constraints>(machine), 1}} {}
+
+  const Rules& now() const { return rules_.back(); }
+  const Rules& of(uint32_t number) const { return rules_[number - first_]; }
+  // Number of the rules of now, for a move.
+  uint32_t use() {
+    used_ = true;
+    return first_ + uint32_t(rules_.size() - 1);
+  }
+  // Changes the rules of moves to come; `live`: of all moves, as far as they are planned anew.
+  template <typename Change>
+  void change(bool live, Change&& change) {
+    if (live) {
+      for (Rules& rules : rules_) change(rules);
+      return;
+    }
+    if (used_) rules_.push_back(rules_.back());
+    used_ = false;
+    change(rules_.back());
+  }
+  // For moves that were held back while others came in: numbers keep growing along the plan.
+  template <typename Moves>
+  void renumber(Moves& moves) {
+    const Rules now = rules_.back();
+    uint32_t before = 0, number = 0;
+    for (auto& m : moves) {
+      if (&m == &moves.front() || m.rules != before) {
+        before = m.rules;
+        rules_.push_back(Rules(of(before)));
+        number = first_ + uint32_t(rules_.size() - 1);
+      }
+      m.rules = number;
+    }
+    rules_.push_back(now);
+    used_ = false;
+  }
+  // No move is left whose number is lower.
+  void forget_before(uint32_t number) {
+    for (; first_ < number && rules_.size() > 1; ++first_) rules_.pop_front();
+  }
+
+ private:
+  std::deque<Rules> rules_;
+  uint32_t first_ = 0;  // number of the first of them
+  bool used_ = false;   // by a move, so the last ones cannot change any more
+};
+
+}  // namespace passo

@@ -1,0 +1,122 @@
+// A stepper of the virtual board. Commands are executed whole, in closed form: step k of a command
+// (interval, count, add) that follows a step at `start` is due at
+// start + k*interval + add*k*(k-1)/2, k = 1…count.
+#pragma once
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "sim/board_protocol.hpp"
+#include "sim/simulated_device.hpp"
+
+namespace passo::wire {
+
+class BoardMotor {
+ public:
+  uint32_t step_pin = 0, dir_pin = 0;
+  int64_t trsync = -1;  // oid that stops this motor
+
+  BoardMotor(uint32_t step, uint32_t dir) : step_pin(step), dir_pin(dir), ring_(64) {}
+
+  // Throws Shutdown as a real board would stop.
+  void queue(Ticks now, uint32_t interval, uint16_t count, int16_t add) {
+    if (count == 0) throw Shutdown{Fault::count_zero};
+    if (stopped_) return;  // until reset_step_clock
+    int64_t n = count;
+    StepRun run{last_, 0, interval, count, add, next_dir_};
+    run.end = run.at(n);
+    Ticks first = last_ + int64_t(interval);
+    if (last_ <= now) {  // nothing is under way: the first step must still be ahead
+      if (first < now)
+        throw Shutdown{now - first > late_ ? Fault::step_too_late : Fault::timer_too_close};
+    }
+    if (int64_t(interval) + add * (n - 1) < 0) throw Shutdown{Fault::step_too_late};
+    if (tail_ - head_ == ring_.size()) {
+      retire(now);
+      if (tail_ - head_ == ring_.size()) grow();
+    }
+    ring_[tail_++ & (ring_.size() - 1)] = run;
+    last_ = run.end;
+  }
+  void set_direction(bool forward) { next_dir_ = forward ? 1 : -1; }
+  void reset_clock(Ticks now, Ticks clock) {
+    if (last_ > now && head_ != tail_) throw Shutdown{Fault::stepper_active};
+    retire(now);
+    last_ = clock;
+    stopped_ = false;
+  }
+
+  // Counts the commands that are done. What is left beyond the first one waits in a move slot.
+  void retire(Ticks now) {
+    while (head_ != tail_) {
+      const StepRun& run = ring_[head_ & (ring_.size() - 1)];
+      if (run.end > now) break;
+      count(run);
+      ++head_;
+    }
+  }
+  size_t slots(Ticks now) {
+    retire(now);
+    return tail_ - head_ > 1 ? tail_ - head_ - 1 : 0;
+  }
+  // Stops at once; what follows is ignored until the clock is set anew.
+  void stop(Ticks now) {
+    retire(now);
+    if (head_ != tail_) {
+      StepRun run = ring_[head_ & (ring_.size() - 1)];
+      run.count = uint16_t(run.done(now));
+      run.end = run.at(run.count);
+      if (run.count > 0) count(run);
+    }
+    head_ = tail_;
+    last_ = std::min(last_, now);
+    next_dir_ = -1;
+    stopped_ = true;
+  }
+
+  // Steps forward minus steps backward, at a clock not before the last call of any other method.
+  int64_t net_at(Ticks clock) {
+    retire(clock);
+    if (head_ == tail_) return net_;
+    const StepRun& run = ring_[head_ & (ring_.size() - 1)];
+    return net_ + run.dir * run.done(clock);
+  }
+  // Steps both ways, likewise.
+  int64_t steps_at(Ticks clock) {
+    retire(clock);
+    return steps_ + (head_ == tail_ ? 0 : ring_[head_ & (ring_.size() - 1)].done(clock));
+  }
+
+  // Keeps the commands that are executed within from…to.
+  void trace(Ticks from, Ticks to) {
+    trace_from_ = from;
+    trace_to_ = to;
+  }
+  std::vector<StepRun>& traced() { return trace_; }
+  void set_late_limit(Ticks ticks) { late_ = ticks; }
+
+ private:
+  std::vector<StepRun> ring_;  // size is a power of two
+  size_t head_ = 0, tail_ = 0;
+  Ticks last_ = 0;  // clock of the last step queued
+  Ticks late_ = 0;  // later than this is "too far in past"
+  int64_t net_ = 0, steps_ = 0;
+  int8_t next_dir_ = -1;
+  bool stopped_ = false;
+  Ticks trace_from_ = kNever, trace_to_ = kNever;
+  std::vector<StepRun> trace_;
+
+  void count(const StepRun& run) {
+    net_ += run.dir * int64_t(run.count);
+    steps_ += run.count;
+    if (run.end >= trace_from_ && run.start < trace_to_) trace_.push_back(run);
+  }
+  void grow() {
+    std::vector<StepRun> bigger(ring_.size() * 2);
+    for (size_t i = head_; i != tail_; ++i)
+      bigger[i & (bigger.size() - 1)] = ring_[i & (ring_.size() - 1)];
+    ring_.swap(bigger);
+  }
+};
+
+}  // namespace passo::wire

@@ -1,0 +1,107 @@
+// A simulated board on the bench: a device with the plant around it, and what a person sees there.
+#pragma once
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "link/device.hpp"
+#include "sim/plant.hpp"
+
+namespace passo::wire {
+
+// Steps that come at regular times: step k at start + k*interval + add*k*(k-1)/2, k = 1…count.
+struct StepRun {
+  Ticks start, end;  // clock of the step before the first, and of the last
+  uint32_t interval;
+  uint16_t count;
+  int16_t add;
+  int8_t dir;  // +1 or -1
+
+  Ticks at(int64_t k) const { return start + k * int64_t(interval) + add * (k * (k - 1) / 2); }
+  // Number of steps done at `clock`.
+  int64_t done(Ticks clock) const {
+    int64_t low = 0, high = count;
+    while (low < high) {
+      int64_t middle = (low + high + 1) / 2;
+      if (at(middle) <= clock)
+        low = middle;
+      else
+        high = middle - 1;
+    }
+    return low;
+  }
+};
+
+struct PinChange {
+  Ticks clock;
+  uint32_t value;
+};
+
+// The board has no such motor or output.
+struct UnknownPin : std::out_of_range {
+  using std::out_of_range::out_of_range;
+};
+
+// Motors and outputs by the numbers of their pins; throws UnknownPin.
+class Bench : public Device {
+ public:
+  Bench(double clock_hz, uint32_t adc_max, Ticks start)
+      : plant_(clock_hz, adc_max, start), now_(start) {}
+
+  Plant& plant() { return plant_; }
+  Ticks now() const { return now_; }
+
+  // Why it is shut down, or "". Frames executed and refused.
+  virtual std::string fault() const = 0;
+  virtual uint64_t frames() const = 0;
+  virtual uint64_t naks() const = 0;
+
+  // Steps forward minus steps backward until now, and steps both ways.
+  virtual int64_t net_steps(uint32_t step_pin) = 0;
+  virtual int64_t steps(uint32_t step_pin) = 0;
+  // Keeps the steps that are executed within from…to, for take_steps().
+  virtual void trace_steps(uint32_t step_pin, Ticks from, Ticks to) = 0;
+  virtual std::vector<StepRun> take_steps(uint32_t step_pin) = 0;
+  virtual uint32_t output_value(uint32_t pin) = 0;
+  virtual void trace_output(uint32_t pin) = 0;
+  virtual std::vector<PinChange> take_changes(uint32_t pin) = 0;
+
+  // Actuator position of a motor (mm or degrees) now.
+  double position(uint32_t step_pin) { return plant_.position(step_pin, net(step_pin)); }
+  // A motor on another board, whose actuator the switches of this one feel as that of `step_pin`.
+  // Both boards are at the same time whenever this one looks, to within what it does between two
+  // looks. A board that is gone is felt no more.
+  void feel(uint32_t step_pin, Bench& board, uint32_t its_step_pin) {
+    elsewhere_[step_pin] = {board.self_, its_step_pin};
+  }
+  // Somebody moves a motor's actuator by hand.
+  void place(uint32_t step_pin, double position) {
+    plant_.place(step_pin, net(step_pin), position);
+  }
+
+ private:
+  std::shared_ptr<Bench*> self_ = std::make_shared<Bench*>(this);
+  std::map<uint32_t, std::pair<std::weak_ptr<Bench*>, uint32_t>> elsewhere_;
+
+ protected:
+  Plant plant_;
+  Ticks now_;
+
+  // As net_steps(); 0 for a motor that the board does not know yet.
+  virtual int64_t net(uint32_t step_pin) = 0;
+  bool level(uint32_t pin, Ticks clock) {
+    return plant_.level(pin, clock, [this](uint32_t step_pin) {
+      auto elsewhere = elsewhere_.find(step_pin);
+      if (elsewhere != elsewhere_.end())
+        if (auto board = elsewhere->second.first.lock())
+          return (*board)->position(elsewhere->second.second);
+      return position(step_pin);
+    });
+  }
+};
+
+}  // namespace passo::wire

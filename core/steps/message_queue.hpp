@@ -1,0 +1,132 @@
+// Messages of one board between the planner's side and the link, in the order in which they leave.
+#pragma once
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "base/types.hpp"
+
+namespace passo {
+
+inline constexpr int64_t kNoMessage = std::numeric_limits<int64_t>::max();
+
+// A ring that grows; one thread at a time may use it, and once it is shared, whoever holds it.
+class MessageQueue {
+ public:
+  MessageQueue() : ring_(kSmallest) {}
+  bool empty() const { return head_ == tail_; }
+  size_t size() const { return tail_ - head_; }
+  void push(const Message& message) {
+    if (tail_ - kept_ > mask_) grow();
+    ring_[tail_++ & mask_] = message;
+  }
+  // Before all that wait. Only where nothing is kept.
+  void push_front(const Message& message) {
+    if (tail_ - kept_ > mask_) grow();
+    kept_ = --head_;
+    ring_[head_ & mask_] = message;
+  }
+  // Behind all messages whose clocks are not later.
+  void insert(const Message& message) {
+    push(message);
+    for (size_t i = tail_ - 1; i != head_; --i) {
+      Message &before = ring_[(i - 1) & mask_], &here = ring_[i & mask_];
+      if (before.clock <= here.clock) break;
+      std::swap(before, here);
+    }
+  }
+  // A pin's value, as insert(); another value of it at the same clock would never be seen.
+  void set_pin(const Message& message) {
+    for (size_t i = tail_; i != head_ && at(i - 1).clock >= message.clock; --i) {
+      Message& there = ring_[(i - 1) & mask_];
+      if (there.clock > message.clock || there.kind != MessageKind::pin ||
+          there.target != message.target)
+        continue;
+      there.interval = message.interval;
+      return;
+    }
+    insert(message);
+  }
+  const Message& operator[](size_t i) const { return at(head_ + i); }
+  const Message& front() const { return (*this)[0]; }
+  int64_t next_clock() const { return empty() ? kNoMessage : front().clock; }
+  void pop() {
+    taken_until_ = std::max(taken_until_, front().end_clock);
+    ++head_;
+    if (keeps_ == 0) {
+      kept_ = head_;
+    } else if (at(head_ - 1).kind == MessageKind::commit && ++commits_ > keeps_) {
+      while (at(kept_++).kind != MessageKind::commit) continue;
+      --commits_;
+    }
+  }
+  // From here on the messages of the last so many commits are kept, for what follows.
+  void keep(size_t commits) {
+    keeps_ = commits;
+    commits_ = 0;
+    kept_ = first_ = head_;
+  }
+  // Where what followed this commit begins, among the messages taken; nothing if it was taken too
+  // long ago, or not at all. kFirst: since keep().
+  static constexpr int64_t kFirst = -1;
+  std::optional<size_t> behind(int64_t serial) const {
+    if (serial == kFirst) return kept_ == first_ ? std::optional(first_) : std::nullopt;
+    for (size_t i = head_; i-- > kept_;)
+      if (at(i).kind == MessageKind::commit && at(i).interval == serial) return i + 1;
+    return std::nullopt;
+  }
+  // All messages from there on are to be taken again; what was taken before ended at `clock`.
+  void rewind(size_t begin, int64_t clock) {
+    for (size_t i = begin; i < head_; ++i) commits_ -= at(i).kind == MessageKind::commit;
+    head_ = begin;
+    taken_until_ = clock;
+  }
+  // All that is kept, and all that waits, in its order.
+  template <typename Visit>
+  void visit(Visit&& visit) const {
+    for (size_t i = kept_; i != tail_; ++i) visit(at(i));
+  }
+  // Latest end of all messages taken so far: they can no longer be revoked.
+  int64_t taken_until() const { return taken_until_; }
+  // From now on a link's thread takes messages while others add and revoke them.
+  void share() { guard_->shared = true; }
+  // Keeps the queue, and all that were joined, to the caller while the result lives, if it is
+  // shared.
+  std::unique_lock<std::recursive_mutex> hold() {
+    return guard_->shared ? std::unique_lock(guard_->mutex)
+                          : std::unique_lock(guard_->mutex, std::defer_lock);
+  }
+  // Whoever holds one of the two holds both. Before either is used.
+  void join(MessageQueue& other) { guard_ = other.guard_; }
+  void clear() { tail_ = head_; }
+
+ private:
+  const Message& at(size_t i) const { return ring_[i & mask_]; }
+  void grow() {
+    std::vector<Message> bigger(ring_.size() * 2);
+    const size_t mask = bigger.size() - 1;
+    for (size_t i = kept_; i != tail_; ++i) bigger[i & mask] = at(i);
+    ring_.swap(bigger);
+    mask_ = mask;
+  }
+  static constexpr size_t kSmallest = 256;  // little enough for the nearest cache
+  std::vector<Message> ring_;               // its size is a power of two
+  size_t mask_ = kSmallest - 1;             // size less one
+  size_t kept_ = 0, head_ = 0, tail_ = 0;
+  size_t first_ = 0;  // of what followed keep()
+  int64_t taken_until_ = 0;
+  size_t keeps_ = 0, commits_ = 0;  // commits from kept_ to head_
+  struct Guard {
+    std::recursive_mutex mutex;  // cutting a plan hands messages on within
+    std::atomic<bool> shared{false};
+  };
+  std::shared_ptr<Guard> guard_ = std::make_shared<Guard>();
+};
+
+}  // namespace passo

@@ -1,0 +1,132 @@
+// The longest (interval, count, add) that keeps every step inside its window.
+//
+// Step m (0-based) of a command is executed (m+1) I + m(m+1)/2 A ticks after the step before the
+// command. Divided by m+1 that is the line I + A x at x = m/2, which must stab the vertical
+// segments [lo_m, hi_m] / (m+1): the stabbing-line problem (O'Rourke, "An on-line algorithm for
+// fitting straight lines between data ranges", 1981). Over the first steps the range of possible
+// slopes is kept exactly, from all pairs of segments, four at a time; when it holds but few
+// integers, each of these is tried to its end.
+#pragma once
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <stdexcept>
+
+#include "base/lanes.hpp"
+#include "base/simd.hpp"
+#include "base/wide_lanes.hpp"
+
+namespace passo {
+
+struct Command {
+  int count;
+  double interval, add;  // integers
+
+  // Ticks that its steps take, an integer. Throws if a board would not take it.
+  double span() const {
+    const double n = count;
+    if (interval < 1 || interval + add * (n - 1) < 1 || interval > 0x7fffffff)
+      throw std::logic_error("a command without time between its steps");
+    return interval * n + add * (0.5 * n * (n - 1));
+  }
+};
+
+// Errors of executed steps: the largest, the sum of their squares, and by how much the worst of
+// them is beyond its window (less than 0: none is).
+struct Errors {
+  double largest = 0, square = 0, beyond = -1;
+};
+
+inline constexpr int kMostSteps = 4096;  // steps at most, of the protocol's 65535
+
+struct StabbingTables {
+  double reciprocal[kMostSteps + 4] = {};  // [i] = 1/i
+  double halves[24] = {};                  // 0, ½, 1 …
+  double beyond[8] = {};                   // 0, 0, 0, 0, then far away
+  double counts[4] = {1, 2, 3, 4};
+  double triangles[4] = {0, 1, 3, 6};  // m(m + 1)/2
+  constexpr StabbingTables() {
+    for (int i = 1; i < kMostSteps + 4; ++i) reciprocal[i] = 1.0 / i;
+    for (int m = 0; m < 24; ++m) halves[m] = 0.5 * m;
+    for (int k = 4; k < 8; ++k) beyond[k] = 1e300;
+  }
+};
+inline constexpr StabbingTables kStabbing;
+
+// What follows the blocks is apart from them, so that each has the registers to itself.
+namespace pairs {
+using Vector = Lanes;
+#define PASSO_SEARCH_INLINE PASSO_INLINE
+#define PASSO_SEARCH_APART [[gnu::noinline]]
+#include "steps/stabbing_search.hpp"
+#undef PASSO_SEARCH_INLINE
+#undef PASSO_SEARCH_APART
+}  // namespace pairs
+
+#if defined(PASSO_CHOOSES) || defined(__AVX2__)
+namespace wide {
+using Vector = WideLanes;
+#define PASSO_SEARCH_INLINE PASSO_INLINE_AVX2
+#define PASSO_SEARCH_APART [[gnu::noinline, gnu::target("avx2")]]
+#include "steps/stabbing_search.hpp"
+#undef PASSO_SEARCH_INLINE
+#undef PASSO_SEARCH_APART
+}  // namespace wide
+#endif
+
+class Stabbing {
+ public:
+  // lo[m] ≤ time of step m ≤ hi[m], each window holding an integer; `last` is the integer time of
+  // the step before. Returns a command of 1 ≤ count ≤ n ≤ kMostSteps; when its steps come goes
+  // to `executed`. All three arrays must go on up to the next multiple of four behind n; there `lo`
+  // and `hi` may be any numbers, and anything may be written to `executed`.
+  Command longest(const double* lo, const double* hi, int n, double last, double* executed) {
+#if defined(PASSO_CHOOSES)
+    return has_avx2_ ? longest_avx2(lo, hi, n, last, executed)
+                     : longest_baseline(lo, hi, n, last, executed);
+#else
+    return search_.longest(lo, hi, n, last, executed);
+#endif
+  }
+
+  // Of n steps executed so, whose ideal times are `t` and whose windows are lo…hi.
+  Errors errors(const double* t, const double* lo, const double* hi, const double* executed,
+                size_t n) const {
+#if defined(PASSO_CHOOSES)
+    return has_avx2_ ? errors_avx2(t, lo, hi, executed, n)
+                     : baseline_.errors(t, lo, hi, executed, n);
+#else
+    return search_.errors(t, lo, hi, executed, n);
+#endif
+  }
+
+ private:
+#if defined(PASSO_CHOOSES)
+  pairs::Search baseline_;
+  wide::Search avx2_;
+  bool has_avx2_ = __builtin_cpu_supports("avx2");
+
+  [[gnu::noinline]] Command longest_baseline(const double* lo, const double* hi, int n, double last,
+                                             double* executed) {
+    return baseline_.longest(lo, hi, n, last, executed);
+  }
+  [[gnu::noinline, gnu::target("avx2")]] Errors errors_avx2(const double* t, const double* lo,
+                                                            const double* hi,
+                                                            const double* executed,
+                                                            size_t n) const {
+    return avx2_.errors(t, lo, hi, executed, n);
+  }
+  [[gnu::noinline, gnu::target("avx2")]] Command longest_avx2(const double* lo, const double* hi,
+                                                              int n, double last,
+                                                              double* executed) {
+    return avx2_.longest(lo, hi, n, last, executed);
+  }
+#elif defined(__AVX2__)
+  wide::Search search_;
+#else
+  pairs::Search search_;
+#endif
+};
+
+}  // namespace passo
