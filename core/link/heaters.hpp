@@ -124,7 +124,8 @@ class Heaters {
       std::vector<Value> words = {int64_t(o.sensor_oid), int64_t(uint32_t(due)),
                                   int64_t(q.rest_ticks), int64_t(wide ? 0 : q.minimum),
                                   int64_t(wide ? UINT32_MAX : q.maximum)};
-      if (commands_.at("query_thermocouple").parameters.size() == 6)  // older firmware
+      // Klipper's firmware of before v0.11 has no such parameter.
+      if (commands_.at("query_thermocouple").parameters.size() == 6)
         words.push_back(int64_t(q.range_checks));
       send_("query_thermocouple", words);
       return;

@@ -126,9 +126,10 @@ inline constexpr Declaration kCommands[] = {
     {int(Command::spi_transfer), "spi_transfer oid=%c data=%*s"},
     {int(Command::spi_send), "spi_send oid=%c data=%*s"},
     {int(Command::config_thermocouple),
-     "config_thermocouple oid=%c spi_oid=%c thermocouple_type=%c consecutive_fault_limit=%u"},
+     "config_thermocouple oid=%c spi_oid=%c thermocouple_type=%c"},
     {int(Command::query_thermocouple),
-     "query_thermocouple oid=%c clock=%u rest_ticks=%u min_value=%u max_value=%u"},
+     "query_thermocouple oid=%c clock=%u rest_ticks=%u min_value=%u max_value=%u"
+     " max_invalid_count=%c"},
 };
 
 inline constexpr Declaration kReports[] = {

@@ -82,19 +82,17 @@ struct BoardThermocouple {
   };
   uint32_t spi_oid;
   Type type;
-  uint32_t most_faults;
   Ticks begin = kNever, rest = 0;
-  uint32_t minimum = 0, maximum = 0, faults = 0;
+  uint32_t minimum = 0, maximum = 0, max_faults = 0, faults = 0;
 
-  BoardThermocouple(uint32_t spi, uint32_t type, uint32_t most)
-      : spi_oid(spi), type(type_of(type)), most_faults(most) {}
+  BoardThermocouple(uint32_t spi, uint32_t type) : spi_oid(spi), type(type_of(type)) {}
   Ticks next() const { return begin; }
   void watch(uint32_t word, bool fault) {
     if (minimum == 0 && maximum == UINT32_MAX) return;
     bool outside = word < minimum || word > maximum;
     if (!outside && !fault && !(word & type.fault_bit))
       faults = 0;
-    else if (++faults > most_faults)
+    else if (++faults >= max_faults)
       throw Shutdown{outside ? Fault::thermocouple_range : Fault::thermocouple_fault};
   }
 
@@ -125,7 +123,7 @@ class SerialParts {
     if (id == Command::config_spi) return BoardSpi(a[1]);
     if (id == Command::config_thermocouple) {
       get<BoardSpi>(a[1]);
-      return BoardThermocouple(a[1], a[2], a[3]);
+      return BoardThermocouple(a[1], a[2]);
     }
     return {};
   }
@@ -155,6 +153,7 @@ class SerialParts {
         it.rest = a[2];
         it.minimum = a[3];
         it.maximum = a[4];
+        it.max_faults = a[5];
         it.faults = 0;
       }
     }

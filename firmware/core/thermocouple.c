@@ -55,7 +55,7 @@ static void watch(struct thermocouple *it, uint32_t word, bool fault) {
   bool outside = word < it->minimum || word > it->maximum;
   if (!outside && !fault)
     it->faults = 0;
-  else if (++it->faults > it->most_faults)
+  else if (++it->faults >= it->max_faults)
     shut_down(outside ? SHUTDOWN_THERMOCOUPLE_RANGE : SHUTDOWN_THERMOCOUPLE_FAULT);
 }
 
@@ -85,7 +85,9 @@ void thermocouple_task(void) {
   }
 }
 
-void thermocouple_config(const uint32_t *args) {
+DECL_COMMAND(command_config_thermocouple,
+             "config_thermocouple oid=%c spi_oid=%c thermocouple_type=%c", 0);
+void command_config_thermocouple(const uint32_t *args) {
   if (args[2] >= sizeof converters / sizeof *converters) {
     shut_down(SHUTDOWN_THERMOCOUPLE_TYPE);
     return;
@@ -100,7 +102,11 @@ void thermocouple_config(const uint32_t *args) {
   it->type = (uint8_t)args[2];
 }
 
-void thermocouple_query(const uint32_t *args) {
+DECL_COMMAND(command_query_thermocouple,
+             "query_thermocouple oid=%c clock=%u rest_ticks=%u min_value=%u max_value=%u"
+             " max_invalid_count=%c",
+             0);
+void command_query_thermocouple(const uint32_t *args) {
   struct thermocouple *it = object_get(args[0], OBJECT_THERMOCOUPLE);
   if (it == NULL) return;
   timer_remove(&it->timer);
@@ -114,14 +120,10 @@ void thermocouple_query(const uint32_t *args) {
   it->rest_ticks = args[2];
   it->minimum = args[3];
   it->maximum = args[4];
+  it->max_faults = (uint8_t)args[5];  // 0 acts as 1, as in Klipper's firmware
   it->faults = 0;
   hal_irq_t irq = hal_irq_save();
   it->timer.wake = survive_in_time(args[1]);
   timer_add(&it->timer);
   hal_irq_restore(irq);
-}
-
-void thermocouple_forgive(uint32_t oid, uint32_t most_faults) {
-  struct thermocouple *it = object_find(oid, OBJECT_THERMOCOUPLE);
-  if (it != NULL) it->most_faults = most_faults;
 }

@@ -14,7 +14,7 @@ struct thermocouple {
   struct timer timer;
   const struct spi *spi;
   uint32_t rest_ticks, minimum, maximum;
-  uint32_t most_faults, faults;  // in a row
+  uint8_t max_faults, faults;  // in a row
   uint8_t type;
   volatile bool due;
 };
@@ -23,9 +23,3 @@ struct thermocouple {
 void thermocouple_task(void);
 // Whether any converter is asked whose words have a range. Foreground.
 bool thermocouple_watches(void);
-// A new converter. `args` are those of config_thermocouple up to its type. Foreground.
-void thermocouple_config(const uint32_t *args);
-// Begins anew. `args` are those of query_thermocouple up to max_value. Foreground.
-void thermocouple_query(const uint32_t *args);
-// From now on so many faults in a row are no reason to shut down. Foreground.
-void thermocouple_forgive(uint32_t oid, uint32_t most_faults);

@@ -12,6 +12,7 @@ from passo.board.configuration import checksum, commands, full_scale, queries, u
 from passo.board.description import Driver, Output, Sensor, SpiPins, Stepper, UartPins
 from passo.board.dictionary import Dictionary
 from passo.board.trinamic import DriverSettings
+from passo.board.words import check_words
 from passo.simulator.dictionary import compressed_dictionary
 
 from .bench import HZ, description
@@ -103,13 +104,29 @@ def test_wires_to_drivers_and_converters():
         "spi_set_sw_bus oid=9 miso_pin=PA3 mosi_pin=PA2 sclk_pin=PA1 mode=3 pulse_ticks=80",
         "config_spi oid=10 pin=PA4 cs_active_high=0",
         "spi_set_sw_bus oid=10 miso_pin=PA3 mosi_pin=PA2 sclk_pin=PA1 mode=0 pulse_ticks=80",
-        "config_thermocouple oid=5 spi_oid=10 thermocouple_type=MAX31855 consecutive_fault_limit=3",
+        "config_thermocouple oid=5 spi_oid=10 thermocouple_type=MAX31855",
     ]
     low, high = 82, 819  # quarters of a degree
     assert queries(board, dictionary, 5) == [
         f"query_thermocouple oid=5 clock=5 rest_ticks=4000000 min_value={low << 18}"
-        f" max_value={high << 18 | 0x3FFFF}"
+        f" max_value={high << 18 | 0x3FFFF} max_invalid_count=4"
     ]
+    # Klipper's firmware of before v0.11, and that of early versions of Passo
+    for limit in ("", " consecutive_fault_limit=%u"):
+        uncounted = replace(
+            dictionary,
+            commands=tuple(
+                (number, text.removesuffix(" max_invalid_count=%c") + limit * config)
+                for number, text in dictionary.commands
+                for config in [text.startswith("config_thermocouple ")]
+            ),
+        )
+        check_words(board, uncounted)
+        assert commands(board, uncounted)[-1] == (
+            "config_thermocouple oid=5 spi_oid=10 thermocouple_type=MAX31855"
+            + limit.replace("%u", "3")
+        )
+        assert queries(board, uncounted, 5)[0].endswith(f" max_value={high << 18 | 0x3FFFF}")
     older = replace(
         dictionary,
         commands=tuple(

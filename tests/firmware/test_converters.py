@@ -33,7 +33,7 @@ def test_each_type_is_asked_in_its_way(kind, high):
         f"config_spi oid=0 pin={PINS['select']} cs_active_high=0",
         f"spi_set_sw_bus oid=0 miso_pin={PINS['miso']} mosi_pin={PINS['mosi']}"
         f" sclk_pin={PINS['clock']} mode=1 pulse_ticks=16",
-        f"config_thermocouple oid=1 spi_oid=0 thermocouple_type={kind} consecutive_fault_limit=0",
+        f"config_thermocouple oid=1 spi_oid=0 thermocouple_type={kind}",
         "finalize_config crc=1",
     ):
         assert board.tell(line) == []
@@ -43,7 +43,7 @@ def test_each_type_is_asked_in_its_way(kind, high):
     board.simulated.force_switch("x", high)  # what the converter answers, all the time
     board.tell(
         f"query_thermocouple oid=1 clock={board.clock(100)} rest_ticks=100000 min_value=0"
-        f" max_value={2**32 - 1}"
+        f" max_value={2**32 - 1} max_invalid_count=1"
     )
     [(name, values)] = board.wait(200)
     registers = len(transfers) > 1
@@ -64,7 +64,7 @@ def test_an_unknown_type_shuts_the_board_down():
     board = RawBoard()
     board.tell("allocate_oids count=2")
     board.tell("config_spi oid=0 pin=PB4 cs_active_high=0")
-    payload = board.commands.encode("config_thermocouple", [1, 0, 4, 0])
+    payload = board.commands.encode("config_thermocouple", [1, 0, 4])
     board.feed(payload)
     assert board.device.fault == "Invalid thermocouple chip type"
 
@@ -76,16 +76,16 @@ def test_a_converter_that_is_no_longer_asked_watches_nothing():
         f"config_spi oid=0 pin={PINS['select']} cs_active_high=0",
         f"spi_set_sw_bus oid=0 miso_pin={PINS['miso']} mosi_pin={PINS['mosi']}"
         f" sclk_pin={PINS['clock']} mode=1 pulse_ticks=16",
-        "config_thermocouple oid=1 spi_oid=0 thermocouple_type=MAX31855 consecutive_fault_limit=0",
+        "config_thermocouple oid=1 spi_oid=0 thermocouple_type=MAX31855",
         "config_digital_out oid=2 pin=PF0 value=0 default_value=0 max_duration=2000",
         "finalize_config crc=1",
     ):
         assert board.tell(line) == []
     ask = f"query_thermocouple oid=1 clock={board.clock(10**6)} rest_ticks={{}} min_value=1"
-    board.tell(ask.format(10**6) + " max_value=9")
+    board.tell(ask.format(10**6) + " max_value=9 max_invalid_count=1")
     board.tell("survive_output oid=2 value=1 seconds=60")
     assert board.device.fault == ""
-    board.tell(ask.format(0) + " max_value=9")
+    board.tell(ask.format(0) + " max_value=9 max_invalid_count=1")
     board.tell("survive_output oid=2 value=0 seconds=60")
     assert board.device.fault == ""  # it keeps nothing
     board.tell("survive_output oid=2 value=1 seconds=60")

@@ -1,6 +1,6 @@
 """Kalico, a host of another house, drives boards that run the firmware, at the other end of a pty.
-Its words are those of older hosts, so the firmware is built for them. Host and board have a clock
-of their own, so that neither is late on a busy computer."""
+Its words for analog inputs are those of older hosts, so the firmware is built for them. Host and
+board have a clock of their own, so that neither is late on a busy computer."""
 
 from __future__ import annotations
 

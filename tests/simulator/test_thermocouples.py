@@ -16,7 +16,7 @@ def share(celsius: float) -> float:
     return (4 * celsius + 8192) / 16384
 
 
-def wired(kind: str = "MAX31855", limit: int = 3) -> RawBoard:
+def wired(kind: str = "MAX31855") -> RawBoard:
     """oid 1 the converter on the SPI device 0, over pins that the bench has; the bench's hotend."""
     board = RawBoard()
     mode = int(kind in REGISTERS)
@@ -29,8 +29,7 @@ def wired(kind: str = "MAX31855", limit: int = 3) -> RawBoard:
         "allocate_oids count=2",
         "config_spi oid=0 pin=PK5 cs_active_high=0",
         f"spi_set_sw_bus oid=0 miso_pin=PE5 mosi_pin=PH5 sclk_pin=PH6 mode={mode} pulse_ticks=16",
-        f"config_thermocouple oid=1 spi_oid=0 thermocouple_type={kind}"
-        f" consecutive_fault_limit={limit}",
+        f"config_thermocouple oid=1 spi_oid=0 thermocouple_type={kind}",
         "finalize_config crc=1",
     ):
         assert board.tell(line) == []
@@ -38,10 +37,10 @@ def wired(kind: str = "MAX31855", limit: int = 3) -> RawBoard:
     return board
 
 
-def ask(board: RawBoard, minimum: int = 0, maximum: int = 2**32 - 1, rest: int = REST) -> None:
+def ask(board: RawBoard, minimum: int = 0, maximum: int = 2**32 - 1, count: int = 4) -> None:
     board.tell(
-        f"query_thermocouple oid=1 clock={board.clock(1000)} rest_ticks={rest}"
-        f" min_value={minimum} max_value={maximum}"
+        f"query_thermocouple oid=1 clock={board.clock(1000)} rest_ticks={REST}"
+        f" min_value={minimum} max_value={maximum} max_invalid_count={count}"
     )
 
 
@@ -61,20 +60,23 @@ def test_words_come_at_their_times(kind, shift):
         assert name == "thermocouple_result"
         assert values["value"] >> shift == 800
         assert values["next_clock"] == first + REST * (k + 1) & 0xFFFFFFFF
-    board.tell(f"query_thermocouple oid=1 clock=0 rest_ticks=0 min_value=0 max_value={2**32 - 1}")
+    board.tell(
+        f"query_thermocouple oid=1 clock=0 rest_ticks=0 min_value=0 max_value={2**32 - 1}"
+        " max_invalid_count=0"
+    )
     assert board.wait(10 * REST) == []
 
 
-@pytest.mark.parametrize("limit", [0, 3])
+@pytest.mark.parametrize("count", [0, 1, 4])
 @pytest.mark.parametrize("ratio", [share(19), share(251)])
-def test_a_range_that_is_left_shuts_the_board_down(limit, ratio):
-    board = wired(limit=limit)
+def test_a_range_that_is_left_shuts_the_board_down(count, ratio):
+    board = wired()
     board.simulated.force_sensor("hotend", share(20))
-    ask(board, 80 << 18, (1000 << 18) | 0x3FFFF)
+    ask(board, 80 << 18, (1000 << 18) | 0x3FFFF, count)
     board.wait(1000 + 5 * REST)
     assert board.device.fault == ""
     board.simulated.force_sensor("hotend", ratio)
-    for _ in range(limit):
+    for _ in range(count - 1):
         board.wait(REST)
         assert board.device.fault == ""
     board.wait(REST)
@@ -84,9 +86,9 @@ def test_a_range_that_is_left_shuts_the_board_down(limit, ratio):
 
 
 def test_faults_of_the_converter_count_and_good_words_between_them_too():
-    board = wired(limit=1)
+    board = wired()
     board.simulated.force_sensor("hotend", share(20))
-    ask(board, 0, 2**31)
+    ask(board, 0, 2**31, 2)
     for ratio in (1.0, share(20), 1.0, share(20)):
         board.wait(REST)
         assert board.device.fault == ""
@@ -103,10 +105,10 @@ def test_faults_of_the_converter_count_and_good_words_between_them_too():
 )
 def test_a_converter_with_registers_is_asked_for_its_faults_as_well(kind, setup, word, fault):
     """It knows nothing before it has been told to measure; only a MAX31865 keeps its faults."""
-    board = wired(kind, limit=1)
+    board = wired(kind)
     at = 0.5 if kind == "MAX31865" else (128 * 300 + 2**18) / 2**19
     board.simulated.force_sensor("hotend", at)
-    ask(board, 0, 2**31)
+    ask(board, 0, 2**31, 2)
 
     def said() -> list[tuple[int, int]]:
         reports = board.wait(REST)
@@ -129,9 +131,9 @@ def test_a_converter_with_registers_is_asked_for_its_faults_as_well(kind, setup,
 
 
 def test_a_range_of_all_words_watches_nothing():
-    board = wired(limit=0)
+    board = wired()
     board.simulated.force_sensor("hotend", 1.0)
-    ask(board)
+    ask(board, count=1)
     assert words(board.wait(1000 + 3 * REST)) == [OPEN] * 4
     assert board.device.fault == ""
 
@@ -139,9 +141,9 @@ def test_a_range_of_all_words_watches_nothing():
 @pytest.mark.parametrize(
     ("lines", "fault"),
     [
-        (["config_thermocouple oid=1 spi_oid=0 thermocouple_type=MAX6675 "
-          "consecutive_fault_limit=0"], "Invalid oid type"),
-        (["query_thermocouple oid=1 clock=0 rest_ticks=0 min_value=0 max_value=0"],
+        (["config_thermocouple oid=1 spi_oid=0 thermocouple_type=MAX6675"], "Invalid oid type"),
+        (["query_thermocouple oid=1 clock=0 rest_ticks=0 min_value=0 max_value=0"
+          " max_invalid_count=0"],
          "Invalid oid type"),
     ],
 )  # fmt: skip

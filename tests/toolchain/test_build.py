@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.hosts.klipper_board import DICTIONARY
 
 from passo import config
 from passo.cli.main import main
@@ -100,6 +101,20 @@ def test_every_board_builds_within_its_limits(name: str, tmp_path: Path) -> None
     assert any(text.startswith("queue_step ") for text in about.dictionary["commands"])
 
 
+def test_the_default_words_are_klippers() -> None:
+    """Every command of the firmware is in a dictionary of Klipper's, except those of which newer
+    Klipper has another form, and Passo's own. The types of integers are all the same in a frame."""
+
+    def plain(text: str) -> str:
+        return re.sub("%(hu|hi|u|i|c)", "%", text)
+
+    klippers = {plain(text) for text in DICTIONARY["commands"]}
+    core = gather(core_sources(firmware_folder())).commands
+    differ = {c.format.split()[0] for c in core if plain(c.format) not in klippers}
+    own = {"get_counters", *(name for name in differ if name.startswith("survive_"))}
+    assert differ - own == {"query_analog_in", "i2c_transfer"}
+
+
 @pytest.mark.parametrize("name", ["ramps", "radds"])
 def test_an_image_for_older_hosts(name: str, tmp_path: Path) -> None:
     words = ["firmware", "build", name, "--for-older-hosts", "--output", str(tmp_path)]
@@ -110,9 +125,6 @@ def test_an_image_for_older_hosts(name: str, tmp_path: Path) -> None:
     assert older == {
         "query_analog_in oid=%c clock=%u sample_ticks=%u sample_count=%c rest_ticks=%u"
         " min_value=%hu max_value=%hu range_check_count=%c",
-        "config_thermocouple oid=%c spi_oid=%c thermocouple_type=%c",
-        "query_thermocouple oid=%c clock=%u rest_ticks=%u min_value=%u max_value=%u"
-        " max_invalid_count=%c",
     }
     assert len(about["dictionary"]["commands"]) == len(newer)
     assert "analog_in_state oid=%c next_clock=%u value=%hu" in about["dictionary"]["responses"]

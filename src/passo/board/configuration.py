@@ -107,9 +107,9 @@ def commands(board: BoardDescription, dictionary: Dictionary) -> list[str]:
         )
     for pins, oid in oids.spi_devices.items():
         lines += _spi_device(pins, oid, board.clock_hz, dictionary)
-    # Older firmware is told with each question.
-    newer = dictionary.takes("config_thermocouple", "consecutive_fault_limit")
-    limit = f" consecutive_fault_limit={SENSOR_RANGE_CHECKS - 1}" if newer else ""
+    # Only firmware of early versions of Passo has this parameter.
+    early = dictionary.takes("config_thermocouple", "consecutive_fault_limit")
+    limit = f" consecutive_fault_limit={SENSOR_RANGE_CHECKS - 1}" if early else ""
     for s in board.sensors:
         if s.spi is not None:
             lines.append(
@@ -166,8 +166,9 @@ def queries(board: BoardDescription, dictionary: Dictionary, clock: int) -> list
     oids = Oids.of(board)
     # Older firmware does not ask how many bytes make a report.
     size = " bytes_per_report=2" if dictionary.takes("query_analog_in", "bytes_per_report") else ""
-    older = dictionary.takes("query_thermocouple", "max_invalid_count")
-    count = f" max_invalid_count={SENSOR_RANGE_CHECKS}" if older else ""
+    # Klipper's firmware of before v0.11 does not count faults.
+    counts = dictionary.takes("query_thermocouple", "max_invalid_count")
+    count = f" max_invalid_count={SENSOR_RANGE_CHECKS}" if counts else ""
     lines = [
         f"spi_send oid={oids.spi_devices[setting.spi]} data={word.hex()}"
         for setting in board.settings

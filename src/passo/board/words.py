@@ -59,7 +59,7 @@ _SENSORS = _Words(
 )
 _CONVERTER = "query_thermocouple oid clock rest_ticks min_value max_value"
 _CONVERTERS = _Words(
-    (f"{_CONVERTER} | {_CONVERTER} max_invalid_count",),
+    (f"{_CONVERTER} max_invalid_count | {_CONVERTER}",),
     ("thermocouple_result oid next_clock value fault",),
 )
 _SWITCHED = _Words(("queue_digital_out oid clock on_ticks", "update_digital_out oid value"), ())

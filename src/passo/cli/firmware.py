@@ -34,7 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     built.add_argument(
         "--for-older-hosts",
         action="store_true",
-        help="understand Kalico and older Klipper in place of Passo's and newer Klipper's sensors",
+        help="for Kalico and Klipper hosts up to v0.13, which query analog inputs differently",
     )
     flashed = parts.add_parser("flash", help="bring an image onto a board, and ask who it is then")
     flashed.add_argument("target", metavar=_TARGET, help=_TARGETS)

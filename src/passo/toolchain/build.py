@@ -44,9 +44,9 @@ def build(target: Target, output: Path, *, older_hosts: bool = False) -> tuple[P
     file beside it says.
 
     The same sources, compiler and target make the same image. With `older_hosts` it understands the
-    words in which Kalico and older Klipper ask for sensors, in place of the newer ones. Raises
-    FirmwareError if the board has firmware of its own, if the compiler is missing, or if the build
-    fails.
+    words in which Kalico and Klipper up to v0.13 query analog inputs, in place of the newer ones.
+    Raises FirmwareError if the board has firmware of its own, if the compiler is missing, or if the
+    build fails.
     """
     chip = target.chip
     make = _make_avr if chip.core == "avr" else _make_arm

@@ -21,9 +21,10 @@ _HEAD = """# What the firmware says and understands
 Made from the declarations in `firmware/core/` (`passo.toolchain.protocol_reference`). Frames,
 messages and meanings are those of Klipper's protocol, so that hosts made for it can drive a board.
 What is marked *Passo's* is not known to others, and nothing depends on it: while `survive` is off
-the board behaves as one without it. Kalico and older Klipper hosts ask analog inputs and converters
-in other words (`query_analog_in` without `bytes_per_report`, `max_invalid_count` in each
-`query_thermocouple`): `passo firmware build BOARD --for-older-hosts` makes an image for them.
+the board behaves as one without it. Kalico and Klipper hosts up to v0.13 query analog inputs
+with other parameters (`query_analog_in` without `bytes_per_report`, one value in
+`analog_in_state`): `passo firmware build BOARD --for-older-hosts` makes an image for them. All
+other messages are the same.
 
 A frame is its length (5 to 64, all of it), 0x10 and a number that counts to 15, commands or one
 report, a CRC of 16 bits, and 0x7E. The board tells the numbers of its messages in its dictionary;

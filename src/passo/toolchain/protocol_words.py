@@ -64,8 +64,9 @@ COMMANDS = {
             "From `clock` on every `rest_ticks` a sum of `sample_count` samples, told in reports of"
             " `bytes_per_report`. So many sums in a row out of range: a shutdown."
         ),
-        "config_thermocouple": "A converter on an SPI device, and how many faults in a row count.",
-        "query_thermocouple": "Asks it from `clock` on every `rest_ticks`; 0: no more.",
+        "config_thermocouple": "A converter on an SPI device.",
+        "query_thermocouple": "Reads it from `clock` on every `rest_ticks`; 0: stops. The board"
+        " shuts down at the `max_invalid_count`-th value in a row that is a fault or out of range.",
         "config_buttons": "Up to eight inputs that are told when they change.",
         "buttons_add": "One of them.",
         "buttons_query": "Looks from `clock` on; tells again after so many looks unacknowledged.",
