@@ -10,6 +10,7 @@ import pytest
 
 from passo import config
 from passo.cli.main import COMMANDS, main
+from passo.job.settings import Override, Setting, Store
 
 
 def test_machines_prints_a_row_a_machine(capsys: pytest.CaptureFixture[str]) -> None:
@@ -89,6 +90,35 @@ def test_check_questions_gains_of_another_unit(
     report = json.loads(capsys.readouterr().out)
     assert report["ok"] is True
     assert [row["code"] for row in report["questions"]] == ["config.gain"]
+
+
+def test_check_lists_what_the_state_folder_overrides(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, state = tmp_path / "mine.toml", tmp_path / "state"
+    real = '[board]\nlink = "serial"\nport = "/dev/nothing"\n'
+    path.write_text(config.shipped_text("i3").replace("[board]\n", real))
+    assert main(["check", str(path), "--state", str(state)]) == 0
+    assert capsys.readouterr().out.splitlines()[1:] == [f"  Nothing in {state} overrides it"]
+    assert not state.exists()
+    store = Store(state / "settings.json", config.load("i3").uuid)
+    store.save([Override(Setting("M92", "X", "100"), "70")])
+    before = store.path.read_bytes()
+    named = (
+        "Stored M92 X100 overrides X80 of the machine file. The file was edited after M500: it had"
+        " X70"
+    )
+    assert main(["check", str(path), "--state", str(state)]) == 0
+    assert capsys.readouterr().out.splitlines()[1] == f"  {named}"
+    assert main(["check", "--json", str(path), "--state", str(state)]) == 0
+    assert json.loads(capsys.readouterr().out)["stored"][0] == named
+    assert store.path.read_bytes() == before
+    store.path.write_text("torn")
+    assert main(["check", str(path), "--state", str(state)]) == 4
+    assert "the stored settings are not used: it is torn" in capsys.readouterr().err
+    assert main(["check", "--json", str(path), "--state", str(state)]) == 4
+    report = json.loads(capsys.readouterr().out)
+    assert (report["ok"], report["problems"][0]["code"]) == (False, "settings.unreadable")
 
 
 def test_check_of_a_bad_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -4,10 +4,14 @@ import errno
 import json
 import os
 import re
+import zlib
 from pathlib import Path
 
 import pytest
 from tests.console.scenario import Scenario
+
+from passo import config
+from passo.config.load import shipped_text
 
 CHANGES = (
     "M92 X100 E120.5",
@@ -151,6 +155,112 @@ def test_tiny_numbers_have_no_exponent_whose_e_would_be_a_word(tmp_path, line, t
         assert report(s) == before
 
 
+def edited(**values):
+    """The i3 with other values in its file."""
+    text = shipped_text("i3")
+    for old, new in values.values():
+        assert old in text
+        text = text.replace(old, new)
+    return config.load_text(text)
+
+
+SCALE = ("steps_per_mm = 80.0", "steps_per_mm = 90.0")
+TO_FILE = "echo:To go back to the machine file's values: M502, then M500"
+
+
+def rows_of(tmp_path):
+    content = json.loads((tmp_path / "settings.json").read_text())
+    return {row["set"]: row["file"] for row in content["settings"]}
+
+
+def heard_at_start(s):
+    unheard, s.printer.unheard = s.printer.unheard, []
+    return unheard
+
+
+def test_only_changed_values_are_stored(tmp_path):
+    with Scenario("i3", state=str(tmp_path)) as s:
+        s.host.ok("M500")
+        assert rows_of(tmp_path) == {}
+        for line in ("M92 X100", "M203 Y300", "M301 H0 I1.5"):
+            s.host.ok(line)
+        told = s.host.ok("M500")
+        assert told[1] == "echo:Stored, as changed from the machine file: M92 X100, M301 H0 I1.5"
+        assert rows_of(tmp_path) == {"M92 X100": "80", "M301 H0 I1.5": "1.258223684"}
+        assert heard_at_start(s) == []
+
+
+def test_edits_of_the_file_count_after_m500(tmp_path):
+    with Scenario("i3", state=str(tmp_path)) as s:
+        s.host.ok("M92 X100")
+        s.host.ok("M500")
+    with Scenario(edited(scale=SCALE), state=str(tmp_path)) as s:
+        assert s.host.ok("M92")[0] == "M92 X100 Y90 Z400 E95.5"
+        assert heard_at_start(s) == [
+            "echo:Stored M92 X100 overrides X90 of the machine file. The file was edited after"
+            " M500: it had X80",
+            TO_FILE,
+        ]
+        s.host.ok("M500")  # the file's value of now
+        assert rows_of(tmp_path) == {"M92 X100": "90"}
+    with Scenario(edited(scale=SCALE), state=str(tmp_path)) as s:
+        assert heard_at_start(s) == [
+            "echo:Stored M92 X100 overrides X90 of the machine file",
+            TO_FILE,
+        ]
+        for line in ("M502", "M500"):
+            s.host.ok(line)
+        assert rows_of(tmp_path) == {}
+    with Scenario("i3", state=str(tmp_path)) as s:
+        assert s.host.ok("M92")[0] == "M92 X80 Y80 Z400 E95.5"
+
+
+def test_a_stored_value_that_the_file_has_leaves_the_store(tmp_path):
+    with Scenario("i3", state=str(tmp_path)) as s:
+        for line in ("M92 X90 Y90", "M84 S90", "M500"):
+            s.host.ok(line)
+    with Scenario(edited(scale=SCALE), state=str(tmp_path)) as s:
+        assert heard_at_start(s) == [
+            "echo:Stored M84 S90 overrides S600 of the machine file",
+            TO_FILE,
+        ]
+        assert rows_of(tmp_path) == {"M84 S90": "600"}
+    with Scenario("i3", state=str(tmp_path)) as s:
+        assert s.host.ok("M92")[0] == "M92 X80 Y80 Z400 E95.5"
+
+
+def test_a_store_of_all_values_is_reduced_to_those_that_differ(tmp_path):
+    with Scenario("i3") as s:
+        lines = report(s)
+    lines[lines.index("M92 X80 Y80 Z400 E95.5")] = "M92 X123 Y80 Z400 E95.5"
+    crc = zlib.crc32("\n".join(lines).encode())
+    uuid = config.load("i3").uuid
+    old = {"version": 1, "machine": uuid, "crc": crc, "settings": lines}
+    (tmp_path / "settings.json").write_text(json.dumps(old))
+    with Scenario(edited(scale=SCALE), state=str(tmp_path)) as s:
+        assert s.host.ok("M92")[0] == "M92 X123 Y80 Z400 E95.5"
+        assert heard_at_start(s) == [
+            "echo:Stored M92 X123 overrides X90 of the machine file",
+            "echo:Stored M92 Y80 overrides Y90 of the machine file",
+            TO_FILE,
+        ]
+        assert rows_of(tmp_path) == {"M92 X123": None, "M92 Y80": None}
+
+
+def test_a_stored_value_beyond_the_files_limits_is_named(tmp_path):
+    with Scenario("i3", state=str(tmp_path)) as s:
+        for line in ("M306 H0 A100", "M500"):
+            s.host.ok(line)
+    head = "[heaters.hotend]\n"
+    less = edited(pid=(head, head + 'control = { kind = "pid", drive_max = 0.2 }\n'))
+    with Scenario(less, state=str(tmp_path)) as s:
+        refused, named, _ = heard_at_start(s)
+        assert refused.startswith(
+            "echo:A stored setting was refused: B is 51: expected more than A"
+        )
+        assert named == "echo:Stored M306 H0 A100 could not be taken as it is: A0 is in force"
+
+
 @pytest.mark.parametrize("code", ["M501", "M502"])
 def test_settings_come_back_when_the_machine_stands(tmp_path, code):
     """Its moves were planned in the scales of before."""
@@ -169,22 +279,30 @@ def test_settings_come_back_when_the_machine_stands(tmp_path, code):
         assert not s.printer.halted
 
 
+def with_rows(text, rows):
+    return json.dumps(json.loads(text) | {"settings": rows})
+
+
 @pytest.mark.parametrize(
     ("damage", "reason"),
     [
         (lambda text: text[: len(text) // 2], "torn"),
         (lambda text: "", "torn"),
         (lambda text: "[]", "torn"),
-        (lambda text: text.replace("M203 X300", "M203 X301"), "checksum"),
-        (lambda text: text.replace('"version": 1', '"version": 9'), "version 9"),
-        (lambda text: json.dumps(json.loads(text) | {"settings": [1]}), "no commands"),
-        (lambda text: json.dumps(json.loads(text) | {"settings": ["\ud800"]}), "checksum"),
+        (lambda text: text.replace("M203 X120", "M203 X121"), "checksum"),
+        (lambda text: text.replace('"file": "300"', '"file": "301"'), "checksum"),
+        (lambda text: text.replace('"version": 2', '"version": 9'), "version 9"),
+        (lambda text: with_rows(text, [1]), "no commands"),
+        (lambda text: with_rows(text, [{"set": "M203", "file": None}]), "no commands"),
+        (lambda text: with_rows(text, [{"set": "M203 X1 Y2", "file": None}]), "no commands"),
+        (lambda text: with_rows(text, [{"set": "M203 X\ud800", "file": None}]), "checksum"),
         (lambda text: "[" * 100_000, "torn"),
     ],
 )
 def test_a_file_that_is_not_whole_is_refused_with_its_reason(tmp_path, damage, reason):
     with Scenario("i3", state=str(tmp_path)) as s:
         defaults = report(s)
+        s.host.ok("M203 X120")
         s.host.ok("M500")
         file = tmp_path / "settings.json"
         file.write_text(damage(file.read_text()))

@@ -5,19 +5,31 @@ from __future__ import annotations
 import argparse
 import json
 from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING
 
-from passo.errors import ConfigError, ExitStatus
+from passo.errors import CommandError, ConfigError, ExitStatus
+
+if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declares the arguments of `passo check`."""
     parser.add_argument("file", metavar="FILE.toml", help="machine file, or name of a shipped one")
+    parser.add_argument(
+        "--state",
+        metavar="DIR",
+        help="the --state folder of passo serve: list its settings that override the file",
+    )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Prints one line on success, one for each value that the file cannot mean, and one for each
-    pin that is not the board's own for its part. Raises ConfigError with every problem otherwise.
+    pin that is not the board's own for its part, and for each stored setting that overrides the
+    file. Raises ConfigError with every problem otherwise, and CommandError if what is stored must
+    not be used.
     """
     from passo import config
     from passo.config.originals import bindings
@@ -31,11 +43,14 @@ def run(arguments: argparse.Namespace) -> int:
         print(json.dumps({"file": arguments.file, "ok": False, "problems": problems}, indent=2))
         return error.status
     pins = bindings(machine)
+    stored, unusable = _stored(machine, arguments.state)
     if arguments.json:
         rows = [asdict(pin) | {"rebound": pin.rebound} for pin in pins]
         asked = [question.as_dict() for question in questions]
         report = {"file": arguments.file, "ok": True, "problems": [], "questions": asked}
-        report |= {"pins": rows}
+        report |= {"pins": rows, "stored": stored}
+        if unusable is not None:
+            report |= {"ok": False, "problems": [p.as_dict() for p in unusable.problems]}
         print(json.dumps(report, indent=2))
     else:
         axes, steppers = len(machine.axes), len(machine.steppers)
@@ -51,7 +66,23 @@ def run(arguments: argparse.Namespace) -> int:
         for board in machine.all_boards.values():
             for note in board.notes:
                 print(f"  Note: {note}")
-    return ExitStatus.DONE
+        for sentence in stored:
+            print(f"  {sentence}")
+        if unusable is not None:
+            raise unusable
+    return ExitStatus.DONE if unusable is None else unusable.status
+
+
+def _stored(machine: MachineConfig, state: str | None) -> tuple[list[str], CommandError | None]:
+    """What is stored in the folder and overrides the file, or why it must not be used."""
+    if state is None:
+        return [], None
+    from passo.console.state_check import stored_overrides
+
+    try:
+        return stored_overrides(machine, Path(state)) or [f"Nothing in {state} overrides it"], None
+    except CommandError as error:
+        return [], error
 
 
 def _named(name: str | None, pin: str | None) -> str:

@@ -157,6 +157,8 @@ async def _serve(arguments: argparse.Namespace, machine: object) -> None:
     printer = furnished(
         machine, free=arguments.clock is None, card=arguments.sd, state=arguments.state
     )
+    for text in printer.unheard:
+        print(text.removeprefix("echo:"), file=sys.stderr)
 
     def opened(session: Session) -> None:
         session.advanced_ok = arguments.advanced_ok

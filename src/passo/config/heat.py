@@ -13,10 +13,11 @@ _Celsius = Annotated[float, Field(ge=-100, le=1200)]
 
 
 class PidControl(Model):
-    """PID control. `kp`, `ki` and `kd` have the unit of Klipper, Marlin and M301: 1/255 of full power
-    by °C, by °C·s and by °C/s; those left out follow from the heater's model. The derivative is of
-    the temperature, filtered with `filter_s`; the integral stays within `drive_min`…`drive_max`,
-    fractions of full power; farther than `range_c` from its target the heater is fully on or off.
+    """PID control. `kp`, `ki` and `kd` have the unit of Klipper, Marlin and M301: 1/255 of full
+    power by °C, by °C·s and by °C/s; those left out follow from the heater's model. The derivative
+    is of the temperature, filtered with `filter_s`; the integral stays within `drive_min` and
+    `drive_max`, fractions of full power; farther than `range_c` from its target the heater is fully
+    on or off.
     """
 
     kind: Literal["pid"] = "pid"

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 from passo.console.options import OptionCommands
 from passo.errors import CommandError
-from passo.job.settings import Store
+from passo.job.settings import Override, Store, commands_of, same, settings_in
 from passo.printer.waits import Handler, Reply, Silence, Still, Wait
 from passo.printer.words import Command, numeral
 
@@ -15,12 +15,33 @@ if TYPE_CHECKING:
     from passo.printer.printer import Printer
 
 
+class _Collected(Silence):
+    """Collects what stored commands answer: why a value was refused, or brought within limits."""
+
+    def __init__(self, said: list[str]) -> None:
+        self._said = said
+
+    def say(self, text: str) -> None:
+        """Collects the line."""
+        self._said.append(text)
+
+    def note(self, about: str, text: str) -> None:
+        """Collects the line."""
+        self._said.append(f"echo:{text}")
+
+    def fail(self, text: str) -> None:
+        """Collects the reason."""
+        self._said.append(f"echo:A stored setting was refused: {text}")
+
+
 class SettingsCommands:
-    """The settings of one printer; `store` keeps them, None: nothing does."""
+    """The settings of one printer: the machine file's values, and those that commands have changed.
+    `store` keeps the changed ones; None: nothing does."""
 
     def __init__(self, printer: Printer, store: Store | None, options: OptionCommands) -> None:
         self._printer, self._store, self._options = printer, store, options
         self._defaults = list(self.lines())
+        self._file = {setting.key: setting.value for setting in settings_in(self._defaults)}
         self.planned: dict[str, Handler] = {
             "M500": self._save,
             "M501": self._load,
@@ -65,20 +86,68 @@ class SettingsCommands:
         for _, commands in self.groups():
             yield from commands
 
-    def restore(self, lines: list[str]) -> None:
-        """Carries out stored commands. Whoever calls has the turn, and the machine stands."""
+    def restore(self, lines: Iterable[str], reply: Reply) -> None:
+        """Carries out commands of settings. The caller has the turn, and the machine stands."""
         for line in lines:
-            self._printer.take_setting(line, Silence())
+            self._printer.take_setting(line, reply)
 
     def load_at_start(self) -> None:
-        """Takes the stored settings; what must not be used is told, and the defaults stay."""
+        """Takes the stored values that differ from the machine file's, and names them. Values that
+        the file has by now are taken out of the store. What must not be used is named, too."""
         try:
             stored = self._store.load() if self._store else None
+            if not stored:
+                return
+            held = self._differing(stored)
+            for line in self._take_and_name(held):
+                self._printer.tell(line)
+            if held != stored:
+                self._needed().save(held)
         except CommandError as error:
             self._printer.tell(f"echo:{error}")
-            return
-        if stored is not None:
-            self.restore(stored)
+
+    def name_stored(self) -> list[str]:
+        """Takes the stored values as `load_at_start` does; the sentences that it would report. The
+        store stays as it is. Raises CommandError."""
+        stored = self._needed().load()
+        lines = self._take_and_name(self._differing(stored or []))
+        return [line.removeprefix("echo:") for line in lines]
+
+    def _differing(self, stored: list[Override]) -> list[Override]:
+        return [o for o in stored if not same(self._file.get(o.setting.key), o.setting.value)]
+
+    def _take_and_name(self, held: list[Override]) -> list[str]:
+        """Sets these values; lines that name them, with what they override."""
+        said: list[str] = []
+        self.restore(commands_of(override.setting for override in held), _Collected(said))
+        now = {setting.key: setting.value for setting in settings_in(self.lines())}
+        for override in held:
+            said.append(f"echo:{self._named(override, now.get(override.setting.key))}")
+        if held:
+            said.append("echo:To go back to the machine file's values: M502, then M500")
+        return said
+
+    def _named(self, override: Override, now: str | None) -> str:
+        """A stored value, and the machine file's that it overrides; `now` is in force."""
+        setting, then = override
+        file = self._file.get(setting.key)
+        if not same(now, setting.value):
+            held = "nothing" if now is None else f"{setting.word}{now}"
+            return f"Stored {setting} could not be taken as it is: {held} is in force"
+        if file is None:
+            return f"Stored {setting} is in force; the machine file has no such value"
+        text = f"Stored {setting} overrides {setting.word}{file} of the machine file"
+        if then is None or same(then, file):
+            return text
+        return f"{text}. The file was edited after M500: it had {setting.word}{then}"
+
+    def _changed(self) -> list[Override]:
+        """The values that differ from the machine file's."""
+        return [
+            Override(setting, file)
+            for setting in settings_in(self.lines())
+            if not same(file := self._file.get(setting.key), setting.value)
+        ]
 
     def _needed(self) -> Store:
         if self._store is None:
@@ -86,14 +155,17 @@ class SettingsCommands:
         return self._store
 
     def store(self) -> int:
-        """Stores the settings; returns their checksum. Raises CommandError."""
-        return self._needed().save(list(self.lines()))
+        """Stores the values that differ from the machine file's; returns their checksum. Raises
+        CommandError."""
+        return self._needed().save(self._changed())
 
     def _save(self, _: Command, reply: Reply) -> Wait | None:
-        lines = list(self.lines())
         crc = self.store()
-        size = sum(len(line) + 1 for line in lines)
+        changed = [str(override.setting) for override in self._changed()]
+        size = sum(len(text) + 1 for text in changed)
         reply.say(f"echo:Settings Stored ({size} bytes; crc {crc})")
+        listed = ", ".join(changed) or "nothing, all values are the machine file's"
+        reply.say(f"echo:Stored, as changed from the machine file: {listed}")
         return None
 
     def _load(self, _: Command, reply: Reply) -> Wait | None:
@@ -101,18 +173,23 @@ class SettingsCommands:
         stored = self._needed().load()
         if stored is None:
             raise CommandError.of("settings.none")
-        told = f"echo:Stored settings retrieved ({len(stored)} commands)"
-        return Still(lambda: self._take("M501", stored, reply, told))
+        return Still(lambda: self._take("M501", stored, reply))
 
     def _reset(self, _: Command, reply: Reply) -> Wait | None:
         self._printer.motion.require_scales("M502")
-        told = "echo:Factory Settings Loaded"
-        return Still(lambda: self._take("M502", self._defaults, reply, told))
+        return Still(lambda: self._take("M502", [], reply))
 
-    def _take(self, code: str, lines: list[str], reply: Reply, told: str) -> None:
+    def _take(self, code: str, stored: list[Override], reply: Reply) -> None:
+        """The machine file's values, then those that are stored."""
         self._printer.motion.require_scales(code)  # a pause may have come meanwhile
-        self.restore(lines)
-        reply.say(told)
+        self.restore(self._defaults, Silence())
+        if code == "M502":
+            reply.say("echo:Factory Settings Loaded")
+            return
+        held = self._differing(stored)
+        for line in self._take_and_name(held):
+            reply.say(line)
+        reply.say(f"echo:Stored settings retrieved ({len(held)} values)")
 
     def _report(self, command: Command, reply: Reply) -> Wait | None:
         headings = command.words().get("S", 1) != 0
@@ -129,5 +206,5 @@ class SettingsCommands:
         stored = self._needed().load()
         if stored is None:
             raise CommandError.of("settings.none")
-        reply.say(f"echo:Stored settings are sound ({len(stored)} commands)")
+        reply.say(f"echo:Stored settings are sound ({len(stored)} values)")
         return None

@@ -1,18 +1,100 @@
-"""Stored settings: commands that bring them back, in a file that is whole or refused."""
+"""Stored settings: what commands have changed, in a file that is whole or refused."""
 
 from __future__ import annotations
 
 import json
 import zlib
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from math import isclose
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 from passo.errors import CommandError
 from passo.job.atomic import replaced
 
-VERSION = 1
+VERSION = 2  # version 1 held the commands of all settings, changed or not
 _LARGEST = 1 << 20
+# Words that name what a command sets, by its code: a tool, a heater, a motor, a material.
+_NAMING = {
+    "M92": "T",
+    "M145": "S",
+    "M200": "T",
+    "M201": "T",
+    "M203": "T",
+    "M205": "T",
+    "M218": "T",
+    "M301": "H",
+    "M302": "T",
+    "M305": "H",
+    "M306": "H",
+    "M307": "H",
+    "M569": "IT",
+    "M603": "T",
+    "M906": "IT",
+}
+
+
+class Setting(NamedTuple):
+    """One value of a command: the command with the words that name what it sets, the word of the
+    value (with the `=` of an extended command), and the value as text."""
+
+    head: str
+    word: str
+    value: str
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """What is set, without its value."""
+        return self.head, self.word
+
+    def __str__(self) -> str:
+        """The command that sets this value alone."""
+        return f"{self.head} {self.word}{self.value}"
+
+
+def settings_in(lines: Iterable[str]) -> Iterator[Setting]:
+    """Each value of these commands, which are as M503 reports them."""
+    for line in lines:
+        code, *words = line.split()
+        pairs = [_pair(word) for word in words]
+        naming = _NAMING.get(code, "")
+        named = [word + value for word, value in pairs if word in naming or not value]
+        head = " ".join([code, *named])
+        for word, value in pairs:
+            if word not in naming and value:
+                yield Setting(head, word, value)
+
+
+def same(one: str | None, other: str | None) -> bool:
+    """Whether two values as text are the same number, to the digits that are stored."""
+    if one is None or other is None:
+        return one == other
+    try:
+        return isclose(float(one), float(other), rel_tol=1e-8)
+    except ValueError:
+        return one == other
+
+
+def commands_of(settings: Iterable[Setting]) -> list[str]:
+    """Commands that set these values, those of the same thing in one command."""
+    words: dict[str, list[str]] = {}
+    for setting in settings:
+        words.setdefault(setting.head, []).append(setting.word + setting.value)
+    return [" ".join([head, *values]) for head, values in words.items()]
+
+
+def _pair(word: str) -> tuple[str, str]:
+    name, equals, value = word.partition("=")
+    return (name + equals, value) if equals else (word[0], word[1:])
+
+
+class Override(NamedTuple):
+    """A stored value. `file` is the value that the machine file gave when it was stored; None if
+    that is not known, or the file gave none."""
+
+    setting: Setting
+    file: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,11 +105,12 @@ class Store:
     path: Path
     uuid: str
 
-    def save(self, lines: list[str]) -> int:
-        """Stores commands; returns their checksum. When this returns they survive a power cut; if
+    def save(self, overrides: list[Override]) -> int:
+        """Stores values; returns their checksum. When this returns they survive a power cut; if
         it raises CommandError, the file holds what it held before."""
-        crc = _crc(lines)
-        content = {"version": VERSION, "machine": self.uuid, "crc": crc, "settings": lines}
+        rows = [{"set": str(setting), "file": file} for setting, file in overrides]
+        crc = _crc(_texts(rows))
+        content = {"version": VERSION, "machine": self.uuid, "crc": crc, "settings": rows}
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
             with replaced(self.path) as temporary:
@@ -36,9 +119,9 @@ class Store:
             raise _refused("settings.unwritable", self.path, str(error.strerror)) from None
         return crc
 
-    def load(self) -> list[str] | None:
-        """The stored commands; None if nothing is stored. Raises CommandError with the reason if
-        the file must not be used."""
+    def load(self) -> list[Override] | None:
+        """The stored values, also of a file of version 1; None if nothing is stored. Raises
+        CommandError with the reason if the file must not be used."""
         try:
             with self.path.open("rb") as file:
                 raw = file.read(_LARGEST + 1)
@@ -51,22 +134,42 @@ class Store:
         except (ValueError, RecursionError):
             content = None
         if not isinstance(content, dict):
-            raise _refused("settings.unreadable", self.path, "it is torn, or no settings file")
+            raise _refused("settings.unreadable", self.path, "it is torn, or not a settings file")
         table = cast("dict[str, Any]", content)
-        lines = table.get("settings")
-        if table.get("version") != VERSION:
-            reason = f"it has version {table.get('version')}, not {VERSION}"
+        version, found = table.get("version"), table.get("settings")
+        rows = cast("list[object]", found) if isinstance(found, list) else None
+        if version not in (1, VERSION):
+            reason = f"it has version {version}, not {VERSION}"
         elif table.get("machine") != self.uuid:
             reason = "it belongs to another machine"
-        elif not isinstance(lines, list) or not all(
-            isinstance(x, str) for x in cast("list[object]", lines)
-        ):
+        elif rows is None or (overrides := _overrides(rows, version)) is None:
             reason = "it holds no commands"
-        elif _crc(cast("list[str]", lines)) != table.get("crc"):
+        elif _crc(_texts(rows)) != table.get("crc"):
             reason = "its checksum is wrong"
         else:
-            return cast("list[str]", lines)
+            return overrides
         raise _refused("settings.unreadable", self.path, reason)
+
+
+def _overrides(rows: list[object], version: int) -> list[Override] | None:
+    """The rows of a file of that version; None if they are not commands."""
+    found: list[Override] = []
+    for row in rows:
+        match row:
+            case str() if version == 1 and row.strip():
+                found += [Override(setting) for setting in settings_in([row])]
+            case {"set": str(text), "file": str() | None as file} if version == VERSION:
+                settings = list(settings_in([text])) if text.strip() else []
+                if len(settings) != 1:
+                    return None
+                found.append(Override(settings[0], file))
+            case _:
+                return None
+    return found
+
+
+def _texts(rows: Iterable[Any]) -> list[str]:
+    return [row if isinstance(row, str) else f"{row['set']};{row['file']}" for row in rows]
 
 
 def _crc(lines: list[str]) -> int:
