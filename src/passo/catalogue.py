@@ -521,6 +521,13 @@ CATALOGUE: Mapping[str, Entry] = {
         "Choose the right board and firmware in the machine file, or build the firmware for it",
         ExitStatus.MACHINE_FAULT,
     ),
+    "machine.no-reset": Entry(
+        "board",
+        "{value} is in use and cannot be restarted by a command",
+        "Switch its supply off and on (restart the program klipper_mcu of a Linux computer), then"
+        " try again",
+        ExitStatus.MACHINE_FAULT,
+    ),
     "machine.old-firmware": Entry(
         "board",
         "the board's firmware is older than this program",

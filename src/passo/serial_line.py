@@ -11,11 +11,16 @@ import tty
 # Any baud rate: termios2 of Linux (asm-generic/ioctls.h and termbits.h, as on x86 and ARM).
 _TCGETS2, _TCSETS2 = 0x802C542A, 0x402C542B
 _BOTHER, _CBAUD = 0o010000, 0o010017
+_RPMSG = (
+    "/dev/rpmsg"  # to a coprocessor (a PRU): it carries bytes, and has no settings of a terminal
+)
 
 
 def open_serial_line(device: str, baud: int) -> int:
     """A descriptor of the device, raw, non-blocking, this program's alone. Raises OSError."""
     line = os.open(device, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK | os.O_CLOEXEC)
+    if device.startswith(_RPMSG) and not os.isatty(line):
+        return line
     try:
         fcntl.ioctl(line, termios.TIOCEXCL)
         tty.setraw(line)

@@ -53,7 +53,7 @@ REPORTS = [
 
 @pytest.fixture(params=[False, True], ids=["older", "newer"])
 def told(request: pytest.FixtureRequest) -> dict:
-    return dictionary(stm32=True, newer=request.param)
+    return dictionary(chip="stm32", newer=request.param)
 
 
 @pytest.fixture

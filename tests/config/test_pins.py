@@ -5,6 +5,7 @@ import zlib
 from pathlib import Path
 
 import pytest
+from tests.hosts.klipper_board import dictionary, on_its_pins
 
 from passo import config
 from passo.config.board_files import shipped_tables
@@ -286,6 +287,27 @@ def test_a_board_of_klippers_has_the_pins_of_its_dictionary(tmp_path: Path, pack
     assert machine.board.pin("!PB15") == "!PB15"
     (problem,) = problems_of(KLIPPER.replace('"PA5"', '"PC5"'), file)
     assert "heaters.hotend.pin is 'PC5': expected a pin of the board's dictionary" in problem
+
+
+def test_pins_of_a_linux_process(tmp_path: Path) -> None:
+    """Names have a slash, and several of them are one pin."""
+    told = dictionary(chip="linux", newer=True)
+    (tmp_path / "board.dict").write_text(json.dumps(told))
+    file = str(tmp_path / "my.toml")
+    text = on_its_pins(KLIPPER, told)
+    board = config.load_text(text, file).board
+    assert board.clock_hz == 50_000_000
+    assert board.pin("!gpiochip1/gpio11") == "!gpiochip1/gpio11"
+    assert board.pin("gpiochip0/gpio8") == board.pin("gpio8") == "gpio8"
+    assert board.pin("pwmchip7/pwm15") == "pwmchip7/pwm15"
+    twice = text.replace('pin = "gpiochip0/gpio7"', 'pin = "gpio6"')
+    (problem,) = problems_of(twice, file)
+    assert (
+        "fans.part.pin is 'gpio6': expected a pin of its own: gpio6 belongs to heaters.bed.pin"
+        in problem
+    )
+    (problem,) = problems_of(text.replace("gpiochip0/gpio7", "gpiochip9/gpio0"), file)
+    assert "fans.part.pin is 'gpiochip9/gpio0': expected a pin of the board's dict" in problem
 
 
 def test_a_board_of_klippers_keeps_what_its_dictionary_reserves(tmp_path: Path) -> None:

@@ -41,6 +41,34 @@ STM32 = {
     "pin": {"PA0": [0, 16], "PB0": [16, 16], "PC0": [32, 16]},
 }
 # The same parts on the pins of a RAMPS.
+# A process on a Linux computer, and a PRU of a BeagleBone: they have no `reset`, their pins other
+# names, and one of these has a name of two parts.
+LINUX = {
+    "config": {
+        "ADC_MAX": 4095,
+        "CLOCK_FREQ": 50_000_000,
+        "MCU": "linux",
+        "PWM_MAX": 32768,
+        "STATS_SUMSQ_BASE": 256,
+    },
+    "pin": {
+        "analog0": [4096, 8],
+        "gpio0": [0, 288],
+        **{f"gpiochip{i}/gpio0": [288 * i, 288] for i in range(9)},
+        **{f"pwmchip{i}/pwm0": [8192 + 16 * i, 16] for i in range(8)},
+    },
+}
+PRU = {
+    "config": {
+        "ADC_MAX": 4095,
+        "CLOCK_FREQ": 200_000_000,
+        "MCU": "pru",
+        "RECEIVE_WINDOW": 495,
+        "STATS_SUMSQ_BASE": 256,
+    },
+    "pin": {"AIN0": [128, 8], **{f"gpio{i}_0": [32 * i, 32] for i in range(4)}},
+}
+_OTHERS = {"stm32": STM32, "linux": LINUX, "pru": PRU}
 AVR_PINS = {
     "PB0": "PF0",
     "PB1": "PF1",
@@ -71,12 +99,17 @@ AVR_PINS = {
 _TICK_S = 0.002
 
 
-def dictionary(*, stm32: bool, newer: bool) -> dict[str, Any]:
-    """The dictionary of such a board; `newer` in how it speaks of sensors."""
+def dictionary(*, chip: str, newer: bool) -> dict[str, Any]:
+    """The dictionary of such a board with the chip `avr`, `stm32`, `linux` or `pru`; `newer` in how
+    it speaks of sensors."""
     made = json.loads(json.dumps(DICTIONARY))
-    if stm32:
-        made["config"] = STM32["config"]
-        made["enumerations"]["pin"] = STM32["pin"]
+    if chip in _OTHERS:
+        made["config"] = _OTHERS[chip]["config"]
+        made["enumerations"]["pin"] = _OTHERS[chip]["pin"]
+    if chip in ("linux", "pru"):
+        commands = {text.replace("pin=%c", "pin=%u"): n for text, n in made["commands"].items()}
+        commands["config_reset"] = commands.pop("reset")
+        made["commands"] = commands
     if newer:
         for part in ("commands", "responses"):
             made[part] = {NEWER_SENSORS.get(text, text): n for text, n in made[part].items()}
@@ -88,19 +121,27 @@ class KlipperBoard(KlipperMcu):
 
     def __init__(self, told: dict[str, Any], folder: Path, analog: int) -> None:
         super().__init__(told, analog)
-        self._master, self._slave = os.openpty()
-        tty.setraw(self._slave)
         self.path = str(folder / "board")
-        Path(self.path).symlink_to(os.ttyname(self._slave))
+        self._open()
         self._start = time.monotonic()
         self._on = True
         self._lock = threading.Lock()
         self._thread = threading.Thread(target=self._run)
         self._thread.start()
 
+    def _open(self) -> None:
+        self._port = self.ports
+        self._master, self._slave = os.openpty()
+        tty.setraw(self._slave)
+        Path(self.path).unlink(missing_ok=True)
+        Path(self.path).symlink_to(os.ttyname(self._slave))
+
     def close(self) -> None:
         self._on = False
         self._thread.join()
+        self._hang_up()
+
+    def _hang_up(self) -> None:
         os.close(self._master)
         os.close(self._slave)
 
@@ -122,11 +163,27 @@ class KlipperBoard(KlipperMcu):
             with self._lock:
                 self.feed(data, self._clock())
                 said = self.poll(self._clock())
+            if self._port != self.ports:
+                self._hang_up()
+                time.sleep(0.2)  # the process starts
+                self._open()
             os.write(self._master, said)
 
 
 def on_its_pins(text: str, told: dict[str, Any]) -> str:
     """The text of a machine with other pins if the board's chip asks for them."""
-    if told["config"]["MCU"] != "atmega2560":
-        return text
-    return re.sub(r'(?<="|!|\^)P[AB]\d+(?=")', lambda pin: AVR_PINS[pin[0]], text)
+    names = {"atmega2560": AVR_PINS.get, "linux": _on_linux, "pru": _on_pru}
+    name = names.get(told["config"]["MCU"], str)
+    return re.sub(r'(?<="|!|\^)P[AB]\d+(?=")', lambda pin: name(pin[0]) or "", text)
+
+
+def _on_linux(pin: str) -> str:
+    if pin in ("PA0", "PA1"):
+        return f"analog{pin[2:]}"
+    return f"gpiochip0/gpio{pin[2:]}" if pin[1] == "A" else f"gpiochip1/gpio{pin[2:]}"
+
+
+def _on_pru(pin: str) -> str:
+    if pin in ("PA0", "PA1"):
+        return f"AIN{pin[2:]}"
+    return f"gpio0_{pin[2:]}" if pin[1] == "A" else f"gpio1_{pin[2:]}"

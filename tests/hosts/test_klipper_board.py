@@ -18,10 +18,10 @@ from passo import config
 from passo.config.machine import MachineConfig
 
 
-@pytest.fixture(params=["avr", "stm32, newer"])
+@pytest.fixture(params=["avr", "stm32, newer", "linux"])
 def board(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[KlipperBoard]:
     chip, _, newer = request.param.partition(", ")
-    told = dictionary(stm32=chip == "stm32", newer=bool(newer))
+    told = dictionary(chip=chip, newer=bool(newer))
     analog = round(0.95 * told["config"]["ADC_MAX"])  # some 25 °C
     board = KlipperBoard(told, tmp_path, analog)
     yield board

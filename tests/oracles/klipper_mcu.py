@@ -4,6 +4,7 @@ any clock, in the words and numbers of a dictionary of that firmware. Nothing of
 from __future__ import annotations
 
 import json
+import re
 import zlib
 from collections import deque
 from collections.abc import Callable, Iterator
@@ -17,6 +18,9 @@ from tests.oracles.wire import crc16, frame, step_clocks, vlq
 _RANGES = {"%c": (0, 255), "%hu": (0, 65_535), "%hi": (-32_768, 32_767), "%u": (0, 2**32 - 1)}
 _MOVES = 459
 _UART_LEAD_S = 200e-6
+# What a board still takes that has shut down.
+_IN_SHUTDOWN = {"identify", "get_config", "get_clock", "get_uptime", "emergency_stop", "reset"}
+_IN_SHUTDOWN |= {"config_reset"}
 _UART_PATIENCE, _UART_TURN = 64, 12  # bits: without an answer, and before one begins
 
 
@@ -94,8 +98,9 @@ class KlipperMcu:
         self._newer = any(key == "values" for key, _ in self._reports["analog_in_state"][1])
         self.hz: int = told["config"]["CLOCK_FREQ"]
         self._numbers = {
-            f"{name[:2]}{int(name[2:]) + i}": first + i
+            f"{stem}{int(number) + i}": first + i
             for name, (first, count) in told["enumerations"]["pin"].items()
+            for stem, number in re.findall(r"(.*?)(\d+)$", name)
             for i in range(count)
         }
         self._pins = set(self._numbers.values())
@@ -103,6 +108,7 @@ class KlipperMcu:
         self._rest = b""
         self._out = b""
         self.resets = 0
+        self.ports = 1  # a Linux process has another one after each restart
         self._begin_anew()
 
     def pin(self, name: str) -> int:
@@ -216,7 +222,10 @@ class KlipperMcu:
                     self._demand(value in self._pins, f"{name}: there is no pin {value}")
                 values[key] = value
             self.said.append((name, values))
-            self._act(name, values)
+            if self.is_shutdown and name not in _IN_SHUTDOWN:
+                self._report("is_shutdown", static_string_id=self._why)
+            else:
+                self._act(name, values)
 
     def _demand(self, kept: bool, text: str) -> None:
         if not kept:
@@ -234,11 +243,13 @@ class KlipperMcu:
 
     def _act(self, name: str, values: dict[str, Any]) -> None:
         oid = values.get("oid", 0)
-        if name.startswith("config_"):
+        if name.startswith("config_") and name != "config_reset":
             self._demand(not self.is_config and oid < self.oids and oid not in self.of_oid, name)
             self.of_oid[oid] = name
         elif "oid" in values:
             self._demand(oid in self.of_oid, f"{name}: nothing has the oid {oid}")
+        elif name == "config_reset" and not self.is_shutdown:
+            self.wrong.append("config_reset only available when shutdown")
         action = getattr(self, f"_act_{name}", None)
         if action is not None:
             action(**values)
@@ -274,13 +285,25 @@ class KlipperMcu:
             motor.stopped, motor.trsync = True, None
         for oid in self._trsyncs:
             self._trsyncs[oid] = Trsync()
-        why = self.told["enumerations"]["static_string_id"]["Command request"]
-        self._report("shutdown", clock=self.now % 2**32, static_string_id=why)
+        self._why = self.told["enumerations"]["static_string_id"]["Command request"]
+        self._report("shutdown", clock=self.now % 2**32, static_string_id=self._why)
 
     def _act_reset(self) -> None:
         self.resets += 1
         self._begin_anew()
         self._report("starting")
+
+    def _act_config_reset(self) -> None:
+        """A Linux process starts again, on another pty; a PRU only forgets its configuration."""
+        if self.told["config"]["MCU"] == "linux":
+            self.ports += 1
+            self._rest = self._out = b""
+            self._act_reset()
+            return
+        number = self._next
+        self.resets += 1
+        self._begin_anew()
+        self._next = number
 
     def _act_query_analog_in(self, oid: int, rest_ticks: int, sample_count: int, **_: int) -> None:
         self._sensors[oid] = (self.now + rest_ticks, rest_ticks, sample_count)

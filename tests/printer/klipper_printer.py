@@ -81,6 +81,7 @@ class End:
     start_s: float = 0.0
     drift: float = 0.0
     cut: bool = False  # nothing comes through
+    port: int = 1  # of the board's, since it restarts
 
     def clock(self, host: int) -> int:
         """The board's clock at host time."""
@@ -106,6 +107,8 @@ class Wire:
     def run(self, until: int, until_heaters: bool) -> _core.Stop:
         while True:
             wake = self._exchange()
+            if any(end.port != end.board.ports for end in self._ends):
+                return _core.Stop.CLOSED
             if any(end.link.shut_down for end in self._ends):
                 return _core.Stop.SHUTDOWN
             deadlines = [(end, end.board.next_deadline) for end in self._ends]
@@ -125,6 +128,8 @@ class Wire:
             for end in self._ends:
                 orders, wake = end.link.poll(self.now)
                 wakes.append(wake)
+                if end.port != end.board.ports:
+                    continue
                 end.board.feed(b"" if end.cut else orders, end.clock(self.now))
                 said = end.board.poll(end.clock(self.now))
                 if end.cut:
@@ -155,11 +160,11 @@ class Port:
         self._ends: list[End] = []
         self.end: End | None = None
 
-    def open(self) -> None:
+    def open(self, timeout_s: float = 0.0) -> None:
         pass
 
     def attach(self, link: _core.Link) -> Any:
-        self.end = end = End(link, self._board, self._start_s, self._drift)
+        self.end = end = End(link, self._board, self._start_s, self._drift, port=self._board.ports)
         if self._beside is None:
             self._ends = [end]
             self._wire = Wire(self._ends)

@@ -17,10 +17,10 @@ from passo.board.trinamic import registers as r
 from passo.errors import MachineError
 
 
-@pytest.fixture(params=["avr", "stm32, newer"])
+@pytest.fixture(params=["avr", "stm32, newer", "linux", "pru, newer"])
 def board(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Board:
     chip, _, newer = request.param.partition(", ")
-    it = Board(dictionary(stm32=chip == "stm32", newer=bool(newer)))
+    it = Board(dictionary(chip=chip, newer=bool(newer)))
     monkeypatch.setattr("passo.printer.printer.connect", connected(Port(it)))
     return it
 
@@ -115,13 +115,36 @@ def test_a_board_that_was_reset_has_its_drivers_set_up_anew(s: Scenario, board: 
 def test_a_board_that_holds_less_than_was_planned_with(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    board = Board(dictionary(stm32=True, newer=True))
+    board = Board(dictionary(chip="stm32", newer=True))
     monkeypatch.setattr("tests.oracles.klipper_mcu._MOVES", 200)
     monkeypatch.setattr("passo.printer.printer.connect", connected(Port(board)))
     with pytest.raises(
         MachineError, match="room for 200 commands, so write move_count = 200 there"
     ):
         Scenario(machine(board.told, tmp_path)).__enter__()
+
+
+def test_second_start_resets_a_configured_board(board: Board, tmp_path: Path) -> None:
+    for starts in (1, 2, 3):
+        with Scenario(machine(board.told, tmp_path)) as s:
+            assert (board.resets, board.is_config, board.is_shutdown) == (starts - 1, 1, 0)
+            s.host.ok("G28", 60)
+    assert board.wrong == []
+
+
+def test_a_board_without_a_command_to_reset_it(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    told = dictionary(chip="avr", newer=False)
+    del told["commands"]["reset"]
+    board = Board(told)
+    monkeypatch.setattr("passo.printer.printer.connect", connected(Port(board)))
+    it = machine(told, tmp_path)
+    with Scenario(it) as s:
+        assert s.host.ok("M105")
+    with pytest.raises(MachineError, match="the board is in use and cannot be restarted"):
+        Scenario(it).__enter__()
+    assert board.is_config == 1
 
 
 def test_a_board_that_begins_anew_all_of_a_sudden(s: Scenario, board: Board) -> None:
@@ -146,7 +169,7 @@ def test_a_board_that_begins_anew_all_of_a_sudden(s: Scenario, board: Board) -> 
 def test_a_driver_that_is_not_there_lets_nothing_move(
     motor: str, chip: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    board = Board(dictionary(stm32=True, newer=True))
+    board = Board(dictionary(chip="stm32", newer=True))
     monkeypatch.setattr("passo.printer.printer.connect", connected(Port(board)))
     board.chips[motor].plugged = False
     with Scenario(machine(board.told, tmp_path)) as s:
@@ -162,6 +185,6 @@ def test_a_driver_that_is_not_there_lets_nothing_move(
 
 def test_the_simulated_board_speaks_the_words_of_that_firmware() -> None:
     """Tests that run on it are about boards with that firmware too."""
-    told = dictionary(stm32=True, newer=True)
+    told = dictionary(chip="stm32", newer=True)
     assert {text for _, text in _core.board_commands()} <= set(told["commands"])
     assert {text for _, text in _core.board_reports()} <= set(told["responses"])

@@ -33,7 +33,7 @@ class Two:
 @pytest.fixture(params=["motor", "switch"])
 def two(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
     """X's motor, or its switch, is on the second board."""
-    told = dictionary(stm32=True, newer=True)
+    told = dictionary(chip="stm32", newer=True)
     (tmp_path / "board.dict").write_text(json.dumps(told))
     text = KLIPPER
     for pin in X_MOTOR if request.param == "motor" else X_SWITCH:

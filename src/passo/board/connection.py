@@ -36,7 +36,8 @@ _FAREWELL_S = 0.6
 BRAKING_S = 10.0  # no machine brakes for longer
 LOOK_S = 0.05  # between two looks whether it stands
 ABSOLUTE_ZERO_C = -273.15  # hosts read it as a number, and nobody takes it for a temperature
-_RESET_S = 0.05  # a board that has been told to reset has begun to by then
+_RESET_S = 0.05  # a board that was sent `reset` has begun to restart by then
+_REOPEN_S = 5.0  # and its port is back by then
 _RESPONSES_KEPT = 1024
 _MOST_STEPS = 0xFFFF  # of one command
 _SURVIVE = 2  # version of the extension
@@ -506,16 +507,46 @@ class Connection:
         state = self.ask("get_config", "config")
         self.adopted = adopt
         if not self.adopted and (state["is_shutdown"] or state["is_config"]):
-            self.command("reset")
-            self.pass_time(self.now + self._ticks(_RESET_S))
-            self.link.restart()
-            self._identify()
+            self._reset(shut_down=bool(state["is_shutdown"]))
             state = self.ask("get_config", "config")
+            if state["is_shutdown"] or state["is_config"]:
+                raise MachineError.of("machine.no-reset", value=self._named("the board"))
         if not state["is_config"]:
             for line in [*lines, f"finalize_config crc={self._crc}"]:
                 self.command(line)
             state = self._ask("get_config", [], "config", {"is_config": 1})  # none of before that
         self.move_count = int(state["move_count"])
+
+    def _reset(self, *, shut_down: bool) -> None:
+        """Restarts the board, so that it has no configuration. Raises MachineError."""
+        known = {text.split(" ", 1)[0] for _, text in self.dictionary.commands}
+        if "reset" in known:
+            self.command("reset")
+        elif "config_reset" in known:  # a Linux process, or a PRU: only in a shutdown
+            if not shut_down:
+                self.command("emergency_stop")
+                self._find_shut_down()
+            self.command("config_reset")
+        else:
+            raise MachineError.of("machine.no-reset", value=self._named("the board"))
+        try:
+            self.pass_time(self.now + self._ticks(_RESET_S))
+            self.link.restart()
+            self._identify()
+        except LinkLostError:
+            # A device of USB, or the pty of a process, is a new one after the restart.
+            self.port.open(_REOPEN_S)
+            self.link.restart()
+            self.wire = self.port.attach(self.link)
+            self._identify()
+
+    def _find_shut_down(self) -> None:
+        """Waits until the board has shut down."""
+        for _ in range(_TRIES):
+            self.pass_time(self.now + self._ticks(_RESET_S))
+            self.link.restart()  # it may be asked again, also on a live port
+            if self.ask("get_config", "config")["is_shutdown"]:
+                return
 
     def _prepare(self) -> None:
         renewed = sum(o.max_duration_ticks > 0 for o in self.board.outputs)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import socket
+import time
 from collections.abc import Callable, Sequence
 from typing import Protocol, TypeAlias
 
@@ -12,6 +13,7 @@ from passo.errors import MachineError
 from passo.serial_line import open_serial_line
 
 _PATIENCE_S = 5.0
+_REOPEN_S = 0.1  # between two attempts to open a port
 
 Wire: TypeAlias = "_core.Pump | _core.LiveWire"
 Simulated: TypeAlias = "_core.Bench | _core.Distant"
@@ -28,9 +30,10 @@ class Port(Protocol):
     live: bool
     byte_s: float
 
-    def open(self) -> None:
-        """Opens the port anew for the next `attach`, which else does it; on a `live` port that may
-        take seconds, and may be done in any thread. Raises MachineError."""
+    def open(self, timeout_s: float = 0.0) -> None:
+        """Opens the port again for the next `attach`, which else opens it; on a `live` port that
+        may take seconds, and may be done in any thread. Tries again for `timeout_s`: the device of
+        a board that restarts is missing for a while. Raises MachineError."""
         ...
 
     def attach(self, link: _core.Link) -> Wire:
@@ -67,7 +70,7 @@ class InProcess:
         self.unplugged = False
         self._clock = clock
 
-    def open(self) -> None:
+    def open(self, timeout_s: float = 0.0) -> None:
         """There is nothing to open."""
 
     def attach(self, link: _core.Link) -> _core.Pump:
@@ -103,15 +106,22 @@ class LivePort:
         self._wire: _core.LiveWire | None = None
         self._descriptor: int | None = None  # opened, but not attached yet
 
-    def open(self) -> None:
-        """Opens the port anew; what was attached before is let go. Raises MachineError."""
+    def open(self, timeout_s: float = 0.0) -> None:
+        """Opens the port again, and releases what was attached before. Raises MachineError."""
         if self._wire is not None:
             self._wire.stop()
             self._wire = None
         if self._descriptor is not None:
             os.close(self._descriptor)
             self._descriptor = None
-        self._descriptor = self._opened()
+        last_s = time.monotonic() + timeout_s
+        while self._descriptor is None:
+            try:
+                self._descriptor = self._opened()
+            except LinkLostError:
+                if time.monotonic() >= last_s:
+                    raise
+                time.sleep(_REOPEN_S)
 
     def attach(self, link: _core.Link) -> _core.LiveWire:
         """A wire with a thread of its own; the port is opened for it unless it just was. Raises

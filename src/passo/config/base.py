@@ -19,7 +19,7 @@ class Model(BaseModel):
 # What a text must look like, in words: a pattern says nothing to most people.
 PATTERNS = {
     r"^[a-z][a-z0-9_-]*$": "a name of lower-case letters, digits, - and _",
-    r"^[!^~]*([a-z][a-z0-9_-]*:)?[A-Za-z][A-Za-z0-9_.-]*$": "a pin such as PB4, !PD7, tool:PA1 or"
+    r"^[!^~]*([a-z][a-z0-9_-]*:)?[A-Za-z][A-Za-z0-9_./-]*$": "a pin such as PB4, !PD7, tool:PA1 or"
     " a name in board.pins",
     r"^[A-Z]$": "one capital letter",
     r"^[xyzabcuvw]$": "an axis: x, y, z, a, b, c, u, v or w",

@@ -16,7 +16,7 @@ from typing import Any, cast
 
 from passo.config.board import Board, joined_marks, pin_behind
 from passo.config.budget import klippers_budget
-from passo.config.chips import chip, chip_names, expanded, numbering, numberings
+from passo.config.chips import chip, chip_names, numbering, numberings
 from passo.config.console_checks import check_console
 from passo.config.findings import Finding, array, did_you_mean, number, table, tables
 from passo.config.lines import Path
@@ -188,29 +188,34 @@ def _read_dictionary(board: Tables, path: Path, folder: FilePath) -> Iterator[Fi
         board.setdefault("clock_hz", _ANY_CLOCK_HZ)
         yield Finding("config.value", path, name, "a data dictionary of Klipper's protocol")
     else:
-        board["pins"] = {**{pin: pin for pin in pins}, **table(board, "pins")}
+        board["pins"] = {**pins, **table(board, "pins")}
         board["reserved"] = {
             **_dictionary_reserves(found["config"], pins),
             **table(board, "reserved"),
         }
 
 
-def _dictionary_pins(names: Mapping[str, Any]) -> list[str]:
-    pins: list[str] = []
+def _dictionary_pins(names: Mapping[str, Any]) -> dict[str, str]:
+    """Each name of a pin, with the first name of that very pin: a Linux process has `gpio4` and
+    `gpiochip0/gpio4` for one."""
+    numbers: dict[str, int] = {}
     for name, value in names.items():
         if isinstance(value, int):
-            pins.append(name)
+            numbers[name] = value
             continue
         match = re.fullmatch(r"(.*?)(\d+)", name)
-        count = int(value[1])
+        number, count = int(value[0]), int(value[1])
         if match is None or not 0 < count <= 4096:
             raise ValueError(name)
-        first = int(match[2])
-        pins += expanded([f"{match[1]}{first}-{first + count - 1}"])
-    return pins
+        stem, first = match[1], int(match[2])
+        numbers.update({f"{stem}{first + i}": number + i for i in range(count)})
+    names_of: dict[int, str] = {}
+    return {name: names_of.setdefault(number, name) for name, number in numbers.items()}
 
 
-def _dictionary_reserves(constants: Mapping[str, Any], pins: list[str]) -> dict[str, list[str]]:
+def _dictionary_reserves(
+    constants: Mapping[str, Any], pins: Mapping[str, str]
+) -> dict[str, list[str]]:
     """What a constant such as RESERVE_PINS_USB keeps for the board itself."""
     return {
         key.removeprefix(_RESERVES): [pin for pin in value.split(",") if pin in pins]
