@@ -121,6 +121,37 @@ def test_check_lists_what_the_state_folder_overrides(
     assert (report["ok"], report["problems"][0]["code"]) == (False, "settings.unreadable")
 
 
+def test_check_names_the_boards_whose_pins_nobody_knows(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "mine.toml"
+    tool = '\n[boards.tool]\nbase = "klipper"\nclock_hz = 16_000_000\n'
+    text = config.shipped_text("i3") + tool
+    path.write_text(text.replace('pin = "D9"', 'pin = "tool:PZ9"').replace('fan = "part"', ""))
+    assert main(["check", str(path)]) == 0
+    ok, *notes = capsys.readouterr().out.splitlines()
+    assert ok.endswith(" (pins not checked)")
+    assert notes == [
+        "  Note: the pins on boards.tool are not checked: its firmware's dictionary is not known."
+        ' Give boards.tool the key dictionary = "klipper.dict", the file of the firmware\'s build'
+    ]
+    assert main(["check", "--json", str(path)]) == 0
+    assert json.loads(capsys.readouterr().out)["unchecked_boards"] == ["boards.tool"]
+
+
+def test_check_says_which_heaters_are_assumed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(re.sub(r"(?m)^simulated = .*\n", "", config.shipped_text("i3")))
+    assert main(["check", str(path)]) == 0
+    assert capsys.readouterr().out.splitlines()[1:] == [
+        f"  Note: heaters.{name} is taken to be {what}, and its readings are not compared with a"
+        f" model. M303 H{number} R5 finds the model of this one"
+        for name, what, number in (("hotend", "a hotend of 40 W", 0), ("bed", "a bed of 200 W", -1))
+    ]
+
+
 def test_check_of_a_bad_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "bad.toml"
     path.write_text("name = 5\nuuid = 'x'\n")

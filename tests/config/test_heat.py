@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from passo import config
+from passo.config.sensor_names import NAMED
 from passo.config.sensor_tables import sensor_table, share_at
-from passo.config.sensors import SensorTable
+from passo.config.sensors import SensorTable, Thermistor
+from passo.config.thermistor import Ntc
 from passo.errors import ConfigError
+from passo.heat.control import limits_of
 
 HEAD = "max_c = 285.0\n"
 
@@ -181,3 +186,118 @@ def test_pull_ups_are_4700_ohm_elsewhere(i3_text):
     own = i3_text.replace('base = "ramps"', 'base = "ramps"\npullup_ohm = 10_000.0')
     sensor = config.load_text(own).heaters["hotend"].sensor
     assert getattr(sensor, "pullup_ohm", None) == 10_000.0
+
+
+# °C and ohm of the tables, the latter of Marlin's by its pull-up resistor, and what may be off, °C.
+DATA = [
+    ("EPCOS 100K B57560G104F", (150.0, 1641.9), 0.02),
+    ("EPCOS 100K B57560G104F", (250.0, 226.15), 0.02),
+    ("ATC Semitec 104GT-2", (20.0, 126_800.0), 0.02),
+    ("ATC Semitec 104GT-2", (300.0, 80.65), 0.02),
+    ("ATC Semitec 104NT-4-R025H42G", (160.0, 1074.0), 0.02),
+    ("Generic 3950", (150.0, 1770.0), 0.02),
+    ("SliceEngineering 450", (400.0, 240.0), 0.05),
+    ("TDK NTCG104LH104JT1", (50.0, 31_230.0), 0.02),
+    ("Honeywell 100K 135-104LAG-J01", (25.0, 100_000.0), 0.01),
+    ("Marlin 1", (250.0, 4700 * 48 / (1024 - 48)), 1.3),
+    ("Marlin 11", (150.0, 4700 * 301 / (1024 - 301)), 0.6),
+    ("Marlin 11", (209.0, 4700 * 121 / (1024 - 121)), 0.6),
+]
+
+
+@pytest.mark.parametrize(("name", "point", "off_c"), DATA)
+def test_a_sensor_by_its_name_reads_as_its_table(i3_text, name, point, off_c):
+    sensor = loaded(i3_text, f"sensor = '{name}'\n").heaters["hotend"].sensor
+    assert isinstance(sensor, Thermistor)
+    celsius, ohm = point
+    ntc = Ntc(sensor.r25_ohm, sensor.beta_k, sensor.c_per_k)
+    assert ntc.celsius(ohm) == pytest.approx(celsius, abs=off_c)
+
+
+@pytest.mark.parametrize("named", NAMED, ids=lambda named: named.name)
+def test_each_name_loads_with_the_values_of_the_reference(i3_text, named):
+    text = i3_text.replace(HEAD, f"max_c = 120.0\nsensor = '{named.name}'\n", 1)
+    sensor = config.load_text(text).heaters["hotend"].sensor.model_dump()
+    assert {key: sensor[key] for key in named.values} == named.values
+
+
+@pytest.mark.parametrize(
+    ("written", "same"),
+    [
+        ("'atc semitec 104gt2'", "'ATC Semitec 104GT-2'"),
+        ("{ kind = 'Generic 3950' }", "'Generic 3950'"),
+        ("5", "'Marlin 5'"),
+        ("'5'", "{ kind = 'marlin 5' }"),
+        ("{ kind = 1 }", "'Marlin 1'"),
+        ("'PT1000'", "{ kind = 'pt1000' }"),
+        ("1047", "{ kind = 'pt1000', pullup_ohm = 4700.0 }"),
+        ("'AD8495'", "-4"),
+        (
+            "{ kind = 'Generic 3950', beta_k = 4000.0 }",
+            "{ kind = 'thermistor', beta_k = 4000.0, c_per_k = 1.63283e-7 }",
+        ),
+    ],
+)
+def test_names_in_all_their_spellings(i3_text, written, same):
+    one, other = (loaded(i3_text, f"sensor = {x}\n").heaters["hotend"] for x in (written, same))
+    assert one.sensor == other.sensor
+
+
+def test_the_pull_up_of_a_name_is_the_boards_unless_the_name_has_one(i3_text):
+    for word, ohm in (
+        ("5", 1000.0),
+        ("99", 10_000.0),
+        ("{ kind = 5, pullup_ohm = 2200.0 }", 2200.0),
+    ):
+        sensor = loaded(duet(i3_text), f"sensor = {word}\n").heaters["hotend"].sensor
+        assert getattr(sensor, "pullup_ohm", None) == ohm
+
+
+@pytest.mark.parametrize(
+    ("written", "key", "near"),
+    [
+        ("'Generic 3960'", "sensor", "Did you mean 'Generic 3950'?"),
+        ("{ kind = 'EPCOS', beta_k = 1 }", "sensor.kind", "Did you mean 'EPCOS 100K B57560G104F'?"),
+        ("'104GT2'", "sensor", "Names like it: 'ATC Semitec 104GT-2', "),
+        ("'NTC3950'", "sensor", "'Generic 3950', 'NTC 100K beta 3950'"),
+        ("66", "sensor", "'Marlin 67'"),
+        ("'Marlin-5'", "sensor", "'Marlin 5'"),
+        ("'qqq'", "sensor", "docs/reference/sensors.md"),
+    ],
+)
+def test_an_unknown_sensor_gets_the_names_like_it(i3_text, written, key, near):
+    with pytest.raises(ConfigError) as error:
+        loaded(i3_text, f"sensor = {written}\n")
+    (problem,) = error.value.problems
+    assert f"heaters.hotend.{key} is " in str(problem)
+    assert near in str(problem)
+
+
+def undescribed(text: str) -> str:
+    return re.sub(r"^simulated = .*\n", "", text, flags=re.MULTILINE)
+
+
+def test_a_heater_that_is_not_described_is_usual_for_its_kind(i3_text):
+    text = undescribed(i3_text) + '\n[heaters.case]\nkind = "chamber"\npin = "D11"\n'
+    heaters = config.load_text(text + 'sensor_pin = "T2"\nmax_c = 70.0\n').heaters
+    rises = {name: heater.simulated.full_power_rise_c for name, heater in heaters.items()}
+    assert rises == {"hotend": 380.0, "bed": 110.0, "case": 50.0}
+    # A real heater of another power must not look broken.
+    assert [limits_of(heater).deviation for heater in heaters.values()] == [0.0, 0.0, 0.0]
+    assert limits_of(config.load_text(i3_text).heaters["hotend"]).deviation == 0.25
+    asked = loaded(undescribed(i3_text), "protection = { deviation = 0.3 }\n")
+    assert limits_of(asked.heaters["hotend"]).deviation == 0.3
+
+
+def test_a_heater_that_has_only_a_model_heats_like_it(i3_text):
+    model = (
+        "model = { rise_c = 300.0, time_constant_s = 90.0, sensor_lag_s = 3.0, fan_loss = 0.1 }\n"
+    )
+    heater = loaded(undescribed(i3_text), model).heaters["hotend"]
+    assert heater.simulated.model_dump() == {
+        "full_power_rise_c": 300.0,
+        "time_constant_s": 90.0,
+        "sensor_time_constant_s": 3.0,
+        "fan_loss": 0.1,
+    }
+    assert limits_of(heater).deviation == 0.25

@@ -11,6 +11,7 @@ import pytest
 
 import passo
 from passo.config.board_reference import reference as boards
+from passo.config.sensor_names import reference as sensors
 from passo.gcode.reference import reference
 from passo.toolchain import protocol_words
 from passo.toolchain.build import firmware_folder
@@ -22,6 +23,10 @@ ROOT = Path(__file__).parents[2]
 
 def test_the_reference_is_up_to_date():
     assert (ROOT / "docs/reference/gcode.md").read_text(encoding="utf-8") == reference()
+
+
+def test_the_reference_of_sensors_is_up_to_date():
+    assert (ROOT / "docs/reference/sensors.md").read_text(encoding="utf-8") == sensors()
 
 
 def test_the_reference_of_boards_is_up_to_date():

@@ -32,6 +32,7 @@ def run(arguments: argparse.Namespace) -> int:
     not be used.
     """
     from passo import config
+    from passo.config.notes import notes, unchecked_boards
     from passo.config.originals import bindings
 
     try:
@@ -48,6 +49,7 @@ def run(arguments: argparse.Namespace) -> int:
         rows = [asdict(pin) | {"rebound": pin.rebound} for pin in pins]
         asked = [question.as_dict() for question in questions]
         report = {"file": arguments.file, "ok": True, "problems": [], "questions": asked}
+        report |= {"unchecked_boards": unchecked_boards(machine), "notes": list(notes(machine))}
         report |= {"pins": rows, "stored": stored}
         if unusable is not None:
             report |= {"ok": False, "problems": [p.as_dict() for p in unusable.problems]}
@@ -56,16 +58,17 @@ def run(arguments: argparse.Namespace) -> int:
         axes, steppers = len(machine.axes), len(machine.steppers)
         print(f"{arguments.file}: ok: {machine.name}, {machine.geometry.kind}, ", end="")
         others = [f"{name}: {board.name}" for name, board in machine.boards.items()]
-        print(f"{axes} axes, {steppers} steppers, {', '.join([machine.board.name, *others])}")
+        unchecked = " (pins not checked)" if unchecked_boards(machine) else ""
+        boards = ", ".join([machine.board.name, *others])
+        print(f"{axes} axes, {steppers} steppers, {boards}{unchecked}")
         for question in questions:
             print(f"  Question: {question}")
         for pin in pins:
             if pin.rebound:
                 print(f"  {pin.key}: {_named(pin.name, pin.pin)}", end="")
                 print(f", the board's own is {_named(pin.original_name, pin.original)}")
-        for board in machine.all_boards.values():
-            for note in board.notes:
-                print(f"  Note: {note}")
+        for note in notes(machine):
+            print(f"  Note: {note}")
         for sentence in stored:
             print(f"  {sentence}")
         if unusable is not None:

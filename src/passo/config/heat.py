@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -104,7 +104,10 @@ class SimulatedHeat(Model):
 
     At full power it ends `full_power_rise_c` above the room, and it comes 63 % nearer to its end in
     each `time_constant_s`; the sensor follows with `sensor_time_constant_s`. The heater's fan at
-    full speed makes it lose `fan_loss` (a share) more heat.
+    full speed makes it lose `fan_loss` (a fraction) more heat.
+
+    Without this table a heater is like its `model`; without that, too, it is a hotend of 40 W, a
+    bed of 200 W or a chamber of 300 W.
     """
 
     full_power_rise_c: Positive
@@ -113,12 +116,38 @@ class SimulatedHeat(Model):
     fan_loss: NotNegative = 0.0
 
 
+# A block of 13 J/K that loses 0.11 W/K; a plate of 730 J/K that loses 1.8 W/K; a chamber whose air
+# and walls have 4000 J/K and lose 6 W/K.
+_USUAL_HEAT = {
+    "hotend": SimulatedHeat(full_power_rise_c=380.0, time_constant_s=120.0, fan_loss=0.3),
+    "bed": SimulatedHeat(
+        full_power_rise_c=110.0, time_constant_s=400.0, sensor_time_constant_s=4.0
+    ),
+    "chamber": SimulatedHeat(
+        full_power_rise_c=50.0, time_constant_s=700.0, sensor_time_constant_s=10.0
+    ),
+}
+
+
+def _simulated_heat(heater: dict[str, Any]) -> SimulatedHeat:
+    """Of a heater without such a table, whose other fields are these."""
+    model = heater.get("model")
+    if isinstance(model, HeatModel):
+        return SimulatedHeat(
+            full_power_rise_c=model.rise_c,
+            time_constant_s=model.time_constant_s,
+            sensor_time_constant_s=model.sensor_lag_s,
+            fan_loss=model.fan_loss,
+        )
+    return _USUAL_HEAT[heater.get("kind", "hotend")]
+
+
 class Heater(Model):
     """A heater with its sensor; outside `min_c`…`max_c` it is a fault. `kind` says which commands
     mean it: M104 and M109 a hotend, M140 and M190 the bed, M141 and M191 a chamber.
 
     `fan` names the fan that cools it. `model` is what a tune has found; without it the figures of
-    `simulated` stand for it. `on_fault` says what else stops when a protection has switched
+    `simulated` are used. `on_fault` says what else stops when a protection has switched
     it off: the whole `machine`, the `job`, or nothing but this `heater`. The board pulses it in
     software, `pwm_hz` times a second. With each reading of the sensor, every 0.25 s, a cycle begins
     anew: two whole ones fit between them at 8 Hz.
@@ -138,7 +167,13 @@ class Heater(Model):
     protection: Protection = Field(default_factory=Protection)
     arrival: Arrival = Field(default_factory=Arrival)
     on_fault: Literal["machine", "job", "heater"] = "machine"
-    simulated: SimulatedHeat
+    simulated: SimulatedHeat = Field(default_factory=_simulated_heat)
+
+    @property
+    def known_model(self) -> bool:
+        """Whether the file describes how this heater heats, so that its readings can be judged by
+        it."""
+        return bool({"model", "simulated"} & self.model_fields_set)
 
 
 Heaters = dict[Name, Heater]

@@ -22,6 +22,7 @@ from passo.config.lines import Path, key_lines, line_of
 from passo.config.machine import MachineConfig
 from passo.config.originals import put_originals, put_pullups
 from passo.config.sensor_files import with_sensor_files
+from passo.config.sensor_names import put_sensor_names
 from passo.errors import ConfigError, Problem
 
 _HERE = FilePath(__file__).parent
@@ -110,7 +111,8 @@ def _machine(text: str, file: str) -> Loaded:
         raise ConfigError(_problems(beyond, text, file, []))
     folder = FilePath(file).parent
     sources: list[Source] = []
-    findings = [*put_boards(data, folder, sources), *with_sensor_files(data, folder)]
+    findings = [*put_boards(data, folder, sources), *put_sensor_names(data)]
+    findings += with_sensor_files(data, folder)
     findings += put_originals(data)
     put_pullups(data)
     machine = None

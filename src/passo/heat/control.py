@@ -12,7 +12,7 @@ _SLOW_WATCH_S = 90.0  # a bed near the end of what it can do gains 2 °C in a mi
 
 
 def model_of(heater: Heater) -> _core.HeatModel:
-    """What a tune has found; before one, what the simulated heater is like."""
+    """The model that a tune has found; before a tune, the simulated heater's."""
     if (m := heater.model) is not None:
         return _core.HeatModel(m.rise_c, m.time_constant_s, m.sensor_lag_s, m.fan_loss, m.ambient_c)
     s = heater.simulated
@@ -57,8 +57,11 @@ def arrival_of(heater: Heater) -> _core.Arrival:
 
 
 def limits_of(heater: Heater) -> _core.ProtectionLimits:
-    """The heater's protections."""
+    """The heater's protections. Where the file does not describe how the heater heats, the model
+    deviation is not watched unless the file asks for it: the usual figures would be wrong for a
+    heater of another power."""
     p = heater.protection
+    judged = heater.known_model or "deviation" in p.model_fields_set
     usual_s = _HOTEND_WATCH_S if heater.kind == "hotend" else _SLOW_WATCH_S
     return _core.ProtectionLimits(
         min_c=heater.min_c,
@@ -70,6 +73,6 @@ def limits_of(heater: Heater) -> _core.ProtectionLimits:
         runaway_s=p.runaway_s,
         stuck_on_c=p.stuck_on_c,
         stuck_on_s=p.stuck_on_s,
-        deviation=p.deviation,
+        deviation=p.deviation if judged else 0.0,
         deviation_s=p.deviation_s,
     )
