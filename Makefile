@@ -13,6 +13,8 @@ BIN := .venv/bin
 STUB := $(BIN)/python -m nanobind.stubgen -q -m passo._core -o
 CORE := $(shell find core -name '*.cpp' -o -name '*.hpp')
 FIRMWARE := $(shell find firmware -name '*.[chS]')
+# Changes when a module is added, moved or removed: the editable install lists them.
+MODULES := $(shell find src -name '*.py' | LC_ALL=C sort | cksum | cut -d' ' -f1)
 HOST_FIRMWARE := $(wildcard firmware/core/*.c firmware/hal/common/*.c firmware/hal/host/host.c)
 FUZZERS := $(patsubst tests/fuzz/%.cpp,build/fuzz/%,$(wildcard tests/fuzz/fuzz_*.cpp))
 PYTHON_HEADERS = $(shell $(PYTHON) -c "import os, sysconfig; \
@@ -116,7 +118,11 @@ build/%.gcode: examples/%.gcode.xz
 	from PyPI: see above" >&2; exit 1; }
 	@touch $@
 
-.venv/.built: .venv/.run pyproject.toml CMakeLists.txt $(CORE) $(FIRMWARE)
+.venv/.modules-$(MODULES): .venv/.run
+	rm -f .venv/.modules-*
+	@touch $@
+
+.venv/.built: .venv/.run .venv/.modules-$(MODULES) pyproject.toml CMakeLists.txt $(CORE) $(FIRMWARE)
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/pip install -q --disable-pip-version-check --no-deps \
 	  --no-build-isolation -e .
 	@touch $@

@@ -8,15 +8,15 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from passo import _core, config
-from passo.job.program import run_program
-from passo.printer.commands import Commands
-from passo.printer.slots import slot_of_axis
+from passo.job.batch.program import run_program
+from passo.motion.axis_slots import slot_of_axis
+from passo.printer.commands.program import Commands
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
-    from passo.job.estimate import Estimate
-    from passo.job.result import PrintResult
-    from passo.job.steps import StepTrace
+    from passo.job.batch.estimate import Estimate
+    from passo.job.batch.result import PrintResult
+    from passo.job.batch.step_trace import StepTrace
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +93,7 @@ class Machine:
         with the tool in place where the machine lacks one; otherwise such a file is an error.
         Raises InputError.
         """
-        from passo.job.estimate import estimate
+        from passo.job.batch.estimate import estimate
 
         return estimate(self.config, path, clamp=clamp, ignore_tools=ignore_tools)
 
@@ -111,8 +111,8 @@ class Machine:
         to `to_s` of print time: see `StepTrace`. With `ideal` the trace holds the ideal times, too;
         `clamp` and `ignore_tools` are those of `estimate`. Raises InputError, MachineError.
         """
-        from passo.job.printing import Policy
-        from passo.job.steps import trace_steps
+        from passo.job.batch.simulated_print import Policy
+        from passo.job.batch.step_trace import trace_steps
 
         policy = Policy(clamp=clamp, ignore_tools=ignore_tools)
         return trace_steps(self.config, path, policy, from_s=from_s, to_s=to_s, ideal=ideal)
@@ -120,7 +120,7 @@ class Machine:
     def print(self, path: str | os.PathLike[str]) -> PrintResult:
         """Prints a file on a simulated board of this machine, in virtual time. Raises InputError,
         MachineError."""
-        from passo.job.printing import Print
+        from passo.job.batch.simulated_print import Print
 
         return Print(self.config).run(path)
 

@@ -12,7 +12,7 @@ from tests.printer.klipper_printer import machine
 from passo.board.description import BoardDescription
 from passo.board.dictionary import Dictionary, DictionaryError
 from passo.board.words import check_words
-from passo.printer.wiring import board_description
+from passo.printer.setup.boards import board_description
 
 COMMANDS = [
     "get_config",

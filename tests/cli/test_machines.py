@@ -10,7 +10,7 @@ import pytest
 
 from passo import config
 from passo.cli.main import COMMANDS, main
-from passo.job.settings import Override, Setting, Store
+from passo.job.settings_store import Override, Setting, Store
 
 
 def test_machines_prints_a_row_a_machine(capsys: pytest.CaptureFixture[str]) -> None:

@@ -21,8 +21,8 @@ import vcd.reader
 from passo import config
 from passo.cli.main import main
 from passo.config.load import shipped_text
-from passo.job.printing import Print
-from passo.job.vcd import write_vcd
+from passo.job.batch.simulated_print import Print
+from passo.job.batch.vcd import write_vcd
 
 SHORT = "G28\nM106 S255\nG1 X10 Y5 Z1 E1 F3000\nG1 X0 Y0\nG2 X4 Y0 I2 J0\n"
 
@@ -395,7 +395,7 @@ def test_nothing_half_written_stays_behind(short, tmp_path, sign):
     program = f"""
 import os, signal, sys
 from passo.cli.main import main
-from passo.job import vcd
+from passo.job.batch import vcd
 edges = vcd._edges
 def stopped(*motor):
     assert any(name.endswith(".part") for name in os.listdir({str(tmp_path)!r}))

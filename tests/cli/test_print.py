@@ -19,7 +19,7 @@ from passo import Machine, config
 from passo.cli.main import main
 from passo.config.load import shipped_text
 from passo.errors import InputError
-from passo.job.source import chunks
+from passo.job.batch.source import chunks
 
 FIELDS = [
     "file", "machine", "lines", "moves", "arcs", "print_time_s", "move_time_s", "heat_time_s",

@@ -15,7 +15,7 @@ import pytest
 from passo import config
 from passo.cli.clock import Pace
 from passo.cli.tables import duration
-from passo.job.printing import Print
+from passo.job.batch.simulated_print import Print
 
 PROGRAM = "M109 S50\nG28\n;LAYER:0\nG1 X50 F6000\n;LAYER:1\nG1 X90 Z1 E1\n;LAYER:2\nG1 X20 E3\n"
 

@@ -8,7 +8,7 @@ from tests.printer.driver_machine import DRIVERS, machine, machine_text
 from passo import config
 from passo.board.description import UartPins
 from passo.errors import ConfigError
-from passo.printer.wiring import board_description
+from passo.printer.setup.boards import board_description
 
 
 def problems(text: str) -> list[tuple[str, str]]:

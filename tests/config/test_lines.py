@@ -4,7 +4,7 @@ import tomllib
 
 import pytest
 
-from passo.config.lines import key_lines, line_of
+from passo.config.toml_lines import key_lines, line_of
 
 TEXT = '''# comment with [brackets] and "quotes"
 name = "a # not a comment"

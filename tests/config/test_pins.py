@@ -8,9 +8,9 @@ import pytest
 from tests.hosts.klipper_board import dictionary, on_its_pins
 
 from passo import config
+from passo.config.board_defaults import bindings
 from passo.config.board_files import shipped_tables
-from passo.config.lines import key_lines
-from passo.config.originals import bindings
+from passo.config.toml_lines import key_lines
 from passo.errors import ConfigError
 
 

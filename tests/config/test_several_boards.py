@@ -3,8 +3,8 @@
 import pytest
 
 from passo import config
+from passo.config.board_defaults import bindings
 from passo.config.load import load_text, shipped_text
-from passo.config.originals import bindings
 from passo.errors import ConfigError
 from passo.toolchain.targets import target
 

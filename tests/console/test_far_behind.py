@@ -12,12 +12,12 @@ from tests.console.scenario import Host, Scenario
 
 from passo import config
 from passo.clock import VirtualLoop
-from passo.console.in_hand import MOST_BYTES, MOST_LINES
-from passo.console.lines import open_pty
 from passo.console.printer_console import furnished
+from passo.console.receive_queue import MOST_BYTES, MOST_LINES
 from passo.console.session import AT_ONCE
-from passo.console.wires import open_tcp
-from passo.printer.drive import MOST_QUEUED
+from passo.console.transports.serial import open_pty
+from passo.console.transports.streams import open_tcp
+from passo.motion.motion_queue import MOST_QUEUED
 
 MANY = 20_000  # lines, of 0.3 MB
 

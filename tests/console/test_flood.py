@@ -12,7 +12,7 @@ from passo import config
 from passo.clock import VirtualLoop
 from passo.console.printer_console import furnished
 from passo.console.session import Session
-from passo.console.wires import open_tcp
+from passo.console.transports.streams import open_tcp
 
 
 def test_a_flood_is_read_in_pieces_so_that_others_have_their_turn(monkeypatch):

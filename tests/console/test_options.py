@@ -10,7 +10,7 @@ from tests.printer.driver_machine import machine as drivers_machine
 from tests.printer.driver_machine import machine_text
 
 from passo import config
-from passo.console.option_table import options
+from passo.console.aprinter_option_table import options
 
 
 @pytest.fixture

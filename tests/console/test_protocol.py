@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from passo.console.protocol import LONGEST, Line, LineProtocol, Refusal
+from passo.gcode.line_protocol import LONGEST, Line, LineProtocol, Refusal
 
 # Words by which OctoPrint knows that a resend follows and does not disconnect.
 COMMUNICATION = re.compile("line number|linenumber|checksum|format error|expected line", re.I)

@@ -113,7 +113,7 @@ def test_it_ends_where_the_board_cannot_be_reached(s, monkeypatch):
     def gone(_):
         raise MachineError.of("machine.program", value="no board")
 
-    monkeypatch.setattr("passo.printer.life.reconnected", gone)
+    monkeypatch.setattr("passo.printer.recovery.supervisor.reconnected", gone)
     heard = s.host.ok("M999")
     assert "Then send M999 again" in heard[0]
     assert "Printer stopped" in heard[1]

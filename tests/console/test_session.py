@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.console.scenario import Host, Scenario
 
-from passo.console.in_hand import BACKLOG, MOST_LINES
+from passo.console.receive_queue import BACKLOG, MOST_LINES
 
 
 @pytest.fixture

@@ -19,10 +19,11 @@ import pytest
 
 from passo import config
 from passo.cli.main import main
-from passo.console import lines, wires
-from passo.console.lines import open_pty, open_serial
 from passo.console.printer_console import furnished
-from passo.console.wires import ConsoleError, open_tcp
+from passo.console.transports import serial as lines
+from passo.console.transports import streams as wires
+from passo.console.transports.serial import open_pty, open_serial
+from passo.console.transports.streams import ConsoleError, open_tcp
 
 PATIENCE_S = 60
 

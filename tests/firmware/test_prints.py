@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from passo import config
-from passo.job.printing import Print
+from passo.job.batch.simulated_print import Print
 
 ROOT = Path(__file__).parents[2]
 LASER = """\

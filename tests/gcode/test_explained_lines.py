@@ -6,8 +6,8 @@ import re
 import pytest
 
 from passo import _core, config
+from passo.gcode.command import Command
 from passo.gcode.dialect import BY_CODE, Kind
-from passo.printer.words import Command
 
 MOTION = {code for code, row in BY_CODE.items() if row.kind is Kind.MOTION and code != "T"}
 PIECES = """X5|Y3.5|Z1|E1|F600|S3|S200|P2|p5|I2|R2|L|q|G1|G28|G 4|G17|G54|G43 H1|G94|G80|G90|G91

@@ -14,7 +14,7 @@ from tests.oracles.geometry import crossings, line
 from passo._core import Fault, Geometry
 from passo.geometry.base import Unreachable
 from passo.geometry.registry import GEOMETRIES, AnyGeometry
-from passo.printer.faults import problem
+from passo.printer.input_errors import problem
 
 # Parameters, and the corners of a box that the machine reaches all of.
 CASES = {

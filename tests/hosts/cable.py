@@ -13,7 +13,7 @@ from typing import TypeVar
 
 from passo import _core
 from passo.config.machine import MachineConfig
-from passo.printer.wiring import board_description, simulated_board
+from passo.printer.setup.boards import board_description, simulated_board
 from passo.simulator import SimulatedBoard
 
 T = TypeVar("T")

@@ -26,7 +26,7 @@ from tests.printer.driver_machine import machine_text
 from passo import config
 from passo.board.trinamic import registers as r
 from passo.config.machine import MachineConfig
-from passo.printer.wiring import board_description, simulated_board
+from passo.printer.setup.boards import board_description, simulated_board
 from passo.simulator import SimulatedBoard
 from passo.simulator import dictionary as simulated
 from passo.toolchain import avr

@@ -26,7 +26,7 @@ from passo.board.connection import Connection
 from passo.board.ports import LinkLostError, LivePort
 from passo.config.machine import MachineConfig
 from passo.errors import MachineError
-from passo.printer.wiring import board_description, connect
+from passo.printer.setup.boards import board_description, connect
 
 
 @pytest.fixture(params=["virtual", "passo"])

@@ -6,7 +6,7 @@ import random
 from tests.console.scenario import Scenario
 
 from passo import _core
-from passo.config.places import MAIN
+from passo.config.pin_names import MAIN
 
 
 def spiral():

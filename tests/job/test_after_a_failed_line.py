@@ -3,7 +3,7 @@
 import pytest
 from tests.console.scenario import Scenario
 
-from passo.job.journal import Journal
+from passo.job.live.journal import Journal
 
 
 def printed_lines(tmp_path, machine, lines, state=None):

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from passo.job.atomic import replaced
+from passo.job.durable_files import replaced
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ from tests.job.disturbed import reset
 from tests.job.test_lost_link import FIRMWARE
 from tests.job.two_boards import two_boards
 
-from passo.config.places import MAIN
+from passo.config.pin_names import MAIN
 
 printing = test_place_lost.printing
 

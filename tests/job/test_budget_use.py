@@ -10,9 +10,9 @@ from tests.console.scenario import Scenario
 
 from passo import config
 from passo.cli.main import main
-from passo.job.budget_use import BudgetUse, Place
-from passo.job.estimate import estimate
-from passo.job.printing import Print
+from passo.job.batch.board_load import BudgetUse, Place
+from passo.job.batch.estimate import estimate
+from passo.job.batch.simulated_print import Print
 
 TEXT = files("passo.config").joinpath("machines", "i3.toml").read_text()
 LINK = 'link = "serial"\nport = "/dev/x"\n'

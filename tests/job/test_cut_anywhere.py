@@ -12,7 +12,7 @@ from tests.job.test_journal import journal_of
 
 from passo import config
 from passo.console.recovery_commands import EVERY_S
-from passo.printer.drive import TICK_S
+from passo.motion.motion_queue import TICK_S
 
 BEFORE, CUTS = 10, 50  # of each machine: while it homes and warms up, and while it prints
 HORIZON_S = EVERY_S + 2 * TICK_S  # between two records, each noticed a tick late at most

@@ -8,7 +8,7 @@ from tests.console.scenario import Scenario
 from tests.job.disturbed import disturb, shift_by_babysteps, steps, undisturbed
 from tests.job.two_boards import two_boards
 
-from passo.printer.wiring import connect_simulated
+from passo.printer.setup.boards import connect_simulated
 from passo.simulator import Cable
 
 WORLDS = {

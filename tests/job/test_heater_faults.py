@@ -6,8 +6,8 @@ import pytest
 
 from passo import config
 from passo.errors import MachineError
-from passo.job.printing import Print
-from passo.job.result import PrintResult
+from passo.job.batch.result import PrintResult
+from passo.job.batch.simulated_print import Print
 
 JOB = "M140 S60\nM109 S200\nG28\nG1 X20 F3000\nM190 S60\nG1 X40\nG4 S60\nG1 X20\n"
 

@@ -8,7 +8,7 @@ import pytest
 from tests.console.scenario import Scenario
 
 from passo.errors import InputError
-from passo.job.history import History
+from passo.job.live.history import History
 
 FILE = "M302 P1\nG28\nG92 E0\n" + "".join(
     f"G1 X{10 + 50 * (i % 2)} E{i} F3000\n" for i in range(11)

@@ -9,7 +9,7 @@ from dataclasses import replace
 import pytest
 from tests.console.scenario import Scenario
 
-from passo.job.journal import Journal, Moment, Program
+from passo.job.live.journal import Journal, Moment, Program
 
 WALL = "M302 P1\nM106 S128\nG28\nG92 E0\n" + "".join(
     f"G1 Z{0.2 * (layer + 1):.1f} F600\n"

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 import passo
-from passo.job.printing import Policy
-from passo.job.steps import trace_steps
+from passo.job.batch.simulated_print import Policy
+from passo.job.batch.step_trace import trace_steps
 
 PROGRAMS = {  # steps of each motor
     "delta": (

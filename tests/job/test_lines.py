@@ -6,7 +6,7 @@ import io
 
 import pytest
 
-from passo.job.line_places import line_of_offset, offset_of_line
+from passo.job.live.line_offsets import line_of_offset, offset_of_line
 
 
 @pytest.mark.parametrize("shift", range(5))

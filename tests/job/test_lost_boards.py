@@ -14,10 +14,10 @@ from tests.job.two_boards import two_boards
 
 from passo import _core
 from passo.board.connection import Connection
-from passo.config.places import MAIN
-from passo.printer.drive import LEAD_S
-from passo.printer.reconnection import _Reconnection
-from passo.printer.wiring import connect_simulated
+from passo.config.pin_names import MAIN
+from passo.motion.motion_queue import LEAD_S
+from passo.printer.recovery.reconnect import _Reconnection
+from passo.printer.setup.boards import connect_simulated
 from passo.simulator import Cable
 
 WORLDS = {

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from tests.console.scenario import Scenario
 
-from passo.printer.commands import Commands
+from passo.printer.commands.program import Commands
 
 PRINT = "G92 X0 Y0 Z0 E0\nM302 P1\nM83\nG1 X10 E1 F3000\nG1 Y10 E1\n"
 

@@ -8,7 +8,7 @@ from tests.console.scenario import Scenario
 from tests.job.disturbed import spiral, steps, undisturbed
 from tests.job.test_lost_link import FIRMWARE
 
-from passo.printer.wiring import connect_simulated
+from passo.printer.setup.boards import connect_simulated
 from passo.simulator import Cable
 
 CABLE = Cable(300e-6, 200e-6)

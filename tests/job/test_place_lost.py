@@ -96,7 +96,7 @@ def test_a_board_that_cannot_be_reached_anew_is_switched_off(printing, monkeypat
     def gone(_):
         raise MachineError.of("machine.program", value="no board")
 
-    monkeypatch.setattr("passo.printer.life.reconnected", gone)
+    monkeypatch.setattr("passo.printer.recovery.supervisor.reconnected", gone)
     with turned_by_hand(s, monkeypatch):
         break_link(s, 2.0)
         s.host.expect("Then send M999 again", 10)

@@ -8,7 +8,7 @@ from tests.console.scenario import Scenario
 from tests.job.test_journal import WALL, journal_of
 
 from passo import config
-from passo.job.journal import Journal, Moment, Program
+from passo.job.live.journal import Journal, Moment, Program
 
 VASE = "M302 P1\nG28\nG92 E0\nG1 Z0.2 F600\n" + "".join(
     f"G1 X{100 + 20 * math.cos(i / 10):.3f} Y{100 + 20 * math.sin(i / 10):.3f}"

@@ -9,8 +9,8 @@ from tests.job.test_journal import WALL
 
 from passo import config
 from passo.errors import CardError
-from passo.job import runner
-from passo.job.journal import Journal
+from passo.job.live import runner
+from passo.job.live.journal import Journal
 
 HEIGHT_MM = 1.6
 

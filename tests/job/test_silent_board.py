@@ -7,7 +7,7 @@ import pytest
 from tests.console.scenario import Scenario
 from tests.job.test_journal import WALL, journal_of
 
-from passo.printer.wiring import connect_simulated
+from passo.printer.setup.boards import connect_simulated
 from passo.simulator import Cable
 
 E_OF_LINE = {

@@ -6,7 +6,7 @@ import random
 import pytest
 from tests.job.two_boards import demo, one_board, printed, two_boards
 
-from passo.printer.wiring import board_description
+from passo.printer.setup.boards import board_description
 from passo.simulator import Cable
 
 STEPPERS = ("x", "y", "z", "e")

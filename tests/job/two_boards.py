@@ -13,9 +13,9 @@ import pytest
 
 from passo.config.load import load_text, shipped_text
 from passo.config.machine import MachineConfig
-from passo.job import printing
-from passo.job.printing import Print
-from passo.job.result import PrintResult
+from passo.job.batch import simulated_print as printing
+from passo.job.batch.result import PrintResult
+from passo.job.batch.simulated_print import Print
 from passo.simulator import Cable
 
 ROOT = Path(__file__).parents[2]
@@ -70,7 +70,7 @@ def printed(
 ) -> Edges:
     with monkeypatch.context() as patch:
         connect = partial(printing.connect_simulated, cable=cable)
-        patch.setattr("passo.job.printing.connect_simulated", connect)
+        patch.setattr("passo.job.batch.simulated_print.connect_simulated", connect)
         job = Print(machine)
     names = [o.name for o in job.connection.board.outputs]
     for name in names:

@@ -16,7 +16,7 @@ from tests.oracles.trinamic_chip import Chip
 
 from passo import _core, config
 from passo.config.machine import MachineConfig
-from passo.printer.wiring import _connected, board_descriptions
+from passo.printer.setup.boards import _connected, board_descriptions
 
 # x and y share a UART of one pin, z is on an SPI bus.
 DRIVERS = {

@@ -6,7 +6,7 @@ import pytest
 from tests.console.scenario import Scenario
 from tests.job.two_boards import two_boards
 
-from passo.printer.wiring import connect_simulated
+from passo.printer.setup.boards import connect_simulated
 from passo.simulator import Cable
 
 HOT = {'"D10"': '"tool:D10"', '"T0"': '"tool:T0"', '"D9"': '"tool:D9"'}

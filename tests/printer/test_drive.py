@@ -5,7 +5,7 @@ import random
 import pytest
 from tests.console.scenario import Host, Scenario
 
-from passo.printer.drive import BUFFER_S, GATHER_S, HORIZON_S, LEAD_S
+from passo.motion.motion_queue import BUFFER_S, GATHER_S, HORIZON_S, LEAD_S
 
 
 @pytest.fixture

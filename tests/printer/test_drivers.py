@@ -15,7 +15,7 @@ from tests.printer.driver_machine import DRIVERS, machine, machine_text
 from passo import config
 from passo.board.ports import in_process
 from passo.board.trinamic import registers as r
-from passo.printer.wiring import (
+from passo.printer.setup.boards import (
     _connected,
     board_descriptions,
     connect_simulated,

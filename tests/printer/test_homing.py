@@ -6,7 +6,7 @@ from tests.console.scenario import Host, Scenario
 from passo import config
 from passo.config.load import shipped_text
 from passo.errors import ConfigError
-from passo.job.printing import Print
+from passo.job.batch.simulated_print import Print
 
 CARTESIAN = {"x": 0.0, "y": 0.0, "z": 0.0, "e": 0.0}
 

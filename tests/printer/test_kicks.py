@@ -11,7 +11,7 @@ from tests.job.two_boards import two_boards
 from passo import config
 from passo.config.load import shipped_text
 from passo.errors import ConfigError
-from passo.job.printing import Print
+from passo.job.batch.simulated_print import Print
 
 HZ = 16_000_000
 FULL = HZ // 10  # at 10 Hz

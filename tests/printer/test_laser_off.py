@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from tests.console.scenario import Host, Scenario
 
-from passo.printer.idleness import LASER_OFF_S
+from passo.printer.watch.idle_timeout import LASER_OFF_S
 
 FILES = {
     "lit.g": "G92 X0 Y0 Z0\nM3 S500\nG1 X50 F3000\n",

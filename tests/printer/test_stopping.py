@@ -9,7 +9,7 @@ from tests.console.scenario import Scenario
 from tests.job.test_lost_boards import scenario
 from tests.job.test_lost_link import FIRMWARE, break_link
 
-from passo.config.places import MAIN
+from passo.config.pin_names import MAIN
 
 ORDER = "Command request"
 WARNING = (

@@ -5,7 +5,7 @@ import asyncio
 import pytest
 
 from passo.clock import VirtualLoop
-from passo.printer.turn import Turn
+from passo.printer.motion_lock import Turn
 
 
 @pytest.fixture

@@ -11,7 +11,7 @@ from tests.scenarios.test_extruder_axes import text as extruder_axes
 
 from passo import config
 from passo.config.machine import MachineConfig
-from passo.printer.slots import E
+from passo.motion.axis_slots import E
 
 PER_MM = 95.5
 PARK = "\n[park]\nposition_mm = [5.0, 180.0]\nretract_mm = 2.0\n"

@@ -12,7 +12,7 @@ from typing import Literal, TypeAlias
 
 from passo import _core
 from passo.board.trinamic.settings import DriverSettings
-from passo.config.places import named_on
+from passo.config.pin_names import named_on
 
 Control: TypeAlias = _core.PidControl | _core.OnOffControl | _core.ModelControl
 

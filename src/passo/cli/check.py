@@ -32,8 +32,8 @@ def run(arguments: argparse.Namespace) -> int:
     not be used.
     """
     from passo import config
+    from passo.config.board_defaults import bindings
     from passo.config.notes import notes, unchecked_boards
-    from passo.config.originals import bindings
 
     try:
         machine, questions = config.load_and_question(arguments.file)

@@ -25,7 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Plans the files and prints a table each, or JSON. A file that fails does not keep the others
     from being planned; the status is that of the first one that failed."""
-    from passo.job.estimate import Estimate
+    from passo.job.batch.estimate import Estimate
     from passo.machine import Machine
 
     status, results = ExitStatus.DONE, list[Estimate]()

@@ -8,7 +8,7 @@ import sys
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from passo.job.printing import Policy
+    from passo.job.batch.simulated_print import Policy
 
 
 def add_machine(parser: argparse.ArgumentParser) -> None:
@@ -39,7 +39,7 @@ def add_policy(parser: argparse.ArgumentParser) -> None:
 
 def policy_of(arguments: argparse.Namespace) -> Policy:
     """The policy that these options ask for."""
-    from passo.job.printing import Policy
+    from passo.job.batch.simulated_print import Policy
 
     return Policy(
         clamp=arguments.out_of_range == "clamp", ignore_tools=arguments.missing_tool == "ignore"

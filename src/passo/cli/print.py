@@ -26,8 +26,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Prints the file; a table at the end, or one JSON object. Warnings go to stderr."""
     from passo import config
     from passo.cli.progress import ProgressBar
-    from passo.job.printing import Print, Progress
-    from passo.job.result import PrintResult
+    from passo.job.batch.result import PrintResult
+    from passo.job.batch.simulated_print import Print, Progress
 
     pace = Pace(arguments.clock)
     result = PrintResult(file=arguments.file, machine=arguments.machine)

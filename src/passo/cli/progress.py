@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from passo.cli.tables import duration
 
 if TYPE_CHECKING:
-    from passo.job.printing import Progress
+    from passo.job.batch.simulated_print import Progress
 
 
 class ProgressBar:

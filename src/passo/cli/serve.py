@@ -144,10 +144,10 @@ def run(arguments: argparse.Namespace) -> int:
 
 async def _serve(arguments: argparse.Namespace, machine: object) -> None:
     from passo.config.machine import MachineConfig
-    from passo.console.lines import open_pty, open_serial
     from passo.console.printer_console import furnished, welcome
     from passo.console.session import Session
-    from passo.console.wires import Console, open_stdin, open_tcp
+    from passo.console.transports.serial import open_pty, open_serial
+    from passo.console.transports.streams import Console, open_stdin, open_tcp
 
     assert isinstance(machine, MachineConfig)
     ours = asyncio.current_task()

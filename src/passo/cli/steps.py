@@ -48,7 +48,7 @@ def run(arguments: argparse.Namespace) -> int:
         )
         return ExitStatus.USAGE
     from passo import config
-    from passo.job.steps import trace_steps, write_steps
+    from passo.job.batch.step_trace import trace_steps, write_steps
 
     if not arguments.output.lower().endswith((".npz", ".vcd")):
         print(f"{arguments.output}: the ending must be .npz or .vcd.", file=sys.stderr)

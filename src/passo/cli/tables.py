@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from passo.job.budget_use import BudgetUse
-    from passo.job.estimate import Estimate
-    from passo.job.result import PrintResult
+    from passo.job.batch.board_load import BudgetUse
+    from passo.job.batch.estimate import Estimate
+    from passo.job.batch.result import PrintResult
 
 
 def columns(rows: Sequence[Sequence[str]]) -> str:

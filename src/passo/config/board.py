@@ -8,7 +8,6 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from passo.config.base import Model, Pin, Positive
 from passo.config.budget import (
     AHEAD_S,
     BURST_S,
@@ -22,7 +21,8 @@ from passo.config.budget import (
     Budget,
 )
 from passo.config.chips import Chip, chip, chip_names
-from passo.config.places import bare
+from passo.config.pin_names import bare
+from passo.config.types import Model, Pin, Positive
 
 WIPER_MAX = 255  # the last position of a digital potentiometer
 

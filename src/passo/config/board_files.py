@@ -19,8 +19,8 @@ from passo.config.budget import klippers_budget
 from passo.config.chips import chip, chip_names, numbering, numberings
 from passo.config.console_checks import check_console
 from passo.config.findings import Finding, array, did_you_mean, number, table, tables
-from passo.config.lines import Path
-from passo.config.places import placed, section
+from passo.config.pin_names import placed, section
+from passo.config.toml_lines import Path
 
 Tables = dict[str, Any]
 

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from passo.config.base import Model
+from passo.config.types import Model
 
 # Bytes on the wire of a command, with its share of the frame and of changes of direction: 8.05 to
 # 8.28 on sliced files of 1.6 million commands.

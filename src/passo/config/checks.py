@@ -10,9 +10,9 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from passo.config.driver_checks import check_drivers, check_thresholds
-from passo.config.drives import Drivable, Driven, axis_order
 from passo.config.findings import Finding, array, did_you_mean, number, table, tables
 from passo.config.heat_checks import check_fans, check_heaters, check_pulses
+from passo.config.motor_roles import Drivable, Driven, axis_order
 from passo.config.pin_checks import check_pins
 
 Raw = Mapping[str, Any]

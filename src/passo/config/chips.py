@@ -15,7 +15,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from passo.config.base import Model
+from passo.config.types import Model
 
 _HERE = Path(__file__).parent
 _TIMES_STEPS = "times steps"

@@ -8,7 +8,7 @@ from typing import Any
 
 from passo.config.chips import Chip, Uart, chip
 from passo.config.findings import Finding, array, number, table
-from passo.config.lines import Path
+from passo.config.toml_lines import Path
 
 _AVR_CYCLES = 8  # a bit lasts so many of an AVR's clock, times its divisor
 

@@ -11,8 +11,8 @@ from typing import Any
 
 from passo.config.board_files import pin_of
 from passo.config.findings import Finding, did_you_mean, number, table, tables
-from passo.config.lines import Path
-from passo.config.places import bare, placed, section
+from passo.config.pin_names import bare, placed, section
+from passo.config.toml_lines import Path
 from passo.config.trinamic import CHIPS, ChipName, chip_of, largest_current_ma, least_current_ma
 
 Raw = Mapping[str, Any]

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from passo.config.base import Fraction, Letter, Model, Name, Pin, Positive
+from passo.config.types import Fraction, Letter, Model, Name, Pin, Positive
 
 
 class Fan(Model):

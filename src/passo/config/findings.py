@@ -9,7 +9,7 @@ from difflib import get_close_matches
 from math import isfinite
 from typing import Any, cast
 
-from passo.config.lines import Path
+from passo.config.toml_lines import Path
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,8 +6,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from passo.config.base import Fraction, Model, Name, NotNegative, Pin, Positive
 from passo.config.sensors import AnySensor, Thermistor
+from passo.config.types import Fraction, Model, Name, NotNegative, Pin, Positive
 
 _Celsius = Annotated[float, Field(ge=-100, le=1200)]
 

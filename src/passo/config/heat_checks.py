@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from passo.config.findings import Finding, array, did_you_mean, number, table, tables
-from passo.config.places import placed, section
+from passo.config.pin_names import placed, section
 from passo.config.sensor_tables import reads_within, sensor_table
 
 if TYPE_CHECKING:

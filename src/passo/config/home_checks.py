@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from passo.config.base import LEAST_SCALE, MOST_SCALE
 from passo.config.findings import Finding
 from passo.config.machine import MachineConfig
+from passo.config.types import LEAST_SCALE, MOST_SCALE
 from passo.geometry.base import Unreachable
 
 

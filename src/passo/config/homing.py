@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from passo.config.base import Model, Name, Pin, Position, Positive, Speed
+from passo.config.types import Model, Name, Pin, Position, Positive, Speed
 
 
 class Homing(Model):

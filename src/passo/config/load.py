@@ -11,18 +11,18 @@ from typing import NamedTuple, cast
 
 from pydantic import ValidationError
 
+from passo.config.board_defaults import put_originals, put_pullups
 from passo.config.board_files import Source, put_boards
 from passo.config.checks import check_all
 from passo.config.findings import Finding, as_written, did_you_mean, key_text, table
 from passo.config.gains import question_gains
+from passo.config.geometry_kinds import KINDS
 from passo.config.heat_checks import check_sensors
 from passo.config.home_checks import check_home, check_park, check_scales
-from passo.config.kinds import KINDS
-from passo.config.lines import Path, key_lines, line_of
 from passo.config.machine import MachineConfig
-from passo.config.originals import put_originals, put_pullups
 from passo.config.sensor_files import with_sensor_files
 from passo.config.sensor_names import put_sensor_names
+from passo.config.toml_lines import Path, key_lines, line_of
 from passo.errors import ConfigError, Problem
 
 _HERE = FilePath(__file__).parent

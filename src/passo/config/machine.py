@@ -7,14 +7,14 @@ from typing import Any, Literal
 
 from pydantic import Field
 
-from passo.config.base import AxisName, ExtruderName, Model, Name, Pair, Uuid
 from passo.config.board import Board, Socket
-from passo.config.drives import Drivable, Driven, axis_order
 from passo.config.electronics import Beeper, Fans, Laser, Mains
 from passo.config.heat import Heaters
 from passo.config.homing import Homing
 from passo.config.motion import Axis, Extruder, Idle, Limits, Park, Stepper, Steppers, Tool
-from passo.config.places import MAIN, placed
+from passo.config.motor_roles import Drivable, Driven, axis_order
+from passo.config.pin_names import MAIN, placed
+from passo.config.types import AxisName, ExtruderName, Model, Name, Pair, Uuid
 from passo.geometry.base import Point
 from passo.geometry.registry import AnyGeometry
 

@@ -10,10 +10,10 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from passo.config.base import PATTERNS
 from passo.config.findings import Finding, did_you_mean
-from passo.config.lines import Path
 from passo.config.machine import MachineConfig
+from passo.config.toml_lines import Path
+from passo.config.types import PATTERNS
 
 _EXPECTED: dict[str, Callable[[dict[str, Any]], str]] = {
     "float_type": lambda _: "a number",

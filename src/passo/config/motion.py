@@ -6,7 +6,9 @@ from typing import Annotated, Any, Literal, cast
 
 from pydantic import Field, model_validator
 
-from passo.config.base import (
+from passo.config.drivers import DRIVERS, DriverName, DriverTimes
+from passo.config.trinamic import Tmc
+from passo.config.types import (
     Acceleration,
     Fraction,
     Jerk,
@@ -21,8 +23,6 @@ from passo.config.base import (
     Scale,
     Speed,
 )
-from passo.config.drivers import DRIVERS, DriverName, DriverTimes
-from passo.config.trinamic import Tmc
 
 MICROSTEPS = 16
 

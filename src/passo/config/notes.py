@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from passo.config.board_files import known_pins
 from passo.config.findings import key_text
 from passo.config.heater_numbers import number_of
-from passo.config.places import section
+from passo.config.pin_names import section
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig

@@ -11,10 +11,10 @@ from passo.config.board import WIPER_MAX, pin_behind
 from passo.config.board_files import known_pins, meant_board
 from passo.config.chips import Chip, Pulse, chip, chip_names
 from passo.config.findings import Finding, array, did_you_mean, key_text, number, table, tables
-from passo.config.lines import Path
 from passo.config.motion import MICROSTEPS
-from passo.config.places import MAIN, bare, named_on, placed, section
+from passo.config.pin_names import MAIN, bare, named_on, placed, section
 from passo.config.sensors import CONVERTERS
+from passo.config.toml_lines import Path
 
 Raw = Mapping[str, Any]
 Need = Literal[

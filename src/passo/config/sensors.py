@@ -6,7 +6,7 @@ from typing import Annotated, Literal, get_args
 
 from pydantic import Field
 
-from passo.config.base import Model, Pair, Pin, Positive
+from passo.config.types import Model, Pair, Pin, Positive
 
 _Offset = Annotated[float, Field(ge=-64, le=64)]
 _Ohm = Annotated[float, Field(ge=1, le=1e9)]

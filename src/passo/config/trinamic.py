@@ -7,7 +7,7 @@ from typing import Annotated, Literal, NamedTuple, TypeAlias
 
 from pydantic import Field
 
-from passo.config.base import Model, NotNegative, Pin, Positive
+from passo.config.types import Model, NotNegative, Pin, Positive
 
 ChipName: TypeAlias = Literal["TMC2208", "TMC2209", "TMC2130", "TMC5160"]
 

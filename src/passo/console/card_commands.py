@@ -11,9 +11,9 @@ from passo.card.names import fold
 from passo.console.session import Session
 from passo.console.upload import Upload
 from passo.errors import CardError, CommandError, PassoError
-from passo.job.runner import Runner, State
-from passo.printer.waits import Handler, Reply, Wait
-from passo.printer.words import Command, unescaped
+from passo.gcode.command import Command, unescaped
+from passo.job.live.runner import Runner, State
+from passo.printer.wait_requests import Handler, Reply, Wait
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer

@@ -6,10 +6,10 @@ import re
 from collections.abc import Callable
 
 from passo.console.session import Session
+from passo.gcode.command import Command
+from passo.printer.commands.reports import Reports
 from passo.printer.printer import Printer
-from passo.printer.reports import Reports
-from passo.printer.waits import Handler, Reply, Wait
-from passo.printer.words import Command
+from passo.printer.wait_requests import Handler, Reply, Wait
 
 _OPTION = re.compile(r"([AEPaep])(\d)(?:\s+|\Z)")  # of M118; P, the port, has no meaning here
 

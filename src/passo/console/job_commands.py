@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 
 from passo.card import Reader as CardReader
 from passo.console.session import Session
-from passo.console.statistics import Print, Statistics, spoken
 from passo.errors import CommandError, PassoError
-from passo.job.forecast import Forecast, forecast
-from passo.job.host_pause import HostPause
-from passo.job.park import check_words
-from passo.job.runner import Runner, State
-from passo.printer.waits import Handler, Procedure, Reply, Wait
-from passo.printer.words import Command
+from passo.gcode.command import Command
+from passo.job.batch.forecast import Forecast, forecast
+from passo.job.live.host_pause import HostPause
+from passo.job.live.park import check_words
+from passo.job.live.runner import Runner, State
+from passo.job.live.statistics import Print, Statistics, spoken
+from passo.printer.wait_requests import Handler, Procedure, Reply, Wait
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer

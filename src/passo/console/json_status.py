@@ -5,11 +5,11 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any
 
+from passo.console.aprinter_options import OptionCommands
 from passo.console.job_commands import JobCommands
-from passo.console.options import OptionCommands
-from passo.job.runner import Runner, State
-from passo.printer.waits import Handler, Reply, Wait
-from passo.printer.words import Command
+from passo.gcode.command import Command
+from passo.job.live.runner import Runner, State
+from passo.printer.wait_requests import Handler, Reply, Wait
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer

@@ -6,21 +6,21 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from passo.console.aprinter_options import OptionCommands
 from passo.console.card_commands import AUTOSTART, CardCommands
 from passo.console.commands import ConsoleCommands
 from passo.console.job_commands import JobCommands
 from passo.console.json_status import JsonStatus
-from passo.console.options import OptionCommands
 from passo.console.recovery_commands import RecoveryCommands
 from passo.console.session import Session
 from passo.console.settings_commands import SettingsCommands
-from passo.console.statistics import Statistics
 from passo.errors import InputError
-from passo.job.atomic import directory_held
-from passo.job.runner import Runner
-from passo.job.settings import Store
+from passo.job.durable_files import directory_held
+from passo.job.live.runner import Runner
+from passo.job.live.statistics import Statistics
+from passo.job.settings_store import Store
+from passo.printer.commands.reports import Reports
 from passo.printer.printer import Printer
-from passo.printer.reports import Reports
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 
 from passo.console.card_commands import CardCommands
 from passo.errors import CardError, CommandError, PassoError
-from passo.job.journal import Change, Journal, Moment, Program
-from passo.job.overrides import Overrides, Settings
-from passo.job.recovery import Recovery
-from passo.job.runner import Runner, State
-from passo.printer.waits import Handler, Procedure, Reply, Stopped, Wait
-from passo.printer.words import Command
+from passo.gcode.command import Command
+from passo.job.live.journal import Change, Journal, Moment, Program
+from passo.job.live.overrides import Overrides, Settings
+from passo.job.live.resume_after_power_loss import Recovery
+from passo.job.live.runner import Runner, State
+from passo.printer.wait_requests import Handler, Procedure, Reply, Stopped, Wait
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer

@@ -7,16 +7,16 @@ import re
 from collections.abc import Callable
 from typing import Protocol
 
-from passo.console.ahead import LIFTS, RESUMES, Ahead, halts
-from passo.console.in_hand import Heard, InHand
-from passo.console.protocol import Line, LineProtocol, Refusal
+from passo.console.emergency_parser import LIFTS, RESUMES, Ahead, halts
+from passo.console.receive_queue import Heard, InHand
 from passo.console.timers import Timers
 from passo.console.upload import Upload
 from passo.errors import CardError, PassoError, in_words
-from passo.printer.drive import MOST_QUEUED
+from passo.gcode.command import Command
+from passo.gcode.line_protocol import Line, LineProtocol, Refusal
+from passo.motion.motion_queue import MOST_QUEUED
 from passo.printer.printer import Printer
-from passo.printer.waits import Stopped, Wait
-from passo.printer.words import Command
+from passo.printer.wait_requests import Stopped, Wait
 
 AT_ONCE = 1024  # lines that are carried out before others have their turn: all of one read
 AT_ONCE_S = 0.005  # of the loop's time, likewise: lines like M503 take long

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
-from passo.console.options import OptionCommands
+from passo.console.aprinter_options import OptionCommands
 from passo.errors import CommandError
-from passo.job.settings import Override, Store, commands_of, same, settings_in
-from passo.printer.waits import Handler, Reply, Silence, Still, Wait
-from passo.printer.words import Command, numeral
+from passo.gcode.command import Command, numeral
+from passo.job.settings_store import Override, Store, commands_of, same, settings_in
+from passo.printer.wait_requests import Handler, Reply, Silence, Still, Wait
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer

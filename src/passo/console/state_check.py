@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from passo.clock import new_loop
-from passo.console.options import OptionCommands
+from passo.console.aprinter_options import OptionCommands
 from passo.console.settings_commands import SettingsCommands
-from passo.job.settings import Store
+from passo.job.settings_store import Store
 from passo.printer.printer import Printer
 
 if TYPE_CHECKING:

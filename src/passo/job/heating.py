@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 from passo import _core
 from passo.heat.control import arrival_of, control_of, limits_of, model_of
-from passo.job.program import heated
-from passo.printer.waits import Wait
+from passo.job.batch.program import heated
+from passo.printer.wait_requests import Wait
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
-    from passo.printer.commands import Commands
+    from passo.printer.commands.program import Commands
 
 SLICE_S = 0.5  # a wait looks at the temperatures this often
 LEAD_S = 0.25  # moves after a wait begin so much later

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from passo import _core
-from passo.job.printing import Progress
+from passo.job.batch.simulated_print import Progress
 
 _MOST_PATHS = 120_000  # lines drawn at most, over all layers
 _BUCKETS = 1200  # columns of the charts over time

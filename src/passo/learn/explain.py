@@ -9,11 +9,11 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from passo import _core
-from passo.config.places import MAIN
+from passo.config.pin_names import MAIN
 from passo.errors import InputError, PassoError
 from passo.gcode.dialect import row_of
-from passo.job.printing import Policy, Print
-from passo.job.source import lines, open_source
+from passo.job.batch.simulated_print import Policy, Print
+from passo.job.batch.source import lines, open_source
 from passo.learn.corner import corner, path_unit
 
 if TYPE_CHECKING:

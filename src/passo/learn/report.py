@@ -10,14 +10,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from passo import _core
-from passo.job.atomic import replaced
-from passo.job.printing import Policy, Print
+from passo.job.batch.simulated_print import Policy, Print
+from passo.job.durable_files import replaced
 from passo.learn.collector import Collector, Density, of_actuator, of_axis
-from passo.printer.slots import slot_of_axis
+from passo.motion.axis_slots import slot_of_axis
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
-    from passo.job.result import PrintResult
+    from passo.job.batch.result import PrintResult
 
 _LOOK_S = 0.5  # from one reading of temperatures to the next, while they are few
 

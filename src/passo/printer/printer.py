@@ -9,33 +9,42 @@ from typing import TYPE_CHECKING
 
 from passo import _core
 from passo.board.ports import LinkLostError
-from passo.config.drives import axis_order
+from passo.config.motor_roles import axis_order
 from passo.errors import CommandError
+from passo.gcode.command import Command, alone
 from passo.gcode.dialect import Kind, row_of
-from passo.printer.beeper import Beeper
-from passo.printer.commands import Commands, forced
-from passo.printer.control_commands import ControlCommands
-from passo.printer.drive import MOST_QUEUED, Drive
-from passo.printer.driver_commands import DriverCommands
-from passo.printer.drivers import DriverWatch
-from passo.printer.endstop_watch import EndstopWatch
-from passo.printer.fans import FollowingFans
-from passo.printer.heat_commands import HeatCommands
-from passo.printer.homing import Homer
-from passo.printer.idleness import look_after_idleness
-from passo.printer.lateness import LatenessWatch
-from passo.printer.life import Life
-from passo.printer.mains import Mains
-from passo.printer.motion_commands import MotionCommands
-from passo.printer.motors import Motors
-from passo.printer.person import PersonCommands
-from passo.printer.positions import Positions
-from passo.printer.tune_commands import TuneCommands
-from passo.printer.turn import Turn
-from passo.printer.waiting import Waiting
-from passo.printer.waits import Handler, Reply, Room, Silence, Still, Stopped, Temperatures, Wait
-from passo.printer.wiring import connect
-from passo.printer.words import Command, alone
+from passo.motion.homing import Homer
+from passo.motion.motion_queue import MOST_QUEUED, Drive
+from passo.motion.positions import Positions
+from passo.printer.commands.beeper import Beeper
+from passo.printer.commands.drivers import DriverCommands
+from passo.printer.commands.heater_control import ControlCommands
+from passo.printer.commands.heater_tuning import TuneCommands
+from passo.printer.commands.motors import Motors
+from passo.printer.commands.power_supply import Mains
+from passo.printer.commands.program import Commands, forced
+from passo.printer.commands.steps_and_offsets import MotionCommands
+from passo.printer.commands.temperature import HeatCommands
+from passo.printer.commands.user_prompts import PersonCommands
+from passo.printer.motion_lock import Turn
+from passo.printer.recovery.supervisor import Life
+from passo.printer.setup.boards import connect
+from passo.printer.wait_requests import (
+    Handler,
+    Reply,
+    Room,
+    Silence,
+    Still,
+    Stopped,
+    Temperatures,
+    Wait,
+)
+from passo.printer.wait_runner import Waiting
+from passo.printer.watch.automatic_fans import FollowingFans
+from passo.printer.watch.driver_status import DriverWatch
+from passo.printer.watch.endstops import EndstopWatch
+from passo.printer.watch.idle_timeout import look_after_idleness
+from passo.printer.watch.late_commands import LatenessWatch
 
 if TYPE_CHECKING:
     from passo.board.boards import Boards

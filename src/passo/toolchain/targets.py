@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from passo import config
 from passo.config.board import Board
 from passo.config.chips import Chip
-from passo.config.places import MAIN, placed
+from passo.config.pin_names import MAIN, placed
 from passo.errors import FirmwareError, Problem
 
 # Of a board whose microcontroller Passo does not know.

@@ -13,7 +13,7 @@ from passo.board.boards import Boards
 from passo.board.description import BoardDescription, Endstop, Output, Sensor, Stepper
 from passo.board.endstops import Endstops
 from passo.errors import MachineError
-from passo.printer.wiring import board_description
+from passo.printer.setup.boards import board_description
 from passo.toolchain.targets import board_target
 
 from .boards import HZ, MELZI, MELZI_PINS, OTHER_PINS, RAMPS, RAMPS_PINS, bench, motors

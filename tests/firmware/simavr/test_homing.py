@@ -10,7 +10,7 @@ from tests.console.scenario import Scenario
 from passo import config
 from passo.board.boards import Boards
 from passo.board.description import bare
-from passo.printer.wiring import board_description
+from passo.printer.setup.boards import board_description
 from passo.toolchain.avr import AvrBoard, Motor
 
 from .bench import AvrBench

@@ -10,8 +10,8 @@ from pathlib import Path
 from passo import config
 from passo.board.boards import Boards
 from passo.board.description import bare, inverted
-from passo.job.printing import Print
-from passo.printer.wiring import board_description
+from passo.job.batch.simulated_print import Print
+from passo.printer.setup.boards import board_description
 from passo.toolchain.avr import AvrBoard, Motor
 
 from .bench import RISES, AvrBench
@@ -111,7 +111,7 @@ def test_a_minute_of_a_print_is_exact(tmp_path, monkeypatch):
         connection.pump.world += bodies
         return Boards([connection]), Traced(bench, connection)
 
-    monkeypatch.setattr("passo.job.printing.connect_simulated", on_bench)
+    monkeypatch.setattr("passo.job.batch.simulated_print.connect_simulated", on_bench)
     printing = Print(machine)
     result = printing.run(path)
     traced = printing.board

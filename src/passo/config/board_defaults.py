@@ -1,0 +1,203 @@
+"""What the makers of a board meant each pin for, beside what a machine uses it for."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from passo.config.findings import Finding, table, tables
+from passo.config.motor_roles import Drive, Driven, axis_order
+from passo.config.pin_names import MAIN, bare, placed, section
+from passo.config.sensors import CONVERTERS, Converter
+
+if TYPE_CHECKING:
+    from passo.config.board import Board
+    from passo.config.machine import MachineConfig
+
+_BUS = ("clock_pin", "mosi_pin", "miso_pin")
+_WIRES = ("uart_pin", "tx_pin", *_BUS)
+_RESISTORS = ("thermistor", "pt100", "pt1000")
+_TOWERS = {"a": "X", "b": "Y", "c": "Z"}
+
+
+@dataclass(frozen=True, slots=True)
+class Binding:
+    """A part of a machine and its pin: `name` as the machine file writes it, `pin` the
+    microcontroller's. `original_name` and `original` are the board's own for such a part, None if
+    it has none."""
+
+    key: str
+    name: str
+    pin: str
+    original_name: str | None
+    original: str | None
+
+    @property
+    def rebound(self) -> bool:
+        """Whether the machine uses another pin than the board's own, or inverts it otherwise."""
+        if self.original is None:
+            return False
+        pins = (self.pin, self.original)
+        (pin, inverted), (own, own_inverted) = ((bare(p), "!" in p) for p in pins)
+        return (pin, inverted) != (own, own_inverted)
+
+
+def put_originals(data: dict[str, Any]) -> Iterator[Finding]:
+    """Gives heaters and fans of a raw machine file that name no pin the board's own; finds where
+    there is none."""
+    board = table(data, "board")
+    functions, chosen = table(board, "functions"), board.get("variant")
+    whose = "the board" if chosen is None else f"the board's variant {chosen}"
+    for part in ("heaters", "fans"):
+        for name, key, content in _functions(data, part):
+            function = table(functions, key)
+            for own, other in (("pin", "output"), ("sensor_pin", "sensor")):
+                if own in content or (other == "sensor" and (part == "fans" or _selects(content))):
+                    continue
+                if other in function:
+                    content[own] = function[other]
+                else:
+                    why = f", for {whose} has no {other} for {key}" if functions else ""
+                    path = (part, name, own)
+                    yield Finding("config.missing-key", path, None, f"a pin in quotes{why}")
+
+
+def put_pullups(data: dict[str, Any]) -> None:
+    """Gives resistive sensors of a raw machine file that name no pull-up resistor the one that
+    their board has, if its file says it."""
+    for _, heater in tables(data, "heaters"):
+        board = table(data, *section(placed(str(heater.get("sensor_pin")))[0]))
+        sensor = table(heater, "sensor") if "sensor" in heater else {"kind": "thermistor"}
+        if "pullup_ohm" not in board or not isinstance(heater, dict):
+            continue
+        if sensor.get("kind") in _RESISTORS:
+            heater["sensor"] = {"pullup_ohm": board["pullup_ohm"], **sensor}
+
+
+def _selects(heater: Mapping[str, Any]) -> bool:
+    """Whether its sensor's pin selects a converter: the board's own is a thermistor's."""
+    return table(heater, "sensor").get("kind") in CONVERTERS
+
+
+def _functions(data: Mapping[str, Any], part: str) -> Iterator[tuple[str, str, dict[str, Any]]]:
+    """Heaters or fans: their names and those of their functions."""
+    functions = _FunctionNames()
+    for name, content in tables(data, part):
+        if isinstance(content, dict):
+            kind = "fan" if part == "fans" else str(content.get("kind"))
+            yield name, functions.of(kind), content
+
+
+class _FunctionNames:
+    """Names of functions, in the order of a machine's parts: hotend0, hotend1, bed, fan0, …"""
+
+    def __init__(self) -> None:
+        self._seen = Counter[str]()
+
+    def of(self, kind: str) -> str:
+        if kind not in ("hotend", "fan"):
+            return kind
+        self._seen[kind] += 1
+        return f"{kind}{self._seen[kind] - 1}"
+
+
+def bindings(machine: MachineConfig) -> list[Binding]:
+    """Every pin of the machine's motors, drivers, heaters, sensors, fans, switches, laser and
+    status light."""
+    board = machine.board
+    found: list[Binding] = []
+
+    def add(key: str, name: str | None, original: str | None) -> None:
+        if name is None:
+            return
+        on = placed(name)[0]
+        # Elsewhere nobody has meant anything for this part.
+        if original is not None and placed(original)[0] != on:
+            original = None
+        own = None if original is None else machine.pin(original)
+        found.append(Binding(key, name, machine.pin(name), original, own))
+
+    sockets = _own_sockets(machine)
+    for name, stepper in machine.steppers.items():
+        used, meant = _socket_pins(machine, stepper.socket), _socket_pins(machine, sockets[name])
+        for key, given, word in (
+            ("step_pin", stepper.step_pin, "STEP"),
+            ("direction_pin", stepper.direction_pin, "DIR"),
+            ("enable_pin", stepper.enable_pin, "ENABLE"),
+        ):
+            add(f"steppers.{name}.{key}", given or used.get(word), meant.get(word))
+        for word in used:
+            if word.startswith("MS"):
+                add(f"steppers.{name}.{word.lower()}", used[word], meant.get(word))
+        if stepper.tmc:
+            select = None if stepper.tmc.uart_pin else stepper.tmc.cs_pin or used.get("SELECT")
+            add(f"steppers.{name}.tmc.cs_pin", select, meant.get("SELECT"))
+            for key in _WIRES:
+                add(f"steppers.{name}.tmc.{key}", getattr(stepper.tmc, key), None)
+    names = _FunctionNames()
+    for name, heater in machine.heaters.items():
+        function = board.functions.get(names.of(heater.kind))
+        add(f"heaters.{name}.pin", heater.pin, function.output if function else None)
+        add(f"heaters.{name}.sensor_pin", heater.sensor_pin, function.sensor if function else None)
+        if isinstance(heater.sensor, Converter):
+            for key in _BUS:
+                add(f"heaters.{name}.sensor.{key}", getattr(heater.sensor, key), None)
+    for name, fan in machine.fans.items():
+        function = board.functions.get(names.of("fan"))
+        add(f"fans.{name}.pin", fan.pin, function.output if function else None)
+    for name, homing in machine.homing.items():
+        original = _switch(board, name, homing.direction)
+        add(f"homing.{name}.pin", homing.pin, original)
+        for stepper, pin in homing.stepper_pins.items():
+            own = original if stepper == name else None
+            add(f"homing.{name}.stepper_pins.{stepper}", pin, own)
+    if machine.laser:
+        add("laser.pin", machine.laser.pin, None)
+    if machine.mains:
+        add("mains.pin", machine.mains.pin, None)
+    if machine.beeper:
+        add("beeper.pin", machine.beeper.pin, None)
+    add("board.status_led", board.status_led, "LED" if "LED" in board.pins else None)
+    return found
+
+
+def _own_sockets(machine: MachineConfig) -> dict[str, str | None]:
+    """The socket that the board's makers meant for each motor: X, Y and Z for the actuators, E or
+    E0 and so on for the extruders, U for an axis u. Where they meant none, as for a second motor of
+    the same actuator or one on another board, it is the one that the motor is in."""
+    sockets, axes = machine.board.sockets, axis_order(machine.axes)
+    meant: dict[Driven | None, str] = {}
+    for i, name in enumerate(word for word in sockets if re.fullmatch("E[0-9]*", word)):
+        meant[Driven("extruder", i)] = name
+    kinds: tuple[tuple[Drive, Iterable[str]], ...] = (("actuator", "xyz"), ("axis", axes))
+    for drive, words in kinds:
+        for i, word in enumerate(words):
+            if word.upper() in sockets:
+                meant[Driven(drive, i)] = word.upper()
+    own: dict[str, str | None] = {}
+    for name, stepper in machine.steppers.items():
+        first = meant.pop(machine.driven_by(name), None)
+        here = machine.board_of_stepper(name) == MAIN
+        own[name] = first if first and here else stepper.socket
+    return own
+
+
+def _socket_pins(machine: MachineConfig, written: str | None) -> dict[str, str]:
+    """Names of the pins of a socket by their last words, STEP, DIR and so on."""
+    if written is None:
+        return {}
+    board, name = placed(written)
+    socket = machine.all_boards[board].sockets[name]
+    words = ["STEP", "DIR", "ENABLE", *(["SELECT"] if socket.select else [])]
+    words += [f"MS{i}" for i in range(1, 1 + len(socket.microstep))]
+    return {word: f"{written}_{word}" for word in words}
+
+
+def _switch(board: Board, axis: str, direction: str) -> str | None:
+    """The board's switch for an end of an axis or for a tower."""
+    letter = _TOWERS.get(axis, axis.upper())
+    names = (f"{letter}_{direction.upper()}", f"{letter}_STOP")
+    return next((name for name in names if name in board.endstops), None)

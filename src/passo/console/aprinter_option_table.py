@@ -1,0 +1,202 @@
+"""APrinter's run-time options that have a value here: docs/reference/options.md lists all."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, NamedTuple
+
+from passo import _core
+from passo.board.configuration import SENSOR_PERIOD_S
+from passo.board.description import inverted
+from passo.config import platinum
+from passo.config.sensor_tables import sensor_table
+from passo.config.sensors import Platinum, PlatinumAmplifier, Thermistor
+from passo.heat.rules import FULL_POWER
+from passo.motion.homing import SLOW_OVERRUN
+
+if TYPE_CHECKING:
+    from passo.printer.printer import Printer
+
+_KINDS = {"hotend": "ExtruderHeater", "bed": "BedHeater", "chamber": "ChamberHeater"}
+
+
+class Option(NamedTuple):
+    """A value that can be told, and the command that sets it, with `{}` in the place of the value;
+    empty where only the machine file does."""
+
+    name: str
+    value: Callable[[], float]
+    command: str = ""
+    scale: float = 1.0  # from the option's unit to the command's
+
+
+def options(printer: Printer) -> Iterator[Option]:
+    """All options of a printer, in APrinter's units: mm, s, °C, mA, steps."""
+    machine = printer.machine
+    yield Option("InactiveTime", lambda: printer.motors.idle_s, "M84 S{}")
+    for axis in machine.axes:
+        yield from _axis(printer, axis)
+    for tool, extruder in printer.motion.extruders():
+        yield from _limits(printer, extruder, extruder.upper(), f" {tool}E")
+    for name in machine.drivable.by_name:
+        yield from _motors(printer, name)
+    for name in machine.homing:
+        yield from _homing(printer, name)
+    for name, value in machine.geometry.options().items():
+        yield Option(name, lambda value=value: value)
+    for name in machine.heaters:
+        yield from _heater(printer, name)
+        yield from _sensor(printer, name)
+    laser = machine.laser
+    if laser is not None:
+        letter = laser.density_letter or laser.energy_letter or "L"
+        yield Option(f"{letter}LaserPower", lambda: laser.power_w)
+        yield Option(f"{letter}MaxPower", lambda: laser.max_power_w or laser.power_w)
+
+
+# -- motion ---------------------------------------------------------------------------------------
+
+
+def _limits(printer: Printer, name: str, prefix: str, words: str) -> Iterator[Option]:
+    """What axes and extruders have; `words` name one in a command."""
+    for suffix, what, code in (("MaxSpeed", "speed", "M203"), ("MaxAccel", "accel", "M201")):
+        yield Option(
+            f"{prefix}{suffix}",
+            lambda what=what: printer.job.axis_limit(name, what),
+            f"{code}{words}{{}}",
+        )
+
+
+def _axis(printer: Printer, name: str) -> Iterator[Option]:
+    axis, letter = printer.machine.axes[name], name.upper()
+    yield from _limits(printer, name, letter, f" {letter}")
+    yield Option(f"{letter}CorneringDistance", lambda: axis.cornering_distance_steps)
+    if axis.extruder:
+        return
+    yield Option(f"{letter}MinPos", lambda: axis.min_mm)
+    yield Option(f"{letter}MaxPos", lambda: axis.max_mm)
+    offsets = printer.motion.home_offset_mm
+    yield Option(f"{letter}HomeOffset", lambda: offsets[name], f"M206 {letter}{{}}")
+
+
+def _motors(printer: Printer, name: str) -> Iterator[Option]:
+    """The motors of an actuator, axis or extruder; the second one is APrinter's slave 1."""
+    machine, letter = printer.machine, name.upper()
+    words = {extruder: f"{tool}E" for tool, extruder in printer.motion.extruders()}
+    if name in machine.extruders and name not in words:
+        return  # no tool has it
+    word = words.get(name, letter)
+    yield Option(f"{letter}StepsPerUnit", lambda: printer.motion.scale_of(name), f"M92 {word}{{}}")
+    driven = machine.drivable.by_name[name]
+    pushing = printer.motors.named("E")
+    motors = [motor for motor in machine.steppers if machine.driven_by(motor) == driven]
+    for k, motor in enumerate(motors):
+        prefix = f"{letter}S{k}" if k else letter
+        stepper = machine.steppers[motor]
+        yield Option(f"{prefix}InvertDir", lambda stepper=stepper: float(stepper.invert))
+        current = f"T{pushing.index(motor)} E" if motor in pushing else letter
+        if motor in printer.drivers.states:
+            yield Option(
+                f"{prefix}Current",
+                lambda motor=motor: 1000 * printer.drivers.states[motor].settings.run_a,
+                "" if k else f"M906 {current}{{}}",
+            )
+    stepper = machine.steppers[motors[0]]
+    if name not in machine.axes:
+        for suffix, given in (
+            ("MinPos", (stepper.min_mm, stepper.min_deg)),
+            ("MaxPos", (stepper.max_mm, stepper.max_deg)),
+            ("MaxSpeed", (stepper.speed_mm_s, stepper.speed_deg_s)),
+            ("MaxAccel", (stepper.accel_mm_s2, stepper.accel_deg_s2)),
+        ):
+            value = next((v for v in given if v is not None), None)
+            if value is not None:
+                yield Option(f"{letter}{suffix}", lambda value=value: value)
+
+
+def _homing(printer: Printer, name: str) -> Iterator[Option]:
+    homing, prefix = printer.machine.homing[name], f"{name.upper()}Home"
+    pins = [homing.pin, *homing.stepper_pins.values()]
+    low = any(inverted(pin) for pin in pins if pin is not None)
+    for suffix, value in (
+        ("ByDefault", homing.by_default),
+        ("Dir", homing.direction == "max"),
+        ("EndInvert", low),
+        ("FastMaxDist", printer.homer.travel(name)),
+        ("RetractDist", homing.retract),
+        ("SlowMaxDist", SLOW_OVERRUN * homing.retract),
+        ("FastSpeed", homing.fast),
+        ("RetractSpeed", homing.fast),
+        ("SlowSpeed", homing.slow),
+    ):
+        yield Option(f"{prefix}{suffix}", lambda value=value: float(value))
+
+
+# -- heat -----------------------------------------------------------------------------------------
+
+
+def _prefix(printer: Printer, name: str) -> str:
+    heaters = printer.machine.heaters
+    kind = heaters[name].kind
+    return f"{_KINDS[kind]}{[n for n, h in heaters.items() if h.kind == kind].index(name)}"
+
+
+def _heater(printer: Printer, name: str) -> Iterator[Option]:
+    config, prefix = printer.machine.heaters[name], _prefix(printer, name)
+    number = printer.controls.number_of(name)
+    yield Option(f"{prefix}MinSafeTemp", lambda: config.min_c)
+    yield Option(f"{prefix}MaxSafeTemp", lambda: config.max_c)
+    yield Option(f"{prefix}ControlInterval", lambda: SENSOR_PERIOD_S)
+    if config.kind == "hotend":
+        yield Option(f"{prefix}MinExtrusionTemp", lambda: printer.heat.cold_c, "M302 S{}")
+    wired = next(h for h in printer.connection.board.heaters if h.name == name)
+    yield Option(f"{prefix}ObserverInterval", lambda: SENSOR_PERIOD_S)
+    yield Option(f"{prefix}ObserverTolerance", lambda: wired.arrival.window_c)
+    yield Option(f"{prefix}ObserverMinTime", lambda: wired.arrival.seconds)
+    if config.control.kind != "pid":
+        return
+    for suffix, letter, key in (("Min", "A", "drive_min"), ("Max", "B", "drive_max")):
+        yield Option(
+            f"{prefix}PidIState{suffix}",
+            lambda key=key: _of_pid(printer, name, key),
+            "" if number is None else f"M306 H{number} {letter}{{}}",
+            FULL_POWER,
+        )
+    share = config.control.filter_s / (SENSOR_PERIOD_S + config.control.filter_s)
+    yield Option(f"{prefix}PidDHistory", lambda: share)
+    for letter, key in (("P", "kp"), ("I", "ki"), ("D", "kd")):
+        yield Option(
+            f"{prefix}Pid{letter}",
+            lambda key=key: _of_pid(printer, name, key) / FULL_POWER,
+            "" if number is None else f"M301 H{number} {letter}{{}}",
+            FULL_POWER,
+        )
+
+
+def _of_pid(printer: Printer, name: str, key: str) -> float:
+    control = printer.controls.control(name)
+    return float(getattr(control, key)) if isinstance(control, _core.PidControl) else 0.0
+
+
+def _sensor(printer: Printer, name: str) -> Iterator[Option]:
+    """A thermistor's values may be set, a platinum resistor's are those of its norm."""
+    prefix, sensors = _prefix(printer, name), printer.controls.sensors
+    sensor, number = sensors[name], printer.controls.number_of(name)
+    if isinstance(sensor, Thermistor):
+        for option, letter, key in (
+            ("TempR0", "A", "r25_ohm"),
+            ("TempBeta", "B", "beta_k"),
+            ("TempResistorR", "R", "pullup_ohm"),
+        ):
+            yield Option(
+                f"{prefix}{option}",
+                lambda key=key: float(getattr(sensors[name], key)),
+                "" if number is None else f"M305 H{number} {letter}{{}}",
+            )
+    elif isinstance(sensor, Platinum | PlatinumAmplifier):
+        yield Option(f"{prefix}TempResistorR", lambda: sensor.pullup_ohm)
+        yield Option(f"{prefix}TempPtR0", lambda: sensor.r0_ohm)
+        yield Option(f"{prefix}TempPtA", lambda: platinum.A_PER_C)
+        yield Option(f"{prefix}TempPtB", lambda: platinum.B_PER_C2)
+    yield Option(f"{prefix}TempMinTemp", lambda: sensor_table(sensors[name])[0][0])
+    yield Option(f"{prefix}TempMaxTemp", lambda: sensor_table(sensors[name])[-1][0])

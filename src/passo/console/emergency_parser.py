@@ -1,0 +1,105 @@
+"""Commands that act when their line comes in, ahead of every queue."""
+
+from __future__ import annotations
+
+import re
+from collections import deque
+
+from passo.console.upload import Upload
+from passo.gcode.command import Command, worded
+from passo.gcode.dialect import ANY, row_of
+from passo.printer.printer import Printer
+
+RESUMES = ("M24", "M602")
+LIFTS = ("M922", "M999")
+_HALT = re.compile(r"M\s*0*112(?![\d.])", re.IGNORECASE)
+_HALT_APART = re.compile(rf"(?<!\S){_HALT.pattern}", re.IGNORECASE)
+
+
+def halts(command: Command) -> bool:
+    """M112, also behind another command of its line, which may be refused."""
+    if command.code == "M112":
+        return True
+    if command.name or "112" not in command.text:
+        return False
+    text = worded(command.text)
+    if command.letter != "M":  # a move, or an axis of a line that repeats the last one
+        return _HALT.search(text) is not None
+    row = row_of(command.code)
+    labels = row is None or row.bare in (None, ANY)
+    return not labels and _HALT_APART.search(text) is not None
+
+
+class Ahead:
+    """Sees the lines of one console as they come in, before those in hand are done."""
+
+    def __init__(self, printer: Printer) -> None:
+        self._printer = printer
+        self._in_hand = 0  # M28 and M29 whose turn has not come
+        self._opens = False  # the last of them begins a file
+        self._numbered = False  # what comes for the file has numbers
+        self._resumed: deque[bool] = deque()  # whether those of RESUMES in hand have acted
+        self._failures: deque[int] = deque()  # that those of LIFTS in hand may know of
+
+    def see(self, command: Command, number: int | None, upload: Upload | None) -> bool:
+        """Acts on M108, M112, M410 and M876, and on what ends a host's pause, unless they are text
+        for a file that is open, or that a line in hand will open; `upload` is where lines go now.
+        In a file whose lines have numbers one without is no text. False for text; `reached` is to
+        be called for each other M28, M29, `resumed` for each other M24, M602, and `outdated` for
+        each other M922, M999.
+        """
+        code = command.code
+        into_file = self._opens if self._in_hand else upload is not None and upload.takes_all
+        numbered = self._numbered or (not self._in_hand and upload is not None and upload.numbered)
+        if into_file and code != "M29" and (number is not None or not numbered):
+            self._numbered = number is not None
+            return False
+        if code in ("M28", "M29"):
+            self._in_hand += 1
+            self._opens = code == "M28"
+            self._numbered = False
+        if code in RESUMES:
+            self._resumed.append(self._resume())
+        if code in LIFTS:
+            self._failures.append(self._printer.failures)
+        self.act(command)
+        return True
+
+    def reached(self) -> None:
+        """The turn of one of the M28 and M29 in hand has come."""
+        self._in_hand -= 1
+
+    def resumed(self) -> bool:
+        """The turn of one of RESUMES has come; True if it has ended a pause when it came in."""
+        return self._resumed.popleft()
+
+    def outdated(self) -> bool:
+        """The turn of one of LIFTS has come; True if something has failed since it came in: who
+        sent it did not know of that."""
+        return self._failures.popleft() != self._printer.failures
+
+    def _resume(self) -> bool:
+        """Ends a wait for a person, which a host's pause is too. True if there is no more to do,
+        as where such a pause is about to end; a paused file is still to go on."""
+        printer = self._printer
+        awaited = printer.person.awaited
+        if awaited:
+            printer.go_on()
+        if printer.job.suspended and printer.busy():
+            return False
+        return awaited or (printer.job.suspended and printer.waits.busy)
+
+    def _answers(self, command: Command) -> bool:
+        """M876 that answers what a wait has asked."""
+        asked = self._printer.person.awaited
+        return asked and command.code == "M876" and "S" in command.words()
+
+    def act(self, command: Command) -> None:
+        """What such a command does, if it is one."""
+        code = command.code
+        if halts(command):
+            self._printer.halt("emergency stop by M112")
+        elif code == "M108" or self._answers(command):
+            self._printer.go_on()
+        elif code == "M410":
+            self._printer.stop_all("M410")

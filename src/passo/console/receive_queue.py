@@ -1,0 +1,65 @@
+"""Lines that a console has sent and that are not carried out yet.
+
+Far more is taken in than a host should have under way, since only what was read can be seen to be
+an emergency stop. What is taken in is bounded all the same.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+
+from passo.gcode.command import Command
+from passo.gcode.line_protocol import Line, Refusal
+
+BACKLOG = 256  # lines that a host is offered room for (`ok N P B`)
+MOST_LINES = 1 << 15  # are in hand before the sender is held up
+MOST_BYTES = 1 << 20  # of text, likewise
+
+Heard = tuple[Line, Command, bool] | Refusal
+"""A line, its command, and whether `Ahead` saw it; or why it is none."""
+
+
+class InHand:
+    """A queue that knows when it holds enough."""
+
+    def __init__(self) -> None:
+        self._lines: deque[Heard] = deque()
+        self._bytes = 0
+
+    def __len__(self) -> int:
+        return len(self._lines)
+
+    @property
+    def room(self) -> int:
+        """Lines that a host may send without running far ahead."""
+        return max(0, BACKLOG - len(self._lines))
+
+    @property
+    def full(self) -> bool:
+        """No more should be read."""
+        return len(self._lines) >= MOST_LINES or self._bytes >= MOST_BYTES
+
+    @property
+    def half_empty(self) -> bool:
+        """More may be read again."""
+        return len(self._lines) <= MOST_LINES // 2 and self._bytes <= MOST_BYTES // 2
+
+    def append(self, heard: Heard) -> None:
+        """What came last."""
+        self._lines.append(heard)
+        self._bytes += _size(heard)
+
+    def popleft(self) -> Heard:
+        """What is next."""
+        heard = self._lines.popleft()
+        self._bytes -= _size(heard)
+        return heard
+
+    def clear(self) -> None:
+        """Forgets all."""
+        self._lines.clear()
+        self._bytes = 0
+
+
+def _size(heard: Heard) -> int:
+    return 0 if isinstance(heard, Refusal) else len(heard[0].text)

@@ -1,0 +1,160 @@
+"""Ways in for one host each: pseudo terminals and serial devices. Hosts and devices come and go."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import termios
+import tty
+from pathlib import Path
+
+from passo.console.session import Session
+from passo.console.transports.streams import Console, Opened, StreamWire, cannot_open, join
+from passo.printer.printer import Printer
+from passo.serial_line import open_serial_line
+
+REOPEN_S = 1.0  # between two looks for a device that was unplugged
+
+
+class _Pty(StreamWire):
+    """Holds the end that hosts open and close, and the link to it. While a file is uploaded, and in
+    the midst of a line, only the host holds that end, so that its hanging up is seen: what comes
+    next is not for the file, and no end of the line."""
+
+    def __init__(self, printer: Printer, opened: Opened, path: str) -> None:
+        super().__init__(printer, opened, f"pty {path}")
+        self._link = Path(path)
+        self._master, slave = os.openpty()
+        self._slave: int | None = slave
+        self._name = os.ttyname(slave)
+        self._joining: asyncio.Task[StreamWire] | None = None
+        tty.setraw(slave)
+
+    async def open(self) -> None:
+        """Puts the link in its place, and waits for hosts. Raises OSError."""
+        try:
+            if self._link.is_symlink():
+                self._link.unlink()
+            self._link.symlink_to(self._name)
+        except OSError:
+            self._let_go()
+            raise
+        await self._join()
+
+    async def _join(self) -> StreamWire:
+        return await join(self, os.dup(self._master), os.dup(self._master))
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """A host has opened the other end."""
+        super().connection_made(transport)
+        assert self.session is not None
+        self.session.on_upload = self._share
+
+    def data_received(self, data: bytes) -> None:
+        """Gives what a host has sent to its session."""
+        super().data_received(data)
+        if self._master >= 0:
+            self._share()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """The host has hung up, or this end is closed."""
+        super().connection_lost(exc)
+        if self._master >= 0:  # the host has hung up: the next one finds the other end open
+            self._hold(True)
+            if self.writer is not None:
+                self.writer.abort()
+            assert self._slave is not None
+            termios.tcflush(self._slave, termios.TCIFLUSH)  # answers to the host that has gone
+            self._joining = asyncio.get_running_loop().create_task(self._join())
+
+    def _share(self) -> None:
+        session = self.session
+        if session is not None and not session.closed:
+            self._hold(session.upload is None and not session.unfinished)
+
+    def _hold(self, holds: bool) -> None:
+        if not holds and self._slave is not None:
+            os.close(self._slave)
+            self._slave = None
+        elif holds and self._slave is None:
+            self._slave = os.open(self._name, os.O_RDWR | os.O_NOCTTY)
+            tty.setraw(self._slave, termios.TCSANOW)  # answers that are not read yet stay
+
+    def _let_go(self) -> None:
+        for fd in (self._master, self._slave):
+            if fd is not None:
+                os.close(fd)
+        self._master, self._slave = -1, None
+
+    def close(self) -> None:
+        """Lets go of both ends; no host is waited for any more."""
+        self._let_go()
+        if self._joining is not None:
+            self._joining.cancel()
+        super().close()
+        if self._link.is_symlink() and str(self._link.readlink()) == self._name:
+            self._link.unlink()
+
+
+async def open_pty(printer: Printer, path: str, opened: Opened) -> Console:
+    """A pseudo terminal with a link to it at `path`, in place of a link that is there. Hosts may
+    open and close it as they like: its other end stays open here. Raises ConsoleError."""
+    wire = _Pty(printer, opened, path)
+    try:
+        await wire.open()
+    except OSError as error:
+        raise cannot_open(f"the pty {path}", error) from None
+    return wire
+
+
+class _Serial:
+    """A serial device that may be unplugged: it is opened anew when it is back."""
+
+    def __init__(self, printer: Printer, device: str, baud: int, opened: Opened) -> None:
+        self.place = f"serial {device} at {baud}"
+        self._printer, self._device, self._baud, self._opened = printer, device, baud, opened
+        self._wire: StreamWire | None = None
+        self._waiting: asyncio.Task[None] | None = None
+
+    @property
+    def session(self) -> Session | None:
+        """Of the device that is plugged in."""
+        return None if self._wire is None else self._wire.session
+
+    async def open(self) -> None:
+        """Opens the device. Raises OSError."""
+        line = open_serial_line(self._device, self._baud)
+        self._wire = StreamWire(self._printer, self._opened, self.place, self._unplugged)
+        await join(self._wire, line, os.dup(line))
+
+    def _unplugged(self, wire: StreamWire) -> None:
+        wire.close()
+        self._wire = None
+        self._waiting = asyncio.get_running_loop().create_task(self._wait_for_it())
+
+    async def _wait_for_it(self) -> None:
+        while self._wire is None:
+            await asyncio.sleep(REOPEN_S)
+            try:
+                await self.open()
+            except OSError:
+                self._wire = None
+
+    def close(self) -> None:
+        """Ends it, and the session on it."""
+        if self._waiting is not None:
+            self._waiting.cancel()
+        if self._wire is not None:
+            self._wire.closed = None
+            self._wire.close()
+
+
+async def open_serial(printer: Printer, device: str, baud: int, opened: Opened) -> Console:
+    """A serial device at any rate that its driver can do. When it is unplugged its session ends;
+    when it is back, another one begins. Raises ConsoleError."""
+    serial = _Serial(printer, device, baud, opened)
+    try:
+        await serial.open()
+    except OSError as error:
+        raise cannot_open(f"the serial device {device}", error) from None
+    return serial

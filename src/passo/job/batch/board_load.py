@@ -1,0 +1,161 @@
+"""What a plan asks of the board and its link: at its densest place, and where that is too much."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from math import isfinite
+from typing import TYPE_CHECKING, Any
+
+from passo.config.budget import COMMAND_BYTES, SURE_COMMANDS_S
+from passo.config.pin_names import MAIN
+
+if TYPE_CHECKING:
+    from passo.config.board import Board
+    from passo.config.machine import MachineConfig
+
+_WIDEST_US = 25.0  # of a step's time, where that saves commands
+_BURST = ", in a burst that is sent ahead"
+_NAMES = {
+    "steps": "processor{}, for steps",
+    "commands": "processor{}, for commands",
+    "slots": "move slots{}",
+    "link": "link{}",
+}
+_BOUNDS = {
+    "steps": "the processor{} takes in steps",
+    "commands": "the processor{} takes in commands",
+    "slots": "the move slots{} take",
+    "link": "the link{} takes",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A place of a file: its line, and what it asks for as a share of what there is. `board` is the
+    one of several boards that has least of it: empty for the main one, None if there is but one."""
+
+    line: int
+    load: float
+    board: str | None = None
+
+    @property
+    def of_board(self) -> str:
+        """` of the board tool`; nothing if there is but one."""
+        return "" if self.board is None else f" of {_board(self.board)}"
+
+
+@dataclass(frozen=True, slots=True)
+class BudgetUse:
+    """`worst` by limit, where the budget did not hold what was asked. For `widened_s` seconds steps
+    may be farther from their ideal times, by `tolerance_us` at most.
+
+    `densest`: of the plan as it is, the share of the processor's time that steps and commands may
+    have, of the link's bytes, and of the board's slots; each of the board where it is largest.
+    `unsure_s` commands a second are so few that some may come late in spite of a lower speed; 0 if
+    none may. Empty without a budget.
+    """
+
+    worst: dict[str, Place] = field(default_factory=dict[str, Place])
+    widened_s: float = 0.0
+    tolerance_us: float = 0.0
+    densest: dict[str, Place] = field(default_factory=dict[str, Place])
+    unsure_s: float = 0.0
+
+    def told(self, file: str) -> Iterator[str]:
+        """What a console should hear before a print: nothing without a budget."""
+        if self.densest:
+            told = "; ".join(f"{name} {share}" for name, share in self.shares())
+            several = any(place.board is not None for place in self.densest.values())
+            yield f"At its densest the file takes of the board{'s' if several else ''}: {told}"
+        for name, place in self.worst.items():
+            gets = "lower speed" if name == "steps" else "less even steps or lower speed"
+            yield (
+                f"{file}:{place.line} asks for {place.load:.2f} times what"
+                f" {_BOUNDS[name].format(place.of_board)}, and gets {gets}"
+            )
+        if self.unsure_s > 0:
+            yield f"Commands may come late there all the same: {self.advice}"
+
+    @property
+    def advice(self) -> str:
+        """What to do about `unsure_s`."""
+        return (
+            f"{self.unsure_s:.0f} a second are few. Use a faster link or board, longer moves, or"
+            " less acceleration"
+        )
+
+    def limits(self) -> Iterator[tuple[str, Place]]:
+        """`worst`, with what did not hold in words: `the link of the board tool takes`."""
+        for name, place in self.worst.items():
+            yield _BOUNDS[name].format(place.of_board), place
+
+    def shares(self) -> list[tuple[str, str]]:
+        """What is taken, and the share with its line; nothing without a budget. More than there is,
+        in some 0.15 s, is a burst: the plan sends a part of it ahead."""
+        return [
+            (
+                _NAMES[name].format(place.of_board),
+                f"{place.load:.0%} at line {place.line}{_BURST if place.load > 1 else ''}",
+            )
+            for name, place in self.densest.items()
+        ]
+
+
+def budget_use(plan: Mapping[str, Any], machine: MachineConfig) -> BudgetUse:
+    """From the statistics of a job on this machine."""
+    return BudgetUse(
+        _worst(plan["loads"], machine),
+        plan["widened_s"],
+        plan["widest_ticks"] * 1e6 / machine.board.clock_hz,
+        _densest(plan["densest"], machine),
+        _unsure_s(plan["loads"], machine),
+    )
+
+
+def _board(name: str) -> str:
+    return "the main board" if name == MAIN else f"the board {name}"
+
+
+def _worst(loads: Mapping[str, tuple[int, float]], machine: MachineConfig) -> dict[str, Place]:
+    """The loads on the boards that bind steps and commands."""
+    specs, found = machine.budget_specs, dict[str, Place]()
+    for kind, (line, load) in loads.items():
+        name = min(specs, key=lambda name: specs[name][f"{kind}_s"])
+        limit = kind if kind == "steps" else specs[name]["bound"]
+        found[limit] = Place(line, load, name if machine.boards else None)
+    return found
+
+
+def _unsure_s(loads: Mapping[str, tuple[int, float]], machine: MachineConfig) -> float:
+    """The rate of commands that binds, if it is low and a lower speed is to keep to it."""
+    if "commands" not in loads:
+        return 0.0
+    saved = (_WIDEST_US / machine.board.compression_tolerance_us) ** 0.25
+    rate = min(spec["commands_s"] for spec in machine.budget_specs.values())
+    return rate if rate < SURE_COMMANDS_S and loads["commands"][1] > saved else 0.0
+
+
+def _densest(peaks: Mapping[str, tuple[int, float]], machine: MachineConfig) -> dict[str, Place]:
+    found: dict[str, Place] = {}
+    for name, spec in machine.budget_specs.items():
+        for kind, (line, load) in _shares(peaks, machine.all_boards[name], spec["steps_s"]).items():
+            if kind not in found or load > found[kind].load:
+                found[kind] = Place(line, load, name if machine.boards else None)
+    return {kind: found[kind] for kind in _NAMES if kind in found}
+
+
+def _shares(
+    peaks: Mapping[str, tuple[int, float]], board: Board, most_steps_s: float
+) -> dict[str, tuple[int, float]]:
+    """Line and share of all that the plan takes of one board."""
+    (step_line, steps_s), (line, commands_s) = peaks["steps_s"], peaks["commands_s"]
+    found = {"slots": (line, min(1.0, commands_s * board.ahead_s / board.move_count))}
+    if budget := board.budget:
+        most_cycles_s = budget.command_share * (budget.cpu_hz or board.clock_hz)
+        found["steps"] = step_line, steps_s / most_steps_s
+        found["commands"] = line, commands_s * budget.cycles_per_command / most_cycles_s
+    if isfinite(board.link_bytes_s):
+        asked = commands_s * COMMAND_BYTES + board.commit_bytes_s
+        found["link"] = line, asked / board.link_bytes_s
+    return found

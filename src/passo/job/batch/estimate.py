@@ -1,0 +1,88 @@
+"""Time and filament of a file: the plan without steps, and how long its heaters take."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import asdict, dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from passo import _core
+from passo.job.batch.board_load import BudgetUse, budget_use
+from passo.job.batch.program import run_program
+from passo.job.heating import Heating
+from passo.printer.commands.program import Commands
+
+if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """Figures of a plan. `total_s` is the sum of `moving_s`, `dwell_s` and `heating_s`.
+
+    `heating_s` is how long the file waits for temperatures on the simulated printer of the machine
+    file, from a room of 25 °C on; a real printer differs with its heaters and its room. `layers_s`
+    has one figure for each of `layers`, of moves and dwells; `before_layers_s` is the same before
+    the first one. `errors` are those of an estimate that failed, whose figures are 0.
+    """
+
+    file: str
+    machine: str
+    total_s: float = 0.0
+    moving_s: float = 0.0
+    heating_s: float = 0.0
+    dwell_s: float = 0.0
+    moves: int = 0
+    layers: int = 0
+    filament_mm: dict[str, float] = field(default_factory=dict[str, float])
+    layers_s: list[float] = field(default_factory=list[float], repr=False)
+    before_layers_s: float = 0.0
+    features_s: dict[str, float] = field(default_factory=dict[str, float])
+    limits_s: dict[str, float] = field(default_factory=dict[str, float])
+    budget: BudgetUse = field(default_factory=BudgetUse)
+    warnings: list[str] = field(default_factory=list[str])
+    errors: list[str] = field(default_factory=list[str])
+
+    def as_dict(self) -> dict[str, Any]:
+        """All fields, for JSON."""
+        return asdict(self)
+
+
+def estimate(
+    machine: MachineConfig,
+    path: str | os.PathLike[str],
+    *,
+    clamp: bool = False,
+    ignore_tools: bool = False,
+) -> Estimate:
+    """Plans the file on the machine; nothing moves or heats, and no step is made. Raises
+    InputError."""
+    spec = machine.core_spec()
+    job = _core.Job(spec, False, clamp, ignore_tools)
+    heating = Heating(machine, job)
+    commands = Commands(machine, job, heating, [1] * len(machine.timed_outputs))
+    for _ in run_program(job, commands, path, lambda wait: heating.settle(wait, commands)):
+        pass
+    plan = job.statistics()
+    layers, layers_s = plan["layers"], plan["layer_s"]
+    # What rose before the first mark of a layer counts as no layer once there are marks.
+    counted_s = layers_s[1 : layers + 1]
+    return Estimate(
+        file=str(path),
+        machine=machine.name,
+        total_s=plan["move_s"] + plan["dwell_s"] + heating.seconds,
+        moving_s=plan["move_s"],
+        heating_s=heating.seconds,
+        dwell_s=plan["dwell_s"],
+        moves=plan["moves"],
+        layers=layers,
+        filament_mm=dict(
+            zip((row["name"] for row in spec["extruders"]), plan["filament_mm"], strict=True)
+        ),
+        layers_s=counted_s + [0.0] * (layers - len(counted_s)),
+        before_layers_s=sum(layers_s) - sum(counted_s),
+        features_s=plan["feature_s"],
+        limits_s=plan["limit_s"],
+        budget=budget_use(plan, machine),
+        warnings=commands.warnings(str(path)) + heating.warnings(str(path)),
+    )

@@ -1,0 +1,62 @@
+"""How long a file will take, reckoned beside the print that is under way."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from passo import _core
+from passo.errors import PassoError
+from passo.job.batch.board_load import BudgetUse, budget_use
+from passo.job.batch.program import at_rest, read_program
+from passo.printer.commands.program import Commands
+
+if TYPE_CHECKING:
+    from passo.card import Reader
+    from passo.config.machine import MachineConfig
+
+_PIECE = 1 << 14  # bytes planned at once: some milliseconds
+_REST_S = 0.02  # of host time between two pieces
+
+
+@dataclass(frozen=True, slots=True)
+class Forecast:
+    """Seconds of motion and dwell in a file, without heating, and those before the byte where its
+    print begins; what it asks of the board."""
+
+    seconds: float
+    before_s: float
+    budget: BudgetUse
+
+
+async def forecast(machine: MachineConfig, reader: Reader, begin: int) -> Forecast | None:
+    """How a file will go whose print begins at a byte; None if it cannot be planned to its end.
+    Takes its time, as others need the event loop too. Closes the reader."""
+    job = _core.Job(machine.core_spec(), False, True, True)
+    commands = Commands.of_plan(machine, job)
+    before_s = 0.0
+
+    def pieces() -> Iterator[bytes]:
+        nonlocal before_s
+        while data := reader.read(min(_PIECE, begin - reader.tell())):
+            yield data
+        before_s = _planned_s(job) + job.queued_ticks / machine.board.clock_hz
+        while data := reader.read(_PIECE):
+            yield data
+
+    try:
+        for _ in read_program(job, commands, pieces(), "", at_rest(job)):
+            await asyncio.sleep(_REST_S)
+    except PassoError:
+        return None
+    finally:
+        reader.close()
+    plan = job.statistics()
+    return Forecast(_planned_s(job), before_s, budget_use(plan, machine))
+
+
+def _planned_s(job: _core.Job) -> float:
+    plan = job.statistics()
+    return plan["move_s"] + plan["dwell_s"]

@@ -1,0 +1,124 @@
+"""Reading a program through a job without consoles: the one loop that all such uses share."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
+from itertools import islice
+
+from passo import _core
+from passo.errors import CommandError, InputError, Problem, WordError
+from passo.gcode.command import Command
+from passo.job.batch.source import chunks, lines, open_source
+from passo.printer.commands.program import Commands
+from passo.printer.skipped_commands import Omission
+from passo.printer.wait_requests import Homing, Still, Temperatures, Wait
+
+_MOST_MESSAGES = 1 << 15
+_ALLOWED_BY = {  # what a command line can do besides; consoles cannot
+    "input.out-of-range": "--out-of-range clamp",
+    "input.unreachable": "--out-of-range clamp",
+    "input.actuator": "--out-of-range clamp",
+    "input.missing-tool": "--missing-tool ignore",
+}
+
+Settle = Callable[[Wait], None]
+
+
+def at_rest(job: _core.Job) -> Settle:
+    """Waits of a plan alone: homing sets positions, all else only stops the machine."""
+
+    def settle(wait: Wait) -> None:
+        if isinstance(wait, Homing):
+            job.settle_position()
+        else:
+            job.flush()
+        if isinstance(wait, Still) and wait.then is not None:
+            wait.then()
+
+    return settle
+
+
+def heated(job: _core.Job, wait_for: Callable[[list[str]], None]) -> Settle:
+    """As `at_rest`, but temperatures are waited for."""
+    rest = at_rest(job)
+
+    def settle(wait: Wait) -> None:
+        if isinstance(wait, Temperatures):
+            wait_for(list(wait.heaters))
+        else:
+            rest(wait)
+
+    return settle
+
+
+def read_program(
+    job: _core.Job, commands: Commands, pieces: Iterable[bytes], name: str, settle: Settle
+) -> Iterator[None]:
+    """Feeds the pieces to the job and its commands to the printer, to the end.
+
+    Yields whenever the job has made progress or has as many messages as it may; whoever takes them
+    does so then. At the last yield the job is flushed. Commands that are refused become warnings.
+    Raises InputError with `name` as the file, for words without a number, too.
+    """
+    status = _core.JobStatus
+    source = iter(pieces)
+    while not commands.ended:
+        found = job.advance(most=_MOST_MESSAGES)
+        if found == status.EVENT:
+            command = Command(*job.event)
+            try:
+                wait = commands.run(command)
+            except WordError as error:
+                problems = [replace(p, file=name, line=command.line) for p in error.problems]
+                raise InputError(problems) from None
+            except CommandError as error:
+                commands.refuse(command, error)
+                continue
+            if wait is not None:
+                settle(wait)
+        elif found == status.NEED_INPUT:
+            data = next(source, b"")
+            if data:
+                job.feed(data)
+            else:
+                job.finish()
+        elif found == status.ERROR:
+            raise InputError([_with_option(commands.problem(name))])
+        elif found == status.END:
+            break
+        if found != status.EVENT:
+            yield
+    job.flush()
+    yield
+
+
+def _with_option(problem: Problem) -> Problem:
+    option = _ALLOWED_BY.get(problem.code)
+    advice = f"{problem.entry.action}, or allow {option}"
+    return replace(problem, hint=advice) if option else problem
+
+
+def run_program(
+    job: _core.Job,
+    commands: Commands,
+    path: str | os.PathLike[str],
+    settle: Settle | None = None,
+    end: int | None = None,
+) -> Iterator[float]:
+    """`read_program` with a file, or its lines before the one of number `end`; yields the share of
+    it that is read. Without `settle` nothing is waited for. Raises InputError, at the end of a file
+    also for a text without any command that is known."""
+    name = str(path)
+    with open_source(path) as source:
+        size = os.fstat(source.fileno()).st_size
+        text = chunks(source, name) if end is None else islice(lines(source), end - 1)
+        for _ in read_program(job, commands, text, name, settle or at_rest(job)):
+            yield min(job.offset / size, 1.0) if size else 0.0
+    if end is not None:
+        return
+    if job.ends_in_move:
+        commands.omitted.cut_at = job.line
+    if job.commands == commands.omitted.times(Omission.UNKNOWN):
+        raise InputError.of("input.no-known-command" if job.commands else "input.empty", name)

@@ -1,0 +1,271 @@
+"""A whole print: the file through the plan, the wire and the board, in virtual time."""
+
+from __future__ import annotations
+
+import os
+from collections import deque
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from math import inf
+from typing import TYPE_CHECKING
+
+from passo import _core
+from passo.board.drivers import Drivers
+from passo.board.faults import HeaterFault
+from passo.errors import MachineError
+from passo.job.batch.program import heated, run_program
+from passo.job.batch.result import PrintResult, cpu_s, peak_rss_mb
+from passo.printer.commands.program import Commands
+from passo.printer.setup.boards import connect_simulated
+from passo.printer.wait_requests import Stop, Wait
+
+if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
+
+_LEAD_S = 0.25  # what is planned after a wait starts this much later
+_HORIZON_S = 0.2  # the board is sent commands less than this before they are due
+_SLICE_S = 0.5  # temperatures are looked at this often while waiting
+_PATIENCE_S = 3600.0  # a heater that takes longer is broken
+_TOO_EARLY = 0.01  # share of a file that tells nothing yet of the rest
+_STOPS = {"M112": "machine.emergency-stop", "M410": "machine.stopped"}
+
+
+@dataclass(frozen=True, slots=True)
+class Policy:
+    """What to do with moves out of range and tools that are missing; False: stop."""
+
+    clamp: bool = False
+    ignore_tools: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """Where a print is: share of the file done, layer, print time and what of it went into heating,
+    temperatures."""
+
+    share: float
+    layer: int
+    print_s: float
+    heat_s: float
+    celsius: dict[str, float]
+
+    @property
+    def left_s(self) -> float | None:
+        """Print time left if the rest of the file takes as long as what was done, which does not
+        heat again; None at the beginning."""
+        if self.share <= _TOO_EARLY:
+            return None
+        return (self.print_s - self.heat_s) * (1 - self.share) / self.share
+
+
+class Print:
+    """One print on a simulated board of the machine. Runs once; not thread-safe."""
+
+    def __init__(
+        self,
+        machine: MachineConfig,
+        policy: Policy | None = None,
+        progress: Callable[[Progress], None] | None = None,
+        every_s: float = inf,
+    ) -> None:
+        """`progress` is called whenever the board has done what was planned so far, and after
+        `every_s` of print time in between."""
+        self._machine = machine
+        self._policy = policy or Policy()
+        self._progress = progress
+        self._hz = machine.board.clock_hz
+        self._stretch = every_s * self._hz
+        self._heaters = list(machine.heaters)
+        self._marks: deque[tuple[int, int, int]] = deque()
+        self.connection, self.board = connect_simulated(machine)
+        for connection in self.connection.connections:
+            Drivers(connection).require()
+        self.connection.set_on_fault(self._heater_failed)
+        outputs = self.connection.board.outputs
+        self.job = _core.Job(
+            machine.core_spec(), True, self._policy.clamp, self._policy.ignore_tools
+        )
+        full = [self.connection.full_scale(output.name) for output in outputs]
+        self._commands = Commands(machine, self.job, self, full)
+        self.base = 0  # board clock at which the job begins
+        self._wire_cpu_s = 0.0
+        self._heat_s = 0.0
+        # Line, share of the file, and layer to which it was read before, and is now.
+        self._from = self._to = (0, 0.0, 0)
+        self._watch: Callable[[], None] = lambda: None
+        self._trace_s = 0.0
+
+    def set_target(self, heater: str, celsius: float, *, at_once: bool = False) -> None:
+        """Sets a heater's target when the moves so far are done, or at once."""
+        if at_once:
+            self.connection.set_target(heater, celsius)
+            return
+        self.job.mark(self._heaters.index(heater), round(celsius * 100))
+
+    def watch(self, watcher: Callable[[], None]) -> None:
+        """Before `run`: a function to call whenever the plan has grown."""
+        self._watch = watcher
+
+    def trace_until(self, seconds: float) -> None:
+        """Before `run`: lets the simulated board keep its steps up to this print time."""
+        self._trace_s = seconds
+
+    def wait_for(self, heaters: list[str]) -> None:
+        """Stops the machine and lets time pass until these heaters have reached their targets.
+
+        Raises MachineError if one takes longer than an hour.
+        """
+        self.job.flush()
+        start = self.job.clock
+        self._run_to(start)
+        self._apply_marks(float("inf"))
+        waited = 0.0
+        loops = {name: self.connection.heaters[name] for name in heaters}
+        warm = [n for n, h in loops.items() if h.celsius > h.target + h.arrival.window_c]
+        heaters = [name for name in heaters if name not in warm]  # only heating is waited for
+        while any(self._on_its_way(name) for name in heaters):
+            if waited >= _PATIENCE_S:
+                raise self._too_slow(heaters)
+            self._run(self.connection.now + round(_SLICE_S * self._hz))
+            waited += _SLICE_S
+        ready = self.connection.now - self.base + round(_LEAD_S * self._hz)
+        if waited > 0:
+            self.job.wait_until(ready)
+            self._heat_s += (self.job.clock - start) / self._hz
+
+    def run(
+        self,
+        path: str | os.PathLike[str],
+        end: int | None = None,
+        result: PrintResult | None = None,
+    ) -> PrintResult:
+        """Prints the file to its end, or up to this line, which is left out. Raises InputError, or
+        MachineError, also for M112 and M410, which end a print as soon as they are read; a `result`
+        that was given has the warnings and the cost of such a print, too."""
+        result = result or PrintResult(file=str(path), machine=self._machine.name)
+        try:
+            self._print(path, end)
+            self._fill(result)
+        finally:
+            self._fill_cost(result, str(path))
+        return result
+
+    def _print(self, path: str | os.PathLike[str], end: int | None) -> None:
+        self.base = self.connection.start_job(self.job)
+        warm = heated(self.job, self.wait_for)
+
+        def settle(wait: Wait) -> None:
+            if isinstance(wait, Stop):
+                raise MachineError.of(_STOPS[wait.code], str(path), wait.line)
+            warm(wait)
+
+        if self._trace_s > 0:
+            for stepper in self.connection.board.steppers:
+                self.board.trace_steps(stepper.name, 0, self.base + round(self._trace_s * self._hz))
+        for share in run_program(self.job, self._commands, path, settle, end):
+            self._watch()
+            if self.job.line > self._to[0]:
+                self._from, self._to = self._to, (self.job.line, share, self.job.layer)
+            self._run_to(self.job.handed_out - _HORIZON_S * self._hz)
+            self.job.passed(self.job.clock)  # nothing is ever planned anew
+        self._run_to(self.job.clock)
+        self._apply_marks(float("inf"))
+        kick_s = max((fan.kick_start_s for fan in self._machine.fans.values()), default=0.0)
+        self._run(self.connection.now + round((_LEAD_S + kick_s) * self._hz))
+
+    def _run_to(self, job_clock: float) -> None:
+        """Lets the board work up to a clock of the job; heaters are set at their marks."""
+        self._marks.extend(self.job.take_marks())
+        while self._marks and self._marks[0][0] <= job_clock:
+            self._run(self.base + self._marks[0][0])
+            self._apply_marks(self._marks[0][0])
+        self._run(self.base + round(job_clock))
+
+    def _apply_marks(self, until: float) -> None:
+        self._marks.extend(self.job.take_marks())
+        while self._marks and self._marks[0][0] <= until:
+            _, heater, centi = self._marks.popleft()
+            self.connection.set_target(self._heaters[heater], centi / 100)
+
+    def _run(self, clock: int) -> None:
+        while self.connection.now < clock:
+            before = cpu_s()
+            self.connection.run(round(min(clock, self.connection.now + self._stretch)))
+            self._wire_cpu_s += cpu_s() - before
+            if self._progress:
+                self._progress(self._where())
+
+    def _where(self) -> Progress:
+        clock = self.connection.now - self.base
+        (begin, share, layer), (end, to_share, to_layer) = self._from, self._to
+        done = self.job.line_at(clock) - 1 if clock < self.job.clock else end
+        part = min(max(done - begin, 0) / max(end - begin, 1), 1.0)
+        celsius = {name: self.connection.heaters[name].celsius for name in self._heaters}
+        return Progress(
+            share + (to_share - share) * part,
+            layer + int((to_layer - layer) * part),
+            max(clock, 0) / self._hz,
+            self._heat_s,
+            celsius,
+        )
+
+    def _on_its_way(self, name: str) -> bool:
+        heater = self.connection.heaters[name]
+        return heater.target > 0 and not heater.settled and heater.fault is None
+
+    def _goes_on_without(self, name: str) -> bool:
+        return self._machine.heaters[name].on_fault == "heater"
+
+    def _heater_failed(self, name: str, fault: HeaterFault) -> None:
+        """A print goes on without a heater only if the machine file says so."""
+        if self._goes_on_without(name):
+            return
+        if self._machine.heaters[name].on_fault == "machine":
+            self.connection.emergency_stop()
+        for heater in self._heaters:
+            self.connection.set_target(heater, 0.0)
+        with suppress(MachineError):  # a board that was stopped says so
+            self.connection.run(self.connection.now + round(_SLICE_S * self._hz))
+        raise MachineError([fault.problem])
+
+    def _too_slow(self, heaters: list[str]) -> MachineError:
+        name = next(name for name in heaters if self._on_its_way(name))
+        heater = self.connection.heaters[name]
+        return MachineError.of(
+            "machine.slow-heater", axis=name, value=heater.celsius, limit=heater.target
+        )
+
+    def _fill(self, result: PrintResult) -> None:
+        machine, job = self._machine, self.job
+        links = [connection.link for connection in self.connection.connections]
+        spec = machine.core_spec()
+        result.heat_time_s = self._heat_s
+        axes, extruders = ([row["name"] for row in spec[key]] for key in ("axes", "extruders"))
+        result.take_plan(job, axes, extruders, machine)
+        result.take_steps(job, self._hz)
+        steppers = [row["name"] for row in spec["steppers"]]
+        result.steps = {s: self.board.steps(s) for s in steppers}
+        result.final_steps = {s: self.board.net_steps(s) for s in steppers}
+        result.queue_step_commands = sum(link.queue_steps for link in links)
+        result.wire_bytes = sum(link.wire_bytes for link in links)
+        result.stream_hash = "-".join(f"{link.stream_hash:016x}" for link in links)
+        result.errors = [
+            f"stepper {s}: the board made {result.final_steps[s]} net steps, expected {wanted}"
+            for s, wanted in result.net_steps_expected.items()
+            if result.final_steps[s] != wanted
+        ]
+
+    def _fill_cost(self, result: PrintResult, name: str) -> None:
+        result.warnings = self._commands.warnings(name)
+        result.warnings += [
+            str(f) for f in self.connection.faults if self._goes_on_without(f.heater)
+        ]
+        wire = self.connection.main.wire
+        board = self._wire_cpu_s * (wire.device_share if isinstance(wire, _core.Pump) else 0.0)
+        result.cpu_s = self.job.cpu() | {
+            "wire": self._wire_cpu_s - board,
+            "board": board,
+            "total": cpu_s(),
+        }
+        result.peak_rss_mb = peak_rss_mb()

@@ -1,0 +1,1 @@
+"""Prints of a served printer: from the card or a host."""

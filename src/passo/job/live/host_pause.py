@@ -1,0 +1,156 @@
+"""A print that a host sends stands aside: the nozzle leaves it, and comes back to the point."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
+
+from passo.errors import CommandError, PassoError
+from passo.job.live.park import Park
+from passo.printer.wait_requests import Procedure, Silence, Stopped
+
+if TYPE_CHECKING:
+    from passo.board.faults import HeaterFault
+    from passo.printer.printer import Printer
+
+RECENT_S = 10.0  # a machine that has stood for longer prints nothing
+
+
+class HostPause:
+    """The pauses of prints that hosts send to one printer; those from the card pause by
+    themselves."""
+
+    def __init__(self, printer: Printer) -> None:
+        self._printer = printer
+        self._park = Park(printer)
+        self._stopped = False
+        self._task: asyncio.Task[None] | None = None
+        printer.stop_listeners.append(self._stop)
+        printer.fault_listeners.append(self._heater_failed)
+
+    async def stand_by(
+        self,
+        text: str,
+        words: Mapping[str, float],
+        gone: Callable[[], bool] = lambda: False,
+        *,
+        rearms: bool = False,
+    ) -> None:
+        """Parks (`words`: see `Park.leave`), waits until a person goes on, and comes back. With the
+        turn, or with no line being taken in. Going on `rearms` the heaters that have failed, of
+        which `text` tells. Raises Stopped after a stop or a halt, and when the host is `gone`:
+        nobody would go on where the nozzle came back to."""
+        printer = self._printer
+        printer.tell("// action:pause")
+        if not printer.job.suspended:
+            printer.suspend_job()
+        try:
+            await self._leave_and_return(self._park, text, words, gone, rearms=rearms)
+        except BaseException:
+            if printer.job.suspended:
+                printer.job.forget_suspended()  # nobody will go on with it
+            raise
+        printer.resume_job()
+        printer.tell("// action:resume")
+
+    async def step_aside(
+        self,
+        files: Park,
+        text: str,
+        words: Mapping[str, float],
+        gone: Callable[[], bool] = lambda: False,
+    ) -> None:
+        """The same in the pause of a file, which goes on behind it: the nozzle leaves the place
+        where it stands, and comes back there. If not, the file's own `files` makes up for it."""
+        park = Park(self._printer, here=True)
+        try:
+            await self._leave_and_return(park, text, words, gone)
+        except BaseException:
+            files.owe(park)
+            raise
+
+    async def _leave_and_return(
+        self,
+        park: Park,
+        text: str,
+        words: Mapping[str, float],
+        gone: Callable[[], bool],
+        *,
+        rearms: bool = False,
+    ) -> None:
+        printer = self._printer
+        self._stopped = False
+        printer.person.ask(text)
+        try:
+            await park.leave(words)
+        except BaseException:
+            printer.person.answered()
+            raise
+        while True:
+            await self._answered(gone)
+            if rearms:
+                printer.rearm_failed()
+            try:
+                await park.come_back()
+                break
+            except CommandError as error:
+                printer.tell(f"echo:The print stays aside: {error}")
+                printer.waits.ended, rearms = False, True
+                printer.person.ask(f"{error} Go on with M108")
+        self._raise_if_stopped()
+
+    async def _answered(self, gone: Callable[[], bool]) -> None:
+        """Waits until a person who was asked goes on."""
+        printer = self._printer
+        try:
+            printer.tell("echo:busy: paused for user")
+            await printer.drive.until(lambda: printer.interrupted, idly=True)
+        finally:
+            printer.person.answered()
+        printer.raise_if_halted()
+        if gone():
+            self._stop("")
+        self._raise_if_stopped()
+
+    def _raise_if_stopped(self) -> None:
+        if self._stopped or not self._printer.job.suspended:
+            raise Stopped("it was stopped")
+
+    def _stop(self, _: str) -> None:
+        """M410, or a switch that was hit: there is nothing to come back to."""
+        self._stopped = True
+        if self._printer.job.suspended and not self._printer.busy():
+            self._printer.job.forget_suspended()
+
+    def _heater_failed(self, fault: HeaterFault) -> None:
+        """The heater's policy is to pause what is printed. Lines that are under way, such as one
+        that homes, end first; no other one is taken in."""
+        printer = self._printer
+        if printer.busy() or printer.halted or printer.aside:
+            return
+        if not printer.waits.busy and printer.drive.idle_s > RECENT_S:
+            printer.tell("// action:pause")
+            return
+        printer.aside = True
+        self._task = asyncio.get_running_loop().create_task(self._pause_after(fault))
+
+    async def _pause_after(self, fault: HeaterFault) -> None:
+        printer = self._printer
+        text = f"Heater {fault.heater} failed; mend it, then go on with M108, which rearms it"
+        try:
+            await printer.drive.until(
+                lambda: not printer.waits.busy or bool(printer.halted), idly=True
+            )
+            mended = printer.connection.heaters[fault.heater].fault is None  # in another pause
+            if not (printer.halted or mended):
+                printer.suspend_job()
+                pause = Procedure(lambda: self.stand_by(text, {}, rearms=True))
+                try:
+                    await printer.waits.wait(pause, Silence())
+                except Stopped:
+                    pass  # who has stopped it has been told
+                except PassoError as error:
+                    printer.halt(f"the print could not stand aside: {error}")
+        finally:
+            printer.aside = False

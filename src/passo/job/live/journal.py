@@ -1,0 +1,194 @@
+"""The journal of a print: enough, at any moment, to go on after everything has stopped."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import zlib
+from contextlib import suppress
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, Any, Self, cast
+
+from passo.job.durable_files import fsync_directory, replaced
+from passo.motion.axis_slots import slot_of_axis
+
+if TYPE_CHECKING:
+    from passo.job.live.runner import Reader
+    from passo.printer.printer import Printer
+
+_HEAD_BYTES = 1 << 16  # of the file, to know it again
+_LONGEST = 1 << 16  # bytes of a record; nothing that is longer is one
+_CHANGE = "change"  # key of a record that is none of a moment
+# Settings that what a program means depends on; heaters, drivers and times are the printer's own.
+_MEANING = re.compile("(?:M(?:92|20[0-9]|218|302|603)|SET_VELOCITY_LIMIT) ")
+
+
+Change = tuple[int, list[str]]  # bytes of the file, and the commands that act behind them
+
+
+def meaning(printer: Printer) -> list[str]:
+    """Commands for those of the printer's settings that decide what a program means."""
+    return [line for line in printer.settings() if _MEANING.match(line)]
+
+
+@dataclass(frozen=True, slots=True)
+class Program:
+    """The file that is printed: its path on the card, and what tells it from another one. Beside
+    that what it was begun with: commands for the printer's `settings`, stored or not, and for its
+    `modes`, and where all axes were, of the machine and, with E, of the program. `changes` are
+    those of both that consoles have made since, each with the bytes that were read before."""
+
+    machine: str
+    path: str
+    size: int
+    crc: int
+    settings: list[str] = field(default_factory=list[str], compare=False)
+    modes: list[str] = field(default_factory=list[str], compare=False)
+    machine_mm: list[float] = field(default_factory=list[float], compare=False)
+    program_mm: list[float] = field(default_factory=list[float], compare=False)
+    changes: list[Change] = field(default_factory=list[Change], compare=False)
+
+    @classmethod
+    def of(cls, machine: str, path: str, reader: Reader) -> Self:
+        """The program that `reader` reads, which stands at its beginning afterwards. Raises
+        CardError."""
+        reader.seek(0)
+        crc, left = 0, _HEAD_BYTES
+        while left and (piece := reader.read(left)):
+            crc, left = zlib.crc32(piece, crc), left - len(piece)
+        reader.seek(0)
+        return cls(machine, path, reader.size, crc)
+
+    def begun(self, printer: Printer) -> Self:
+        """It begins with what the printer has now."""
+        job, axes = printer.job, len(printer.machine.axes)
+        return replace(
+            self,
+            settings=meaning(printer),
+            modes=job.modes.split("\n"),
+            machine_mm=[job.machine_position[slot_of_axis(i)] for i in range(axes)],
+            program_mm=job.program_position,
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """How far a print is: the line whose move is under way at `print_s`, the Z of the machine then,
+    and what the file alone does not tell: `babysteps_mm` are those that consoles have sent, by
+    axis; `overrides` are speed, flows and fans as they were when the print began, or as consoles
+    have set them since (see Overrides). Line 0: no move yet."""
+
+    line: int
+    print_s: float
+    z_mm: float = 0.0
+    targets_c: dict[str, float] = field(default_factory=dict[str, float])
+    overrides: dict[str, tuple[int, float]] = field(default_factory=dict[str, tuple[int, float]])
+    babysteps_mm: dict[str, float] = field(default_factory=dict[str, float])
+    origins: dict[str, int] = field(default_factory=dict[str, int])  # see Positions.origins
+
+
+class Journal:
+    """One print's journal in a directory. Each line of the file carries its own checksum, so what a
+    power cut has torn is seen and left out. Raises OSError."""
+
+    def __init__(self, directory: Path) -> None:
+        self.path = directory / "journal"
+        self._file: IO[bytes] | None = None
+
+    @property
+    def open(self) -> bool:
+        """A print is being recorded."""
+        return self._file is not None
+
+    def begin(self, program: Program, moment: Moment) -> None:
+        """A print begins, or goes on: what was recorded before is replaced at once. Durable when it
+        returns; if it raises, there is nothing to go on with, for the print before is over."""
+        self.leave()
+        file: IO[bytes] | None = None
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            with replaced(self.path) as new:
+                file = new.open("wb")  # goes on under its final name
+                file.write(_line(asdict(replace(program, changes=[]))))
+                file.writelines(_line({_CHANGE: change}) for change in program.changes)
+                file.write(_line(asdict(moment)))
+                file.flush()
+        except OSError:
+            if file is not None:
+                _close(file)
+            self.end()
+            raise
+        self._file = file
+
+    def record(self, moment: Moment) -> None:
+        """Durable when it returns."""
+        self._append(asdict(moment))
+
+    def record_change(self, change: Change) -> None:
+        """The same for what a console has set."""
+        self._append({_CHANGE: change})
+
+    def _append(self, content: dict[str, Any]) -> None:
+        assert self._file is not None
+        self._file.write(_line(content))
+        self._file.flush()
+        os.fsync(self._file.fileno())
+
+    def end(self) -> None:
+        """The print is over: there is nothing to go on with. Durable when it returns."""
+        self.leave()
+        if self.path.exists():
+            self.path.unlink()
+            fsync_directory(self.path.parent)
+
+    def leave(self) -> None:
+        """Records no more, and keeps what was recorded."""
+        if self._file is not None:
+            _close(self._file)
+            self._file = None
+
+    def read(self) -> tuple[Program, Moment] | None:
+        """The print that was interrupted, and how far it was; None if there is none that can be
+        read."""
+        program: Program | None = None
+        moment: Moment | None = None
+        try:
+            with self.path.open("rb") as file:
+                while content := _checked(file.readline(_LONGEST)):
+                    if program is None:
+                        program = Program(**content)
+                    elif _CHANGE in content:
+                        offset, lines = content[_CHANGE]
+                        program.changes.append((int(offset), [str(line) for line in lines]))
+                    else:
+                        moment = Moment(**content)
+                        tuples = {n: (int(at), v) for n, (at, v) in moment.overrides.items()}
+                        moment = replace(moment, overrides=tuples)
+        except (OSError, TypeError, ValueError, AttributeError):
+            pass  # what stands before the damage holds
+        return (program, moment) if program and moment else None
+
+
+def _line(content: dict[str, Any]) -> bytes:
+    text = json.dumps(content, separators=(",", ":")).encode()
+    return b"%08x %s\n" % (zlib.crc32(text), text)
+
+
+def _close(file: IO[bytes]) -> None:
+    """What a full disk did not take is lost, and was told when it was written."""
+    with suppress(OSError):
+        file.close()
+
+
+def _checked(line: bytes) -> dict[str, Any] | None:
+    """The content of a line that is whole."""
+    crc, _, text = line.removesuffix(b"\n").partition(b" ")
+    try:
+        if int(crc, 16) != zlib.crc32(text):
+            return None
+        content = json.loads(text)
+    except ValueError:
+        return None
+    return cast("dict[str, Any]", content) if isinstance(content, dict) else None

@@ -1,0 +1,119 @@
+"""What a print obeys, as far as its file alone does not tell it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from passo.gcode.command import Command
+from passo.job.live.journal import Change, meaning
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from passo import _core
+    from passo.job.live.runner import Runner
+    from passo.printer.commands.program import Commands
+    from passo.printer.printer import Printer
+    from passo.printer.wait_requests import Reply
+
+_SET_BY = ("M106", "M107", "M220", "M221")
+
+
+def overrides_of(job: _core.Job, commands: Commands) -> dict[str, float]:
+    """What holds for what is read next, each a factor: "speed", "flow" with the extruder's number,
+    "fan" with its name."""
+    flows = {f"flow {extruder}": flow for extruder, flow in enumerate(job.flows)}
+    fans = {f"fan {name}": commands.fans.get(name, 0.0) for name in commands.commanded_fans}
+    return {"speed": job.speed_factor, **flows, **fans}
+
+
+def override(job: _core.Job, commands: Commands, name: str, factor: float) -> None:
+    """Sets one of them, for what is read next. What the machine does not have is left alone."""
+    what, _, which = name.partition(" ")
+    if what == "speed":
+        job.set_speed_factor(factor)
+    elif what == "flow" and int(which) < len(job.flows):
+        job.set_flow(int(which), factor)
+    elif what == "fan" and which in commands.commanded_fans:
+        commands.set_output(which, factor)
+
+
+class Overrides:
+    """Those that hold when the print from the card begins, and what consoles set since; each with
+    the bytes of the file that were read before. What the file itself sets is read again there."""
+
+    def __init__(self, printer: Printer, runner: Runner) -> None:
+        self._printer, self._runner = printer, runner
+        self._seen: dict[str, float] = {}
+        self.held: dict[str, tuple[int, float]] = {}
+        printer.command_listeners.append(self._carried_out)
+
+    def begin(self) -> None:
+        """A print begins, or goes on after an interruption."""
+        self._seen = self._now()
+        offset = self._runner.offset
+        self.held = {name: (offset, factor) for name, factor in self._seen.items()}
+
+    def _now(self) -> dict[str, float]:
+        return overrides_of(self._printer.job, self._printer.commands)
+
+    def _carried_out(self, command: Command, reply: Reply) -> None:
+        if not self._runner.active or command.code not in _SET_BY:
+            return
+        before, self._seen = self._seen, self._now()
+        if self._runner.printing_from(reply):
+            return
+        offset = self._runner.offset
+        changed = {n: (offset, x) for n, x in self._seen.items() if x != before.get(n)}
+        self.held = self.held | changed
+
+
+class Settings:
+    """Settings and modes that consoles change beside a print from the card: each such line is told
+    to `changed`, while `watched`, as commands for what holds behind it."""
+
+    def __init__(
+        self,
+        printer: Printer,
+        runner: Runner,
+        watched: Callable[[], bool],
+        changed: Callable[[Change], None],
+    ) -> None:
+        self._printer, self._runner = printer, runner
+        self._watched, self._changed = watched, changed
+        self._seen: list[str] = []
+        printer.line_listeners.append(self._line)
+        printer.command_listeners.append(self._carried_out)
+
+    def begin(self) -> None:
+        """A print begins, or goes on: what holds now is not to be told."""
+        self._seen = self._now()
+
+    def held(self) -> Change:
+        """All that holds now."""
+        return self._change(self._now())
+
+    def _now(self) -> list[str]:
+        return meaning(self._printer) + self._printer.job.modes.split("\n")[1:]
+
+    def _line(self, done: bool) -> None:
+        if not self._watched():
+            return
+        before, self._seen = self._seen, self._now()
+        # Modes of a pause end with it.
+        now = meaning(self._printer) if self._printer.job.suspended else self._seen
+        new = [line for line in now if line not in before]
+        if done and new:
+            self._tell(new)
+
+    def _carried_out(self, command: Command, reply: Reply) -> None:
+        """M302 does not wait for the turn of its line."""
+        if command.code == "M302" and self._watched() and not self._runner.printing_from(reply):
+            self._tell([line for line in meaning(self._printer) if line.startswith("M302 ")])
+
+    def _tell(self, lines: list[str]) -> None:
+        self._changed(self._change(lines))
+
+    def _change(self, lines: list[str]) -> Change:
+        units = self._printer.job.modes.split("\n")[-1]
+        return self._runner.offset, ["G21", *lines, units]

@@ -1,0 +1,167 @@
+"""Out of the way while a print is paused, and back to the very point."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+from passo import _core
+from passo.config.machine import MachineConfig
+from passo.config.motor_roles import axis_order
+from passo.errors import CommandError
+from passo.motion.axis_slots import E, X, Y, Z, slot_of_axis
+from passo.motion.travel import go_back
+from passo.printer.wait_requests import Silence, Temperatures
+
+if TYPE_CHECKING:
+    from passo.printer.printer import Printer
+
+
+def check_words(words: Mapping[str, float], machine: MachineConfig) -> None:
+    """Raises CommandError for a word of M600, see `Park.leave`, that is not within the limits of
+    this machine, or of what M701 pushes at once."""
+    z = machine.axes["z"]
+    longest = {"Z": z.max_mm - z.min_mm} | dict.fromkeys("ELU", _core.LONGEST_CHANGE_MM)
+    ranges = {letter: (-mm, mm) for letter, mm in longest.items()}
+    ranges |= {a.upper(): (machine.axes[a].min_mm, machine.axes[a].max_mm) for a in "xy"}
+    for letter, (low, high) in ranges.items():
+        if letter in words and not low <= words[letter] <= high:
+            raise CommandError.bad_value(letter, words[letter], f"{low:g} to {high:g} mm")
+
+
+class Park:
+    """Lifts the nozzle, takes the filament back a little and goes to the machine's parking place,
+    while the print stands aside. Its methods are called with the turn, the job being suspended.
+    It comes back to where the print was left, or, with `here`, to where the nozzle stands when it
+    leaves."""
+
+    def __init__(self, printer: Printer, *, here: bool = False) -> None:
+        self._printer, self._here = printer, here
+        self._left: list[float] | None = None  # where it stood, with `here`
+        self._away = False
+        self._warm = False  # filament could move when the print was left
+        self._retracted_mm = 0.0
+        self.owed_mm = 0.0  # of filament that others have taken back in this pause
+        self._load_mm = 0.0
+        axes = printer.machine.axes
+        order = enumerate(axis_order(axes))
+        self._places = {i: slot_of_axis(i) for i, name in order if not axes[name].extruder}
+        self._celsius: float | None = None
+
+    async def leave(self, words: Mapping[str, float] = MappingProxyType({})) -> None:
+        """To the parking place; without one, or if an axis does not know where it is, nowhere.
+        Words of M600 take the place of the machine's: E takes filament back and Z lifts by so many
+        mm, X and Y are the place; U unloads so many mm there, and L loads so many before it comes
+        back, with the hotend at S, °C."""
+        printer = self._printer
+        park = printer.machine.park
+        self._away = False
+        self._warm = printer.can_extrude() and not printer.cooled_c  # that has been read rightly
+        self._celsius = words.get("S")
+        self._left = printer.job.machine_position if self._here else None
+        if park is None or printer.job.locked_axes:
+            return
+        await printer.drive.until(lambda: printer.drive.standing or bool(printer.halted))
+        printer.raise_if_halted()
+        if not printer.job.suspended:
+            return  # cancelled meanwhile
+        self._take_tool()
+        drive, at = printer.drive, self._place()
+        extrudes = printer.can_extrude()
+        self._retracted_mm = abs(words.get("E", park.retract_mm)) if extrudes else 0.0
+        self._load_mm = abs(words.get("L", 0.0))
+        lift_mm = abs(words.get("Z", park.raise_mm))
+        top = printer.machine.axes["z"].max_mm
+        self._away = True
+        self._push(-self._retracted_mm, park.retract_mm_s)
+        drive.move({Z: min(at[Z] + lift_mm, max(top, at[Z]))}, math.inf)
+        place = dict(zip((X, Y), park.position_mm or (), strict=False))
+        place |= {slot: words[letter] for slot, letter in ((X, "X"), (Y, "Y")) if letter in words}
+        if place and not drive.move(place, park.speed_mm_s):
+            printer.tell(f"echo:The nozzle stays over the print: {printer.commands.problem()}")
+        if extrudes:
+            self._push(-abs(words.get("U", 0.0)), _core.UNLOAD_MM_S)
+        await self._still()
+
+    def owe(self, other: Park) -> None:
+        """What another has taken back in this pause, and did not come back from, comes back with
+        this one."""
+        if other._away:
+            self.owed_mm += other._retracted_mm
+
+    def _take_tool(self) -> None:
+        """That of the print; none other leaves from `here` than the one that is in use."""
+        if not self._here:
+            self._printer.take_stopped_tool()
+
+    def _place(self) -> list[float]:
+        """Where it comes back to, machine mm."""
+        return self._left or self._printer.job.stop_position
+
+    def _push(self, mm: float, speed_mm_s: float) -> None:
+        """So much filament out of the nozzle."""
+        if mm:
+            at = self._printer.job.machine_position[E]
+            self._printer.drive.move({E: at + mm}, speed_mm_s)
+
+    async def come_back(self) -> None:
+        """To that place, over it first and then down. A babystep meanwhile moves where the print
+        was left, also where there is no parking. Raises CommandError if a heater fails, or is off,
+        or arms do not reach it from where they are; it may be tried again."""
+        printer = self._printer
+        park = printer.machine.park
+        if self._celsius is not None:
+            await self._reach(self._celsius)
+        await self._still()
+        printer.raise_if_halted()
+        job = printer.job
+        if job.suspended:
+            self._take_tool()
+            await printer.warm_again()
+            await self._melt()
+        if self._away and job.suspended and printer.can_extrude():
+            self._push(self._load_mm, _core.LOAD_MM_S)
+            self._load_mm = 0.0
+        at: list[float] | None = None
+        while job.suspended and at != self._place():
+            at = self._place()
+            # Axes that do not know where they are stay. Homing that failed has moved them.
+            unknown = job.locked_axes
+            job.set_axes([(i, at[self._places[i]]) for i in unknown])
+            for i in unknown:
+                job.lock_axis(i, True)
+            place = {slot: at[slot] for i, slot in self._places.items() if i not in unknown}
+            if not go_back(printer, place, park.speed_mm_s if park else math.inf):
+                raise CommandError([printer.commands.problem()])
+            if park is not None and printer.can_extrude():
+                mm = self.owed_mm + (self._retracted_mm if self._away else 0.0)
+                self._push(mm, park.retract_mm_s)
+            self._away, self.owed_mm = False, 0.0
+            await self._still()
+
+    async def _melt(self) -> None:
+        """What could push filament when it was left waits until it can again: what is planned is
+        not asked. Raises CommandError where nobody heats its hotend."""
+        printer = self._printer
+        if not self._warm or not printer.job.suspended or printer.can_extrude():
+            return
+        hotend = printer.commands.heater("hotend")
+        if printer.connection.heaters[hotend].target > 0:
+            await printer.waits.wait(Temperatures((hotend,)), Silence())
+        if printer.job.suspended and not printer.can_extrude():
+            raise CommandError.of("input.cold")
+
+    async def _reach(self, celsius: float) -> None:
+        """The new filament's temperature, for the hotend of the tool in use."""
+        printer = self._printer
+        hotend = printer.commands.heater("hotend")
+        printer.set_target(hotend, celsius, at_once=True)
+        await printer.waits.wait(Temperatures((hotend,), cooling=True), Silence())
+        self._celsius = None
+
+    async def _still(self) -> None:
+        printer = self._printer
+        printer.drive.flush()
+        await printer.drive.until(lambda: printer.drive.standing or bool(printer.halted))

@@ -1,0 +1,183 @@
+"""The beginning of a program, read for where it leaves the machine."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import TYPE_CHECKING
+
+from passo import _core
+from passo.config.motor_roles import axis_order
+from passo.errors import InputError
+from passo.gcode.command import Command, numeral
+from passo.job.batch.program import Settle, at_rest, read_program
+from passo.job.live.journal import Program
+from passo.job.live.overrides import override
+from passo.job.live.runner import Reader
+from passo.printer.commands.program import Commands
+from passo.printer.wait_requests import Homing, Wait
+
+if TYPE_CHECKING:
+    from passo.printer.printer import Printer
+
+_CHUNK = 1 << 16
+# Settings of the printer that no plan has. They mean the same whichever tool is in use.
+_OF_PRINTER = (
+    *("M85", "M145", "M301", "M302", "M304", "M305", "M306", "M540", "M569", "M906"),
+    *("M18", "M84"),  # with S
+)
+
+
+class _Observed(Commands):
+    """Commands of a plan, each shown to `observer` first."""
+
+    observer: Callable[[Command], None] | None = None
+
+    def run(self, command: Command) -> Wait | None:
+        """See `Commands.run`."""
+        if self.observer is not None:
+            self.observer(command)
+        return super().run(command)
+
+
+class Past:
+    """The beginning of a program, `end` bytes of it, read without motion with the settings that the
+    printer has, what else it was begun with, and what consoles have changed: where the machine is
+    then (`job`), and in which state the program. `settings` are commands for what it has set of the
+    printer, other than offsets of axes: `homed_mm` as they were when it homed, `home_offset_mm`
+    those at its end. Raises CardError."""
+
+    def __init__(
+        self,
+        printer: Printer,
+        program: Program,
+        reader: Reader,
+        end: int,
+        overrides: dict[str, tuple[int, float]],
+    ) -> None:
+        self._printer, self._reader, self._end = printer, reader, end
+        machine = printer.machine
+        self.job = job = _core.Job(machine.core_spec(), False, False, False)
+        self.commands = _Observed.of_plan(machine, job)
+        self.commands.take_tool_temperatures(printer.commands)
+        self.settings: list[str] = []
+        self.home_offset_mm = dict(printer.motion.home_offset_mm)
+        self.homed_mm = dict(self.home_offset_mm)
+        self._known = set[str]()  # axes that have homed, and have not been off since
+        self._set_up(program)
+        self.commands.observer = self._observe
+        rest = at_rest(job)
+
+        def settle(wait: Wait) -> None:
+            if isinstance(wait, Homing):
+                self._home(wait.letters)
+            else:
+                rest(wait)
+
+        pieces = self._pieces(
+            [
+                *(
+                    (at, partial(override, job, self.commands, n, x))
+                    for n, (at, x) in overrides.items()
+                ),
+                *((at, partial(self._take, *lines)) for at, lines in program.changes),
+            ]
+        )
+        while not self._read(pieces, settle):
+            pass
+
+    def _read(self, pieces: Iterator[bytes], settle: Settle) -> bool:
+        """To the end; False if a line fails. The print was stopped there, and has gone on behind
+        it."""
+        try:
+            for _ in read_program(self.job, self.commands, pieces, "", settle):
+                pass
+        except InputError:
+            self.job.abandon()
+            return False
+        return True
+
+    def _set_up(self, program: Program) -> None:
+        """The printer's settings, as far as they concern what a program means, and what else this
+        one was begun with."""
+        job = self.job
+        for tool, offset in enumerate(self._printer.job.tool_offsets):
+            for axis, mm in enumerate(offset):
+                job.set_tool_offset(tool, axis, mm)
+        letters = [name.upper() for name in axis_order(self._printer.machine.axes)]
+        zero = zip([*letters, "E"], program.program_mm, strict=False)
+        words = " ".join(letter + numeral(mm) for letter, mm in zero)
+        places = [f"G92 {words}"] if words else []  # alone it would set all to 0
+        self._take(*self._printer.settings(), *program.modes, "G21")
+        job.set_axes(list(enumerate(program.machine_mm)))
+        self._take(*places, *program.modes[-1:])  # again in its own units
+
+    def _take(self, *lines: str) -> None:
+        job = self.job
+        job.select(True)
+        for line in lines:
+            job.feed(line.encode() + b"\n")
+            while job.advance() == _core.JobStatus.EVENT:
+                self.commands.run(Command(*job.event))
+        job.select(False)
+
+    def _pieces(self, changes: list[tuple[int, Callable[[], None]]]) -> Iterator[bytes]:
+        """The text, and each change by a console when what stood before it has been read. One that
+        was made while more had been read ahead acted on all that was not printed yet."""
+        self._reader.seek(0)
+        at = 0
+        for offset, make in sorted(changes, key=lambda change: change[0]):
+            until = min(offset, self._end)
+            yield from self._next(until - at)
+            at = until
+            make()
+        yield from self._next(self._end - at)
+
+    def _next(self, size: int) -> Iterator[bytes]:
+        while size > 0 and (data := self._reader.read(min(_CHUNK, size))):
+            size -= len(data)
+            yield data
+
+    def _observe(self, command: Command) -> None:
+        """Settings that only a printer has, not a plan. Raises CommandError."""
+        words, motion, job = command.words(), self._printer.motion, self.job
+        if command.code == "M206":
+            self.home_offset_mm |= motion.home_offsets(words)
+        elif command.code == "M218":
+            tool, offsets = motion.tool_offset(words, job.tool)
+            for axis, mm in offsets.items():
+                job.set_tool_offset(tool, "XYZ".index(axis), mm)
+                self.settings.append(f"M218 T{tool} {axis}{numeral(mm)}")
+        elif command.code == "M92":
+            own = "E" in words and "T" not in words and len(self._printer.machine.extruders) > 1
+            self.settings.append(f"M92 {command.text}" + (f" T{job.tool}" if own else ""))
+        elif command.code in ("M18", "M84") and "S" not in words:
+            motors = self._printer.motors
+            self._known -= motors.axes_lost(motors.named(command.text))
+        elif command.code in _OF_PRINTER and words:
+            self.settings.append(f"{command.code} {command.text}")
+
+    def _home(self, letters: str) -> None:
+        job, machine = self.job, self._printer.machine
+        job.flush()
+        if not machine.homing:
+            job.settle_position()
+            return
+        job.abandon()
+        known = self._printer.homer.axes <= self._known
+        goes_back = "B" in letters and "b" not in machine.axes and known
+        only_lost = "O" in letters and machine.unhomed_moves == "refuse"
+        names = {n for n in "xyz" if n.upper() in letters} or set("xyz")
+        if only_lost:
+            names -= self._known
+        if names & set(machine.axes_of_arms):
+            names |= set(machine.axes_of_arms)
+        self._known |= names
+        offsets = {n: mm for n, mm in self.home_offset_mm.items() if n in names}
+        self.homed_mm |= offsets
+        if goes_back:
+            return
+        point = machine.home_point
+        job.set_axes(
+            [(i, point[i] + offsets.get(n, 0.0)) for i, n in enumerate("xyz") if n in names]
+        )

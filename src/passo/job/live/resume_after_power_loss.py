@@ -1,0 +1,145 @@
+"""Going on with a print after everything has stopped: reach the place, warm, and read on there."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from passo._core import Within
+from passo.errors import CommandError
+from passo.job.live.journal import Moment, Program
+from passo.job.live.line_offsets import offset_of_line
+from passo.job.live.preamble_scan import Past
+from passo.job.live.runner import Reader
+from passo.motion.axis_slots import E, X, Y, Z
+from passo.motion.travel import go_over
+from passo.printer.input_errors import problem_of
+from passo.printer.wait_requests import Silence, Temperatures
+
+if TYPE_CHECKING:
+    from passo.printer.printer import Printer
+
+
+class Recovery:
+    """One interrupted print, of a printer that stands and knows nothing. To be run by who has the
+    turn; raises CommandError, MachineError, Stopped."""
+
+    def __init__(self, printer: Printer, program: Program, moment: Moment, reader: Reader) -> None:
+        self._printer, self._program = printer, program
+        self._moment, self._reader = moment, reader
+        if Program.of(program.machine, program.path, reader) != program:
+            raise CommandError.of("job.other-file", program.path)
+        machine = printer.machine
+        wanted = {f"heater {n}" for n, c in moment.targets_c.items() if c > 0}
+        wanted |= {
+            n for n, (_, share) in moment.overrides.items() if n.startswith("fan ") and share > 0
+        }
+        wanted -= {f"heater {n}" for n in machine.heaters} | {f"fan {n}" for n in machine.fans}
+        if wanted:
+            raise CommandError.of("job.no-part", program.path, value=", ".join(sorted(wanted)))
+
+    async def run(self) -> int:
+        """Brings the machine to where the print goes on; returns the offset to read from."""
+        printer = self._printer
+        for line in self._program.settings:
+            printer.take_setting(line, Silence())
+        if self._moment.line == 0:
+            for line in self._program.modes:
+                printer.take_setting(line, Silence())
+            return 0
+        offset = offset_of_line(self._reader, self._moment.line)
+        past = Past(printer, self._program, self._reader, offset, self._moment.overrides)
+        state = past.job
+        for axis, mm in self._moment.babysteps_mm.items():
+            if not state.shift("xyz".index(axis), mm):
+                raise CommandError(
+                    [problem_of(state, self._program.path, printer.machine.geometry)]
+                )
+        state.flush()
+        at = state.machine_position
+        for line in past.settings:
+            printer.take_setting(line, Silence())
+        printer.motion.home_offset_mm |= past.homed_mm
+        await self._lift_and_home()
+        printer.motion.home_offset_mm |= past.home_offset_mm
+        await self._warm(past.commands.fans)
+        if state.tool != printer.job.tool:
+            printer.take_setting(f"T{state.tool}", Silence())  # its nozzle is filled
+        await self._approach(at)
+        printer.job.adopt(state)
+        printer.commands.follow_tool()
+        printer.commands.take_tool_temperatures(past.commands)
+        printer.job.set_speed_factor(state.speed_factor)
+        printer.commands.speed.kept = past.commands.speed.kept
+        printer.motion.babysteps_mm |= self._moment.babysteps_mm
+        return offset
+
+    async def _lift_and_home(self) -> None:
+        """Up first, and no more if the board knows where it stands. A machine whose Z is moved
+        alone keeps it, and homes the others; one whose arms move together homes upwards. What has
+        homed since it was interrupted, or an earlier try has placed, is where the printer says."""
+        printer, machine = self._printer, self._printer.machine
+        raise_mm = machine.park.raise_mm if machine.park else 0.0
+        if printer.positions.restore(self._moment.origins):
+            z = printer.job.machine_position[Z]
+            top = max(machine.axes["z"].max_mm, z)
+            if printer.drive.move({Z: min(z + raise_mm, top)}, math.inf):
+                printer.drive.flush()
+            return
+        if machine.geometry.lifts_together:
+            await printer.homer.home("")
+            return
+        known = printer.positions.known
+        offset_mm, was_mm = printer.motion.home_offset_mm["z"], printer.homer.offset_mm
+        z = self._moment.z_mm
+        if "z" in known:  # the program counts from where it has homed itself
+            z = printer.job.machine_position[Z] + offset_mm - was_mm.get("z", offset_mm)
+        printer.job.set_axes([(Z, z)])
+        known.add("z")
+        was_mm["z"] = offset_mm
+        z = printer.job.machine_position[Z]
+        await self._go({Z: min(z + raise_mm, max(machine.axes["z"].max_mm, z))}, math.inf)
+        if not machine.homing:
+            if not known.issuperset("xy"):
+                point = machine.home_point
+                printer.job.set_axes([(axis, point[axis]) for axis in (X, Y)])
+                known.update("xy")
+            return
+        await printer.homer.home("XY")
+
+    async def _warm(self, fans: dict[str, float]) -> None:
+        printer = self._printer
+        hot = tuple(n for n, celsius in self._moment.targets_c.items() if celsius > 0)
+        for name in printer.heaters:
+            target = self._moment.targets_c.get(name, 0.0)
+            printer.set_target(name, target, at_once=True)
+        await printer.waits.wait(Temperatures(hot), Silence())
+        printer.raise_if_interrupted()
+        for fan in printer.commands.commanded_fans:
+            printer.set_fan(fan, fans.get(fan, 0.0))
+
+    async def _approach(self, at: list[float]) -> None:
+        """Over the place, a little filament to fill the nozzle, and down."""
+        park = self._printer.machine.park
+        speed = park.speed_mm_s if park else math.inf
+        if self._printer.machine.axes_of_arms == ("x", "y"):
+            await self._printer.homer.swing(at[X], at[Y])
+        else:
+            place = {X: at[X], Y: at[Y], Z: at[Z]}
+            await self._arrive(reached=go_over(self._printer, place, speed))
+        if park and park.prime_mm > 0 and self._printer.can_extrude():
+            e = self._printer.job.machine_position[E]
+            await self._go({E: e + park.prime_mm}, park.prime_mm_s)
+        await self._go({Z: at[Z]}, math.inf)
+
+    async def _go(self, target: dict[int, float], speed_mm_s: float) -> None:
+        reached = self._printer.drive.move(target, speed_mm_s, Within.REACH)
+        await self._arrive(reached=reached)
+
+    async def _arrive(self, *, reached: bool) -> None:
+        printer = self._printer
+        if not reached:
+            raise CommandError.of("job.other-file", self._program.path)
+        printer.drive.flush()
+        await printer.drive.until(lambda: printer.drive.standing or printer.interrupted)
+        printer.raise_if_interrupted()

@@ -1,0 +1,531 @@
+"""A file on its way through the printer: start, pause, resume, cancel."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Generator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from enum import Enum
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Protocol
+
+from passo import _core
+from passo.config.motor_roles import axis_order
+from passo.errors import CardError, CommandError, InputError, PassoError, Problem
+from passo.gcode.command import Command
+from passo.job.live.line_offsets import line_of_offset
+from passo.job.live.park import Park
+from passo.motion.motion_queue import TICK_S
+from passo.printer.input_errors import problem_of
+from passo.printer.wait_requests import Person, Reply, Stopped, Temperatures, Wait
+
+if TYPE_CHECKING:
+    from passo.printer.printer import Printer
+
+_CHUNK = 1 << 14  # bytes read at a time
+_AHEAD_S = 4.0  # of planned print time in one stretch
+_MOST_MESSAGES = 4096  # and so many for the board
+
+
+class Reader(Protocol):
+    """An open file to print."""
+
+    size: int
+
+    def read(self, size: int, /) -> bytes:
+        """The next bytes; empty at the end. Raises PassoError."""
+        ...
+
+    def seek(self, offset: int, /) -> int:
+        """The next read begins here."""
+        ...
+
+    def tell(self) -> int:
+        """Where the next read begins."""
+        ...
+
+    def close(self) -> None:
+        """No more reads."""
+
+
+class State(Enum):
+    """What becomes of the selected file."""
+
+    NONE = "no file is selected"
+    READY = "a file is selected"
+    PRINTING = "printing"
+    PAUSED = "paused"
+
+
+class Runner:
+    """Prints one file at a time, with all consoles alive beside it. To be used within the printer's
+    event loop. `reply` hears what the file's commands answer."""
+
+    def __init__(self, printer: Printer, reply: Reply) -> None:
+        self._printer, self._reply = printer, reply
+        self.park = Park(printer)
+        self._park_words: Mapping[str, float] = {}
+        self._reader: Reader | None = None
+        self._task: asyncio.Task[None] | None = None
+        self._resumed = asyncio.Event()
+        self.first_line = 1  # number of the first line fed
+        self._begin = 0  # offset of the first byte fed since the source was restarted
+        self._returns = False  # a pause is over, its end is still to be done
+        self._waits_for: Wait | None = None  # what the last command waits for, if that is not over
+        self._parked = False
+        self._locked = set[int]()  # axes that did not know where they are when it began
+        self._again = False  # to be started as soon as the last print has ended
+        self._failed = ""
+        self._left = False  # a print that failed could be gone on with
+        self._kept = False  # nobody else may select, rewind or start a file
+        self._pauses = False  # what is kept is to pause as soon as it goes on
+        self._state = State.NONE
+        self.watchers: list[Callable[[State], None]] = []
+        self.name = self.path = ""
+        self.ended = ""  # done, cancelled or failed: the last print
+        printer.busy = lambda: self.active
+        printer.lateness.program = lambda: self.name if self.active else ""
+        printer.stop_listeners.append(self._stopped)
+        printer.fault_listeners.append(lambda _: self.pause())
+
+    @property
+    def state(self) -> State:
+        """What becomes of the selected file."""
+        return self._state
+
+    @state.setter
+    def state(self, state: State) -> None:
+        if state is not self._state:
+            self._state = state
+            for watcher in self.watchers:
+                watcher(state)
+
+    # -- what may be asked ------------------------------------------------------------------------
+
+    @property
+    def reader(self) -> Reader | None:
+        """The selected file."""
+        return self._reader
+
+    @property
+    def size(self) -> int:
+        """Bytes of the selected file."""
+        return self._reader.size if self._reader else 0
+
+    @property
+    def offset(self) -> int:
+        """Bytes of it that were read and planned."""
+        with self._printer.file_selected() as job:
+            return self._begin + job.offset
+
+    @property
+    def progress(self) -> float | None:
+        """Share of the print that is done; None if none is under way."""
+        return self.offset / self.size if self.active and self.size else None
+
+    def printing_from(self, reply: Reply) -> bool:
+        """Whether a command comes from the file that is printed."""
+        return self.state is State.PRINTING and reply is self._reply
+
+    @property
+    def active(self) -> bool:
+        """A print is under way, or paused."""
+        return self.state in (State.PRINTING, State.PAUSED)
+
+    @property
+    def engaged(self) -> bool:
+        """A print is under way, paused, or about to be gone on with."""
+        return self.active or self._kept
+
+    @property
+    def over(self) -> bool:
+        """No print is under way, paused, or failed and to be gone on with."""
+        return not (self.engaged or self._left)
+
+    @property
+    def stands(self) -> bool:
+        """A line has failed, or the card, in the midst of the print, which goes on behind it."""
+        return self._left and self.offset > 0
+
+    # -- what may be done -------------------------------------------------------------------------
+
+    def select(self, name: str, path: str, reader: Reader) -> None:
+        """The file to print next, and its path on the card. Raises CommandError while one is
+        printed."""
+        self._refuse_if_active()
+        self._again = False
+        if self._reader:
+            self._reader.close()
+        self._left = False
+        self.name, self.path, self._reader = name, path, reader
+        self.state = State.READY
+        self._rewind(0)
+
+    def release(self) -> None:
+        """No file is selected any more. Raises CommandError while one is printed."""
+        self._refuse_if_active()
+        self._again = False
+        if self._reader:
+            self._reader.close()
+        self._left = False
+        self.name, self.path, self._reader = "", "", None
+        self.state = State.NONE
+
+    def exchange(self, reader: Reader) -> None:
+        """The same file, of a card that was mounted anew, is read on from where it stands."""
+        assert self._reader is not None
+        reader.seek(self._reader.tell())
+        self._reader.close()
+        self._reader = reader
+
+    def seek(self, offset: int) -> None:
+        """The next start begins at this byte. Raises CommandError, and CardError."""
+        self._refuse_if_active()
+        self._seek(offset)
+
+    def _seek(self, offset: int) -> None:
+        if self._reader is None:
+            raise CommandError.of("job.no-file")
+        offset = min(max(offset, 0), self._reader.size)
+        self._rewind(offset, line_of_offset(self._reader, offset))
+
+    @contextmanager
+    def keep(self) -> Generator[Callable[[int], None]]:
+        """The selected file stays as it is while the machine is brought to where it goes on; yields
+        what seeks that byte."""
+        self._refuse_if_active()
+        self._kept, self._pauses = True, False
+        try:
+            yield self._seek
+        except BaseException:
+            self._pauses = False
+            raise
+        finally:
+            self._kept = False
+
+    def start(self) -> None:
+        """Starts the selected file where it stands, or ends a pause. Raises CommandError."""
+        if self.state is State.PAUSED:
+            if self._returns:
+                self._require_places()
+            self.state = State.PRINTING
+            self._resumed.set()
+            return
+        if self._kept and self._pauses:
+            self._pauses = False
+            return
+        self._refuse_if_active()
+        if self._reader is None:
+            raise CommandError.of("job.no-file")
+        if 0 < self.size <= self.offset and not self._left:
+            raise CommandError.of("job.at-end", value=self.name)
+        self._again = self._task is not None and not self._task.done()
+        if self._again:
+            return  # when the one that was just cancelled has let go of the machine
+        self._failed = ""
+        self._returns = False
+        self._waits_for = None
+        # The task is there before anybody hears of it, and runs when all have.
+        task = asyncio.get_running_loop().create_task(self._print())
+        task.add_done_callback(self._over)
+        self._task = task  # the loop alone would not keep it
+        self._resumed.clear()
+        self._left = False
+        self.state = State.PRINTING
+        if self._pauses:
+            self._pauses = False
+            self.pause(self._park_words)
+
+    def pause(self, words: Mapping[str, float] = MappingProxyType({})) -> None:
+        """Brakes to a stop on the path at once; `start` goes on from there. `words` tell how to
+        park, see `Park.leave`. What is brought to where it goes on pauses as soon as it is there.
+        """
+        self._again = False
+        if self._kept and not self._pauses:
+            self._pauses, self._park_words = True, words
+            self._printer.tell(f"echo:{self.name} pauses as soon as it is where it goes on")
+        if self.state is State.PRINTING and not self._printer.halted:
+            self._park_words = words
+            self.state = State.PAUSED
+            self._resumed.clear()
+            # Axes that home do so to the end: their moves are not the program's.
+            if not self._printer.homer.active:
+                self._set_aside()
+
+    def _set_aside(self) -> None:
+        """Brakes; the rest of the print stands aside, if it does not yet since the last pause."""
+        if not self._returns:
+            self._returns = True
+            self._parked = False
+            self.park.owed_mm = 0.0
+            self._locked = set(self._printer.job.locked_axes)
+            if self._printer.in_console_line:
+                self._printer.job.abandon()  # what is left of it is no part of the print
+            self._printer.suspend_job()
+
+    def _require_places(self) -> None:
+        """Raises CommandError for an axis that has forgotten in the pause where it is."""
+        if lost := set(self._printer.job.locked_axes) - self._locked:
+            axis = axis_order(self._printer.machine.axes)[min(lost)].upper()
+            raise CommandError.of("input.not-homed", axis=axis)
+
+    def stands_aside(self) -> bool:
+        """Whether a pause goes on, or is about to end: what is left of the print is aside. With the
+        turn."""
+        if self.state is State.PAUSED:
+            self._set_aside()
+        return self.active and self._returns
+
+    def cancel(self) -> None:
+        """Ends the print: brakes to a stop, heaters and fans off. The file stays selected, from its
+        beginning. One that has failed and could be gone on with is given up."""
+        self._again = False
+        printer = self._printer
+        if not self.active:
+            if self._kept:
+                printer.stop_all("cancelled")
+            elif self._left and not printer.halted:
+                self._cool()
+                self._rewind(0)
+            return
+        self.ended = "cancelled"
+        self.state = State.READY
+        if not printer.halted:
+            printer.stop()
+            printer.drive.forget_targets()
+            self._cool()
+        if printer.job.suspended:
+            printer.job.forget_suspended()
+        self._resumed.set()
+        self._rewind(0)
+
+    def _cool(self) -> None:
+        """Heaters and fans off."""
+        self._left = False
+        printer = self._printer
+        for heater in printer.heaters:
+            printer.set_target(heater, 0.0, at_once=True)
+        printer.drive.before_moves()
+        printer.commands.fans_off()
+        printer.drive.after_moves()
+
+    def _refuse_if_active(self) -> None:
+        if self.engaged:
+            raise CommandError.of("job.printing", value=self.name)
+
+    def _rewind(self, offset: int, line: int = 1) -> None:
+        with self._printer.file_selected() as job:
+            job.restart(line)
+        self._begin, self.first_line = offset, line
+        if self._reader:
+            self._reader.seek(offset)
+
+    # -- the print --------------------------------------------------------------------------------
+
+    async def _print(self) -> None:
+        printer = self._printer
+        try:
+            while self.active:
+                if self.state is State.PAUSED:
+                    await self._stand_aside()
+                await self._room()
+                await printer.turn.wait()
+                try:
+                    ended = await self._stretch()
+                    # Nobody else can be served in the middle of a line.
+                    while not (ended or printer.job.at_boundary):
+                        ended = await self._stretch(rest_of_line=True)
+                finally:
+                    printer.turn.give()
+                if ended:
+                    break
+        except (Stopped, PassoError) as error:
+            self._failed = str(error)
+        self._end()
+
+    def _over(self, task: asyncio.Task[None]) -> None:
+        """A print that ends by a fault of the program must not leave heaters on."""
+        fault = None if task.cancelled() else task.exception()
+        if fault is not None:
+            self._failed = f"{type(fault).__name__}: {fault}"
+            self._printer.halt(f"a fault of the program, {self._failed}")
+            self._end()
+        if self._again:
+            self.start()
+
+    def _stopped(self, reason: str) -> None:
+        """The machine was stopped in mid-print. What was planned is lost, so the file can only be
+        printed from its beginning."""
+        revived = self.active and bool(self._printer.halted)  # a pause has nothing to return to
+        if self.state is State.PRINTING or revived:
+            self._failed = reason
+            self._returns = False
+            self._end()
+            self._resumed.set()
+            self._rewind(0)
+
+    def _end(self) -> None:
+        printer = self._printer
+        if not self.active:
+            return  # cancelled
+        printer.laser_off()
+        self.ended = "failed" if self._failed else "done"
+        self._left = bool(self._failed)
+        self.state = State.READY
+        if self._failed:
+            printer.tell(f"echo:Print of {self.name} stopped: {self._failed}")
+        else:
+            printer.tell("Done printing file")
+
+    async def _stand_aside(self) -> None:
+        """Parks, and waits until the pause is over."""
+        printer = self._printer
+        await printer.turn.wait()
+        try:
+            if self.state is State.PAUSED:
+                self._set_aside()
+                if not self._parked:
+                    self._parked = True
+                    await self.park.leave(self._park_words)
+        finally:
+            printer.turn.give()
+        await self._resumed.wait()
+
+    async def _room(self) -> None:
+        """Until the plan no longer reaches far enough ahead."""
+        printer, drive = self._printer, self._printer.drive
+        await drive.until(
+            lambda: (
+                not (drive.full or printer.aside or drive.interrupted)
+                or self.state is not State.PRINTING
+                or bool(printer.halted)
+            ),
+            idly=True,
+        )
+
+    async def _stretch(self, *, rest_of_line: bool = False) -> bool:
+        """Plans as far ahead as is useful; True at the end of the file. With the turn."""
+        printer = self._printer
+        job, drive = printer.job, printer.drive
+        printer.raise_if_halted()
+        if self.state is State.PAUSED:
+            self._set_aside()
+        if self.state is not State.PRINTING:
+            return False
+        if self._returns and not await self._come_back():
+            return False
+        printer.select(console=False)
+        printer.program = self._reply
+        if self._waits_for is not None:
+            return await self._wait()
+        drive.before_moves()
+        try:
+            horizon = drive.now + _AHEAD_S * drive.hz
+            found = job.advance(horizon, _MOST_MESSAGES, rest_of_line)
+        finally:
+            drive.after_moves()
+        if found == _core.JobStatus.FULL and not rest_of_line and not drive.full:
+            await asyncio.sleep(TICK_S)  # it is the link that does not keep up
+        return await self._answer(found)
+
+    async def _come_back(self) -> bool:
+        """Ends a pause; False if there is another one. Of a nozzle that cannot return the print
+        stays paused: what is aside waits until somebody has mended that."""
+        printer = self._printer
+        try:
+            self._require_places()
+            await self.park.come_back()
+        except CommandError as error:
+            if self.active:
+                printer.tell(f"echo:Print of {self.name} stays paused: {error}")
+                self._resumed.clear()
+                self.state = State.PAUSED
+            return False
+        self._parked = False
+        if self.state is not State.PRINTING:
+            return False
+        self._returns = False
+        printer.resume_job()
+        return True
+
+    async def _answer(self, found: _core.JobStatus) -> bool:
+        """What made the interpreter stop."""
+        printer, job = self._printer, self._printer.job
+        status = _core.JobStatus
+        if found == status.NEED_INPUT:
+            assert self._reader is not None
+            try:
+                data = self._reader.read(_CHUNK)
+            except CardError as error:
+                raise CardError(self._placed(error, job.line + 1)) from None  # the next one
+            if data:
+                job.feed(data)
+            else:
+                job.finish()
+        elif found == status.EVENT:
+            command = Command(*job.event)
+            try:
+                self._waits_for = printer.run_command(command, self._reply)
+            except InputError as error:
+                raise InputError(self._placed(error, command.line)) from None
+            return await self._wait()
+        elif found == status.ERROR:
+            problem = problem_of(job, self.name, printer.machine.geometry)
+            job.abandon()
+            raise CommandError([problem])
+        elif found == status.END:
+            return await self._finish()
+        return False
+
+    async def _wait(self) -> bool:
+        """Waits for what the last command waits for; later, if a pause puts moves before it aside.
+        True at the program's end."""
+        printer = self._printer
+        wait = self._waits_for
+        if wait is not None:
+            try:
+                if not await printer.waits.wait(wait, self._reply, aside=lambda: self._returns):
+                    return False
+            except CommandError as error:
+                heaters = wait.heaters if isinstance(wait, Temperatures) else ()
+                heaters = printer.heaters if isinstance(wait, Person) else heaters
+                if not self._pauses_for(heaters):
+                    raise
+                printer.tell(f"echo:Print of {self.name} is paused: {error}")
+                self.pause()
+                return False  # it waits again when the pause is over
+            self._waits_for = None
+        if printer.commands.ended:
+            printer.commands.ended = False
+            return await self._finish()
+        return False
+
+    def _pauses_for(self, heaters: Sequence[str]) -> bool:
+        """One of these has failed, and a print pauses for it."""
+        printer = self._printer
+        return any(
+            printer.connection.heaters[name].fault is not None
+            and printer.machine.heaters[name].on_fault == "job"
+            for name in heaters
+        )
+
+    def _placed(self, error: PassoError, line: int) -> list[Problem]:
+        """What is wrong, at a line of the file."""
+        return [replace(p, file=self.name, line=line) for p in error.problems]
+
+    async def _finish(self) -> bool:
+        """Lets the last moves end, and the laser go off with them; a pause in them still counts."""
+        drive = self._printer.drive
+        self._printer.laser_off()
+        drive.flush()
+        await drive.until(
+            lambda: (
+                drive.standing
+                or self._returns  # the pause may be over by now
+                or self.state is not State.PRINTING
+                or bool(self._printer.halted)
+            )
+        )
+        self._printer.raise_if_halted()
+        return self.state is State.PRINTING and not self._returns

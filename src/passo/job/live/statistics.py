@@ -1,0 +1,157 @@
+"""M78: what was printed, from the card and by hosts, and how long the printer was on."""
+
+from __future__ import annotations
+
+import sqlite3
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from passo.errors import CommandError
+from passo.gcode.command import Command
+from passo.job.live.history import History
+from passo.printer.wait_requests import Handler, Reply, Wait
+
+if TYPE_CHECKING:
+    from passo.printer.printer import Printer
+
+STORE_EVERY_S = 600.0  # the time that the printer was on
+_PRINT_EVERY_S = 60.0  # how far a print is, should it be interrupted
+_SHOWN = 5
+
+
+def spoken(seconds: float) -> str:
+    """`1h 2m 3s`."""
+    whole = int(seconds)
+    return f"{whole // 3600}h {whole // 60 % 60}m {whole % 60}s"
+
+
+@dataclass(slots=True)
+class Print:
+    """A print that is under way; `filament_mm` was pushed before it, and `seconds` tells how long
+    it takes so far."""
+
+    name: str
+    size: int
+    filament_mm: float
+    seconds: Callable[[], float]
+    row: int | None = None  # of the history
+
+
+class Statistics:
+    """The history of one printer in `directory`; None: nothing is remembered."""
+
+    def __init__(self, printer: Printer, directory: Path | None) -> None:
+        self._printer = printer
+        self._history: History | None = None
+        self._missing = CommandError.of("settings.nowhere")
+        self._on_s = self._stored_s = 0.0
+        self._seen_s = self._noted_s = printer.drive.now_s
+        self._job: Print | None = None  # the one that is under way
+        self.immediate: dict[str, Handler] = {"M78": self._statistics}
+        if directory is None:
+            return
+        try:
+            self._history = History(directory)
+        except (sqlite3.Error, OSError) as error:
+            self._missing = _unusable(directory, error)
+            printer.tell(f"echo:No history of prints: {error}")
+            return
+        printer.watchers.append(self._time_passed)
+
+    def begun(
+        self, name: str, seconds: Callable[[], float], size: int = 0, instead: Print | None = None
+    ) -> Print:
+        """A print begins, or is what another one has announced. Should the program be killed, the
+        history says that it was interrupted."""
+        self._printer.lateness.begin()
+        row = instead.row if instead is not None else None
+        self._job = Print(name, size, self._printer.filament_mm(), seconds, row)
+        self._note(self._job, "interrupted")
+        return self._job
+
+    def goes_on(self, job: Print) -> Print:
+        """A print that has failed is gone on with: it stays one."""
+        self._job = job
+        self._note(job, "interrupted")
+        return job
+
+    def ended(self, job: Print, how: str) -> None:
+        """A print is over: done, cancelled or failed."""
+        self._job = None
+        self._note(job, how)
+
+    def _note(self, job: Print, how: str) -> None:
+        self._noted_s = self._printer.drive.now_s
+        if self._history is None:
+            return
+        printer = self._printer
+        used, note = printer.filament_mm() - job.filament_mm, printer.lateness.worst
+        try:
+            job.row = self._history.add(job.name, job.size, how, job.seconds(), used, note, job.row)
+        except sqlite3.Error as error:
+            printer.tell(f"echo:This print is not in the history: {error}")
+
+    def _time_passed(self) -> None:
+        before, self._seen_s = self._seen_s, self._printer.drive.now_s
+        self._on_s += max(self._seen_s - before, 0.0)  # the board's clock may begin anew
+        if self._job is not None and abs(self._seen_s - self._noted_s) > _PRINT_EVERY_S:
+            self._note(self._job, "interrupted")
+        if self._on_s < self._stored_s + STORE_EVERY_S:
+            return
+        try:
+            self._store()
+        except sqlite3.Error as error:
+            self._printer.tell(f"echo:How long the printer was on is not stored: {error}")
+
+    def _store(self) -> None:
+        assert self._history is not None
+        self._stored_s = self._on_s
+        self._history.was_on(self._on_s)
+
+    def close(self) -> None:
+        """Nothing is remembered any more."""
+        if self._history is not None:
+            if self._job is not None:
+                self._note(self._job, "interrupted")
+            with suppress(sqlite3.Error):  # nobody is left to be told; the last minutes are missing
+                self._store()
+            self._history.close()
+
+    def _statistics(self, command: Command, reply: Reply) -> Wait | None:
+        """Never a reason for a print that asks to end."""
+        if self._history is None:
+            reply.say(f"echo:{self._missing}")
+            return None
+        try:
+            for line in self._lines(self._history, command.words().get("S") == 78):
+                reply.say(line)
+        except sqlite3.Error as error:
+            reply.say(f"echo:{_unusable(None, error)}")
+        return None
+
+    def _lines(self, history: History, forget: bool) -> list[str]:
+        if forget:
+            history.forget()
+            self._on_s = self._stored_s = 0.0
+            return []
+        self._store()
+        but = self._job.row if self._job is not None else None
+        totals, last = history.totals(but), history.last(_SHOWN, but)
+        lines = [
+            f"echo:Prints: {totals.prints}, finished: {totals.done},"
+            f" failed or cancelled: {totals.prints - totals.done}",
+            f"echo:Print time: {spoken(totals.print_s)}, longest: {spoken(totals.longest_s)},"
+            f" filament: {totals.filament_mm / 1000:.2f}m",
+        ]
+        for file, ended, seconds, note in last:
+            lines.append(f"echo:  {file}: {ended}, {spoken(seconds)}")
+            if note:
+                lines.append(f"echo:    {note}")
+        return [*lines, f"echo:Power on: {spoken(totals.on_s)}"]
+
+
+def _unusable(directory: Path | None, error: Exception) -> CommandError:
+    return CommandError.of("history.unusable", str(directory or ""), value=error)

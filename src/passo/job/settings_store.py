@@ -1,0 +1,180 @@
+"""Stored settings: what commands have changed, in a file that is whole or refused."""
+
+from __future__ import annotations
+
+import json
+import zlib
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from math import isclose
+from pathlib import Path
+from typing import Any, NamedTuple, cast
+
+from passo.errors import CommandError
+from passo.job.durable_files import replaced
+
+VERSION = 2  # version 1 held the commands of all settings, changed or not
+_LARGEST = 1 << 20
+# Words that name what a command sets, by its code: a tool, a heater, a motor, a material.
+_NAMING = {
+    "M92": "T",
+    "M145": "S",
+    "M200": "T",
+    "M201": "T",
+    "M203": "T",
+    "M205": "T",
+    "M218": "T",
+    "M301": "H",
+    "M302": "T",
+    "M305": "H",
+    "M306": "H",
+    "M307": "H",
+    "M569": "IT",
+    "M603": "T",
+    "M906": "IT",
+}
+
+
+class Setting(NamedTuple):
+    """One value of a command: the command with the words that name what it sets, the word of the
+    value (with the `=` of an extended command), and the value as text."""
+
+    head: str
+    word: str
+    value: str
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """What is set, without its value."""
+        return self.head, self.word
+
+    def __str__(self) -> str:
+        """The command that sets this value alone."""
+        return f"{self.head} {self.word}{self.value}"
+
+
+def settings_in(lines: Iterable[str]) -> Iterator[Setting]:
+    """Each value of these commands, which are as M503 reports them."""
+    for line in lines:
+        code, *words = line.split()
+        pairs = [_pair(word) for word in words]
+        naming = _NAMING.get(code, "")
+        named = [word + value for word, value in pairs if word in naming or not value]
+        head = " ".join([code, *named])
+        for word, value in pairs:
+            if word not in naming and value:
+                yield Setting(head, word, value)
+
+
+def same(one: str | None, other: str | None) -> bool:
+    """Whether two values as text are the same number, to the digits that are stored."""
+    if one is None or other is None:
+        return one == other
+    try:
+        return isclose(float(one), float(other), rel_tol=1e-8)
+    except ValueError:
+        return one == other
+
+
+def commands_of(settings: Iterable[Setting]) -> list[str]:
+    """Commands that set these values, those of the same thing in one command."""
+    words: dict[str, list[str]] = {}
+    for setting in settings:
+        words.setdefault(setting.head, []).append(setting.word + setting.value)
+    return [" ".join([head, *values]) for head, values in words.items()]
+
+
+def _pair(word: str) -> tuple[str, str]:
+    name, equals, value = word.partition("=")
+    return (name + equals, value) if equals else (word[0], word[1:])
+
+
+class Override(NamedTuple):
+    """A stored value. `file` is the value that the machine file gave when it was stored; None if
+    that is not known, or the file gave none."""
+
+    setting: Setting
+    file: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Store:
+    """The settings file of one machine. A file of another machine, of another version, or damaged
+    is refused with the reason."""
+
+    path: Path
+    uuid: str
+
+    def save(self, overrides: list[Override]) -> int:
+        """Stores values; returns their checksum. When this returns they survive a power cut; if
+        it raises CommandError, the file holds what it held before."""
+        rows = [{"set": str(setting), "file": file} for setting, file in overrides]
+        crc = _crc(_texts(rows))
+        content = {"version": VERSION, "machine": self.uuid, "crc": crc, "settings": rows}
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            with replaced(self.path) as temporary:
+                temporary.write_text(json.dumps(content, indent=1))
+        except OSError as error:
+            raise _refused("settings.unwritable", self.path, str(error.strerror)) from None
+        return crc
+
+    def load(self) -> list[Override] | None:
+        """The stored values, also of a file of version 1; None if nothing is stored. Raises
+        CommandError with the reason if the file must not be used."""
+        try:
+            with self.path.open("rb") as file:
+                raw = file.read(_LARGEST + 1)
+        except FileNotFoundError:
+            return None
+        except OSError as error:
+            raise _refused("settings.unreadable", self.path, str(error.strerror)) from None
+        try:
+            content: Any = json.loads(raw) if len(raw) <= _LARGEST else None
+        except (ValueError, RecursionError):
+            content = None
+        if not isinstance(content, dict):
+            raise _refused("settings.unreadable", self.path, "it is torn, or not a settings file")
+        table = cast("dict[str, Any]", content)
+        version, found = table.get("version"), table.get("settings")
+        rows = cast("list[object]", found) if isinstance(found, list) else None
+        if version not in (1, VERSION):
+            reason = f"it has version {version}, not {VERSION}"
+        elif table.get("machine") != self.uuid:
+            reason = "it belongs to another machine"
+        elif rows is None or (overrides := _overrides(rows, version)) is None:
+            reason = "it holds no commands"
+        elif _crc(_texts(rows)) != table.get("crc"):
+            reason = "its checksum is wrong"
+        else:
+            return overrides
+        raise _refused("settings.unreadable", self.path, reason)
+
+
+def _overrides(rows: list[object], version: int) -> list[Override] | None:
+    """The rows of a file of that version; None if they are not commands."""
+    found: list[Override] = []
+    for row in rows:
+        match row:
+            case str() if version == 1 and row.strip():
+                found += [Override(setting) for setting in settings_in([row])]
+            case {"set": str(text), "file": str() | None as file} if version == VERSION:
+                settings = list(settings_in([text])) if text.strip() else []
+                if len(settings) != 1:
+                    return None
+                found.append(Override(settings[0], file))
+            case _:
+                return None
+    return found
+
+
+def _texts(rows: Iterable[Any]) -> list[str]:
+    return [row if isinstance(row, str) else f"{row['set']};{row['file']}" for row in rows]
+
+
+def _crc(lines: list[str]) -> int:
+    return zlib.crc32("\n".join(lines).encode(errors="surrogatepass"))
+
+
+def _refused(code: str, path: Path, reason: str) -> CommandError:
+    return CommandError.of(code, str(path), value=reason)

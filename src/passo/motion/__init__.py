@@ -1,0 +1,1 @@
+"""The move queue of one machine, its homing and its positions."""

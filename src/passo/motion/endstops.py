@@ -1,0 +1,103 @@
+"""Which switch stops which motors, worked out from the machine file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from passo.config.motor_roles import axis_order
+from passo.geometry.base import Point
+
+if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
+
+_NUDGE = 1e-3  # mm, to see which actuators a move turns
+
+
+@dataclass(frozen=True, slots=True)
+class Switch:
+    """A switch at `pin` that stops `steppers` when `home`, an axis or an actuator, reaches it."""
+
+    name: str
+    home: str
+    pin: str
+    steppers: tuple[str, ...]
+
+
+def switches(machine: MachineConfig) -> tuple[Switch, ...]:
+    """All switches, in the order of the machine file. One for a whole axis has the axis' name, one
+    for a single motor the motor's."""
+    found: list[Switch] = []
+    for name, homing in machine.homing.items():
+        if homing.pin is not None:
+            found.append(Switch(name, name, homing.pin, steppers_of(machine, name)))
+        found += [Switch(s, name, pin, (s,)) for s, pin in homing.stepper_pins.items()]
+    return tuple(found)
+
+
+def steppers_of(machine: MachineConfig, home: str) -> tuple[str, ...]:
+    """The motors that move when an axis, or an actuator that is homed by itself, does."""
+    axes = axis_order(machine.axes)
+    actuators = machine.geometry.actuators
+    if home in axes[3:]:
+        wanted = {("axis", axes.index(home))}
+    elif is_actuator(machine, home):
+        wanted = {("actuator", actuators.index(home))}
+    else:
+        at = machine.home_point
+        before = machine.geometry.inverse(at)
+        k = axes.index(home)
+        after = machine.geometry.inverse(_moved(at, k, -_NUDGE))
+        wanted = {("actuator", i) for i in range(3) if abs(after[i] - before[i]) > _NUDGE / 100}
+    names: list[str] = []
+    for name in machine.steppers:
+        driven = machine.driven_by(name)
+        if driven is not None and (driven.drive, driven.index) in wanted:
+            names.append(name)
+    return tuple(names)
+
+
+def is_actuator(machine: MachineConfig, home: str) -> bool:
+    """Whether `home` names an arm or a carriage rather than an axis."""
+    return home in machine.geometry.arms
+
+
+def pressed_point(machine: MachineConfig, switch: Switch) -> Point:
+    """Where the nozzle is when it presses an axis' switch, all else being at home, mm."""
+    x, y, z = (
+        machine.homing[name].position if name == switch.home else at
+        for name, at in zip("xyz", machine.home_point, strict=True)
+    )
+    return x, y, z
+
+
+def _moved(point: Point, k: int, by: float) -> Point:
+    x, y, z = (p + by if i == k else p for i, p in enumerate(point))
+    return x, y, z
+
+
+def weights_of(machine: MachineConfig, switch: Switch) -> tuple[tuple[str, float], ...]:
+    """How the place that a switch feels follows its motors, one motor for each actuator: the weight
+    of each motor's position, near home."""
+    if len(switch.steppers) == 1:
+        return ((switch.steppers[0], 1.0),)
+    geometry = machine.geometry
+    q = geometry.inverse(pressed_point(machine, switch))
+    k = axis_order(machine.axes).index(switch.home)
+    seen: set[int] = set()
+    weights: list[tuple[str, float]] = []
+    for name in switch.steppers:
+        driven = machine.driven_by(name)
+        if driven is None or driven.index in seen:
+            continue
+        seen.add(driven.index)
+        if driven.drive == "axis" or len(set(_indices(machine, switch.steppers))) == 1:
+            return ((name, 1.0),)
+        above, below = (geometry.forward(_moved(q, driven.index, d)) for d in (_NUDGE, -_NUDGE))
+        weights.append((name, round((above[k] - below[k]) / (2 * _NUDGE), 9)))
+    return tuple(weights)
+
+
+def _indices(machine: MachineConfig, steppers: tuple[str, ...]) -> list[int]:
+    driven = map(machine.driven_by, steppers)
+    return [d.index for d in driven if d is not None]

@@ -1,0 +1,356 @@
+"""Homing: axes find their switches, fast, then back a little, then slowly."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from passo._core import Within
+from passo.board.endstops import Endstops
+from passo.config.motor_roles import axis_order
+from passo.errors import CommandError
+from passo.geometry.base import Point
+from passo.motion.axis_slots import E, X, Y, Z, slot_of_axis
+from passo.motion.endstops import (
+    Switch,
+    is_actuator,
+    steppers_of,
+    switches,
+)
+from passo.motion.travel import go_back
+from passo.motion.trigger_overshoot import Overshoot
+
+if TYPE_CHECKING:
+    from passo.config.homing import Homing
+    from passo.printer.printer import Printer
+
+_REST_S = 0.001  # the board looks at a switch at least this often
+_ARMED_S = 0.005  # switches count from so long before the first step
+_FULL_TURN = 360.0  # of an arm whose range nobody has told
+_OVERRUN = 1.2  # a switch is sought this far beyond the axis' whole range
+SLOW_OVERRUN = 2.0  # and this many times the retraction on the slow way
+
+
+@dataclass(frozen=True, slots=True)
+class _Way:
+    """One axis or arm on its way to its switches, in its own unit: mm, or degrees of an arm. `axis`
+    is its number among the axes, or among the actuators; `sign` the direction of its end."""
+
+    name: str
+    axis: int
+    sign: float
+    config: Homing
+    switches: tuple[Switch, ...]
+
+    @property
+    def home(self) -> float:
+        return self.config.position
+
+    @property
+    def slot(self) -> int:
+        return slot_of_axis(self.axis)
+
+    @property
+    def steppers(self) -> set[str]:
+        return {stepper for switch in self.switches for stepper in switch.steppers}
+
+
+class Homer:
+    """Homes the axes of one printer. Its methods must be called by who has the turn, the machine
+    standing; they raise CommandError, and MachineError."""
+
+    def __init__(self, printer: Printer) -> None:
+        self._printer = printer
+        self._machine = printer.machine
+        self._axes = axis_order(self._machine.axes)
+        self._switches = switches(self._machine)
+        self._order = [row["name"] for row in self._machine.core_spec()["steppers"]]
+        self._endstops = Endstops(printer.connection)
+        self._joints = False
+        self.active = False
+        self.offset_mm: dict[str, float] = {}  # of M206, by axis, when it was placed last
+
+    @property
+    def axes(self) -> set[str]:
+        """The axes that find their place by switches."""
+        own = {n for n in self._machine.homing if not is_actuator(self._machine, n)}
+        return own | set(self._machine.axes_of_arms)
+
+    def states(self) -> dict[str, bool]:
+        """All switches: whether they are pressed."""
+        return {switch.name: self._endstops.pressed(switch.name) for switch in self._switches}
+
+    async def home(self, letters: str) -> None:
+        """Homes the axes of these letters, all by default. An axis without a switch is taken to be
+        at home already. An axis that does not find its switch no longer knows where it is. With the
+        letter O axes that know where they are stay; with B the nozzle goes back to where it was,
+        where that was known."""
+        back = "B" in letters and "b" not in self._axes
+        letters = letters.replace("B", "") if back else letters
+        before = None if self._printer.job.locked_axes else self._printer.job.machine_position
+        self.active = True
+        self._printer.positions.freeze()
+        try:
+            await self._home(letters)
+        finally:
+            self.active = False
+            self._printer.positions.thaw()
+        if back and before is not None:
+            await self._return(before)
+
+    async def _return(self, to: Sequence[float]) -> None:
+        """Back to a machine position."""
+        slots = [slot_of_axis(i) for i in range(len(self._axes))]
+        reached = go_back(self._printer, {slot: to[slot] for slot in slots}, math.inf)
+        self._printer.drive.flush()
+        await self._still()
+        self._printer.raise_if_interrupted()
+        if not reached:
+            raise CommandError([self._printer.commands.problem()])
+
+    async def swing(self, x: float, y: float) -> None:
+        """Brings the nozzle over this place, machine mm, each arm going its own way: between two
+        places that arms reach the straight way may lead where they do not."""
+        printer, job, geometry = self._printer, self._printer.job, self._machine.geometry
+
+        def point(position: Sequence[float]) -> Point:
+            a, b, c = position[:E]
+            return a, b, c
+
+        before = point(job.machine_position)
+        target = (x, y, before[Z])
+        self.active = True
+        printer.positions.freeze()
+        job.use_joints(True)
+        job.set_axes(list(enumerate(geometry.inverse(before))))
+        try:
+            a, b, _ = geometry.inverse(target)
+            printer.drive.move({X: a, Y: b}, math.inf, Within.ANYTHING)
+            printer.drive.flush()
+            await self._still()
+        finally:
+            reached = target
+            if printer.interrupted:
+                reached = geometry.forward(point(job.machine_position))
+            job.use_joints(False)
+            job.set_axes(list(enumerate(reached)))
+            self.active = False
+            printer.positions.thaw()
+        printer.raise_if_interrupted()
+
+    async def _home(self, letters: str) -> None:
+        homed = [a for a in self._axes if not self._machine.axes[a].extruder]
+        names = [a for a in homed if a.upper() in letters] or homed
+        if "O" in letters and self._machine.unhomed_moves == "refuse":
+            unknown = [self._axes[i] for i in self._printer.job.locked_axes]
+            names = [name for name in names if name in unknown]
+        fixed = [name for name in names if name not in self.axes]
+        self._set({name: self._machine.home_mm[name] for name in fixed})
+        self._printer.endstops.pause()
+        self._printer.drive.use_commits(False)
+        batch: list[_Way] = []
+        try:
+            for way in self._ways(names, everything=not letters.strip("O")):
+                if any(way.steppers & other.steppers for other in batch):
+                    await self._together(batch)
+                    batch = []
+                batch.append(way)
+            if batch:
+                await self._together(batch)
+        finally:
+            if not self._printer.halted:
+                self._printer.drive.use_commits(True)
+
+    def _ways(self, names: Sequence[str], *, everything: bool) -> list[_Way]:
+        """Arms first. Z of a delta that has a switch of its own needs them only to know where it
+        is."""
+        machine, homing = self._machine, self._machine.homing
+        of_arms = set(machine.axes_of_arms)
+        wanted: set[str] = of_arms & set(names)
+        if wanted == {"z"} and "z" in homing and not self._printer.job.locked_axes:
+            wanted = set[str]()
+        ways = [self._way(n, machine.geometry.actuators) for n in machine.geometry.arms if wanted]
+        for name in names:
+            if name in homing and (homing[name].by_default or not everything):
+                ways.append(self._way(name, self._axes))
+        return ways
+
+    def _way(self, name: str, among: Sequence[str]) -> _Way:
+        config = self._machine.homing[name]
+        sign = 1.0 if config.direction == "max" else -1.0
+        own = tuple(s for s in self._switches if s.home == name)
+        return _Way(name, among.index(name), sign, config, own)
+
+    def travel(self, name: str) -> float:
+        """How far an axis or arm goes at most to find its switch, mm or degrees."""
+        longest = self._machine.homing[name].max_travel
+        if longest is not None:
+            return longest
+        if is_actuator(self._machine, name):
+            stepper = self._machine.steppers[steppers_of(self._machine, name)[0]]
+            ends = (stepper.min_mm, stepper.max_mm, stepper.min_deg, stepper.max_deg)
+            given = [end for end in ends if end is not None]
+            return given[1] - given[0] if len(given) == 2 else _FULL_TURN
+        axis = self._machine.axes[name]
+        return _OVERRUN * (axis.max_mm - axis.min_mm)
+
+    async def _together(self, ways: Sequence[_Way]) -> None:
+        """Homes axes and arms that share no motor at the same time."""
+        printer, job = self._printer, self._printer.job
+        arms = any(is_actuator(self._machine, way.name) for way in ways)
+        of_arms = self._machine.axes_of_arms if arms else ()
+
+        def point_of_arms(joints: Sequence[float]) -> dict[str, float]:
+            job.use_joints(False)
+            if not arms:
+                return {}
+            a, b, c = joints
+            point = zip("xyz", self._machine.geometry.forward((a, b, c)), strict=True)
+            return {name: at for name, at in point if name in of_arms}
+
+        names = [w.name for w in ways if not is_actuator(self._machine, w.name)]
+        self._joints = arms
+        moved: list[tuple[_Way, float]] = []  # how far places of axes are off, for the search
+        try:
+            job.use_joints(arms)
+            travel = [self.travel(way.name) for way in ways]
+            for way, far in zip(ways, travel, strict=True):
+                start = way.home - way.sign * far
+                if way.name in names:
+                    moved.append((way, start - self._at(way.slot)))
+                self._place(way, start)
+            await self._seek(ways, travel, fast=True)
+            moved.clear()
+            await self._go([-w.config.retract for w in ways], ways)
+            for way in ways:
+                for switch in way.switches:
+                    if self._endstops.pressed(switch.name):
+                        raise self._problem("machine.switch-stuck", switch, way.config.retract)
+            slow = [SLOW_OVERRUN * w.config.retract for w in ways]
+            await self._seek(ways, slow, fast=False)
+        except BaseException:
+            for way, by in moved:
+                self._place(way, self._at(way.slot) - by)
+            self._set(point_of_arms(self._arms_at_home(job.machine_position[Z])))
+            printer.lock([*of_arms, *names])
+            raise
+        found = {way.name: self._at(way.slot) for way in ways if way.name in names}
+        found |= point_of_arms(job.machine_position[:3])
+        self.offset_mm |= {n: printer.motion.home_offset_mm[n] for n in found}
+        self._set({n: at + self.offset_mm[n] for n, at in found.items()})
+
+    def _arms_at_home(self, z: float) -> list[float]:
+        """The actuators with all arms at home, and Z there where it moves by itself."""
+        machine = self._machine
+        return [
+            machine.homing[n].position if n in machine.geometry.arms else z
+            for n in machine.geometry.actuators
+        ]
+
+    async def _seek(self, ways: Sequence[_Way], travel: Sequence[float], *, fast: bool) -> None:
+        """All ways at once, each at its own speed, until each has met all its switches."""
+        printer = self._printer
+        speeds = [(w.config.fast if fast else w.config.slow) for w in ways]
+        stops = {s.name: s.steppers for w in ways for s in w.switches}
+        finest = max(speed * self._steps(w) for speed, w in zip(speeds, ways, strict=True))
+        drive = printer.drive
+        if not printer.positions.settled:
+            printer.positions.settle()
+        drive.before_moves()
+        overshoot = Overshoot(printer, self._endstops, joints=self._joints)
+        start = drive.base + int(printer.job.clock - _ARMED_S * drive.hz)
+        self._endstops.arm(stops, start, min(_REST_S, max(1.0 / finest, 5e-5)))
+        times = [t / v for t, v in zip(travel, speeds, strict=True)]
+        passed = 0.0
+        for end in sorted(set(times)):
+            target: dict[int, float] = {}
+            square = 0.0
+            for way, time, speed in zip(ways, times, speeds, strict=True):
+                if time >= end:
+                    target[way.slot] = self._at(way.slot) + way.sign * speed * (end - passed)
+                    square += speed * speed
+            drive.move(target, math.sqrt(square), Within.ANYTHING)
+            passed = end
+        printer.drive.flush()
+        try:
+            await drive.until(
+                lambda: self._all_hit(overshoot) or drive.standing or printer.interrupted
+            )
+            if not drive.standing:
+                drive.stop(program=False)
+                await drive.until(lambda: drive.standing or bool(printer.halted))
+            self._all_hit(overshoot)
+        finally:
+            self._endstops.disarm()
+            moved = {stepper for way in ways for stepper in way.steppers}
+            printer.job.renew_steppers([self._order.index(stepper) for stepper in moved])
+        if not printer.halted:
+            printer.positions.settle()
+        printer.raise_if_interrupted()
+        for way in ways:
+            for switch in way.switches:
+                if switch.name in self._endstops.expired:
+                    raise self._problem("machine.switch-lost", switch, 0.0)
+                if switch.name not in self._endstops.hit:
+                    far = travel[list(ways).index(way)]
+                    raise self._problem("machine.switch-missed", switch, far)
+        overshoot.measure(s for way in ways for s in way.switches)
+        for way in ways:
+            self._place(way, way.home)
+        printer.job.set_axes(overshoot.places())
+
+    def _all_hit(self, overshoot: Overshoot) -> bool:
+        """All switches are hit, or the boards of one have lost each other."""
+        done = self._endstops.all_hit() or bool(self._endstops.expired)
+        overshoot.look()
+        return done
+
+    async def _go(self, by: Sequence[float], ways: Sequence[_Way]) -> None:
+        """A move of all these axes, by so much towards their switches."""
+        printer = self._printer
+        target: dict[int, float] = {}
+        square = 0.0
+        for way, distance in zip(ways, by, strict=True):
+            target[way.slot] = self._at(way.slot) + way.sign * distance
+            square += way.config.fast**2
+        printer.drive.move(target, math.sqrt(square), Within.ANYTHING)
+        printer.drive.flush()
+        await self._still()
+        printer.raise_if_interrupted()
+
+    async def _still(self) -> None:
+        """Until the machine stands, which somebody may make it do early."""
+        printer, drive = self._printer, self._printer.drive
+        await drive.until(lambda: drive.standing or printer.interrupted)
+        if not drive.standing:
+            drive.stop(program=False)
+            await drive.until(lambda: drive.standing or bool(printer.halted))
+
+    def _steps(self, way: _Way) -> float:
+        return max(self._machine.steppers[s].steps_per_unit for s in way.steppers)
+
+    def _at(self, slot: int) -> float:
+        return self._printer.job.machine_position[slot]
+
+    def _place(self, way: _Way, at: float) -> None:
+        self._printer.job.set_axes([(way.axis, at)])
+
+    def _set(self, places: dict[str, float]) -> None:
+        self._printer.job.set_axes([(self._axes.index(n), at) for n, at in places.items()])
+        self._printer.motion.homed(places)
+        self._printer.positions.known.update(places)
+
+    def _problem(self, code: str, switch: Switch, limit: float) -> CommandError:
+        geometry, home = self._machine.geometry, switch.home
+        arm = is_actuator(self._machine, home)
+        turns = arm and home in geometry.rotary
+        unit = " degrees" if turns else ""
+        return CommandError.of(
+            code,
+            axis=f"{'arm' if turns else 'carriage' if arm else 'axis'} {home.upper()}",
+            value=f"switch {switch.name} at {switch.pin}",
+            limit=f"{limit:g}{unit}",
+            position=f"{self._machine.homing[home].position:g}{unit}",
+        )

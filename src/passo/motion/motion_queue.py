@@ -1,0 +1,394 @@
+"""Print time, and what happens as it passes: the board is fed, plans are settled, waits end."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from collections import deque
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
+
+from passo._core import Within
+from passo.config.budget import COMMIT_S
+from passo.errors import MachineError
+from passo.motion.axis_slots import SLOTS
+
+if TYPE_CHECKING:
+    from passo import _core
+    from passo.board.boards import Boards
+
+TICK_S = 0.01  # host time between two looks at the board in real time
+HORIZON_S = 0.16  # of print time ahead that cannot be taken back: the board has it
+COMMITS_AHEAD_S = 0.2  # the same where motion comes in commits, less the time to notice
+_SHARE_OF_SLOTS = 4  # a commit takes no more than this part of them
+RUNNING_DRY_S = 0.9  # a plan that ends sooner is settled for a stop, as Python may stall for 0.5 s
+TAKE_BACK_S = 1.0  # that stop is taken back, if more moves came in, when it is so near
+LEAD_S = 0.2  # from a command on a standing machine to its first step
+SOON_S = 0.3  # what comes so soon comes at once, as far as a fan matters
+LEAST_LEAD_S = 0.05  # less than is left after GATHER_S
+GATHER_S = 0.08  # host time in which a standing machine hopes for more moves to plan with
+BUFFER_S = 2.0  # of print time ahead; a console that brings more must wait
+MOST_QUEUED = 2048  # moves that wait for look-ahead
+_STRIDE_S = 0.25  # print time between two looks where time is free
+
+
+class Drive:
+    """Lets print time pass on one board and one plan. One task runs `run`; all else is called from
+    the same event loop.
+
+    Time is the board's own, if that is live; else it is tied to the loop's, or `free`: then it
+    passes, as fast as it goes, only while something waits for it, or moves are left and no host has
+    spoken for a moment. While only a person is waited for it stands.
+    """
+
+    def __init__(
+        self,
+        connection: Boards,
+        job: _core.Job,
+        *,
+        free: bool,
+        on_mark: Callable[[int, int], None],
+    ) -> None:
+        self._connection, self._job, self._free = connection, job, free
+        self._on_mark = on_mark
+        self.on_motion: Callable[[], None] = lambda: None  # before moves leave for the board
+        self.on_pass: Callable[[], None] = lambda: None  # whenever time has passed
+        self.hz = connection.board.clock_hz
+        self.horizon_s = HORIZON_S
+        self.interrupted = False  # boards have stopped by themselves, who knows where
+        self.commits = False  # boards that are left alone brake, and keep warm for a minute
+        if connection.survives:
+            self.horizon_s = COMMITS_AHEAD_S + TICK_S
+            connection.use_commits(COMMITS_AHEAD_S)
+        self.base = connection.start_job(job)
+        self.use_commits(True)
+        self._loop = asyncio.get_running_loop()
+        self._start_s = self._loop.time()
+        self._start_clock = connection.now
+        self._marks: deque[tuple[int, int, int]] = deque()
+        self._waiting: list[tuple[Callable[[], bool], asyncio.Future[None], bool]] = []
+        self._woken = asyncio.Event()
+        self._first_move_s: float | None = None
+        self._stop_clock = -1.0  # end of a plan that was settled only because it ran dry
+        self._heard_s = 0.0
+        self._dirty = False
+        self._awaited = False  # the board is to answer
+
+    @property
+    def now(self) -> int:
+        """Print time in ticks of the job's clock."""
+        if self._free or self._connection.live:
+            return self._connection.now - self.base
+        passed = self._loop.time() - self._start_s
+        return self._start_clock + int(passed * self.hz) - self.base
+
+    @property
+    def now_s(self) -> float:
+        """Print time in seconds."""
+        return self.now / self.hz
+
+    @property
+    def standing(self) -> bool:
+        """All moves so far are done."""
+        job = self._job
+        planned = job.queued == 0 and job.clock <= self.now and not job.holds
+        if not planned or not self._connection.survives:
+            return planned
+        # What the board does not have yet comes too late, and it will say so.
+        return not self.interrupted and self._connection.delivered
+
+    @property
+    def idle_s(self) -> float:
+        """Host time since anything moved or was commanded, seconds; 0 while something moves."""
+        if not self.standing:
+            self._heard_s = self._loop.time()
+        return self._loop.time() - self._heard_s
+
+    @property
+    def ahead_s(self) -> float:
+        """Print time from now to the end of the settled plan, seconds."""
+        return (self._job.clock - self.now) / self.hz
+
+    @property
+    def full(self) -> bool:
+        """The plan reaches far enough ahead."""
+        job = self._job
+        ahead = job.clock - self.now + job.queued_ticks
+        return ahead > BUFFER_S * self.hz or job.queued > MOST_QUEUED
+
+    def before_moves(self) -> None:
+        """Call before anything is added to the plan: on a machine that stands it starts anew."""
+        self._heard_s = self._loop.time()
+        job = self._job
+        if job.queued == 0 and job.clock <= self.now + LEAD_S / 2 * self.hz:
+            job.wait_until(self.now + LEAD_S * self.hz)
+            self._first_move_s = self._heard_s
+
+    def after_moves(self) -> None:
+        """Call when something was added to the plan."""
+        self._dirty = True
+        self._woken.set()
+
+    def move(
+        self,
+        target: Mapping[int, float],
+        speed_mm_s: float,
+        within: Within = Within.LIMITS,
+    ) -> bool:
+        """Adds a straight move to these places, by slot, in machine mm; what is not named stays.
+        False, and nothing moves, if it is too long or not `within` that: see the job's error."""
+        places = [target.get(slot, math.nan) for slot in range(SLOTS)]
+        self.before_moves()
+        reached = self._job.move_to(places, speed_mm_s, within)
+        self.after_moves()
+        return reached
+
+    def flush(self) -> None:
+        """Settles the plan for a stop at its end."""
+        if self._job.queued > 0:
+            self.on_motion()
+        self._begin_in_time()
+        self._job.flush()
+        self.after_moves()
+
+    def replan(self) -> None:
+        """Plans anew, each move by its limits of now, what the board does not have yet."""
+        self._revoke(self._job.replan_from(self._earliest()))
+
+    def shift(self, axis: int, mm: float) -> bool:
+        """All that the board does not have yet lies so much further along an axis. False if that
+        is out of range; the job's error says why."""
+        self.before_moves()
+        cut = self._job.shift_from(self._earliest(), axis, mm)
+        if cut is None:
+            return False
+        self._revoke(cut)
+        return True
+
+    def scale_flow(self, extruder: int, factor: float) -> None:
+        """What the board does not have yet, and all that follows, moves so much of an extruder's
+        filament for what the program means."""
+        self.before_moves()
+        self._revoke(self._job.scale_flow_from(self._earliest(), extruder, factor))
+
+    def record_at_once(self, target: int, value: int) -> float:
+        """Sets an output, by number, as early as the board can be told in time, but behind all
+        that is planned where that ends soon, as on a machine that stands. Returns the clock."""
+        job, clock = self._job, self._earliest()
+        if job.queued == 0 and job.clock <= self.now + SOON_S * self.hz:
+            clock = max(clock, job.clock + 1)
+        job.record_at(clock, target, value)
+        self.after_moves()
+        return clock
+
+    def skip_dwell(self) -> None:
+        """Ends a dwell that is under way, as early as it can be taken back."""
+        cut = self._job.skip_dwell_from(self._earliest())
+        if cut is not None:
+            self._revoke(cut)
+
+    def hold(self) -> None:
+        """Brakes to a stop on the path; what is left is held. A lit laser goes dark."""
+        self.before_moves()  # where the machine stands, darkness must not come in the past
+        self._revoke(self._job.hold_from(self._earliest()))
+
+    def stop(self, *, program: bool = True) -> None:
+        """Brakes to a stop on the path; what is left is forgotten, of a `program` its retraction
+        too. A lit laser goes dark."""
+        self.before_moves()
+        self._revoke(self._job.stop_from(self._earliest(), program))
+
+    def forget_targets(self) -> None:
+        """Temperatures that the moves so far would still set are not set any more."""
+        self._marks.clear()
+        self._job.take_marks()
+
+    def use_commits(self, on: bool) -> None:
+        """Whether the boards brake by themselves when they are left alone, if they can: not while
+        switches are to stop motors, as axes home. Only while the machine stands."""
+        if not self._connection.survives:
+            return
+        if on:
+            hz = self.hz
+            most = self._connection.move_count // _SHARE_OF_SLOTS
+            self._job.use_commits(int(COMMIT_S * hz), most)
+        else:
+            self._job.stop_commits()
+        self._connection.arm(on)
+        self.commits = on
+
+    def recover_from(self, serial: int) -> bool:
+        """The boards have stopped by themselves behind a commit: all that was to follow is held.
+        False if that commit is not known."""
+        cut = self._job.recover_from(serial)
+        if cut is not None:
+            self._revoke(cut)
+        return cut is not None
+
+    def release(self) -> None:
+        """Goes on with what is held."""
+        if self._job.holds:
+            self.on_motion()
+        self.before_moves()
+        self._job.release()
+        self.after_moves()
+
+    def _earliest(self) -> float:
+        return self.now + self.horizon_s * self.hz
+
+    def _revoke(self, cut: float) -> None:
+        self._stop_clock = -1.0
+        while self._marks and self._marks[-1][0] > cut:
+            self._marks.pop()
+        self._dirty = True
+        self._woken.set()
+
+    async def until(self, condition: Callable[[], bool], *, idly: bool = False) -> None:
+        """Waits until the condition holds; it is looked at as time passes. `idly`: what it waits
+        for comes from elsewhere, so that free time may stand, once nothing moves."""
+        if condition():
+            return
+        future: asyncio.Future[None] = self._loop.create_future()
+        entry = (condition, future, idly)
+        self._waiting.append(entry)
+        self._woken.set()
+        try:
+            await future
+        finally:
+            if entry in self._waiting:
+                self._waiting.remove(entry)
+
+    async def sleep(self, seconds: float) -> None:
+        """Waits for print time to pass."""
+        end = self.now + seconds * self.hz
+        await self.until(lambda: self.now >= end)
+
+    async def run(self) -> None:
+        """Lets time pass until cancelled. Raises MachineError when the board fails."""
+        while True:
+            if self._free:
+                await self._free_stride()
+            else:
+                self._pass(self.now)
+                self._woken.clear()
+                idle = not self._waiting and self.standing and not self._dirty
+                timeout = 10 * TICK_S if idle else TICK_S
+                await either(self._woken, timeout) if idle else await asyncio.sleep(timeout)
+
+    async def _free_stride(self) -> None:
+        quiet_s = self._loop.time() - self._heard_s
+        moving = not self.standing or self._dirty
+        wanted = self._awaited or not all(idly for _, _, idly in self._waiting)
+        if wanted or (moving and (self._waiting or quiet_s >= GATHER_S / 2)):
+            self._pass(self.now + int(_STRIDE_S * self.hz))
+            await asyncio.sleep(0)
+            return
+        self._woken.clear()
+        if self._waiting:
+            self._pass(self.now)
+            await either(self._woken, TICK_S)
+        else:
+            await either(self._woken, GATHER_S / 2 if moving else None)
+
+    def await_answer(self) -> None:
+        """Time passes also where nothing waits for it, until the board has told that it stopped."""
+        self._awaited = True
+        self._woken.set()
+
+    def look(self) -> None:
+        """Lets time pass on the board, and no more. Raises MachineError."""
+        self._run(self.now)
+
+    async def hear_stop(self) -> None:
+        """Lets time pass on the board, and no more, until it has told that it stopped: raises the
+        MachineError of that."""
+        while True:
+            self._run(self.now + int(TICK_S * self.hz))
+            await asyncio.sleep(TICK_S)
+
+    async def catch_up(self) -> None:
+        """Waits where questions have let the time of simulated boards run ahead of the loop's."""
+        while (ahead := self._connection.now - self.base - self.now) > 0:
+            await asyncio.sleep(ahead / self.hz)
+
+    def wait(self) -> None:
+        """The same, whichever links are lost. Raises MachineError when a board has shut down."""
+        self._connection.wait(max(self.base + self.now, self._connection.now))
+
+    def live_on(self, seconds: float) -> None:
+        """So much time has passed at the boards, whatever has become of them and of their links."""
+        boards, until = self._connection, self._connection.now
+        if not boards.live:  # questions may have let it run ahead of the loop's
+            until = max(until + int(seconds * self.hz), self.base + self.now)
+        boards.live_on(until)
+
+    def _pass(self, now: int) -> None:
+        if self._job.queued > 0:
+            self.on_motion()
+        self._settle(now)
+        self._marks.extend(self._job.take_marks())
+        while self._marks and self._marks[0][0] <= now:
+            clock, target, value = self._marks.popleft()
+            self._run(clock)
+            self._on_mark(target, value)
+        self._run(now)
+        self._job.passed(now)
+        self.on_pass()
+        self.end_waits()
+
+    def _run(self, job_clock: int) -> None:
+        until = self.base + job_clock
+        if until > self._connection.now or self._connection.live:
+            self._connection.run(until)  # a live board may have news at any time
+
+    def _settle(self, now: int) -> None:
+        """A plan that runs dry is settled for a stop; what came in since takes the stop back, but
+        late, since all that is planned anew is work done twice."""
+        job, stop = self._job, self._stop_clock
+        # After many short moves the stop lies in the midst of what is settled.
+        passed_by = job.clock > stop
+        near = job.queued > 0 and stop - now < TAKE_BACK_S * self.hz
+        if stop > self._earliest() and (passed_by or near):
+            self.replan()
+        if job.queued == 0:
+            if self._dirty:
+                job.flush()  # a fan may have been switched
+            self._dirty = False
+            return
+        self._begin_in_time()
+        self._dirty = False
+        if self._first_move_s is not None:
+            if not self._free and self._loop.time() < self._first_move_s + GATHER_S:
+                self._dirty = True
+                return
+            self._first_move_s = None
+        if job.clock - now < RUNNING_DRY_S * self.hz:
+            job.flush()
+            self._stop_clock = job.clock
+
+    def _begin_in_time(self) -> None:
+        """After a stall of the program: what should begin about now, from rest, begins later."""
+        job = self._job
+        if job.queued > 0 and job.rests and job.clock < self.now + LEAST_LEAD_S * self.hz:
+            job.wait_until(self.now + LEAD_S * self.hz)
+
+    def end_waits(self) -> None:
+        """Ends the waits whose conditions hold. A fault of the program in one is that wait's own.
+        Raises MachineError."""
+        for condition, future, _ in list(self._waiting):
+            try:
+                if not future.done() and condition():
+                    future.set_result(None)
+            except MachineError:
+                raise
+            except Exception as error:
+                future.set_exception(error)
+
+
+async def either(event: asyncio.Event, timeout: float | None) -> None:
+    """Until the event, or the time is over."""
+    try:
+        async with asyncio.timeout(timeout):
+            await event.wait()
+    except TimeoutError:
+        return

@@ -1,0 +1,70 @@
+"""Where G92 says that axes and motors are."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from passo.config.motor_roles import axis_order
+from passo.errors import CommandError
+from passo.geometry.base import Unreachable
+from passo.motion.axis_slots import E
+
+if TYPE_CHECKING:
+    from passo import _core
+    from passo.config.machine import MachineConfig
+    from passo.gcode.command import Command
+
+
+def place_of_axes(command: Command, machine: MachineConfig, job: _core.Job) -> dict[int, float]:
+    """Places in mm, by number of axis, of axes that do not know where they are; the interpreter
+    does the others. Raises CommandError where no motors' positions lead, or far beyond an axis."""
+    axes = axis_order(machine.axes)
+    places = {axes.index(k.lower()): v for k, v in command.words().items()}
+    x, y, z = (places.get(i, at) for i, at in enumerate(job.machine_position[:E]))
+    try:
+        machine.geometry.inverse((x, y, z))
+    except Unreachable as error:
+        raise _nowhere(command, error) from None
+    return _near(places, machine)
+
+
+def place_of_actuators(
+    command: Command, machine: MachineConfig, job: _core.Job
+) -> dict[int, float]:
+    """The same for letters of motors: where the nozzle is follows from all of them; empty without
+    such a letter. Raises CommandError where they lead nowhere, or another one is not known."""
+    geometry, words = machine.geometry, command.words()
+    given = {n: words[n.upper()] for n in geometry.actuators if n.upper() in words}
+    if not given:
+        return {}
+    locked = [i for i in job.locked_axes if i < E]
+    if locked and len(given) < len(set(geometry.actuators) - {"z"}):
+        raise CommandError.of("input.not-homed", axis="XYZ"[locked[0]])
+    try:
+        x, y, z = job.machine_position[:E]
+        known = dict.fromkeys(geometry.actuators, z)
+        if not locked:
+            known = dict(zip(geometry.actuators, geometry.inverse((x, y, z)), strict=True))
+        a, b, c = (known | given).values()
+        point = geometry.forward((a, b, c))
+        geometry.inverse(point)  # a delta's rods meet also where its nozzle must not go
+    except Unreachable as error:
+        raise _nowhere(command, error) from None
+    ways = 3 if geometry.lifts_together or 2 not in locked else 2
+    return _near(dict(list(enumerate(point))[:ways]), machine)
+
+
+def _near(places: dict[int, float], machine: MachineConfig) -> dict[int, float]:
+    """Raises CommandError for a place farther beyond an axis than it is long."""
+    names = axis_order(machine.axes)
+    for i, mm in places.items():
+        low, high = (axis := machine.axes[names[i]]).min_mm, axis.max_mm
+        if not 2 * low - high <= mm <= 2 * high - low:
+            limit = f"{2 * low - high:g} to {2 * high - low:g} mm"
+            raise CommandError.bad_value(names[i].upper(), mm, limit)
+    return places
+
+
+def _nowhere(command: Command, error: Unreachable) -> CommandError:
+    limit = f"a place within reach, but {error}"
+    return CommandError.of("command.value", axis="G92", value=command.text.strip(), limit=limit)

@@ -1,0 +1,36 @@
+"""The way to a place that the nozzle has left: over it first, and then down."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from passo._core import Within
+from passo.motion.axis_slots import Z
+
+if TYPE_CHECKING:
+    from passo.printer.printer import Printer
+
+
+def go_over(printer: Printer, place: Mapping[int, float], speed_mm_s: float) -> bool:
+    """Adds the moves that lead over a place, by slot in machine mm. Arms that lift together reach
+    only the middle at the top, so the nozzle goes down there first: to the height of parking above
+    the place, or to its own where that is too near the top. False if they do not reach it."""
+    machine, drive = printer.machine, printer.drive
+    across = {slot: mm for slot, mm in place.items() if slot != Z}
+    if Z not in place or not machine.geometry.lifts_together:
+        return drive.move(across, speed_mm_s, Within.REACH)
+    raise_mm = machine.park.raise_mm if machine.park else 0.0
+    for height in (place[Z] + raise_mm, place[Z]):
+        if printer.job.machine_position[Z] > height:
+            drive.move({Z: height}, math.inf, Within.REACH)
+        if drive.move(across, speed_mm_s, Within.REACH):
+            return True
+    return False
+
+
+def go_back(printer: Printer, place: Mapping[int, float], speed_mm_s: float) -> bool:
+    """Adds the moves that lead over a place and then down to it. False if arms do not reach it."""
+    over = go_over(printer, place, speed_mm_s)
+    return over and (Z not in place or printer.drive.move({Z: place[Z]}, math.inf, Within.REACH))

@@ -1,0 +1,91 @@
+"""How far motors ran on after a switch on another board was hit, until they heard of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from math import floor
+from typing import TYPE_CHECKING
+
+from passo.config.pin_names import placed
+from passo.motion.axis_slots import slot_of_axis
+from passo.motion.endstops import Switch
+
+if TYPE_CHECKING:
+    from passo.board.endstops import Endstops
+    from passo.config.motor_roles import Driven
+    from passo.printer.printer import Printer
+
+
+class Overshoot:
+    """Counts the steps of one search: from where the plan was when the switch was hit to where the
+    motor stopped. So a switch is found as exactly as on the motor's own board; only the stop comes
+    later.
+
+    With `joints`, positions of the plan are those of the actuators.
+    """
+
+    def __init__(self, printer: Printer, endstops: Endstops, *, joints: bool) -> None:
+        self._printer, self._endstops, self._joints = printer, endstops, joints
+        self._machine = printer.machine
+        self._lost = dict(printer.positions.lost)
+        self._ways: dict[Driven, float] = {}
+        self._hit_at: dict[str, Sequence[float]] = {}
+
+    def look(self) -> None:
+        """While the plan still knows where it was when a switch was hit: within a second."""
+        for name, clock in self._endstops.hit.items():
+            if name not in self._hit_at:
+                found = self._printer.job.position_at(clock - self._printer.drive.base)
+                if found is not None:
+                    self._hit_at[name] = found
+
+    def measure(self, switches: Iterable[Switch]) -> None:
+        """After the search. Of motors that share an actuator, those on the switch's board count,
+        which have stopped at once."""
+        for switch in switches:
+            at_once = [self._driven(s) for s in switch.steppers if self._is_beside(s, switch)]
+            for stepper in switch.steppers:
+                driven = self._driven(stepper)
+                if driven not in at_once and switch.name in self._hit_at:
+                    self._ways[driven] = self._way(stepper, driven, self._hit_at[switch.name])
+
+    def places(self) -> list[tuple[int, float]]:
+        """When the machine is said to be where its switches were hit: axes (or actuators), by
+        number, that are elsewhere, and where."""
+        if not any(self._ways.values()):
+            return []
+        position = self._printer.job.machine_position
+        joints = self._actuators(position)
+        places: list[tuple[int, float]] = []
+        for driven, by in self._ways.items():
+            if driven.drive == "axis":
+                places.append((driven.index, position[slot_of_axis(driven.index)] + by))
+            else:
+                joints[driven.index] += by
+        a, b, c = joints
+        point = joints if self._joints else self._machine.geometry.forward((a, b, c))
+        return [*enumerate(point), *places]
+
+    def _way(self, stepper: str, driven: Driven, hit_at: Sequence[float]) -> float:
+        """Way of an actuator, or an axis, from the hit to the stop."""
+        row = next(r for r in self._printer.job.steppers() if r["name"] == stepper)
+        lost = self._printer.positions.lost[stepper] - self._lost.get(stepper, 0)
+        if driven.drive == "axis":
+            at = hit_at[slot_of_axis(driven.index)]
+        else:
+            at = self._actuators(hit_at)[driven.index]
+        steps = row["count"] - lost - floor(at * row["steps_per_unit"] + 0.5)
+        return steps / row["steps_per_unit"]
+
+    def _actuators(self, position: Sequence[float]) -> list[float]:
+        x, y, z = position[:3]
+        return [x, y, z] if self._joints else list(self._machine.geometry.inverse((x, y, z)))
+
+    def _driven(self, stepper: str) -> Driven:
+        driven = self._machine.driven_by(stepper)
+        if driven is None:
+            raise KeyError(stepper)
+        return driven
+
+    def _is_beside(self, stepper: str, switch: Switch) -> bool:
+        return self._machine.board_of_stepper(stepper) == placed(switch.pin)[0]

@@ -1,0 +1,1 @@
+"""What the commands do: one subject a file."""

@@ -1,0 +1,139 @@
+"""M300: tones of a beeper that the board pulses in software."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import TYPE_CHECKING
+
+from passo.board.connection import LEAD_S
+from passo.config.pin_names import MAIN, placed
+from passo.errors import CommandError
+from passo.gcode.command import Command
+from passo.printer.wait_requests import Handler, Procedure, Reply, Wait
+
+if TYPE_CHECKING:
+    from passo.board.boards import Boards
+    from passo.config.board import Board
+    from passo.printer.printer import Printer
+
+LONGEST_S = 5.0  # of one tone
+_HZ, _MS = 260, 1000  # unless given: Marlin's
+_LOWEST_HZ = 20
+# Each tone takes two timer interrupts a cycle. Steps have a faster one, but what a processor has
+# left for the others is little on a chip of 8 bits; 1000 Hz is what heaters and fans may have.
+_HIGHEST_HZ, _HIGHEST_HZ_OF_8_BITS = 5000, 1000
+_8_BITS = ("atmega", "at90", "attiny")  # names of such chips begin so
+_MOST_TONES = 64  # planned or waiting, before M300 waits
+_APART_S = 0.01  # from the end of a tone until the board may be told of the next
+_CALL = (1000, 300)  # Hz and ms, for a person
+_MARK, _ERAS = 1 << 13, 1 << 6  # a mark of 32 bits holds an era, Hz and ms
+_SOON_S = 1.0  # the board is told of a tone behind a rest so long before it
+_MAX_TICKS = 2**31 - 1  # of a duration, on the board
+
+
+def longest_tone_s(board: Board) -> float:
+    """How long a tone may be, seconds, so that the board can count its time."""
+    return min(LONGEST_S, _MAX_TICKS / board.clock_hz - _APART_S)
+
+
+def most_ticks(board: Board) -> int:
+    """What a tone never exceeds on its board, whatever becomes of the host."""
+    return min(_MAX_TICKS, round((longest_tone_s(board) + _APART_S) * board.clock_hz))
+
+
+def highest_hz(board: Board) -> int:
+    """The highest tone of a beeper on this board, Hz."""
+    return _HIGHEST_HZ_OF_8_BITS if board.mcu.startswith(_8_BITS) else _HIGHEST_HZ
+
+
+class Beeper:
+    """M300 of one printer, if it has a beeper. A tone is due when the moves before it are done;
+    moves behind it do not wait. Tones that are due sound one after the other, at least LEAD_S
+    apart, which rests between them may fill: a board takes another pitch only while it is silent.
+    """
+
+    def __init__(self, printer: Printer) -> None:
+        self._printer = printer
+        machine = printer.machine
+        self._there = machine.beeper is not None
+        board = machine.all_boards[placed(machine.beeper.pin)[0] if machine.beeper else MAIN]
+        self._highest_hz, self._longest_s = highest_hz(board), longest_tone_s(board)
+        self.planned: dict[str, Handler] = {"M300": self._beep} if self._there else {}
+        self._era = 0  # marks of an earlier one are forgotten
+        # Clocks of the main board: the last tone's end, with rests, and when its board is silent.
+        self._next = self._silent = 0
+
+    def begin(self, boards: Boards) -> None:
+        """The boards have begun anew; or go on, maybe with a tone that another host has begun."""
+        self._silent = 0
+        if boards.adopted:
+            self._silent = boards.now + int((LONGEST_S + LEAD_S) * boards.board.clock_hz)
+        self.forget()
+
+    def forget(self) -> None:
+        """Tones that have not begun will not."""
+        self._era = (self._era + 1) % _ERAS
+        self._planned = 0  # tones that are not due yet
+        self._due: deque[tuple[int, int]] = deque()
+        self._next = self._silent  # rests are over
+
+    def call(self) -> None:
+        """One beep for a person who is wanted."""
+        if self._there:
+            self._plan(*_CALL)
+
+    def mark_reached(self, value: int) -> None:
+        """The moves before a tone are done, or were forgotten; `value` is what its mark holds."""
+        value, ms = divmod(value, _MARK)
+        era, hz = divmod(value, _MARK)
+        if era == self._era:
+            self._planned -= 1
+            self._due.append((hz, ms))
+
+    def time_passed(self) -> None:
+        """Orders the next tone when the last one has ended."""
+        printer, boards = self._printer, self._printer.connection
+        if printer.halted or printer.drive.interrupted:
+            self._due.clear()
+        now, per_s = boards.now, boards.board.clock_hz
+        while self._due:
+            hz, ms = self._due[0]
+            ticks = ms * per_s // 1000
+            if hz == 0:
+                self._next = max(self._next, now) + ticks
+            elif now < self._silent or self._next > now + _SOON_S * per_s:
+                return
+            else:
+                begin = max(self._next, now + int(LEAD_S * per_s))
+                boards.tone("beeper", hz, ms / 1000, (begin - now) / per_s)
+                self._next = begin + ticks
+                self._silent = self._next + int(_APART_S * per_s)
+            self._due.popleft()
+
+    def _beep(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        hz, ms = words.get("S", _HZ), words.get("P", _MS)
+        for letter, value in (("S", hz), ("P", ms)):
+            if value < 0:
+                raise CommandError.bad_value(letter, value, "0 or more")
+        longest_ms = self._longest_s * 1000
+        if hz > self._highest_hz or ms > longest_ms:
+            limits = f"{self._highest_hz} Hz and {longest_ms:g} ms"
+            reply.note("M300", f"M300: a tone has at most {limits} here")
+        hz = min(max(hz, _LOWEST_HZ), self._highest_hz) if hz > 0 else 0
+        if ms >= 1:
+            self._plan(round(hz), int(min(ms, longest_ms)))
+        full = self._planned + len(self._due) >= _MOST_TONES
+        return Procedure(self._room) if full else None
+
+    def _plan(self, hz: int, ms: int) -> None:
+        printer = self._printer
+        self._planned += 1
+        printer.drive.before_moves()
+        printer.job.mark(len(printer.heaters), (self._era * _MARK + hz) * _MARK + ms)
+        printer.drive.after_moves()
+
+    async def _room(self) -> None:
+        await self._printer.drive.until(
+            lambda: len(self._due) < _MOST_TONES // 2 or self._printer.interrupted
+        )

@@ -1,0 +1,179 @@
+"""Commands about the motors' drivers: currents, modes, and how they are."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from math import floor
+from typing import TYPE_CHECKING
+
+from passo.board.drivers import DriverState
+from passo.board.trinamic import DriverSettings, findings, open_coils, threshold_of
+from passo.config.trinamic import largest_current_ma, least_current_ma
+from passo.errors import CommandError
+from passo.gcode.command import Command, numeral
+from passo.printer.wait_requests import Handler, Reply, Wait
+
+if TYPE_CHECKING:
+    from passo.printer.printer import Printer
+
+_LETTER = re.compile(r"([A-Z])\s*[-+\d.]*")
+_MOTORS = "XYZABCUVWE"  # letters of axes, actuators and extruders
+
+
+class DriverCommands:
+    """M350, M906, M911, M912 and what M122, M503 and M569 say of the drivers of one printer."""
+
+    def __init__(self, printer: Printer) -> None:
+        self._printer = printer
+        self._watch = printer.drivers
+        self.planned: dict[str, Handler] = {
+            "M350": self._microsteps,
+            "M569": self._modes,
+            "M906": self._currents,
+            "M911": self._prewarnings,
+            "M912": self._forget_prewarnings,
+        }
+
+    # -- what they are set to ---------------------------------------------------------------------
+
+    def _currents(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        index, tool = words.pop("I", None), words.pop("T", None)
+        if not words:
+            for motor, state in self._watch.states.items():
+                reply.say(f"{motor.upper()} driver current: {state.settings.run_a * 1000:.0f}")
+            return None
+        wanted = [
+            (motor, self._with_current(motor, letter, milliampere))
+            for letter, milliampere in words.items()
+            for motor in self._motors(letter, reply, index, tool)
+        ]
+        for motor, settings in wanted:
+            self._watch.set(motor, settings)
+        return None
+
+    def _with_current(self, motor: str, letter: str, milliampere: float) -> DriverSettings:
+        """The current at a standstill keeps its share; the driver must be able to do it, too."""
+        settings = self._watch.states[motor].settings
+        share = settings.hold_a / settings.run_a
+        most = floor(largest_current_ma(settings.chip, settings.resistor_ohm) / max(1.0, share))
+        least = least_current_ma(settings.chip, settings.resistor_ohm)
+        if not least <= milliampere <= most:
+            limit = f"{least} to {most} mA"
+            raise CommandError.bad_value(letter, milliampere, limit)
+        run_a = milliampere / 1000
+        return replace(settings, run_a=run_a, hold_a=run_a * share)
+
+    def _microsteps(self, command: Command, reply: Reply) -> Wait | None:
+        """They belong to the scale of the motor: both stand in the machine file."""
+        if command.words():
+            raise CommandError.of("command.fixed", value="steppers")
+        for motor, state in self._watch.states.items():
+            reply.say(f"{motor.upper()} microsteps: {state.settings.microsteps}")
+        return None
+
+    def _modes(self, command: Command, reply: Reply) -> Wait | None:
+        """Without S it tells what the machine file says of the drivers."""
+        words = command.words()
+        if "S" not in words:
+            if words:
+                raise CommandError.of("command.fixed", value="steppers")
+            self._printer.motion.tell_drivers(reply)
+            for motor, state in self._watch.states.items():
+                reply.say(f"{motor.upper()} driver mode: {_mode(state)}")
+            return None
+        if words["S"] not in (0, 1):
+            raise CommandError.bad_value("S", words["S"], "0 (spreadCycle) or 1 (stealthChop)")
+        letters = [x for x in _LETTER.findall(command.text.upper()) if x not in "SIT"]
+        motors = list(self._watch.states)
+        if letters:
+            which = words.get("I"), words.get("T")
+            motors = [m for letter in letters for m in self._motors(letter, reply, *which)]
+        for motor in motors:
+            threshold = self._stealth_threshold(motor) if words["S"] else None
+            settings = self._watch.states[motor].settings
+            self._watch.set(motor, replace(settings, threshold=threshold))
+        return None
+
+    def _stealth_threshold(self, motor: str) -> int:
+        """That of the machine file; without one the driver is in stealthChop at any speed."""
+        stepper = self._printer.machine.steppers[motor]
+        tmc = stepper.tmc
+        below = (tmc.stealthchop_below_mm_s or tmc.stealthchop_below_deg_s) if tmc else None
+        return threshold_of(below * stepper.steps_per_unit, stepper.microsteps) if below else 0
+
+    def _motors(
+        self, letter: str, reply: Reply, index: float | None = None, tool: float | None = None
+    ) -> Iterable[str]:
+        """The motors of a letter that have drivers with registers, or the one of that index; an
+        extruder's is a tool."""
+        named = self._printer.motors.named(letter)
+        if letter == "E" and tool is not None:
+            index = tool
+        if index is not None:
+            named = named[int(index) : int(index) + 1] if index >= 0 else []
+        found = [motor for motor in named if motor in self._watch.states]
+        if not found:
+            reply.say(f"echo:{letter} has no driver that can be set up")
+        return found
+
+    def setting_lines(self) -> Iterator[str]:
+        """M906 and M569 for each driver, by a letter and, where that has several, its index."""
+        for words, state in self._words():
+            axis, *tool = reversed(words.split())
+            where = "".join(f"{word} " for word in tool)
+            yield f"M906 {where}{axis}{numeral(state.settings.run_a * 1000)}"
+            yield f"M569 {where}S{int(state.settings.threshold is not None)} {axis}"
+
+    def _words(self) -> Iterator[tuple[str, DriverState]]:
+        groups = {letter: self._printer.motors.named(letter) for letter in _MOTORS}
+        for motor, state in self._watch.states.items():
+            letter = min((x for x in groups if motor in groups[x]), key=lambda x: len(groups[x]))
+            index = groups[letter].index(motor)
+            if letter == "E":
+                yield f"T{index} E", state
+            else:
+                yield f"I{index} {letter}" if len(groups[letter]) > 1 else letter, state
+
+    # -- how they are -----------------------------------------------------------------------------
+
+    def status_lines(self) -> Iterator[str]:
+        """A line or more for each driver, as it was a second ago at most."""
+        for motor, state in self._watch.states.items():
+            settings, currents = state.settings, state.settings.currents
+            yield (
+                f"{motor.upper()} {settings.chip} {currents.run_a:.2f} A running,"
+                f" {currents.hold_a:.2f} A standing, {settings.microsteps} microsteps,"
+                f" {_mode(state)}"
+            )
+            yield from (f"  {sentence}" for sentence in self._sentences(motor, state))
+
+    def _sentences(self, motor: str, state: DriverState) -> Iterator[str]:
+        if state.failure is not None:
+            yield str(state.failure.problem)
+        elif state.reading is not None:
+            chip = state.settings.chip
+            for finding in findings(motor, chip, state.reading):
+                yield str(finding.problem)
+            for coil in open_coils(chip, state.reading):
+                yield f"coil {coil} looks open; that counts only while the motor turns slowly"
+
+    def _prewarnings(self, _: Command, reply: Reply) -> Wait | None:
+        for motor in self._watch.states:
+            hot = motor in self._watch.prewarned
+            reply.say(f"{motor.upper()} temperature prewarn triggered: {str(hot).lower()}")
+        return None
+
+    def _forget_prewarnings(self, command: Command, reply: Reply) -> Wait | None:
+        letters = re.sub(r"[^A-Z]", "", command.text.upper())
+        if not letters:
+            self._watch.prewarned.clear()
+        for letter in letters:
+            self._watch.prewarned.difference_update(self._motors(letter, reply))
+        return None
+
+
+def _mode(state: DriverState) -> str:
+    return "spreadCycle" if state.settings.threshold is None else "stealthChop"

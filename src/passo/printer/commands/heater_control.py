@@ -1,0 +1,277 @@
+"""Controllers and sensors of heaters: gains, models, thermistors, limits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, TypeAlias, TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+from passo import _core
+from passo.config.gains import doubt
+from passo.config.heat import HeatModel
+from passo.config.heater_numbers import KINDS, number_of
+from passo.config.model_findings import expected
+from passo.config.sensor_tables import reads_within, sensor_table
+from passo.config.sensors import Thermistor
+from passo.errors import CommandError
+from passo.gcode.command import Command, numeral
+from passo.heat.rules import FULL_POWER, Gains
+from passo.printer.setup.boards import sensor_of
+from passo.printer.wait_requests import Handler, Reply, Wait
+
+if TYPE_CHECKING:
+    from passo.printer.printer import Printer
+
+Control: TypeAlias = _core.PidControl | _core.OnOffControl | _core.ModelControl | _core.RelayControl
+_Table = TypeVar("_Table", bound=BaseModel)
+
+_SENSOR_KEYS = {
+    "A": "r25_ohm",
+    "B": "beta_k",
+    "C": "c_per_k",
+    "R": "pullup_ohm",
+    "L": "adc_offset_low",
+    "O": "adc_offset_high",
+}
+_MODEL_KEYS = {
+    "A": "rise_c",
+    "C": "time_constant_s",
+    "D": "sensor_lag_s",
+    "F": "fan_loss",
+    "R": "ambient_c",
+}
+
+
+class ControlCommands:
+    """M301 and M304 to M307 of one printer."""
+
+    def __init__(self, printer: Printer) -> None:
+        self._printer = printer
+        self._machine = printer.machine
+        self._aside: dict[str, Control] = {}  # of heaters that a tune has for itself
+        self.sensors = {name: h.sensor for name, h in self._machine.heaters.items()}
+        self.immediate: dict[str, Handler] = {
+            "M301": self._gains,
+            "M304": self._bed_gains,
+            "M305": self._sensor,
+            "M306": self._limits,
+            "M307": self._model,
+        }
+
+    # -- which heater, and what controls it -------------------------------------------------------
+
+    def named(self, words: dict[str, float], otherwise: int = 0) -> str:
+        """The heater that H (or E) of a command means. Raises CommandError if there is none."""
+        number = int(words.get("H", words.get("E", otherwise)))
+        kind = KINDS.get(number, "hotend")
+        return self._printer.commands.heater(kind, max(number, 0))
+
+    def number_of(self, name: str) -> int | None:
+        """H of a heater; None for one that no number means."""
+        return number_of(self._machine, name)
+
+    def _numbered(self, names: Sequence[str]) -> Iterator[tuple[int, str]]:
+        """The heaters of these names, all if none is given, that a number means, with it."""
+        for name in names or self._machine.heaters:
+            number = self.number_of(name)
+            if number is not None:
+                yield number, name
+
+    def control(self, name: str) -> Control:
+        """What controls a heater, as set; during a tune what controls it afterwards."""
+        return self._aside.get(name) or self._printer.connection.heaters[name].control
+
+    def set_control(self, name: str, control: Control) -> None:
+        """Takes over at once, or when the heater's tune is over."""
+        if name in self._aside:
+            self._aside[name] = control
+        else:
+            self._printer.connection.heaters[name].set_control(control)
+
+    def lent(self, name: str) -> bool:
+        """A tune has the heater."""
+        return name in self._aside
+
+    def lend(self, name: str) -> None:
+        """A tune takes the heater over: what controls it is kept."""
+        self._aside[name] = self._printer.connection.heaters[name].control
+
+    def take_back(self, name: str) -> None:
+        """The tune is over: what was kept controls the heater again."""
+        control = self._aside.pop(name, None)
+        if control is not None:
+            self._printer.connection.heaters[name].set_control(control)
+
+    # -- gains ------------------------------------------------------------------------------------
+
+    def _gains(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        return self._set_gains(self.named(words), words, reply)
+
+    def _bed_gains(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        return self._set_gains(self.named({}, -1), words, reply)
+
+    def _set_gains(self, name: str, words: dict[str, float], reply: Reply) -> Wait | None:
+        given = {k: v for k, v in words.items() if k in "PID"}
+        if words.keys() & {"C", "L"}:
+            reply.note("M301 C", "M301 adds nothing for extrusion (C, L)")
+        if not given:
+            for line in self.gain_lines(name):
+                reply.say(line)
+            return None
+        for letter, value in given.items():
+            if value < 0:
+                raise CommandError.bad_value(letter, value, "a number of at least 0")
+        old = self.control(name)
+        if not isinstance(old, _core.PidControl):
+            raise CommandError.of("heat.no-pid", axis=name)
+        gains = Gains(given.get("P", old.kp), given.get("I", old.ki), given.get("D", old.kd))
+        self.set_control(name, with_gains(old, gains))
+        keys = {f"k{letter.lower()}": value for letter, value in given.items()}
+        if asked := doubt(self._machine.heaters[name].kind, keys):
+            letter = asked.key[-1].upper()
+            reply.say(f"echo:{letter} is {asked.value:g}: {asked.usual}. {asked.hint}".rstrip())
+        return None
+
+    def gain_lines(self, *names: str) -> Iterator[str]:
+        """M301 for each of these heaters that has gains, all if none is named."""
+        for number, name in self._numbered(names):
+            control = self.control(name)
+            if isinstance(control, _core.PidControl):
+                p, i, d = map(numeral, (control.kp, control.ki, control.kd))
+                yield f"M301 H{number} P{p} I{i} D{d}"
+
+    # -- models -----------------------------------------------------------------------------------
+
+    def _model(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        name = self.named(words)
+        old = self.control(name)
+        if not isinstance(old, _core.ModelControl):
+            raise CommandError.of("heat.no-model", axis=name)
+        given = {k: v for k, v in words.items() if k in _MODEL_KEYS}
+        if not given:
+            for line in self.model_lines(name):
+                reply.say(line)
+            return None
+        held = {key: getattr(old.model, key) for key in _MODEL_KEYS.values()}
+        m = _with_words(HeatModel, held, _MODEL_KEYS, given)
+        model = _core.HeatModel(
+            m.rise_c, m.time_constant_s, m.sensor_lag_s, m.fan_loss, m.ambient_c
+        )
+        self.set_control(name, _core.ModelControl(model, old.horizon_s))
+        return None
+
+    def model_lines(self, *names: str) -> Iterator[str]:
+        """M307 for each of these heaters that is controlled by its model, all if none is named."""
+        for number, name in self._numbered(names):
+            control = self.control(name)
+            if isinstance(control, _core.ModelControl):
+                words = (
+                    f"{k}{numeral(getattr(control.model, key))}" for k, key in _MODEL_KEYS.items()
+                )
+                yield f"M307 H{number} {' '.join(words)}"
+
+    # -- sensors and limits -----------------------------------------------------------------------
+
+    def _sensor(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        name = self.named(words)
+        sensor = self.sensors[name]
+        given = {k: v for k, v in words.items() if k in _SENSOR_KEYS}
+        if not isinstance(sensor, Thermistor):
+            raise CommandError.of("heat.no-thermistor", axis=name)
+        if words.keys() & {"T", "P"}:
+            reply.note("M305 T", "M305 sets neither type nor pin; the machine file has them")
+        if not given:
+            for line in self.sensor_lines(name):
+                reply.say(line)
+            return None
+        new = _with_words(Thermistor, sensor.model_dump(), _SENSOR_KEYS, given)
+        config = self._machine.heaters[name].model_copy(update={"sensor": new})
+        if not reads_within(sensor_table(new), config.min_c, config.max_c):
+            limit = f"{config.min_c:g} to {config.max_c:g}"
+            raise CommandError.of("heat.reads-nothing", axis=name, limit=limit)
+        self._printer.connection.set_sensor(name, sensor_of(self._machine, name, config))
+        self.sensors[name] = new
+        return None
+
+    def sensor_lines(self, *names: str) -> Iterator[str]:
+        """M305 for each of these heaters with a thermistor, all if none is named."""
+        for number, name in self._numbered(names):
+            s = self.sensors[name]
+            if isinstance(s, Thermistor):
+                yield (
+                    f"M305 H{number} A{numeral(s.r25_ohm)} B{numeral(s.beta_k)}"
+                    f" C{numeral(s.c_per_k)} R{numeral(s.pullup_ohm)} L{numeral(s.adc_offset_low)}"
+                    f" O{numeral(s.adc_offset_high)}"
+                )
+
+    def _limits(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        name = self.named(words)
+        if set(words) - {"A", "B", "E", "H"}:
+            raise CommandError.of("command.fixed", value=f"heaters.{name}")
+        given = {k: v for k, v in words.items() if k in "AB"}
+        h, old = self._machine.heaters[name], self.control(name)
+        if given:
+            self._set_drive(name, given)
+            return None
+        pid = isinstance(old, _core.PidControl)
+        drive = f" {_drive(old)}" if pid else ""
+        reply.say(
+            f"M306 H{self.number_of(name)}{drive} L{h.min_c:g} O{h.max_c:g}"
+            f" C{h.max_power * FULL_POWER:g} U{int(pid)} T1"
+        )
+        return None
+
+    def _set_drive(self, name: str, given: dict[str, float]) -> None:
+        old = self.control(name)
+        if not isinstance(old, _core.PidControl):
+            raise CommandError.of("heat.no-pid", axis=name)
+        for letter, value in given.items():
+            if not 0 <= value <= FULL_POWER:
+                raise CommandError.bad_value(letter, value, f"0 to {FULL_POWER:g}")
+        low = given["A"] / FULL_POWER if "A" in given else old.drive_min
+        high = given["B"] / FULL_POWER if "B" in given else old.drive_max
+        if low >= high:
+            least = f"more than A, {numeral(low * FULL_POWER)}"
+            raise CommandError.bad_value("B", high * FULL_POWER, least)
+        self.set_control(
+            name,
+            _core.PidControl(old.kp, old.ki, old.kd, old.filter_s, low, high, old.range_c),
+        )
+
+    def drive_lines(self) -> Iterator[str]:
+        """M306 for each heater whose integral has bounds."""
+        for number, name in self._numbered(()):
+            control = self.control(name)
+            if isinstance(control, _core.PidControl):
+                yield f"M306 H{number} {_drive(control)}"
+
+
+def _drive(control: _core.PidControl) -> str:
+    low, high = control.drive_min * FULL_POWER, control.drive_max * FULL_POWER
+    return f"A{numeral(low)} B{numeral(high)}"
+
+
+def with_gains(old: _core.PidControl, gains: Gains) -> _core.PidControl:
+    """A controller that differs in its gains alone."""
+    return _core.PidControl(
+        gains.kp, gains.ki, gains.kd, old.filter_s, old.drive_min, old.drive_max, old.range_c
+    )
+
+
+def _with_words(
+    kind: type[_Table], held: dict[str, object], keys: Mapping[str, str], given: dict[str, float]
+) -> _Table:
+    """A table with a command's values in place of those it held, by letter. Raises CommandError
+    with the first that it must not have."""
+    try:
+        return kind.model_validate(held | {keys[k]: value for k, value in given.items()})
+    except ValidationError as error:
+        first = error.errors()[0]
+        letter = next(k for k, key in keys.items() if key in first["loc"])
+        raise CommandError.bad_value(letter, given[letter], expected(first)) from None

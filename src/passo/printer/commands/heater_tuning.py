@@ -1,0 +1,136 @@
+"""M303: a heater is tuned, and what was found is taken where that is asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
+
+from passo import _core
+from passo.config.heat import HeatModel, PidControl
+from passo.errors import CommandError
+from passo.gcode.command import Command, numeral
+from passo.heat.relay_tune import RelayTune, TuneError
+from passo.heat.rules import RULES, Gains
+from passo.heat.step_tune import StepTune
+from passo.printer.commands.heater_control import ControlCommands, with_gains
+from passo.printer.wait_requests import Handler, Reply, Tuning, Wait
+
+if TYPE_CHECKING:
+    from passo.printer.printer import Printer
+
+_STEP_RESPONSE = len(RULES)  # R behind those of the relay's rules: the model, whatever controls
+_USUAL_C = {"hotend": 200.0, "bed": 70.0, "chamber": 70.0}
+
+
+class TuneCommands:
+    """The tunes of one printer's heaters, whose `controls` they borrow."""
+
+    def __init__(self, printer: Printer, controls: ControlCommands) -> None:
+        self._printer, self._controls = printer, controls
+        self._machine = printer.machine
+        self.planned: dict[str, Handler] = {"M303": self._tune}
+
+    def _tune(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        name = self._controls.named(words)
+        config = self._machine.heaters[name]
+        hotend = config.kind == "hotend"
+        label = f"Hotend:{self._controls.number_of(name)}" if hotend else config.kind.upper()
+        target = words.get("S", _USUAL_C[config.kind])
+        if target <= (least := max(config.min_c, 0.0)):
+            raise CommandError.bad_value("S", target, f"more than {least:g} C")
+        tune: RelayTune | StepTune
+        board = self._printer.connection.connection_of("heaters", name).board
+        hz = float(board.clock_hz)
+        try:
+            cycles, rule = int(words.get("C", 5)), int(words.get("R", 0))
+            if not 0 <= rule <= _STEP_RESPONSE:
+                raise CommandError.bad_value("R", rule, f"0 to {_STEP_RESPONSE}")
+            if rule == _STEP_RESPONSE or config.control.kind == "model":
+                tune = StepTune(
+                    label, target, clock_hz=hz, limit_c=config.max_c, with_fan=bool(config.fan)
+                )
+                fits = config.control.kind == "model"
+            else:
+                tune = RelayTune(label, target, cycles, rule, clock_hz=hz, limit_c=config.max_c)
+                fits = config.control.kind == "pid"
+        except TuneError as error:
+            reply.fail(str(error))
+            return None
+        self._controls.take_back(name)  # from a tune that a halt has cut off
+        asked = words.get("U", 1.0 if "U" in command.text.upper() else 0.0) != 0
+        apply = asked and fits
+        for line in tune.begin(" Apply result" if apply else ""):
+            reply.say(line)
+        return Tuning(lambda: self._run(name, tune, reply), lambda: self._end(name, tune, apply))
+
+    def _run(self, name: str, tune: RelayTune | StepTune, reply: Reply) -> bool:
+        """Feeds what the sensor has said since the last call; True when the tune is over."""
+        heater = self._printer.connection.heaters[name]
+        if not self._controls.lent(name):
+            self._controls.lend(name)
+            heater.take_samples()
+            heater.set_control(tune.control)
+            self._printer.set_target(name, tune.target_c, at_once=True)
+        if heater.target != tune.target_c:
+            return True  # somebody has switched it off, or wants it otherwise
+        for sample in heater.take_samples():
+            for line in tune.feed(sample):
+                # A failed tune is no reason for a host to disconnect.
+                reply.say(line.removeprefix("Error:"))
+        if not tune.done:
+            if heater.control != tune.control:
+                heater.set_control(tune.control)
+            fan = self._machine.heaters[name].fan
+            if fan is not None and isinstance(tune, StepTune):
+                self._printer.set_fan(fan, tune.fan)
+        if tune.result is not None:
+            for line in self._keys(name, tune.result):
+                reply.say(line)
+        return tune.done or heater.fault is not None
+
+    def _keys(self, name: str, result: Gains | _core.HeatModel) -> Iterator[str]:
+        """What to write into the machine file so that it has what the tune has found."""
+        yield f"To keep this, write in the machine file, in the table [heaters.{name}]:"
+        if isinstance(result, Gains):
+            old = self._machine.heaters[name].control
+            kept = old.model_dump(exclude_unset=True) if isinstance(old, PidControl) else {}
+            found = {"kp": result.kp, "ki": result.ki, "kd": result.kd}
+            kept = {key: value for key, value in kept.items() if key not in ("kind", *found)}
+            yield f"control = {_inline({'kind': 'pid'} | found | kept)}"
+        else:
+            keys = HeatModel.model_fields
+            yield f"model = {_inline({key: getattr(result, key) for key in keys})}"
+
+    def _end(self, name: str, tune: RelayTune | StepTune, apply: bool) -> None:
+        """The heater off, unless somebody wants it otherwise by now, and, where asked for, with
+        what the tune has found. Raises CommandError if that cannot be stored."""
+        printer = self._printer
+        self._controls.take_back(name)
+        if printer.halted:
+            return  # everything is off
+        if printer.connection.heaters[name].target == tune.target_c:
+            printer.set_target(name, 0.0, at_once=True)
+        fan = self._machine.heaters[name].fan
+        if fan is not None and isinstance(tune, StepTune):
+            printer.set_fan(fan, 0.0)
+        old, result = self._controls.control(name), tune.result
+        if not apply or result is None:
+            return
+        if isinstance(result, Gains) and isinstance(old, _core.PidControl):
+            self._controls.set_control(name, with_gains(old, result))
+        elif isinstance(result, _core.HeatModel) and isinstance(old, _core.ModelControl):
+            self._controls.set_control(name, _core.ModelControl(result, old.horizon_s))
+        if printer.store_settings is not None:
+            printer.store_settings()
+
+
+def _inline(table: Mapping[str, str | float]) -> str:
+    """An inline table of TOML, numbers to 4 significant digits."""
+    rows = (
+        f'{key} = "{value}"'
+        if isinstance(value, str)
+        else f"{key} = {numeral(float(f'{value:.4g}'))}"
+        for key, value in table.items()
+    )
+    return f"{{ {', '.join(rows)} }}"

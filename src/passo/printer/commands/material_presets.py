@@ -1,0 +1,59 @@
+"""Temperatures and fan of materials, by number."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from passo.errors import CommandError
+from passo.gcode.command import numeral
+
+if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
+
+_MARGIN_C = 15.0  # presets stay so far below a heater's limit
+_HOTTEST_C = 1200.0  # where there is no such heater
+
+
+class Preset:
+    """A material of M145: hotend and bed in °C, fan 0 to 255."""
+
+    def __init__(self, hotend_c: float, bed_c: float, fan: float) -> None:
+        self.hotend_c, self.bed_c, self.fan = hotend_c, bed_c, fan
+
+
+class Presets:
+    """The materials that M145 sets and that I of M104, M109, M140 and M190 names."""
+
+    def __init__(self, machine: MachineConfig) -> None:
+        self._machine = machine
+        self._materials = [Preset(190, 60, 255), Preset(235, 100, 0), Preset(230, 80, 128)]
+
+    def set(self, words: dict[str, float]) -> None:
+        """Those of the material S that are given, not beyond their limits; without S it changes
+        nothing. Raises CommandError."""
+        if "S" not in words:
+            return
+        preset = self._of("S", words["S"])
+        preset.hotend_c = min(max(words.get("H", preset.hotend_c), 0.0), self._most("hotend"))
+        preset.bed_c = min(max(words.get("B", preset.bed_c), 0.0), self._most("bed"))
+        preset.fan = min(max(words.get("F", preset.fan), 0.0), 255.0)
+
+    def celsius(self, number: float, kind: str) -> float:
+        """What a material asks of the hotend or the bed. Raises CommandError."""
+        preset = self._of("I", number)
+        return preset.hotend_c if kind == "hotend" else preset.bed_c
+
+    def lines(self) -> Iterable[str]:
+        """The materials as commands."""
+        for i, p in enumerate(self._materials):
+            yield f"M145 S{i} H{numeral(p.hotend_c)} B{numeral(p.bed_c)} F{numeral(p.fan)}"
+
+    def _of(self, letter: str, number: float) -> Preset:
+        if int(number) not in range(len(self._materials)):
+            raise CommandError.bad_value(letter, number, f"0 to {len(self._materials) - 1}")
+        return self._materials[int(number)]
+
+    def _most(self, kind: str) -> float:
+        limits = [h.max_c for h in self._machine.heaters.values() if h.kind == kind]
+        return min(limits, default=_HOTTEST_C) - _MARGIN_C

@@ -1,0 +1,110 @@
+"""Motors on and off, and what the machine forgets with them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from passo.config.motor_roles import axis_order
+from passo.errors import CommandError
+from passo.gcode.command import Command
+from passo.motion.endstops import is_actuator, steppers_of
+from passo.printer.setup.boards import enable_outputs
+from passo.printer.wait_requests import Handler, Reply, Still, Wait
+
+if TYPE_CHECKING:
+    from passo.printer.printer import Printer
+
+
+class Motors:
+    """The drivers' enable pins of one printer. A move turns all motors on; an axis whose motors go
+    off no longer knows where it is."""
+
+    def __init__(self, printer: Printer) -> None:
+        self._printer = printer
+        self._machine = printer.machine
+        self._axes = axis_order(self._machine.axes)
+        self._outputs = enable_outputs(self._machine)
+        self.on: set[str] = set()
+        self.idle_s = self._machine.idle.motors_off_s
+        self.planned: dict[str, Handler] = {"M17": self._switch_on}
+        for code in ("M18", "M84"):
+            self.planned[code] = self._switch_off
+
+    def all_on(self) -> None:
+        """Before a move."""
+        if len(self.on) < len(self._machine.steppers):
+            self._set(list(self._machine.steppers), on=True)
+
+    def all_off(self) -> None:
+        """Only while the machine stands."""
+        self._set(list(self._machine.steppers), on=False)
+
+    def forget(self) -> None:
+        """The board begins anew, with all motors off."""
+        self.on.clear()
+
+    def renew(self) -> None:
+        """The board may not have heard the last words about motors."""
+        for name, output in self._outputs.items():
+            self._printer.connection.switch(output, self.live(name))
+
+    def _set(self, steppers: Sequence[str], *, on: bool) -> None:
+        for name in steppers:
+            was_live = self.live(name)
+            (self.on.add if on else self.on.discard)(name)
+            if name in self._outputs and self.live(name) != was_live:
+                self._printer.connection.switch(self._outputs[name], on)
+        if not on:
+            if not set(steppers) <= set(self.named("E")):
+                self._printer.positions.loosen()
+            self._printer.lock(self.axes_lost(steppers))
+
+    def live(self, name: str) -> bool:
+        """Whether the output of a motor is on: while any of the motors that share it is."""
+        return any(self._outputs.get(other) == self._outputs.get(name) for other in self.on)
+
+    def axes_lost(self, steppers: Sequence[str]) -> set[str]:
+        """The axes with a switch that no longer know where they are when these motors are off."""
+        lost = set[str]()
+        for name in self._machine.homing:
+            if set(steppers) & set(steppers_of(self._machine, name)):
+                arm = is_actuator(self._machine, name)
+                lost.update(self._machine.axes_of_arms if arm else [name])
+        return lost
+
+    def named(self, text: str) -> list[str]:
+        """The motors of the letters in a command: axes, actuators, E; all without letters."""
+        letters = re.findall(r"[A-Z]", text.upper().partition("S")[0])
+        if not letters:
+            return list(self._machine.steppers)
+        found: list[str] = []
+        for letter in letters:
+            name = letter.lower()
+            if name in self._axes:
+                found += steppers_of(self._machine, name)
+            elif name == "e":
+                found += [
+                    s
+                    for s in self._machine.steppers
+                    if (d := self._machine.driven_by(s)) and d.drive == "extruder"
+                ]
+            elif name in self._machine.steppers:
+                found.append(name)
+        return found
+
+    def _switch_on(self, command: Command, _: Reply) -> Wait | None:
+        self._set(self.named(command.text), on=True)
+        return None
+
+    def _switch_off(self, command: Command, _: Reply) -> Wait | None:
+        words = command.words()
+        if words.get("S", 0.0) < 0:  # 0 would be never
+            raise CommandError.bad_value("S", words["S"], "0 s or more")
+        if "S" in words:
+            self.idle_s = words["S"]
+            return None
+        steppers = self.named(command.text)
+        self._printer.laser_off()
+        return Still(lambda: self._set(steppers, on=False))

@@ -1,0 +1,67 @@
+"""The power supply of motors and heaters, where the board switches it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from passo.errors import CommandError
+from passo.gcode.command import Command
+from passo.printer.wait_requests import Handler, Procedure, Reply, Still, Wait
+
+if TYPE_CHECKING:
+    from passo.board.boards import Boards
+    from passo.printer.printer import Printer
+
+_RISES_S = 2.5  # until there is power, and every driver with registers has been asked and set up
+
+
+class Mains:
+    """M80 and M81 of one printer. Without a pin the mains are always on. A board that shuts down
+    switches them off."""
+
+    def __init__(self, printer: Printer) -> None:
+        self._printer = printer
+        self._pin = printer.machine.mains
+        self.on = True
+        self.planned: dict[str, Handler] = {"M80": self._switch_on, "M81": self._switch_off}
+
+    def begin(self, boards: Boards) -> None:
+        """The boards have begun anew, or go on with what another host has left warm."""
+        if self._pin is not None:
+            self._switch(boards, self._pin.on_at_start or boards.adopted)
+
+    def renew(self) -> None:
+        """The board may not have heard the last word."""
+        self._switch(self._printer.connection, self.on)
+
+    def require(self) -> None:
+        """Raises CommandError while they are off."""
+        if not self.on:
+            raise CommandError.of("command.no-mains")
+
+    def _switch(self, boards: Boards, on: bool) -> None:
+        self.on = on
+        if self._pin is not None:
+            boards.switch("mains", on)
+
+    def _switch_on(self, command: Command, reply: Reply) -> Wait | None:
+        if "S" in command.text.upper():
+            reply.say(f"PS:{int(self.on)}")
+            return None
+        return None if self.on else Procedure(self._rise)
+
+    async def _rise(self) -> None:
+        self._switch(self._printer.connection, True)
+        await self._printer.drive.sleep(_RISES_S)
+
+    def _switch_off(self, _: Command, __: Reply) -> Wait | None:
+        self._printer.laser_off()  # before the motors
+        return Still(self._all_off)
+
+    def _all_off(self) -> None:
+        printer = self._printer
+        for name in printer.heaters:
+            printer.set_target(name, 0.0, at_once=True)
+        printer.motors.all_off()
+        if self._pin is not None:
+            self._switch(printer.connection, False)

@@ -1,0 +1,174 @@
+"""Commands that say how the printer is: temperatures, position, firmware."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
+import passo
+from passo.config.motor_roles import axis_order
+from passo.errors import CommandError, Problem
+from passo.gcode.command import Command
+from passo.motion.endstops import switches
+from passo.printer.wait_requests import Handler, Reply, Wait
+
+if TYPE_CHECKING:
+    from passo.printer.printer import Printer
+
+_SWITCH_LETTERS = set("XYZIJKPD")  # of M123 and M124
+_LETTERS = {"hotend": "T", "bed": "B", "chamber": "C"}
+CAPABILITIES = {
+    "EEPROM": False,
+    "AUTOREPORT_TEMP": True,
+    "AUTOREPORT_POS": True,
+    "AUTOREPORT_SD_STATUS": False,
+    "BUSY_PROTOCOL": True,
+    "EMERGENCY_PARSER": True,
+    "CHAMBER_TEMP": False,
+    "EXTENDED_M20": False,
+    "LFN_WRITE": False,
+    "PROMPT_SUPPORT": True,
+    "PROGRESS": True,
+}
+
+
+class Reports:
+    """Reports of one printer."""
+
+    def __init__(self, printer: Printer, *, card: bool = False, settings: bool = False) -> None:
+        self._printer, self._card, self._settings = printer, card, settings
+        self._letters = [name.upper() for name in axis_order(printer.machine.axes)]
+        self.handlers: dict[str, Handler] = {
+            "M105": self._temperatures,
+            "M114": self._position,
+            "M115": self._firmware,
+            "M119": self._switches,
+            "M122": self._limits,
+            "M123": self._switch_logic,
+            "M124": self._switch_logic,
+        }
+
+    def temperatures(self) -> str:
+        """`T:21.5 /0.0 B:21.0 /0.0 @:0 B@:0`: measured (-273.15 where the board tells nothing),
+        target, power of 127."""
+        printer = self._printer
+        parts: list[str] = []
+        powers: list[str] = []
+        hotends = [n for n, h in printer.machine.heaters.items() if h.kind == "hotend"]
+        at_work = hotends[-1] if hotends else ""  # where the tool has none
+        with suppress(CommandError):
+            at_work = printer.commands.heater("hotend")
+        for name, config in printer.machine.heaters.items():
+            heater = printer.connection.heaters[name]
+            # What the board said last of a heater is from before it was halted.
+            power = 0 if printer.halted else round(heater.power * 127)
+            letter = _LETTERS[config.kind]
+            reading = f":{printer.connection.reading(name):.2f} /{heater.target:.2f}"
+            if config.kind == "hotend":
+                number = printer.controls.number_of(name)
+                if name == at_work:
+                    parts.insert(0, f"T{reading}")
+                    powers.insert(0, f"@:{power}")
+                if len(hotends) > 1 and number is not None:
+                    parts.append(f"T{number}{reading}")
+                    powers.append(f"@{number}:{power}")
+            else:
+                parts.append(f"{letter}{reading}")
+                powers.append(f"{letter}@:{power}")
+        return " ".join(parts + powers)
+
+    def position(self) -> str:
+        """`X:0.00 Y:0.00 Z:0.00 E:0.00 Count X:0 Y:0 Z:0`: the program's target, motor steps."""
+        printer = self._printer
+        *axes, e = printer.positions.program
+        rounded = [round(at, 3) + 0.0 for at in axes]  # never -0
+        text = " ".join(
+            f"{letter}:{at:.3f}" for letter, at in zip(self._letters, rounded, strict=True)
+        )
+        counts = " ".join(
+            f"{row['name'].upper()}:{row['count']}"
+            for row in printer.job.steppers()
+            if not row["name"].startswith("e")
+        )
+        return f"{text} E:{e:.4f} Count {counts}"
+
+    def _temperatures(self, _: Command, reply: Reply) -> Wait | None:
+        reply.with_ok(self.temperatures())
+        return None
+
+    def _position(self, command: Command, reply: Reply) -> Wait | None:
+        flags = command.text.upper().split()
+        if "R" in flags:
+            reply.say(self._real())
+            return None
+        reply.say(self.position())
+        if "D" in flags:
+            reply.say(f"Real: {self._real()}")
+        return None
+
+    def _require_board(self) -> None:
+        """Raises CommandError while the boards are stopped: they answer no questions then."""
+        if self._printer.halted:
+            raise CommandError.of("command.halted", value=self._printer.halted)
+
+    def _real(self) -> str:
+        """As `position`, of what the motors have done so far. Raises CommandError."""
+        self._require_board()
+        places, counts = self._printer.positions.now()
+        e = places.pop("E", None)
+        words = [f"{letter}:{round(at, 3) + 0.0:.3f}" for letter, at in places.items()]
+        words += [] if e is None else [f"E:{round(e, 4) + 0.0:.4f}"]
+        steps = [f"{n.upper()}:{count}" for n, count in counts.items() if not n.startswith("e")]
+        return f"{' '.join(words)} Count {' '.join(steps)}"
+
+    def _switches(self, _: Command, reply: Reply) -> Wait | None:
+        self._require_board()
+        reply.say("Reporting endstop status")
+        machine = self._printer.machine
+        homes = {s.name: machine.homing[s.home].direction for s in switches(machine)}
+        for name, pressed in self._printer.homer.states().items():
+            reply.say(f"{name}_{homes[name]}: {'TRIGGERED' if pressed else 'open'}")
+        return None
+
+    def _limits(self, command: Command, reply: Reply) -> Wait | None:
+        if command.words().get("S", 1) == 0:
+            raise CommandError([Problem("command.fixed", values={"value": "axes"})])
+        axes = self._printer.machine.axes
+        names = [n for n in axis_order(axes) if not axes[n].extruder]
+        low = " ".join(f"{n.upper()}:{axes[n].min_mm:.2f}" for n in names)
+        high = " ".join(f"{n.upper()}:{axes[n].max_mm:.2f}" for n in names)
+        reply.say(f"Soft endstops: ON  Min: {low}  Max: {high}")
+        for line in self._printer.driver_commands.status_lines():
+            reply.say(line)
+        for line in self._printer.lateness.summaries():
+            reply.say(line)
+        return None
+
+    def _switch_logic(self, command: Command, reply: Reply) -> Wait | None:
+        if set(command.words()) & _SWITCH_LETTERS:
+            raise CommandError([Problem("command.fixed", values={"value": "homing"})])
+        reply.say("Reporting endstop logic and pullup")
+        for switch in switches(self._printer.machine):
+            logic, pullup = "!" in switch.pin, "^" in switch.pin
+            reply.say(
+                f"{switch.name} Logic:{'true' if logic else 'false'}"
+                f" Pullup:{'true' if pullup else 'false'}"
+            )
+        return None
+
+    def _firmware(self, _: Command, reply: Reply) -> Wait | None:
+        machine = self._printer.machine
+        reply.say(
+            f"FIRMWARE_NAME:Passo {passo.__version__} PROTOCOL_VERSION:1.0"
+            f" MACHINE_TYPE:{machine.name} EXTRUDER_COUNT:{max(1, len(machine.tools))}"
+            f" UUID:{machine.uuid}"
+        )
+        for name, there in self.capabilities().items():
+            reply.say(f"Cap:{name}:{int(there)}")
+        return None
+
+    def capabilities(self) -> dict[str, bool]:
+        """What M115 announces."""
+        chamber = any(h.kind == "chamber" for h in self._printer.machine.heaters.values())
+        files = dict.fromkeys(("AUTOREPORT_SD_STATUS", "EXTENDED_M20", "LFN_WRITE"), self._card)
+        return CAPABILITIES | files | {"CHAMBER_TEMP": chamber, "EEPROM": self._settings}

@@ -1,0 +1,394 @@
+"""Limits, scales, offsets and overrides of motion."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from typing import TYPE_CHECKING
+
+from passo.config.motor_roles import axis_order
+from passo.config.types import LEAST_SCALE, MOST_SCALE
+from passo.errors import CommandError
+from passo.gcode.command import LARGEST, Command, numeral
+from passo.geometry.base import Unreachable
+from passo.printer.wait_requests import Handler, Reply, Still, Wait
+
+if TYPE_CHECKING:
+    from passo.printer.printer import Printer
+
+
+class MotionCommands:
+    """Settings of motion of one printer. Limits and the feed rate override take their place among
+    the moves of the program, or of the line, that they stand in. What a console sends beside a
+    print is live, M221 too: it acts at once on what the board does not have yet. M220 and M290 in
+    lines of their own are live from every console."""
+
+    def __init__(self, printer: Printer) -> None:
+        self._printer = printer
+        self._machine = printer.machine
+        self._axes = axis_order(self._machine.axes)
+        homed = [a for a in self._axes if not self._machine.axes[a].extruder]
+        self.home_offset_mm = dict.fromkeys(homed, 0.0)
+        self.babysteps_mm = dict.fromkeys("xyz", 0.0)  # live ones, since the axis was homed
+        self._aside_mm = dict.fromkeys("xyz", 0.0)  # those that only what stands aside still has
+        self.immediate: dict[str, Handler] = {
+            "M220": lambda c, r: self._speed(c, r, live=True),
+            "M221": lambda c, r: self._flow(c, r, live=True),
+            "M290": self._babystep,
+        }
+        self.beside_only = frozenset({"M221"})  # of the immediate ones
+        self.planned: dict[str, Handler] = {
+            "M92": self._scales,
+            "M200": lambda c, r: self._say(r, *self.filament_lines()),
+            "G60": self._saved,
+            "M209": lambda c, r: self._say(r, f"M209 S{int(printer.job.auto_retract)}"),
+            "M201": lambda c, r: self._axis_limits(c, r, "accel"),
+            "M203": lambda c, r: self._axis_limits(c, r, "speed"),
+            "M204": self._accelerations,
+            "M205": self._junction,
+            "M206": self._home_offsets,
+            "M218": self._tool_offset,
+            "M220": lambda c, r: self._speed(c, r, live=False),
+            "M221": lambda c, r: self._flow(c, r, live=False),
+            "M290": lambda c, r: self._printer.commands.run(c),
+            "SET_VELOCITY_LIMIT": self._velocity_limit,
+            "M603": lambda c, r: self._say(r, *self.change_lines()),
+        }
+
+    # -- scales and limits ------------------------------------------------------------------------
+
+    def _places(self, name: str | None) -> list[int]:
+        """Numbers, in the core's order, of the motors that drive an actuator, axis or extruder."""
+        wanted = self._machine.drivable.by_name.get(name or "")
+        rows = self._printer.job.steppers()
+        driven_by = self._machine.driven_by
+        return [i for i, r in enumerate(rows) if wanted and driven_by(r["name"]) == wanted]
+
+    def extruders(self) -> Iterator[tuple[str, str]]:
+        """What names an extruder in a command, and its name: nothing but E where it is the only
+        one."""
+        tools = [tool.extruder for tool in self._machine.all_tools]
+        for name in self._machine.extruders:
+            if len(self._machine.extruders) == 1:
+                yield "", name
+            elif name in tools:
+                yield f"T{tools.index(name)} ", name
+
+    def _with_extruders(self, code: str, words: list[str], e: Callable[[str], float]) -> list[str]:
+        """A command with the words of the axes, and others for the extruders, each of which has its
+        own value of `e`; the only one is in the line of the axes."""
+        own = [(where, f"E{numeral(e(name))}") for where, name in self.extruders()]
+        if len(own) == 1 and not own[0][0]:
+            return [" ".join([code, *words, own[0][1]])]
+        return [" ".join([code, *words]), *(f"{code} {where}{word}" for where, word in own)]
+
+    def _scales(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        if not words:
+            return self._say(reply, *self.scale_lines())
+        if "L" in words or "H" in words:
+            reply.say(self._layers(words))
+        changes: list[tuple[int, float]] = []
+        for letter, value in words.items():
+            if letter in "THL":
+                continue
+            if not LEAST_SCALE <= value <= MOST_SCALE:
+                limit = f"{LEAST_SCALE:g} to {MOST_SCALE:,.0f} microsteps per mm or degree"
+                raise CommandError.bad_value(letter, value, limit)
+            name = self._printer.commands.extruder(words) if letter == "E" else letter.lower()
+            places = self._places(name)
+            if not places:
+                names = (name.upper() for name in self._machine.drivable.by_name if len(name) == 1)
+                limit = ", ".join(names)
+                raise CommandError.of("command.nothing-moves", axis=letter, limit=limit)
+            changes += [(i, value) for i in places]
+        self.require_scales("M92")
+        return Still(lambda: self._rescale(changes))
+
+    def _layers(self, words: dict[str, float]) -> str:
+        """Heights of layers that Z's motor reaches in whole steps, on which it stands best."""
+        places = self._places("z")
+        if not places:
+            raise CommandError.of("command.value", axis="M92", value="H, L", limit="a motor of Z")
+        row = self._printer.job.steppers()[places[0]]
+        microsteps = words.get("H", self._machine.steppers[row["name"]].microsteps)
+        if not 1 <= microsteps <= 256:
+            raise CommandError.bad_value("H", microsteps, "1 to 256 microsteps")
+        step_mm = microsteps / row["steps_per_unit"]
+        wanted_mm = max(words.get("L", 0.0), 0.0)
+        below = int(wanted_mm / step_mm + 1e-9)
+        heights = f"{below * step_mm:.3f},{(below + 1) * step_mm:.3f}"
+        return (
+            f"echo:{{ micro steps:{microsteps:g}, minimum layer height:{step_mm:.3f},"
+            f" layer:[{heights}] }}"
+        )
+
+    def require_scales(self, code: str) -> None:
+        """Raises CommandError where a command must not change scales now."""
+        if self._printer.job.suspended:
+            raise CommandError.of("command.aside", value=code)
+
+    def _rescale(self, changes: list[tuple[int, float]]) -> None:
+        self.require_scales("M92")  # a pause may have come meanwhile
+        for i, value in changes:
+            self._printer.job.set_steps_per_unit(i, value)
+
+    def scale_of(self, name: str) -> float:
+        """Steps for a mm or degree of the first motor that drives an actuator, axis or extruder; 0
+        if none does."""
+        rows = self._printer.job.steppers()
+        return next((float(rows[i]["steps_per_unit"]) for i in self._places(name)), 0.0)
+
+    def scale_lines(self) -> list[str]:
+        """The scales as commands."""
+        driven = {
+            self._machine.driven_by(row["name"]): None for row in self._printer.job.steppers()
+        }
+        names = {d: name for name, d in self._machine.drivable.by_name.items()}
+        words = [
+            f"{names[d].upper()}{numeral(self.scale_of(names[d]))}"
+            for d in driven
+            if d is not None and d.drive != "extruder"
+        ]
+        return self._with_extruders("M92", words, self.scale_of)
+
+    def _axis_limits(self, command: Command, reply: Reply, what: str) -> Wait | None:
+        words = command.words()
+        if not words:
+            return self._say(reply, *self.axis_limit_lines(what))
+        live = self._printer.beside(reply)
+        self._printer.commands.axis_limits(words, what, live=live)
+        if live:
+            self._printer.drive.replan()
+        return None
+
+    def axis_limit_lines(self, what: str) -> list[str]:
+        """M201 or M203 with what holds now."""
+        return self._axis_lines("M203" if what == "speed" else "M201", what)
+
+    def _axis_lines(self, code: str, what: str) -> list[str]:
+        job = self._printer.job
+        words = [f"{a.upper()}{numeral(job.axis_limit(a, what))}" for a in self._axes]
+        return self._with_extruders(code, words, lambda name: job.axis_limit(name, what))
+
+    def _accelerations(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        if not words:
+            reply.say(self.acceleration_line())
+            return None
+        live = self._printer.beside(reply)
+        self._printer.commands.accelerations(words, live=live)
+        if live:
+            self._printer.drive.replan()
+        return None
+
+    def acceleration_line(self) -> str:
+        """M204 with what holds now."""
+        p, r, t = (self._printer.job.limit(f"{k}_accel") for k in ("print", "retract", "travel"))
+        return f"M204 P{numeral(p)} R{numeral(r)} T{numeral(t)}"
+
+    def _junction(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        if not words:
+            return self._say(reply, *self.junction_lines())
+        live = self._printer.beside(reply)
+        note = self._printer.commands.junction(words, live=live)
+        if note:
+            reply.note("M205", note)
+        if live:
+            self._printer.drive.replan()
+        return None
+
+    def _velocity_limit(self, command: Command, reply: Reply) -> Wait | None:
+        live = self._printer.beside(reply)
+        note = self._printer.commands.velocity_limit(command, live=live)
+        if note:
+            reply.note(note, note)
+        if live:
+            self._printer.drive.replan()
+        return None
+
+    def velocity_line(self) -> str:
+        """SET_VELOCITY_LIMIT with what no other command sets; 1e9 mm/s is no limit."""
+        speed, ratio = (self._printer.job.limit(k) for k in ("speed", "minimum_cruise_ratio"))
+        speed, ratio = numeral(min(speed, LARGEST)), numeral(ratio)
+        return f"SET_VELOCITY_LIMIT VELOCITY={speed} MINIMUM_CRUISE_RATIO={ratio}"
+
+    def junction_lines(self) -> list[str]:
+        """M205 with what holds now."""
+        if self._machine.limits.junction == "jerk":
+            return self._axis_lines("M205", "jerk")
+        return [f"M205 J{numeral(self._printer.job.limit('junction_deviation'))}"]
+
+    def _say(self, reply: Reply, *lines: str) -> Wait | None:
+        """Answers a question; with words the interpreter has carried the command out."""
+        for line in lines:
+            reply.say(line)
+        return None
+
+    def filament_lines(self) -> Iterator[str]:
+        """M200 for each tool where E is a volume, else that it is a length."""
+        diameters = self._printer.job.filament_diameters
+        if diameters is None:
+            yield "M200 S0"
+            return
+        for tool, row in enumerate(self._machine.core_spec()["tools"]):
+            extruder = int(row["extruder"])
+            if extruder >= 0:
+                yield f"M200 T{tool} D{numeral(diameters[extruder])}"
+
+    def change_lines(self) -> Iterator[str]:
+        """M603 for each tool."""
+        lengths = self._printer.job.filament_changes
+        for tool, row in enumerate(self._machine.core_spec()["tools"]):
+            extruder: int = row["extruder"]
+            if extruder >= 0:
+                load, unload = lengths[extruder]
+                yield f"M603 T{tool} L{numeral(load)} U{numeral(unload)}"
+
+    def retraction_lines(self) -> Iterator[str]:
+        """M207 to M209 with what holds now."""
+        job = self._printer.job
+        mm, feed, hop, extra, back, swap, swap_extra = job.retraction
+        into = {"S": mm, "F": feed * 60, "Z": hop, "R": extra, "W": swap}
+        out = {"S": extra, "F": back * 60, "W": swap_extra}
+        for code, words in (("M207", into), ("M208", out)):
+            yield f"{code} {' '.join(k + numeral(value) for k, value in words.items())}"
+        yield f"M209 S{int(job.auto_retract)}"
+
+    # -- offsets ----------------------------------------------------------------------------------
+
+    def _home_offsets(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        if not words:
+            reply.say(self.home_offset_line())
+        self.home_offset_mm |= self.home_offsets(words)
+        return None
+
+    def home_offsets(self, words: dict[str, float]) -> dict[str, float]:
+        """The offsets that M206 gives, mm, by axis. Raises CommandError."""
+        offsets = {a: words[a.upper()] for a in self.home_offset_mm if a.upper() in words}
+        for name, mm in offsets.items():
+            axis = self._machine.axes[name]
+            longest = axis.max_mm - axis.min_mm
+            if abs(mm) > longest:
+                raise CommandError.bad_value(
+                    name.upper(), mm, f"at most the {longest:g} mm of the axis"
+                )
+        machine, at_home = self._machine, self.home_offset_mm | offsets
+        x, y, z = (mm + at_home[a] for a, mm in zip("xyz", machine.home_point, strict=True))
+        try:
+            machine.geometry.inverse((x, y, z))
+        except Unreachable as error:
+            limit = f"a home within reach, but {error}"
+            value = self.home_offset_line(at_home).removeprefix("M206 ")
+            raise CommandError.of("command.value", axis="M206", value=value, limit=limit) from None
+        return offsets
+
+    def home_offset_line(self, offsets_mm: dict[str, float] | None = None) -> str:
+        """M206 with these offsets, or with what holds now."""
+        offsets_mm = offsets_mm or self.home_offset_mm
+        words = [f"{a.upper()}{numeral(mm)}" for a, mm in offsets_mm.items()]
+        return f"M206 {' '.join(words)}"
+
+    def _saved(self, command: Command, reply: Reply) -> Wait | None:
+        """G60; the interpreter has saved the position."""
+        *axes, e = self._printer.job.program_position
+        places = zip([a.upper() for a in self._axes], axes, strict=True)
+        where = " ".join(f"{letter}:{at + 0.0:.2f}" for letter, at in places)
+        reply.say(f"Saved position {command.text}<-{where} E:{e + 0.0:.2f}")
+        return None
+
+    def _tool_offset(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        tool, axes = self.tool_offset(words, self._printer.job.tool)
+        if not axes:
+            for line in self.tool_offset_lines():
+                reply.say(line)
+        for letter, value in axes.items():
+            self._printer.job.set_tool_offset(tool, "XYZ".index(letter), value)
+        return None
+
+    def tool_offset(self, words: dict[str, float], active: int) -> tuple[int, dict[str, float]]:
+        """The tool that M218 means, and the offsets that it gives, mm, by X, Y, Z. Raises
+        CommandError."""
+        tools = len(self._printer.job.tool_offsets)
+        tool = int(words.get("T", words.get("H", active)))
+        if not 0 <= tool < tools:
+            raise CommandError.bad_value("T", tool, f"a tool below {tools}")
+        return tool, {letter: value for letter, value in words.items() if letter in "XYZ"}
+
+    def tool_offset_lines(self) -> Iterator[str]:
+        """M218 for each tool."""
+        for tool, (x, y, z) in enumerate(self._printer.job.tool_offsets):
+            yield f"M218 T{tool} X{numeral(x)} Y{numeral(y)} Z{numeral(z)}"
+
+    def _flow(self, command: Command, reply: Reply, *, live: bool) -> Wait | None:
+        found = self._printer.commands.flow(command)
+        if found is None:
+            return None
+        tool, extruder, factor = found
+        if factor is None:
+            reply.say(f"echo:E{tool} Flow: {self._printer.job.flows[extruder] * 100:g}%")
+        elif live:
+            self._printer.drive.scale_flow(extruder, factor)
+        else:
+            self._printer.job.set_flow(extruder, factor)
+        return None
+
+    def _babystep(self, command: Command, _: Reply) -> Wait | None:
+        if self._printer.homer.active:
+            raise CommandError.of("input.homing", axis=command.code)
+        for axis, mm in self._printer.commands.babysteps(command):
+            if not self._printer.drive.shift(axis, mm):
+                raise CommandError([self._printer.commands.problem()])
+            self.babysteps_mm["xyz"[axis]] += mm
+        return None
+
+    def homed(self, axes: Iterable[str]) -> None:
+        """These axes are at home: how far they were shifted means nothing any more, but to what
+        stands aside."""
+        axes = list(axes)
+        self._printer.positions.trust(axes)
+        for axis in axes:
+            if axis in self.babysteps_mm:
+                self._aside_mm[axis] += self.babysteps_mm[axis]
+                self.babysteps_mm[axis] = 0.0
+
+    def put_aside(self) -> None:
+        """What is left of the program stands aside from now on, with its babysteps."""
+        self._aside_mm = dict.fromkeys("xyz", 0.0)
+
+    def take_back(self) -> None:
+        """What stood aside goes on, with its babysteps."""
+        self.babysteps_mm = self.program_babysteps_mm()
+
+    def program_babysteps_mm(self) -> dict[str, float]:
+        """Babysteps of the program, mm by axis, also while it stands aside."""
+        if not self._printer.job.suspended:
+            return dict(self.babysteps_mm)
+        return {axis: mm + self._aside_mm[axis] for axis, mm in self.babysteps_mm.items()}
+
+    # -- overrides --------------------------------------------------------------------------------
+
+    def _speed(self, command: Command, reply: Reply, *, live: bool) -> Wait | None:
+        job = self._printer.job
+        factor, note = self._printer.commands.speed.asked(command)
+        if factor is None:
+            if not command.text.strip():
+                reply.say(f"Speed factor override: {job.speed_factor * 100:g}")
+            return None
+        job.set_speed_factor(factor, live)
+        if note:
+            reply.say(f"echo:{note}")
+        if live:
+            self._printer.drive.replan()
+        return None
+
+    def tell_drivers(self, reply: Reply) -> None:
+        """What the machine file says of the drivers' inputs."""
+        reply.say("Reporting Stepper control")
+        for row in self._machine.core_spec()["steppers"]:
+            reply.say(
+                f" {row['name'].upper()} dir:{'false' if row['invert'] else 'true'}"
+                f" pulse(us):{row['pulse_s'] * 1e6:g} delay(us):{row['dir_setup_s'] * 1e6:g}"
+            )

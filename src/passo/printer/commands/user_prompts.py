@@ -1,0 +1,76 @@
+"""What concerns the person at the printer: messages and waits."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from passo.errors import CommandError
+from passo.gcode.command import Command, numeral, words_of
+from passo.printer.wait_requests import Handler, Person, Reply, Wait
+
+if TYPE_CHECKING:
+    from passo.printer.printer import Printer
+
+# Words only where the text begins with them: "M0 S30 Remove clip3", not "M0 Remove clip3".
+_WORDS = re.compile(r"\s*(?:[PS]\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:\s+|$))+", re.IGNORECASE)
+
+
+class PersonCommands:
+    """M0, M1, M85, M117 of one printer."""
+
+    def __init__(self, printer: Printer) -> None:
+        self._printer = printer
+        self.message = ""
+        self.asking = False  # hosts show a question
+        self.awaited = False  # it is that of a wait, which an answer ends; not of a paused print
+        self.kill_s = 0.0  # M85: idle for so long, everything goes off
+        self.planned: dict[str, Handler] = {
+            "M0": self._wait,
+            "M1": self._wait,
+        }
+        self.immediate: dict[str, Handler] = {
+            "M85": self._kill_after,
+            "M117": self._show,
+        }
+
+    def _wait(self, command: Command, _: Reply) -> Wait | None:
+        found = _WORDS.match(command.text)
+        head = found[0] if found else ""
+        words = dict(words_of(head))
+        seconds = words.get("S", words.get("P", 0.0) / 1000)
+        text = command.text[len(head) :].strip() or "Waiting; go on with M108"
+        return Person(text, max(seconds, 0.0))
+
+    def ask(self, text: str, *, awaited: bool = True) -> None:
+        """Hosts show the text and a button that goes on; a beeper beeps. `awaited`: a wait ends
+        with the answer."""
+        for words in (f"prompt_begin {text}", "prompt_button Continue", "prompt_show"):
+            self._printer.tell(f"// action:{words}")
+        self._printer.beeper.call()
+        self.asking, self.awaited = True, awaited
+
+    def answered(self) -> None:
+        """Somebody has gone on, or there is nothing to go on with: hosts show no question."""
+        if self.asking:
+            self.asking = self.awaited = False
+            self._printer.tell("// action:prompt_end")
+
+    def _show(self, command: Command, _: Reply) -> Wait | None:
+        self.message = command.text
+        self._printer.tell(f"// action:notification {command.text}")
+        return None
+
+    def _kill_after(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        if words.get("S", 0.0) < 0:  # 0 would be never
+            raise CommandError.bad_value("S", words["S"], "0 s or more")
+        if "S" in words:
+            self.kill_s = words["S"]
+        else:
+            reply.say(self.kill_line())
+        return None
+
+    def kill_line(self) -> str:
+        """M85 with what holds now."""
+        return f"M85 S{numeral(self.kill_s)}"

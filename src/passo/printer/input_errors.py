@@ -1,0 +1,71 @@
+"""What the interpreter found wrong, as a problem of the catalogue."""
+
+from __future__ import annotations
+
+from passo import _core
+from passo.errors import Problem
+from passo.gcode.command import written
+from passo.geometry.base import GeometryModel, Point
+
+Error = tuple[int, _core.Fault, str, float, float, Point]  # as the core tells it
+
+
+def problem_of(job: _core.Job, path: str, geometry: GeometryModel) -> Problem:
+    """The error that `job.advance` stopped at, as a problem of the catalogue."""
+    return problem(job.error, path, geometry)
+
+
+def problem(error: Error, path: str, geometry: GeometryModel) -> Problem:
+    """An error of a job on a machine of this geometry, as a problem of the catalogue."""
+    line, fault, word, value, limit, point = error
+    faults = _core.Fault
+    if fault == faults.OUT_OF_RANGE:
+        return Problem("input.out-of-range", path, line, _beyond(word.upper(), value, limit))
+    if fault == faults.ACTUATOR:
+        unit = " degrees" if word in geometry.rotary else " mm"
+        return Problem("input.actuator", path, line, _beyond(word, value, limit) | {"unit": unit})
+    if fault == faults.TOO_LONG:
+        return Problem("input.too-long", path, line, {"axis": word, "value": value, "limit": limit})
+    if fault == faults.TOO_SLOW:
+        return Problem("input.too-slow", path, line, {"axis": word, "value": value, "limit": limit})
+    if fault == faults.UNREACHABLE:
+        where = ", ".join(f"{letter} {x:.3f}" for letter, x in zip("XYZ", point, strict=True))
+        values = {"value": where, "limit": geometry.why_not(point)}
+        return Problem("input.unreachable", path, line, values)
+    if fault == faults.NOT_HOMED:
+        return Problem("input.not-homed", path, line, {"axis": word.upper()})
+    if fault == faults.UNSAVED:
+        return Problem("input.unsaved", path, line, {"value": f"S{value:g}"})
+    if fault == faults.COLD:
+        return Problem("input.cold", path, line)
+    if fault == faults.MISSING_TOOL:
+        return Problem("input.missing-tool", path, line, {"value": int(value), "limit": int(limit)})
+    if fault == faults.NUMBER:
+        return Problem(
+            "input.number", path, line, {"value": word + (written(value) if value else "")}
+        )
+    if fault == faults.RANGE:
+        limit = f"{point[0]:g} to {limit:g}"
+        values = {"axis": word, "value": f"{value:g}", "limit": limit}
+        return Problem("command.value", path, line, values)
+    if fault == faults.FEEDRATE:
+        return Problem("input.feedrate", path, line, {"value": value})
+    if fault == faults.ARC:
+        return Problem("input.arc", path, line, {"value": word})
+    if fault == faults.CENTRE:
+        return Problem("input.centre", path, line, {"value": word})
+    if fault == faults.RADII:
+        return Problem("input.radii", path, line, {"value": value, "limit": limit})
+    if fault == faults.CHECKSUM:
+        return Problem("input.checksum", path, line, {"value": word, "limit": int(value)})
+    if fault == faults.LINE_TOO_LONG:
+        return Problem("input.garbage", path, line, {"value": "a line is longer than 64 KiB"})
+    if fault == faults.WORD:
+        return Problem("input.garbage", path, line, {"value": f"{word!r} is no command"})
+    return Problem("input.garbage", path, line, {"value": "it holds bytes that are no text"})
+
+
+def _beyond(axis: str, value: float, limit: float) -> dict[str, str | float]:
+    """Values of a problem, with as many decimals as tell the two apart."""
+    decimals = next((d for d in range(3, 9) if round(value, d) != round(limit, d)), 9)
+    return {"axis": axis, "value": value, "limit": limit, "decimals": decimals}

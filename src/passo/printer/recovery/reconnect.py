@@ -1,0 +1,192 @@
+"""After a lost link: the boards have stopped by themselves, and the print goes on from there."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Generator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from passo.board.boards import SETTLING_S
+from passo.board.connection import (
+    BRAKING_S,
+    LOOK_S,
+    Connection,
+)
+from passo.board.faults import BoardAloneError, BoardResetError, PlaceLostError
+from passo.board.ports import LinkLostError
+from passo.motion.motion_queue import TICK_S
+
+if TYPE_CHECKING:
+    from passo.printer.printer import Printer
+
+_AGAIN_S = 0.5  # between two tries to open the port
+# What a board did in one commit, it takes back in so long: some 40 times as slowly.
+_BACK_S = 3.0
+
+
+async def reconnect(printer: Printer, lost: LinkLostError) -> None:
+    """Waits for the boards, proves that they stand where their brake tails end, and goes on with
+    what was held as soon as what was warm is so again. Raises `lost` when the printer is halted
+    meanwhile, PlaceLostError when a board's place cannot be proved, and MachineError when one has
+    shut down."""
+    held = printer.job.holds
+    printer.drive.interrupted = True
+    reconnection = _Reconnection(printer)
+    plug = ": plug it in again, or give up with M112" if reconnection.silent else ""
+    problem = str(lost).partition(".")[0]
+    printer.tell(f"echo:The machine waits: {problem}. {reconnection.outlook}{plug}")
+    while not printer.halted:
+        printer.connection.stop_job()
+        try:
+            await reconnection.take_over()
+            break
+        except BoardAloneError:
+            continue
+        except BoardResetError:
+            raise
+        except LinkLostError:
+            reconnection.look_for_silent()
+            await asyncio.sleep(_AGAIN_S)
+    if printer.halted:
+        raise lost
+    printer.drive.interrupted = False
+    if not held:
+        printer.drive.release()
+
+
+class _Reconnection:
+    """One lost link, until all boards are there again; those of `silent` must be reopened."""
+
+    def __init__(self, printer: Printer) -> None:
+        self._printer = printer
+        self._connections = printer.connection.connections
+        self.silent: set[Connection] = set()
+        self.look_for_silent()
+        # Serials of two commits, and how much further each motor is behind the second one.
+        self._apart: tuple[int, int, list[int]] | None = None
+
+    @property
+    def outlook(self) -> str:
+        """What the boards do meanwhile."""
+        who = "The board" if len(self._connections) == 1 else "Each board"
+        if not self._printer.drive.commits:
+            return f"Axes were homing: their place is lost. {who} keeps warm for a minute"
+        return f"{who} stops by itself and keeps warm for a minute"
+
+    def look_for_silent(self) -> None:
+        """Finds the boards whose links are lost."""
+        self.silent |= {c for c in self._connections if c.lost}
+
+    async def take_over(self) -> None:
+        """Raises LinkLostError while a board cannot be reached, and again when one is lost
+        again."""
+        printer = self._printer
+        printer.drive.wait()  # none has shut down
+        for connection in [c for c in self._connections if c in self.silent]:
+            await connection.reopen()
+            self.silent.discard(connection)
+            if len(self._connections) > 1:
+                await self._passes(SETTLING_S)
+        serials = {c: await self._stood_behind(c) for c in self._connections}
+        printer.drive.wait()  # none has shut down
+        serial = min(serials.values())
+        ahead = [c for c in self._connections if serials[c] != serial]
+        further = self._further(serial, {serials[c] for c in ahead})
+        # One that was not armed yet has not moved yet; while axes home the plan has no commits.
+        if not printer.drive.recover_from(serial):
+            raise PlaceLostError.of("machine.place-unknown")
+        self._prove(dict.fromkeys(ahead, further))
+        for connection in self._connections:
+            connection.command("survive_arm")
+            connection.renew()
+        printer.motors.renew()
+        printer.mains.renew()
+        for connection in ahead:
+            connection.move_evenly({name: -n for name, n in further.items()}, _BACK_S, serial)
+        for connection in ahead:
+            await self._passes(TICK_S)
+            if await self._stood_behind(connection) != serial:
+                raise BoardAloneError.of("machine.alone")
+        if ahead:
+            self._prove({})
+        await printer.drive.catch_up()
+        for connection in self._connections:
+            connection.link.go_on()
+        await printer.drivers.reconnected()
+        if printer.halted:
+            return
+        printer.endstops.begin()
+        both = len(self._connections) > 1
+        printer.tell(
+            "echo:The boards are back, and stand where they were told to stop"
+            if both
+            else "echo:The board is back, and stands where it was told to stop"
+        )
+        heaters = printer.connection.heaters.values()
+        # Meanwhile one may be switched off.
+        while any(h.target > 0 and not (h.reached or h.fault) for h in heaters):
+            if printer.halted:
+                return
+            await asyncio.sleep(TICK_S)
+            printer.drive.look()
+
+    async def _stood_behind(self, connection: Connection) -> int:
+        """The last commit of a board whose motors stand."""
+        states = connection.dictionary.enumerations["survive"]
+        with self._silence_of(connection):
+            # The link asks for the state as well, and its question may be older than a commit that
+            # is still under way. Behind this answer, none is.
+            connection.ask("get_config", "config")
+            # By the board's own time: while questions are asked again that of a simulated one runs
+            # ahead of the machine's.
+            end = connection.now + int(BRAKING_S * connection.wire.hz)
+            while connection.now < end:
+                if (state := connection.stopped()) is not None:
+                    behind = state["state"] in (states["resting"], states["held"])
+                    return int(state["serial"]) if behind else 0
+                await self._passes(LOOK_S)
+        raise PlaceLostError.of("machine.place-unknown")
+
+    def _further(self, serial: int, others: set[int]) -> dict[str, int]:
+        """Steps that the motors of boards which have stopped behind another commit have made more;
+        it must be the next one."""
+        job = self._printer.job
+        if not others:
+            return {}
+        following = others.pop()
+        if self._apart is None or self._apart[:2] != (serial, following):
+            steps = job.between_stops(serial, following)
+            if steps is None or others:
+                raise PlaceLostError.of("machine.place-unknown")
+            self._apart = serial, following, steps
+        names = (row["name"] for row in job.steppers())
+        return dict(zip(names, self._apart[2], strict=True))
+
+    def _prove(self, ahead: dict[Connection, dict[str, int]]) -> None:
+        """Every motor must be where the plan is, or so many steps ahead of it."""
+        found: dict[str, int] = {}
+        for connection in self._connections:
+            with self._silence_of(connection):
+                found |= self._printer.positions.counts(connection)
+        for row in self._printer.job.steppers():
+            name = row["name"]
+            connection = self._printer.connection.connection_of("steppers", name)
+            wanted = row["count"] + ahead.get(connection, {}).get(name, 0)
+            if found[name] != wanted:
+                raise PlaceLostError.of(
+                    "machine.displaced", axis=name, value=found[name], limit=wanted
+                )
+
+    async def _passes(self, seconds: float) -> None:
+        await asyncio.sleep(seconds)
+        self._printer.drive.wait()
+
+    @contextmanager
+    def _silence_of(self, connection: Connection) -> Generator[None]:
+        """One that does not answer must be reopened."""
+        try:
+            yield
+        except LinkLostError:
+            self.silent.add(connection)
+            raise

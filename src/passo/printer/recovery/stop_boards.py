@@ -1,0 +1,49 @@
+"""After a halt: each board has to hear of it, also one whose link is lost."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Sequence
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
+from passo.board.ports import LinkLostError
+from passo.errors import MachineError
+from passo.motion.motion_queue import either
+
+if TYPE_CHECKING:
+    from passo.board.connection import Connection
+    from passo.printer.printer import Printer
+
+_AGAIN_S = 0.5  # between two tries; whoever hears the first has answered by the second
+
+
+async def stop_boards(printer: Printer, given_up: asyncio.Event) -> None:
+    """Orders every board to shut down until all have said that they have, or it is `given_up`. The
+    port of one that is not heard is opened again and again."""
+    left = [c for c in printer.connection.connections if not c.link.shut_down]
+    warned = False
+    while left and not given_up.is_set():
+        for connection in left:
+            with suppress(LinkLostError):
+                if connection.lost:
+                    await connection.open_again()
+                connection.order_stop()
+        await either(given_up, _AGAIN_S)
+        printer.drive.live_on(_AGAIN_S)
+        left = [c for c in left if not c.has_shut_down()]
+        # Those that cannot keep warm by themselves have switched all off within three seconds.
+        warm = [c for c in left if c.heaters] if printer.connection.survives else []
+        if warm and not warned:
+            warned = True
+            danger = MachineError.of("machine.unstopped", value=_names(printer, warm))
+            printer.tell(f"Error:{danger}")
+    if warned and not left:
+        printer.tell("echo:The order to stop has arrived: nothing heats any more")
+
+
+def _names(printer: Printer, boards: Sequence[Connection]) -> str:
+    """`the board`; among several `the main board and board tool`."""
+    if len(printer.connection.connections) == 1:
+        return "the board"
+    return " and ".join(f"board {c.name}" if c.name else "the main board" for c in boards)

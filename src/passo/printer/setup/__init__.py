@@ -1,0 +1,1 @@
+"""From a machine file to configured boards, real or simulated."""

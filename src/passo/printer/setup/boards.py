@@ -1,0 +1,358 @@
+"""From a machine file to what is wired to its board."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import ceil
+from typing import TYPE_CHECKING, Any
+
+from passo.board.boards import Boards
+from passo.board.connection import Connection
+from passo.board.description import (
+    BoardDescription,
+    Endstop,
+    Heater,
+    Kick,
+    Output,
+    Sensor,
+    Stepper,
+    bare,
+)
+from passo.board.ports import Port, in_process, serial_port, tcp_port
+from passo.config.pin_names import MAIN, named_on, placed
+from passo.config.sensor_tables import (
+    converter_of,
+    converter_setup,
+    open_is_high,
+    sensor_table,
+    share_at,
+)
+from passo.heat.control import arrival_of, control_of, limits_of, model_of
+from passo.motion.endstops import (
+    Switch,
+    is_actuator,
+    pressed_point,
+    switches,
+    weights_of,
+)
+from passo.printer.commands.beeper import most_ticks
+from passo.printer.setup.drivers import (
+    converter_wires,
+    current_settings,
+    drivers,
+    microstep_outputs,
+)
+
+if TYPE_CHECKING:
+    from passo.config.board import Board
+    from passo.config.heat import Heater as HeaterConfig
+    from passo.config.machine import MachineConfig
+    from passo.simulator import Actuator, Cable, SimulatedBoard, SimulatedMachine
+
+MAX_DURATION_S = 3.0  # a heater that is on must be told so again, or the board shuts down
+_AWAY = 20.0  # mm or degrees
+_ASKEW = 0.5
+
+
+def board_description(machine: MachineConfig, board: str = MAIN) -> BoardDescription:
+    """A board with its motors, heaters, fans and the laser. Message targets count the machine's
+    steppers in the order of `core_spec()`, its outputs in the order of `_outputs`."""
+    config = machine.all_boards[board]
+    clock_hz = config.clock_hz
+    steppers = [
+        (i, _stepper(machine, s, clock_hz))
+        for i, s in enumerate(machine.core_spec()["steppers"])
+        if machine.board_of_stepper(s["name"]) == board
+    ]
+    outputs = [
+        (i, _output(machine, name, pin, clock_hz))
+        for i, (name, pin) in enumerate(_outputs(machine))
+        if placed(pin)[0] == board
+    ]
+    heaters = {n: h for n, h in machine.heaters.items() if placed(h.pin)[0] == board}
+    return BoardDescription(
+        clock_hz=clock_hz,
+        steppers=tuple(s for _, s in steppers),
+        outputs=tuple(o for _, o in outputs),
+        sensors=tuple(sensor_of(machine, n, h) for n, h in heaters.items()),
+        heaters=tuple(_heater(n, h) for n, h in heaters.items()),
+        endstops=tuple(
+            Endstop(s.name, machine.pin(s.pin))
+            for s in switches(machine)
+            if placed(s.pin)[0] == board
+        ),
+        drivers=tuple(d for d in drivers(machine) if machine.board_of_stepper(d.stepper) == board),
+        settings=tuple(current_settings(machine, board)),
+        move_count=config.move_count,
+        mcu=config.mcu,
+        survives=config.survives,
+        endstops_elsewhere=tuple(
+            s.name
+            for s in switches(machine)
+            if placed(s.pin)[0] != board and any(m.name in s.steppers for _, m in steppers)
+        ),
+        stepper_targets=tuple(i for i, _ in steppers),
+        output_targets=tuple(i for i, _ in outputs),
+    )
+
+
+def board_descriptions(machine: MachineConfig) -> dict[str, BoardDescription]:
+    """All boards of the machine, the main one first."""
+    return {name: board_description(machine, name) for name in machine.all_boards}
+
+
+def _stepper(machine: MachineConfig, spec: dict[str, Any], clock_hz: int) -> Stepper:
+    def ticks(seconds: float) -> int:
+        return max(1, ceil(seconds * clock_hz - 1e-6))  # 30 µs are 1620 ticks of 54 MHz
+
+    pulse = ticks(spec["pulse_s"])
+    return Stepper(
+        spec["name"],
+        *_driver_pins(machine, spec["name"]),
+        invert=spec["invert"],
+        pulse_ticks=pulse,
+        apart_ticks=max(2 * pulse, ticks(1 / spec["max_rate_hz"])),
+        turning_ticks=pulse + ticks(spec["dir_setup_s"]) + ticks(spec["dir_hold_s"]),
+    )
+
+
+def _outputs(machine: MachineConfig) -> list[tuple[str, str]]:
+    """All outputs and their pins as written, by number: those on the timeline, then what switches
+    motors on, what chooses their microsteps, the boards' status LEDs, the mains, and the beeper."""
+    outputs = list(machine.timed_outputs.items())
+    for name, output in enable_outputs(machine).items():
+        if output == f"{name}-enable":
+            outputs.append((output, str(enable_pin(machine, name))))
+    outputs += microstep_outputs(machine)
+    for name, board in machine.all_boards.items():
+        if board.status_led:
+            led = f"status-led-{name}" if name else "status-led"
+            outputs.append((led, named_on(name, board.status_led)))
+    if machine.mains:
+        outputs.append(("mains", machine.mains.pin))
+    if machine.beeper:
+        outputs.append(("beeper", machine.beeper.pin))
+    return outputs
+
+
+def _output(machine: MachineConfig, name: str, written: str, clock_hz: int) -> Output:
+    pin = machine.pin(written)
+    longest = round(MAX_DURATION_S * clock_hz)
+    if name in machine.heaters:
+        cycle = round(clock_hz / machine.heaters[name].pwm_hz)
+        return Output(name, pin, "digital", cycle, longest)
+    if name in machine.fans:
+        fan = machine.fans[name]
+        ticks = round(fan.kick_start_s * clock_hz)
+        kick = Kick(ticks, fan.max_power, fan.kick_start_rise) if ticks > 0 else None
+        return Output(name, pin, "digital", round(clock_hz / fan.pwm_hz), kick=kick)
+    if name == "laser":
+        return Output(name, pin, "pwm", round(0.001 * clock_hz), longest)
+    if name == "beeper":
+        config = machine.all_boards[placed(written)[0]]
+        return Output(name, pin, "digital", round(clock_hz / 1000), most_ticks(config))
+    if name.startswith("status-led"):
+        return Output(name, pin, cycle_ticks=clock_hz, blinks=True)
+    return Output(name, pin, "digital")
+
+
+def _heater(name: str, heater: HeaterConfig) -> Heater:
+    return Heater(
+        name,
+        output=name,
+        sensor=name,
+        control=control_of(heater),
+        limits=limits_of(heater),
+        model=model_of(heater),
+        fan=heater.fan,
+        max_power=heater.max_power,
+        arrival=arrival_of(heater),
+    )
+
+
+def sensor_of(machine: MachineConfig, name: str, heater: HeaterConfig) -> Sensor:
+    """The sensor of a heater as its board has it; also for `Connection.set_sensor`."""
+    table = sensor_table(heater.sensor)
+    low, high = sorted((share_at(table, heater.min_c), share_at(table, heater.max_c)))
+    pin = machine.pin(heater.sensor_pin)
+    sensor, setup = heater.sensor, converter_setup(heater.sensor)
+    return Sensor(
+        name,
+        pin,
+        table,
+        low,
+        high,
+        open_is_high(sensor),
+        converter_of(sensor),
+        converter_wires(machine, heater),
+        setup.words,
+        setup.clears_faults,
+    )
+
+
+def _driver_pins(machine: MachineConfig, name: str) -> tuple[str, str]:
+    """Step and direction pin of a motor."""
+    stepper, socket = machine.steppers[name], machine.socket(name)
+    step = stepper.step_pin or (socket.step if socket else f"{name}_step")
+    direction = stepper.direction_pin or (socket.direction if socket else f"{name}_dir")
+    return machine.pin_of_stepper(name, step), machine.pin_of_stepper(name, direction)
+
+
+def enable_outputs(machine: MachineConfig) -> dict[str, str]:
+    """The output that switches each motor on, for those that have one. Motors may share an output:
+    it has the name of the first of them."""
+    by_pin: dict[str, str] = {}
+    outputs: dict[str, str] = {}
+    for name in machine.steppers:
+        pin = enable_pin(machine, name)
+        if pin is not None:
+            outputs[name] = by_pin.setdefault(bare(pin), f"{name}-enable")
+    return outputs
+
+
+def enable_pin(machine: MachineConfig, name: str) -> str | None:
+    """The microcontroller's pin that switches a motor on, if it has one, with its board's name."""
+    stepper, socket = machine.steppers[name], machine.socket(name)
+    pin = stepper.enable_pin or (socket.enable if socket else None)
+    if pin is None:
+        return None
+    return named_on(machine.board_of_stepper(name), machine.pin_of_stepper(name, pin))
+
+
+def simulated_board(
+    machine: MachineConfig, board: BoardDescription, name: str = MAIN
+) -> SimulatedBoard:
+    """A simulated board that a machine file names, with its share of mechanics and heat."""
+    from passo.simulator import Body, PlantDescription, SimulatedBoard
+    from passo.simulator import Switch as PlantSwitch
+
+    own = {e.name for e in board.endstops}
+    plant = PlantDescription(
+        actuators=tuple(
+            a for a in _actuators(machine) if a.stepper in {s.name for s in board.steppers}
+        ),
+        switches=tuple(
+            PlantSwitch(s.name, weights, _felt_at(machine, s, weights), _at_maximum(machine, s))
+            for s in switches(machine)
+            for weights in (weights_of(machine, s),)
+            if s.name in own
+        ),
+        bodies=tuple(
+            Body(
+                heater.name,
+                simulated.full_power_rise_c,
+                simulated.time_constant_s,
+                simulated.sensor_time_constant_s,
+                fan=heater.fan,
+                fan_loss=simulated.fan_loss,
+            )
+            for heater in board.heaters
+            for simulated in (machine.heaters[heater.name].simulated,)
+        ),
+    )
+    runs = "passo" if machine.all_boards[name].firmware == "passo" else "virtual"
+    return SimulatedBoard(board, plant, firmware=runs)
+
+
+def _actuators(machine: MachineConfig) -> tuple[Actuator, ...]:
+    """Before it is homed, a simulated machine stands a little away from its switches, and askew
+    where it has two motors with a switch each."""
+    from passo.simulator import Actuator
+
+    geometry = machine.geometry
+    q = list(geometry.inverse(machine.home_point))
+    point = list(machine.home_point)
+    for name, homing in machine.homing.items():
+        away = -_AWAY if homing.direction == "max" else _AWAY
+        if machine.axes_of_arms and name in geometry.actuators:
+            q[geometry.actuators.index(name)] += away
+        elif name in "xyz":
+            point["xyz".index(name)] += away
+    if not machine.axes_of_arms:
+        x, y, z = point
+        q = list(geometry.inverse((x, y, z)))
+    askew = {n: i * _ASKEW for h in machine.homing.values() for i, n in enumerate(h.stepper_pins)}
+    starts: list[Actuator] = []
+    for s in machine.core_spec()["steppers"]:
+        start = askew.get(s["name"], 0.0)
+        if s["drive"] == "actuator" and machine.homing:
+            start += q[int(s["index"])]
+        starts.append(Actuator(s["name"], s["steps_per_unit"], start))
+    return tuple(starts)
+
+
+def _felt_at(
+    machine: MachineConfig, switch: Switch, weights: tuple[tuple[str, float], ...]
+) -> float:
+    """The sum of weighted positions at which the switch is pressed."""
+    homing = machine.homing[switch.home]
+    if is_actuator(machine, switch.home) or len(weights) == 1:
+        return homing.position
+    q = machine.geometry.inverse(pressed_point(machine, switch))
+    total = 0.0
+    for name, weight in weights:
+        driven = machine.driven_by(name)
+        total += weight * q[driven.index] if driven else 0.0
+    return total
+
+
+def _at_maximum(machine: MachineConfig, switch: Switch) -> bool:
+    return machine.homing[switch.home].direction == "max"
+
+
+def connect_simulated(
+    machine: MachineConfig, cable: Cable | None = None
+) -> tuple[Boards, SimulatedMachine]:
+    """Connections to simulated boards for the machine, identified and configured, and the boards
+    themselves, to look at. Raises MachineError."""
+    boards = board_descriptions(machine)
+    simulated = simulated_machine(machine, boards, cable)
+    ports = in_process([simulated.devices[name] for name in boards])
+    return _connected(boards, ports), simulated
+
+
+def simulated_machine(
+    machine: MachineConfig, boards: dict[str, BoardDescription], cable: Cable | None = None
+) -> SimulatedMachine:
+    """All simulated boards of a machine; the clocks of further ones are as its file says."""
+    from passo.simulator import SimulatedMachine
+
+    return SimulatedMachine(
+        {name: simulated_board(machine, board, name) for name, board in boards.items()},
+        {name: (config.start_s, config.drift_ppm) for name, config in machine.boards.items()},
+        cable,
+    )
+
+
+def connect(machine: MachineConfig) -> tuple[Boards, SimulatedMachine | None]:
+    """Connections to the boards that the machine file names, identified and configured, and the
+    boards themselves where they are simulated. A board that has outlived another host is adopted.
+    Raises MachineError."""
+    if machine.board.link == "simulated":
+        return connect_simulated(machine)
+    ports = [_port(board) for board in machine.all_boards.values()]
+    return _connected(board_descriptions(machine), ports, adopt=True), None
+
+
+def _port(board: Board) -> Port:
+    place = board.port or ""
+    if board.link == "serial":
+        paced = board.console is not None and board.console.connector == "serial"
+        return serial_port(place, board.baud, paced=paced)
+    host, _, number = place.rpartition(":")
+    return tcp_port(host.strip("[]"), int(number))
+
+
+def reconnected(old: Boards) -> Boards:
+    """New connections to the boards of `old`, which are reset. Raises MachineError."""
+    ports = [connection.port for connection in old.connections]
+    return _connected({c.name: c.board for c in old.connections}, ports)
+
+
+def _connected(
+    boards: dict[str, BoardDescription], ports: Sequence[Port], *, adopt: bool = False
+) -> Boards:
+    named = zip(boards.items(), ports, strict=True)
+    connected = Boards([Connection(board, port, name) for (name, board), port in named])
+    connected.connect(adopt=adopt)
+    return connected

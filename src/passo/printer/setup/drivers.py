@@ -1,0 +1,91 @@
+"""From a machine file to the wires over which drivers are set up and converters asked."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+from typing import TYPE_CHECKING
+
+from passo.board.description import Driver, Setting, SpiPins, UartPins
+from passo.board.trinamic import DriverSettings, threshold_of
+from passo.config.board import joined_marks
+from passo.config.pin_names import named_on
+from passo.config.sensors import Converter, ThermocoupleConverter
+from passo.config.trinamic import chip_of
+
+if TYPE_CHECKING:
+    from passo.config.heat import Heater
+    from passo.config.machine import MachineConfig
+
+
+def drivers(machine: MachineConfig) -> Iterator[Driver]:
+    """The drivers that Passo sets up, in the order of the machine file. Those that share a UART
+    describe it alike."""
+    for name, stepper in machine.steppers.items():
+        tmc = stepper.tmc
+        chip = chip_of(stepper.driver)
+        if tmc is None or chip is None:
+            continue
+        pin = partial(machine.pin_of_stepper, name)
+        below = tmc.stealthchop_below_mm_s or tmc.stealthchop_below_deg_s
+        settings = DriverSettings(
+            chip,
+            tmc.run_current_a,
+            tmc.hold_current_a or tmc.run_current_a,
+            tmc.resistor_ohm(chip),
+            stepper.microsteps,
+            tmc.interpolate,
+            threshold_of(below * stepper.steps_per_unit, stepper.microsteps) if below else None,
+        )
+        if tmc.uart_pin:
+            wire = UartPins(pin(tmc.uart_pin), pin(tmc.tx_pin or tmc.uart_pin))
+            yield Driver(name, wire, settings, tmc.address)
+        else:
+            socket = machine.socket(name)
+            select = tmc.cs_pin or (socket.select if socket else None) or ""
+            buses = (tmc.clock_pin or "", tmc.mosi_pin or "", tmc.miso_pin or "")
+            clock, mosi, miso = (pin(bus) for bus in buses)
+            yield Driver(name, SpiPins(pin(select), clock, mosi, miso), settings)
+
+
+def microstep_outputs(machine: MachineConfig) -> Iterator[tuple[str, str]]:
+    """The pins that tell drivers in sockets how fine their steps are. Nobody switches them: one
+    that is to be high is inverted, so that it is off as it stands."""
+    for name, stepper in machine.steppers.items():
+        socket, on = machine.socket(name), machine.board_of_stepper(name)
+        board = machine.all_boards[on]
+        levels = board.microstep_levels.get(str(stepper.microsteps))
+        if socket is None or levels is None:
+            continue
+        for i, (pin, high) in enumerate(zip(socket.microstep, levels, strict=True), 1):
+            written = joined_marks("!", board.pin(pin)) if high else board.pin(pin)
+            yield f"{name}-ms{i}", named_on(on, written)
+
+
+def current_settings(machine: MachineConfig, on: str) -> Iterator[Setting]:
+    """What the current setter of a board is told for the motors in the board's sockets."""
+    board = machine.all_boards[on]
+    setter = board.current_setter
+    if setter is None:
+        return
+    words: list[bytes] = []
+    for name, stepper in machine.steppers.items():
+        socket = machine.socket(name)
+        if machine.board_of_stepper(name) != on or socket is None or socket.current is None:
+            continue
+        if stepper.peak_current_a is not None:
+            words.append(setter.word(socket.current, stepper.peak_current_a))
+    pins = (setter.cs_pin, setter.clock_pin, setter.mosi_pin, setter.miso_pin)
+    cs, clock, mosi, miso = (board.pin(pin) for pin in pins)
+    if words:
+        yield Setting(SpiPins(cs, clock, mosi, miso, mode=0), tuple(words))
+
+
+def converter_wires(machine: MachineConfig, heater: Heater) -> SpiPins | None:
+    """The bus of a heater's sensor, if it is a converter."""
+    sensor, pin = heater.sensor, machine.pin
+    if not isinstance(sensor, Converter):
+        return None
+    clock, mosi, miso = (pin(p) for p in (sensor.clock_pin, sensor.mosi_pin, sensor.miso_pin))
+    mode = 0 if isinstance(sensor, ThermocoupleConverter) else 1
+    return SpiPins(pin(heater.sensor_pin), clock, mosi, miso, mode)

@@ -1,0 +1,226 @@
+"""What a command waits for, the machine at rest, and what ends the wait."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from passo.board.faults import HeaterFault
+from passo.errors import CommandError
+from passo.printer.wait_requests import (
+    Homing,
+    Person,
+    Procedure,
+    Reply,
+    Room,
+    Still,
+    Stopped,
+    Temperatures,
+    Tuning,
+    Wait,
+)
+
+if TYPE_CHECKING:
+    from passo._core import Heater
+    from passo.printer.printer import Printer
+
+WARMING_S = 1.0  # of host time between two lines of temperatures for who waits for them
+# A heater that has cooled down by less than this in this time gets no further (StuFW's values).
+_LEAST_COOLING_C, _COOLING_S = 1.5, 60.0
+
+
+class _Cooling:
+    """Whether a heater that is waited for still cools down; tells once if not."""
+
+    def __init__(self, name: str, reply: Reply) -> None:
+        self._name, self._reply = name, reply
+        self._seen: tuple[float, float] | None = None  # print time in s, and how warm it was then
+        self._over = False
+
+    def goes_on(self, now_s: float, celsius: float) -> bool:
+        """To be called as time passes."""
+        before_s, was = self._seen = self._seen or (now_s, celsius)
+        if not self._over and now_s >= before_s + _COOLING_S:
+            self._seen = now_s, celsius
+            self._over = was - celsius < _LEAST_COOLING_C
+            if self._over:
+                text = f"echo:{self._name} cools no further than {celsius:.1f} C: not waited for"
+                self._reply.say(text)
+        return not self._over
+
+
+class Waiting:
+    """The wait that goes on at one printer: one at a time, by who has the turn."""
+
+    def __init__(self, printer: Printer) -> None:
+        self._printer = printer
+        self.ended = False  # somebody wants the wait that goes on to end
+        self.heating = False  # somebody waits for a temperature
+        self.person = False  # or for a person
+        self.temperatures: Callable[[], str] = str  # a line of them
+        self.busy = False  # a wait goes on
+        self._impatient = False  # it shall not even wait for moves
+        self._firm = False  # it only waits for moves, to do behind them what was asked for
+
+    def end(self) -> None:
+        """Whoever waits waits no more, except to do something behind the moves. What moves goes
+        on, dwells too."""
+        if not self._firm:
+            self._impatient = self.ended = True
+
+    async def room(self, there: Callable[[], bool]) -> bool:
+        """Waits until there is room for a line, or `end` wants it taken without. True if so."""
+        printer = self._printer
+        self._impatient = False
+
+        def let_in() -> bool:
+            if printer.aside:
+                self._impatient = False  # that was for the pause
+            return there() or bool(printer.halted) or (self._impatient and printer.job.at_boundary)
+
+        await printer.drive.until(let_in, idly=True)
+        return self._impatient
+
+    async def wait(
+        self,
+        wait: Wait,
+        reply: Reply,
+        *,
+        ends: bool = False,
+        aside: Callable[[], bool] = lambda: False,
+    ) -> bool:
+        """Waits with the machine at rest, or not at all if it `ends` at once. False, and the wait
+        has not begun, if the moves before it stand `aside`. Raises Stopped when it was halted
+        meanwhile."""
+        within_another, self.busy = self.busy, True
+        if isinstance(wait, Person):
+            self._printer.person.ask(wait.message)
+        try:
+            return await self._wait(wait, reply, ends, aside)
+        finally:
+            self.busy, self._firm = within_another, False
+            if isinstance(wait, Person):
+                self._printer.person.answered()
+
+    async def _wait(self, wait: Wait, reply: Reply, ends: bool, aside: Callable[[], bool]) -> bool:
+        if isinstance(wait, Room):
+            await self._more()
+            return True
+        self._firm = isinstance(wait, Still) and wait.then is not None
+        self.ended = self._impatient = ends and not self._firm
+        if isinstance(wait, Still):
+            if not await self._still(aside):
+                return False
+            if wait.then is not None:
+                self._raise_if_ended()
+                wait.then()
+        else:
+            with self._printer.dark():
+                if not await self._still(aside):
+                    return False
+                # Who is tired of the moves still wants what comes behind them, unless it homes.
+                if isinstance(wait, Homing) or not self._impatient:
+                    self._raise_if_ended()
+                await self._at_rest(wait, reply)
+        self._printer.raise_if_halted()
+        return True
+
+    async def _more(self) -> None:
+        """Until more can be planned of a line that nobody can end but by a stop."""
+        printer = self._printer
+        await printer.drive.until(
+            lambda: not (printer.drive.full or printer.aside) or bool(printer.halted), idly=True
+        )
+        printer.raise_if_halted()
+
+    async def _still(self, aside: Callable[[], bool]) -> bool:
+        printer = self._printer
+        printer.drive.flush()
+        await printer.drive.until(
+            lambda: printer.drive.standing or self._impatient or bool(printer.halted) or aside()
+        )
+        printer.raise_if_halted()
+        return not aside()
+
+    async def _at_rest(self, wait: Wait, reply: Reply) -> None:
+        printer = self._printer
+        if isinstance(wait, Temperatures):
+            await self._reach(wait, reply)
+        elif isinstance(wait, Procedure):
+            await wait.run()
+        elif isinstance(wait, Tuning):
+            await self._tune(wait)
+        elif isinstance(wait, Person):
+            await self._person(wait, reply)
+        elif isinstance(wait, Homing):
+            printer.job.abandon()
+            await printer.homer.home(wait.letters)
+
+    def _raise_if_ended(self) -> None:
+        if self.ended:
+            self._printer.job.abandon()
+            raise Stopped("it was stopped")
+
+    async def _reach(self, wait: Temperatures, reply: Reply) -> None:
+        printer, now = self._printer, asyncio.get_running_loop().time
+        heaters = {name: printer.connection.heaters[name] for name in wait.heaters}
+        told_s = now()
+        cooling = {name: _Cooling(name, reply) for name in heaters}
+
+        cools: dict[tuple[str, float], bool] = {}  # was it too warm for that target?
+
+        def on_its_way(name: str, h: Heater) -> bool:
+            if h.target <= 0 or h.settled:
+                return False
+            above = h.target + h.arrival.window_c < h.celsius <= h.limits.max_c
+            began_above = cools.setdefault((name, h.target), above)
+            if not above:
+                return True
+            if began_above and not wait.cooling:
+                return False
+            return cooling[name].goes_on(printer.drive.now_s, h.celsius)
+
+        def there() -> bool:
+            nonlocal told_s
+            if now() >= told_s + WARMING_S:
+                told_s += WARMING_S
+                reply.warming(f" {self.temperatures()} W:?")
+            # Each is looked at: those that cool do so at the same time.
+            left = [name for name, h in heaters.items() if on_its_way(name, h)]
+            return printer.interrupted or any(h.fault for h in heaters.values()) or not left
+
+        self.heating = True
+        try:
+            await printer.drive.until(there)
+        finally:
+            self.heating = False
+        # The link's thread may have seen a fault of which nobody has been told yet.
+        for name, heater in heaters.items():
+            if heater.fault is not None and not printer.halted:
+                raise CommandError([HeaterFault.of(name, heater.fault).problem])
+
+    async def _tune(self, wait: Tuning) -> None:
+        self.heating = True
+        try:
+            # Who has switched the heater off must not find it heating for one step more.
+            await self._printer.drive.until(lambda: self._printer.interrupted or wait.step())
+        finally:
+            self.heating = False
+            wait.finish()
+
+    async def _person(self, wait: Person, reply: Reply) -> None:
+        printer, drive = self._printer, self._printer.drive
+        reply.say("echo:busy: paused for user")
+        end = drive.now + wait.seconds * drive.hz
+        self.person = True
+        try:
+            await drive.until(
+                lambda: printer.interrupted or (wait.seconds > 0 and drive.now >= end),
+                idly=wait.seconds <= 0,
+            )
+        finally:
+            self.person = False
+        printer.person.answered()
+        printer.raise_if_halted()
+        await printer.warm_again()

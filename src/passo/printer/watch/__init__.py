@@ -1,0 +1,1 @@
+"""Watches: idle timeout, endstops, drivers, late commands, automatic fans."""

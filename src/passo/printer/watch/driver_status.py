@@ -1,0 +1,144 @@
+"""The motors' drivers that can be set up and asked, and what becomes of what they say."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from passo.board.drivers import Drivers, DriverState
+from passo.board.trinamic import DriverSettings, Finding, findings
+from passo.motion.motion_queue import TICK_S
+
+if TYPE_CHECKING:
+    from passo.board.boards import Boards
+    from passo.printer.printer import Printer
+
+_LOOK_S = 1.0  # between two questions how a driver is
+# What setting the driver up ends: it has lost its settings, or keeps a flag of what is over.
+_LATCHED = ("driver.reset", "driver.undervoltage", "driver.stopped")
+
+
+class DriverWatch:
+    """The drivers of one printer. Each is asked every second how it is. While the motors are on, a
+    driver that has failed halts the printer; while they are off, one that has lost its settings, or
+    whose supply was too low, is set up anew. Nothing moves while one cannot be spoken to."""
+
+    def __init__(self, printer: Printer) -> None:
+        self._printer = printer
+        self.prewarned: set[str] = set()  # motors whose drivers were hot since M912
+        self._set: dict[str, DriverSettings] = {}  # by command: they outlive the board's reset
+        self._told: set[tuple[str, str]] = set()
+        self._next_look = 0
+
+    def begin(self, boards: Boards) -> None:
+        """The boards have begun anew: their drivers are set up. Lets time pass; raises
+        MachineError."""
+        self._boards = boards
+        self._of_boards = [Drivers(connection) for connection in boards.connections]
+        for motor, settings in self._set.items():
+            self.states[motor].settings = settings
+        self._told.clear()
+        self._next_look = 0
+        for drivers in self._of_boards:
+            drivers.configure()
+
+    async def reconnected(self) -> None:
+        """The board is back after a lost link: drivers that have come through it well are set up
+        again, for they may have missed something. Raises MachineError."""
+        for drivers in self._of_boards:
+            drivers.interrupt()
+            for motor in drivers.states:
+                drivers.begin_status(motor)
+        await self._answered()
+        if not self._printer.halted:
+            for motor in self.states:
+                self._of(motor).begin_configure(motor)
+            await self._answered()
+
+    async def _answered(self) -> None:
+        """Waits for all answers, and looks at them."""
+        while not self._printer.halted and not all(drivers.idle for drivers in self._of_boards):
+            await asyncio.sleep(TICK_S)
+            self._printer.drive.look()
+            for drivers in self._of_boards:
+                drivers.poll()
+        for motor, state in self.states.items():
+            self._look_at(motor, state)
+
+    def _of(self, motor: str) -> Drivers:
+        return next(drivers for drivers in self._of_boards if motor in drivers.states)
+
+    @property
+    def states(self) -> dict[str, DriverState]:
+        """The drivers by their motors."""
+        return {m: state for drivers in self._of_boards for m, state in drivers.states.items()}
+
+    def set(self, motor: str, settings: DriverSettings) -> None:
+        """Other settings for a driver; it has them a moment later."""
+        if settings != self.states[motor].settings:
+            self._set[motor] = settings
+            self._of(motor).begin_configure(motor, settings)
+
+    def failures(self) -> Iterator[str]:
+        """Sentences about drivers that cannot be spoken to."""
+        for state in self.states.values():
+            if state.failure is not None:
+                yield str(state.failure.problem)
+
+    def before_motion(self) -> None:
+        """Halts the printer if a driver is not set up: its motor would not move as it should."""
+        for sentence in self.failures():
+            self._printer.halt(sentence)
+
+    def time_passed(self) -> None:
+        """Asks on, and looks at what was answered."""
+        if not self.states or self._printer.halted:
+            return
+        for drivers in self._of_boards:
+            drivers.poll()
+        for motor, state in self.states.items():
+            self._look_at(motor, state)
+        boards = self._boards
+        if boards.now >= self._next_look and all(drivers.idle for drivers in self._of_boards):
+            self._next_look = boards.now + int(_LOOK_S * boards.board.clock_hz)
+            for motor, state in self.states.items():
+                if state.failure is None:
+                    self._of(motor).begin_status(motor)
+                else:
+                    self._of(motor).begin_configure(motor)
+
+    def _look_at(self, motor: str, state: DriverState) -> None:
+        on = motor in self._printer.motors.on
+        if state.failure is not None:
+            if on:
+                self._printer.halt(str(state.failure.problem))
+            else:
+                self._tell_once(motor, "failure", str(state.failure.problem))
+            return
+        if (motor, "failure") in self._told:
+            self._told.discard((motor, "failure"))
+            self._printer.tell(f"echo:The driver of motor {motor} is set up")
+        if state.fresh and state.reading is not None:
+            state.fresh = False
+            self._judge(motor, findings(motor, state.settings.chip, state.reading), on=on)
+
+    def _judge(self, motor: str, found: list[Finding], *, on: bool) -> None:
+        grave = [f.problem for f in found if f.stops]
+        if grave and on:
+            self._printer.halt(str(grave[0]))
+        elif any(problem.code in _LATCHED for problem in grave):
+            self._of(motor).begin_configure(motor)
+        for finding in found:
+            code = finding.problem.code
+            if code == "driver.hot":
+                self.prewarned.add(motor)
+            self._tell_once(motor, code, str(finding.problem))
+        codes = {finding.problem.code for finding in found} | {"failure"}
+        self._told = {(who, what) for who, what in self._told if who != motor or what in codes}
+
+    def _tell_once(self, motor: str, what: str, sentence: str) -> None:
+        """What goes on is told when it begins."""
+        if (motor, what) not in self._told:
+            self._told.add((motor, what))
+            self._printer.tell(f"echo:{sentence}")

@@ -1,0 +1,110 @@
+"""Endstops while the machine moves: M120 watches them, M540 lets them stop the machine."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from passo.board.endstops import Endstops
+from passo.gcode.command import Command
+from passo.motion.endstops import switches
+from passo.printer.wait_requests import Handler, Reply, Wait
+
+if TYPE_CHECKING:
+    from passo.printer.printer import Printer
+
+_REST_S = 0.001  # the board looks so often
+_AHEAD_S = 0.02  # from the command to its first look
+_PRESSED_S = 0.25  # whether one that is pressed has been let go is asked so often
+
+
+class EndstopWatch:
+    """M120, M121 and M540 of one printer. A switch that is pressed when the watch begins, or where
+    its axis is at home, is watched once it has been let go."""
+
+    def __init__(self, printer: Printer) -> None:
+        self._printer = printer
+        self._switches = switches(printer.machine)
+        self._on = False
+        self.stops = False  # M540: a hit stops the machine
+        self.immediate: dict[str, Handler] = {
+            "M120": lambda c, r: self._watch(True),
+            "M121": lambda c, r: self._watch(False),
+            "M540": self._stop_on_hit,
+        }
+        self.begin()
+
+    def begin(self) -> None:
+        """The board has begun anew."""
+        self._endstops = Endstops(self._printer.connection)
+        self._watched: list[str] = []
+        self._next_look = 0  # clock
+
+    def pause(self) -> None:
+        """Homing needs the switches for itself."""
+        self._arm([])
+        self._next_look = 0
+
+    def time_passed(self) -> None:
+        """Looks for hits, and for switches that have been let go."""
+        printer = self._printer
+        if not self._on or printer.halted or printer.homer.active or printer.drive.interrupted:
+            return
+        if self._watched:
+            self._endstops.all_hit()
+            if self._endstops.hit:
+                self._report(sorted(self._endstops.hit))
+                return
+        if len(self._watched) < len(self._switches) and printer.connection.now >= self._next_look:
+            self._look()
+
+    def _look(self) -> None:
+        """Watches all switches that are open now."""
+        connection = self._printer.connection
+        self._next_look = connection.now + int(_PRESSED_S * connection.board.clock_hz)
+        others = [s.name for s in self._switches if s.name not in self._watched]
+        let_go = [name for name in others if not self._endstops.pressed(name)]
+        if let_go:
+            self._arm([*self._watched, *let_go])
+
+    def _arm(self, names: list[str]) -> None:
+        """From now on these switches are watched."""
+        if self._watched:
+            self._endstops.disarm()
+        self._watched = names
+        if not names:
+            return
+        # The board stops no motor by itself: the plan would go on without it.
+        connection = self._printer.connection
+        clock = connection.now + int(_AHEAD_S * connection.board.clock_hz)
+        self._endstops.arm(dict.fromkeys(names, ()), clock, _REST_S)
+
+    def _report(self, names: list[str]) -> None:
+        """Where the machine was when the switches closed, which is a while ago by now."""
+        printer = self._printer
+        base = printer.drive.base
+        clocks = {name: self._endstops.hit_clock(name) - base for name in names}
+        self._arm([name for name in self._watched if name not in clocks])
+        for name, clock in clocks.items():
+            places = printer.positions.at(clock)
+            where = " ".join(f"{k}:{at:.3f}" for k, at in places.items() if k != "E")
+            printer.tell(f"echo:endstops hit: {name.upper()} at {where}")
+        if self.stops:
+            printer.stop_by_endstop(names)
+
+    def _watch(self, on: bool) -> Wait | None:
+        self.pause()
+        self._on = on
+        return None
+
+    def _stop_on_hit(self, command: Command, reply: Reply) -> Wait | None:
+        words = command.words()
+        if "S" in words:
+            self.stops = words["S"] != 0
+            self._watch(self.stops or self._on)
+        else:
+            reply.say(self.stop_line())
+        return None
+
+    def stop_line(self) -> str:
+        """M540 with what holds now."""
+        return f"M540 S{int(self.stops)}"
