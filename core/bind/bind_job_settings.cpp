@@ -69,6 +69,16 @@ void bind_job_settings(nb::class_<JobView>& job) {
                      return offsets;
                    })
       .def_prop_ro(
+          "offset_due",
+          [](JobView& self) {
+            const Interpreter& program = self.job.interpreter;
+            return std::vector<double>{program.offset_due(kX), program.offset_due(kY),
+                                       program.offset_due(kZ)};
+          },
+          "mm by which the next move of an axis moves X, Y and Z, too: for a change of tools, or "
+          "of "
+          "the offset of the tool in use, that no move has carried out yet.")
+      .def_prop_ro(
           "retraction",
           [](JobView& self) {
             Interpreter::Retraction r = self.job.interpreter.retraction();

@@ -78,9 +78,22 @@ class Interpreter {
     extruder_ = extruders;
     std::copy(position, position + kAxes, position_);
     if (!extruder_.empty()) position_[kE] = extruder_[active_];
+    // The move that was to carry out the tool's offset has not begun: the offset is still owed.
+    if (owed_.line == lines().number() && owed_.tool == tool_ &&
+        std::equal(owed_.from, owed_.from + 3, position_))
+      owe(owed_.mm);
   }
-  // This tool is in use, if it has an extruder. Nothing where extruders are axes.
+  // This tool is in use, if it has an extruder. Nothing where extruders are axes. No axis moves:
+  // the next move of an axis carries out the difference of the offsets on all axes.
   void take_tool(size_t tool);
+  // mm by which the next move of an axis moves slot j (X, Y or Z) for a change of tools, or of the
+  // offset of the tool in use.
+  double offset_due(int j) const { return due_[j]; }
+  // The tool is where the machine is: no offset is to be carried out.
+  void forget_offset() {
+    constexpr double kNone[3] = {};
+    owe(kNone);
+  }
   // Takes up the program again as `before` left it, except for what the console has not said yet,
   // and for settings that it has changed, which modes are not.
   void resume(const Interpreter& before) {
@@ -109,10 +122,14 @@ class Interpreter {
   // Axis slot j is at this machine position now; the program's zero stays where it was.
   void set_axis(int j, double position) {
     position_[j] = position;
-    if (j < 3) origin_[j] = -tool_offset(j);
+    if (j < 3) origin_[j] = -tool_offset(j), owe(j, 0);
   }
-  // The active tool's offset is about to become `mm` along axis slot j.
-  void shift_tool(int j, double mm) { origin_[j] -= mm - tool_offset(j); }
+  // The active tool's offset is about to become `mm` along axis slot j; the next move carries it
+  // out.
+  void shift_tool(int j, double mm) {
+    origin_[j] -= mm - tool_offset(j);
+    owe(j, due_[j] - (mm - tool_offset(j)));
+  }
   // The program's zero moves by so much along slot j (X, Y or Z).
   void shift_zero(int j, double mm) { origin_[j] += mm; }
   // The machine lies so much further along slot j, and all that the program still does with it.
@@ -272,6 +289,7 @@ class Interpreter {
       position_[j] = home_[i];
       cut_ &= uint8_t(~(1u << j));
       origin_[j] = j < 3 ? -tool_offset(j) : 0;
+      owe(j, 0);
       double c[3];
       if (j == kZ || !machine_->geometry->linear(kZ, c)) hop_ = 0;  // all arms home together
     }
@@ -306,8 +324,15 @@ class Interpreter {
 
   double position_[kAxes] =
       {};  // machine position of the last target, mm; [kE]: of the active extruder
-  double origin_[kAxes] = {};     // machine position of the program's zero
-  double logical_e_ = 0;          // the program's E
+  double origin_[kAxes] = {};  // machine position of the program's zero
+  double due_[kAxes] = {};     // see offset_due; 0 beyond Z
+  bool any_due_ = false;
+  struct {
+    double from[3], mm[3];
+    size_t tool;
+    uint32_t line = 0;    // 0: none yet
+  } owed_;                // the offset that the last move to carry one out has taken, and where
+  double logical_e_ = 0;  // the program's E
   std::vector<double> extruder_;  // machine position of each extruder
   std::vector<Filament> filament_;
   static constexpr double kUsualMm = 1.75;
@@ -346,8 +371,9 @@ class Interpreter {
   Clamped clamped_[kAxes];
   uint8_t cut_ = 0;  // a bit for each slot that is at a limit instead of where the program means
   Arc arc_;
-  double arc_hop_ = 0;  // hop_ where it begins
-  std::string text_;    // of the line, comments removed
+  MoveRequest arc_move_{};  // its chord
+  double arc_hop_ = 0;      // hop_ where it begins
+  std::string text_;        // of the line, comments removed
   std::vector<Word> words_;
   uint32_t listened_ = 0, moved_line_ = 0;
   Heard heard_;
@@ -403,7 +429,14 @@ class Interpreter {
   void take_back(double mm) { logical_e_ -= mm / e_scale(); }
 
   // Where the program means slot j to be, in machine coordinates.
-  double meant(int j) const { return position_[j] - (j == kZ ? hop_ : 0); }
+  double meant(int j) const { return position_[j] - (j == kZ ? hop_ : 0) + due_[j]; }
+  void owe(int j, double mm) {
+    due_[j] = std::fabs(mm) > kNowhere ? mm : 0;
+    any_due_ = due_[kX] != 0 || due_[kY] != 0 || due_[kZ] != 0;
+  }
+  void owe(const double* mm) {
+    for (int j = 0; j < 3; ++j) owe(j, mm[j]);
+  }
   bool is_filament(int j) const { return filament_slots_ >> j & 1; }
   // Letters whose words count from where they are.
   uint32_t relative() const {
@@ -414,6 +447,7 @@ class Interpreter {
   // The common line: upper case axis letters, E and F, each with a number. Found::end: done, no
   // move; Found::error: the line needs the general way.
   Found fast_move(const char* p, const char* end, bool rapid) {
+    if (any_due_) return Found::error;
     double value[26];
     uint32_t have = 0;
     for (;;) {
@@ -438,7 +472,7 @@ class Interpreter {
 
   // Resolves the target of the letters in `have`; false if nothing moves. `move_` is the result.
   bool straight(const double* value, uint32_t have, double feed, double duration, bool rapid) {
-    if (!target(value, have, relative()) || retracts(have)) return false;
+    if (!target(value, have, relative(), 0) || retracts(have)) return false;
     move_.feed_mm_s = feed;
     move_.duration_s = duration;
     move_.radius_mm = kInfinity;
@@ -466,18 +500,31 @@ class Interpreter {
            at > std::max(high_[j], position_[j]) + 1e-6;
   }
 
-  // `relative`: a bit for each letter that counts from where it is.
-  bool target(const double* value, uint32_t have, uint32_t relative) {
+  // Letters of axes that a move which names `have` moves too: by the offset of a tool that no move
+  // has carried out yet. Not a move of filament alone, nor one in the machine's own coordinates; an
+  // axis that is not homed has no offset to keep.
+  uint32_t offset_letters(uint32_t have, bool arc = false) const {
+    if (!any_due_ || machine_zero_ || (!arc && (have & ~filament_letters_) == 0)) return 0;
+    uint32_t letters = 0;
+    for (int j = 0; j < 3; ++j)
+      if (due_[j] != 0 && !locked(j)) letters |= 1u << (machine_->axes[size_t(j)].letter - 'A');
+    return letters & ~have;
+  }
+
+  // `relative`: a bit for each letter that counts from where it is. `offset`: letters that stay
+  // where the program means them to be, see offset_letters.
+  bool target(const double* value, uint32_t have, uint32_t relative, uint32_t offset) {
     std::copy(position_, position_ + kAxes, move_.target);
     uint8_t moved = 0;
     const double e_before = logical_e_;
     double hop = hop_;
     uint8_t cut = cut_;
-    for (uint32_t left = have; left; left &= left - 1) {
+    for (uint32_t left = have | offset; left; left &= left - 1) {
       int k = __builtin_ctz(left), j = letter_slot_[k];
       moved |= uint8_t(1u << j);
-      double v = value[k] * unit_;
-      bool absolute = (relative >> k & 1) == 0;
+      const bool stays = offset >> k & 1;
+      double v = stays ? 0 : value[k] * unit_;
+      bool absolute = !stays && (relative >> k & 1) == 0;
       if (j == kE) {
         double delta = absolute ? v - logical_e_ : v;
         logical_e_ = absolute ? v : logical_e_ + v;
@@ -519,6 +566,7 @@ class Interpreter {
     }
     hop_ = move_.hop_mm = hop;
     cut_ = cut;
+    if (any_due_) carry_out(moved);
     move_.moved = moved;
     move_.flow = extruder_.empty() ? 0 : filament_[active_].flow;
     return true;
@@ -584,6 +632,10 @@ class Interpreter {
   void queue_straight(double feed, double duration, bool rapid, double energy_ws = 0);
   bool run_filament(int code, const Word* first, const Word* last);
   void queue_step(int j, double by, double feed);
+  void carry_out(uint8_t moved);
+  int place_of_tool(double* at) const;
+  bool lays_filament() const;
+  void queue_offset(const double* to, double feed);
   void run_retract(bool in, bool swap = false);
   void queue_return(const double* to);
   void select_tool(const Word& word);

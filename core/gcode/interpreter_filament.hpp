@@ -34,7 +34,7 @@ inline void Interpreter::change_flow(size_t extruder, FlowChange& change) {
     if (item.found == Found::move && item.move.kind != MoveKind::dwell)
       item.move.target[kE] = pass(item.move.target[kE], item.move.flow);
   if (!arc_.active()) return;
-  double start = change.place(from), end = pass(from + arc_.left(kE), move_.flow);
+  double start = change.place(from), end = pass(from + arc_.left(kE), arc_move_.flow);
   arc_.set_left(kE, start, end - start);
 }
 

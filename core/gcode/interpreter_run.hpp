@@ -281,7 +281,7 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
         // O: only what does not know where it is, which the caller must find out.
         bool back = has('B') && letter_slot_['B' - 'A'] < 0;
         double before[kAxes], hop = hop_;
-        std::copy(position_, position_ + kAxes, before);
+        if (place_of_tool(before) >= 0) std::copy(position_, position_ + kAxes, before);
         if (has('O') && letter_slot_['O' - 'A'] < 0)
           letters += 'O';
         else
@@ -475,7 +475,11 @@ inline void Interpreter::run_motion(int code, const Word* w, const Word* end) {
     move_.energy_ws = 0;  // an arc knows only a density
     return run_arc(code == 2, value, have, turns);
   }
-  if (!target(value, axes, relative) || retracts(axes)) return;
+  double begin[kAxes];
+  const bool begins = place_of_tool(begin) < 0;
+  if (!target(value, axes, relative, offset_letters(axes)) || retracts(axes)) return;
+  // Filament is laid from where the tool in use was meant to be, not on the way to there.
+  if (begins && (axes & ~filament_letters_) != 0 && lays_filament()) queue_offset(begin, feed);
   queue_straight(timed ? kInfinity : feed, duration, code == 0, energy);  // T in place of F
 }
 
@@ -506,10 +510,15 @@ inline void Interpreter::run_arc(bool clockwise, const double* value, uint32_t h
   for (int k = 0; k < 26; ++k)
     if ((have >> k & 1) && letter_slot_[k] >= 0) axes |= 1u << k;
   double feed = move_.feed_mm_s, e_before = logical_e_, start[kAxes];
-  std::copy(position_, position_ + kAxes, start);
   arc_hop_ = hop_;
   uint8_t cut = cut_;
-  if (!target(value, axes, relative())) return;
+  if (const int j = place_of_tool(start); j >= 0) {
+    const double limit = meant(j) < low_[j] ? low_[j] : high_[j];
+    if (!clamp) return fail(Fault::out_of_range, axis_name(j), meant(j), limit);
+    note_clamp(j, meant(j), limit);
+    cut |= uint8_t(1u << j);
+  }
+  if (!target(value, axes, relative(), offset_letters(axes, true))) return;
   cut |= cut_;
   const bool whole = (cut & (1u << u | 1u << v)) == 0;  // both ends are where the program means
   double end[kAxes];
@@ -541,37 +550,44 @@ inline void Interpreter::run_arc(bool clockwise, const double* value, uint32_t h
     return none(Fault::range, "P", turns + 1.0, arc_.most_turns());
   if (whole && !arc_.round()) return none(Fault::radii, "", arc_.start_radius(), arc_.end_radius());
   ++arcs_;
-  move_.feed_mm_s = feed;
-  move_.duration_s = 0;
-  move_.rapid = false;
+  arc_move_ = move_;
+  arc_move_.feed_mm_s = feed;
+  arc_move_.duration_s = 0;
+  arc_move_.rapid = false;
+  arc_move_.radius_mm = arc_.radius();
+  arc_move_.arc_axis = arc_.axis();
+  arc_move_.line = line_of_move();
+  queue_offset(start, feed);
 }
 
 inline bool Interpreter::next_chord() {
-  arc_.next(move_.target);
+  arc_.next(arc_move_.target);
   for (int j = 0; j < 3; ++j) {
-    const double hop = j == kZ ? arc_hop_ : 0, at = move_.target[j] - hop;
+    const double hop = j == kZ ? arc_hop_ : 0, at = arc_move_.target[j] - hop;
     if (beyond(j, at)) {
       const double limit = at < low_[j] ? low_[j] : high_[j];
       if (!clamp) {
         fail(Fault::out_of_range, machine_->axes[size_t(j)].name, at, limit);
-        take_back(move_.target[kE] - position_[kE] + arc_.left(kE));
+        take_back(arc_move_.target[kE] - position_[kE] + arc_.left(kE));
         arc_ = Arc();
         return false;
       }
       note_clamp(j, at, limit);
-      move_.target[j] = limit + hop;
+      arc_move_.target[j] = limit + hop;
     }
-    if (hop > 0) move_.target[j] = std::min(move_.target[j], high_[j]);  // as there is room for
+    if (hop > 0) arc_move_.target[j] = std::min(arc_move_.target[j], high_[j]);  // as there is room
   }
-  move_.radius_mm = arc_.radius();
-  move_.arc_axis = arc_.axis();
-  move_.arc_inner = !arc_.first();
-  return ready();
+  arc_move_.arc_inner = !arc_.first();
+  return take(arc_move_);
 }
 
 inline void Interpreter::take_tool(size_t tool) {
   if (machine_->tools.empty() || machine_->tools[tool].extruder < 0) return;
-  for (int j = 0; j < 3; ++j) origin_[j] -= machine_->tools[tool].offset[j] - tool_offset(j);
+  for (int j = 0; j < 3; ++j) {
+    const double mm = machine_->tools[tool].offset[j] - tool_offset(j);
+    origin_[j] -= mm;
+    owe(j, due_[j] - mm);
+  }
   tool_ = tool;
   active_ = size_t(machine_->tools[tool].extruder);
   position_[kE] = extruder_[active_];

@@ -35,7 +35,58 @@ inline void Interpreter::run_saved(bool save, const Word* w, const Word* end) {
     double by = saved.at[j] + value[k] - meant(j);
     value[k] = (j == kE ? by / e_scale() : by) / unit_;
   }
-  if (target(value, have, ~0u)) queue_straight(feed, 0, false);
+  if (target(value, have, ~0u, offset_letters(have))) queue_straight(feed, 0, false);
+}
+
+// The move that has just got its target moves these slots: their offsets are no longer due.
+inline void Interpreter::carry_out(uint8_t moved) {
+  for (int j = 0; j < 3; ++j) owed_.from[j] = position_[j], owed_.mm[j] = due_[j];
+  owed_.tool = tool_;
+  owed_.line = lines().number();
+  for (int j = 0; j < 3; ++j)
+    if (moved >> j & 1) owe(j, 0);
+}
+
+// Where the machine is once it has carried out the offset that is due. Returns the slot of an axis
+// for which that is beyond its limit, where `at` ends, or -1.
+inline int Interpreter::place_of_tool(double* at) const {
+  std::copy(position_, position_ + kAxes, at);
+  int out = -1;
+  for (int j = 0; any_due_ && !machine_zero_ && j < 3; ++j) {
+    if (due_[j] == 0 || locked(j)) continue;
+    double t = meant(j);
+    if (beyond(j, t)) {
+      t = t < low_[j] ? low_[j] : high_[j];
+      out = j;
+    }
+    at[j] = t + (j == kZ ? std::clamp(high_[j] - t, 0.0, hop_) : 0);
+  }
+  return out;
+}
+
+// Whether the target that move_ has now takes filament forward.
+inline bool Interpreter::lays_filament() const {
+  for (int j = 0; j < kAxes; ++j)
+    if (is_filament(j) && move_.target[j] > position_[j]) return true;
+  return false;
+}
+
+// A travel to `to`, from where a line of filament or an arc begins with the tool in use.
+inline void Interpreter::queue_offset(const double* to, double feed) {
+  Item item{};
+  item.found = Found::move;
+  MoveRequest& m = item.move;
+  std::copy(to, to + kAxes, m.target);
+  for (int j = 0; j < 3; ++j)
+    if (to[j] != position_[j]) m.moved |= uint8_t(1u << j);
+  if (m.moved == 0) return;
+  m.hop_mm = hop_;
+  m.feed_mm_s = feed;
+  m.radius_mm = kInfinity;
+  m.rapid = true;  // no laser burns on it
+  m.line = line_of_move();
+  m.kind = MoveKind::travel;
+  pending_.push_back(std::move(item));
 }
 
 // A move of slot j by so much, of which the program's own coordinates know nothing.

@@ -237,7 +237,10 @@ class Job {
 
   // The tool in use is the one that has stopped, not the one that the program was read ahead to.
   void use_stopped() {
-    if (auto tool = motion.stopped_tool()) interpreter.take_tool(*tool);
+    const auto tool = motion.stopped_tool();
+    if (!tool) return;
+    interpreter.take_tool(*tool);
+    interpreter.forget_offset();
   }
 
   double now() const { return cpu_clock_ ? cpu_clock_() : 0; }

@@ -1589,6 +1589,12 @@ class Job:
     def tool_offsets(self) -> list[list[float]]: ...
 
     @property
+    def offset_due(self) -> list[float]:
+        """
+        mm by which the next move of an axis moves X, Y and Z, too: for a change of tools, or of the offset of the tool in use, that no move has carried out yet.
+        """
+
+    @property
     def retraction(self) -> tuple[float, float, float, float, float, float, float]:
         """
         (mm, mm/s, hop mm, extra mm, mm/s back or 0, mm and extra mm of G10 S1) of M207 and M208.

@@ -107,7 +107,7 @@ def test_a_hop_does_not_stop_an_upright_arc(code):
 def test_a_tool_that_is_not_drawn_back_ends_the_hop():
     """Its print would lie in the air; nor does the G11 of the other one go down then."""
     lines = f"{RETRACTED}T1\nG1 X30 E1\nG1 Z12\nT0\nG1 Z13\nG11\nG1 Z14\n"
-    assert heights(lines, "dual-extruder")[2:] == [11, 10, 10, 12, 13, 13, 14]
+    assert heights(lines, "dual-extruder")[2:] == [11, 10, 10, 10, 12, 13, 13, 14]
 
 
 def test_tools_that_are_drawn_back_share_the_hop():

@@ -23,7 +23,7 @@ PROGRAMS = {  # steps of each motor
     ),
     "dual-extruder": (
         "G28\nG1 X30 E4 F3000\nT1\nG92 E0\nG1 X10 E5\nT0\nG1 X5 E3\nT1\nG1 X10 E6\nG28\nG1 X5 E9\n",
-        {"x": 10800, "y": 0, "z": 0, "e": 573, "e1": 1051},
+        {"x": 11600, "y": 0, "z": 0, "e": 573, "e1": 1051},
     ),
 }
 

@@ -400,6 +400,7 @@ def test_homing_in_the_midst_of_a_file_is_read_as_it_was_done(home, places):
         ("i3", ("G20", "M83")),
         ("i3", ("G28", "G1 X60 Y60 Z5 F6000", "G92 X0 Y10 Z2 E7")),
         ("dual-extruder", ("G28", "M218 T1 X20 Y1", "T1", "G1 X90 Y60 Z5 F6000", "G92 X50")),
+        ("dual-extruder", ("G28", "G1 X90 Y60 Z5 F6000", "M218 T1 X-20 Y1 Z-0.5", "T1")),
     ],
 )
 def test_a_print_goes_on_with_what_it_was_begun_with(machine, before, places):

@@ -108,7 +108,11 @@ def test_g92_of_an_axis_that_was_not_homed_counts_with_the_tool():
         s.host.ok("G92 X40")  # now it moves the zero
         assert position(s)[0] == 40
         s.host.ok("T0")
-        assert position(s) == (40 - x, 20 - y, 5, 0)
+        assert position(s) == (40, 20, 5, 0)  # the next move carries out the offset
+        s.host.ok("G1 Y20 F6000")
+        s.host.ok("M400", 20)
+        assert position(s) == (40, 20, 5, 0)
+        assert s.printer.job.machine_position[:3] == [50, 20 + y, 5]
 
 
 @pytest.mark.parametrize(

@@ -216,3 +216,69 @@ def test_settings_of_filament_that_a_pause_has_set_hold_behind_it(tmp_path):
     assert {"M209 S1", "M603 T0 L50 U100", "M200 T1 D2.85"} <= set(settings)
     assert any(x.startswith("M207 S1 ") for x in settings)
     assert any(x.startswith("M208 S0.5 ") for x in settings)
+
+
+def test_a_tools_height_holds_for_a_move_that_does_not_name_z():
+    with Scenario(machine()) as s:
+        lines = ("M302 P1", "G28", "M218 T1 X0 Y0 Z-0.6", "M83", "G1 Z0.8 F600")
+        for line in (*lines, "G1 X100 Y100 E1 F6000", "M400", "T1"):
+            s.host.ok(line, 60)
+        assert s.host.ok("M114")[0].startswith("X:100.000 Y:100.000 Z:0.800")
+        assert moved(s, "G1 X110 Y100 E1") == pytest.approx((0, 1), abs=0.1)
+        at = "X:110.000 Y:100.000 Z:0.800 E:2.0000 Count X:8800 Y:8000 Z:560"
+        assert s.host.ok("M114")[0] == at
+
+
+OFFSET = """M302 P1
+G28
+M83
+M218 T1 X-20 Y2 Z-0.6
+G1 X50 Y50 Z5 F6000
+G1 Y70 E1 F600
+G1 Y50 E1
+T1
+G4 P3000
+G1 X50 E1
+G1 Y70 E1
+G1 Y50 E1
+"""
+
+
+@pytest.mark.parametrize("tools", [(), ("T0", "G1 Y40 F6000"), ("T0", "T1", "G91", "G1 X5 F6000")])
+@pytest.mark.parametrize("line", [6, 9, 11])
+def test_a_pause_about_a_change_of_tools_moves_no_axis_twice(tmp_path, line, tools):
+    """In the last lines of T0, between the change and the first move, and in the lines of T1."""
+    (tmp_path / "a.g").write_text(OFFSET)
+    with Scenario(machine(), card=str(tmp_path)) as s:
+        s.host.ok("M32 a.g")
+        job, drive = s.printer.job, s.printer.drive
+        assert s.until(lambda: job.line_at(drive.now) >= line, 300)
+        for command in ("M25", *tools, "M400", "M24"):
+            s.host.ok(command, 60)
+        s.host.expect("Done printing", 60)
+        at = s.positions()
+        assert [at[a] for a in "xyz"] == pytest.approx([70, 48, 5.6], abs=0.01)
+        assert filament(s) == pytest.approx((2, 3), abs=0.1)
+
+
+def test_a_new_speed_between_the_change_and_its_move_changes_no_place(tmp_path):
+    """M220 plans anew what was read ahead."""
+    (tmp_path / "a.g").write_text(OFFSET)
+    with Scenario(machine(), card=str(tmp_path)) as s:
+        s.host.ok("M32 a.g")
+        job, drive = s.printer.job, s.printer.drive
+        for line, speed in ((6, "M220 S50"), (9, "M220 S200"), (11, "M290 Z0.1")):
+            assert s.until(lambda line=line: job.line_at(drive.now) >= line, 300)
+            s.host.ok(speed)
+        s.host.expect("Done printing", 60)
+        at = s.positions()
+        assert [at[a] for a in "xyz"] == pytest.approx([70, 48, 5.7], abs=0.01)
+
+
+def test_a_stop_between_tools_leaves_the_program_where_the_nozzle_is(printing):
+    """T1 stops; the offset of the T0 that was read ahead is not carried out."""
+    printing.host.ok("M410")
+    printing.passes(2)
+    job = printing.printer.job
+    assert job.offset_due == [0, 0, 0]
+    assert job.program_position[0] == pytest.approx(job.machine_position[0] + 25)

@@ -353,7 +353,13 @@ TABLE: tuple[Row, ...] = (
         "S",
         "S1: moves of E alone, by 0.1 to 10 mm, retract as G10 and G11 do.",
     ),
-    Row("M218", _S, _N, "T X Y Z (mm)", "A tool's offset."),
+    Row(
+        "M218",
+        _S,
+        _N,
+        "T X Y Z (mm)",
+        "A tool's offset. For the tool in use, the next move of an axis carries it out.",
+    ),
     Row(
         "M220",
         _P,
@@ -459,7 +465,13 @@ TABLE: tuple[Row, ...] = (
     Row("M940", _Q, _I, "", "The network is the computer's."),
     Row("M999", _S, _I, "", "A halted printer begins anew."),
     Row("M1000", _S, _X, "C", "Goes on with a print that was interrupted; C forgets it.", bare="C"),
-    Row("T", _M, _N, "", "Selects a tool."),
+    Row(
+        "T",
+        _M,
+        _N,
+        "",
+        "Selects a tool. The next move of an axis carries out its offset on all axes.",
+    ),
     Row(
         "SET_VELOCITY_LIMIT",
         _P,

@@ -55,6 +55,25 @@ little, as rounded coordinates make them do: by 0.5 % of the larger one, or by 0
 more, but never by more than 0.5 mm. Such an arc is a spiral; beyond that the line is an error that
 names both distances. P is the number of turns.
 
+## Offsets of tools
+
+A change of tools moves nothing. The first move after it that names an axis other than those of
+filament moves all axes by the difference of the offsets (`offset_mm`, M218), also axes that it does
+not name. M218 of the tool in use acts the same way.
+
+| the first move | what the machine does |
+|---|---|
+| lays no filament (G0, G1) | one move to the end of the line |
+| lays filament | a travel at its F to where the line begins with the new nozzle, then the line |
+| is an arc | the same, also without filament |
+| is filament alone (`G1 E3`, G10, G11) | the axes stay; the next move carries out the offset |
+| has G53 | axes that the line does not name stay; the next move carries out their offset |
+
+M114 and the program count with the new nozzle as if the move had been carried out. Where an axis
+has no room for the offset, the move is refused as out of range, and the offset stays to be carried
+out. After homing, the offset of the homed axes counts at once. After a stop (M410), the program's
+coordinates are those of the nozzle that has stopped.
+
 ## How slow a move may be
 
 F and T may ask for any speed, but a move of more than 1,000,000 s (11.5 days) is an error, which

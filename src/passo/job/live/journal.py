@@ -37,8 +37,9 @@ def meaning(printer: Printer) -> list[str]:
 class Program:
     """The file that is printed: its path on the card, and what tells it from another one. Beside
     that what it was begun with: commands for the printer's `settings`, stored or not, and for its
-    `modes`, and where all axes were, of the machine and, with E, of the program. `changes` are
-    those of both that consoles have made since, each with the bytes that were read before."""
+    `modes`, and where all axes were: of the machine with the offset of the tool in use, carried
+    out or not, and, with E, of the program. `changes` are those of both that consoles have made
+    since, each with the bytes that were read before."""
 
     machine: str
     path: str
@@ -64,11 +65,12 @@ class Program:
     def begun(self, printer: Printer) -> Self:
         """It begins with what the printer has now."""
         job, axes = printer.job, len(printer.machine.axes)
+        due = [*job.offset_due, *[0.0] * (axes - 3)]
         return replace(
             self,
             settings=meaning(printer),
             modes=job.modes.split("\n"),
-            machine_mm=[job.machine_position[slot_of_axis(i)] for i in range(axes)],
+            machine_mm=[job.machine_position[slot_of_axis(i)] + due[i] for i in range(axes)],
             program_mm=job.program_position,
         )
 
