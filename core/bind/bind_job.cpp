@@ -290,17 +290,24 @@ void bind_job(nb::module_& m) {
           [](JobView& self, uint16_t target, uint32_t value) {
             self.job.motion.record(uint16_t(Motion::kMark + target), value);
           },
-          "target"_a, "value"_a, "A timed record for the host itself, see take_marks.")
-      .def(
-          "take_marks",
-          [](JobView& self) {
-            std::vector<std::tuple<int64_t, int, uint32_t>> list;
-            for (auto& r : self.job.motion.marks())
-              list.emplace_back(r.clock, r.target - Motion::kMark, r.value);
-            self.job.motion.marks().clear();
-            return list;
+          "target"_a, "value"_a, "A timed record for the host itself, see next_mark.")
+      .def_prop_ro(
+          "next_mark",
+          [](const JobView& self) -> std::optional<std::tuple<int64_t, int, uint32_t>> {
+            const auto& marks = self.job.motion.marks();
+            if (marks.empty()) return std::nullopt;
+            const auto& r = marks.front();
+            return std::make_tuple(r.clock, r.target - Motion::kMark, r.value);
           },
-          "(clock, target, value) of the marks whose clock is known by now, in order.")
+          "(clock, target, value) of the earliest mark whose clock is known by now; None without "
+          "one. A mark after a cut of the plan gets another clock.")
+      .def(
+          "pop_mark",
+          [](JobView& self) {
+            auto& marks = self.job.motion.marks();
+            if (!marks.empty()) marks.pop_front();
+          },
+          "Removes the next mark, if there is one: the host carries it out.")
       .def(
           "flush",
           [](JobView& self) {

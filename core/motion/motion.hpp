@@ -57,6 +57,7 @@ class Motion {
   static_assert(LaserLight::kNone < kMark);
   using Record = passo::Record;
   std::deque<Record>& marks() { return marks_; }
+  const std::deque<Record>& marks() const { return marks_; }
   // Called with each settled move, before its steps are solved.
   std::function<void(const Move&)> on_move;
 

@@ -1371,11 +1371,17 @@ class Job:
         """
 
     def mark(self, target: int, value: int) -> None:
-        """A timed record for the host itself, see take_marks."""
+        """A timed record for the host itself, see next_mark."""
 
-    def take_marks(self) -> list[tuple[int, int, int]]:
+    @property
+    def next_mark(self) -> tuple[int, int, int] | None:
         """
-        (clock, target, value) of the marks whose clock is known by now, in order.
+        (clock, target, value) of the earliest mark whose clock is known by now; None without one. A mark after a cut of the plan gets another clock.
+        """
+
+    def pop_mark(self) -> None:
+        """
+        Removes the next mark: the host has carried it out. Only if there is one.
         """
 
     def flush(self) -> None:

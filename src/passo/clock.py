@@ -62,9 +62,10 @@ class VirtualLoop(asyncio.SelectorEventLoop):
 
     def __init__(self) -> None:
         self._virtual_s = 0.0
-        super().__init__(_Jumping(self._pass))
+        super().__init__(_Jumping(self.pass_time))
 
-    def _pass(self, seconds: float) -> None:
+    def pass_time(self, seconds: float) -> None:
+        """So much time passes at once, in which no task runs: as while the program computes."""
         self._virtual_s += seconds
 
     def time(self) -> float:

@@ -93,7 +93,7 @@ class RecoveryCommands:
     def _has_moved(self) -> bool:
         """A move of the print has begun, or is to come though it stands."""
         printer = self._printer
-        line = self._recorded.line or printer.job.line_at(printer.drive.now)
+        line = self._recorded.line or printer.job.line_at(printer.drive.passed)
         return line > 1 or not printer.drive.standing
 
     def _begin(self) -> None:
@@ -109,7 +109,7 @@ class RecoveryCommands:
         self._overrides.begin()
         self._settings.begin()
         # One that was stopped by a line goes on behind it.
-        line = self._printer.job.line_at(self._printer.drive.now) or self._runner.first_line
+        line = self._printer.job.line_at(self._printer.drive.passed) or self._runner.first_line
         self._recorded = self._moment(line, self._seen_z_mm)
         read = reader.tell()  # more than was planned of it
         try:
@@ -144,11 +144,13 @@ class RecoveryCommands:
     def _follow_print(self) -> None:
         printer = self._printer
         drive = printer.drive
-        line = printer.job.line_at(drive.now)  # asked often: it forgets what is past
+        # Of the time up to which targets have been set: the line of a later move would be recorded
+        # with a heater's target from before it. Asked often: it forgets what is past.
+        line = printer.job.line_at(drive.passed)
         before, self._seen_z_mm = self._seen_z_mm, self._z()
         settlings = printer.positions.settlings
         elsewhere, self._settlings = settlings != self._settlings, settlings
-        early = drive.now_s < self._recorded.print_s + EVERY_S
+        early = drive.passed / drive.hz < self._recorded.print_s + EVERY_S
         if early and not elsewhere and not self._z_matters(before):
             return
         last = self._recorded
@@ -223,13 +225,13 @@ class RecoveryCommands:
 
     def _z(self) -> float:
         job = self._printer.job
-        return (job.position_at(self._printer.drive.now) or job.machine_position)[2]
+        return (job.position_at(self._printer.drive.passed) or job.machine_position)[2]
 
     def _moment(self, line: int, z_mm: float) -> Moment:
         printer = self._printer
         return Moment(
             line if line > 1 else 0,
-            round(printer.drive.now_s, 3),
+            round(printer.drive.passed / printer.drive.hz, 3),
             round(z_mm, 6),
             {n: h.target for n, h in printer.connection.heaters.items()},
             self._overrides.held,
@@ -264,8 +266,7 @@ class RecoveryCommands:
             self._program = replace(program, changes=changes)
         except (PassoError, Stopped):
             self._runner.seek(0)
-            for heater in self._printer.heaters:
-                self._printer.set_target(heater, 0.0, at_once=True)
+            self._printer.switch_off(self._printer.heaters)
             raise
         where = f"line {moment.line}" if moment.line else "its beginning"
         reply.say(f"echo:Printing {self._runner.name} from {where}")

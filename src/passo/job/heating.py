@@ -89,7 +89,9 @@ class Heating:
 
     def _pass(self) -> None:
         """Time of the plan, which is settled, passes up to its end; targets change on the way."""
-        for clock, heater, centi in self._job.take_marks():
+        while (mark := self._job.next_mark) is not None:
+            self._job.pop_mark()
+            clock, heater, centi = mark
             self._until(clock / self._hz)
             self._bodies[self._names[heater]].heater.target = centi / 100
         self._until(self._job.clock / self._hz)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import math
-from collections import deque
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
@@ -65,7 +64,9 @@ class Drive:
         self._loop = asyncio.get_running_loop()
         self._start_s = self._loop.time()
         self._start_clock = connection.now
-        self._marks: deque[tuple[int, int, int]] = deque()
+        # Print time, ticks, up to which boards and marks have been served: what the wall clock
+        # has run ahead of it since, on a busy computer, is still to come.
+        self.passed = self.now
         self._waiting: list[tuple[Callable[[], bool], asyncio.Future[None], bool]] = []
         self._woken = asyncio.Event()
         self._first_move_s: float | None = None
@@ -89,9 +90,12 @@ class Drive:
 
     @property
     def standing(self) -> bool:
-        """All moves so far are done."""
+        """All moves so far are done, and all targets of heaters before and after them have reached
+        their heaters. Print time that no pass has looked at yet does not count: what is due in it
+        has not been carried out."""
         job = self._job
-        planned = job.queued == 0 and job.clock <= self.now and not job.holds
+        planned = job.queued == 0 and job.clock <= self.passed and not job.holds
+        planned = planned and job.next_mark is None
         if not planned or not self._connection.survives:
             return planned
         # What the board does not have yet comes too late, and it will say so.
@@ -153,23 +157,24 @@ class Drive:
 
     def replan(self) -> None:
         """Plans anew, each move by its limits of now, what the board does not have yet."""
-        self._revoke(self._job.replan_from(self._earliest()))
+        self._job.replan_from(self._earliest())
+        self._replanned()
 
     def shift(self, axis: int, mm: float) -> bool:
         """All that the board does not have yet lies so much further along an axis. False if that
         is out of range; the job's error says why."""
         self.before_moves()
-        cut = self._job.shift_from(self._earliest(), axis, mm)
-        if cut is None:
+        if self._job.shift_from(self._earliest(), axis, mm) is None:
             return False
-        self._revoke(cut)
+        self._replanned()
         return True
 
     def scale_flow(self, extruder: int, factor: float) -> None:
         """What the board does not have yet, and all that follows, moves so much of an extruder's
         filament for what the program means."""
         self.before_moves()
-        self._revoke(self._job.scale_flow_from(self._earliest(), extruder, factor))
+        self._job.scale_flow_from(self._earliest(), extruder, factor)
+        self._replanned()
 
     def record_at_once(self, target: int, value: int) -> float:
         """Sets an output, by number, as early as the board can be told in time, but behind all
@@ -183,25 +188,21 @@ class Drive:
 
     def skip_dwell(self) -> None:
         """Ends a dwell that is under way, as early as it can be taken back."""
-        cut = self._job.skip_dwell_from(self._earliest())
-        if cut is not None:
-            self._revoke(cut)
+        if self._job.skip_dwell_from(self._earliest()) is not None:
+            self._replanned()
 
     def hold(self) -> None:
         """Brakes to a stop on the path; what is left is held. A lit laser goes dark."""
         self.before_moves()  # where the machine stands, darkness must not come in the past
-        self._revoke(self._job.hold_from(self._earliest()))
+        self._job.hold_from(self._earliest())
+        self._replanned()
 
     def stop(self, *, program: bool = True) -> None:
         """Brakes to a stop on the path; what is left is forgotten, of a `program` its retraction
         too. A lit laser goes dark."""
         self.before_moves()
-        self._revoke(self._job.stop_from(self._earliest(), program))
-
-    def forget_targets(self) -> None:
-        """Temperatures that the moves so far would still set are not set any more."""
-        self._marks.clear()
-        self._job.take_marks()
+        self._job.stop_from(self._earliest(), program)
+        self._replanned()
 
     def use_commits(self, on: bool) -> None:
         """Whether the boards brake by themselves when they are left alone, if they can: not while
@@ -220,10 +221,10 @@ class Drive:
     def recover_from(self, serial: int) -> bool:
         """The boards have stopped by themselves behind a commit: all that was to follow is held.
         False if that commit is not known."""
-        cut = self._job.recover_from(serial)
-        if cut is not None:
-            self._revoke(cut)
-        return cut is not None
+        if self._job.recover_from(serial) is None:
+            return False
+        self._replanned()
+        return True
 
     def release(self) -> None:
         """Goes on with what is held."""
@@ -236,10 +237,8 @@ class Drive:
     def _earliest(self) -> float:
         return self.now + self.horizon_s * self.hz
 
-    def _revoke(self, cut: float) -> None:
+    def _replanned(self) -> None:
         self._stop_clock = -1.0
-        while self._marks and self._marks[-1][0] > cut:
-            self._marks.pop()
         self._dirty = True
         self._woken.set()
 
@@ -326,12 +325,13 @@ class Drive:
         if self._job.queued > 0:
             self.on_motion()
         self._settle(now)
-        self._marks.extend(self._job.take_marks())
-        while self._marks and self._marks[0][0] <= now:
-            clock, target, value = self._marks.popleft()
-            self._run(clock)
-            self._on_mark(target, value)
+        while (mark := self._job.next_mark) is not None and mark[0] <= now:
+            self._run(mark[0])  # which may raise, or stop the plan: the mark must not be lost
+            if self._job.next_mark == mark:
+                self._job.pop_mark()
+                self._on_mark(mark[1], mark[2])
         self._run(now)
+        self.passed = now
         self._job.passed(now)
         self.on_pass()
         self.end_waits()

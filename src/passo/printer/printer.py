@@ -243,6 +243,13 @@ class Printer:
         self.job.mark(self.heaters.index(heater), round(celsius * 100))
         self.drive.after_moves()
 
+    def switch_off(self, heaters: Iterable[str]) -> None:
+        """Switches these heaters off at once, and again after the moves so far: a target that is
+        still queued among them does not heat for longer than they take."""
+        for name in heaters:
+            self.set_target(name, 0.0, at_once=True)
+            self.set_target(name, 0.0)
+
     def set_fan(self, fan: str, share: float) -> None:
         """Sets a fan's speed, 0 to 1, when the moves so far are done."""
         self.drive.before_moves()
@@ -308,8 +315,7 @@ class Printer:
         heaters off. A host that prints is asked to pause."""
         self.stop_all(f"endstop {', '.join(names)} was hit")
         if not self.halted:
-            for name in self.heaters:
-                self.set_target(name, 0.0, at_once=True)
+            self.switch_off(self.heaters)
             self.tell("echo:Heaters are off: a switch was hit in mid-move (M540)")
             self.tell("// action:pause")
 

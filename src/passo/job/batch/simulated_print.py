@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
@@ -77,7 +76,6 @@ class Print:
         self._hz = machine.board.clock_hz
         self._stretch = every_s * self._hz
         self._heaters = list(machine.heaters)
-        self._marks: deque[tuple[int, int, int]] = deque()
         self.connection, self.board = connect_simulated(machine)
         for connection in self.connection.connections:
             Drivers(connection).require()
@@ -176,17 +174,15 @@ class Print:
 
     def _run_to(self, job_clock: float) -> None:
         """Lets the board work up to a clock of the job; heaters are set at their marks."""
-        self._marks.extend(self.job.take_marks())
-        while self._marks and self._marks[0][0] <= job_clock:
-            self._run(self.base + self._marks[0][0])
-            self._apply_marks(self._marks[0][0])
+        while (mark := self.job.next_mark) is not None and mark[0] <= job_clock:
+            self._run(self.base + mark[0])
+            self._apply_marks(mark[0])
         self._run(self.base + round(job_clock))
 
     def _apply_marks(self, until: float) -> None:
-        self._marks.extend(self.job.take_marks())
-        while self._marks and self._marks[0][0] <= until:
-            _, heater, centi = self._marks.popleft()
-            self.connection.set_target(self._heaters[heater], centi / 100)
+        while (mark := self.job.next_mark) is not None and mark[0] <= until:
+            self.job.pop_mark()
+            self.connection.set_target(self._heaters[mark[1]], mark[2] / 100)
 
     def _run(self, clock: int) -> None:
         while self.connection.now < clock:

@@ -112,10 +112,10 @@ class Park:
         or arms do not reach it from where they are; it may be tried again."""
         printer = self._printer
         park = printer.machine.park
+        await self._still()  # also until a target that is still queued has reached its heater
+        printer.raise_if_halted()
         if self._celsius is not None:
             await self._reach(self._celsius)
-        await self._still()
-        printer.raise_if_halted()
         job = printer.job
         if job.suspended:
             self._take_tool()

@@ -293,7 +293,6 @@ class Runner:
         self.state = State.READY
         if not printer.halted:
             printer.stop()
-            printer.drive.forget_targets()
             self._cool()
         if printer.job.suspended:
             printer.job.forget_suspended()
@@ -304,8 +303,7 @@ class Runner:
         """Heaters and fans off."""
         self._left = False
         printer = self._printer
-        for heater in printer.heaters:
-            printer.set_target(heater, 0.0, at_once=True)
+        printer.switch_off(printer.heaters)
         printer.drive.before_moves()
         printer.commands.fans_off()
         printer.drive.after_moves()

@@ -281,6 +281,7 @@ class Commands:
             self._heat.set_target(name, target, at_once=at_once)
         else:
             self._heat.set_target(name, 0.0, at_once=True)
+            self._heat.set_target(name, 0.0)  # a target that is still queued is not the last word
             limit = f"{heater.min_c:g} to {heater.max_c:g}"
             raise CommandError.of("heat.unsafe-target", axis=name, value=target, limit=limit)
 

@@ -34,7 +34,7 @@ class LatenessWatch:
     def time_passed(self) -> None:
         """Looks at what has arrived since; tells the least slack of the last ten seconds."""
         printer = self._printer
-        printer.job.line_at(printer.drive.now)  # what lies behind it is forgotten
+        printer.job.line_at(printer.drive.passed)  # what lies behind it is forgotten
         self.look()
         now = printer.connection.now
         if self._pending is not None and now >= self._next_word:
