@@ -43,7 +43,7 @@ def test_lines_that_take_long_let_others_have_their_turn():
         flooding = Host(s)
 
         def slow(_command, reply):
-            s.loop._pass(0.001)
+            s.loop.pass_time(0.001)
             reply.say("slow")
 
         s.printer.immediate["M503"] = slow

@@ -85,6 +85,79 @@ def test_a_host_that_leaves_ends_all_waits_of_its_line(s, line):
     assert s.host.ok("G92 X20") == ["ok"]
 
 
+# -- answers in one burst with what they answer, and the end of the input -------------------------
+
+
+@pytest.mark.parametrize("ends", [False, True])
+@pytest.mark.parametrize(
+    "lines",
+    [
+        ["M0", "M108"],
+        ["M1 Remove the clip", "M876 S0"],
+        ["M600", "M108"],
+        ["M600", "M602"],
+        ["M601", "M24"],
+        ["G4 S2", "M0", "M602"],
+        ["M0", "M0", "M108", "M108"],
+        ["M0", "G1 X30", "M600", "M602", "M108"],
+    ],
+)
+def test_an_answer_in_hand_ends_the_wait_before_it(s, lines, ends):
+    done = []
+    s.host.send(*lines, "M118 next")
+    if ends:
+        s.host.session.end(lambda: done.append(True))
+    start = s.loop.time()
+    s.host.expect("^next$", 30)
+    s.passes(0.1)
+    assert len(oks(s.host)) == len(lines) + 2  # and that of G92
+    assert done == [True] * ends
+    assert s.loop.time() - start >= (2.0 if "G4 S2" in lines else 0.0)  # no dwell is cut short
+
+
+def test_an_answer_in_hand_ends_one_wait_alone(s):
+    s.host.send("M0", "M0", "M108", "M118 next")
+    s.host.silent(60, "next")
+    s.host.send("M108")
+    s.host.expect("^next$", 1)
+
+
+def test_an_answer_that_has_acted_ends_no_later_wait(s):
+    s.host.send("M109 S200")
+    s.passes(1)
+    s.host.send("M0", "M108", "M118 next")  # M108 ends the wait that goes on
+    s.host.silent(60, "next")
+
+
+@pytest.mark.parametrize("late", [False, True])
+@pytest.mark.parametrize("wait", ["M0", "M1", "M600", "M601", "M109 S60 M0", "M0 G1 X90"])
+def test_the_end_of_the_input_ends_a_wait_for_the_user(s, wait, late):
+    """What comes after the wait needs the user's consent."""
+    done = []
+    s.host.send(wait, "G1 X90 F6000", "M118 next")
+    s.passes(120 if late else 0)
+    s.host.session.end(lambda: done.append(True))
+    s.host.expect("the wait for the user ends, too; 2 lines after it are not carried out", 120)
+    assert s.until(lambda: bool(done), 10)
+    assert s.until(lambda: not s.printer.turn.taken, 1)
+    s.passes(5)
+    assert s.positions()["x"] < 80
+    assert "next" not in s.host.heard
+
+
+@pytest.mark.parametrize("wait", ["M0 S5", "M109 S60", "G4 S5 M400", "M190 S30"])
+def test_the_end_of_the_input_ends_no_other_wait(s, wait):
+    done = []
+    s.host.send(wait, "M118 next")
+    s.host.session.end(lambda: done.append(s.loop.time()))
+    start = s.loop.time()
+    s.host.expect("^next$", 300)
+    assert s.until(lambda: bool(done), 1)
+    assert done[0] - start >= (5 if "5" in wait else 0)
+    if wait == "M109 S60":
+        assert s.printer.connection.heaters["hotend"].celsius > 58
+
+
 # -- lines that break -----------------------------------------------------------------------------
 
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import re
 from collections import deque
+from dataclasses import dataclass
 
 from passo.console.upload import Upload
 from passo.gcode.command import Command, worded
 from passo.gcode.dialect import ANY, row_of
 from passo.printer.printer import Printer
 
-RESUMES = ("M24", "M602")
+_RESUMES = ("M24", "M602")
 LIFTS = ("M922", "M999")
 _HALT = re.compile(r"M\s*0*112(?![\d.])", re.IGNORECASE)
 _HALT_APART = re.compile(rf"(?<!\S){_HALT.pattern}", re.IGNORECASE)
@@ -30,6 +31,21 @@ def halts(command: Command) -> bool:
     return not labels and _HALT_APART.search(text) is not None
 
 
+def answers(command: Command) -> bool:
+    """The command ends a wait for a user."""
+    said = command.code == "M876" and "S" in command.words()
+    return said or command.code in ("M108", *_RESUMES)
+
+
+@dataclass(slots=True)
+class _Answer:
+    """One of the lines in hand that end a wait for a user. `used`: it has ended a wait; `done`:
+    nothing is left to do when its turn comes."""
+
+    used: bool
+    done: bool
+
+
 class Ahead:
     """Sees the lines of one console as they come in, before those in hand are done."""
 
@@ -38,15 +54,15 @@ class Ahead:
         self._in_hand = 0  # M28 and M29 whose turn has not come
         self._opens = False  # the last of them begins a file
         self._numbered = False  # what comes for the file has numbers
-        self._resumed: deque[bool] = deque()  # whether those of RESUMES in hand have acted
+        self._answers: deque[_Answer] = deque()  # those in hand
         self._failures: deque[int] = deque()  # that those of LIFTS in hand may know of
 
     def see(self, command: Command, number: int | None, upload: Upload | None) -> bool:
         """Acts on M108, M112, M410 and M876, and on what ends a host's pause, unless they are text
         for a file that is open, or that a line in hand will open; `upload` is where lines go now.
         In a file whose lines have numbers one without is no text. False for text; `reached` is to
-        be called for each other M28, M29, `resumed` for each other M24, M602, and `outdated` for
-        each other M922, M999.
+        be called for each other M28, M29, `answered` for each other one that `answers`, and
+        `outdated` for each other M922, M999.
         """
         code = command.code
         into_file = self._opens if self._in_hand else upload is not None and upload.takes_all
@@ -58,8 +74,9 @@ class Ahead:
             self._in_hand += 1
             self._opens = code == "M28"
             self._numbered = False
-        if code in RESUMES:
-            self._resumed.append(self._resume())
+        if answers(command):
+            ends = self._resume() if code in _RESUMES else self._ends_wait(command)
+            self._answers.append(_Answer(ends, ends))
         if code in LIFTS:
             self._failures.append(self._printer.failures)
         self.act(command)
@@ -69,9 +86,19 @@ class Ahead:
         """The turn of one of the M28 and M29 in hand has come."""
         self._in_hand -= 1
 
-    def resumed(self) -> bool:
-        """The turn of one of RESUMES has come; True if it has ended a pause when it came in."""
-        return self._resumed.popleft()
+    def answered(self) -> bool:
+        """The turn of a command that `answers` has come; True if it has acted already."""
+        return self._answers.popleft().done
+
+    def take_answer(self) -> bool:
+        """A wait for a user begins; True if an answer in hand ends it: one that came too early for
+        that, and has ended no other wait. Of M24 and M602 a paused file is still to go on."""
+        answer = next((answer for answer in self._answers if not answer.used), None)
+        if answer is None:
+            return False
+        answer.used = True
+        answer.done = not (self._printer.job.suspended and self._printer.busy())
+        return True
 
     def outdated(self) -> bool:
         """The turn of one of LIFTS has come; True if something has failed since it came in: who
@@ -89,17 +116,19 @@ class Ahead:
             return False
         return awaited or (printer.job.suspended and printer.waits.busy)
 
-    def _answers(self, command: Command) -> bool:
-        """M876 that answers what a wait has asked."""
-        asked = self._printer.person.awaited
-        return asked and command.code == "M876" and "S" in command.words()
+    def _ends_wait(self, command: Command) -> bool:
+        """M108 while something waits, or M876 that answers what a wait has asked."""
+        printer = self._printer
+        if command.code == "M108":
+            return printer.waits.busy or printer.waits.for_room or printer.person.asking
+        return printer.person.awaited and answers(command)
 
     def act(self, command: Command) -> None:
         """What such a command does, if it is one."""
         code = command.code
         if halts(command):
             self._printer.halt("emergency stop by M112")
-        elif code == "M108" or self._answers(command):
+        elif code == "M108" or (code == "M876" and self._ends_wait(command)):
             self._printer.go_on()
         elif code == "M410":
             self._printer.stop_all("M410")

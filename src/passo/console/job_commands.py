@@ -285,7 +285,7 @@ class JobCommands:
         where it stands. A host that prints is asked to pause, and waits."""
 
         def gone() -> bool:
-            return isinstance(reply, Session) and reply.closed
+            return isinstance(reply, Session) and reply.gone
 
         async def stand_by() -> None:
             if self._runner.stands_aside():

@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable
 from typing import Protocol
 
-from passo.console.emergency_parser import LIFTS, RESUMES, Ahead, halts
+from passo.console.emergency_parser import LIFTS, Ahead, answers, halts
 from passo.console.receive_queue import Heard, InHand
 from passo.console.timers import Timers
 from passo.console.upload import Upload
@@ -86,10 +86,12 @@ class Session:
         self._working = False  # this console's line has the turn and is under way
         self._printed = False  # and it is a move with a number: of a print, as far as can be told
         self.closed = False
+        self._unanswered = False  # its input has ended, and only a user could end its wait
         self._noted: set[str] = set()
         self._then: Callable[[], None] | None = None  # to call after the last line
         printer.listeners.append(self.hear)
         printer.stop_listeners.append(self._stopped)
+        printer.person.wait_listeners.append(self._user_wanted)
         self.every("wait", WAIT_S, self._say_wait)
 
     @property
@@ -146,10 +148,19 @@ class Session:
         if self.hear in self._printer.listeners:
             self._printer.listeners.remove(self.hear)
             self._printer.stop_listeners.remove(self._stopped)
+            self._printer.person.wait_listeners.remove(self._user_wanted)
+
+    @property
+    def gone(self) -> bool:
+        """No answer comes from here any more."""
+        return self.closed or self._unanswered
 
     def end(self, then: Callable[[], None]) -> None:
-        """No more lines come: those in hand are carried out, then it closes."""
+        """No more lines come: those in hand are carried out, then it closes. A wait that only a
+        user ends is over, and what is in hand after it is not carried out."""
         self._then = then
+        if self._working and self._printer.person.for_ever:
+            self._end_unanswered()
         if self._resting:
             self._work()
 
@@ -249,7 +260,7 @@ class Session:
         printer, code = self._printer, command.code
         if seen and code in ("M28", "M29"):
             self._ahead.reached()
-        resumed = seen and code in RESUMES and self._ahead.resumed()
+        answered = seen and answers(command) and self._ahead.answered()
         outdated = seen and code in LIFTS and self._ahead.outdated()
         refused = self._refused(code)
         stored = not refused and self._stored(line, code)
@@ -257,7 +268,7 @@ class Session:
         # What was to be text for a file has become none; an M999 may have come before an M112.
         if not text and (not seen or halts(command)):
             self._ahead.act(command)
-        if refused or stored or resumed or self._halted(code):
+        if refused or stored or answered or self._halted(code):
             return False
         if outdated:
             since = "the printer has failed since it was sent. Look at it, then send it again"
@@ -303,7 +314,7 @@ class Session:
                 if not (overtaken or self._refused(code) or self._halted(code)):
                     wait = printer.take_line(line.text, self)
             self._working = True
-            await printer.finish(wait, self, first_ends=hurried, all_end=lambda: self.closed)
+            await printer.finish(wait, self, first_ends=hurried, all_end=lambda: self.gone)
         except Exception as error:
             self._not_done(error)
         finally:
@@ -326,6 +337,23 @@ class Session:
         self._halted("")  # says so
         self._acknowledge(line.number)
         self._work()
+
+    def _user_wanted(self) -> None:
+        """A wait for a user begins. If it is this console's, an answer may be in hand already."""
+        if self._working and self._ahead.take_answer():
+            self._printer.end_wait()
+        elif self._working and self._then is not None and self._printer.person.for_ever:
+            self._end_unanswered()
+
+    def _end_unanswered(self) -> None:
+        """The wait ends as if the host had hung up: what follows needs the consent of the user."""
+        left = len(self._lines)
+        self._unanswered = True
+        self._lines.clear()
+        self._printer.cooled_c.clear()
+        lines = f"; {left} lines after it are not carried out" if left else ""
+        self.say(f"echo:The input has ended, so the wait for the user ends, too{lines}")
+        self._printer.end_wait()
 
     def _stopped(self, _: str) -> None:
         """M410, or a switch that was hit: moves in hand are forgotten with those planned. What

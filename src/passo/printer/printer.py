@@ -31,6 +31,7 @@ from passo.printer.recovery.supervisor import Life
 from passo.printer.setup.boards import connect
 from passo.printer.wait_requests import (
     Handler,
+    Person,
     Reply,
     Room,
     Silence,
@@ -485,6 +486,8 @@ class Printer:
         try:
             while wait is not None:
                 await self.waits.wait(wait, reply, ends=first_ends or all_end())
+                if isinstance(wait, Person) and all_end():
+                    raise Stopped("no user has confirmed it")
                 first_ends = False
                 self.select(console=True)
                 wait = self._go_on(reply)

@@ -60,6 +60,7 @@ class Waiting:
         self.person = False  # or for a person
         self.temperatures: Callable[[], str] = str  # a line of them
         self.busy = False  # a wait goes on
+        self.for_room = False  # a line waits for room in the plan
         self._impatient = False  # it shall not even wait for moves
         self._firm = False  # it only waits for moves, to do behind them what was asked for
 
@@ -72,14 +73,17 @@ class Waiting:
     async def room(self, there: Callable[[], bool]) -> bool:
         """Waits until there is room for a line, or `end` wants it taken without. True if so."""
         printer = self._printer
-        self._impatient = False
+        self._impatient, self.for_room = False, True
 
         def let_in() -> bool:
             if printer.aside:
                 self._impatient = False  # that was for the pause
             return there() or bool(printer.halted) or (self._impatient and printer.job.at_boundary)
 
-        await printer.drive.until(let_in, idly=True)
+        try:
+            await printer.drive.until(let_in, idly=True)
+        finally:
+            self.for_room = False
         return self._impatient
 
     async def wait(
@@ -215,10 +219,11 @@ class Waiting:
         end = drive.now + wait.seconds * drive.hz
         self.person = True
         try:
-            await drive.until(
-                lambda: printer.interrupted or (wait.seconds > 0 and drive.now >= end),
-                idly=wait.seconds <= 0,
-            )
+            with printer.person.waited_for(for_ever=wait.seconds <= 0):
+                await drive.until(
+                    lambda: printer.interrupted or (wait.seconds > 0 and drive.now >= end),
+                    idly=wait.seconds <= 0,
+                )
         finally:
             self.person = False
         printer.person.answered()

@@ -105,7 +105,8 @@ class HostPause:
         printer = self._printer
         try:
             printer.tell("echo:busy: paused for user")
-            await printer.drive.until(lambda: printer.interrupted, idly=True)
+            with printer.person.waited_for():
+                await printer.drive.until(lambda: printer.interrupted, idly=True)
         finally:
             printer.person.answered()
         printer.raise_if_halted()

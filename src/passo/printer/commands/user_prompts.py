@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Generator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from passo.errors import CommandError
@@ -24,6 +26,8 @@ class PersonCommands:
         self.message = ""
         self.asking = False  # hosts show a question
         self.awaited = False  # it is that of a wait, which an answer ends; not of a paused print
+        self.for_ever = False  # a wait goes on that only a user ends
+        self.wait_listeners: list[Callable[[], None]] = []  # called as a wait for a user begins
         self.kill_s = 0.0  # M85: idle for so long, everything goes off
         self.planned: dict[str, Handler] = {
             "M0": self._wait,
@@ -49,6 +53,17 @@ class PersonCommands:
             self._printer.tell(f"// action:{words}")
         self._printer.beeper.call()
         self.asking, self.awaited = True, awaited
+
+    @contextmanager
+    def waited_for(self, *, for_ever: bool = True) -> Generator[None]:
+        """A wait for a user goes on, the machine at rest; `for_ever`: no time ends it."""
+        self.for_ever = for_ever
+        for listener in list(self.wait_listeners):
+            listener()
+        try:
+            yield
+        finally:
+            self.for_ever = False
 
     def answered(self) -> None:
         """Somebody has gone on, or there is nothing to go on with: hosts show no question."""
