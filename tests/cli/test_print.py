@@ -530,13 +530,28 @@ def test_m205_sets_the_jerk_of_axes_within_the_machines_own(capsys, tmp_path):
     usual, none = cornered_s(capsys, tmp_path, "")
     assert none == []
     assert cornered_s(capsys, tmp_path, "M205 X10 Y10 S0 T0") == (usual, [])
-    assert cornered_s(capsys, tmp_path, "M205 X100 Y100") == (usual, [])
+    as_usual, (applied,) = cornered_s(capsys, tmp_path, "M205 X100 Y100")
+    assert as_usual == usual
+    assert (
+        "M205: X 100 mm/s is above the machine's limit, 10 mm/s is applied. M205: Y 100" in applied
+    )
     slow, none = cornered_s(capsys, tmp_path, "M205 X1 Y1")
     assert none == []
     assert slow > usual * 1.15
     assert cornered_s(capsys, tmp_path, "M205 X1") == (pytest.approx(slow, rel=0.02), [])
     _, (warning,) = cornered_s(capsys, tmp_path, "M205 J0.1 B20000")
     assert "M205: J B without effect, for corners obey X Y Z E, the jerk" in warning
+
+
+def test_limits_beyond_the_machines_are_warned_of(capsys, tmp_path):
+    path = tmp_path / "p.gcode"
+    path.write_text("M203 X500\nM204 P9000\nM106 S300\nM106 S300\nG28\nG1 X9 F600\n")
+    warnings = printed(capsys, str(path))["warnings"]
+    assert [w.removeprefix(f"{path}:") for w in warnings] == [
+        "1: M203: X 500 mm/s is above the machine's limit, 300 mm/s is applied (1 time)",
+        "2: M204: P 9000 is above the limits of M201, which apply: X 3000, Y 3000 (1 time)",
+        "3: M106 S: 300 is not within 0 to 255, 255 is taken (2 times)",
+    ]
 
 
 def test_m205_sets_the_junction_deviation(capsys, tmp_path):

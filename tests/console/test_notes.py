@@ -117,10 +117,75 @@ def test_m205_sets_the_jerk_where_corners_obey_it():
     text = shipped_text("i3").replace('junction = "deviation"', 'junction = "jerk"')
     with Scenario(config.load_text(text)) as s:
         assert s.host.ok("M205")[0] == "M205 X10 Y10 Z0.4 E1"
-        assert s.host.ok("M205 X8 Z0.2 E0.5 Y20 S0") == ["ok"]
+        assert s.host.ok("M205 X8 Z0.2 E0.5 Y20 S0") == [
+            "echo:M205: Y 20 mm/s is above the machine's limit, 10 mm/s is applied",
+            "ok",
+        ]
         assert s.host.ok("M205")[0] == "M205 X8 Y10 Z0.2 E0.5"
         assert s.host.ok("M205 J0.05")[0].startswith("echo:M205: J without effect, for corners")
         assert "M205 X8 Y10 Z0.2 E0.5" in "\n".join(s.host.ok("M503"))
+
+
+BEYOND = {
+    "M203 X500": (
+        "M203: X 500 mm/s is above the machine's limit, 300 mm/s is applied",
+        "M203 X300 ",
+    ),
+    "M203 E400": ("M203: E 400 mm/s is above the machine's limit, 100 mm/s is applied", "E100"),
+    "M201 Y9000": (
+        "M201: Y 9000 mm/s2 is above the machine's limit, 3000 mm/s2 is applied",
+        "Y3000",
+    ),
+    "M204 P9000": (
+        "M204: P 9000 is above the limits of M201, which apply: X 3000, Y 3000",
+        "P9000",
+    ),
+    "M204 R9000": ("M204: R 9000 is above the limits of M201, which apply: E 5000", "R9000"),
+    "SET_VELOCITY_LIMIT VELOCITY=900": (
+        "SET_VELOCITY_LIMIT: VELOCITY 900 is above the limits of M203, which apply: X 300, Y 300",
+        None,
+    ),
+    "M221 S5000": ("M221: 5000 % is not within 1 to 1000 %, 1000 % is taken", "1000%"),
+    "M145 S0 H400": ("M145 H: 400 is not within 0 to 270, 270 is taken", "M145 S0 H270 "),
+    "M113 S99": ("M113: 99 s is not within 0 to 60 s, 60 s is taken", "M113 S60"),
+    "M106 S300": ("M106 S: 300 is not within 0 to 255, 255 is taken", None),
+    "M106 S-5": ("M106 S: -5 is not within 0 to 255, 0 is taken", None),
+}
+
+
+@pytest.mark.parametrize("line", BEYOND)
+def test_a_value_beyond_its_range_is_answered_with_what_is_applied(s, line):
+    says, holds = BEYOND[line]
+    assert s.host.ok(line) == [f"echo:{says}", "ok"]
+    if holds is not None:
+        assert holds in s.host.ok(line.split()[0])[0]
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "M203 X300",
+        "M201 X3000",
+        "M204 P3000 R5000 T3000",
+        "M106 S255",
+        "M221 S1000",
+        "M145 S0 H270",
+    ],
+)
+def test_a_value_at_the_end_of_its_range_needs_no_words(s, line):
+    assert s.host.ok(line) == ["ok"]
+
+
+def test_m106_at_most_turns_the_fan_fully_on(s):
+    s.host.ok("M106 S255")
+    s.passes(0.5)
+    full = s.board.output_value("part")
+    s.host.ok("M107")
+    s.passes(0.5)
+    assert s.board.output_value("part") == 0
+    s.host.ok("M106 S300")
+    s.passes(0.5)
+    assert s.board.output_value("part") == full > 0
 
 
 @pytest.mark.parametrize(

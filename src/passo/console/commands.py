@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 from passo.console.session import Session
 from passo.gcode.command import Command
+from passo.printer.commands.ranges import beyond
 from passo.printer.commands.reports import Reports
 from passo.printer.printer import Printer
 from passo.printer.wait_requests import Handler, Reply, Wait
@@ -45,6 +46,8 @@ class ConsoleCommands:
                 reply.say(f"M113 S{reply.busy_s:g}")
             else:
                 reply.busy_s = min(max(seconds, 0.0), 60.0)
+                if note := beyond("M113", seconds, (0.0, 60.0), "s"):
+                    reply.say(f"echo:{note}")
         return None
 
     def _message(self, command: Command, _: Reply) -> Wait | None:

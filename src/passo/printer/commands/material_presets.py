@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from passo.errors import CommandError
 from passo.gcode.command import numeral
+from passo.printer.commands.ranges import beyond
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -29,15 +30,19 @@ class Presets:
         self._machine = machine
         self._materials = [Preset(190, 60, 255), Preset(235, 100, 0), Preset(230, 80, 128)]
 
-    def set(self, words: dict[str, float]) -> None:
+    def set(self, words: dict[str, float]) -> str:
         """Those of the material S that are given, not beyond their limits; without S it changes
-        nothing. Raises CommandError."""
+        nothing. Returns a note on what is taken instead, or nothing. Raises CommandError."""
         if "S" not in words:
-            return
+            return ""
         preset = self._of("S", words["S"])
-        preset.hotend_c = min(max(words.get("H", preset.hotend_c), 0.0), self._most("hotend"))
-        preset.bed_c = min(max(words.get("B", preset.bed_c), 0.0), self._most("bed"))
-        preset.fan = min(max(words.get("F", preset.fan), 0.0), 255.0)
+        ranges = {"H": self._most("hotend"), "B": self._most("bed"), "F": 255.0}
+        taken = {k: min(max(words[k], 0.0), most) for k, most in ranges.items() if k in words}
+        preset.hotend_c = taken.get("H", preset.hotend_c)
+        preset.bed_c = taken.get("B", preset.bed_c)
+        preset.fan = taken.get("F", preset.fan)
+        notes = (beyond(f"M145 {k}", words[k], (0.0, ranges[k])) for k in taken)
+        return ". ".join(note for note in notes if note)
 
     def celsius(self, number: float, kind: str) -> float:
         """What a material asks of the hotend or the bed. Raises CommandError."""

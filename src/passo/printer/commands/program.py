@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from math import inf, nan, sqrt
 from typing import TYPE_CHECKING, ClassVar, NamedTuple, Protocol, Self
 
@@ -15,6 +15,7 @@ from passo.gcode.command import LARGEST, Command
 from passo.gcode.dialect import Kind, row_of
 from passo.motion.set_position import place_of_actuators, place_of_axes
 from passo.printer.commands.material_presets import Presets
+from passo.printer.commands.ranges import beyond
 from passo.printer.commands.speed_factor import SpeedFactor
 from passo.printer.input_errors import problem, problem_of
 from passo.printer.skipped_commands import Omission, Omissions
@@ -36,6 +37,8 @@ _FORCED = re.compile(
 _BY_INTERPRETER = re.compile(r"([A-Z]-?\d+\.\d{6} )+")  # words of its events
 _BABYSTEP_MM = 2.0  # at most, with one command
 _FLOW = (1.0, 1000.0)  # percent of M221
+_ROUNDING = 1e-6  # of a value that was written with ten digits
+_FULL_FAN = 255  # S of M106
 _DEVIATION = (1e-5, 0.3)  # mm, of M205 J
 _CORNERS = {
     "deviation": "corners obey J, the junction deviation",
@@ -56,11 +59,23 @@ def forced(command: Command) -> bool:
 
 class FanOrder(NamedTuple):
     """What M106 and M107 say: the fan's number, the share of its power (None: they only set it up,
-    which the machine file does), and whether it acts at once."""
+    which the machine file does), and whether it acts at once. `note` says what is applied where S
+    is beyond its range."""
 
     number: float | None
     share: float | None
     at_once: bool
+    note: str = ""
+
+
+class FlowOrder(NamedTuple):
+    """What M221 says: the tool, its extruder, and the factor (None: the command asks for it).
+    `note` says what is applied where S is beyond its range."""
+
+    tool: int
+    extruder: int
+    factor: float | None
+    note: str = ""
 
 
 class Heat(Protocol):
@@ -364,13 +379,16 @@ class Commands:
         elif "S" not in words and ("F" in words or _OF_FANS.search(command.text) is not None):
             share = None
         else:
-            share = min(words.get("S", 255) / 255, 1.0)
+            share = min(max(words.get("S", _FULL_FAN) / _FULL_FAN, 0.0), 1.0)
         at_once = "F" not in words and _AT_ONCE.search(command.text) is not None
-        return FanOrder(words.get("P"), share, at_once)
+        note = ""
+        if share is not None and command.code == "M106":
+            note = beyond("M106 S", words.get("S", _FULL_FAN), (0, _FULL_FAN))
+        return FanOrder(words.get("P"), share, at_once, note)
 
     def set_fan(self, order: FanOrder) -> None:
         """Does what M106 or M107 says; a fan that is not there is left alone."""
-        number, share, at_once = order
+        number, share, at_once, _ = order
         fans = self._machine.fans
         fan = next((n for n in self.commanded_fans if fans[n].number == int(number or 0)), None)
         if fan is not None and share is not None:
@@ -379,22 +397,40 @@ class Commands:
             power = max(share * config.max_power, config.min_power if share > 0 else 0.0)
             self.set_output(fan, power, at_once=at_once)
 
-    def _axis_limits(self, command: Command, what: str) -> None:
-        self.axis_limits(command.words(), what)
+    def _fan(self, command: Command) -> None:
+        order = self.fan_order(command)
+        self.set_fan(order)
+        self._noted(order.note, command)
 
-    def axis_limits(self, words: dict[str, float], what: str, *, live: bool = False) -> None:
+    def _noted(self, note: str, command: Command) -> None:
+        if note:
+            self.omitted.count(Omission.REFUSED, note, command.line)
+
+    def _axis_limits(self, command: Command, what: str) -> None:
+        self._noted(self.axis_limits(command.code, command.words(), what), command)
+
+    def axis_limits(
+        self, code: str, words: dict[str, float], what: str, *, live: bool = False
+    ) -> str:
         """M201 and M203, and jerk of M205, for the moves that follow, or `live` for all that is
-        planned anew. Raises CommandError."""
+        planned anew. Returns a note on values above the machine's limits with what is applied, or
+        nothing. Raises CommandError."""
         given = {letter: value for letter, value in words.items() if letter != "T"}
         known = [name.upper() for name in axis_order(self._machine.axes)]
         for letter, value in given.items():
             _at_least(letter, value, what)
             if letter != "E" and letter not in known:
                 raise CommandError.of("command.nothing-moves", axis=letter, limit=", ".join(known))
+        notes: list[str] = []
         for letter, value in given.items():
             name = self.extruder(words) if letter == "E" else letter.lower()
             if name is not None:
                 self._job.set_axis_limit(name, what, value, live)
+                taken, unit = self._job.axis_limit(name, what), _LEAST[what][1]
+                if taken < value * (1 - _ROUNDING):
+                    above = f"{letter} {value:g} {unit} is above the machine's limit"
+                    notes.append(f"{code}: {above}, {taken:g} {unit} is applied")
+        return ". ".join(notes)
 
     def extruder(self, words: dict[str, float]) -> str | None:
         """The extruder that E means: that of the tool T, without it that of the active one, or the
@@ -406,9 +442,23 @@ class Commands:
         own = tools[int(tool)].extruder if tools else None
         return own if own or "T" in words else next(iter(self._machine.extruders), None)
 
-    def accelerations(self, words: dict[str, float], *, live: bool = False) -> None:
-        """M204, for the moves that follow, or `live` for all that is planned anew. Raises
-        CommandError."""
+    def _bounded(self, code: str, word: str, value: float, what: str, names: Iterable[str]) -> str:
+        """A note where a limit of the path is above the machine file's for these axes or extruders,
+        which bound moves as well; else nothing."""
+        parts = {**self._machine.axes, **self._machine.extruders}
+        own = {n: parts[n].accel_mm_s2 if what == "accel" else parts[n].speed_mm_s for n in names}
+        if value >= LARGEST or not any(limit < value for limit in own.values()):
+            return ""
+        applied = ", ".join(f"{n.upper()} {self._job.axis_limit(n, what):g}" for n in own)
+        bounds = "M201" if what == "accel" else "M203"
+        return f"{code}: {word} {value:g} is above the limits of {bounds}, which apply: {applied}"
+
+    def _accelerations(self, command: Command) -> None:
+        self._noted(self.accelerations(command.words()), command)
+
+    def accelerations(self, words: dict[str, float], *, live: bool = False) -> str:
+        """M204, for the moves that follow, or `live` for all that is planned anew. Returns a note
+        on values above the limits of the axes, or nothing. Raises CommandError."""
         for letter in "SPVTR":
             if letter in words:
                 _at_least(letter, words[letter], "accel")
@@ -422,11 +472,14 @@ class Commands:
             if letter in words:
                 for name in names:
                     self._job.set_limit(name, words[letter], live)
+        notes: list[str] = []
+        for letter in "SPTVR":
+            axes = self._machine.extruders if letter == "R" else ("x", "y")
+            notes.append(self._bounded("M204", letter, words.get(letter, 0.0), "accel", axes))
+        return ". ".join(note for note in notes if note)
 
     def _junction(self, command: Command) -> None:
-        note = self.junction(command.words())
-        if note:
-            self.omitted.count(Omission.REFUSED, note, command.line)
+        self._noted(self.junction(command.words()), command)
 
     def junction(self, words: dict[str, float], *, live: bool = False) -> str:
         """M205, for the moves that follow, or `live` for all that is planned anew: what acts is the
@@ -440,21 +493,20 @@ class Commands:
             raise CommandError.bad_value("J", deviation, "{:g} to {:g} mm".format(*_DEVIATION))
         if law == "deviation" and deviation is not None:
             self._job.set_limit("junction_deviation", deviation, live)
-        if law == "jerk":
-            self.axis_limits(jerk, "jerk", live=live)
+        above = self.axis_limits("M205", jerk, "jerk", live=live) if law == "jerk" else ""
         acts = {"deviation": {"J"}, "jerk": jerk.keys()}.get(law, set[str]())
         # Without a limit, as with S0, no speed is too low and no segment too short.
         idle = [k for k, value in words.items() if k not in acts and (value or k not in "BSTV")]
-        return f"M205: {' '.join(idle)} without effect, for {_CORNERS[law]}" if idle else ""
+        without = f"M205: {' '.join(idle)} without effect, for {_CORNERS[law]}" if idle else ""
+        return ". ".join(note for note in (above, without) if note)
 
     def _speed(self, command: Command) -> None:
         factor, note = self.speed.asked(command)
         if factor is not None:
             self._job.set_speed_factor(factor)
-        if note:
-            self.omitted.count(Omission.REFUSED, note, command.line)
+        self._noted(note, command)
 
-    def flow(self, command: Command) -> tuple[int, int, float | None] | None:
+    def flow(self, command: Command) -> FlowOrder | None:
         """M221: the tool that it means, its extruder, and the factor that S gives. None where the
         tool in use has no extruder. Raises CommandError."""
         words = command.words()
@@ -467,16 +519,18 @@ class Commands:
             raise CommandError.bad_value("T", tool, "a tool with an extruder")
         extruder = list(self._machine.extruders).index(own)
         if "S" not in words:
-            return int(tool), extruder, None
+            return FlowOrder(int(tool), extruder, None)
         low, high = _FLOW
         if words["S"] <= 0:
             raise CommandError.bad_value("S", words["S"], f"{low:g} to {high:g} percent")
-        return int(tool), extruder, min(max(words["S"], low), high) / 100
+        note = beyond("M221", words["S"], _FLOW, "%")
+        return FlowOrder(int(tool), extruder, min(max(words["S"], low), high) / 100, note)
 
     def _flow(self, command: Command) -> None:
         found = self.flow(command)
-        if found is not None and found[2] is not None:
-            self._job.set_flow(found[1], found[2])
+        if found is not None and found.factor is not None:
+            self._job.set_flow(found.extruder, found.factor)
+            self._noted(found.note, command)
 
     def babysteps(self, command: Command) -> list[tuple[int, float]]:
         """M290: numbers of axes with how far they go, mm; S is Z's. Raises CommandError."""
@@ -494,9 +548,7 @@ class Commands:
                 raise CommandError([self.problem()])
 
     def _velocity_limit(self, command: Command) -> None:
-        note = self.velocity_limit(command)
-        if note:
-            self.omitted.count(Omission.REFUSED, note, command.line)
+        self._noted(self.velocity_limit(command), command)
 
     def velocity_limit(self, command: Command, *, live: bool = False) -> str:
         """SET_VELOCITY_LIMIT, for the moves that follow, or `live` for all that is planned anew.
@@ -538,7 +590,12 @@ class Commands:
             acts.add(_KLIPPERS_CORNER)
         idle = [key for key in values if key not in acts]
         why = f", for {_CORNERS[law]}" if _KLIPPERS_CORNER in idle else ""
-        return f"{command.code}: {' '.join(idle)[:100]} without effect{why}" if idle else ""
+        without = f"{command.code}: {' '.join(idle)[:100]} without effect{why}" if idle else ""
+        above = [
+            self._bounded(command.code, key, values.get(key, 0.0), what, ("x", "y"))
+            for key, what in _OF_VELOCITY_LIMIT.items()
+        ]
+        return ". ".join(note for note in (*above, without) if note)
 
     # Of the class: an object that refers to itself would keep its job until it is found as garbage.
     _HANDLERS: ClassVar[dict[str, Callable[[Commands, Command], Wait | None]]] = {
@@ -564,12 +621,12 @@ class Commands:
         "M190": lambda self, c: self._reach_temperature(c, "bed"),
         "M191": lambda self, c: self._reach_temperature(c, "chamber"),
         "M116": _reach_all,
-        "M145": lambda self, c: self.presets.set(c.words()),
-        "M106": lambda self, c: self.set_fan(self.fan_order(c)),
-        "M107": lambda self, c: self.set_fan(self.fan_order(c)),
+        "M145": lambda self, c: self._noted(self.presets.set(c.words()), c),
+        "M106": _fan,
+        "M107": _fan,
         "M201": lambda self, c: self._axis_limits(c, "accel"),
         "M203": lambda self, c: self._axis_limits(c, "speed"),
-        "M204": lambda self, c: self.accelerations(c.words()),
+        "M204": _accelerations,
         "M205": _junction,
         "M220": _speed,
         "M221": _flow,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from passo.errors import CommandError
 from passo.gcode.command import Command
+from passo.printer.commands.ranges import beyond
 
 if TYPE_CHECKING:
     from passo import _core
@@ -33,9 +34,7 @@ class SpeedFactor:
                 raise CommandError.bad_value("S", percent, f"{low:g} to {high:g} percent")
             taken = min(max(percent, low), high)
             factor = taken / 100
-            if taken != percent:
-                limits = f"is not within {low:g} to {high:g} %"
-                note = f"M220: {percent:g} % {limits}, {taken:g} % is taken"
+            note = beyond("M220", percent, _PERCENT, "%")
         if "B" in letters:
             self.kept = self._job.speed_factor
         return factor, note

@@ -156,7 +156,9 @@ class MotionCommands:
         if not words:
             return self._say(reply, *self.axis_limit_lines(what))
         live = self._printer.beside(reply)
-        self._printer.commands.axis_limits(words, what, live=live)
+        note = self._printer.commands.axis_limits(command.code, words, what, live=live)
+        if note:
+            reply.say(f"echo:{note}")
         if live:
             self._printer.drive.replan()
         return None
@@ -176,7 +178,9 @@ class MotionCommands:
             reply.say(self.acceleration_line())
             return None
         live = self._printer.beside(reply)
-        self._printer.commands.accelerations(words, live=live)
+        note = self._printer.commands.accelerations(words, live=live)
+        if note:
+            reply.note(note, note)
         if live:
             self._printer.drive.replan()
         return None
@@ -193,7 +197,7 @@ class MotionCommands:
         live = self._printer.beside(reply)
         note = self._printer.commands.junction(words, live=live)
         if note:
-            reply.note("M205", note)
+            reply.note(note, note)
         if live:
             self._printer.drive.replan()
         return None
@@ -326,7 +330,9 @@ class MotionCommands:
         found = self._printer.commands.flow(command)
         if found is None:
             return None
-        tool, extruder, factor = found
+        tool, extruder, factor, note = found
+        if note:
+            reply.note(note, note)
         if factor is None:
             reply.say(f"echo:E{tool} Flow: {self._printer.job.flows[extruder] * 100:g}%")
         elif live:

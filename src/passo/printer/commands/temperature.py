@@ -53,6 +53,8 @@ class HeatCommands:
         elif order.share is None:
             reply.note("M106", "M106 sets speeds, by S; the machine file has the settings")
         commands.set_fan(order)
+        if order.note:
+            reply.note(order.note, order.note)
         return None
 
     # -- units, presets, cold extrusion ------------------------------------------------------------
@@ -64,7 +66,8 @@ class HeatCommands:
 
     def _preset(self, command: Command, reply: Reply) -> Wait | None:
         words, presets = command.words(), self._printer.commands.presets
-        presets.set(words)
+        if note := presets.set(words):
+            reply.say(f"echo:{note}")
         for line in () if "S" in words else presets.lines():
             reply.say(line)
         return None
