@@ -1,6 +1,7 @@
 """How print time passes: from standing still, through running dry, and where time is free."""
 
 import random
+import re
 
 import pytest
 from tests.console.scenario import Host, Scenario
@@ -186,6 +187,57 @@ def test_a_stall_of_half_a_second_is_covered_whenever_it_comes(s, seed):
         s.passes(chance.uniform(0, 0.9))
     assert len(least) > 50
     assert min(least) > 0.5 + HORIZON_S
+
+
+@pytest.mark.parametrize(
+    ("line", "report", "every_s"),
+    [("M155 S5", "^ T:", 5), ("M921 S7", "trace hotend", 7), ("M154 S4", "^X:", 4)],
+)
+def test_reports_come_at_their_print_time_in_free_time(line, report, every_s):
+    with Scenario("i3", free=True) as s:
+        drive, heard_s = s.printer.drive, []
+        write = s.host.write
+
+        def hear(text, *, dispensable=False):
+            if re.search(report, text.decode(), re.MULTILINE):
+                heard_s.append(drive.now_s)
+            write(text, dispensable=dispensable)
+
+        s.host.write = hear
+        asked_s = drive.now_s
+        s.host.ok(line)
+        s.host.ok("M190 S60", 100)
+        s.host.ok("G4 S60")
+        s.host.ok("M400", 10)
+        until_s = drive.now_s
+        count = int((until_s - asked_s) / every_s)
+        assert count > 20
+        due_s = [asked_s + (i + 1) * every_s for i in range(count)]
+        assert heard_s == pytest.approx(due_s, abs=0.001)
+        s.host.ok(f"{line.split()[0]} S0")
+        s.host.ok("G4 S60 M400", 10)
+        assert len(heard_s) == count
+
+
+def test_reports_come_at_host_time_while_free_time_stands():
+    with Scenario("i3", free=True) as s:
+        s.host.ok("M155 S5")
+        s.passes(52)
+        assert sum(line.startswith(" T:") for line in s.host.heard) == 10
+
+
+@pytest.mark.parametrize("free", [False, True])
+def test_a_wait_reports_temperatures_each_second_of_print_time(free):
+    with Scenario("i3", free=free) as s:
+        start_s = s.printer.drive.now_s
+        s.host.ok("M109 S100", 300)
+        seconds = s.printer.drive.now_s - start_s
+        reports = [line for line in s.host.heard if line.endswith("W:?")]
+        assert seconds > 15
+        assert len(reports) == pytest.approx(seconds, abs=1.5)
+        celsius = [float(re.match(r" T:([-\d.]+)", line)[1]) for line in reports]
+        assert celsius[0] < 40
+        assert celsius[-1] == pytest.approx(100, abs=2)
 
 
 def test_free_time_passes_for_an_emergency_stop():

@@ -231,7 +231,7 @@ class CardCommands:
             name = self._runner.name
             reply.say(f"Current file: {name}" if name else "Current file: (no file)")
         elif "S" in words and isinstance(reply, Session):
-            reply.every("card", words["S"], lambda: reply.hear(self.progress()))
+            reply.report_every("card", words["S"], lambda: reply.hear(self.progress()))
         else:
             reply.say(self.progress())
 

@@ -62,13 +62,13 @@ class ConsoleCommands:
     def _report_position(self, command: Command, reply: Reply) -> Wait | None:
         seconds = command.words().get("S", 0.0)
         if isinstance(reply, Session):
-            reply.every("position", seconds, lambda: reply.hear(self._reports.position()))
+            reply.report_every("position", seconds, lambda: reply.hear(self._reports.position()))
         return None
 
     def _report_temperatures(self, command: Command, reply: Reply) -> Wait | None:
         seconds = command.words().get("S", 0.0)
         if isinstance(reply, Session):
-            reply.every(
+            reply.report_every(
                 "temperatures",
                 seconds,
                 lambda: reply.hear(f" {self._reports.temperatures()}"),
@@ -79,7 +79,7 @@ class ConsoleCommands:
         """Once, or on this console every S seconds until S0: what each controller does."""
         seconds = command.words().get("S")
         if isinstance(reply, Session) and seconds is not None:
-            reply.every("trace", seconds, lambda: self._show_trace(reply.hear))
+            reply.report_every("trace", seconds, lambda: self._show_trace(reply.hear))
         else:
             self._show_trace(reply.say)
         return None

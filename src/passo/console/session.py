@@ -72,7 +72,7 @@ class Session:
         self._task: asyncio.Task[None] | None = None
         self._soon: asyncio.Handle | None = None  # goes on with lines in hand
         self._ok = ""
-        self._timers = Timers(self._loop)
+        self._timers = Timers(printer)
         self._ahead = Ahead(printer)
         self._held = False
         self.strict = False  # M932: after a failure nothing is carried out
@@ -204,6 +204,11 @@ class Session:
         more."""
         if not self.closed:
             self._timers.set(name, seconds, action)
+
+    def report_every(self, name: str, seconds: float, action: Callable[[], None]) -> None:
+        """The same for a report, which comes at intervals of print time where that is faster."""
+        if not self.closed:
+            self._timers.set(name, seconds, action, report=True)
 
     # -- work -------------------------------------------------------------------------------------
 

@@ -4,46 +4,77 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from passo.motion.motion_queue import Alarm, Drive
+    from passo.printer.printer import Printer
 
 LEAST_S = 0.1  # between two of the same: more of it would drown the answers
 
 
+@dataclass(slots=True)
+class _Timer:
+    seconds: float
+    action: Callable[[], None]
+    report: bool
+    handle: asyncio.TimerHandle
+    alarm: tuple[Drive, Alarm] | None = None
+
+
 class Timers:
-    """Actions with names, each at its own interval of host time."""
+    """Actions with names, each at its own interval of host time. Reports come at an interval of
+    print time, too, where that passes faster: whichever is over first."""
 
-    def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
-        self._loop = loop
-        self._handles: dict[str, asyncio.TimerHandle] = {}
-        self._actions: dict[str, tuple[float, Callable[[], None]]] = {}
+    def __init__(self, printer: Printer) -> None:
+        self._printer, self._loop = printer, asyncio.get_running_loop()
+        self._timers: dict[str, _Timer] = {}
 
-    def set(self, name: str, seconds: float, action: Callable[[], None] | None) -> None:
+    def set(
+        self,
+        name: str,
+        seconds: float,
+        action: Callable[[], None] | None,
+        *,
+        report: bool = False,
+    ) -> None:
         """In place of the action of that name, at least LEAST_S apart; 0 or None: no more."""
-        handle = self._handles.pop(name, None)
-        if handle is not None:
-            handle.cancel()
-        self._actions.pop(name, None)
-        if seconds > 0 and action is not None:
-            seconds = max(seconds, LEAST_S)
-            self._actions[name] = (seconds, action)
-            self._handles[name] = self._loop.call_later(seconds, self._act, name)
+        self._drop(name)
+        if seconds <= 0 or action is None:
+            return
+        seconds = max(seconds, LEAST_S)
+        handle = self._loop.call_later(seconds, self._act, name)
+        timer = self._timers[name] = _Timer(seconds, action, report, handle)
+        if report:
+            drive = self._printer.drive
+            alarm = drive.call_after(seconds, lambda: self._act(name))
+            timer.alarm = (drive, alarm) if alarm is not None else None
+
+    def _drop(self, name: str) -> None:
+        timer = self._timers.pop(name, None)
+        if timer is not None:
+            timer.handle.cancel()
+            if timer.alarm is not None:
+                drive, alarm = timer.alarm
+                drive.cancel(alarm)
 
     def restart(self, name: str) -> None:
         """The interval begins anew, if there is an action of that name."""
-        if name in self._actions:
-            self.set(name, *self._actions[name])
+        timer = self._timers.get(name)
+        if timer is not None:
+            self.set(name, timer.seconds, timer.action, report=timer.report)
 
     def runs(self, name: str) -> bool:
         """There is an action of that name."""
-        return name in self._actions
+        return name in self._timers
 
     def stop(self) -> None:
         """No action any more."""
-        for handle in self._handles.values():
-            handle.cancel()
-        self._handles.clear()
-        self._actions.clear()
+        for name in list(self._timers):
+            self._drop(name)
 
     def _act(self, name: str) -> None:
-        _, action = self._actions[name]
+        timer = self._timers[name]
         self.restart(name)
-        action()
+        timer.action()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from passo._core import Within
@@ -29,6 +30,14 @@ GATHER_S = 0.08  # host time in which a standing machine hopes for more moves to
 BUFFER_S = 2.0  # of print time ahead; a console that brings more must wait
 MOST_QUEUED = 2048  # moves that wait for look-ahead
 _STRIDE_S = 0.25  # print time between two looks where time is free
+
+
+@dataclass(slots=True)
+class Alarm:
+    """A call that is due at a print time, in ticks."""
+
+    clock: int
+    action: Callable[[], None]
 
 
 class Drive:
@@ -68,6 +77,7 @@ class Drive:
         # has run ahead of it since, on a busy computer, is still to come.
         self.passed = self.now
         self._waiting: list[tuple[Callable[[], bool], asyncio.Future[None], bool]] = []
+        self._alarms: list[Alarm] = []
         self._woken = asyncio.Event()
         self._first_move_s: float | None = None
         self._stop_clock = -1.0  # end of a plan that was settled only because it ran dry
@@ -257,6 +267,20 @@ class Drive:
             if entry in self._waiting:
                 self._waiting.remove(entry)
 
+    def call_after(self, seconds: float, action: Callable[[], None]) -> Alarm | None:
+        """Calls an action once, after so much print time, where that does not follow the loop's
+        time; else None, for the loop's own timers do so."""
+        if not self._free:
+            return None
+        alarm = Alarm(self.now + round(seconds * self.hz), action)
+        self._alarms.append(alarm)
+        return alarm
+
+    def cancel(self, alarm: Alarm) -> None:
+        """Does not make that call, if it was not made yet."""
+        if alarm in self._alarms:
+            self._alarms.remove(alarm)
+
     async def sleep(self, seconds: float) -> None:
         """Waits for print time to pass."""
         end = self.now + seconds * self.hz
@@ -279,7 +303,9 @@ class Drive:
         moving = not self.standing or self._dirty
         wanted = self._awaited or not all(idly for _, _, idly in self._waiting)
         if wanted or (moving and (self._waiting or quiet_s >= GATHER_S / 2)):
-            self._pass(self.now + int(_STRIDE_S * self.hz))
+            due = min((alarm.clock for alarm in self._alarms), default=math.inf)
+            until = self.now + int(_STRIDE_S * self.hz)
+            self._pass(until if due > until else max(int(due), self.now))
             await asyncio.sleep(0)
             return
         self._woken.clear()
@@ -334,6 +360,9 @@ class Drive:
         self.passed = now
         self._job.passed(now)
         self.on_pass()
+        for alarm in [alarm for alarm in self._alarms if alarm.clock <= now]:
+            self._alarms.remove(alarm)
+            alarm.action()
         self.end_waits()
 
     def _run(self, job_clock: int) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
@@ -25,7 +24,7 @@ if TYPE_CHECKING:
     from passo._core import Heater
     from passo.printer.printer import Printer
 
-WARMING_S = 1.0  # of host time between two lines of temperatures for who waits for them
+WARMING_S = 1.0  # of print time between two lines of temperatures for who waits for them
 # A heater that has cooled down by less than this in this time gets no further (StuFW's values).
 _LEAST_COOLING_C, _COOLING_S = 1.5, 60.0
 
@@ -167,9 +166,9 @@ class Waiting:
             raise Stopped("it was stopped")
 
     async def _reach(self, wait: Temperatures, reply: Reply) -> None:
-        printer, now = self._printer, asyncio.get_running_loop().time
+        printer = self._printer
         heaters = {name: printer.connection.heaters[name] for name in wait.heaters}
-        told_s = now()
+        told_s = printer.drive.now_s
         cooling = {name: _Cooling(name, reply) for name in heaters}
 
         cools: dict[tuple[str, float], bool] = {}  # was it too warm for that target?
@@ -187,7 +186,7 @@ class Waiting:
 
         def there() -> bool:
             nonlocal told_s
-            if now() >= told_s + WARMING_S:
+            if printer.drive.now_s >= told_s + WARMING_S:
                 told_s += WARMING_S
                 reply.warming(f" {self.temperatures()} W:?")
             # Each is looked at: those that cool do so at the same time.
