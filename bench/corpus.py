@@ -14,7 +14,8 @@ from pathlib import Path
 
 from passo.config import load
 from passo.errors import PassoError
-from passo.job.batch.simulated_print import Policy, Print
+from passo.job.batch.policy import Policy
+from passo.job.batch.simulated_print import Print
 
 # Which machine a file was sliced for; others go to the first that holds it.
 MACHINES = {

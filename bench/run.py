@@ -27,7 +27,8 @@ PEERS = {"scara": "rotary_delta"}  # the machine that it is compared with, move 
 PIPELINE = """
 import json, sys
 from passo.config import load
-from passo.job.batch.simulated_print import Policy, Print
+from passo.job.batch.policy import Policy
+from passo.job.batch.simulated_print import Print
 result = Print(load(sys.argv[2]), Policy()).run(sys.argv[1])
 print(json.dumps(result.as_dict()))
 """

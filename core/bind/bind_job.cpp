@@ -11,6 +11,7 @@
 #include <tuple>
 
 #include "bind/bind_machine.hpp"
+#include "gcode/survey.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -37,6 +38,19 @@ LaserWords laser_words(const nb::object& laser) {
 
 using ErrorTuple =
     std::tuple<uint32_t, Fault, std::string, double, double, std::tuple<double, double, double>>;
+
+std::vector<double> homes(const nb::dict& spec) {
+  std::vector<double> home;
+  for (nb::handle axis : spec["axes"]) home.push_back(get<double>(axis, "home"));
+  return home;
+}
+
+using EventTuple = std::tuple<uint32_t, std::string, int, int, std::string, std::string>;
+
+EventTuple as_tuple(const Event& e) {
+  return {e.line, e.letter ? std::string(1, e.letter) : std::string(), e.number, e.minor, e.name,
+          e.text};
+}
 
 ErrorTuple as_tuple(const GcodeError& e) {
   return {e.line, e.fault, e.word, e.value, e.limit, {e.point[0], e.point[1], e.point[2]}};
@@ -164,10 +178,8 @@ void bind_job(nb::module_& m) {
   job.def(
          "__init__",
          [](JobView* self, const nb::dict& spec, bool with_steps, bool clamp, bool ignore_tools) {
-           std::vector<double> home;
-           for (nb::handle axis : spec["axes"]) home.push_back(get<double>(axis, "home"));
            new (self)
-               JobView(machine_of(spec), std::move(home), laser_words(spec["laser"]), with_steps);
+               JobView(machine_of(spec), homes(spec), laser_words(spec["laser"]), with_steps);
            self->job.interpreter.clamp = clamp;
            self->job.interpreter.ignore_tools = ignore_tools;
          },
@@ -228,12 +240,7 @@ void bind_job(nb::module_& m) {
           "Reads on until something wants the caller, or the plan reaches a clock or a number of "
           "messages; or no further than to the end of the line that it is in.")
       .def_prop_ro(
-          "event",
-          [](const JobView& self) {
-            const Event& e = self.job.interpreter.event();
-            return std::make_tuple(e.line, e.letter ? std::string(1, e.letter) : std::string(),
-                                   e.number, e.minor, e.name, e.text);
-          },
+          "event", [](const JobView& self) { return as_tuple(self.job.interpreter.event()); },
           "(line, letter, number, minor, name, text) of the event that advance stopped at.")
       .def(
           "listen", [](JobView& self, uint32_t line) { self.job.interpreter.listen(line); },
@@ -593,4 +600,29 @@ void bind_job(nb::module_& m) {
       .def("steppers", &steppers)
       .def("cpu", &cpu);
   bind_job_settings(job);
+  nb::class_<Survey>(m, "Survey", "The commands of a program, found before it runs.")
+      .def(
+          "__init__",
+          [](Survey* self, const nb::dict& spec) {
+            new (self) Survey(machine_of(spec), homes(spec), laser_words(spec["laser"]));
+          },
+          "spec"_a)
+      .def(
+          "feed",
+          [](Survey& self, const nb::bytes& data) {
+            nb::gil_scoped_release released;
+            self.feed(data.c_str(), data.size());
+          },
+          "data"_a)
+      .def("finish", &Survey::finish, "No more input will come.")
+      .def_prop_ro(
+          "commands",
+          [](const Survey& self) {
+            std::vector<EventTuple> list;
+            for (const Event& e : self.commands()) list.push_back(as_tuple(e));
+            return list;
+          },
+          "(line, letter, number, minor, name, text) of each command that is no move, once for "
+          "each code.")
+      .def_prop_ro("moves", &Survey::moves, "The program moves the machine.");
 }

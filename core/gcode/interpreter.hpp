@@ -540,7 +540,7 @@ class Interpreter {
           fail(Fault::out_of_range, axis_name(j), t, limit);
           return false;
         }
-        note_clamp(j, t, limit);
+        if (clamp) note_clamp(j, t, limit);  // else the axis is not homed, as is said below
         t = limit;
         cut |= uint8_t(1u << j);
       } else if (absolute) {

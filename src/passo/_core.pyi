@@ -1380,9 +1380,7 @@ class Job:
         """
 
     def pop_mark(self) -> None:
-        """
-        Removes the next mark: the host has carried it out. Only if there is one.
-        """
+        """Removes the next mark, if there is one: the host carries it out."""
 
     def flush(self) -> None:
         """Settles all for a stop."""
@@ -1675,3 +1673,23 @@ class Job:
         """
         Changes an axis' `speed`, `accel` or `jerk`, never beyond the machine's own, as set_limit.
         """
+
+class Survey:
+    """The commands of a program, found before it runs."""
+
+    def __init__(self, spec: dict) -> None: ...
+
+    def feed(self, data: bytes) -> None: ...
+
+    def finish(self) -> None:
+        """No more input will come."""
+
+    @property
+    def commands(self) -> list[tuple[int, str, int, int, str, str]]:
+        """
+        (line, letter, number, minor, name, text) of each command that is no move, once for each code.
+        """
+
+    @property
+    def moves(self) -> bool:
+        """The program moves the machine."""

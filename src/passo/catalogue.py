@@ -288,6 +288,16 @@ CATALOGUE: Mapping[str, Entry] = {
         "cold extrusion prevented: the hotend is too cold for filament to move",
         "Heat it first (M109), or allow it (M302 P1)",
     ),
+    "input.unknown-moves": _input(
+        "gcode",
+        "{value} is unknown here; on other firmware it may move or heat the machine",
+        "Replace it by the commands that it stands for",
+    ),
+    "input.no-levelling": _input(
+        "gcode",
+        "{value} levels the bed, and this machine has no probe",
+        "Remove it from the file and level the bed by hand",
+    ),
     "option.unknown": _input(
         "settings",
         "UnknownOption: there is no option {value}",

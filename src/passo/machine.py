@@ -111,18 +111,34 @@ class Machine:
         to `to_s` of print time: see `StepTrace`. With `ideal` the trace holds the ideal times, too;
         `clamp` and `ignore_tools` are those of `estimate`. Raises InputError, MachineError.
         """
-        from passo.job.batch.simulated_print import Policy
+        from passo.job.batch.policy import Policy
         from passo.job.batch.step_trace import trace_steps
 
         policy = Policy(clamp=clamp, ignore_tools=ignore_tools)
         return trace_steps(self.config, path, policy, from_s=from_s, to_s=to_s, ideal=ideal)
 
-    def print(self, path: str | os.PathLike[str]) -> PrintResult:
-        """Prints a file on a simulated board of this machine, in virtual time. Raises InputError,
-        MachineError."""
-        from passo.job.batch.simulated_print import Print
+    def print(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        assume_ready: bool = False,
+        skip_unknown: bool = False,
+        skip_levelling: bool = False,
+    ) -> PrintResult:
+        """Prints a file on a simulated board of this machine, in virtual time.
 
-        return Print(self.config).run(path)
+        The print fails where a print from the card of the served printer stops. `assume_ready`
+        takes the machine as homed and its hotends as warm, for a piece of G-code; `skip_unknown`
+        leaves out unknown commands that may move the machine, and `skip_levelling` the levelling of
+        the bed without a probe. Raises InputError, MachineError.
+        """
+        from passo.job.batch.policy import Policy
+        from passo.job.batch.simulated_print import Print
+        from passo.printer.unfit_commands import Skips
+
+        skips = Skips(unknown=skip_unknown, levelling=skip_levelling)
+        policy = Policy(checked=not assume_ready, skips=skips)
+        return Print(self.config, policy).run(path)
 
     def _moves(self, job: _core.Job, limits: list[str]) -> Iterator[PlannedMove]:
         features, hz = job.feature_names, self.config.board.clock_hz

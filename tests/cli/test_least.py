@@ -19,7 +19,7 @@ def told(capsys, tmp_path, text, *words):
     """Status of a print, its result, and what went to stderr."""
     path = tmp_path / "p.gcode"
     path.write_text(text)
-    status = main(["print", str(path), "--json", *words])
+    status = main(["print", str(path), "--assume-ready", "--json", *words])
     out, err = capsys.readouterr()
     return status, json.loads(out), err.replace(f"{path}:", "")
 

@@ -55,7 +55,7 @@ def test_npz_within_the_bound(short, tmp_path, machine):
 def test_steps_tells_what_print_warns_of(capsys, tmp_path):
     path = tmp_path / "a.gcode"
     path.write_text("G28\nM999999\nG1 X5 F3000\nM0\nG1 X6\n")
-    assert main(["print", str(path)]) == 0
+    assert main(["print", str(path), "--assume-ready"]) == 0
     warnings = capsys.readouterr().err.splitlines()
     assert len(warnings) == 2
     assert main(["steps", str(path), "--output", str(tmp_path / "a.npz")]) == 0

@@ -31,7 +31,7 @@ FIELDS = [
 
 
 def printed(capsys, *words):
-    assert main(["print", *words, "--json"]) == 0
+    assert main(["print", *words, "--assume-ready", "--json"]) == 0
     return json.loads(capsys.readouterr().out)
 
 
@@ -63,13 +63,13 @@ GOLDEN = {
 
 @pytest.mark.parametrize(("file", "machine"), GOLDEN)
 def test_golden_streams(capsys, unpacked, file, machine):
-    result = printed(capsys, unpacked(file), "--machine", machine)
+    result = printed(capsys, unpacked(file), "--machine", machine, "--levelling", "skip")
     assert result["stream_hash"] == GOLDEN[file, machine]
     assert result["final_steps"] == result["net_steps_expected"]
 
 
 def test_arcs_and_warnings(capsys, unpacked):
-    result = printed(capsys, unpacked("gear_arcs"), "--machine", "mk3s")
+    result = printed(capsys, unpacked("gear_arcs"), "--machine", "mk3s", "--levelling", "skip")
     assert result["arcs"] == 7241
     assert [w.split(": ", 1)[1] for w in result["warnings"]] == [
         "G80 is unknown and was skipped (1 time)",
@@ -206,7 +206,7 @@ def test_bad_input_is_one_sentence(capsys, tmp_path, name):
     data, words, status, sentence = BAD[name]
     path = tmp_path / "bad.gcode"
     path.write_bytes(data)
-    assert main(["print", str(path), *words]) == status
+    assert main(["print", str(path), "--assume-ready", *words]) == status
     out, err = capsys.readouterr()
     assert out == ""
     assert err.count("\n") == 1
@@ -216,7 +216,7 @@ def test_bad_input_is_one_sentence(capsys, tmp_path, name):
 def test_a_print_that_failed_tells_its_warnings_and_its_cost(capsys, tmp_path):
     path = tmp_path / "p.gcode"
     path.write_text("G28\nM9999\nG1 X10 F3000\nM9999\nG1 X300\n")
-    assert main(["print", str(path), "--json"]) == 4
+    assert main(["print", str(path), "--assume-ready", "--json"]) == 4
     result = json.loads(capsys.readouterr().out)
     assert result["warnings"] == [f"{path}:2: M9999 is unknown and was skipped (2 times)"]
     assert list(result["cpu_s"]) == ["parse", "plan", "steps", "compress", "wire", "board", "total"]
@@ -276,7 +276,7 @@ def test_letters_that_need_no_number_and_texts(capsys, tmp_path):
     lines = ["G28 X Y W", "M84 X Y E", "M220 B", "M220 R", "M104 S nan", "M104 F S20", "M107 F"]
     lines += ["M117 Print X of Y", "M0 Click S", "M20 L", "M23 Part.gco", 'M569 S1 X Y"a"', "M503"]
     path.write_text("\n".join([*lines, "G29 A J", "M862.3 P MK3S"]))
-    warnings = printed(capsys, str(path))["warnings"]
+    warnings = printed(capsys, str(path), "--levelling", "skip")["warnings"]
     assert [w.split(": ")[1].split()[0] for w in warnings] == ["G29", "M23", "M569", "M0"]
 
 
@@ -292,7 +292,7 @@ def test_letters_that_need_no_number_and_texts(capsys, tmp_path):
 def test_a_stop_in_a_file_ends_its_print(capsys, tmp_path, line, sentence):
     path = tmp_path / "p.gcode"
     path.write_text(f"G28\nG1 X5 F600\n{line}\nG1 X10\n")
-    assert main(["print", str(path)]) == 5
+    assert main(["print", str(path), "--assume-ready"]) == 5
     out, err = capsys.readouterr()
     assert (out, err.count("\n")) == ("", 1)
     assert err.startswith(f"{path}:3: {sentence}. ")
@@ -313,7 +313,7 @@ def test_a_stop_in_a_file_ends_its_print(capsys, tmp_path, line, sentence):
     ],
 )
 def test_unreadable_paths(capsys, path, why):
-    assert main(["print", path]) == 4
+    assert main(["print", path, "--assume-ready"]) == 4
     err = capsys.readouterr().err
     assert err == f"{path}: cannot be read: {why}. Check the path and permissions.\n"
 
@@ -369,7 +369,7 @@ def test_what_cannot_be_reached_is_told_with_its_measure(capsys, tmp_path):
     # Straight from the middle, tried every 2 mm.
     where = "the point X 66.585, Y 38.049, Z 100.000 mm cannot be reached by this machine"
     measure = "it is 76.690 mm from the middle, of at most 75.100 mm"
-    assert main(["print", *words]) == 4
+    assert main(["print", *words, "--assume-ready"]) == 4
     assert f"{path}:3: {where}: {measure}. Move the model" in capsys.readouterr().err
     assert printed(capsys, *words, "--out-of-range", "clamp")["warnings"] == [
         f"{path}:4: Y 80.000 mm is beyond the limit of 75.100 mm; such targets were moved to the"
@@ -432,7 +432,7 @@ def test_a_clock_keeps_to_what_a_computer_can_wait(capsys, words, limit, scale):
 def test_an_unsafe_temperature_is_a_warning_and_heats_nothing(tmp_path, capsys):
     path = tmp_path / "hot.gcode"
     path.write_text("G28\nM104 S999\nG1 X10 F3000\n")
-    assert main(["print", str(path), "--json"]) == 0
+    assert main(["print", str(path), "--assume-ready", "--json"]) == 0
     (warning,) = json.loads(capsys.readouterr().out)["warnings"]
     assert warning.startswith(f"{path}:2: M104: heater hotend was switched off: 999 C is outside")
 
@@ -479,7 +479,7 @@ def test_codes_without_end_are_counted_together(capsys, tmp_path):
 def test_a_word_beyond_1e9_is_named_as_written(capsys, tmp_path, line, word):
     path = tmp_path / "p.gcode"
     path.write_text(f"G28\n{line}\n")
-    assert main(["print", str(path)]) == 4
+    assert main(["print", str(path), "--assume-ready"]) == 4
     assert f"{path}:2: the word '{word}' has no valid number" in capsys.readouterr().err
 
 
@@ -607,7 +607,7 @@ def test_a_move_of_ten_metres_of_filament_takes_little_memory(tmp_path):
     found = []
     for mm in (10, 9999):
         path.write_text(f"G92 E0\nG1 E{mm} F6000\n")
-        words = [sys.executable, "-m", "passo", "print", str(path), "--json"]
+        words = [sys.executable, "-m", "passo", "print", str(path), "--assume-ready", "--json"]
         done = subprocess.run(words, capture_output=True, text=True, check=True)
         found.append(json.loads(done.stdout))
         assert found[-1]["final_steps"] == found[-1]["net_steps_expected"]
@@ -623,7 +623,7 @@ def test_a_move_of_ten_metres_of_filament_takes_little_memory(tmp_path):
 def test_options_are_named_where_there_are_some(line, option, capsys, tmp_path):
     path = tmp_path / "p.gcode"
     path.write_text(f"{line}\nG1 X1 F600\n")
-    assert main(["print", str(path)]) == 4
+    assert main(["print", str(path), "--assume-ready"]) == 4
     assert f"or allow {option}." in capsys.readouterr().err
     with Scenario("i3") as s:
         s.host.ok("G28", 60)
@@ -635,8 +635,8 @@ def test_options_are_named_where_there_are_some(line, option, capsys, tmp_path):
 @pytest.mark.parametrize(
     "words",
     [
-        ["print", "FILE"],
-        ["print", "FILE", "--json"],
+        ["print", "FILE", "--assume-ready"],
+        ["print", "FILE", "--assume-ready", "--json"],
         ["print", "missing.gcode", "--json"],
         ["estimate", "FILE", "--json"],
         ["check", "missing.toml", "--json"],
@@ -708,7 +708,7 @@ def test_a_closed_standard_error_takes_words_along_and_nothing_else(tmp_path, te
     """Nor do they come out elsewhere: with --json there is one object and nothing else."""
     path = tmp_path / "a.gcode"
     path.write_text(text)
-    command = f"{sys.executable} -m passo print {path} {form} 2>&-"
+    command = f"{sys.executable} -m passo print {path} --assume-ready {form} 2>&-"
     run = subprocess.run(["bash", "-c", command], capture_output=True, text=True)
     assert run.returncode == status
     assert "M9999" not in run.stdout or form
@@ -723,7 +723,7 @@ def test_a_full_standard_error_changes_nothing_else(tmp_path, text, status, unbu
     path = tmp_path / "a.gcode"
     path.write_text(text)
     with Path("/dev/full").open("w") as full:
-        command = [sys.executable, "-m", "passo", "print", str(path), "--json"]
+        command = [sys.executable, "-m", "passo", "print", str(path), "--assume-ready", "--json"]
         environment = os.environ | {"PYTHONUNBUFFERED": unbuffered}
         run = subprocess.run(command, stdout=-1, stderr=full, text=True, env=environment)
     assert run.returncode == status

@@ -24,7 +24,7 @@ PROGRAM = "M109 S50\nG28\n;LAYER:0\nG1 X50 F6000\n;LAYER:1\nG1 X90 Z1 E1\n;LAYER
 def command(tmp_path):
     path = tmp_path / "p.gcode"
     path.write_text(PROGRAM)
-    return [sys.executable, "-m", "passo", "print", str(path)]
+    return [sys.executable, "-m", "passo", "print", str(path), "--assume-ready"]
 
 
 def test_a_terminal_shows_layer_time_left_and_temperatures(command):

@@ -13,6 +13,7 @@ from passo.clock import VirtualLoop
 from passo.config.machine import MachineConfig
 from passo.console.printer_console import furnished
 from passo.console.session import Session
+from passo.printer.unfit_commands import NOTHING, Skips
 from passo.simulator import SimulatedBoard
 
 _T = TypeVar("_T")
@@ -94,6 +95,7 @@ class Scenario:
         free: bool = False,
         card: str | None = None,
         state: str | None = None,
+        skips: Skips = NOTHING,
         loop: asyncio.AbstractEventLoop | None = None,
     ) -> None:
         self.loop = loop or VirtualLoop()
@@ -101,15 +103,15 @@ class Scenario:
         self.loop.set_exception_handler(lambda _, context: self._failures.append(context))
         self.machine = config.load(machine) if isinstance(machine, str) else machine
         try:
-            self.printer = self.run(self._start(free, card, state))
+            self.printer = self.run(self._start(free, card, state, skips))
         except BaseException:
             self.loop.close()
             raise
         self._task = self.loop.create_task(self.printer.run())
         self.host = Host(self)
 
-    async def _start(self, free: bool, card: str | None, state: str | None) -> Any:
-        return furnished(self.machine, free=free, card=card, state=state)
+    async def _start(self, free: bool, card: str | None, state: str | None, skips: Skips) -> Any:
+        return furnished(self.machine, free=free, card=card, state=state, skips=skips)
 
     def __enter__(self) -> Scenario:
         return self

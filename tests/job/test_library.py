@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import passo
-from passo.job.batch.simulated_print import Policy
+from passo.job.batch.policy import Policy
 from passo.job.batch.step_trace import trace_steps
 
 PROGRAMS = {  # steps of each motor

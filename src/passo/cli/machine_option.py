@@ -8,7 +8,8 @@ import sys
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from passo.job.batch.simulated_print import Policy
+    from passo.job.batch.policy import Policy
+    from passo.printer.unfit_commands import Skips
 
 
 def add_machine(parser: argparse.ArgumentParser) -> None:
@@ -37,9 +38,34 @@ def add_policy(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_skips(parser: argparse.ArgumentParser) -> None:
+    """`--unknown` and `--levelling`."""
+    parser.add_argument(
+        "--unknown",
+        choices=("stop", "skip"),
+        default="stop",
+        help="unknown commands that may move the machine, such as START_PRINT: stop before the"
+        " first move (default), or leave them out",
+    )
+    parser.add_argument(
+        "--levelling",
+        choices=("stop", "skip"),
+        default="stop",
+        help="bed levelling (G29) on a machine without a probe: stop before the first move"
+        " (default), or print without it",
+    )
+
+
+def skips_of(arguments: argparse.Namespace) -> Skips:
+    """What these options let a print leave out."""
+    from passo.printer.unfit_commands import Skips
+
+    return Skips(unknown=arguments.unknown == "skip", levelling=arguments.levelling == "skip")
+
+
 def policy_of(arguments: argparse.Namespace) -> Policy:
     """The policy that these options ask for."""
-    from passo.job.batch.simulated_print import Policy
+    from passo.job.batch.policy import Policy
 
     return Policy(
         clamp=arguments.out_of_range == "clamp", ignore_tools=arguments.missing_tool == "ignore"

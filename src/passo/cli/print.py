@@ -5,9 +5,10 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from dataclasses import replace
 
 from passo.cli.clock import Pace, add_clock
-from passo.cli.machine_option import add_machine, add_policy, policy_of
+from passo.cli.machine_option import add_machine, add_policy, add_skips, policy_of, skips_of
 from passo.errors import ExitStatus, PassoError
 
 
@@ -17,6 +18,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_machine(parser)
     add_clock(parser)
     add_policy(parser)
+    add_skips(parser)
+    parser.add_argument(
+        "--assume-ready",
+        action="store_true",
+        help="the machine is homed and its hotends are warm: for a piece of G-code that does"
+        " neither itself",
+    )
     parser.add_argument(
         "--json", action="store_true", help="print one JSON object and nothing else"
     )
@@ -40,7 +48,12 @@ def run(arguments: argparse.Namespace) -> int:
                 pace.keep(at.print_s)
                 bar.show(at)
 
-            job = Print(machine, policy_of(arguments), show, pace.every_s)
+            policy = replace(
+                policy_of(arguments),
+                checked=not arguments.assume_ready,
+                skips=skips_of(arguments),
+            )
+            job = Print(machine, policy, show, pace.every_s)
             job.run(arguments.file, result=result)
     except PassoError as error:
         if arguments.json:

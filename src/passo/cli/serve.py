@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 from passo.cli.clock import factor
-from passo.cli.machine_option import add_machine
+from passo.cli.machine_option import add_machine, add_skips, skips_of
 from passo.cli.main import endings
 from passo.errors import ExitStatus
 
@@ -20,6 +20,7 @@ _BAUD = 250_000
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declares the options of `passo serve`."""
     add_machine(parser)
+    add_skips(parser)
     parser.add_argument(
         "--clock",
         type=_clock,
@@ -155,7 +156,11 @@ async def _serve(arguments: argparse.Namespace, machine: object) -> None:
     for number in endings():
         asyncio.get_running_loop().add_signal_handler(number, ours.cancel)
     printer = furnished(
-        machine, free=arguments.clock is None, card=arguments.sd, state=arguments.state
+        machine,
+        free=arguments.clock is None,
+        card=arguments.sd,
+        state=arguments.state,
+        skips=skips_of(arguments),
     )
     for text in printer.unheard:
         print(text.removeprefix("echo:"), file=sys.stderr)

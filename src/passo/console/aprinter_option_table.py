@@ -148,7 +148,7 @@ def _heater(printer: Printer, name: str) -> Iterator[Option]:
     yield Option(f"{prefix}MaxSafeTemp", lambda: config.max_c)
     yield Option(f"{prefix}ControlInterval", lambda: SENSOR_PERIOD_S)
     if config.kind == "hotend":
-        yield Option(f"{prefix}MinExtrusionTemp", lambda: printer.heat.cold_c, "M302 S{}")
+        yield Option(f"{prefix}MinExtrusionTemp", lambda: printer.heat.cold.cold_c, "M302 S{}")
     wired = next(h for h in printer.connection.board.heaters if h.name == name)
     yield Option(f"{prefix}ObserverInterval", lambda: SENSOR_PERIOD_S)
     yield Option(f"{prefix}ObserverTolerance", lambda: wired.arrival.window_c)

@@ -13,6 +13,7 @@ from passo.console.upload import Upload
 from passo.errors import CardError, CommandError, PassoError
 from passo.gcode.command import Command, unescaped
 from passo.job.live.runner import Runner, State
+from passo.printer.unfit_commands import ALL
 from passo.printer.wait_requests import Handler, Reply, Wait
 
 if TYPE_CHECKING:
@@ -213,7 +214,7 @@ class CardCommands:
             return  # a host's print stands aside: no other may begin in its midst
         if "S" in words and self._runner.state is not State.PAUSED:
             self._runner.seek(int(words["S"]))
-        self._runner.start()
+        self._runner.start(skips=ALL if words.get("U") else None)
 
     def _pause(self, _: str, __: Reply) -> None:
         self._runner.pause()

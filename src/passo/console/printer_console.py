@@ -21,6 +21,7 @@ from passo.job.live.statistics import Statistics
 from passo.job.settings_store import Store
 from passo.printer.commands.reports import Reports
 from passo.printer.printer import Printer
+from passo.printer.unfit_commands import NOTHING, Skips
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -57,12 +58,18 @@ class Listeners:
 
 
 def furnished(
-    machine: MachineConfig, *, free: bool = False, card: str | None = None, state: str | None = None
+    machine: MachineConfig,
+    *,
+    free: bool = False,
+    card: str | None = None,
+    state: str | None = None,
+    skips: Skips = NOTHING,
 ) -> Printer:
-    """A printer that understands every command of a console. Within a running event loop. Raises
+    """A printer that understands every command of a console; `skips` are commands that its prints
+    may leave out. Within a running event loop. Raises
     MachineError, CardError if `card` cannot be used, and InputError if another one has `state`; the
     board is let go then."""
-    printer = Printer(machine, free=free)
+    printer = Printer(machine, free=free, skips=skips)
     listen = printer.unheard.append
     printer.listeners.append(listen)
     try:

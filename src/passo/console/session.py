@@ -16,6 +16,7 @@ from passo.gcode.command import Command
 from passo.gcode.line_protocol import Line, LineProtocol, Refusal
 from passo.motion.motion_queue import MOST_QUEUED
 from passo.printer.printer import Printer
+from passo.printer.unfit_commands import unfit
 from passo.printer.wait_requests import Stopped, Wait
 
 AT_ONCE = 1024  # lines that are carried out before others have their turn: all of one read
@@ -247,7 +248,9 @@ class Session:
                 self._acknowledge(None)
                 continue
             line, command, seen = heard
-            self._printed = line.number is not None and prints(command.code)
+            self._printed = line.number is not None and (
+                prints(command.code) or unfit(command, self._printer.skips) is not None
+            )
             try:
                 if self._take(line, command, seen=seen, given_up=given_up):
                     return

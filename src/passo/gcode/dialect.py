@@ -153,7 +153,14 @@ TABLE: tuple[Row, ...] = (
         "Selects a file to print; D and R choose the directory that names count from.",
         bare=None,
     ),
-    Row("M24", _S, _I, "S(byte)", "Prints the selected file, or ends a pause."),
+    Row(
+        "M24",
+        _S,
+        _I,
+        "S(byte) U",
+        "Prints the selected file, or ends a pause; U1 also where it has unknown commands that may"
+        " move the machine, or levels a bed that has no probe.",
+    ),
     Row("M25", _H, _I, "", "Pauses the print: brakes on the path, and parks."),
     Row("M26", _S, _I, "S(byte)", "The next start begins at this byte; in a pause S0 cancels."),
     Row(

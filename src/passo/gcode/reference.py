@@ -11,7 +11,8 @@ words may be missing, `G01` is `G1`. Numbers are decimal, without exponent: `X1E
 line may hold several commands; they run in order.
 
 Comments stand in parentheses or behind `;`. A line number (`N12`) is skipped; the checksum that may
-end such a line (`*71`) is checked. Anything that is not listed below is skipped with one warning.
+end such a line (`*71`) is checked. Anything that is not listed below is skipped with one
+warning; a print does not begin if [it may move the machine](../print.md) elsewhere.
 
 A letter without a number, or with one beyond 1e9, is an error that names it, and nothing of the
 command is carried out, unless the letter is listed below as one that may stand *alone*. Behind it

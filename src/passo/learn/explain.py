@@ -12,7 +12,8 @@ from passo import _core
 from passo.config.pin_names import MAIN
 from passo.errors import InputError, PassoError
 from passo.gcode.dialect import row_of
-from passo.job.batch.simulated_print import Policy, Print
+from passo.job.batch.policy import Policy
+from passo.job.batch.simulated_print import Print
 from passo.job.batch.source import lines, open_source
 from passo.learn.corner import corner, path_unit
 

@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from passo import _core
-from passo.job.batch.simulated_print import Policy, Print
+from passo.job.batch.policy import Policy
+from passo.job.batch.simulated_print import Print
 from passo.job.durable_files import replaced
 from passo.learn.collector import Collector, Density, of_actuator, of_axis
 from passo.motion.axis_slots import slot_of_axis

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -55,6 +57,50 @@ def steppers_of(machine: MachineConfig, home: str) -> tuple[str, ...]:
         if driven is not None and (driven.drive, driven.index) in wanted:
             names.append(name)
     return tuple(names)
+
+
+def homed_axes(machine: MachineConfig) -> set[str]:
+    """The axes that find their positions by switches."""
+    own = {name for name in machine.homing if not is_actuator(machine, name)}
+    return own | set(machine.axes_of_arms)
+
+
+def named_axes(machine: MachineConfig, letters: str) -> set[str]:
+    """The axes that G28 homes for these letters; without one, all that home by default. Arms home
+    together."""
+    axes, homing = axis_order(machine.axes), machine.homing
+    names = {name for name in axes if name.upper() in letters}
+    names = names or {name for name in axes if name not in homing or homing[name].by_default}
+    return names | (set(machine.axes_of_arms) if names & set(machine.axes_of_arms) else set())
+
+
+def axes_lost(machine: MachineConfig, steppers: Collection[str]) -> set[str]:
+    """The axes with a switch whose positions are unknown once these motors are off."""
+    lost = set[str]()
+    for name in machine.homing:
+        if set(steppers) & set(steppers_of(machine, name)):
+            lost.update(machine.axes_of_arms if is_actuator(machine, name) else [name])
+    return lost
+
+
+def named_motors(machine: MachineConfig, text: str) -> list[str]:
+    """The motors of the letters in M18 or M84: axes, actuators, E; all without letters."""
+    letters = re.findall(r"[A-Z]", text.upper().partition("S")[0])
+    if not letters:
+        return list(machine.steppers)
+    axes = axis_order(machine.axes)
+    found: list[str] = []
+    for letter in letters:
+        name = letter.lower()
+        if name in axes:
+            found += steppers_of(machine, name)
+        elif name == "e":
+            found += [
+                s for s in machine.steppers if (d := machine.driven_by(s)) and d.drive == "extruder"
+            ]
+        elif name in machine.steppers:
+            found.append(name)
+    return found
 
 
 def is_actuator(machine: MachineConfig, home: str) -> bool:

@@ -15,6 +15,7 @@ from passo.geometry.base import Point
 from passo.motion.axis_slots import E, X, Y, Z, slot_of_axis
 from passo.motion.endstops import (
     Switch,
+    homed_axes,
     is_actuator,
     steppers_of,
     switches,
@@ -75,8 +76,7 @@ class Homer:
     @property
     def axes(self) -> set[str]:
         """The axes that find their place by switches."""
-        own = {n for n in self._machine.homing if not is_actuator(self._machine, n)}
-        return own | set(self._machine.axes_of_arms)
+        return homed_axes(self._machine)
 
     def states(self) -> dict[str, bool]:
         """All switches: whether they are pressed."""

@@ -29,6 +29,7 @@ from passo.printer.commands.user_prompts import PersonCommands
 from passo.printer.motion_lock import Turn
 from passo.printer.recovery.supervisor import Life
 from passo.printer.setup.boards import connect
+from passo.printer.unfit_commands import NOTHING, Skips, unfit
 from passo.printer.wait_requests import (
     Handler,
     Person,
@@ -65,8 +66,11 @@ class Printer:
     place on the timeline or wait for the machine. Both may be added to before the first command.
     """
 
-    def __init__(self, machine: MachineConfig, *, free: bool = False) -> None:
+    def __init__(
+        self, machine: MachineConfig, *, free: bool = False, skips: Skips = NOTHING
+    ) -> None:
         self.machine = machine
+        self.skips = skips  # commands that prints may leave out
         self.heaters = list(machine.heaters)
         self._free = free
         self.closers: list[Callable[[], None]] = []  # called when the printer ends, the last first
@@ -522,6 +526,10 @@ class Printer:
         if handler is not None and command.code in _IN_THEIR_TURN and not self._from_console:
             return Still(partial(self._carried_out, handler, command, reply))
         wait = self._carried_out(handler, command, reply)
+        if self._from_console and (problem := unfit(command, self.skips)):
+            levels = problem.code == "input.no-levelling"
+            reply.fail(problem.sentence if levels else f'Unknown command: "{command.code}"')
+            return wait
         if handler is None:
             self._note(command.code, reply)
         if handler is None and not self.commands.knows(command):

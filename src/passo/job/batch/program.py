@@ -21,6 +21,10 @@ _ALLOWED_BY = {  # what a command line can do besides; consoles cannot
     "input.unreachable": "--out-of-range clamp",
     "input.actuator": "--out-of-range clamp",
     "input.missing-tool": "--missing-tool ignore",
+    "input.not-homed": "it for a piece of G-code by --assume-ready",
+    "input.cold": "it for a piece of G-code by --assume-ready",
+    "input.unknown-moves": "--unknown skip",
+    "input.no-levelling": "--levelling skip",
 }
 
 Settle = Callable[[Wait], None]
@@ -60,7 +64,8 @@ def read_program(
 
     Yields whenever the job has made progress or has as many messages as it may; whoever takes them
     does so then. At the last yield the job is flushed. Commands that are refused become warnings.
-    Raises InputError with `name` as the file, for words without a number, too.
+    Raises InputError with `name` as the file, for words without a number, too, and where the
+    commands do not let a refused one pass.
     """
     status = _core.JobStatus
     source = iter(pieces)
@@ -74,7 +79,7 @@ def read_program(
                 problems = [replace(p, file=name, line=command.line) for p in error.problems]
                 raise InputError(problems) from None
             except CommandError as error:
-                commands.refuse(command, error)
+                commands.refuse(command, error, name)
                 continue
             if wait is not None:
                 settle(wait)
@@ -85,7 +90,7 @@ def read_program(
             else:
                 job.finish()
         elif found == status.ERROR:
-            raise InputError([_with_option(commands.problem(name))])
+            raise InputError([with_option(commands.problem(name))])
         elif found == status.END:
             break
         if found != status.EVENT:
@@ -94,7 +99,8 @@ def read_program(
     yield
 
 
-def _with_option(problem: Problem) -> Problem:
+def with_option(problem: Problem) -> Problem:
+    """The problem, with the option of the command line that allows it."""
     option = _ALLOWED_BY.get(problem.code)
     advice = f"{problem.entry.action}, or allow {option}"
     return replace(problem, hint=advice) if option else problem

@@ -12,11 +12,15 @@ from typing import TYPE_CHECKING
 from passo import _core
 from passo.board.drivers import Drivers
 from passo.board.faults import HeaterFault
-from passo.errors import MachineError
-from passo.job.batch.program import heated, run_program
+from passo.errors import InputError, MachineError, Problem
+from passo.job.batch.policy import Policy
+from passo.job.batch.program import heated, run_program, with_option
+from passo.job.batch.rehearsal import RehearsedCommands
 from passo.job.batch.result import PrintResult, cpu_s, peak_rss_mb
+from passo.job.preflight import require
 from passo.printer.commands.program import Commands
 from passo.printer.setup.boards import connect_simulated
+from passo.printer.unfit_commands import ALL
 from passo.printer.wait_requests import Stop, Wait
 
 if TYPE_CHECKING:
@@ -24,18 +28,11 @@ if TYPE_CHECKING:
 
 _LEAD_S = 0.25  # what is planned after a wait starts this much later
 _HORIZON_S = 0.2  # the board is sent commands less than this before they are due
+_LOOK_S = 0.5  # filament that may be cold is looked at this often
 _SLICE_S = 0.5  # temperatures are looked at this often while waiting
 _PATIENCE_S = 3600.0  # a heater that takes longer is broken
 _TOO_EARLY = 0.01  # share of a file that tells nothing yet of the rest
 _STOPS = {"M112": "machine.emergency-stop", "M410": "machine.stopped"}
-
-
-@dataclass(frozen=True, slots=True)
-class Policy:
-    """What to do with moves out of range and tools that are missing; False: stop."""
-
-    clamp: bool = False
-    ignore_tools: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +82,14 @@ class Print:
             machine.core_spec(), True, self._policy.clamp, self._policy.ignore_tools
         )
         full = [self.connection.full_scale(output.name) for output in outputs]
-        self._commands = Commands(machine, self.job, self, full)
+        self._checks: RehearsedCommands | None = None
+        if self._policy.checked:
+            self._checks = RehearsedCommands(
+                machine, self.job, self, full, self.connection, self._policy.skips
+            )
+            self._checks.catch_up = lambda: self._run_to(self.job.clock)
+        self._commands = self._checks or Commands(machine, self.job, self, full)
+        self._filament: dict[str, int] | None = None  # steps so far, while it may be cold
         self.base = 0  # board clock at which the job begins
         self._wire_cpu_s = 0.0
         self._heat_s = 0.0
@@ -93,12 +97,15 @@ class Print:
         self._from = self._to = (0, 0.0, 0)
         self._watch: Callable[[], None] = lambda: None
         self._trace_s = 0.0
+        self._path = ""
 
     def set_target(self, heater: str, celsius: float, *, at_once: bool = False) -> None:
         """Sets a heater's target when the moves so far are done, or at once."""
         if at_once:
             self.connection.set_target(heater, celsius)
             return
+        if self._checks is not None:
+            self._checks.target_set(heater, celsius)
         self.job.mark(self._heaters.index(heater), round(celsius * 100))
 
     def watch(self, watcher: Callable[[], None]) -> None:
@@ -150,6 +157,11 @@ class Print:
         return result
 
     def _print(self, path: str | os.PathLike[str], end: int | None) -> None:
+        checks, self._path = self._checks, str(path)
+        if not all(self._policy.skips):
+            surveyed = require(self._machine, path, self._policy.skips)
+            if surveyed and checks is not None:
+                checks.skips = ALL
         self.base = self.connection.start_job(self.job)
         warm = heated(self.job, self.wait_for)
 
@@ -157,10 +169,16 @@ class Print:
             if isinstance(wait, Stop):
                 raise MachineError.of(_STOPS[wait.code], str(path), wait.line)
             warm(wait)
+            if checks is not None:
+                checks.settled(wait)
+                checks.guard(self.connection.now - self.base)
 
         if self._trace_s > 0:
             for stepper in self.connection.board.steppers:
                 self.board.trace_steps(stepper.name, 0, self.base + round(self._trace_s * self._hz))
+        if checks is not None:
+            self.job.line_at(0)  # lines of moves are kept from here on
+            checks.guard(0)
         for share in run_program(self.job, self._commands, path, settle, end):
             self._watch()
             if self.job.line > self._to[0]:
@@ -174,10 +192,16 @@ class Print:
 
     def _run_to(self, job_clock: float) -> None:
         """Lets the board work up to a clock of the job; heaters are set at their marks."""
+        if self._checks is not None:
+            now = self.connection.now - self.base
+            self.job.line_at(now)  # asked often: it forgets what is past
+            self._checks.guard(now)
         while (mark := self.job.next_mark) is not None and mark[0] <= job_clock:
             self._run(self.base + mark[0])
             self._apply_marks(mark[0])
         self._run(self.base + round(job_clock))
+        if self._checks is not None:
+            self._checks.guard(self.connection.now - self.base)
 
     def _apply_marks(self, until: float) -> None:
         while (mark := self.job.next_mark) is not None and mark[0] <= until:
@@ -186,11 +210,34 @@ class Print:
 
     def _run(self, clock: int) -> None:
         while self.connection.now < clock:
-            before = cpu_s()
-            self.connection.run(round(min(clock, self.connection.now + self._stretch)))
+            before, looks = cpu_s(), self._looks_at_filament()
+            stretch = min(self._stretch, _LOOK_S * self._hz) if looks else self._stretch
+            self.connection.run(round(min(clock, self.connection.now + stretch)))
             self._wire_cpu_s += cpu_s() - before
+            if looks:
+                self._look_at_filament()
             if self._progress:
                 self._progress(self._where())
+
+    def _looks_at_filament(self) -> bool:
+        """Whether what the board does next may move filament whose hotend is not warm."""
+        checks = self._checks
+        if checks is None or self.connection.now - self.base >= checks.unsure_until:
+            self._filament = None
+            return False
+        if self._filament is None:
+            self._filament = {name: self.board.steps(name) for name, _ in checks.cold_filament()}
+        return True
+
+    def _look_at_filament(self) -> None:
+        """Raises InputError if filament has moved that is too cold."""
+        assert self._checks is not None
+        assert self._filament is not None
+        for name, cold in self._checks.cold_filament():
+            before, self._filament[name] = self._filament[name], self.board.steps(name)
+            if cold and self._filament[name] != before:
+                line = self.job.line_at(self.connection.now - self.base)
+                raise InputError([with_option(Problem("input.cold", self._path, line or None))])
 
     def _where(self) -> Progress:
         clock = self.connection.now - self.base

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from passo.job.batch.npz import FLOAT64, INT8, INT64, write_npz
-from passo.job.batch.simulated_print import Policy, Print
+from passo.job.batch.policy import Policy
+from passo.job.batch.simulated_print import Print
 from passo.job.batch.vcd import write_vcd
 
 if TYPE_CHECKING:

@@ -16,14 +16,18 @@ from passo.errors import CardError, CommandError, InputError, PassoError, Proble
 from passo.gcode.command import Command
 from passo.job.live.line_offsets import line_of_offset
 from passo.job.live.park import Park
+from passo.job.preflight import problems
 from passo.motion.motion_queue import TICK_S
 from passo.printer.input_errors import problem_of
+from passo.printer.unfit_commands import Skips
 from passo.printer.wait_requests import Person, Reply, Stopped, Temperatures, Wait
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
 
 _CHUNK = 1 << 14  # bytes read at a time
+_SURVEYED = 1 << 18  # bytes looked through at a time
+_ADVICE = "Change the file, or print it as it is (M24 U1)"
 _AHEAD_S = 4.0  # of planned print time in one stretch
 _MOST_MESSAGES = 4096  # and so many for the board
 
@@ -80,6 +84,7 @@ class Runner:
         self._left = False  # a print that failed could be gone on with
         self._kept = False  # nobody else may select, rewind or start a file
         self._pauses = False  # what is kept is to pause as soon as it goes on
+        self._skips = printer.skips
         self._state = State.NONE
         self.watchers: list[Callable[[State], None]] = []
         self.name = self.path = ""
@@ -204,8 +209,9 @@ class Runner:
         finally:
             self._kept = False
 
-    def start(self) -> None:
-        """Starts the selected file where it stands, or ends a pause. Raises CommandError."""
+    def start(self, *, skips: Skips | None = None) -> None:
+        """Starts the selected file where it stands, or ends a pause. `skips` are commands that the
+        print may leave out, by default those of the printer. Raises CommandError."""
         if self.state is State.PAUSED:
             if self._returns:
                 self._require_places()
@@ -220,6 +226,7 @@ class Runner:
             raise CommandError.of("job.no-file")
         if 0 < self.size <= self.offset and not self._left:
             raise CommandError.of("job.at-end", value=self.name)
+        self._skips = self._printer.skips if skips is None else skips
         self._again = self._task is not None and not self._task.done()
         if self._again:
             return  # when the one that was just cancelled has let go of the machine
@@ -324,6 +331,7 @@ class Runner:
     async def _print(self) -> None:
         printer = self._printer
         try:
+            await self._look_through()
             while self.active:
                 if self.state is State.PAUSED:
                     await self._stand_aside()
@@ -342,6 +350,30 @@ class Runner:
             self._failed = str(error)
         self._end()
 
+    async def _look_through(self) -> None:
+        """Raises InputError, before anything moves, for a file whose print must not begin."""
+        reader = self._reader
+        if reader is None or self.offset > 0 or all(self._skips):
+            return
+        found = _core.Survey(self._printer.machine.core_spec())
+        try:
+            reader.seek(0)
+            while self.active and (piece := reader.read(_SURVEYED)):
+                found.feed(piece)
+                if len(piece) == _SURVEYED:
+                    await asyncio.sleep(0)  # others need the event loop, too
+        except CardError as error:
+            raise CardError(self._placed(error, 1)) from None
+        finally:
+            if reader is self._reader:
+                reader.seek(0)
+        found.finish()
+        if self.active and (wrong := problems(found, self.name, self._skips)):
+            first, *others = (replace(problem, hint=_ADVICE) for problem in wrong)
+            for problem in others:
+                self._printer.tell(f"echo:{problem}")
+            raise InputError([first])
+
     def _over(self, task: asyncio.Task[None]) -> None:
         """A print that ends by a fault of the program must not leave heaters on."""
         fault = None if task.cancelled() else task.exception()
@@ -350,7 +382,7 @@ class Runner:
             self._printer.halt(f"a fault of the program, {self._failed}")
             self._end()
         if self._again:
-            self.start()
+            self.start(skips=self._skips)
 
     def _stopped(self, reason: str) -> None:
         """The machine was stopped in mid-print. What was planned is lost, so the file can only be

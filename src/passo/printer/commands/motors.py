@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from passo.config.motor_roles import axis_order
 from passo.errors import CommandError
 from passo.gcode.command import Command
-from passo.motion.endstops import is_actuator, steppers_of
+from passo.motion.endstops import axes_lost, named_motors
 from passo.printer.setup.boards import enable_outputs
 from passo.printer.wait_requests import Handler, Reply, Still, Wait
 
@@ -24,7 +22,6 @@ class Motors:
     def __init__(self, printer: Printer) -> None:
         self._printer = printer
         self._machine = printer.machine
-        self._axes = axis_order(self._machine.axes)
         self._outputs = enable_outputs(self._machine)
         self.on: set[str] = set()
         self.idle_s = self._machine.idle.motors_off_s
@@ -67,32 +64,11 @@ class Motors:
 
     def axes_lost(self, steppers: Sequence[str]) -> set[str]:
         """The axes with a switch that no longer know where they are when these motors are off."""
-        lost = set[str]()
-        for name in self._machine.homing:
-            if set(steppers) & set(steppers_of(self._machine, name)):
-                arm = is_actuator(self._machine, name)
-                lost.update(self._machine.axes_of_arms if arm else [name])
-        return lost
+        return axes_lost(self._machine, steppers)
 
     def named(self, text: str) -> list[str]:
         """The motors of the letters in a command: axes, actuators, E; all without letters."""
-        letters = re.findall(r"[A-Z]", text.upper().partition("S")[0])
-        if not letters:
-            return list(self._machine.steppers)
-        found: list[str] = []
-        for letter in letters:
-            name = letter.lower()
-            if name in self._axes:
-                found += steppers_of(self._machine, name)
-            elif name == "e":
-                found += [
-                    s
-                    for s in self._machine.steppers
-                    if (d := self._machine.driven_by(s)) and d.drive == "extruder"
-                ]
-            elif name in self._machine.steppers:
-                found.append(name)
-        return found
+        return named_motors(self._machine, text)
 
     def _switch_on(self, command: Command, _: Reply) -> Wait | None:
         self._set(self.named(command.text), on=True)

@@ -162,8 +162,9 @@ class Commands:
         code = _key(command)
         return command.letter == "T" or code in self._HANDLERS or row_of(code) is not None
 
-    def refuse(self, command: Command, error: CommandError) -> None:
-        """A command that was not carried out, in a print that goes on."""
+    def refuse(self, command: Command, error: CommandError, file: str) -> None:
+        """A command of `file` that was not carried out, in a print that continues."""
+        del file
         self.omitted.count(Omission.REFUSED, f"{command.code}: {error}", command.line)
 
     def problem(self, path: str = "") -> Problem:
@@ -387,9 +388,14 @@ class Commands:
         return FanOrder(words.get("P"), share, at_once, note)
 
     def set_fan(self, order: FanOrder) -> None:
-        """Does what M106 or M107 says; a fan that is not there is left alone."""
+        """Does what M106 or M107 says. Raises CommandError if P names no fan; a machine without
+        fans lets the rest pass."""
         number, share, at_once, _ = order
         fans = self._machine.fans
+        numbers = [fans[name].number for name in self.commanded_fans]
+        if number is not None and number not in numbers:
+            limit = ", ".join(map(str, numbers)) or "no fan"
+            raise CommandError.bad_value("P", number, limit)
         fan = next((n for n in self.commanded_fans if fans[n].number == int(number or 0)), None)
         if fan is not None and share is not None:
             config = self._machine.fans[fan]

@@ -1,0 +1,163 @@
+"""The checks of the served printer in a print without consoles."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from passo.config.motor_roles import axis_order
+from passo.errors import CommandError, InputError
+from passo.gcode.command import Command
+from passo.job.batch.program import with_option
+from passo.motion.endstops import axes_lost, homed_axes, named_axes, named_motors
+from passo.printer.cold_extrusion import ColdExtrusion
+from passo.printer.commands.program import Commands, Heat
+from passo.printer.unfit_commands import Skips, unfit
+from passo.printer.wait_requests import Homing, Still, Wait
+
+if TYPE_CHECKING:
+    from passo import _core
+    from passo.board.boards import Boards
+    from passo.config.machine import MachineConfig
+
+
+@dataclass(slots=True)
+class _Target:
+    """What the program has set of a hotend, °C, and the clock of the plan up to which an earlier,
+    warm target acts."""
+
+    celsius: float = 0.0
+    warm_until: float = 0.0
+
+
+class RehearsedCommands(Commands):
+    """Commands of a print that fails where a print from the card of the served printer stops: at
+    moves of axes that are not homed, cold extrusion, and every command that is refused. `skips` is
+    for a program that no survey has looked through: what must not be left out fails at its line.
+
+    A hotend that is cold and has no warm target holds filament when a line is read. One whose
+    temperature is under way when a line is read is looked at while the board moves the filament:
+    then the plan need not wait, and its steps are those of a print without checks."""
+
+    def __init__(
+        self,
+        machine: MachineConfig,
+        job: _core.Job,
+        heat: Heat,
+        full_scale: list[int],
+        boards: Boards,
+        skips: Skips,
+    ) -> None:
+        super().__init__(machine, job, heat, full_scale)
+        self._boards, self.skips = boards, skips
+        self.cold = ColdExtrusion(machine)
+        self._targets = {name: _Target() for name in machine.heaters}
+        self._unsure = False  # what was read since the last look may move filament that is cold
+        self._now = 0.0
+        self.unsure_until = -1.0  # clock of the plan up to which that was so
+        self.catch_up: Callable[[], None] = lambda: None  # lets the board do what is planned
+        self._axes = axis_order(machine.axes)
+        self._lock(homed_axes(machine))
+
+    def run(self, command: Command) -> Wait | None:
+        """See `Commands.run`."""
+        problem = unfit(command, self.skips)
+        if problem is not None:
+            raise CommandError([problem])
+        if command.code == "M302":
+            return self._guard_set(command)
+        wait = super().run(command)
+        if command.code in ("M18", "M84") and "S" not in command.words():
+            self._lock(axes_lost(self._machine, named_motors(self._machine, command.text)))
+        self.guard(self._now)  # a tool or a target may have changed
+        return wait
+
+    def refuse(self, command: Command, error: CommandError, file: str) -> None:
+        """Raises InputError: a print from the card stops there, too."""
+        placed = (replace(p, file=file, line=command.line) for p in error.problems)
+        raise InputError([with_option(problem) for problem in placed])
+
+    def settled(self, wait: Wait) -> None:
+        """What was waited for has come."""
+        if not isinstance(wait, Homing):
+            return
+        names, point = named_axes(self._machine, wait.letters), self._machine.home_mm
+        numbers = [number for number, name in enumerate(self._axes) if name in names]
+        if "O" in wait.letters:
+            lost = [number for number in self._job.locked_axes if number in numbers]
+            self._job.set_axes([(number, point[self._axes[number]]) for number in lost])
+            return
+        for number in numbers:
+            self._job.lock_axis(number, False)
+
+    def target_set(self, heater: str, celsius: float) -> None:
+        """The program has set a target that acts behind all moves so far."""
+        target = self._targets[heater]
+        if target.celsius >= self.cold.cold_c:
+            target.warm_until = self._plan_end
+        target.celsius = celsius
+
+    def guard(self, now: float) -> None:
+        """What is read from now on moves filament only if its hotend is warm, or may become so.
+        `now` is the board's clock within the job."""
+        self._now = now
+        if self._unsure:
+            self.unsure_until = self._plan_end
+        heaters, cold = self._boards.heaters, self.cold
+        self._unsure = False
+
+        def holds(heater: str | None) -> bool:
+            if heater is None or cold.allows(heater):
+                return False
+            melts, target = cold.melts(heater, heaters), self._targets[heater]
+            warms = max(target.celsius, heaters[heater].target) >= cold.cold_c
+            warms = warms or now < target.warm_until
+            self._unsure = self._unsure or melts != (target.celsius >= cold.cold_c)
+            return not (melts or warms)
+
+        self._job.cold = bool(cold.hotends) and holds(cold.hotend(self._job.tool))
+        for number, heater in cold.axes():
+            self._job.set_cold_axis(number, holds(heater))
+
+    def cold_filament(self) -> list[tuple[str, bool]]:
+        """Each motor that moves filament, and whether that is too cold to move now."""
+        machine, heaters, cold = self._machine, self._boards.heaters, self.cold
+        of_extruder: dict[str, list[str]] = {}
+        for number, tool in enumerate(machine.all_tools if cold.hotends else ()):
+            if tool.extruder:
+                of_extruder.setdefault(tool.extruder, []).append(cold.hotend(number))
+        of_axis = {self._axes[number]: heater for number, heater in cold.axes()}
+        found: list[tuple[str, bool]] = []
+        for stepper in machine.steppers:
+            driven = machine.driven_by(stepper)
+            if driven is None:
+                continue
+            if driven.drive == "extruder":
+                hotends = of_extruder.get(list(machine.extruders)[driven.index], [])
+                if hotends:
+                    melts = any(cold.melts(heater, heaters) for heater in hotends)
+                    found.append((stepper, not melts))
+            elif driven.drive == "axis" and self._axes[driven.index] in of_axis:
+                heater = of_axis[self._axes[driven.index]]
+                found.append((stepper, not cold.melts(heater, heaters)))
+        return found
+
+    @property
+    def _plan_end(self) -> float:
+        return self._job.clock + self._job.queued_ticks
+
+    def _guard_set(self, command: Command) -> Wait:
+        """M302, once what was read before it is done: that must keep to what held then."""
+        command.check()
+
+        def take() -> None:
+            self.catch_up()
+            self.cold.set(command.words())
+
+        return Still(take)
+
+    def _lock(self, names: set[str]) -> None:
+        if self._machine.unhomed_moves == "refuse":
+            for name in names:
+                self._job.lock_axis(self._axes.index(name), True)

@@ -1,0 +1,71 @@
+"""Commands that a print must not leave out without a word: unknown ones that may move the machine,
+and bed levelling on a machine that cannot level."""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+from passo.errors import Problem
+from passo.gcode.command import Command
+from passo.gcode.dialect import row_of
+
+# G codes that move the machine in other dialects, or change where later moves go: splines, pockets,
+# patterns, threads, calibration, probing, radius compensation, scaling, rotation, macros, cycles.
+_MOVES = {5, 6, 13, 16, 26, 33, *range(35, 40), 41, 42, 46, 47, 51, 52, 65, 66, 68, 150, 425} | {
+    *range(70, 80),
+    *range(81, 90),
+}
+_CALLS = {96, 97, 98}  # M codes that call a sub-program
+LEVELLING = {"G29", "G32", "G34", "G80", "BED_MESH_CALIBRATE", "Z_TILT_ADJUST"} | {
+    "QUAD_GANTRY_LEVEL",
+    "BED_TILT_CALIBRATE",
+    "DELTA_CALIBRATE",
+}
+# Klipper's commands, and macros that its users share, that move nothing and change no position.
+_STILL = re.compile(
+    r"(?!SET_(?:GCODE_OFFSET|KINEMATIC_POSITION|DUAL_CARRIAGE)\b)"
+    r"(?:SET_|GET_|QUERY_|DUMP_|SAVE_|CLEAR_|DISPLAY_|_?TIMELAPSE|BED_MESH_|SKEW_|UPDATE_DELAYED"
+    r"|RESPOND\b|ECHO\b|STATUS\b|HELP\b|TUNING_TOWER\b|TEMPERATURE_WAIT\b|TURN_OFF_HEATERS\b)"
+)
+_MACRO = re.compile(r"[A-Z_][A-Z_][A-Z0-9_.]+\Z")  # as Klipper names commands of its own
+_FLOW_OF_CONTROL = re.compile(
+    r"\s*(?:sub|endsub|call|return|if|elseif|else|endif|while|endwhile|do|repeat|endrepeat"
+    r"|break|continue)\b",
+    re.IGNORECASE,
+)
+
+
+class Skips(NamedTuple):
+    """What a print may leave out: commands that are unknown, and bed levelling."""
+
+    unknown: bool = False
+    levelling: bool = False
+
+
+NOTHING = Skips()
+ALL = Skips(unknown=True, levelling=True)
+
+
+def unfit(command: Command, skips: Skips) -> Problem | None:
+    """What is wrong with leaving this command out; None if it is known, harmless or skipped."""
+    code = command.code
+    if code in LEVELLING:
+        if skips.levelling:
+            return None
+        return Problem("input.no-levelling", line=command.line, values={"value": code})
+    if skips.unknown or row_of(code) is not None or not _may_move(command):
+        return None
+    return Problem("input.unknown-moves", line=command.line, values={"value": code})
+
+
+def _may_move(command: Command) -> bool:
+    """Whether an unknown command moves the machine, or changes where it goes, on other firmware."""
+    name = command.name
+    if command.letter == "G":
+        return command.number in _MOVES
+    if command.letter == "M":
+        return command.number in _CALLS
+    if re.fullmatch(r"O\d+", name):
+        return _FLOW_OF_CONTROL.match(command.text) is not None
+    return _MACRO.match(name) is not None and _STILL.match(name) is None
