@@ -16,6 +16,7 @@ FIRMWARE := $(shell find firmware -name '*.[chS]')
 # Changes when a module is added, moved or removed: the editable install lists them.
 MODULES := $(shell find src -name '*.py' | LC_ALL=C sort | cksum | cut -d' ' -f1)
 HOST_FIRMWARE := $(wildcard firmware/core/*.c firmware/hal/common/*.c firmware/hal/host/host.c)
+CORE_SOURCES := $(filter-out core/bind/%,$(filter %.cpp,$(CORE)))
 FUZZERS := $(patsubst tests/fuzz/%.cpp,build/fuzz/%,$(wildcard tests/fuzz/fuzz_*.cpp))
 PYTHON_HEADERS = $(shell $(PYTHON) -c "import os, sysconfig; \
   print(os.path.exists(sysconfig.get_path('include') + '/Python.h'))")
@@ -86,11 +87,19 @@ build/fuzz/fuzz_firmware: tests/fuzz/fuzz_firmware.cpp build/fuzz/firmware/.buil
 	clang++ -std=c++20 -O1 -g -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all \
 	  -Icore -Ifirmware/hal/host -Ibuild/fuzz/firmware $< build/fuzz/firmware/*.o -o $@
 
-build/fuzz/%: tests/fuzz/%.cpp $(CORE)
+# The core, which the other fuzzers share.
+FUZZ_CXX := clang++ -std=c++20 -O1 -g -ffp-contract=off -fno-sanitize-recover=all -Icore
+build/fuzz/core/%.o: core/%.cpp $(filter %.hpp,$(CORE))
 	tools/debian.sh clang libclang-rt-14-dev
 	@mkdir -p $(@D)
-	clang++ -std=c++20 -O1 -g -ffp-contract=off -fsanitize=fuzzer,address,undefined \
-	  -fno-sanitize-recover=all -Icore $< -o $@
+	$(FUZZ_CXX) -fsanitize=fuzzer-no-link,address,undefined -Ifirmware/hal/host -c $< -o $@
+
+build/fuzz/core.a: $(CORE_SOURCES:%.cpp=build/fuzz/%.o)
+	rm -f $@
+	ar rcs $@ $^
+
+build/fuzz/%: tests/fuzz/%.cpp build/fuzz/core.a
+	$(FUZZ_CXX) -fsanitize=fuzzer,address,undefined $^ -o $@
 
 build/%.gcode: examples/%.gcode.xz
 	@mkdir -p $(@D)

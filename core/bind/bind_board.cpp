@@ -227,10 +227,8 @@ void bind_board(nb::module_& m) {
   m.def(
       "firmware_dictionary",
       [](const std::string& library) {
-        FirmwareLibrary firmware(library);
-        size_t size;
-        const uint8_t* data = firmware->built_dictionary(&size);
-        return to_bytes(data, size);
+        Bytes dictionary = built_dictionary(library);
+        return to_bytes(dictionary.data(), dictionary.size());
       },
       "library"_a, "The dictionary that was built into a firmware library, compressed.");
   m.def(

@@ -6,8 +6,8 @@
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
-#include "link/heat_run.hpp"
 #include "link/heater.hpp"
+#include "sim/heat_run.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;

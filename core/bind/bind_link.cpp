@@ -11,6 +11,7 @@
 
 #include "bind/bind_bytes.hpp"
 #include "link/link.hpp"
+#include "link/retimer.hpp"
 #include "steps/message_queue.hpp"
 
 namespace nb = nanobind;

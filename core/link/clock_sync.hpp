@@ -1,7 +1,5 @@
 // The board's clock as the host knows it: a line between what the answers to get_clock allow.
 #pragma once
-#include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <deque>
 #include <limits>
@@ -17,12 +15,8 @@ struct ClockLine {
   double time = 0, clock = 0;
   double rate = 1;  // board ticks per host tick
 
-  double clock_at(double host) const {
-    return double(origin_clock) + (clock + (host - double(origin_time) - time) * rate);
-  }
-  double host_at(double board) const {
-    return double(origin_time) + (time + (board - double(origin_clock) - clock) / rate);
-  }
+  double clock_at(double host) const;
+  double host_at(double board) const;
 };
 
 // Host time is counted in ticks of the nominal frequency; board clocks are 64 bits, unwrapped from
@@ -41,53 +35,22 @@ class ClockSync {
   bool ready() const { return ready_; }
 
   // First sample, from the 64-bit answer to get_uptime. Times in host ticks.
-  void start(Ticks clock, Ticks sent, Ticks received) {
-    ready_ = true;
-    last_clock_ = clock;
-    origin_time_ = sent;
-    origin_clock_ = clock;
-    rate_ = prior_ = 1;
-    usual_excess_ = last_time_ = 0;
-    shortest_trip_ = double(received - sent);
-    spans_.clear();
-    take(0, shortest_trip_, 0);
-  }
+  void start(Ticks clock, Ticks sent, Ticks received);
 
   // The board was not asked for a while, until this host time.
-  void bridge(Ticks host) {
-    if (ready_) last_clock_ = std::max(last_clock_, clock_at(host));
-  }
+  void bridge(Ticks host);
   // The low 32 bits of a clock that lies within 2^31 ticks of the last one known.
-  Ticks unwrap(uint32_t clock) const {
-    return last_clock_ + int32_t(clock - uint32_t(uint64_t(last_clock_)));
-  }
+  Ticks unwrap(uint32_t clock) const;
 
-  void add(uint32_t clock32, Ticks sent, Ticks received) {
-    Ticks clock = unwrap(clock32);
-    // No clock goes back, but that of a host that slept stood still.
-    if (clock < last_clock_ - Ticks(hz_)) clock += Ticks(1) << 32;
-    last_clock_ = std::max(last_clock_, clock);
-    const double trip = double(received - sent), asked = double(sent - origin_time_);
-    // What was once the shortest may be out of reach by now.
-    double passed = std::max(asked - last_time_, 0.0);
-    shortest_trip_ = std::min(trip, shortest_trip_ + passed * kTripAging);
-    usual_excess_ += (trip - shortest_trip_ - usual_excess_) * kExcessGain;
-    take(asked, asked + trip, double(clock - origin_clock_));
-  }
+  void add(uint32_t clock32, Ticks sent, Ticks received);
 
   // What an answer usually takes longer than the quickest ones, seconds.
   double jitter_s() const { return usual_excess_ / hz_; }
   ClockLine line() const { return {origin_time_, origin_clock_, last_time_, value_, rate_}; }
   // Board clock at a host time.
-  Ticks clock_at(Ticks host) const {
-    double along = (double(host - origin_time_) - last_time_) * rate_;
-    return origin_clock_ + Ticks(std::floor(value_ + along + 0.5));
-  }
+  Ticks clock_at(Ticks host) const;
   // Host time at which the board's clock reads `clock`.
-  Ticks host_at(Ticks clock) const {
-    double along = (double(clock - origin_clock_) - value_) / rate_;
-    return origin_time_ + Ticks(std::ceil(last_time_ + along));
-  }
+  Ticks host_at(Ticks clock) const;
   // Board ticks per host tick.
   double rate() const { return rate_; }
 
@@ -121,73 +84,25 @@ class ClockSync {
   double last_time_ = 0, value_ = 0;  // the line goes through this point
   double rate_ = 1, prior_ = 1, shortest_trip_ = 0, usual_excess_ = 0;
 
-  void take(double asked, double heard, double clock) {
-    const Span now{asked, {asked, clock}, {heard, clock}};
-    while (!spans_.empty() && spans_.front().begin < asked - kMemorySeconds * hz_)
-      spans_.pop_front();
-    if (spans_.empty()) prior_ = rate_;
-    if (spans_.empty() || asked >= spans_.back().begin + kSpanSeconds * hz_) {
-      spans_.push_back(now);
-    } else {
-      Span& last = spans_.back();
-      auto offset = [this](const Point& p) { return p.clock - p.time * rate_; };
-      if (offset(now.read) < offset(last.read)) last.read = now.read;
-      if (offset(now.heard) > offset(last.heard)) last.heard = now.heard;
-    }
-    last_time_ = asked;
-    find_rate();
-    Corridor c = corridor(rate_);
-    if (c.upper - c.lower < -kJumpSeconds * hz_) {
-      spans_.assign(1, now);
-      prior_ = rate_;
-      c = corridor(rate_);
-    }
-    value_ = 0.5 * (c.upper + c.lower);
-  }
+  void take(double asked, double heard, double clock);
   // The corridor at a rate: its bounds at last_time_, and the points that they go through.
   struct Corridor {
     double upper = std::numeric_limits<double>::max();
     double lower = std::numeric_limits<double>::lowest();
     double read = 0, heard = 0;  // times of the points, since last_time_
   };
-  Corridor corridor(double rate) const {
-    Corridor c;
-    for (const Span& s : spans_) {
-      double read = s.read.time - last_time_, heard = s.heard.time - last_time_;
-      double upper = s.read.clock - read * rate, lower = s.heard.clock - heard * rate;
-      if (upper < c.upper) c.upper = upper, c.read = read;
-      if (lower > c.lower) c.lower = lower, c.heard = heard;
-    }
-    return c;
-  }
+  Corridor corridor(double rate) const;
   // What a rate is worth, and how that grows with it, on that side of prior_ where it has a kink.
   struct Tangent {
     double rate, worth, slope;
 
     double at(double other) const { return worth + slope * (other - rate); }
   };
-  Tangent tangent(double rate, bool above) const {
-    const Corridor c = corridor(rate);
-    const double held = kPriorSeconds * hz_;
-    return {rate, c.upper - c.lower - held * std::fabs(rate - prior_),
-            c.heard - c.read + (above ? -held : held)};
-  }
+  Tangent tangent(double rate, bool above) const;
   Tangent tangent(double rate) const { return tangent(rate, rate > prior_); }
   // The rate of the greatest worth. That is concave, of straight pieces: two tangents on either
   // side meet above the top, or on it.
-  void find_rate() {
-    rate_ = prior_;
-    if (tangent(rate_, true).slope <= 0 && tangent(rate_, false).slope >= 0) return;
-    Tangent low = tangent(1 - kRateRange), high = tangent(1 + kRateRange);
-    for (int i = 0; i < kMostTangents; ++i) {
-      rate_ = low.slope <= 0 ? low.rate : high.rate;
-      if (low.slope <= 0 || high.slope >= 0) return;
-      rate_ = low.rate + (high.at(low.rate) - low.worth) / (low.slope - high.slope);
-      const Tangent here = tangent(rate_);
-      if (here.worth >= low.at(rate_) - kFineTicks) return;
-      (here.slope > 0 ? low : high) = here;
-    }
-  }
+  void find_rate();
 };
 
 }  // namespace passo::wire

@@ -2,12 +2,10 @@
 // motors on several boards, how far the boards' commits are, and the news that a board has
 // failed.
 #pragma once
-#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <functional>
 #include <mutex>
-#include <utility>
 #include <vector>
 
 #include "link/clock_sync.hpp"
@@ -33,94 +31,37 @@ class Timeline {
   };
 
   // Returns the number of a link's mail.
-  size_t take_seat() {
-    std::lock_guard lock(guard_);
-    mail_.emplace_back();
-    return mail_.size() - 1;
-  }
+  size_t take_seat();
   // `wake` makes a link look at its mail; it may be called from any thread.
-  void set_wake(size_t seat, std::function<void()> wake) {
-    std::lock_guard lock(guard_);
-    mail_[seat].wake = std::move(wake);
-  }
+  void set_wake(size_t seat, std::function<void()> wake);
 
   // The main board's clock as its link knows it; host time in ticks of `hz`.
-  void set_clock(const ClockLine& line, double hz) {
-    std::lock_guard lock(guard_);
-    line_ = line;
-    hz_ = hz;
-  }
+  void set_clock(const ClockLine& line, double hz);
   // Host time, in ticks of `hz`, at which the main board's clock reads `clock`, and the other way.
-  double host_at(double clock, double hz) const {
-    std::lock_guard lock(guard_);
-    return line_.host_at(clock) * (hz / hz_);
-  }
-  double clock_at(double host, double hz) const {
-    std::lock_guard lock(guard_);
-    return line_.clock_at(host * (hz_ / hz));
-  }
+  double host_at(double clock, double hz) const;
+  double clock_at(double host, double hz) const;
 
   // These trsyncs trigger together: as soon as one has told that it did, with `reason`, or because
   // nobody had put off its end, with `expired`, the others are told to. They expire when one of
   // them was not heard of for `patience` ticks, counted from `clock` at first.
   void arm(std::vector<Member> members, uint32_t reason, uint32_t expired, double clock,
-           double patience) {
-    std::lock_guard lock(guard_);
-    for (Member& m : members) m.heard = clock;
-    groups_.push_back({std::move(members), reason, expired, patience});
-  }
-  void disarm() {
-    std::lock_guard lock(guard_);
-    groups_.clear();
-  }
+           double patience);
+  void disarm();
   // A board's report of a trsync, made at a clock of the main board.
-  void heard(size_t seat, uint32_t oid, bool can_trigger, uint32_t reason, double clock) {
-    std::lock_guard lock(guard_);
-    for (Group& group : groups_)
-      for (Member& member : group.members)
-        if (member.seat == seat && member.oid == oid) {
-          if (can_trigger)
-            put_off(group, member, clock);
-          else if (!group.over && (reason == group.reason || reason == group.expired))
-            trigger(group, member, reason);
-        }
-  }
-  std::vector<Order> take_mail(size_t seat) {
-    std::lock_guard lock(guard_);
-    return std::exchange(mail_[seat].orders, {});
-  }
+  void heard(size_t seat, uint32_t oid, bool can_trigger, uint32_t reason, double clock);
+  std::vector<Order> take_mail(size_t seat);
 
   // From now on motion comes in commits, of which none is there yet. Before any of it is sent.
-  void begin_commits() {
-    std::lock_guard lock(guard_);
-    for (Mail& mail : mail_) mail.has = 0;
-    survive_ = true;
-  }
+  void begin_commits();
   // The board behind a link has all that belongs to a commit but the word that makes it valid. True
   // once all boards are so far: then that word may be sent. So a board that has it knows that all
   // others have, at least, the commit before.
-  bool may_commit(size_t seat, uint32_t serial) {
-    std::lock_guard lock(guard_);
-    bool news = mail_[seat].has < serial;
-    if (news) mail_[seat].has = serial;
-    for (const Mail& mail : mail_)
-      if (mail.has < serial) return false;
-    for (const Mail& mail : mail_)
-      if (news && mail.wake) mail.wake();
-    return true;
-  }
+  bool may_commit(size_t seat, uint32_t serial);
 
   // The link to a board is lost. Where boards stop by themselves they will; else all stop at once.
-  void lost() {
-    if (!survive_) halt();
-  }
+  void lost();
   // A board has stopped: all others stop too.
-  void halt() {
-    halted_ = true;
-    std::lock_guard lock(guard_);
-    for (const Mail& mail : mail_)
-      if (mail.wake) mail.wake();
-  }
+  void halt();
   bool halted() const { return halted_; }
 
  private:
@@ -143,27 +84,9 @@ class Timeline {
   std::vector<Mail> mail_;
   std::atomic<bool> halted_{false}, survive_{false};
 
-  void post(const Member& to, const Order& order) {
-    Mail& mail = mail_[to.seat];
-    mail.orders.push_back(order);
-    if (mail.wake) mail.wake();
-  }
-  void trigger(Group& group, const Member& by, uint32_t reason) {
-    group.over = true;
-    for (const Member& m : group.members)
-      if (&m != &by) post(m, {m.oid, true, reason, 0});
-  }
-  void put_off(Group& group, Member& by, double clock) {
-    auto earliest = [&] {
-      double first = group.members[0].heard;
-      for (const Member& m : group.members) first = std::min(first, m.heard);
-      return first;
-    };
-    double before = earliest();
-    by.heard = std::max(by.heard, clock);
-    if (group.over || earliest() <= before) return;
-    for (const Member& m : group.members) post(m, {m.oid, false, 0, earliest() + group.patience});
-  }
+  void post(const Member& to, const Order& order);
+  void trigger(Group& group, const Member& by, uint32_t reason);
+  void put_off(Group& group, Member& by, double clock);
 };
 
 }  // namespace passo::wire

@@ -3,7 +3,6 @@
 // lets the board switch the heater off.
 #pragma once
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <deque>
 #include <mutex>
@@ -66,11 +65,7 @@ struct HeatSample {
 
 class Heater {
  public:
-  explicit Heater(HeaterOptions options)
-      : o_(std::move(options)), controller_(o_.control), protection_(o_.limits) {
-    if (o_.model) body_.emplace(*o_.model);
-    set_control(o_.control);
-  }
+  explicit Heater(HeaterOptions options);
 
   // Held by whoever uses a heater whose link has a thread.
   std::mutex& guard() { return guard_; }
@@ -84,40 +79,17 @@ class Heater {
   // True from the first report in the target's window on, until the target changes.
   bool reached() const { return reached_; }
   // It has stayed there for as long as who waits for it wants.
-  bool settled() const {
-    return (near_s_ && *near_s_ >= o_.arrival.seconds) || about_s_ >= Arrival::kPatience;
-  }
+  bool settled() const;
   const Arrival& arrival() const { return o_.arrival; }
   // While there is a fault the target is kept, but nothing heats.
-  void set_target(double celsius) {
-    double wanted = celsius > 0 ? celsius : 0;  // nor does anything heat to what is no number
-    if (wanted != target_) leave();
-    target_ = wanted;
-  }
+  void set_target(double celsius);
 
   // Another sensor on the same input, or another idea of it: its table and its range.
-  void set_sensor(const HeaterOptions& other) {
-    o_.celsius = other.celsius;
-    o_.low_share = other.low_share;
-    o_.high_share = other.high_share;
-    o_.open_is_high = other.open_is_high;
-    o_.query = other.query;
-    new_net_ = true;
-    protection_.restart();
-  }
+  void set_sensor(const HeaterOptions& other);
 
   const heat::Control& control() const { return controller_.control(); }
-  void set_control(const heat::Control& control) {
-    controller_.set(control);
-    if (const auto* predictive = std::get_if<heat::ModelControl>(&control))
-      set_model(predictive->model);
-  }
-  void set_model(const heat::HeatModel& model) {
-    if (body_)
-      body_->set(model);
-    else
-      body_.emplace(model);
-  }
+  void set_control(const heat::Control& control);
+  void set_model(const heat::HeatModel& model);
   const std::optional<heat::Observer>& body() const { return body_; }
   const heat::ProtectionLimits& limits() const { return protection_.limits(); }
   void set_limits(const heat::ProtectionLimits& limits) { protection_.set(limits); }
@@ -125,30 +97,17 @@ class Heater {
   // How fast the fan blows that cools this heater, 0…1, for its model.
   void set_fan(double speed) { fan_ = std::clamp(speed, 0.0, 1.0); }
   // The job's last word on it, which counts when it is new.
-  void follow_fan(uint32_t value) {
-    if (value != fan_value_) set_fan(value / o_.fan_full);
-    fan_value_ = value;
-  }
+  void follow_fan(uint32_t value);
 
   const heat::Fault& fault() const { return fault_; }
   bool faulty() const { return fault_.kind != heat::FaultKind::none; }
   // True once after each fault.
   bool take_news() { return std::exchange(news_, false); }
   // Lets a faulty heater heat again, to the target that it kept.
-  void rearm() {
-    fault_ = {};
-    leave();
-    protection_.restart();
-    if (body_) body_->restart();  // what it took for heat were the readings of a broken sensor
-  }
+  void rearm();
 
   // The board has gone on alone, with no more power than what keeps the heater warm.
-  void interrupted() {
-    clock_.reset();
-    leave();
-    protection_.interrupted();
-    if (body_) body_->restart();
-  }
+  void interrupted();
   // The share of power that has kept the target of late; 0 until it was reached, and of a faulty
   // heater.
   double keeping() const { return reached_ && !faulty() ? keeping_ : 0; }
@@ -156,49 +115,14 @@ class Heater {
   std::deque<HeatSample>& samples() { return samples_; }
 
   // Takes a report (sum of samples) made at board clock `clock`; true if `value` must be sent.
-  bool report(uint32_t sum, Ticks clock, double clock_hz, uint32_t& value) {
-    double dt = clock_ ? double(clock - *clock_) / clock_hz : 0;
-    if (dt > o_.longest_s) {  // nobody knows what power acted, and for how much of it
-      dt = o_.longest_s;
-      if (body_) body_->restart();
-    }
-    double share = double(sum) / o_.adc_full;
-    bool above = share > o_.high_share, below = share < o_.low_share;
-    clock_ = clock;
-    celsius_ = o_.celsius.at(share);
-    if (body_) body_->update(celsius_, power_, fan_, dt);
-    bool failed = false;
-    if (!faulty()) {
-      bool open = o_.open_is_high ? above : below, shorted = o_.open_is_high ? below : above;
-      bool full = power_ >= kFullShare * o_.max_power;
-      fault_ = protection_.check({celsius_, heating_target(), power_, dt, full, open, shorted,
-                                  body_ ? body_->unexplained() : 0});
-      fault_.clock = clock;
-      failed = news_ = faulty();
-    }
-    double target = faulty() ? 0 : target_;
-    double power =
-        controller_.update({celsius_, target, dt, o_.max_power, body_ ? &*body_ : nullptr});
-    arrive(target, dt);
-    keeping_ = reached_ ? keeping_ + (power - keeping_) * std::min(1.0, dt / kKeepingSeconds) : 0;
-    bool send = power > 0 || power_ > 0 || failed;  // a heater that is on must be renewed
-    power_ = power;
-    value = uint32_t(power * o_.full + 0.5);
-    if (samples_.size() == kSamplesMax) samples_.pop_front();
-    samples_.push_back({clock, celsius_, target_, power, controller_.terms()});
-    return send;
-  }
+  bool report(uint32_t sum, Ticks clock, double clock_hz, uint32_t& value);
 
   // The board was asked for its reports anew, with the sensor's own range.
   void asked_anew() { wide_ = false; }
   // The board's net hangs while there is no fault: a heater that is off already needs it no more,
   // and whether the whole machine is to stop is then not the board's to decide. Returns true if the
   // query must be sent anew, with `wide` or with its own range.
-  bool change_net(bool& wide) {
-    wide = faulty();
-    bool changed = std::exchange(wide_, wide) != wide;
-    return std::exchange(new_net_, false) || changed;
-  }
+  bool change_net(bool& wide);
 
  private:
   static constexpr double kKeepingSeconds = 20;  // over which the power is averaged
@@ -220,31 +144,10 @@ class Heater {
   double off_ = 0;                // from its target, with the last report; 0 if there was none
   bool reached_ = false, news_ = false, wide_ = false, new_net_ = false;
 
-  void leave() {
-    reached_ = false;
-    near_s_.reset();
-    about_s_ = off_ = 0;
-  }
-  void arrive(double target, double dt) {
-    if (target <= 0) return leave();
-    double off = celsius_ - target, away = std::fabs(off);
-    bool crossed = off * std::exchange(off_, off) < 0;  // a coarse sensor steps over the window
-    about_s_ = away > o_.arrival.leaves_c ? 0 : about_s_ + dt;
-    if (about_s_ >= Arrival::kPatience) reached_ = true;
-    if (away > o_.arrival.leaves_c) {
-      near_s_.reset();
-    } else if (near_s_) {
-      *near_s_ += dt;
-    } else if (away <= o_.arrival.window_c || crossed) {
-      near_s_ = 0;
-      reached_ = true;
-    }
-  }
+  void leave();
+  void arrive(double target, double dt);
   // A relay swings around its target: only being on the way up can be judged by the target.
-  double heating_target() const {
-    bool tuning = std::holds_alternative<heat::RelayControl>(control());
-    return tuning && terms().d < 0 ? 0 : target_;
-  }
+  double heating_target() const;
 };
 
 }  // namespace passo::wire

@@ -2,13 +2,10 @@
 // bytes and host time (ticks of the nominal frequency) and takes bytes and the next deadline. Where
 // a thread drives it (live_wire.hpp), all others hold guard() while they use it.
 #pragma once
-#include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <deque>
 #include <memory>
 #include <mutex>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -32,15 +29,7 @@ struct Response {
 
 class Link {
  public:
-  explicit Link(double clock_hz)
-      : hz_(clock_hz), window_(clock_hz), sync_(clock_hz), job_(clock_hz), lateness_(clock_hz),
-        heaters_(clock_hz, commands_, sync_, job_,
-                 [this](const std::string& name, const std::vector<Value>& values) {
-                   send(name, values);
-                 }) {
-    reports_.add(0, "identify_response offset=%u data=%.*s");
-    commands_.add(1, "identify offset=%u count=%c");
-  }
+  explicit Link(double clock_hz);
   Link(const Link&) = delete;
   Link& operator=(const Link&) = delete;
 
@@ -48,53 +37,20 @@ class Link {
   double hz() const { return hz_; }
 
   // Replaces the two messages that every board knows by all of its dictionary.
-  void set_dictionary(Formats commands, Formats reports, size_t receive_window) {
-    inbox_.clear();
-    commands_ = std::move(commands);
-    reports_ = std::move(reports);
-    window_.set_receive_window(receive_window);
-    clock_id_ = id_of("clock");
-    uptime_id_ = id_of("uptime");
-    analog_id_ = id_of("analog_in_state");
-    converter_id_ = id_of("thermocouple_result");
-    shutdown_id_ = id_of("shutdown");
-    is_shutdown_id_ = id_of("is_shutdown");
-    survive_id_ = id_of("survive_state");
-    trsync_id_ = id_of("trsync_state");
-    starting_id_ = id_of("starting");
-  }
+  void set_dictionary(Formats commands, Formats reports, size_t receive_window);
   const Formats& commands() const { return commands_; }
 
   // Queues one command to be sent at once, before any of the job. An emergency stop goes before all
   // that the board does not have yet, and takes its place.
-  void send(const std::string& name, const std::vector<Value>& values) {
-    Bytes payload;
-    commands_.at(name).encode(values, payload);
-    if (payload.size() > kPayloadMax) throw std::invalid_argument(name + ": too long for a frame");
-    if (name != "emergency_stop") return now_queue_.push_back({std::move(payload), Asks::nothing});
-    stop_ = std::move(payload);
-    job_.stop();
-    holds_question_ = holds_query_ = holds_command_ = false;
-    open_size_ = 0;
-    open_first_ = open_need_ = kNever;
-  }
+  void send(const std::string& name, const std::vector<Value>& values);
   // Messages of the board that nobody in the core has use for, oldest first.
   std::deque<Response>& inbox() { return inbox_; }
 
   // Starts to follow the clock of the board, which has its configuration; its first answer makes
   // synchronous() true.
-  void follow_clock(Ticks now) {
-    following_ = configured_ = true;
-    next_sync_ = now;
-    samples_ = 0;
-    asked_at_ = now;
-    lost_ = false;
-  }
+  void follow_clock(Ticks now);
   // Ticks that a byte takes on a serial line: a frame that is sent has come when its last byte has.
-  void set_byte_ticks(double ticks) {
-    byte_ticks_ = ticks;
-    window_.set_byte_ticks(ticks);
-  }
+  void set_byte_ticks(double ticks);
   bool synchronous() const { return sync_.ready(); }
   const ClockSync& clock() const { return sync_; }
   // True when the board left its questions unanswered for some four seconds, or has begun anew.
@@ -105,72 +61,28 @@ class Link {
 
   // This link's board is one of several: the main one, whose clock is that of the timeline, or a
   // further one, whose steps may miss their times by `tolerance` ticks more than the plan's.
-  void join(std::shared_ptr<Timeline> timeline, bool main, double tolerance) {
-    timeline_ = std::move(timeline);
-    seat_ = timeline_->take_seat();
-    main_ = main;
-    if (main)
-      timeline_->set_clock(sync_.line(), hz_);
-    else
-      job_.retime(tolerance);
-  }
+  void join(std::shared_ptr<Timeline> timeline, bool main, double tolerance);
   size_t seat() const { return seat_; }
   // This board's clock when the main one's reads `clock`, and the other way.
-  Ticks own_clock(Ticks clock) const {
-    if (main_) return clock;
-    double host = timeline_->host_at(double(clock), hz_);
-    return Ticks(std::floor(sync_.line().clock_at(host) + 0.5));
-  }
-  Ticks main_clock(Ticks own) const {
-    if (main_) return own;
-    double host = sync_.line().host_at(double(own));
-    return Ticks(std::floor(timeline_->clock_at(host, hz_) + 0.5));
-  }
+  Ticks own_clock(Ticks clock) const;
+  Ticks main_clock(Ticks own) const;
   JobStream& job() { return job_; }
   // The messages of the job; other threads may use them as well, if one drives this link.
-  void set_queue(MessageQueue* queue) {
-    queue_ = queue;
-    if (live_ && queue) queue->share();
-    job_.set_queue(queue);
-  }
+  void set_queue(MessageQueue* queue);
   // From now on a thread drives this link.
-  void set_live() {
-    live_ = true;
-    set_queue(queue_);
-  }
+  void set_live();
   // Starts the job at clock `base` of the main board, whose clock runs at `main_hz`: every motor's
   // clock is set, then messages flow.
-  void start_job(Ticks base, double main_hz) {
-    main_base_ = base;
-    if (Retimer* retimer = job_.retimer()) {
-      retimer->start(main_hz, hz_ / main_hz);
-      base = own_clock(main_base_);
-      job_.start(base);
-      renew_map(0);
-    }
-    for (Bytes& reset : job_.resets(base)) now_queue_.push_back({std::move(reset), Asks::nothing});
-    job_.start(base);
-  }
+  void start_job(Ticks base, double main_hz);
 
-  Heater& add_heater(HeaterOptions options) {
-    commands_.at(options.pwm ? "queue_pwm_out" : "queue_digital_out");
-    return heaters_.add(std::move(options));
-  }
+  Heater& add_heater(HeaterOptions options);
   // No heater is on its way to its target.
   bool heaters_reached() const { return heaters_.reached(); }
   // The board takes commits (docs/decisions/0013-survive.md): messages leave `horizon` ticks ahead,
   // and the board learns how warm it keeps what, if this host falls silent.
-  void use_commits(Ticks horizon) {
-    job_.use_commits(commands_, horizon);
-    keeps_ = true;
-    heaters_.keep();
-  }
+  void use_commits(Ticks horizon);
   // The machine stands, and motion comes in commits from here on, if `on`.
-  void begin_commits(bool on) {
-    job_.begin_commits();
-    agree();
-    if (timeline_ && on) timeline_->begin_commits();
-  }
+  void begin_commits(bool on);
   // True once after faults of heaters: the board has been sent the order to switch them off.
   bool take_fault() { return heaters_.take_fault(); }
 
@@ -180,63 +92,25 @@ class Link {
   // It was told to, since another board of the machine had stopped or was lost.
   bool stopped_with_others() const { return halted_; }
   // The board begins anew, after a reset or a power cycle: whatever was on its way is forgotten.
-  void restart() {
-    window_.restart();
-    scanner_.reset();
-    now_queue_.clear();
-    stop_.clear();
-    job_.stop();
-    lateness_.restart();
-    due_ = kNever;
-    open_size_ = 0;
-    open_first_ = open_need_ = kNever;
-    holds_question_ = holds_command_ = asked_ = shut_down_ = false;
-    holds_query_ = queried_ = begun_anew_ = false;
-  }
+  void restart();
 
   // The board has heard nothing of this host in time, and stops by itself.
   bool alone() const { return alone_; }
 
   // The link was broken, and the board has gone on alone: what was on its way is forgotten, and the
   // job stands until go_on().
-  void reconnect() {
-    restart();
-    heaters_.interrupted();
-    if (following_) follow_clock(0);
-    long_ago_ = true;
-    configured_ = false;  // as far as anybody knows; opening a port resets many boards
-  }
+  void reconnect();
   // The board has all commands that were sent at once. What answers them at once has been received
   // by then, or is lost.
-  bool told() const {
-    return stop_.empty() && now_queue_.empty() && !holds_command_ &&
-           window_.acked() > last_command_;
-  }
+  bool told() const;
   // Seconds since the first of what the board has not acknowledged was sent, when its clock reads
   // `clock`; 0 if it has acknowledged all.
-  double unheard_s(Ticks clock) const {
-    if (window_.idle()) return 0;
-    return double(sync_.host_at(clock) - window_.sent_at(window_.acked())) / hz_;
-  }
+  double unheard_s(Ticks clock) const;
   // Everything of the job so far is at the board. Where motion comes in commits, the board has said
   // so of the one behind which the machine stands.
-  bool delivered() const {
-    bool all = true;
-    if (queue_) {
-      auto held = queue_->hold();
-      all = queue_->empty();
-    }
-    return all && open_first_ == kNever && window_.acked() > last_of_job_ && taken_;
-  }
+  bool delivered() const;
   // The board has taken over again what it keeps; the job goes on.
-  void go_on() {
-    configured_ = true;
-    alone_ = false;
-    agree();
-    map_anew_ = job_.retimer() != nullptr;
-    heaters_.tell_kept_again();
-    job_.go_on();
-  }
+  void go_on();
 
   uint64_t wire_bytes() const { return wire_bytes_; }
   uint64_t frames() const { return frames_; }
@@ -245,67 +119,13 @@ class Link {
 
   // Bytes from the board. False if these were nothing but acknowledgements that nothing waits for:
   // then poll() has no more to send than it had.
-  bool feed(const uint8_t* data, size_t n, Ticks now) {
-    Ticks clock = wake(now);
-    uint64_t acked = window_.acked();
-    bool waited = keeps_ || timeline_ || !sync_.ready() || !window_.room(kPayloadMax);
-    scanner_.feed(
-        data, n,
-        [&](uint8_t sequence, const uint8_t* payload, size_t size) {
-          if (is_starting(payload, size)) return started();
-          if (begun_anew_ || !window_.acknowledge(sequence, size == 0, now) || size == 0) return;
-          receive(payload, size, now);
-          waited = true;
-        },
-        [] {});
-    if (sync_.ready())
-      for (; acked < window_.acked(); ++acked)
-        lateness_.arrived(acked, window_.repeated(acked), clock);
-    return waited || window_.refused();
-  }
+  bool feed(const uint8_t* data, size_t n, Ticks now);
   // The cable takes no bytes now, so poll() has to wait.
-  void cable_full(Ticks now) {
-    lateness_.looked(Cause::bytes, wake(now));
-    due_ = kNever;
-  }
+  void cable_full(Ticks now);
 
   // Appends what is to be sent now; returns the host time of the next call that has any use, if no
   // bytes come before.
-  Ticks poll(Ticks now, Bytes& out) {
-    if (begun_anew_) return due_ = kNever;
-    size_t before = out.size();
-    if (timeline_ && timeline_->halted() && !shut_down_ && !std::exchange(halted_, true))
-      send("emergency_stop", {});
-    if (!stop_.empty() && window_.replace(stop_)) stop_.clear(), last_command_ = window_.next() - 1;
-    window_.poll(now, out);
-    if (following_ && now >= next_sync_) ask_clock(now);
-    if (timeline_ && !shut_down_) follow_orders();
-    Ticks clock = wake(now);
-    if (sync_.ready() && std::exchange(map_anew_, false)) begin_map_anew(now);
-    if (sync_.ready() && !shut_down_)
-      for (Bytes again = job_.renew(clock); !again.empty(); again = job_.renew(clock))
-        now_queue_.push_back({std::move(again), Asks::nothing});
-    if (must_ask_state()) {
-      send("survive_query", {});
-      now_queue_.back().second = Asks::state;
-      queried_ = true;
-    }
-    for (bool more = true; more && window_.room(kPayloadMax) && fill_frame(clock, more);) {
-      if (holds_question_) question_ = window_.next();
-      if (holds_query_) query_ = window_.next(), queried_ = false;
-      if (holds_command_) last_command_ = window_.next();
-      holds_question_ = holds_query_ = holds_command_ = false;
-      lateness_.left(window_.next(), job_.must_leave(open_first_), open_need_, clock);
-      if (open_first_ != kNever) last_of_job_ = window_.next();
-      window_.seal(open_size_, now, out);
-      ++frames_;
-      open_size_ = 0;
-      open_first_ = open_need_ = kNever;
-    }
-    wire_bytes_ += out.size() - before;
-    lateness_.looked(obstacle(clock), clock);
-    return due_ = deadline(now);
-  }
+  Ticks poll(Ticks now, Bytes& out);
 
  private:
   static constexpr double kLostSeconds = 4;
@@ -372,226 +192,51 @@ class Link {
   uint32_t shutdown_reason_ = 0;
   uint64_t wire_bytes_ = 0, frames_ = 0;
 
-  int32_t id_of(const std::string& name) const {
-    const Format* format = reports_.find(name);
-    return format ? format->id : -1000;
-  }
+  int32_t id_of(const std::string& name) const;
 
   // The board's clock, as far as it is known; what was due before now is late.
-  Ticks wake(Ticks now) {
-    if (!sync_.ready()) return 0;
-    if (now == woke_) return clock_;
-    woke_ = now;
-    clock_ = sync_.clock_at(now);
-    lateness_.woke(now > due_ ? sync_.clock_at(due_) : clock_, clock_);
-    due_ = std::max(due_, now);
-    return clock_;
-  }
+  Ticks wake(Ticks now);
   // What keeps more of the job from leaving.
-  Cause obstacle(Ticks clock) const {
-    if (!window_.room(kPayloadMax) && job_.wake() <= clock)
-      return window_.resending() ? Cause::retransmits : Cause::bytes;
-    if (waits_) return Cause::retransmits;
-    return job_.short_of_slots() ? Cause::slots : Cause::plan;
-  }
+  Cause obstacle(Ticks clock) const;
 
   // Puts into the open frame what may go; true if it is to leave now. `more`: there may be another.
-  bool fill_frame(Ticks clock, bool& more) {
-    uint8_t* payload = window_.payload();
-    while (!now_queue_.empty()) {
-      const auto& [command, asks] = now_queue_.front();
-      if (open_size_ + command.size() > kPayloadMax) return true;
-      std::copy(command.begin(), command.end(), payload + open_size_);
-      open_size_ += command.size();
-      holds_command_ = true;
-      holds_question_ |= asks == Asks::clock;
-      holds_query_ |= asks == Asks::state;
-      now_queue_.pop_front();
-    }
-    bool commits = false;
-    if (sync_.ready() && !shut_down_) {
-      auto word = [&](uint32_t serial, bool rest) {
-        JobStream::Word word = word_for(serial, rest);
-        commits |= word == JobStream::Word::and_ask;
-        return word;
-      };
-      auto filled = job_.fill(payload, open_size_, open_first_, open_need_, clock, word);
-      more = filled == JobStream::Fill::full;
-      if (more) return true;
-      if (filled == JobStream::Fill::complete) return open_size_ > 0;
-    }
-    if (open_size_ == 0) return false;
-    return holds_command_ || commits || job_.must_leave(open_first_) <= clock;
-  }
+  bool fill_frame(Ticks clock, bool& more);
 
   // Of several boards all must have acknowledged what belongs to a commit, and have said that they
   // have taken the one before it, before the word for it leaves, which it does at once then. A
   // board alone is asked for the commits behind which the machine stands. What a board answers
   // comes before the acknowledgement, or never.
-  JobStream::Word word_for(uint32_t serial, bool rest) {
-    if (timeline_) {
-      waits_ = alone_ || !taken_ || open_first_ != kNever || window_.acked() <= last_of_job_ ||
-               !timeline_->may_commit(seat_, serial);
-      if (waits_) return JobStream::Word::no;
-    }
-    committed_ = serial;
-    taken_ = !timeline_ && !rest;
-    if (taken_) return JobStream::Word::yes;
-    return JobStream::Word::and_ask;
-  }
+  JobStream::Word word_for(uint32_t serial, bool rest);
   // The board has left open whether it has the last commit of which it was asked.
-  bool must_ask_state() const {
-    return !taken_ && !queried_ && !alone_ && job_.running() && open_first_ == kNever &&
-           window_.acked() > std::max(last_of_job_, query_);
-  }
+  bool must_ask_state() const;
   // The board and the host mean the same commit.
   void agree() { committed_ = 0, taken_ = true, waits_ = false; }
   // What the board has said of itself. With a frame behind that of the commit's word it must know
   // of that; if it does not, what it acknowledged were other bytes.
-  void take_state(int64_t state, uint32_t serial) {
-    taken_ |= serial == committed_;
-    alone_ |= state >= kBraking || (!taken_ && window_.acked() > last_of_job_ + 1);
-  }
-  void follow_orders() {
-    for (const Timeline::Order& order : timeline_->take_mail(seat_)) {
-      if (order.triggers)
-        send("trsync_trigger", {int64_t(order.oid), int64_t(order.reason)});
-      else
-        send("trsync_set_timeout",
-             {int64_t(order.oid), int64_t(uint32_t(own_clock(Ticks(order.clock))))});
-    }
-  }
-  void renew_map(double job_clock) {
-    renewed_ = job_clock;
-    job_.retimer()->map().renew(job_clock, [this](double t) { return expected(t); });
-  }
-  void begin_map_anew(Ticks now) {
-    renewed_ = double(main_clock(sync_.clock_at(now)) - main_base_);
-    job_.retimer()->map().begin_anew(renewed_, [this](double t) { return expected(t); });
-  }
+  void take_state(int64_t state, uint32_t serial);
+  void follow_orders();
+  void renew_map(double job_clock);
+  void begin_map_anew(Ticks now);
   // What this board's clock is expected to read, since the job began, at a clock of the job.
   double expected(double t) const { return double(own_clock(main_base_ + Ticks(t)) - job_.base()); }
   // The clocks are known better now.
-  void follow_timeline(Ticks now) {
-    if (main_) return timeline_->set_clock(sync_.line(), hz_);
-    if (!job_.running()) return;
-    const TimeMap& map = job_.retimer()->map();
-    double job_clock = map.inverse(double(sync_.clock_at(now) - job_.base()));
-    if (job_clock >= renewed_ + kRenewSeconds * map.hz()) renew_map(job_clock);
-  }
+  void follow_timeline(Ticks now);
 
-  double until_next_question() const {
-    if (!timeline_) return samples_ < kQuickSamples ? kQuickSeconds : kSyncSeconds;
-    return asks_often() ? kOftenSeconds : kSyncOfSeveralSeconds;
-  }
-  bool asks_often() const {
-    return timeline_ && (samples_ < kQuickSamplesOfSeveral || sync_.jitter_s() > kJitterSeconds);
-  }
-  void ask_clock(Ticks now) {
-    if (std::exchange(long_ago_, false)) sync_.bridge(now);
-    next_sync_ = now + Ticks(until_next_question() * hz_);
-    if (asked_) {
-      lost_ = now - asked_at_ > Ticks(kLostSeconds * hz_);
-      if (timeline_ && lost_) timeline_->lost();
-      // An answer comes before the acknowledgement, or never. Two questions on their way would be
-      // taken for each other.
-      if (question_ == 0 || window_.acked() <= question_) return;
-    }
-    Bytes payload;
-    commands_.at(sync_.ready() ? "get_clock" : "get_uptime").encode({}, payload);
-    now_queue_.push_back({std::move(payload), Asks::clock});
-    // What it said may have been lost.
-    if (keeps_ && job_.running() && (!asks_often() || samples_ % kSamplesPerState == 0))
-      send("survive_query", {});
-    if (!asked_) asked_at_ = now;
-    asked_ = true;
-    question_ = 0;
-  }
+  double until_next_question() const;
+  bool asks_often() const;
+  void ask_clock(Ticks now);
 
-  Ticks deadline(Ticks now) const {
-    Ticks next = std::min(window_.deadline(), following_ ? next_sync_ : kNever);
-    if (sync_.ready() && !shut_down_ && window_.room(kPayloadMax)) {
-      Ticks wake = open_size_ > 0 ? job_.must_leave(open_first_) : job_.wake();
-      wake = std::min(wake, job_.renew_at());
-      if (wake != kNever) next = std::min(next, sync_.host_at(wake));
-    }
-    return std::max(next, now + 1);
-  }
+  Ticks deadline(Ticks now) const;
 
   // Whatever its number: the board counts frames anew.
-  bool is_starting(const uint8_t* payload, size_t size) const {
-    Reader in{payload, payload + size};
-    return size > 0 && int32_t(in.vlq()) == starting_id_ && in.ok;
-  }
-  void started() {
-    if (!configured_) return window_.restart();  // or it would be told again to reset itself
-    begun_anew_ = true;
-    job_.stop();
-    if (timeline_) timeline_->lost();
-  }
-  void receive(const uint8_t* payload, size_t size, Ticks now) {
-    Reader in{payload, payload + size};
-    int32_t id = int32_t(in.vlq());
-    const Format* format = reports_.find(id);
-    if (!in.ok || !format) return;
-    std::vector<Value> values;
-    format->decode(in, values);
-    if (!in.ok) return;
-    try {
-      take(id, *format, values, size, now);
-    } catch (const std::exception& e) {  // another dictionary than this program expects
-      throw std::runtime_error("its report " + format->name + " cannot be used: " + e.what());
-    }
-  }
-  void take(int32_t id, const Format& format, std::vector<Value>& values, size_t size, Ticks now) {
-    if (id == clock_id_ || id == uptime_id_) {
-      take_clock(id == uptime_id_, values, now - on_the_line(kFrameMin + size));
-    } else if ((id == analog_id_ || id == converter_id_) && heaters_.take(values, now)) {
-      return;
-    } else {
-      if (id == trsync_id_ && timeline_) take_trsync(values);
-      if (id == survive_id_ && job_.running()) {
-        take_state(std::get<int64_t>(values.at(0)), uint32_t(std::get<int64_t>(values.at(1))));
-        return;
-      }
-      if (id == shutdown_id_ || id == is_shutdown_id_) {
-        shutdown_reason_ = uint32_t(std::get<int64_t>(values.at(id == shutdown_id_ ? 1 : 0)));
-        shut_down_ = true;
-        job_.stop();
-        if (timeline_) timeline_->halt();
-      }
-      if (inbox_.size() == kInboxMax) inbox_.pop_front();
-      inbox_.push_back({&format, std::move(values)});
-    }
-  }
+  bool is_starting(const uint8_t* payload, size_t size) const;
+  void started();
+  void receive(const uint8_t* payload, size_t size, Ticks now);
+  void take(int32_t id, const Format& format, std::vector<Value>& values, size_t size, Ticks now);
   // trsync_state oid can_trigger trigger_reason clock
-  void take_trsync(const std::vector<Value>& values) {
-    int64_t v[4];
-    for (size_t i = 0; i < 4; ++i) v[i] = std::get<int64_t>(values.at(i));
-    Ticks clock = main_clock(sync_.unwrap(uint32_t(v[3])));
-    timeline_->heard(seat_, uint32_t(v[0]), v[1] != 0, uint32_t(v[2]), double(clock));
-  }
+  void take_trsync(const std::vector<Value>& values);
   Ticks on_the_line(size_t bytes) const { return Ticks(byte_ticks_ * double(bytes)); }
-  void take_clock(bool uptime, const std::vector<Value>& values, Ticks answered) {
-    // It answers the frame that it acknowledges. After a lost link one may come that was asked for
-    // before; the next question must not be taken for answered by that.
-    if (!asked_ || question_ == 0 || window_.acked() != question_ + 1) return;
-    asked_ = false;
-    lost_ = false;
-    if (window_.opening(question_)) return;
-    // Of a frame that was sent again nobody knows which copy was answered, but no other came before
-    // the first: that much, and no more, it tells of the clock.
-    Ticks heard = window_.sent_at(question_) + on_the_line(window_.length(question_));
-    answered = std::max(answered, heard);
-    if (uptime)
-      sync_.start(std::get<int64_t>(values.at(0)) << 32 | std::get<int64_t>(values.at(1)), heard,
-                  answered);
-    else if (sync_.ready())
-      sync_.add(uint32_t(std::get<int64_t>(values.at(0))), heard, answered);
-    ++samples_;
-    woke_ = kNever;  // the clock is known better
-    if (timeline_) follow_timeline(answered);
-  }
+  void take_clock(bool uptime, const std::vector<Value>& values, Ticks answered);
 };
 
 }  // namespace passo::wire

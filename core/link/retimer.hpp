@@ -1,10 +1,7 @@
 // Messages of the timeline → messages in the clock of one further board.
 #pragma once
-#include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <optional>
-#include <stdexcept>
 #include <vector>
 
 #include "link/time_map.hpp"
@@ -28,39 +25,17 @@ class Retimer {
   explicit Retimer(double tolerance) : tolerance_(tolerance) {}
 
   TimeMap& map() { return map_; }
-  void set_apart(size_t stepper, Apart apart) {
-    if (motors_.size() <= stepper) motors_.resize(stepper + 1);
-    motors_[stepper].apart = apart;
-  }
+  void set_apart(size_t stepper, Apart apart);
   // The job begins; a tick of its clock is `ratio` ticks here, nominally.
-  void start(double job_hz, double ratio) {
-    map_.start(job_hz, ratio);
-    begin_anew();
-  }
+  void start(double job_hz, double ratio);
   // What was taken so far is void: all motors stand, and their clocks will be told anew.
-  void begin_anew() {
-    for (Motor& motor : motors_) motor = Motor(motor.apart);
-    ready_.clear();
-  }
-  int64_t clock_of(int64_t clock) const {
-    return int64_t(std::floor(map_.at(double(clock)) + 0.5));
-  }
+  void begin_anew();
+  int64_t clock_of(int64_t clock) const;
 
   // What the board is to be sent for the messages taken so far.
   MessageQueue& ready() { return ready_; }
 
-  void retime(const Message& m) {
-    if (m.kind == MessageKind::tail) return tail(m);
-    map_.use(double(m.end_clock));
-    if (m.kind == MessageKind::queue_step) return steps(m, motors_[m.target].way);
-    Message mapped = m;
-    mapped.clock = mapped.end_clock = clock_of(m.clock);
-    if (m.kind == MessageKind::set_dir) motors_[m.target].way.turning = true;
-    if (m.kind == MessageKind::reset_clock) motors_[m.target].way.begin(m.clock, mapped.clock);
-    if (m.kind == MessageKind::commit)
-      for (Motor& motor : motors_) motor.tail.reset();
-    ready_.push(mapped);
-  }
+  void retime(const Message& m);
 
  private:
   // Of a motor, up to its last step.
@@ -95,66 +70,9 @@ class Retimer {
 
   // A tail counts on from the last step before it, and is told at the clock of its commit. Without
   // steps it sets the motor's clock.
-  void tail(const Message& m) {
-    Motor& motor = motors_[m.target];
-    if (!motor.tail) motor.tail = motor.way;
-    Way& way = *motor.tail;
-    Message moved = m;
-    if (m.count == 0) {
-      int64_t clock = m.clock + int32_t(m.interval - uint32_t(m.clock));
-      way.begin(clock, clock_of(clock));
-      moved.interval = uint32_t(way.last);
-      moved.clock = moved.end_clock = clock_of(m.clock);
-      return ready_.push(moved);
-    }
-    way.turning |= way.dir != m.dir;
-    moved.end_clock = way.told + m.span(m.count);
-    steps(moved, way);
-  }
+  void tail(const Message& m);
 
-  void steps(const Message& m, Way& motor) {
-    const Apart& apart_of = motors_[m.target].apart;
-    const bool moves = m.kind == MessageKind::queue_step;
-    const int64_t count = m.count, start = m.start();
-    motor.told = m.end_clock;
-    motor.dir = m.dir;
-    if (map_.whole() && motor.last == clock_of(start)) {
-      Message same = m;
-      motor.last = clock_of(m.end_clock);
-      motor.turning = false;
-      same.clock = clock_of(m.clock);
-      same.end_clock = moves ? motor.last : same.clock;
-      return ready_.push(same);
-    }
-    const size_t n = size_t(count);
-    if (times_.size() < n + 8)
-      for (auto* v : {&times_, &lo_, &hi_, &executed_}) v->resize(2 * (n + 8));
-    // Steps that the rounding of the one before has come too close to are late by as much.
-    double* t = times_.data() + 1;
-    double apart = motor.turning ? apart_of.turning : apart_of.least;
-    t[-1] = double(motor.last);
-    int64_t at = start, interval = m.interval;
-    for (size_t k = 0; k < n; ++k) {
-      at += interval;
-      interval += m.add;
-      t[k] = std::max(map_.at(double(at)), t[k - 1] + apart);
-      apart = apart_of.least;
-    }
-    t[n] = t[n - 1] + kNeverNear;
-    windows(t, lo_.data(), hi_.data(), int(n), tolerance_, apart_of.least);
-    if (motor.turning) lo_[0] = std::max(lo_[0], double(motor.last) + apart_of.turning - 0.5);
-    motor.turning = false;
-    int64_t due = clock_of(m.clock);
-    for (size_t i = 0; i < n;) {
-      Command c = stabbing_.longest(&lo_[i], &hi_[i], int(std::min(n - i, size_t(kMostSteps))),
-                                    double(motor.last), &executed_[i]);
-      motor.last += int64_t(c.span());
-      // All parts may leave when the message might: what waits behind them must not wait for them.
-      ready_.push({due, moves ? motor.last : due, uint32_t(c.interval), uint16_t(c.count),
-                   int16_t(c.add), m.target, m.kind, m.dir});
-      i += size_t(c.count);
-    }
-  }
+  void steps(const Message& m, Way& motor);
 };
 
 }  // namespace passo::wire

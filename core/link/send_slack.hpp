@@ -1,7 +1,6 @@
 // How long before its time each frame of a job is at the board, and what held it up where that is
 // little.
 #pragma once
-#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <utility>
@@ -33,53 +32,16 @@ class Lateness {
       : late_(Ticks(kLateSeconds * clock_hz)), stall_(Ticks(kStallSeconds * clock_hz)) {}
 
   // Whatever is on its way does not count any more.
-  void restart() {
-    for (Frame& f : frames_) f.need = kNever;
-    for (Span& s : spans_) s = {};
-    reason_ = Cause::plan;
-  }
+  void restart();
   // The link looks again: it should have done so by `due`.
-  void woke(Ticks due, Ticks clock) {
-    if (clock - due <= stall_) due = clock;
-    hold(reason_, looked_, due);
-    if (clock > due) {
-      hold(Cause::stall, due, clock);
-      longest_stall_ = std::max(longest_stall_, clock - due);
-    }
-    looked_ = clock;
-  }
+  void woke(Ticks due, Ticks clock);
   // It has sent what it could; this keeps it from sending more (plan: nothing more is due).
-  void looked(Cause reason, Ticks clock) {
-    reason_ = reason;
-    looked_ = clock;
-  }
+  void looked(Cause reason, Ticks clock);
   // A frame leaves that should have left at `must` and is useless after `need` (kNever: no message
   // of the job is in it).
-  void left(uint64_t number, Ticks must, Ticks need, Ticks clock) {
-    frames_[number % kFrames] = {must, need, clock};
-  }
+  void left(uint64_t number, Ticks must, Ticks need, Ticks clock);
   // The board has it; `again`: not all copies arrived.
-  void arrived(uint64_t number, bool again, Ticks clock) {
-    Frame& f = frames_[number % kFrames];
-    if (f.need == kNever) return;
-    // Its answer may have waited for this program.
-    Ticks deaf = overlap(Cause::stall, f.left, clock), way = clock - f.left - deaf;
-    Slack s{f.need - clock + deaf, f.need, 0, Cause::plan};
-    for (size_t i = 0; i < kCauses; ++i) {
-      Cause cause = Cause(i);
-      Ticks held = overlap(cause, f.must, f.left);
-      if (cause == (again ? Cause::retransmits : Cause::bytes)) held += way;
-      if (held > s.held) s.held = held, s.cause = cause;
-    }
-    f.need = kNever;
-    if (s.cause == Cause::stall && s.held > 0) {  // all of it, as others would see it
-      const Span& stall = spans_[size_t(Cause::stall)];
-      s.held = stall.until - stall.from;
-    }
-    if (s.slack < late_) ++late_frames_[size_t(s.cause)];
-    if (s.slack < recent_.slack) recent_ = s;
-    if (s.slack < least_.slack) least_ = s;
-  }
+  void arrived(uint64_t number, bool again, Ticks clock);
 
   // The least slack since this was last asked; kNever: no frame has arrived since.
   Slack take_recent() { return std::exchange(recent_, Slack{}); }
@@ -107,15 +69,8 @@ class Lateness {
   Slack recent_, least_;
   std::array<uint64_t, kCauses> late_frames_{};
 
-  void hold(Cause cause, Ticks from, Ticks until) {
-    Span& s = spans_[size_t(cause)];
-    if (from > s.until) s.from = from;
-    s.until = std::max(from, until);
-  }
-  Ticks overlap(Cause cause, Ticks from, Ticks until) const {
-    const Span& s = spans_[size_t(cause)];
-    return std::max<Ticks>(0, std::min(s.until, until) - std::max(s.from, from));
-  }
+  void hold(Cause cause, Ticks from, Ticks until);
+  Ticks overlap(Cause cause, Ticks from, Ticks until) const;
 };
 
 }  // namespace passo::wire

@@ -1,8 +1,6 @@
 // Frames on their way to the board: numbered, kept until acknowledged, sent again when lost.
 #pragma once
-#include <algorithm>
 #include <cstdint>
-#include <utility>
 
 #include "link/device.hpp"
 #include "link/frame.hpp"
@@ -42,16 +40,7 @@ class Window {
   void set_byte_ticks(double ticks) { byte_ticks_ = ticks; }
 
   // Forgets what is unanswered: the board begins anew and may count from anywhere.
-  void restart() {
-    acked_ = last_ack_ = next_;
-    bytes_ = 0;
-    synchronous_ = resend_ = measured_ = false;
-    silent_ = 0;
-    doubtful_ = kNever;
-    line_free_ = 0;
-    rto_ = rto_start_;
-    urgent_ = 0;
-  }
+  void restart();
 
   bool room(size_t payload) const {
     if (next_ - acked_ >= (synchronous_ ? kBlocks : 1) || acked_ < urgent_) return false;
@@ -69,98 +58,23 @@ class Window {
   uint8_t* payload() { return block(next_).data + kHeader; }
 
   // Completes the next frame and sends it.
-  void seal(size_t payload, Ticks now, Bytes& out) {
-    Block& b = block(next_);
-    b.length = uint8_t(seal_frame(b.data, payload, next_));
-    b.sent = now;
-    b.gone = on_the_line(b.length, now);
-    b.again = b.opening = !synchronous_;
-    if (idle()) deadline_ = b.gone + rto_;
-    bytes_ += b.length;
-    ++next_;
-    out.insert(out.end(), b.data, b.data + b.length);
-  }
+  void seal(size_t payload, Ticks now, Bytes& out);
 
   // Puts `payload` in the place of all that the board has not acknowledged, and behind it:
   // whichever frame the board takes next is this one. poll() sends it, again soon, and nothing new
   // before the board has it. False while the board's first answer is awaited: then it may have to
   // be put behind that, too.
-  bool replace(const Bytes& payload) {
-    const bool whole = synchronous_ || idle();
-    if (whole && next_ - acked_ <= kBlocks) block(next_++).length = 0;
-    for (uint64_t i = acked_; i < next_; ++i) {
-      Block& b = block(i);
-      std::copy(payload.begin(), payload.end(), b.data + kHeader);
-      bytes_ -= b.length;
-      bytes_ += b.length = uint8_t(seal_frame(b.data, payload.size(), i));
-    }
-    resend_ |= urgent_ != next_;
-    urgent_ = next_;
-    return whole;
-  }
+  bool replace(const Bytes& payload);
 
   // A good frame came from the board. `empty`: an acknowledgement that says nothing else; the
   // second of its kind is a refusal. False if the number cannot be (the frame is to be ignored).
-  bool acknowledge(uint8_t sequence, bool empty, Ticks now) {
-    uint64_t number = acked_ + ((sequence - acked_) & kSequenceMask);
-    if (!synchronous_) {
-      if (idle()) return true;
-      synchronous_ = true;
-      if (number !=
-          next_) {  // the board counts from elsewhere: number the first frame as it expects
-        renumber(number);
-        return true;
-      }
-    }
-    if (number > next_) return false;
-    silent_ = 0;
-    rto_ = measured_ ? base_ : rto_start_;
-    if (number > acked_) {
-      const Block& last = block(number - 1);
-      Ticks trip = std::max<Ticks>(now - last.gone, 0);
-      bool usual = measured_ && now - copied_ <= smooth_ + 4 * variation_ + rto_min_ / kUsualShare;
-      doubtful_ = last.again && !usual ? trip : kNever;
-      apart_ = now + rto_min_ / kApartShare;
-      if (!last.again) measure(trip);
-      for (; acked_ < number; ++acked_) bytes_ -= block(acked_).length;
-      deadline_ = std::max(now, idle() ? now : block(acked_).gone) + patience();
-    } else if (empty && doubtful_ != kNever && number <= ignored_ && now >= apart_) {
-      measure(std::exchange(doubtful_, kNever));
-    }
-    if (!empty) return true;
-    if (number > last_ack_) {
-      last_ack_ = number;
-    } else if (!idle() && number > ignored_) {
-      resend_ = true;
-    }
-    return true;
-  }
+  bool acknowledge(uint8_t sequence, bool empty, Ticks now);
 
   // Sends again what is due. Call before anything new is sealed.
-  void poll(Ticks now, Bytes& out) {
-    if (idle()) return;
-    bool late = now >= deadline_;
-    if (!late && !resend_) return;
-    if (late && (!measured_ || ++silent_ > kSteady)) rto_ = std::min(rto_ * 2, rto_max_);
-    resend_ = false;
-    // Copies of what did arrive will be refused: those refusals mean nothing.
-    ignored_ = next_;
-    size_t before = out.size();
-    out.push_back(kSync);
-    for (uint64_t i = acked_; i < next_; ++i) {
-      Block& b = block(i);
-      b.again = true;
-      out.insert(out.end(), b.data, b.data + b.length);
-    }
-    retransmitted_bytes_ += out.size() - before;
-    copied_ = on_the_line(out.size() - before, now);
-    deadline_ = copied_ + patience();
-  }
+  void poll(Ticks now, Bytes& out);
   Ticks deadline() const { return idle() ? kNever : deadline_; }
   // The frame had to be sent again, or is so long gone that nobody knows.
-  bool repeated(uint64_t number) const {
-    return number + kSequenceMask < next_ || blocks_[number & kSequenceMask].again;
-  }
+  bool repeated(uint64_t number) const;
   // The frame was the first after a restart: an answer to it may be that to another one.
   bool opening(uint64_t number) const { return blocks_[number & kSequenceMask].opening; }
   size_t length(uint64_t number) const { return blocks_[number & kSequenceMask].length; }
@@ -195,32 +109,10 @@ class Window {
   Block& block(uint64_t number) { return blocks_[number & kSequenceMask]; }
 
   // When the last of some bytes has gone out.
-  Ticks on_the_line(size_t bytes, Ticks now) {
-    return line_free_ = std::max(line_free_, now) + Ticks(byte_ticks_ * double(bytes));
-  }
+  Ticks on_the_line(size_t bytes, Ticks now);
 
-  void renumber(uint64_t number) {
-    Block only = block(acked_);
-    size_t payload = only.length - kFrameMin;
-    number += kSequenceMask + 1;  // above all numbers used so far
-    only.length = uint8_t(seal_frame(only.data, payload, number));
-    acked_ = last_ack_ = number;
-    next_ = number + 1;
-    block(number) = only;
-    resend_ = true;
-  }
-  void measure(Ticks trip) {
-    if (!measured_) {
-      measured_ = true;
-      smooth_ = trip;
-      variation_ = trip / 2;
-    } else {
-      Ticks error = trip > smooth_ ? trip - smooth_ : smooth_ - trip;
-      variation_ += (error - variation_) / 4;
-      smooth_ += (trip - smooth_) / 8;
-    }
-    rto_ = base_ = std::clamp(smooth_ + 4 * variation_, rto_min_, rto_max_);
-  }
+  void renumber(uint64_t number);
+  void measure(Ticks trip);
 };
 
 }  // namespace passo::wire

@@ -1,13 +1,10 @@
 // UARTs of motor drivers, SPI devices and converters of the virtual board, datagram by datagram.
 #pragma once
-#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <initializer_list>
-#include <iterator>
 #include <map>
 #include <optional>
-#include <tuple>
 #include <utility>
 #include <variant>
 
@@ -25,29 +22,8 @@ class BoardUart {
 
   Ticks next() const { return due_; }
   // False while it is busy.
-  bool send(Ticks now, Ticks rest, const Bytes& bits, size_t read, Plant& plant) {
-    if (due_ != kNever) return false;
-    if (bits.size() > kUartBytes || read > kUartBytes) throw Shutdown{Fault::uart_too_long};
-    int delay = 0;
-    answer_.clear();
-    if (UartLine* line = plant.uart(rx_pin_)) std::tie(answer_, delay) = line->exchange(bits);
-    due_ = now + rest + Ticks(8 * bits.size()) * bit_;
-    if (read == 0) {
-      answer_.clear();
-      return true;
-    }
-    if (delay >= kPatience) answer_.clear();
-    Ticks look = bit_ / 4;  // four a bit, from the fourth bit on
-    Ticks looks = answer_.empty() ? 257 : ((delay - 4) * bit_ + look - 1) / look + 1;
-    due_ += 4 * bit_ + (looks - 1) * look;
-    // Where nobody answers the last look ends it; else the bits are read from the next look on.
-    if (!answer_.empty()) due_ += look + Ticks(8 * read - 1) * bit_;
-    return true;
-  }
-  Bytes take() {
-    due_ = kNever;
-    return std::exchange(answer_, {});
-  }
+  bool send(Ticks now, Ticks rest, const Bytes& bits, size_t read, Plant& plant);
+  Bytes take();
 
  private:
   static constexpr int kPatience = 68;  // bits, from the end of the question
@@ -63,11 +39,7 @@ struct BoardSpi {
 
   explicit BoardSpi(uint32_t pin) : select_pin(pin) {}
   static Ticks next() { return kNever; }
-  Bytes transfer(Ticks now, const Bytes& data, Plant& plant) const {
-    if (!has_bus) throw Shutdown{Fault::spi_without_bus};
-    SpiDevice* device = plant.spi_device(select_pin);
-    return device ? device->exchange(data, now) : Bytes(data.size(), 0xff);
-  }
+  Bytes transfer(Ticks now, const Bytes& data, Plant& plant) const;
 };
 
 // A converter that is asked every `rest` ticks. Words outside minimum…maximum, or with a fault,
@@ -87,23 +59,11 @@ struct BoardThermocouple {
 
   BoardThermocouple(uint32_t spi, uint32_t type) : spi_oid(spi), type(type_of(type)) {}
   Ticks next() const { return begin; }
-  void watch(uint32_t word, bool fault) {
-    if (minimum == 0 && maximum == UINT32_MAX) return;
-    bool outside = word < minimum || word > maximum;
-    if (!outside && !fault && !(word & type.fault_bit))
-      faults = 0;
-    else if (++faults >= max_faults)
-      throw Shutdown{outside ? Fault::thermocouple_range : Fault::thermocouple_fault};
-  }
+  void watch(uint32_t word, bool fault);
 
  private:
   // In the order of the enumeration `thermocouple_type`.
-  static Type type_of(uint32_t number) {
-    static const Type types[] = {
-        {{}, {}, 4, 0x10000}, {0x0c, 0x0f, 3, 0}, {0x01, 0x07, 2, 0}, {{}, {}, 2, 4}};
-    if (number >= std::size(types)) throw Shutdown{Fault::thermocouple_type};
-    return types[number];
-  }
+  static Type type_of(uint32_t number);
 };
 
 // All of these on one board, by their object numbers.
@@ -118,73 +78,16 @@ class SerialParts {
   static bool knows(Command id) { return id >= Command::config_tmcuart; }
   bool has(uint32_t oid) const { return parts_.count(oid) > 0; }
   // The part that a command makes, if it makes one.
-  std::optional<Part> made(Command id, const uint32_t* a) {
-    if (id == Command::config_tmcuart) return BoardUart(a[1], a[4]);
-    if (id == Command::config_spi) return BoardSpi(a[1]);
-    if (id == Command::config_thermocouple) {
-      get<BoardSpi>(a[1]);
-      return BoardThermocouple(a[1], a[2]);
-    }
-    return {};
-  }
+  std::optional<Part> made(Command id, const uint32_t* a);
   void add(uint32_t oid, Part part) { parts_.emplace(oid, std::move(part)); }
 
+  using Ahead = std::function<Ticks(uint32_t clock)>;
   // `ahead` widens a clock that must not be past.
-  template <class Ahead>
-  void command(Command id, const uint32_t* a, const Bytes& data, Ticks now, Ahead&& ahead) {
-    switch (id) {
-      case Command::tmcuart_send:
-        get<BoardUart>(a[0]).send(now, Ticks(kUartRest * clock_hz_), data, a[2], plant_);
-        break;
-      case Command::spi_set_sw_bus:
-        get<BoardSpi>(a[0]).has_bus = true;
-        break;
-      case Command::spi_transfer: {
-        Bytes response = get<BoardSpi>(a[0]).transfer(now, data, plant_);
-        tell_(Report::spi_transfer_response, {a[0]}, &response);
-        break;
-      }
-      case Command::spi_send:
-        get<BoardSpi>(a[0]).transfer(now, data, plant_);
-        break;
-      default: {
-        auto& it = get<BoardThermocouple>(a[0]);
-        it.begin = a[2] != 0 ? ahead(a[1]) : kNever;
-        it.rest = a[2];
-        it.minimum = a[3];
-        it.maximum = a[4];
-        it.max_faults = a[5];
-        it.faults = 0;
-      }
-    }
-  }
+  void command(Command id, const uint32_t* a, const Bytes& data, Ticks now, const Ahead& ahead);
 
-  Ticks next() const {
-    Ticks next = kNever;
-    for (auto& [oid, part] : parts_)
-      next = std::min(next, std::visit([](const auto& p) { return p.next(); }, part));
-    return next;
-  }
-  void run(Ticks now) {
-    for (auto& [oid, part] : parts_) {
-      if (auto* uart = std::get_if<BoardUart>(&part); uart && uart->next() <= now) {
-        Bytes answer = uart->take();
-        tell_(Report::tmcuart_response, {oid}, &answer);
-      }
-      auto* it = std::get_if<BoardThermocouple>(&part);
-      if (!it || it->next() > now) continue;
-      it->begin += it->rest;
-      const BoardThermocouple::Type& type = it->type;
-      uint32_t word = ask(*it, type.word_register, type.bytes, now);
-      uint32_t fault = type.fault_register ? ask(*it, type.fault_register, 1, now) : 0;
-      tell_(Report::thermocouple_result, {oid, uint32_t(it->begin), word, fault}, nullptr);
-      it->watch(word, fault != 0);
-    }
-  }
-  void shut_down() {
-    for (auto& [oid, part] : parts_)
-      if (auto* uart = std::get_if<BoardUart>(&part)) uart->take();
-  }
+  Ticks next() const;
+  void run(Ticks now);
+  void shut_down();
   void clear() { parts_.clear(); }
 
  private:
@@ -196,21 +99,9 @@ class SerialParts {
 
   // So many bytes of a register, or of a converter without registers.
   uint32_t ask(const BoardThermocouple& it, std::optional<uint8_t> address, size_t bytes,
-               Ticks now) {
-    Bytes data(bytes + address.has_value());
-    if (address) data[0] = *address;
-    data = get<BoardSpi>(it.spi_oid).transfer(now, data, plant_);
-    uint32_t word = 0;
-    for (size_t i = address.has_value(); i < data.size(); ++i) word = word << 8 | data[i];
-    return word;
-  }
+               Ticks now);
   template <class T>
-  T& get(uint32_t oid) {
-    auto it = parts_.find(oid);
-    T* part = it == parts_.end() ? nullptr : std::get_if<T>(&it->second);
-    if (!part) throw Shutdown{Fault::invalid_oid};
-    return *part;
-  }
+  T& get(uint32_t oid);
 };
 
 }  // namespace passo::wire

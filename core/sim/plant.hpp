@@ -1,9 +1,9 @@
 // The simulated printer around the virtual board: motors move actuators, actuators press switches,
 // heaters warm bodies, thermistors feel them. It sees pins and clocks, as real parts would.
 #pragma once
-#include <algorithm>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <vector>
 
 #include "heat/curve.hpp"
@@ -81,96 +81,28 @@ class Plant {
       : step_s_(kStepSeconds), step_ticks_(Ticks(kStepSeconds * clock_hz)), adc_max_(adc_max),
         done_(start) {}
 
-  void add_body(HeatedBody body) {
-    body.body_c = body.sensor_c = body.ambient_c;
-    body.heat.since = body.fan.since = done_;
-    bodies.push_back(std::move(body));
-  }
+  void add_body(HeatedBody body);
 
   // An output pin is high for `duty` of the time from `clock` on.
-  void set_output(uint32_t pin, Ticks clock, double duty) {
-    if (std::find(low_is_on.begin(), low_is_on.end(), pin) != low_is_on.end()) duty = 1 - duty;
-    for (HeatedBody& body : bodies) {
-      bool fan = body.fan_loss > 0 && body.fan_pin == pin;
-      if (body.heater_pin != pin && !fan) continue;
-      run_until(clock);
-      (fan ? body.fan : body.heat).set(duty, clock);
-    }
-  }
+  void set_output(uint32_t pin, Ticks clock, double duty);
   // What the sensor on a pin shows at `clock`, as a share of full scale; 1 where there is none.
-  double share(uint32_t pin, Ticks clock) {
-    for (HeatedBody& body : bodies) {
-      if (body.sensor_pin != pin) continue;
-      run_until(clock);
-      double ratio = body.forced_ratio >= 0 ? body.forced_ratio : body.adc_ratio.at(body.sensor_c);
-      if (body.noise > 0) ratio = std::clamp(ratio + body.noise * random(), 0.0, 1.0);
-      return ratio;
-    }
-    return 1;
-  }
+  double share(uint32_t pin, Ticks clock);
   uint32_t adc(uint32_t pin, Ticks clock) { return uint32_t(share(pin, clock) * adc_max_ + 0.5); }
   // A pin of a UART or an SPI bus takes a level.
-  void edge(uint32_t pin, bool level, Ticks clock) {
-    for (UartLine& line : uarts)
-      if (line.tx_pin() == pin) line.edge(level, clock);
-    for (SpiDevice& device : spi_devices) device.edge(pin, level, clock);
-  }
-  UartLine* uart(uint32_t rx_pin) {
-    for (UartLine& line : uarts)
-      if (line.rx_pin() == rx_pin) return &line;
-    return nullptr;
-  }
-  SpiDevice* spi_device(uint32_t select_pin) {
-    for (SpiDevice& device : spi_devices)
-      if (device.pins().select == select_pin) return &device;
-    return nullptr;
-  }
+  void edge(uint32_t pin, bool level, Ticks clock);
+  UartLine* uart(uint32_t rx_pin);
+  SpiDevice* spi_device(uint32_t select_pin);
+  using Position = std::function<double(uint32_t step_pin)>;
   // Level of an input pin; position(step_pin) tells where a motor's actuator is.
-  template <class Position>
-  bool level(uint32_t pin, Ticks clock, Position&& position) {
-    if (UartLine* line = uart(pin)) return line->level(clock);
-    for (const SpiDevice& device : spi_devices)
-      if (device.drives(pin)) return device.level();
-    for (const Switch& s : switches) {
-      if (s.pin != pin) continue;
-      double at = 0;
-      for (auto [step_pin, weight] : s.weights) at += weight * position(step_pin);
-      bool pressed = s.at_maximum ? at >= s.position : at <= s.position;
-      if (s.forced >= 0) pressed = s.forced > 0;
-      return pressed == s.pressed_level;
-    }
-    return true;  // an open input with its pull-up
-  }
-  double position(uint32_t step_pin, int64_t net) const {
-    for (const Actuator& a : actuators)
-      if (a.step_pin == step_pin) return a.start + double(net) * a.per_step;
-    return 0;
-  }
+  bool level(uint32_t pin, Ticks clock, const Position& position);
+  double position(uint32_t step_pin, int64_t net) const;
   // Somebody moves the actuator by hand.
-  void place(uint32_t step_pin, int64_t net, double position) {
-    for (Actuator& a : actuators)
-      if (a.step_pin == step_pin) a.start = position - double(net) * a.per_step;
-  }
+  void place(uint32_t step_pin, int64_t net, double position);
   // The board forgets its counts; the actuators stay where they are.
-  void rebase(uint32_t step_pin, int64_t net) {
-    for (Actuator& a : actuators)
-      if (a.step_pin == step_pin) a.start += double(net) * a.per_step;
-  }
+  void rebase(uint32_t step_pin, int64_t net);
 
   // Fixed steps: the result does not depend on when it was asked for.
-  void run_until(Ticks clock) {
-    for (; done_ + step_ticks_ <= clock; done_ += step_ticks_) {
-      for (HeatedBody& body : bodies) {
-        Ticks end = done_ + step_ticks_;
-        double mean = body.heat.take(end, step_ticks_), fan = body.fan.take(end, step_ticks_);
-        if (body.forced_duty >= 0) mean = body.forced_duty;
-        double loss = (1 + body.fan_loss * fan) * (body.body_c - body.ambient_c);
-        body.body_c += (body.rise_c * mean - loss) * (step_s_ / body.time_constant_s);
-        double felt = body.fallen ? body.ambient_c : body.body_c;
-        body.sensor_c += (felt - body.sensor_c) * (step_s_ / body.sensor_time_constant_s);
-      }
-    }
-  }
+  void run_until(Ticks clock);
 
  private:
   static constexpr double kStepSeconds = 0.02;
@@ -181,10 +113,7 @@ class Plant {
   uint32_t random_ = 1;
 
   // -1…1, the same on every computer: a linear congruential generator (Numerical Recipes).
-  double random() {
-    random_ = random_ * 1664525u + 1013904223u;
-    return double(random_) / 2147483648.0 - 1;
-  }
+  double random();
 };
 
 }  // namespace passo::wire

@@ -75,13 +75,9 @@ class Bench : public Device {
   // A motor on another board, whose actuator the switches of this one feel as that of `step_pin`.
   // Both boards are at the same time whenever this one looks, to within what it does between two
   // looks. A board that is gone is felt no more.
-  void feel(uint32_t step_pin, Bench& board, uint32_t its_step_pin) {
-    elsewhere_[step_pin] = {board.self_, its_step_pin};
-  }
+  void feel(uint32_t step_pin, Bench& board, uint32_t its_step_pin);
   // Somebody moves a motor's actuator by hand.
-  void place(uint32_t step_pin, double position) {
-    plant_.place(step_pin, net(step_pin), position);
-  }
+  void place(uint32_t step_pin, double position);
 
  private:
   std::shared_ptr<Bench*> self_ = std::make_shared<Bench*>(this);
@@ -93,15 +89,7 @@ class Bench : public Device {
 
   // As net_steps(); 0 for a motor that the board does not know yet.
   virtual int64_t net(uint32_t step_pin) = 0;
-  bool level(uint32_t pin, Ticks clock) {
-    return plant_.level(pin, clock, [this](uint32_t step_pin) {
-      auto elsewhere = elsewhere_.find(step_pin);
-      if (elsewhere != elsewhere_.end())
-        if (auto board = elsewhere->second.first.lock())
-          return (*board)->position(elsewhere->second.second);
-      return position(step_pin);
-    });
-  }
+  bool level(uint32_t pin, Ticks clock);
 };
 
 }  // namespace passo::wire

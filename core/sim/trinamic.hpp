@@ -16,9 +16,7 @@ class TrinamicChip {
   bool plugged = true;
   uint32_t damaged_answers = 0;
 
-  explicit TrinamicChip(Kind kind, uint8_t address = 0) : kind_(kind), address_(address) {
-    power_on();
-  }
+  explicit TrinamicChip(Kind kind, uint8_t address = 0);
 
   bool by_uart() const { return kind_ == Kind::tmc2208 || kind_ == Kind::tmc2209; }
   uint32_t read(uint8_t reg) const { return registers_[reg & 0x7f]; }
@@ -26,69 +24,20 @@ class TrinamicChip {
   void set(uint8_t reg, uint32_t value) { registers_[reg & 0x7f] = value; }
 
   // Forgets its settings, as at power-on.
-  void power_on() {
-    registers_.fill(0);
-    registers_[kGstat] = 1;
-    registers_[by_uart() ? 0x06 : 0x04] = version() << 24;
-    if (by_uart()) registers_[0x00] = 0x101;
-    registers_[0x6c] = by_uart() ? 0x10000053 : 0;
-    last_ = 0;
-  }
+  void power_on();
 
   // One datagram by UART; what it answers, if anything.
-  Bytes datagram(const Bytes& in) {
-    size_t size = in.size();
-    if (!plugged || size < 4 || (in[0] & 0x0f) != 0x05 || in[1] != address_) return {};
-    if (checksum(in.data(), size - 1) != in.back()) return {};
-    bool write = in[2] & 0x80;
-    uint8_t reg = in[2] & 0x7f;
-    if (size == 8 && write) {
-      this->write(reg, word(&in[3]));
-      registers_[kIfcnt] = (registers_[kIfcnt] + 1) & 0xff;
-      return {};
-    }
-    if (size != 4 || write) return {};
-    Bytes out{0x05, 0xff, reg, 0, 0, 0, 0, 0};
-    put(&out[3], readable(reg) ? registers_[reg] : 0);
-    out[7] = checksum(out.data(), 7);
-    if (damaged_answers > 0) --damaged_answers, out[5] ^= 0x10;
-    return out;
-  }
+  Bytes datagram(const Bytes& in);
 
   // Bits from the end of a question by UART until its answer (SENDDELAY).
   int answer_delay() const { return 8 * int(registers_[kSlaveconf] >> 8 & 0xe) + 8; }
 
   // SPI: the five bytes that come back while the next five go in, and then those.
-  Bytes answer() {
-    Bytes out(5, plugged ? 0 : 0xff);
-    if (!plugged) return out;
-    out[0] = uint8_t(registers_[kGstat] & 3);
-    put(&out[1], last_);
-    if (damaged_answers > 0) --damaged_answers, out[3] ^= 0x10;
-    return out;
-  }
-  void take(const Bytes& in) {
-    if (!plugged || in.size() != 5) return;
-    uint8_t reg = in[0] & 0x7f;
-    if (in[0] & 0x80) {
-      last_ = word(&in[1]);
-      write(reg, last_);
-      return;
-    }
-    last_ = readable(reg) ? registers_[reg] : 0;
-    if (reg == kGstat && kind_ == Kind::tmc2130) registers_[reg] = 0;
-  }
+  Bytes answer();
+  void take(const Bytes& in);
 
   // The polynomial x⁸ + x² + x + 1, each byte's lowest bit first (TMC2209 data sheet, 4.2).
-  static uint8_t checksum(const uint8_t* bytes, size_t size) {
-    uint8_t crc = 0;
-    for (size_t i = 0; i < size; ++i)
-      for (int bit = 0; bit < 8; ++bit) {
-        bool one = (crc >> 7) != (bytes[i] >> bit & 1);
-        crc = uint8_t((crc << 1) ^ (one ? 0x07 : 0));
-      }
-    return crc;
-  }
+  static uint8_t checksum(const uint8_t* bytes, size_t size);
 
  private:
   static constexpr uint8_t kGstat = 0x01, kIfcnt = 0x02, kSlaveconf = 0x03;
@@ -97,47 +46,11 @@ class TrinamicChip {
   std::array<uint32_t, 128> registers_{};
   uint32_t last_ = 0;  // by SPI an answer comes with the datagram after
 
-  uint32_t version() const {
-    switch (kind_) {
-      case Kind::tmc2208:
-        return 0x20;
-      case Kind::tmc2209:
-        return 0x21;
-      case Kind::tmc2130:
-        return 0x11;
-      case Kind::tmc5160:
-        break;
-    }
-    return 0x30;
-  }
-  bool readable(uint8_t reg) const {
-    static constexpr uint8_t kAll[] = {0x00, 0x01, 0x6a, 0x6b, 0x6c, 0x6f};
-    static constexpr uint8_t kUart[] = {0x02, 0x05, 0x06, 0x07, 0x12, 0x41, 0x70, 0x71, 0x72};
-    static constexpr uint8_t kSpi[] = {0x04, 0x0c, 0x12, 0x2d, 0x71, 0x72, 0x73};
-    for (uint8_t r : kAll)
-      if (r == reg) return true;
-    if (by_uart()) {
-      for (uint8_t r : kUart)
-        if (r == reg) return true;
-      return false;
-    }
-    for (uint8_t r : kSpi)
-      if (r == reg) return true;
-    return false;
-  }
-  void write(uint8_t reg, uint32_t value) {
-    if (reg == kGstat) {
-      if (kind_ != Kind::tmc2130) registers_[reg] &= ~value;
-    } else if (reg != kIfcnt && reg != 0x04 && reg != 0x06 && reg != 0x6f) {
-      registers_[reg] = value;
-    }
-  }
-  static uint32_t word(const uint8_t* b) {
-    return uint32_t(b[0]) << 24 | uint32_t(b[1]) << 16 | uint32_t(b[2]) << 8 | b[3];
-  }
-  static void put(uint8_t* b, uint32_t value) {
-    for (int i = 0; i < 4; ++i) b[i] = uint8_t(value >> (24 - 8 * i));
-  }
+  uint32_t version() const;
+  bool readable(uint8_t reg) const;
+  void write(uint8_t reg, uint32_t value);
+  static uint32_t word(const uint8_t* b);
+  static void put(uint8_t* b, uint32_t value);
 };
 
 }  // namespace passo::wire

@@ -1,0 +1,102 @@
+#include "sim/plant.hpp"
+
+#include <algorithm>
+
+namespace passo::wire {
+
+void Plant::add_body(HeatedBody body) {
+  body.body_c = body.sensor_c = body.ambient_c;
+  body.heat.since = body.fan.since = done_;
+  bodies.push_back(std::move(body));
+}
+
+void Plant::set_output(uint32_t pin, Ticks clock, double duty) {
+  if (std::find(low_is_on.begin(), low_is_on.end(), pin) != low_is_on.end()) duty = 1 - duty;
+  for (HeatedBody& body : bodies) {
+    bool fan = body.fan_loss > 0 && body.fan_pin == pin;
+    if (body.heater_pin != pin && !fan) continue;
+    run_until(clock);
+    (fan ? body.fan : body.heat).set(duty, clock);
+  }
+}
+
+double Plant::share(uint32_t pin, Ticks clock) {
+  for (HeatedBody& body : bodies) {
+    if (body.sensor_pin != pin) continue;
+    run_until(clock);
+    double ratio = body.forced_ratio >= 0 ? body.forced_ratio : body.adc_ratio.at(body.sensor_c);
+    if (body.noise > 0) ratio = std::clamp(ratio + body.noise * random(), 0.0, 1.0);
+    return ratio;
+  }
+  return 1;
+}
+
+void Plant::edge(uint32_t pin, bool level, Ticks clock) {
+  for (UartLine& line : uarts)
+    if (line.tx_pin() == pin) line.edge(level, clock);
+  for (SpiDevice& device : spi_devices) device.edge(pin, level, clock);
+}
+
+UartLine* Plant::uart(uint32_t rx_pin) {
+  for (UartLine& line : uarts)
+    if (line.rx_pin() == rx_pin) return &line;
+  return nullptr;
+}
+
+SpiDevice* Plant::spi_device(uint32_t select_pin) {
+  for (SpiDevice& device : spi_devices)
+    if (device.pins().select == select_pin) return &device;
+  return nullptr;
+}
+
+double Plant::position(uint32_t step_pin, int64_t net) const {
+  for (const Actuator& a : actuators)
+    if (a.step_pin == step_pin) return a.start + double(net) * a.per_step;
+  return 0;
+}
+
+void Plant::place(uint32_t step_pin, int64_t net, double position) {
+  for (Actuator& a : actuators)
+    if (a.step_pin == step_pin) a.start = position - double(net) * a.per_step;
+}
+
+void Plant::rebase(uint32_t step_pin, int64_t net) {
+  for (Actuator& a : actuators)
+    if (a.step_pin == step_pin) a.start += double(net) * a.per_step;
+}
+
+void Plant::run_until(Ticks clock) {
+  for (; done_ + step_ticks_ <= clock; done_ += step_ticks_) {
+    for (HeatedBody& body : bodies) {
+      Ticks end = done_ + step_ticks_;
+      double mean = body.heat.take(end, step_ticks_), fan = body.fan.take(end, step_ticks_);
+      if (body.forced_duty >= 0) mean = body.forced_duty;
+      double loss = (1 + body.fan_loss * fan) * (body.body_c - body.ambient_c);
+      body.body_c += (body.rise_c * mean - loss) * (step_s_ / body.time_constant_s);
+      double felt = body.fallen ? body.ambient_c : body.body_c;
+      body.sensor_c += (felt - body.sensor_c) * (step_s_ / body.sensor_time_constant_s);
+    }
+  }
+}
+
+double Plant::random() {
+  random_ = random_ * 1664525u + 1013904223u;
+  return double(random_) / 2147483648.0 - 1;
+}
+
+bool Plant::level(uint32_t pin, Ticks clock, const Position& position) {
+  if (UartLine* line = uart(pin)) return line->level(clock);
+  for (const SpiDevice& device : spi_devices)
+    if (device.drives(pin)) return device.level();
+  for (const Switch& s : switches) {
+    if (s.pin != pin) continue;
+    double at = 0;
+    for (auto [step_pin, weight] : s.weights) at += weight * position(step_pin);
+    bool pressed = s.at_maximum ? at >= s.position : at <= s.position;
+    if (s.forced >= 0) pressed = s.forced > 0;
+    return pressed == s.pressed_level;
+  }
+  return true;  // an open input with its pull-up
+}
+
+}  // namespace passo::wire
