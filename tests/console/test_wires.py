@@ -511,3 +511,18 @@ def test_standard_input_that_ends_is_carried_out_to_its_last_line():
     assert served.returncode == 0
     assert "X:12.000" in served.stdout
     assert served.stdout.count("ok") == 4
+
+
+@pytest.mark.parametrize("reader", ["head -1", "true", "sleep 0.2"])
+@pytest.mark.parametrize("streams", ["", "2>&1"])
+def test_a_reader_that_closes_standard_output_ends_it(reader, streams):
+    lines = "(for i in 1 2 3 4 5 6; do echo M115; sleep 0.2; done)"
+    served = f'"$0" -m passo serve --stdin --clock fast {streams}; echo "status $?" >&2'
+    told = subprocess.run(
+        ["sh", "-c", f"{lines} | ({served}) | {reader}", sys.executable],
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert "status 0" in told.stderr
+    assert "Traceback" not in told.stderr

@@ -164,6 +164,8 @@ async def _serve(arguments: argparse.Namespace, machine: object) -> None:
     )
     for text in printer.unheard:
         print(text.removeprefix("echo:"), file=sys.stderr)
+    if printer.halted:
+        print(f"Printer halted: {printer.why_halted}", file=sys.stderr)
 
     def opened(session: Session) -> None:
         session.advanced_ok = arguments.advanced_ok

@@ -74,6 +74,7 @@ def furnished(
     printer.listeners.append(listen)
     try:
         _furnish(printer, card, state)
+        printer.report_start()
     except BaseException:
         printer.close()
         raise
@@ -125,10 +126,13 @@ def _furnish(printer: Printer, card: str | None, state: str | None) -> None:
     settings.load_at_start()
     if card is not None:
         files.mount()
-        if recovery is None or not recovery.offer():
+        offered = recovery is not None and recovery.offer()
+        if not offered and printer.start_failure is None:
             files.autostart()
-        elif files.starts_itself:
+        elif files.starts_itself and recovery is not None and offered:
             recovery.instead = f". {AUTOSTART} was not started"
+        elif files.starts_itself:
+            printer.tell(f"echo:{AUTOSTART} was not started, for the printer is halted")
 
 
 def welcome(printer: Printer, session: Session) -> None:
@@ -138,5 +142,7 @@ def welcome(printer: Printer, session: Session) -> None:
     unheard, printer.unheard = printer.unheard, []
     for text in unheard:
         session.say(text)
+    if printer.halted:
+        session.say(f"echo:Printer halted: {printer.why_halted}")
     if greeting := printer.greeting():
         session.say(greeting)

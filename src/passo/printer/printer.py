@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from passo import _core
 from passo.board.ports import LinkLostError
 from passo.config.motor_roles import axis_order
-from passo.errors import CommandError
+from passo.errors import CommandError, MachineError
 from passo.gcode.command import Command, alone
 from passo.gcode.dialect import Kind, row_of
 from passo.motion.homing import Homer
@@ -54,7 +54,8 @@ if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
 
 
-_FIRST_REPORTS_S = 0.6  # all sensors have spoken by then
+# A sensor that is broken is known by two reports, 0.3 s apart; sensors report one after the other.
+_FIRST_REPORTS_S, _NEXT_SENSOR_S = 0.6, 0.1
 # What stops a machine at once waits in a file, which is read ahead, for the moves before it.
 _IN_THEIR_TURN = ("M25", "M112", "M410", "M524")
 
@@ -85,7 +86,7 @@ class Printer:
         self.drivers = DriverWatch(self)
         self.lateness = LatenessWatch(self)
         self.driver_commands = DriverCommands(self)
-        self.begin(connection)
+        self.begin(connection, first=True)
         self.turn = Turn()
         self.busy: Callable[[], bool] = lambda: False  # a print is under way, or paused
         self.end_asking: Callable[[], None] = lambda: None  # a paused file goes on, if it asks
@@ -134,26 +135,63 @@ class Printer:
         self.waits = Waiting(self)
         self.life = Life(self)
 
-    def begin(self, connection: Boards) -> None:
+    def begin(self, connection: Boards, *, first: bool = False) -> None:
         """Starts from boards that have just been configured, with nothing planned. Raises
-        MachineError, and lets go of them then."""
+        MachineError, and lets go of them then; a machine that fails at the `first` start is a
+        printer all the same, for `report_start` to halt."""
         try:
-            self._begin(connection)
+            self._begin(connection, first=first)
+            if not first:
+                self._report_faults()
         except BaseException:
             connection.close()
             raise
 
-    def _begin(self, connection: Boards) -> None:
+    def _first_reports(self, connection: Boards) -> MachineError | None:
+        """Lets all sensors report; what has failed by then and stops the machine."""
+        found: list[HeaterFault] = []
+        connection.set_on_fault(lambda _, fault: found.append(fault))
+        try:
+            seconds = _FIRST_REPORTS_S + _NEXT_SENSOR_S * len(self.heaters)
+            connection.run(connection.now + int(seconds * self.machine.board.clock_hz))
+        except MachineError as error:
+            return error
+        halting = [f for f in found if self.machine.heaters[f.heater].on_fault == "machine"]
+        self._first_faults = [fault for fault in found if fault not in halting]
+        return MachineError([fault.problem for fault in halting]) if halting else None
+
+    def _report_faults(self) -> None:
+        faults, self._first_faults = self._first_faults, []
+        for fault in faults:
+            self._heater_failed(fault.heater, fault)
+
+    def report_start(self) -> None:
+        """Reports what failed at the first start, and halts the printer if it must not run."""
+        self._report_faults()
+        if self.start_failure is not None:
+            self.halt(str(self.start_failure))
+
+    def _begin(self, connection: Boards, *, first: bool) -> None:
+        self._first_faults: list[HeaterFault] = []
+        self.start_failure: MachineError | None = None  # of the first start, until M999 ends it
         self._shaded = False  # the laser is dark for now, and will be lit again
         machine = self.machine
         if connection.survives:
             connection.arm(True)  # from here on no word that comes late shuts a board down
         self.mains.begin(connection)
         self.beeper.begin(connection)
-        connection.run(connection.now + int(_FIRST_REPORTS_S * machine.board.clock_hz))
+        failure = self._first_reports(connection)
+        if failure is not None and not first:
+            raise failure
         self.connection = connection
         connection.set_on_fault(self._heater_failed)
-        self.drivers.begin(connection)
+        try:
+            self.drivers.begin(connection)
+        except MachineError as error:
+            if not first:
+                raise
+            failure = failure or error
+        self.start_failure = failure
         self.job = _core.Job(machine.core_spec(), True, False, False)
         self._from_console = False  # what is read is a console's line
         full = [connection.full_scale(o.name) for o in connection.board.outputs]

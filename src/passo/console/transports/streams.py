@@ -83,6 +83,10 @@ class StreamWire(asyncio.Protocol):
             if self.closed is not None:
                 self.closed(self)
 
+    def unread(self) -> None:
+        """The way out of two separate ones is closed. The way in says what becomes of the host."""
+        self.writer = None  # a transport that has closed itself cannot be closed again
+
     def write(self, text: bytes, *, dispensable: bool = False) -> None:
         """Sends bytes; drops them where nobody reads."""
         if self.writer is None or self.writer.is_closing():
@@ -110,6 +114,19 @@ class StreamWire(asyncio.Protocol):
 
 class _Writing(asyncio.BaseProtocol):
     """Of a transport that only writes: what cannot be written is dropped by `StreamWire.write`."""
+
+    def __init__(self, wire: StreamWire) -> None:
+        self._wire = wire
+        self._transport: asyncio.BaseTransport | None = None
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """It is open."""
+        self._transport = transport
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """The reader of the answers has closed its end, or this end is closed."""
+        if self._wire.writer is self._transport:
+            self._wire.unread()
 
 
 class _Filed:
@@ -143,7 +160,7 @@ async def join(wire: StreamWire, read_fd: int, write_fd: int) -> StreamWire:
     writes, reads = os.fdopen(write_fd, "wb", 0), os.fdopen(read_fd, "rb", 0)
     try:
         if _has_events(write_fd, selectors.EVENT_WRITE):
-            wire.writer, _ = await loop.connect_write_pipe(_Writing, writes)
+            wire.writer, _ = await loop.connect_write_pipe(lambda: _Writing(wire), writes)
         else:
             wire.writer = _Filed(writes)
         await loop.connect_read_pipe(lambda: wire, reads)
@@ -245,9 +262,17 @@ async def open_tcp(printer: Printer, host: str, port: int, clients: int, opened:
 
 
 class _Standard(StreamWire):
-    """Standard input: at its end the lines in hand are carried out, and `ended` is called."""
+    """Standard input: at its end the lines in hand are carried out, and `ended` is called. The
+    reader of standard output that closes it, as `head` does, ends it at once."""
 
     ended: Callable[[], None]
+
+    def unread(self) -> None:
+        """What the host has sent is forgotten: its answers would go nowhere."""
+        super().unread()
+        if self.session is not None and not self.session.closed:
+            self.session.close()
+            self.ended()
 
     def connection_lost(self, exc: Exception | None) -> None:
         """The other side has ended."""

@@ -130,7 +130,8 @@ class Life:
         """Waits until somebody has made the machine safe."""
         printer = self._printer
         self._make_safe()
-        printer.tell(f"Error:Printer halted: {printer.why_halted}")
+        if printer.start_failure is None:  # else each console is told when it opens
+            printer.tell(f"Error:Printer halted: {printer.why_halted}")
         printer.drive.end_waits()
         await self._until_revived()
 
