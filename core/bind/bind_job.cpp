@@ -164,6 +164,7 @@ void bind_job(nb::module_& m) {
       .value("ARC", Fault::arc)
       .value("CENTRE", Fault::centre)
       .value("RADII", Fault::radii)
+      .value("REPEATED", Fault::repeated)
       .value("OUT_OF_RANGE", Fault::out_of_range)
       .value("MISSING_TOOL", Fault::missing_tool)
       .value("NOT_HOMED", Fault::not_homed)
@@ -174,6 +175,18 @@ void bind_job(nb::module_& m) {
       .value("ACTUATOR", Fault::actuator)
       .value("TOO_LONG", Fault::too_long)
       .value("TOO_SLOW", Fault::too_slow);
+  m.def(
+      "without_exponents",
+      [](std::string text) {
+        std::vector<Word> words;
+        split_words(text, words);
+        std::string plain = Exponents(text, words, true).expand();
+        return plain.empty() ? text : plain;
+      },
+      "text"_a,
+      "A line's command with decimal numbers in place of those with exponents, as a job reads it "
+      "on a "
+      "machine that has an E.");
   nb::class_<JobView> job(m, "Job", "A G-code program through one machine. Not thread-safe.");
   job.def(
          "__init__",

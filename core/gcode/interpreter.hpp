@@ -13,6 +13,7 @@
 
 #include "base/types.hpp"
 #include "gcode/arc.hpp"
+#include "gcode/exponents.hpp"
 #include "gcode/lexer.hpp"
 #include "gcode/parse_result.hpp"
 #include "gcode/words.hpp"
@@ -423,6 +424,14 @@ class Interpreter {
     return false;
   }
 
+  // Whether a word's letter is among those `seen` in its command, which fails then.
+  bool repeated(const Word& word, uint32_t& seen) {
+    if (word.letter < 'A' || word.letter > 'Z') return false;
+    const uint32_t bit = 1u << (word.letter - 'A');
+    if ((seen & bit) != 0) fail(Fault::repeated, std::string(1, word.letter), 0, 0);
+    return (std::exchange(seen, seen | bit) & bit) != 0;
+  }
+
   // mm of filament that the program's E counts already, of moves that have not been taken.
   double meant_mm() const;
   // The program's E counts so much filament no more.
@@ -456,7 +465,7 @@ class Interpreter {
       unsigned k = unsigned(*p - 'A');
       if (k >= 26 || (letter_slot_[k] < 0 && k != 5)) return Found::error;
       ++p;
-      if (!read_number(p, end, value[k])) return Found::error;
+      if (!read_number(p, end, value[k]) || looks_like_exponent(p, end)) return Found::error;
       if (std::fabs(value[k]) > kLargestWord || (have >> k & 1)) return Found::error;
       have |= 1u << k;
     }

@@ -2,6 +2,7 @@
 #pragma once
 #include <iterator>
 
+#include "gcode/exponents.hpp"
 #include "gcode/interpreter.hpp"
 #include "gcode/word_grammar.hpp"
 
@@ -97,6 +98,11 @@ inline void Interpreter::run_line(const char* p, const char* end) {
   }
   text_.swap(text);
   split_words(text_, words_);
+  const bool moves_have_e = letter_slot_['E' - 'A'] >= 0 || laser_.has('E');
+  if (std::string plain = Exponents(text_, words_, moves_have_e).expand(); !plain.empty()) {
+    text_.swap(plain);
+    split_words(text_, words_);
+  }
   run_words();
 }
 
@@ -214,7 +220,9 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
   auto has = [&](char letter) {
     return std::any_of(w, end, [&](const Word& x) { return x.letter == letter; });
   };
+  uint32_t seen = 0;
   for (const Word* x = w; own_command(command.letter, code, minor) && x < end; ++x) {
+    if (repeated(*x, seen)) return;
     if (!x->number && may_stand_alone(command.letter, code, x->letter)) continue;
     if (!sound(*x)) return;
     bool as_m207 = code == 208 && command.letter == 'M' && x->value == 0;
@@ -417,7 +425,7 @@ inline void Interpreter::run_modal(const Word* w, const Word* end) {
 inline void Interpreter::run_motion(int code, const Word* w, const Word* end) {
   if (w == end) return;
   double value[26] = {}, feed = feed_, duration = 0, laser = 0, energy = 0;
-  uint32_t have = 0;
+  uint32_t have = 0, seen = 0;
   uint32_t relative = this->relative();
   bool keeps_feed = true, has_laser = false, timed = false;
   int turns = 0;
@@ -436,7 +444,7 @@ inline void Interpreter::run_motion(int code, const Word* w, const Word* end) {
       continue;
     }
     if (x->letter < 'A' || x->letter > 'Z') return fail(Fault::word, shown, 0, 0);
-    if (!sound(*x)) return;
+    if (!sound(*x) || repeated(*x, seen)) return;
     if (laser_.has(x->letter)) {
       (x->letter == laser_.energy ? energy : density_) = std::max(0.0, x->value);
     } else if (slot >= 0) {

@@ -21,6 +21,7 @@ enum class Fault : uint8_t {
   number,
   range,  // beyond point[0] or the limit
   word,
+  repeated,  // a letter
   checksum,
   line_too_long,
   feedrate,

@@ -17,6 +17,34 @@ inline bool text_command(const Word& w) {  // its argument is free text, not wor
          n == 550 || n == 587 || n == 600 || n == 862 || n == 928;
 }
 
+// The number of a command, and its decimal, where it has one.
+inline std::pair<int, int> code_of(const Word& w) {
+  if (!w.number || std::fabs(w.value) > kLargestWord) return {-1, 0};
+  int code = int(w.value);
+  return {code, int(std::lround((w.value - code) * 10))};
+}
+
+// What follows these is not read as words; the dialect table says the same.
+inline bool wordless(const Word& w) {
+  if (text_command(w)) return true;
+  const auto [n, minor] = code_of(w);
+  if (w.letter == 'G') return minor == 0 && (n == 12 || n == 27 || (n >= 29 && n <= 32));
+  return n == 29 || n == 33 || n == 34 || n == 48 || (n >= 75 && n <= 77) || n == 99 || n == 111 ||
+         n == 125 || n == 142 || n == 150 || (n >= 163 && n <= 166) || n == 192 || n == 202 ||
+         n == 222 || n == 240 || n == 250 || n == 280 || n == 281 || n == 351 || n == 355 ||
+         n == 401 || n == 402 || (n >= 404 && n <= 407) || n == 420 || n == 421 || n == 428 ||
+         n == 512 || n == 531 || n == 561 || n == 595 || n == 604 || n == 605 || n == 666 ||
+         n == 800 || n == 851 || n == 908 || n == 925 || n == 926;
+}
+
+// Commands, other than moves, that have a word E; the dialect table says the same.
+inline bool takes_e(char letter, int code) {
+  if (letter == 'G') return code == 61 || code == 92;
+  return code == 17 || code == 18 || code == 84 || code == 92 || code == 201 || code == 203 ||
+         code == 205 || code == 303 || code == 306 || code == 569 || code == 600 || code == 906 ||
+         code == 912;
+}
+
 // Commands whose words are read here alone; those of moves are, too, by run_motion.
 inline bool own_command(char letter, int code, int minor) {
   if (minor != 0) return false;
@@ -45,13 +73,6 @@ inline bool before_axes(char letter, int code, int minor) {
 // Spindle, coolant and change of tools have other words of their own, but no axes.
 inline bool beside_axes(char letter, int code, int minor) {
   return letter == 'M' && minor == 0 && code >= 3 && code <= 9;
-}
-
-// The number of a command, and its decimal, where it has one.
-inline std::pair<int, int> code_of(const Word& w) {
-  if (!w.number || std::fabs(w.value) > kLargestWord) return {-1, 0};
-  int code = int(w.value);
-  return {code, int(std::lround((w.value - code) * 10))};
 }
 
 // What names axes behind it is a move in the modal way, of which a T may be the duration.

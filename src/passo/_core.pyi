@@ -1245,37 +1245,44 @@ class Fault(enum.Enum):
 
     WORD = 2
 
-    CHECKSUM = 3
+    CHECKSUM = 4
 
-    LINE_TOO_LONG = 4
+    LINE_TOO_LONG = 5
 
-    FEEDRATE = 5
+    FEEDRATE = 6
 
-    ARC = 6
+    ARC = 7
 
-    CENTRE = 7
+    CENTRE = 8
 
-    RADII = 8
+    RADII = 9
 
-    OUT_OF_RANGE = 9
+    REPEATED = 3
 
-    MISSING_TOOL = 10
+    OUT_OF_RANGE = 10
 
-    NOT_HOMED = 11
+    MISSING_TOOL = 11
 
-    COLD = 12
+    NOT_HOMED = 12
 
-    GARBAGE = 13
+    COLD = 13
 
-    UNSAVED = 14
+    GARBAGE = 14
 
-    UNREACHABLE = 15
+    UNSAVED = 15
 
-    ACTUATOR = 16
+    UNREACHABLE = 16
 
-    TOO_LONG = 17
+    ACTUATOR = 17
 
-    TOO_SLOW = 18
+    TOO_LONG = 18
+
+    TOO_SLOW = 19
+
+def without_exponents(text: str) -> str:
+    """
+    A line's command with decimal numbers in place of those with exponents, as a job reads it on a machine that has an E.
+    """
 
 class Job:
     """A G-code program through one machine. Not thread-safe."""

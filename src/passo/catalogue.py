@@ -89,6 +89,11 @@ CATALOGUE: Mapping[str, Entry] = {
         "the word {value!r} has no valid number",
         "Write a decimal number of at most 1e9 without exponent",
     ),
+    "input.repeated": _input(
+        "gcode",
+        "the command has more than one {value}",
+        "Remove the word that is not meant. In place of an exponent, write a decimal number",
+    ),
     "input.out-of-range": _input(
         "motion",
         "{axis} {value:.{decimals}f} mm is beyond the limit of {limit:.{decimals}f} mm",

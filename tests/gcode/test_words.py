@@ -7,8 +7,10 @@ from operator import xor
 
 import pytest
 
-from passo._core import Fault
-from passo.gcode.dialect import TABLE, Kind
+from passo._core import Fault, without_exponents
+from passo.errors import WordError
+from passo.gcode.command import Command
+from passo.gcode.dialect import ANY, TABLE, Kind
 
 from .driver import run
 
@@ -28,7 +30,9 @@ from .driver import run
         "N12 G1 X10 Y20 E1.5",
         "N12G1X10Y20E1.5*86",
         "G1 E1.5 Y20 X10",
-        "G1 X1E1 X10 Y20 E1.5",
+        "G1 X1E1 Y2.0e+01 E0.15E1",
+        "G1 X1.0E+01 Y20 E1500e-3",
+        "G1 Y.2e2 X10 E1.5e00",
         "X10 Y20 E1.5",
     ],
 )
@@ -79,10 +83,114 @@ def test_lines_without_a_command_repeat_the_last_motion():
     assert out.ends[-1] == (0, 0, 0, 0)
 
 
-def test_an_exponent_is_another_word():
-    assert run("G1 X1E5\n").ends == [(1, 0, 0, 5)]
-    assert run("G1 E-.5\n").ends == [(0, 0, 0, -0.5)]
-    assert run("G1 X.5Y5.\n").ends == [(0.5, 5, 0, 0)]
+@pytest.mark.parametrize(
+    ("line", "end"),
+    [
+        ("G1 X1E5", (1, 0, 0, 5)),
+        ("g1 x1e5", (1, 0, 0, 5)),
+        ("G1X10E-3", (10, 0, 0, -3)),
+        ("G1X1.5Y2E-1F600", (1.5, 2, 0, -1)),
+        ("G1 E-.5", (0, 0, 0, -0.5)),
+        ("G1 X.5Y5.", (0.5, 5, 0, 0)),
+        ("G1 X1E1.5", (1, 0, 0, 1.5)),
+        ("G1 X1E-0.5", (1, 0, 0, -0.5)),
+        ("G1 X1 E-05", (1, 0, 0, -5)),
+        ("G1E-2", (0, 0, 0, -2)),
+    ],
+)
+def test_an_e_that_may_be_a_word_is_one(line, end):
+    assert run(f"M83\n{line}\n").ends == [end]
+
+
+@pytest.mark.parametrize(
+    ("line", "end"),
+    [
+        ("G1 X12 E9.9e-05", (12, 0, 0, 9.9e-5)),
+        ("G1 X12 E1.2E-04 F600", (12, 0, 0, 1.2e-4)),
+        ("G1X12E9.9e-5", (12, 0, 0, 9.9e-5)),
+        ("G1 E-1E-1 X12", (12, 0, 0, -0.1)),
+        ("G1 X13.5e-3", (0.0135, 0, 0, 0)),
+        ("G1 X13.5E-3 Y5", (0.0135, 5, 0, 0)),
+        ("G1X13.5e-3Y5", (0.0135, 5, 0, 0)),
+        ("G1X1.35E-02Y5", (0.0135, 5, 0, 0)),
+        ("G0 X1e+01", (10, 0, 0, 0)),
+        ("G1 X1E1 Y2E1 E3", (10, 20, 0, 3)),
+        ("X1.25E+01 E2", (12.5, 0, 0, 2)),
+        ("G1 X 1.25e-1 E2", (0.125, 0, 0, 2)),
+        ("G1 X-1.25e-1 E123456.789e-6", (-0.125, 0, 0, 0.123456789)),
+        ("G2 X10 I5.0 J1.2e-05", (10, 0, 0, 0)),
+        ("G90 X1e-02 E1e-02", (0.01, 0, 0, 0.01)),
+    ],
+)
+def test_an_e_that_is_no_word_is_an_exponent(line, end):
+    out = run(f"M83\n{line}\n", "unbounded")
+    assert out.errors == []
+    assert out.ends[-1] == pytest.approx(end, abs=1e-12)
+
+
+def test_an_exponent_where_e_is_no_word_of_the_command():
+    out = run("G4 P1.5e3\nM204 P1E3\nM104 S2.1E2\nM92 X8E1\nM117 at 1e-05\nM23 a1e-05.gco\n")
+    assert out.statistics["dwell_s"] == 1.5
+    assert out.commands == [
+        "M204 P1000",
+        "M104 S210",
+        "M92 X8E1",
+        "M117 at 1e-05",
+        "M23 a1e-05.gco",
+    ]
+    spindle = run("G1 X1E1 Y2\n", "cnc")
+    assert spindle.ends == [(10, 2, 0, 0)]
+
+
+@pytest.mark.parametrize(
+    "row", [r for r in TABLE if r.code[0] in "GM" and r.kind is not Kind.MOTION]
+)
+def test_the_table_says_where_e_is_a_word(row):
+    """Text that is not read as words stays as it is."""
+    words = [word.partition("(")[0] for word in row.parameters.split()]
+    text = f"{row.code} A1E5"
+    plain = without_exponents(text)
+    if row.bare != ANY:
+        stays = row.bare is None or "E" in words or row.code in ("M303", "M306", "M3", "M4", "M5")
+        assert plain == (text if stays else f"{row.code} A100000")
+    if row.bare is None:
+        assert without_exponents(f"{row.code} a1e-05") == f"{row.code} a1e-05"
+
+
+@pytest.mark.parametrize(
+    ("line", "letter"),
+    [
+        ("G1 X10 X20", "X"),
+        ("G1 X10 Y5 E1 E2", "E"),
+        ("G1 F600 X1 F300", "F"),
+        ("X10 x20", "X"),
+        ("G2 X10 I5 I6", "I"),
+        ("G92 E0 E1", "E"),
+        ("G4 P1 P2", "P"),
+        ("M207 S1 S2", "S"),
+        ("G1 E1e-05 E1e-05", "E"),
+        ("G90 X1 X2", "X"),
+    ],
+)
+def test_a_letter_that_comes_twice_is_an_error(line, letter):
+    """Nothing of the command is carried out."""
+    out = run(f"M83\n{line}\nG1 X3\n")
+    assert [(e[0], e[1], e[2]) for e in out.errors] == [(2, Fault.REPEATED, letter)]
+    assert out.ends == [(3, 0, 0, 0)]
+
+
+@pytest.mark.parametrize("line", ["G1 X5 RXX", "G1 X5 G1 X5", "M117 X1 X1", "G90 G1 X5 G91 X0"])
+def test_letters_of_texts_and_of_several_commands_may_come_twice(line):
+    out = run(f"{line}\nG90 G1 X5\n")
+    assert out.errors == []
+    assert out.ends == [(5, 0, 0, 0)]
+
+
+def test_letters_that_come_twice_in_commands_of_the_printer():
+    assert Command(0, "M", 116, 0, "", "T0 T1").check() is None
+    assert Command(0, "M", 117, 0, "", "A1 A1").check() is None
+    with pytest.raises(WordError, match="more than one S"):
+        Command(0, "M", 104, 0, "", "S200 T0 S210").check()
 
 
 @pytest.mark.parametrize(

@@ -232,3 +232,12 @@ def test_settings_below_zero_do_not_open_the_guards(s):
     assert s.host.ok("M302")[0] == "echo:Cold extrudes are disabled (min temp 170C)"
     s.host.ok("M145 S0 H-5 B-5 F-5")
     assert s.host.ok("M145")[0] == "M145 S0 H0 B0 F0"
+
+
+def test_a_target_with_an_exponent_is_one_number():
+    with Scenario("i3") as s:
+        s.host.ok("M104 S2.1e2")
+        s.passes(1)
+        assert s.printer.connection.heaters["hotend"].target == 210
+        assert "more than one S" in s.host.ok("M104 S200 S220")[0]
+        assert s.printer.connection.heaters["hotend"].target == 210

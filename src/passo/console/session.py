@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable
 from typing import Protocol
 
+from passo import _core
 from passo.console.emergency_parser import LIFTS, Ahead, answers, halts
 from passo.console.receive_queue import Heard, InHand
 from passo.console.timers import Timers
@@ -29,6 +30,7 @@ _EVEN_AFTER_FAILURE = (*_NO_TEXT, "M108", "M112", "M410", "M876", "M999")
 # A line that begins so moves the machine; a word of an axis repeats the last move.
 _MOVES = re.compile(r"G([0-3]|10|11|28|61)\Z|M(60[01]|70[12])\Z|[A-EH-LO-RU-Z][-+.\d]")
 _TOOL = re.compile(r"T\d")  # without it filament of another one would be printed
+_EXPONENT = re.compile(r"[\d.][Ee][-+\d]")
 _HEAD = re.compile(r"\s*([A-Za-z])\s*(\d{1,9})(?:\.(\d))?\s*(.*)\Z", re.DOTALL)
 
 
@@ -45,6 +47,8 @@ class Wire(Protocol):
 def command_of(text: str) -> Command:
     """The command that a line begins with; a name of its own if it has no letter and number."""
     text = text.encode("ascii", "replace").decode()
+    if _EXPONENT.search(text):
+        text = _core.without_exponents(text)
     head = _HEAD.match(text)
     if head is None:
         name, _, rest = text.strip().partition(" ")

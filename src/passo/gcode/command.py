@@ -34,12 +34,16 @@ class Command(NamedTuple):
 
     def check(self) -> None:
         """Raises WordError for the first word with no number, or one beyond 1e9, unless the dialect
-        lets its letter stand alone."""
+        lets its letter stand alone, and for a letter that comes twice."""
         row = row_of(self.code)
         if self.name or row is None or row.bare is None:
             return
+        seen = set[str]()
         for match in _WORD.finditer(self.text):
             letter, number, text, nan = match[1].upper(), *match.groups()[1:]
+            if letter in seen and row.bare != ANY and letter not in row.repeats:
+                raise WordError.of("input.repeated", value=letter)
+            seen.add(letter)
             if number is not None:
                 if abs(float(number)) > LARGEST:
                     raise WordError.of("input.number", value=letter + written(float(number)))

@@ -29,7 +29,7 @@ class When(Enum):
 
 class Row(NamedTuple):
     """A command: its code, who carries it out in a print without consoles, when it acts on a
-    console, its parameters, one sentence, and which letters need no number."""
+    console, its parameters, one sentence, and which letters need no number or may be repeated."""
 
     code: str
     kind: Kind
@@ -38,6 +38,7 @@ class Row(NamedTuple):
     text: str
     bare: str | None = ""  # letters that may stand alone; None: what follows is not read as words
     nan: bool = False  # `S nan` is no number, and switches the heater off
+    repeats: str = ""  # letters that may come more than once
 
 
 ANY = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
@@ -260,7 +261,15 @@ TABLE: tuple[Row, ...] = (
         bare="DRE",
     ),
     Row("M115", _Q, _I, "", "Tells firmware and capabilities.", bare=None),
-    Row("M116", _P, _X, "T B C", "Waits for these heaters, all without letters.", bare="TPBC"),
+    Row(
+        "M116",
+        _P,
+        _X,
+        "T B C",
+        "Waits for these heaters, all without letters.",
+        bare="TPBC",
+        repeats="TPBC",
+    ),
     Row("M117", _Q, _I, "text", "A message for displays and hosts.", bare=None),
     Row("M118", _Q, _I, "E1 A1 text", "A line for all consoles.", bare=None),
     Row("M119", _Q, _I, "", "Tells which switches are pressed."),

@@ -7,8 +7,16 @@ from passo.gcode.dialect import ANY, TABLE, Kind, Row
 _HEAD = """# Commands
 
 Made from the dialect table (`passo.gcode.reference`). Letters may be lower case, blanks between
-words may be missing, `G01` is `G1`. Numbers are decimal, without exponent: `X1E5` is X1 and E5. A
-line may hold several commands; they run in order.
+words may be missing, `G01` is `G1`. A line may hold several commands; they run in order. A letter
+comes once in a command: a second one is an error (M116 may name several heaters of a kind).
+
+Numbers are decimal, and `X1E5` is X1 and E5. E with one to three digits directly after a digit is
+an exponent only where it cannot be meant as a word:
+
+- the command has another E (`E9.9e-05`, `X1E1 E2`), or E is no word of it (`M104 S2E2`);
+- the digits have a plus or a minus and a zero (`X1E+1`, `X13.5E-03`);
+- they have a minus, and the e is small after a capital (`X13.5e-3`), or the number has a point and
+  a blank before its letter (`X13.5E-3`, but not `X10E-3` nor `G1X13.5E-3`).
 
 Comments stand in parentheses or behind `;`. A line number (`N12`) is skipped; the checksum that may
 end such a line (`*71`) is checked. Anything that is not listed below is skipped with one

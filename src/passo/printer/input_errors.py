@@ -56,6 +56,8 @@ def problem(error: Error, path: str, geometry: GeometryModel) -> Problem:
         return Problem("input.centre", path, line, {"value": word})
     if fault == faults.RADII:
         return Problem("input.radii", path, line, {"value": value, "limit": limit})
+    if fault == faults.REPEATED:
+        return Problem("input.repeated", path, line, {"value": word})
     if fault == faults.CHECKSUM:
         return Problem("input.checksum", path, line, {"value": word, "limit": int(value)})
     if fault == faults.LINE_TOO_LONG:
