@@ -34,6 +34,7 @@ struct MoveRequest {
   double hop_mm;         // of a retraction, that is in the target's Z
   double radius_mm;      // arc radius; infinity on straight moves
   uint32_t line;         // 1-based line of the source
+  uint32_t main_line;    // of the call, where that is in a sub-program; else the same
   uint16_t layer;        // slicer's layer, 0 before the first
   uint16_t feature;      // index in the interpreter's table of feature names, 0 = none
   uint16_t extruder;     // active extruder

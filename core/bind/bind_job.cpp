@@ -174,7 +174,16 @@ void bind_job(nb::module_& m) {
       .value("UNREACHABLE", Fault::unreachable)
       .value("ACTUATOR", Fault::actuator)
       .value("TOO_LONG", Fault::too_long)
-      .value("TOO_SLOW", Fault::too_slow);
+      .value("TOO_SLOW", Fault::too_slow)
+      .value("MISSING_WORD", Fault::missing_word)
+      .value("CALL", Fault::call);
+  nb::enum_<CallFault>(m, "CallFault", "Why M98 or M99 cannot be carried out.", nb::is_arithmetic())
+      .value("UNREADABLE", CallFault::unreadable)
+      .value("MISSING", CallFault::missing)
+      .value("NESTED", CallFault::nested)
+      .value("UNENDED", CallFault::unended)
+      .value("IDLE", CallFault::idle)
+      .value("NO_FILE", CallFault::no_file);
   m.def(
       "without_exponents",
       [](std::string text) {
@@ -637,5 +646,30 @@ void bind_job(nb::module_& m) {
           },
           "(line, letter, number, minor, name, text) of each command that is no move, once for "
           "each code.")
+      .def_prop_ro(
+          "bad_calls",
+          [](const Survey& self) {
+            std::vector<std::tuple<uint32_t, std::string, CallFault>> list;
+            for (const auto& c : self.bad_calls()) list.emplace_back(c.line, c.text, c.fault);
+            return list;
+          },
+          "(line, text, fault) of each M98 that cannot be carried out, once it is finished.")
       .def_prop_ro("moves", &Survey::moves, "The program moves the machine.");
+  job.def(
+         "use_subprograms",
+         [](JobView& self, const Survey& survey) {
+           self.job.interpreter.subprograms = survey.subprograms();
+         },
+         "survey"_a, "The sub-programs that M98 calls: those of a program that was surveyed.")
+      .def_prop_ro(
+          "calls",
+          [](JobView& self) {
+            const auto& all = self.job.interpreter.subprograms;
+            return all && !all->labels.empty();
+          },
+          "The program has sub-programs.")
+      .def_prop_rw(
+          "ignore_calls", [](JobView& self) { return self.job.interpreter.ignore_calls; },
+          [](JobView& self, bool ignore) { self.job.interpreter.ignore_calls = ignore; },
+          "M98 of a sub-program that is missing is an event, not an error.");
 }

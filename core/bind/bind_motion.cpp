@@ -108,7 +108,7 @@ void push(RecordedMotion& self, const std::vector<double>& target, double feed,
   r.duration_s = duration;
   r.radius_mm = radius;
   r.arc_axis = kZ;
-  r.line = line;
+  r.line = r.main_line = line;
   r.flow = flow;
   r.extruder = uint16_t(extruder);
   r.kind = kind == "print"     ? MoveKind::print

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <deque>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -13,9 +14,11 @@
 
 #include "base/types.hpp"
 #include "gcode/arc.hpp"
+#include "gcode/cycle.hpp"
 #include "gcode/exponents.hpp"
 #include "gcode/lexer.hpp"
 #include "gcode/parse_result.hpp"
+#include "gcode/subprograms.hpp"
 #include "gcode/words.hpp"
 #include "machine/machine.hpp"
 #include "plan/extrusion_flow.hpp"
@@ -27,6 +30,9 @@ class Interpreter {
   bool clamp = false;         // targets out of range go to the limit
   bool ignore_tools = false;  // a missing tool is left alone
   uint8_t cold = 0;           // a bit for each slot whose filament is too cold to move
+  std::shared_ptr<const Subprograms> subprograms;  // of the program; null: M98 is an error
+  bool ignore_calls = false;                       // of sub-programs that are missing: events
+  bool calls_are_events = false;                   // M98 and M99 are not carried out
 
   Interpreter(const Machine& machine, std::vector<double> home, const LaserWords& laser)
       : machine_(&machine), home_(std::move(home)), laser_(laser),
@@ -56,23 +62,25 @@ class Interpreter {
   // Lines come from a program and from a console; one modal state serves both. Each keeps its own
   // unread text; the source may change only at a boundary between lines.
   void select(bool console) { source_ = console; }
-  bool at_boundary() const { return pending_.empty() && !arc_.active() && next_word_ == 0; }
-  void feed(const char* data, size_t n) { lines().feed(data, n); }
-  void finish() { lines().finish(); }
+  bool at_boundary() const { return !unfinished() && next_word_ == 0; }
+  void feed(const char* data, size_t n) { sources_[source_].feed(data, n); }
+  void finish() { sources_[source_].finish(); }
   // Forgets the unread text of the selected source; its lines count from `first` again.
   void restart(uint32_t first = 1) {
-    lines() = Lines(first);
+    sources_[source_] = Lines(first);
+    if (!source_) frames_.clear();
     dark();
   }
   // No move gets a laser's energy any more that does not ask for it again.
   void dark() { density_ = 0; }
-  uint64_t offset() const { return lines().offset(); }
+  uint64_t offset() const { return sources_[source_].offset(); }
   // The machine is at `position`, its extruders where they are told to be: what the program still
   // meant to do in this line is forgotten, and its positions follow the machine's.
   void abandon(const double* position, const std::vector<double>& extruders) {
     take_back(meant_mm());
     pending_.clear();
     arc_ = Arc();
+    cycle_ = Cycle();
     next_word_ = 0;
     for (size_t i = 0; i < extruders.size(); ++i)
       logical_e_ += (extruders[i] - extruder_[i]) / e_scale();
@@ -119,6 +127,9 @@ class Interpreter {
     source_ = mine.source_;
     locked_ = mine.locked_;
     cold = mine.cold;
+    subprograms = std::move(mine.subprograms);
+    ignore_calls = mine.ignore_calls;
+    frames_.clear();
   }
   // Axis slot j is at this machine position now; the program's zero stays where it was.
   void set_axis(int j, double position) {
@@ -138,6 +149,8 @@ class Interpreter {
     origin_[j] += mm;
     position_[j] += mm;
     arc_.shift(j, mm);
+    cycle_.shift(j, mm);
+    cycle_level_ += j == kZ ? mm : 0;
     for (Item& item : pending_) item.move.target[j] += mm;
   }
   // There is no room for the hop behind the moves taken so far, the last of which has had `mm` of
@@ -225,7 +238,8 @@ class Interpreter {
   const MoveRequest& move() const { return move_; }
   const Event& event() const { return event_; }
   const GcodeError& error() const { return error_; }
-  uint32_t line() const { return lines().number(); }
+  // Of the program or console: not of a sub-program.
+  uint32_t line() const { return sources_[source_].number(); }
   uint64_t arcs() const { return arcs_; }
   // Targets of slot j that went to the limit instead, and the first one's error.
   struct Clamped {
@@ -256,12 +270,22 @@ class Interpreter {
         if (next_chord()) return Found::move;
         continue;
       }
+      if (cycle_.active()) {
+        if (next_of_cycle()) return Found::move;
+        continue;
+      }
       if (next_word_ > 0) {
         run_words();
         continue;
       }
       const char *p, *end;
-      if (!lines().next(p, end)) return lines().finished() ? Found::end : Found::need_input;
+      if (!lines().next(p, end)) {
+        if (!source_ && !frames_.empty()) {
+          feed_frame();
+          continue;
+        }
+        return lines().finished() ? Found::end : Found::need_input;
+      }
       machine_zero_ = false;
       if (lines().too_long()) {
         fail(Fault::line_too_long, "", 0, 0);
@@ -379,12 +403,41 @@ class Interpreter {
   uint32_t listened_ = 0, moved_line_ = 0;
   Heard heard_;
   uint64_t commands_ = 0;
-  size_t next_word_ = 0;  // not 0: from here on the line waits until its moves so far are taken
+  struct Frame {  // a sub-program that is carried out
+    Subprograms::Label label{};
+    Lines lines;
+    size_t fed = 0;   // of its text, up to here
+    int repeats = 1;  // this one, and those that follow it
+  };
+  static constexpr size_t kDeepest = 10;               // sub-programs within each other
+  static constexpr uint32_t kMostIdleCalls = 100'000;  // without a move
+  std::vector<Frame> frames_;
+  uint32_t idle_calls_ = 0;
+  struct CycleWords {  // R, Q, P and the end of the hole, mm and s, as the last line of it has them
+    int code = 0, plane = 0;
+    double value[4];
+    bool given[4];
+  };
+  CycleWords cycle_words_{};
+  Cycle cycle_;
+  double cycle_feed_ = 0;
+  double cycle_level_ = 0;    // of the hole's axis before the first of cycles in a row
+  bool cycle_begins_ = true;  // the next cycle is the first
+  bool to_level_ = true;      // G98: back to there; G99: to R
+  size_t next_word_ = 0;      // not 0: from here on the line waits until its moves so far are taken
 
-  Lines& lines() { return sources_[source_]; }
-  const Lines& lines() const { return sources_[source_]; }
+  Lines& lines() { return !source_ && !frames_.empty() ? frames_.back().lines : sources_[source_]; }
+  const Lines& lines() const { return const_cast<Interpreter*>(this)->lines(); }
+  // Moves of the line are to be taken before its next word.
+  bool unfinished() const { return !pending_.empty() || arc_.active() || cycle_.active(); }
   // Of the program; 0 where a console has sent it.
-  uint32_t line_of_move() const { return source_ ? 0 : lines().number(); }
+  void stamp(MoveRequest& m) const {
+    m.line = source_ ? 0 : lines().number();
+    m.main_line = source_ ? 0 : sources_[0].number();
+    m.layer =
+        uint16_t(std::min(marked_layers_ > 0 ? uint32_t(marked_layers_) : risen_layers_, 65535u));
+    m.feature = feature_;
+  }
   const std::string& axis_name(int j) const {
     return machine_->axes[size_t(j < 3 ? j : j - kExtra + 3)].name;
   }
@@ -583,7 +636,7 @@ class Interpreter {
 
   // Fills what does not depend on the command and takes the move; false if it goes nowhere.
   bool ready() {
-    move_.line = line_of_move();
+    stamp(move_);
     return take(move_);
   }
   bool take(MoveRequest& m) {
@@ -616,6 +669,7 @@ class Interpreter {
     m.feature = feature_;
     m.extruder = uint16_t(active_);
     m.tool = uint16_t(tool_);
+    idle_calls_ = 0;
     if (laser_.any()) shine(m);
     if (!extruder_.empty()) {
       m.owed_mm = filament_[active_].owed;
@@ -649,10 +703,20 @@ class Interpreter {
   void queue_return(const double* to);
   void select_tool(const Word& word);
   bool next_chord();
+  void emit_power(double power);
+  void run_cycle(int code, const Word* first, const Word* last);
+  bool next_of_cycle();
+  void run_call(std::string_view text);
+  bool run_return(std::string_view text);
+  void begin_frame();
+  void feed_frame();
+  void fail_call(CallFault fault, const std::string& call);
 };
 
 }  // namespace passo
 
+#include "gcode/interpreter_calls.hpp"
+#include "gcode/interpreter_cycles.hpp"
 #include "gcode/interpreter_filament.hpp"
 #include "gcode/interpreter_run.hpp"
 #include "gcode/interpreter_steps.hpp"

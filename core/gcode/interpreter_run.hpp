@@ -45,6 +45,7 @@ inline void Interpreter::pass_on(std::string_view name, std::string_view text) {
 }
 
 inline void Interpreter::run_line(const char* p, const char* end) {
+  if (listening()) heard_ = Heard();  // a line of a sub-program may come again
   while (p < end && std::isspace(uint8_t(*p))) ++p;
   while (end > p && std::isspace(uint8_t(end[-1]))) --end;
   if (p == end || *p == '%') return;
@@ -115,7 +116,7 @@ inline void Interpreter::run_words() {
   bool begins = next_word_ == 0;
   next_word_ = 0;
   auto waits = [&] {
-    if (pending_.empty() && !arc_.active()) return false;
+    if (!unfinished()) return false;
     next_word_ = size_t(w - words_.data());
     return true;
   };
@@ -136,7 +137,9 @@ inline void Interpreter::run_words() {
   if (begins && w->letter == 'O' && letter_slot_['O' - 'A'] < 0) {  // the program's number and name
     Word* next = w + 1;
     while (next < end && !(starts(*next) && !std::isalpha(uint8_t(text[next->begin - 1])))) ++next;
-    unknown(next);
+    // Of a file with sub-programs it is known; what controls the flow of others is not.
+    const bool text_follows = w + 1 < next && std::isalpha(uint8_t(text[w[1].begin])) != 0;
+    if (!subprograms || subprograms->labels.empty() || text_follows) unknown(next);
     next_word_ = next < end ? size_t(next - words_.data()) : 0;
     return;
   }
@@ -206,7 +209,6 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
     hear(name, w, w);
   else
     hear(name, w, end, text);
-  if (command.letter == 'G' && code == 80 && motion_ > 3) motion_ = -1;
   if (modal) {
     emit(command.letter, code, minor, "", "");
     return run_modal(w, end);
@@ -242,9 +244,7 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
         MoveRequest m{};
         m.kind = MoveKind::dwell;
         m.duration_s = has('S') ? value_of('S', 0) : value_of('P', 0) / 1000;
-        m.line = line_of_move();
-        m.layer = uint16_t(marked_layers_ > 0 ? marked_layers_ : int(risen_layers_));
-        m.feature = feature_;
+        stamp(m);
         m.radius_mm = m.feed_mm_s = kInfinity;
         if (!(has('S') ? within('S', m.duration_s, 0, kLongestMove)
                        : within('P', m.duration_s * 1000, 0, kLongestMove * 1000)))
@@ -300,6 +300,29 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
         if (back) queue_return(before);
         return;
       }
+      case 73:
+      case 81:
+      case 82:
+      case 83:
+        cycle_begins_ = cycle_begins_ || !canned(motion_);
+        motion_ = 10 * code;
+        return run_cycle(code, w, end);
+      case 80: {
+        const bool cycle = motion_ > 3;
+        if (cycle) motion_ = -1;
+        // Where filament is printed it asks for bed levelling, as Prusa has it, with words of its
+        // own.
+        if (machine_->prints()) {
+          if (cycle) return;
+          break;
+        }
+        if (cycle && moves(w, end)) return fail(Fault::word, name, 0, 0);
+        return run_modal(w, end);
+      }
+      case 98:
+      case 99:
+        to_level_ = code == 98;
+        return run_modal(w, end);
       case 53:
         machine_zero_ = true;
         return run_modal(w, end);
@@ -347,6 +370,11 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
   }
   if (command.letter == 'M' && minor == 0) {
     switch (code) {
+      case 98:
+        return run_call(text);
+      case 99:
+        if (run_return(text)) return;
+        break;
       case 82:
         absolute_e_ = true;
         return;
@@ -411,6 +439,10 @@ inline void Interpreter::run_modal(const Word* w, const Word* end) {
   if (motion_ < 0) motion_ = 1;
   if (w == end) return;
   if (motion_ > 3) {  // as often as it would move
+    if (canned(motion_)) {
+      hear("", w, end);
+      return run_cycle(motion_ / 10, w, end);
+    }
     std::string_view text = std::string_view(text_).substr(w->begin, end[-1].end - w->begin);
     std::string name = "G" + std::to_string(motion_ / 10);
     if (motion_ % 10 != 0) name += "." + std::to_string(motion_ % 10);
@@ -420,6 +452,13 @@ inline void Interpreter::run_modal(const Word* w, const Word* end) {
   moved_line_ = lines().number();
   hear("", w, end);
   run_motion(motion_, w, end);
+}
+
+// A laser's or spindle's power, of a move's S word.
+inline void Interpreter::emit_power(double power) {
+  char text[40];
+  std::snprintf(text, sizeof text, "S%.6g", power);
+  emit('S', 0, 0, "", text);
 }
 
 inline void Interpreter::run_motion(int code, const Word* w, const Word* end) {
@@ -471,9 +510,7 @@ inline void Interpreter::run_motion(int code, const Word* w, const Word* end) {
   }
   if (keeps_feed) feed_ = feed;
   if (has_laser) {
-    char text[40];
-    std::snprintf(text, sizeof text, "S%.6g", laser);
-    emit('S', 0, 0, "", text);
+    emit_power(laser);
   }
   uint32_t axes = 0;
   for (int k = 0; k < 26; ++k)
@@ -500,7 +537,7 @@ inline void Interpreter::queue_straight(double feed, double duration, bool rapid
   move_.radius_mm = kInfinity;
   move_.arc_inner = false;
   move_.rapid = rapid;
-  move_.line = line_of_move();
+  stamp(move_);
   Item item{};
   item.found = Found::move;
   item.move = move_;
@@ -564,7 +601,7 @@ inline void Interpreter::run_arc(bool clockwise, const double* value, uint32_t h
   arc_move_.rapid = false;
   arc_move_.radius_mm = arc_.radius();
   arc_move_.arc_axis = arc_.axis();
-  arc_move_.line = line_of_move();
+  stamp(arc_move_);
   queue_offset(start, feed);
 }
 

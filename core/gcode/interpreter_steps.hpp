@@ -84,7 +84,7 @@ inline void Interpreter::queue_offset(const double* to, double feed) {
   m.feed_mm_s = feed;
   m.radius_mm = kInfinity;
   m.rapid = true;  // no laser burns on it
-  m.line = line_of_move();
+  stamp(m);
   m.kind = MoveKind::travel;
   pending_.push_back(std::move(item));
 }
@@ -103,7 +103,7 @@ inline void Interpreter::queue_step(int j, double by, double feed) {
   m.hop_mm = hop_;
   m.feed_mm_s = feed;
   m.radius_mm = kInfinity;
-  m.line = line_of_move();
+  stamp(m);
   m.kind = MoveKind::travel;
   m.moved = uint8_t(1u << j);
   pending_.push_back(std::move(item));

@@ -37,7 +37,9 @@ enum class Fault : uint8_t {
   unreachable,
   actuator,
   too_long,
-  too_slow
+  too_slow,
+  missing_word,  // `word`: the command, a blank, what it lacks
+  call           // of a sub-program; value: a CallFault
 };
 
 struct GcodeError {

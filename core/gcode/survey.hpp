@@ -1,7 +1,8 @@
-// The commands of a whole program that do more than move, found before it runs: one quick pass over
-// its text, without positions.
+// What a program does beside its moves, found before it runs: one quick pass over its text, without
+// positions.
 #pragma once
 #include <cstring>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -9,18 +10,27 @@
 #include <vector>
 
 #include "gcode/interpreter.hpp"
+#include "gcode/subprograms.hpp"
 
 namespace passo {
 
-// Feed it the program; `commands()` holds each command that the caller of an Interpreter would be
-// handed, once for each code, as it stands first. Memory is bounded by kMostCodes.
+// Feed it the program; then `commands()` holds each command that the caller of an Interpreter would
+// be handed, once for each code, as it stands first, of the main program and of the sub-programs
+// that it calls. Memory is bounded by kMostCodes and Subprograms::kMostBytes.
 class Survey {
  public:
   static constexpr size_t kMostCodes = 10'000;
 
+  // A call that cannot be carried out.
+  struct BadCall {
+    uint32_t line;
+    std::string text;
+    CallFault fault;
+  };
+
   Survey(const Machine& machine, std::vector<double> home, const LaserWords& laser)
       : machine_(machine), splitter_(machine_, std::move(home), laser) {
-    splitter_.clamp = splitter_.ignore_tools = true;
+    splitter_.clamp = splitter_.ignore_tools = splitter_.calls_are_events = true;
   }
   Survey(const Survey&) = delete;
 
@@ -31,19 +41,41 @@ class Survey {
   void finish() {
     lines_.finish();
     read();
+    end_part();
+    if (text_.size() > Subprograms::kMostBytes) return judge(CallFault::no_file);
+    subprograms_->text = std::move(text_);
+    judge(CallFault::none);
   }
+  // The next four once it is finished.
   const std::vector<Event>& commands() const { return commands_; }
+  const std::vector<BadCall>& bad_calls() const { return bad_calls_; }
   // The program moves the machine.
   bool moves() const { return moves_; }
+  std::shared_ptr<const Subprograms> subprograms() const { return subprograms_; }
 
  private:
+  struct Note {
+    Event event;
+    size_t part;
+  };
+  // The main program, or what stands behind an O number behind its end.
+  struct Part {
+    size_t first_label = 0;
+    bool returns = false;
+  };
   const Machine machine_;
   Interpreter splitter_;
   Lines lines_;
-  bool ended_ = false;  // by M2 or M30
+  bool ended_ = false;  // the main program: by M2, M30 or M99
   bool moves_ = false;
+  std::string text_;  // behind that
+  std::shared_ptr<Subprograms> subprograms_ = std::make_shared<Subprograms>();
+  std::vector<size_t> part_of_label_;
+  std::vector<Part> parts_{Part{}};
+  std::vector<Note> notes_, calls_;
+  std::unordered_map<std::string, size_t> seen_;  // by part and code
   std::vector<Event> commands_;
-  std::unordered_map<std::string, size_t> seen_;  // by code
+  std::vector<BadCall> bad_calls_;
 
   static bool is_move(const char* p, const char* end) {
     return end - p >= 3 && p[0] == 'G' && p[1] >= '0' && p[1] <= '3' && p[2] == ' ';
@@ -62,18 +94,41 @@ class Survey {
 
   void read() {
     const char *p, *end;
-    while (!ended_ && lines_.next(p, end)) {
+    while (lines_.next(p, end)) {
+      if (ended_) keep(p, end);
       moves_ = moves_ || is_move(p, end);
       if (plain(p, end)) continue;
       splitter_.feed(p, size_t(end - p));
       splitter_.feed("\n", 1);
       Found found;
-      while (!ended_ && (found = splitter_.next()) != Found::need_input)
+      while ((found = splitter_.next()) != Found::need_input)
         if (found == Found::event)
           note(splitter_.event());
         else
           moves_ = moves_ || found == Found::move;
     }
+  }
+
+  // A line behind the main program: of a sub-program, if a label comes before it or in it.
+  void keep(const char* p, const char* end) {
+    bool program;
+    uint32_t number;
+    if (read_label(p, end, program, number)) {
+      if (program || parts_.size() == 1) {
+        end_part();
+        parts_.push_back({subprograms_->labels.size()});
+      }
+      subprograms_->add({number, program, text_.size(), 0, lines_.number()});
+      part_of_label_.push_back(parts_.size() - 1);
+    }
+    if (parts_.size() == 1 || text_.size() > Subprograms::kMostBytes) return;
+    text_.append(p, size_t(end - p));
+    text_ += '\n';
+  }
+  void end_part() {
+    if (parts_.size() == 1) return;
+    for (size_t i = parts_.back().first_label; i < subprograms_->labels.size(); ++i)
+      subprograms_->labels[i].stop = text_.size();
   }
 
   void note(const Event& event) {
@@ -82,10 +137,51 @@ class Survey {
       code = event.letter + std::to_string(event.number);
       if (event.minor != 0) code += "." + std::to_string(event.minor);
     }
-    ended_ = code == "M2" || code == "M30" || code == "EOF";
-    if (commands_.size() >= kMostCodes || !seen_.emplace(code, commands_.size()).second) return;
-    commands_.push_back(event);
-    commands_.back().line = lines_.number();
+    if (ended_ && parts_.size() == 1) return;  // it is never read
+    if (code == "M98") {
+      if (calls_.size() < kMostCodes) calls_.push_back(placed(event));
+      return;
+    }
+    if (code == "M99" && event.text.empty()) {
+      parts_.back().returns = true;
+      ended_ = true;
+      if (parts_.size() > 1) return;
+    }
+    ended_ = ended_ || code == "M2" || code == "M30" || code == "EOF";
+    code += "\n" + std::to_string(parts_.size());
+    if (notes_.size() >= kMostCodes || !seen_.emplace(code, notes_.size()).second) return;
+    notes_.push_back(placed(event));
+  }
+  Note placed(const Event& event) const {
+    Note note{event, parts_.size() - 1};
+    note.event.line = lines_.number();
+    return note;
+  }
+
+  // What the main program reaches; calls have `fault` unless that is none.
+  void judge(CallFault fault) {
+    std::vector<bool> reached(parts_.size());
+    std::vector<size_t> open{0};
+    reached[0] = true;
+    while (!open.empty()) {
+      const size_t part = open.back();
+      open.pop_back();
+      for (const Note& note : calls_) {
+        if (note.part != part) continue;
+        Call call;
+        CallFault found = fault;
+        if (found == CallFault::none) found = read_call(note.event.text, *subprograms_, call);
+        const size_t to =
+            call.label ? part_of_label_[size_t(call.label - &subprograms_->labels[0])] : 0;
+        if (found == CallFault::none && !parts_[to].returns) found = CallFault::unended;
+        if (found != CallFault::none)
+          bad_calls_.push_back({note.event.line, note.event.text, found});
+        else if (!reached[to])
+          reached[to] = true, open.push_back(to);
+      }
+    }
+    for (const Note& note : notes_)
+      if (reached[note.part]) commands_.push_back(note.event);
   }
 };
 

@@ -57,17 +57,18 @@ inline bool own_command(char letter, int code, int minor) {
 // What follows these is a move in the modal way.
 inline bool before_modal(char letter, int code, int minor) {
   return letter == 'G' && minor == 0 &&
-         ((code >= 17 && code <= 21) || code == 53 || code == 90 || code == 91);
+         ((code >= 17 && code <= 21) || code == 53 || code == 90 || code == 91 || code == 98 ||
+          code == 99);
 }
 
 // So it is where it names axes, of these which have none of their own in any dialect (RS274): polar
 // coordinates, radii and lengths of tools, coordinate systems, path modes, rotation,
-// kinds of F and of spindles, returns of cycles. Not G80, which probes a part of the bed with them.
+// kinds of F and of spindles. Not G80, which probes a part of the bed with them.
 inline bool before_axes(char letter, int code, int minor) {
   if (letter != 'G') return false;
   if (minor != 0) return (code == 59 && minor <= 3) || (minor == 1 && (code == 61 || code == 91));
   return code == 15 || code == 40 || code == 43 || code == 49 || (code >= 54 && code <= 59) ||
-         code == 64 || code == 69 || (code >= 93 && code <= 99);
+         code == 64 || code == 69 || (code >= 93 && code <= 97);
 }
 
 // Spindle, coolant and change of tools have other words of their own, but no axes.
@@ -88,8 +89,13 @@ inline bool toolless(const Word& w) {
          (w.letter == 'M' && minor == 0 && (code == 82 || code == 83));
 }
 
-// Ways of RS274 to move that are not known here: splines, threads, probing, cycles. What follows
-// without a command is theirs.
+// Cycles that are carried out, by the modal motion: ten times the code.
+inline bool canned(int motion) {
+  return motion == 730 || motion == 810 || motion == 820 || motion == 830;
+}
+
+// Ways of RS274 to move that are not known here: splines, threads, probing, other cycles. What
+// follows without a command is theirs.
 inline bool moves_otherwise(char letter, int code) {
   return letter == 'G' && (code == 5 || code == 33 || code == 38 || code == 73 || code == 76 ||
                            (code >= 81 && code <= 89));

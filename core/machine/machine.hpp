@@ -87,6 +87,11 @@ struct Machine {
   std::shared_ptr<const HeightMap> height_map;  // none: the bed is flat
   bool joints = false;  // X, Y, Z of positions are the first three actuators' own, for homing
 
+  // It has filament, in extruders or pushed by axes.
+  bool prints() const {
+    return !extruders.empty() ||
+           std::any_of(axes.begin(), axes.end(), [](const Axis& axis) { return axis.filament; });
+  }
   bool pushes_filament(const StepperSpec& s) const {
     return s.drive == Drive::extruder || (s.drive == Drive::axis && axes[size_t(s.index)].filament);
   }

@@ -54,6 +54,7 @@ struct Held {
     over.kind = MoveKind::travel;
     over.rules = first.rules;
     over.line = first.line;
+    over.main_line = first.main_line;
     over.layer = first.layer;
     over.feature = first.feature;
     over.extruder = first.extruder;

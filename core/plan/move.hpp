@@ -28,10 +28,10 @@ struct Move {
   double tolerance;     // ticks by which steps may miss their ideal times; 0: the board's own
   double step_load, command_load;  // share of the board's budget that was asked for; ≤ 1: kept
   double steps, commands;          // of all motors together, as the budget reckons; 0 without one
-  double ahead0, ahead1;  // commands ahead of the board's rate at its start and end, at most
-  uint32_t rules;         // number in the planner's RuleBook
-  uint32_t line;
-  uint32_t records;  // timed records that are due at its start
+  double ahead0, ahead1;     // commands ahead of the board's rate at its start and end, at most
+  uint32_t rules;            // number in the planner's RuleBook
+  uint32_t line, main_line;  // of MoveRequest
+  uint32_t records;          // timed records that are due at its start
   uint16_t layer, feature, extruder, tool;
   LimitId speed_limit, accel_limit;
   MoveKind kind;

@@ -210,6 +210,7 @@ class Planner {
     m.rules = rules_.use();
     m.unscaled = r.unscaled;
     m.line = r.line;
+    m.main_line = r.main_line;
     m.layer = r.layer;
     m.feature = r.feature;
     m.extruder = r.extruder;

@@ -1284,6 +1284,25 @@ def without_exponents(text: str) -> str:
     A line's command with decimal numbers in place of those with exponents, as a job reads it on a machine that has an E.
     """
 
+    MISSING_WORD = 19
+
+    CALL = 20
+
+class CallFault(enum.IntEnum):
+    """Why M98 or M99 cannot be carried out."""
+
+    UNREADABLE = 1
+
+    MISSING = 2
+
+    NESTED = 3
+
+    UNENDED = 4
+
+    IDLE = 5
+
+    NO_FILE = 6
+
 class Job:
     """A G-code program through one machine. Not thread-safe."""
 
@@ -1681,6 +1700,20 @@ class Job:
         Changes an axis' `speed`, `accel` or `jerk`, never beyond the machine's own, as set_limit.
         """
 
+    def use_subprograms(self, survey: Survey) -> None:
+        """The sub-programs that M98 calls: those of a program that was surveyed."""
+
+    @property
+    def calls(self) -> bool:
+        """The program has sub-programs."""
+
+    @property
+    def ignore_calls(self) -> bool:
+        """M98 of a sub-program that is missing is an event, not an error."""
+
+    @ignore_calls.setter
+    def ignore_calls(self, arg: bool, /) -> None: ...
+
 class Survey:
     """The commands of a program, found before it runs."""
 
@@ -1695,6 +1728,12 @@ class Survey:
     def commands(self) -> list[tuple[int, str, int, int, str, str]]:
         """
         (line, letter, number, minor, name, text) of each command that is no move, once for each code.
+        """
+
+    @property
+    def bad_calls(self) -> list[tuple[int, str, CallFault]]:
+        """
+        (line, text, fault) of each M98 that cannot be carried out, once it is finished.
         """
 
     @property

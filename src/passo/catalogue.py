@@ -293,6 +293,16 @@ CATALOGUE: Mapping[str, Entry] = {
         "cold extrusion prevented: the hotend is too cold for filament to move",
         "Heat it first (M109), or allow it (M302 P1)",
     ),
+    "input.missing-word": _input(
+        "gcode",
+        "{axis} needs {value}",
+        "Add the word to the command, or to one before it in the cycle",
+    ),
+    "input.call": _input(
+        "gcode",
+        "{axis} cannot be carried out: {value}",
+        "Correct the call, or put O and the number before the sub-program and M99 at its end",
+    ),
     "input.unknown-moves": _input(
         "gcode",
         "{value} is unknown here; on other firmware it may move or heat the machine",

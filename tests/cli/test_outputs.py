@@ -220,7 +220,9 @@ def explained(capsys, path, line, *words):
 
 LINES = {
     "T0": ["T0: Selects a tool."],
-    "G80": ["G80: unknown here, skipped."],
+    "G777": ["G777: unknown here, skipped."],
+    "G80": ["G80: Ends a canned cycle."],
+    "G81 X2 Z1 R2 F60": ["G81: Drills: rapidly to X Y", "  X2", "  Z1", "  R2", "  F60"],
     "N2 G1 X5 F600*55": [
         "The line has the number 2, which is skipped; its checksum is right.",
         "G1: Moves in a straight line",

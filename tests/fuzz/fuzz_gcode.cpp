@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "gcode/interpreter.hpp"
+#include "gcode/survey.hpp"
 #include "geometry/cartesian.hpp"
 
 using namespace passo;
@@ -49,6 +50,10 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   Interpreter interpreter(machine, {0, 0, 0}, words);
   interpreter.clamp = data[0] & 2;
   interpreter.ignore_tools = data[0] & 4;
+  Survey survey(machine, {0, 0, 0}, words);
+  survey.feed(reinterpret_cast<const char*>(data) + 1, size - 1);
+  survey.finish();
+  interpreter.subprograms = survey.subprograms();
   const size_t chunk = data[0] & 8 ? size : 1 + (data[0] >> 4);
   int moves = 0;
   for (size_t i = 1; i < size && moves <= 100000; i += chunk) {

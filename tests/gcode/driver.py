@@ -7,7 +7,7 @@ from functools import cache
 from typing import Any
 
 from passo import config
-from passo._core import Fault, Job, JobStatus
+from passo._core import Fault, Job, JobStatus, Survey
 
 
 @cache
@@ -30,6 +30,7 @@ class Outcome:
     points: list[tuple[float, float, float]] = field(default_factory=list)  # of the errors
     statistics: dict[str, Any] = field(default_factory=dict)
     clamped: list[Any] = field(default_factory=list)
+    ended: bool = False
 
     @property
     def ends(self) -> list[tuple[float, float, float, float]]:
@@ -47,20 +48,31 @@ class Outcome:
 
 
 def run(
-    text: str | bytes | list[bytes], machine: Any = "i3", chunk: int = 0, **policy: bool
+    text: str | bytes | list[bytes],
+    machine: Any = "i3",
+    chunk: int = 0,
+    surveyed: bool = False,
+    **policy: bool,
 ) -> Outcome:
-    """All of a program, in these chunks, or in chunks of `chunk` bytes if that is not 0."""
+    """All of a program, in these chunks, or in chunks of `chunk` bytes if that is not 0; with its
+    sub-programs if it is `surveyed`."""
     data = text.encode() if isinstance(text, str) else text
     job = Job(spec(machine) if isinstance(machine, str) else machine, False, **policy)
     job.keep_moves(True)
     out = Outcome()
+    ends = ("M2", "M30", "M99") if surveyed else ()
+    if surveyed:
+        survey = Survey(spec(machine) if isinstance(machine, str) else machine)
+        survey.feed(data)
+        survey.finish()
+        job.use_subprograms(survey)
     if isinstance(data, bytes):
         data = [data[i : i + chunk] for i in range(0, len(data), chunk)] if chunk else [data]
     for piece in data:
         job.feed(piece)
-        _drain(job, out)
+        _drain(job, out, ends)
     job.finish()
-    _drain(job, out)
+    _drain(job, out, ends)
     job.flush()
     out.moves = job.take_moves()
     out.statistics = job.statistics()
@@ -68,12 +80,15 @@ def run(
     return out
 
 
-def _drain(job: Job, out: Outcome) -> None:
-    while (status := job.advance()) not in (JobStatus.END, JobStatus.NEED_INPUT):
+def _drain(job: Job, out: Outcome, ends: tuple[str, ...]) -> None:
+    while not out.ended and (status := job.advance()) not in (JobStatus.END, JobStatus.NEED_INPUT):
         if status == JobStatus.EVENT:
             out.events.append(job.event)
             if out.commands[-1].startswith("G28"):
                 job.settle_position()
+            out.ended = out.commands[-1] in ends
+            if out.ended:
+                return
         elif status == JobStatus.ERROR:
             out.errors.append(job.error[:5])
             out.points.append(job.error[5])

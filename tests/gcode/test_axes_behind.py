@@ -48,7 +48,7 @@ def test_others_keep_their_words(code):
     assert out.commands == [f"{code} X10 Y5"]
 
 
-@pytest.mark.parametrize("code", ["G5", "G5.1", "G33", "G38.2", "G73", "G76", "G81", "G89"])
+@pytest.mark.parametrize("code", ["G5", "G5.1", "G33", "G38.2", "G76", "G84", "G89"])
 def test_another_way_to_move_keeps_what_follows(code):
     """X20 Z0 after a drilling cycle is a hole, and no move on the way of which the tool breaks."""
     cycle = f"G0 X5 Z9\n{code} X10 Z-2 R2 F100\nX20 Z0\nN5 Z3\n"

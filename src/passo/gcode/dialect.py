@@ -104,6 +104,40 @@ TABLE: tuple[Row, ...] = (
         "Moves these axes to the saved position, or so far beside it; X, Y and Z without letters.",
         bare=_AXES,
     ),
+    Row(
+        "G73",
+        _M,
+        _N,
+        "X Y Z R Q L(repeats) F",
+        "Drills to Z by Q at a time, and backs off by 0.254 mm in between. Words as G81.",
+    ),
+    Row(
+        "G80",
+        _P,
+        _N,
+        "",
+        "Ends a canned cycle. Where filament is printed and there is no cycle, it asks for bed"
+        " levelling, as Prusa's firmware does.",
+        bare=ANY,
+    ),
+    Row(
+        "G81",
+        _M,
+        _N,
+        "X Y Z R L(repeats) F",
+        "Drills: rapidly to X Y, rapidly to R, with F to Z, rapidly back (G98, G99). Lines that"
+        " follow need only what changes, until G80 or G0 to G3. K is L. After G91 R counts from"
+        " where the axis is, Z from R, and each repeat is X Y further. In G18 and G19 the hole lies"
+        " along Y and X.",
+    ),
+    Row("G82", _M, _N, "X Y Z R P(s) L(repeats) F", "As G81, and waits P seconds at the bottom."),
+    Row(
+        "G83",
+        _M,
+        _N,
+        "X Y Z R Q L(repeats) F",
+        "As G73, but goes rapidly back to R in between, and down to 0.254 mm above the last depth.",
+    ),
     Row("G90", _M, _N, "", "Positions are absolute."),
     Row("G91", _M, _N, "", "Positions are relative, the extruder's too."),
     Row(
@@ -113,6 +147,15 @@ TABLE: tuple[Row, ...] = (
         "X Y Z E, A B C",
         "Sets the program's position without motion; letters of motors say where these are.",
     ),
+    Row(
+        "G98",
+        _M,
+        _N,
+        "",
+        "Between holes cycles go to the level that the axis had before the first, or R if that is"
+        " higher.",
+    ),
+    Row("G99", _M, _N, "", "Between holes cycles go to R."),
     Row("M0", _H, _X, "S(s) P(ms) text", "Waits for a person, M108 or the time.", bare=None),
     Row("M1", _H, _X, "S(s) P(ms) text", "Waits for a person, M108 or the time.", bare=None),
     Row("M2", _P, _X, "", "Ends the program."),
@@ -210,6 +253,24 @@ TABLE: tuple[Row, ...] = (
         _X,
         "X Y Z E T, H(microsteps) L(mm)",
         "Steps for a millimetre; H and L tell which layer heights are whole steps of Z's motor.",
+    ),
+    Row(
+        "M98",
+        _P,
+        _N,
+        "P(number) L(repeats)",
+        "Carries out the sub-program of this O number, or from this N number on, up to M99: of a"
+        " file, behind the M30, M2 or M99 that ends its main program. Up to 10 within each other.",
+        bare=None,
+    ),
+    Row(
+        "M99",
+        _P,
+        _X,
+        "",
+        "Ends a sub-program; in the main program of a file it ends the program. With axes:"
+        " backlash, which is not made up for.",
+        bare=ANY,
     ),
     Row(
         "M104",
@@ -528,7 +589,6 @@ TABLE: tuple[Row, ...] = (
             ("G27 M125", "The head parks when a print pauses, by M25 or M601."),
             ("G29 G31 G32 M420 M421 M561", "Bed levelling is not built."),
             ("G30 M48 M401 M402 M851", "There is no probe yet."),
-            ("M99", "Backlash is not made up for."),
             ("M111", "There are no levels of messages."),
             ("M142 M192", "There is no cooler."),
             ("M150 M355", "There is no light."),

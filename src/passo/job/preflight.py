@@ -1,28 +1,41 @@
-"""A look through a whole program before it begins: what would spoil the print is said first."""
+"""A look through a whole program before it begins: its sub-programs, and what would spoil the
+print."""
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterable
+import asyncio
+from collections.abc import Callable, Iterable
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from passo import _core
-from passo.errors import InputError, Problem
+from passo.errors import Problem
 from passo.gcode.command import Command
 from passo.gcode.dialect import row_of
-from passo.job.batch.program import with_option
-from passo.job.batch.source import chunks, open_source
+from passo.printer.input_errors import call_problem
 from passo.printer.unfit_commands import Skips, unfit
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
 
+_PIECE = 1 << 18  # bytes
 _MOST_TOLD = 20  # problems
 
 
+class Reader(Protocol):
+    """An open file on a card."""
+
+    def read(self, size: int, /) -> bytes:
+        """The next bytes; empty at the end."""
+        ...
+
+    def seek(self, offset: int, /) -> int:
+        """The next read begins here."""
+        ...
+
+
 def survey(machine: MachineConfig, pieces: Iterable[bytes]) -> _core.Survey:
-    """The commands of a program."""
+    """What a program does beside its moves."""
     found = _core.Survey(machine.core_spec())
     for piece in pieces:
         found.feed(piece)
@@ -30,24 +43,36 @@ def survey(machine: MachineConfig, pieces: Iterable[bytes]) -> _core.Survey:
     return found
 
 
-def problems(found: _core.Survey, file: str, skips: Skips) -> list[Problem]:
-    """What a print of this program must not leave out, in the order of its lines. Nothing for a
-    text without any command that is known: reading it says so."""
+async def survey_beside(
+    machine: MachineConfig,
+    reader: Reader,
+    going: Callable[[], bool] = lambda: True,
+    rest_s: float = 0.0,
+) -> _core.Survey:
+    """The same of a file on a card, which is read from its beginning while `going`; between two
+    pieces others have the event loop. Raises CardError."""
+    found = _core.Survey(machine.core_spec())
+    reader.seek(0)
+    while going() and (piece := reader.read(_PIECE)):
+        found.feed(piece)
+        if len(piece) == _PIECE:
+            await asyncio.sleep(rest_s)
+    found.finish()
+    return found
+
+
+def prepare(job: _core.Job, found: _core.Survey, file: str, skips: Skips) -> list[Problem]:
+    """Gives a job the sub-programs of the program that it is to read. Returns what a print of this
+    program must not leave out, in the order of its lines. Nothing for a text without any command
+    that is known: reading it says so."""
+    job.use_subprograms(found)
+    job.ignore_calls = skips.unknown
     commands = [Command(*row) for row in found.commands]
     if not found.moves and not any(c.letter == "T" or row_of(c.code) for c in commands):
         return []
-    wrong = (unfit(command, skips) for command in commands)
-    return [replace(problem, file=file) for problem in wrong if problem is not None][:_MOST_TOLD]
-
-
-def require(machine: MachineConfig, path: str | os.PathLike[str], skips: Skips) -> bool:
-    """Looks through a file; False for a pipe, which can be read only once. Raises InputError with
-    all `problems`."""
-    name = str(path)
-    with open_source(path) as source:
-        if not source.seekable():
-            return False
-        found = survey(machine, chunks(source, name))
-    if wrong := problems(found, name, skips):
-        raise InputError([with_option(problem) for problem in wrong])
-    return True
+    wrong = [unfit(command, skips) for command in commands]
+    for line, text, fault in found.bad_calls:
+        if not (skips.unknown and fault == _core.CallFault.MISSING):
+            wrong.append(call_problem(line, f"M98 {text.strip()}", fault, file))
+    problems = [replace(problem, file=file) for problem in wrong if problem is not None]
+    return sorted(problems, key=lambda problem: problem.line or 0)[:_MOST_TOLD]

@@ -36,14 +36,17 @@ class _Seen:
     moves: list[_core.Move] = field(default_factory=list[_core.Move])
     after: _core.Move | None = None
 
-    def take(self, moves: list[_core.Move], line: int) -> None:
+    def take(self, moves: list[_core.Move], line: int, *, jumps: bool) -> None:
+        """`jumps`: lines may come again, in sub-programs; then the first time is shown."""
         for move in moves:
-            if move.line < line:
-                self.before = move
-            elif move.line == line:
+            if self.after is not None:
+                return
+            if move.line == line:
                 self.moves.append(move)
-            elif self.after is None:
+            elif self.moves or (move.line > line and not jumps):
                 self.after = move
+            else:
+                self.before = move
 
 
 def explain(machine: MachineConfig, path: str | os.PathLike[str], line: int, policy: Policy) -> str:
@@ -61,6 +64,9 @@ def explain(machine: MachineConfig, path: str | os.PathLike[str], line: int, pol
             raise
         job, seen = _printed(machine, path, line, policy, bad)
     parts = [f"{path}:{line}: {text}", _commands(job.job)]
+    if not seen.moves and any(code == "M98" for code, _, _ in job.job.heard[2]):
+        parts.append("The lines of the sub-program move; explain one of them.")
+        return "\n\n".join(parts)
     if not seen.moves:
         parts.append("This line moves nothing, so there is no plan and no step of its own.")
         return "\n\n".join(parts)
@@ -100,7 +106,7 @@ def _printed(
     job.job.listen(line)
 
     def look() -> None:
-        seen.take(job.job.take_moves(), line)
+        seen.take(job.job.take_moves(), line, jumps=job.job.calls)
         if not seen.moves:  # what the board has done by now is of other lines
             for stepper in job.connection.board.steppers:
                 job.board.take_commands(stepper.name)

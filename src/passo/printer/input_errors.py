@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import inf
+
 from passo import _core
 from passo.errors import Problem
 from passo.gcode.command import written
@@ -45,9 +47,14 @@ def problem(error: Error, path: str, geometry: GeometryModel) -> Problem:
             "input.number", path, line, {"value": word + (written(value) if value else "")}
         )
     if fault == faults.RANGE:
-        limit = f"{point[0]:g} to {limit:g}"
+        limit = f"{point[0]:g} to {limit:g}" if limit < inf else f"at least {point[0]:g}"
         values = {"axis": word, "value": f"{value:g}", "limit": limit}
         return Problem("command.value", path, line, values)
+    if fault == faults.MISSING_WORD:
+        command, lacking = word.split(" ", 1)
+        return Problem("input.missing-word", path, line, {"axis": command, "value": lacking})
+    if fault == faults.CALL:
+        return call_problem(line, word, _core.CallFault(int(value)), path)
     if fault == faults.FEEDRATE:
         return Problem("input.feedrate", path, line, {"value": value})
     if fault == faults.ARC:
@@ -65,6 +72,21 @@ def problem(error: Error, path: str, geometry: GeometryModel) -> Problem:
     if fault == faults.WORD:
         return Problem("input.garbage", path, line, {"value": f"{word!r} is no command"})
     return Problem("input.garbage", path, line, {"value": "it holds bytes that are no text"})
+
+
+_CALLS = {  # why a call fails
+    _core.CallFault.UNREADABLE: "expected a number P, and at most 9999 repeats L",
+    _core.CallFault.MISSING: "the file has no such O number behind the end of its main program",
+    _core.CallFault.NESTED: "10 sub-programs are under way within each other already",
+    _core.CallFault.UNENDED: "no M99 ends the sub-program",
+    _core.CallFault.IDLE: "it repeats 100,000 calls without a move",
+    _core.CallFault.NO_FILE: "sub-programs are read from a file alone, of at most 16 MiB of them",
+}
+
+
+def call_problem(line: int, call: str, fault: _core.CallFault, path: str = "") -> Problem:
+    """What is wrong with M98 or M99, `call` as it is written."""
+    return Problem("input.call", path, line, {"axis": call, "value": _CALLS[fault]})
 
 
 def _beyond(axis: str, value: float, limit: float) -> dict[str, str | float]:

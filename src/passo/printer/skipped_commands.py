@@ -19,6 +19,7 @@ class Omission(Enum):
     SERVED = "{} is for a printer that is served and was skipped"
     PERSON = "{} waits for a person; nobody is here, so it took no time"
     STOP = "{} stops a print; the plan goes on behind it"
+    REPEAT = "{} in the main program repeats it on other machines; here it ends the program"
     TOOL = "tool {} does not exist and was ignored"
     REFUSED = "{}"
 

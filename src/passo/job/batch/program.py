@@ -11,8 +11,10 @@ from passo import _core
 from passo.errors import CommandError, InputError, Problem, WordError
 from passo.gcode.command import Command
 from passo.job.batch.source import chunks, lines, open_source
+from passo.job.preflight import prepare, survey
 from passo.printer.commands.program import Commands
 from passo.printer.skipped_commands import Omission
+from passo.printer.unfit_commands import ALL, unfit
 from passo.printer.wait_requests import Homing, Still, Temperatures, Wait
 
 _MOST_MESSAGES = 1 << 15
@@ -24,6 +26,7 @@ _ALLOWED_BY = {  # what a command line can do besides; consoles cannot
     "input.not-homed": "it for a piece of G-code by --assume-ready",
     "input.cold": "it for a piece of G-code by --assume-ready",
     "input.unknown-moves": "--unknown skip",
+    "input.call": "it to be left out, if the sub-program is missing, by --unknown skip",
     "input.no-levelling": "--levelling skip",
 }
 
@@ -73,6 +76,8 @@ def read_program(
         found = job.advance(most=_MOST_MESSAGES)
         if found == status.EVENT:
             command = Command(*job.event)
+            if problem := unfit(command, commands.skips):
+                raise InputError([with_option(replace(problem, file=name))])
             try:
                 wait = commands.run(command)
             except WordError as error:
@@ -114,11 +119,18 @@ def run_program(
     end: int | None = None,
 ) -> Iterator[float]:
     """`read_program` with a file, or its lines before the one of number `end`; yields the share of
-    it that is read. Without `settle` nothing is waited for. Raises InputError, at the end of a file
+    it that is read. Without `settle` nothing is waited for. Raises InputError, before the first
+    line for commands that must not be left out, unless the file is a pipe, and at the end of a file
     also for a text without any command that is known."""
     name = str(path)
     with open_source(path) as source:
         size = os.fstat(source.fileno()).st_size
+        if source.seekable():
+            found = survey(commands.machine, chunks(source, name))
+            source.seek(0)
+            if wrong := prepare(job, found, name, commands.skips):
+                raise InputError([with_option(problem) for problem in wrong])
+            commands.skips = ALL
         text = chunks(source, name) if end is None else islice(lines(source), end - 1)
         for _ in read_program(job, commands, text, name, settle or at_rest(job)):
             yield min(job.offset / size, 1.0) if size else 0.0

@@ -13,7 +13,6 @@ from passo.job.batch.program import with_option
 from passo.motion.endstops import axes_lost, homed_axes, named_axes, named_motors
 from passo.printer.cold_extrusion import ColdExtrusion
 from passo.printer.commands.program import Commands, Heat
-from passo.printer.unfit_commands import Skips, unfit
 from passo.printer.wait_requests import Homing, Still, Wait
 
 if TYPE_CHECKING:
@@ -33,8 +32,7 @@ class _Target:
 
 class RehearsedCommands(Commands):
     """Commands of a print that fails where a print from the card of the served printer stops: at
-    moves of axes that are not homed, cold extrusion, and every command that is refused. `skips` is
-    for a program that no survey has looked through: what must not be left out fails at its line.
+    moves of axes that are not homed, cold extrusion, and every command that is refused.
 
     A hotend that is cold and has no warm target holds filament when a line is read. One whose
     temperature is under way when a line is read is looked at while the board moves the filament:
@@ -47,10 +45,9 @@ class RehearsedCommands(Commands):
         heat: Heat,
         full_scale: list[int],
         boards: Boards,
-        skips: Skips,
     ) -> None:
         super().__init__(machine, job, heat, full_scale)
-        self._boards, self.skips = boards, skips
+        self._boards = boards
         self.cold = ColdExtrusion(machine)
         self._targets = {name: _Target() for name in machine.heaters}
         self._unsure = False  # what was read since the last look may move filament that is cold
@@ -62,9 +59,6 @@ class RehearsedCommands(Commands):
 
     def run(self, command: Command) -> Wait | None:
         """See `Commands.run`."""
-        problem = unfit(command, self.skips)
-        if problem is not None:
-            raise CommandError([problem])
         if command.code == "M302":
             return self._guard_set(command)
         wait = super().run(command)

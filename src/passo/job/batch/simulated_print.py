@@ -17,10 +17,8 @@ from passo.job.batch.policy import Policy
 from passo.job.batch.program import heated, run_program, with_option
 from passo.job.batch.rehearsal import RehearsedCommands
 from passo.job.batch.result import PrintResult, cpu_s, peak_rss_mb
-from passo.job.preflight import require
 from passo.printer.commands.program import Commands
 from passo.printer.setup.boards import connect_simulated
-from passo.printer.unfit_commands import ALL
 from passo.printer.wait_requests import Stop, Wait
 
 if TYPE_CHECKING:
@@ -84,11 +82,10 @@ class Print:
         full = [self.connection.full_scale(output.name) for output in outputs]
         self._checks: RehearsedCommands | None = None
         if self._policy.checked:
-            self._checks = RehearsedCommands(
-                machine, self.job, self, full, self.connection, self._policy.skips
-            )
+            self._checks = RehearsedCommands(machine, self.job, self, full, self.connection)
             self._checks.catch_up = lambda: self._run_to(self.job.clock)
         self._commands = self._checks or Commands(machine, self.job, self, full)
+        self._commands.skips = self._policy.skips
         self._filament: dict[str, int] | None = None  # steps so far, while it may be cold
         self.base = 0  # board clock at which the job begins
         self._wire_cpu_s = 0.0
@@ -158,10 +155,6 @@ class Print:
 
     def _print(self, path: str | os.PathLike[str], end: int | None) -> None:
         checks, self._path = self._checks, str(path)
-        if not all(self._policy.skips):
-            surveyed = require(self._machine, path, self._policy.skips)
-            if surveyed and checks is not None:
-                checks.skips = ALL
         self.base = self.connection.start_job(self.job)
         warm = heated(self.job, self.wait_for)
 

@@ -14,7 +14,9 @@ from passo.job.batch.program import Settle, at_rest, read_program
 from passo.job.live.journal import Program
 from passo.job.live.overrides import override
 from passo.job.live.runner import Reader
+from passo.job.preflight import prepare, survey
 from passo.printer.commands.program import Commands
+from passo.printer.unfit_commands import ALL
 from passo.printer.wait_requests import Homing, Wait
 
 if TYPE_CHECKING:
@@ -58,6 +60,8 @@ class Past:
         self._printer, self._reader, self._end = printer, reader, end
         machine = printer.machine
         self.job = job = _core.Job(machine.core_spec(), False, False, False)
+        reader.seek(0)
+        prepare(job, survey(machine, iter(partial(reader.read, _CHUNK), b"")), "", ALL)
         self.commands = _Observed.of_plan(machine, job)
         self.commands.take_tool_temperatures(printer.commands)
         self.settings: list[str] = []

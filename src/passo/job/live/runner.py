@@ -16,7 +16,7 @@ from passo.errors import CardError, CommandError, InputError, PassoError, Proble
 from passo.gcode.command import Command
 from passo.job.live.line_offsets import line_of_offset
 from passo.job.live.park import Park
-from passo.job.preflight import problems
+from passo.job.preflight import prepare, survey_beside
 from passo.motion.motion_queue import TICK_S
 from passo.printer.input_errors import problem_of
 from passo.printer.unfit_commands import Skips
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from passo.printer.printer import Printer
 
 _CHUNK = 1 << 14  # bytes read at a time
-_SURVEYED = 1 << 18  # bytes looked through at a time
 _ADVICE = "Change the file, or print it as it is (M24 U1)"
 _AHEAD_S = 4.0  # of planned print time in one stretch
 _MOST_MESSAGES = 4096  # and so many for the board
@@ -85,6 +84,7 @@ class Runner:
         self._kept = False  # nobody else may select, rewind or start a file
         self._pauses = False  # what is kept is to pause as soon as it goes on
         self._skips = printer.skips
+        self._surveyed: tuple[Reader, _core.Job] | None = None  # and given its sub-programs
         self._state = State.NONE
         self.watchers: list[Callable[[State], None]] = []
         self.name = self.path = ""
@@ -182,6 +182,8 @@ class Runner:
         assert self._reader is not None
         reader.seek(self._reader.tell())
         self._reader.close()
+        if self._surveyed is not None and self._surveyed[0] is self._reader:
+            self._surveyed = reader, self._surveyed[1]
         self._reader = reader
 
     def seek(self, offset: int) -> None:
@@ -351,24 +353,26 @@ class Runner:
         self._end()
 
     async def _look_through(self) -> None:
-        """Raises InputError, before anything moves, for a file whose print must not begin."""
-        reader = self._reader
-        if reader is None or self.offset > 0 or all(self._skips):
+        """Finds the file's sub-programs. Raises InputError, before anything moves, for a file whose
+        print must not begin."""
+        reader, at = self._reader, self._reader.tell() if self._reader else 0
+        if reader is None:
             return
-        found = _core.Survey(self._printer.machine.core_spec())
+        begins, job = self.offset == 0, self._printer.job
+        if not begins and self._surveyed == (reader, job):
+            return  # it continues behind a line that has failed
         try:
-            reader.seek(0)
-            while self.active and (piece := reader.read(_SURVEYED)):
-                found.feed(piece)
-                if len(piece) == _SURVEYED:
-                    await asyncio.sleep(0)  # others need the event loop, too
+            found = await survey_beside(self._printer.machine, reader, lambda: self.active)
         except CardError as error:
             raise CardError(self._placed(error, 1)) from None
         finally:
             if reader is self._reader:
-                reader.seek(0)
-        found.finish()
-        if self.active and (wrong := problems(found, self.name, self._skips)):
+                reader.seek(at)
+        if not self.active:
+            return
+        self._surveyed = reader, job
+        wrong = prepare(job, found, self.name, self._skips)
+        if begins and wrong:
             first, *others = (replace(problem, hint=_ADVICE) for problem in wrong)
             for problem in others:
                 self._printer.tell(f"echo:{problem}")

@@ -19,6 +19,7 @@ from passo.printer.commands.ranges import beyond
 from passo.printer.commands.speed_factor import SpeedFactor
 from passo.printer.input_errors import problem, problem_of
 from passo.printer.skipped_commands import Omission, Omissions
+from passo.printer.unfit_commands import ALL
 from passo.printer.wait_requests import Homing, Person, Still, Stop, Temperatures, Wait
 
 if TYPE_CHECKING:
@@ -121,6 +122,7 @@ class Commands:
         self.speed = SpeedFactor(job)
         self.ended = False
         self.omitted = Omissions()
+        self.skips = ALL  # what a print without consoles may leave out
 
         def record(index: int, value: int) -> float:
             job.record(index, value)
@@ -167,6 +169,11 @@ class Commands:
         del file
         self.omitted.count(Omission.REFUSED, f"{command.code}: {error}", command.line)
 
+    @property
+    def machine(self) -> MachineConfig:
+        """The machine that the commands are for."""
+        return self._machine
+
     def problem(self, path: str = "") -> Problem:
         """The error that the job stopped at; `path` is the file."""
         return problem_of(self._job, path, self._machine.geometry)
@@ -210,6 +217,18 @@ class Commands:
     def _end(self, _: Command) -> Wait:
         self.ended = True
         return Still()
+
+    def _call(self, command: Command) -> None:
+        """M98 of a sub-program that is missing, where that may be left out."""
+        self.omitted.count(Omission.UNKNOWN, f"M98 {command.text}", command.line)
+
+    def _return(self, command: Command) -> Wait | None:
+        """M99 outside of a sub-program: other machines begin again."""
+        if command.text:
+            self.omitted.count(Omission.NOT_BUILT, "M99", command.line)
+            return None
+        self.omitted.count(Omission.REPEAT, "M99", command.line)
+        return self._end(command)
 
     def _stop(self, command: Command) -> Wait:
         self.omitted.count(Omission.STOP, command.code, command.line)
@@ -611,6 +630,8 @@ class Commands:
         "M2": _end,
         "M30": _end,
         "EOF": _end,
+        "M98": _call,
+        "M99": _return,
         "M112": _stop,
         "M410": _stop,
         "M3": _spindle_start,
@@ -638,6 +659,7 @@ class Commands:
         "M221": _flow,
         "M290": _babystep,
         "G10": _tool_temperatures,
+        "G80": lambda self, c: self.omitted.count(Omission.UNKNOWN, c.code, c.line),
         "SET_VELOCITY_LIMIT": _velocity_limit,
     }
 

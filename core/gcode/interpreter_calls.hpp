@@ -1,0 +1,68 @@
+// M98 and M99: sub-programs of the file that is read.
+#pragma once
+#include "gcode/interpreter.hpp"
+
+namespace passo {
+
+// M98. The moves of a sub-program have its own lines, and the line of the call in the main program.
+inline void Interpreter::run_call(std::string_view text) {
+  if (calls_are_events) return emit('M', 98, 0, "", text);
+  Call call;
+  CallFault fault = source_        ? CallFault::no_file
+                    : !subprograms ? CallFault::no_file
+                                   : read_call(text, *subprograms, call);
+  if (fault == CallFault::missing && ignore_calls) return emit('M', 98, 0, "", text);
+  if (fault == CallFault::none && frames_.size() >= kDeepest) fault = CallFault::nested;
+  if (fault != CallFault::none) return fail_call(fault, "M98 " + std::string(text));
+  if (call.repeats == 0) return;
+  Frame frame;
+  frame.label = *call.label;
+  frame.repeats = call.repeats;
+  frames_.push_back(std::move(frame));
+  begin_frame();
+}
+
+// M99: back behind the call, or through it again. True if it was one.
+inline bool Interpreter::run_return(std::string_view text) {
+  if (source_ || frames_.empty() || calls_are_events) return false;
+  if (!text.empty()) {
+    fail_call(CallFault::unreadable, "M99 " + std::string(text));
+    return true;
+  }
+  if (--frames_.back().repeats > 0)
+    begin_frame();
+  else
+    frames_.pop_back();
+  return true;
+}
+
+inline void Interpreter::begin_frame() {
+  Frame& frame = frames_.back();
+  frame.lines = Lines(frame.label.line);
+  frame.fed = frame.label.at;
+  if (++idle_calls_ < kMostIdleCalls) return;
+  idle_calls_ = 0;
+  fail_call(CallFault::idle, "M98 P" + std::to_string(frame.label.number));
+  frames_.clear();
+}
+
+// More text of a sub-program; at its end, which no M99 has reached, an error and back.
+inline void Interpreter::feed_frame() {
+  static constexpr size_t kPiece = 4096;
+  Frame& frame = frames_.back();
+  if (frame.fed < frame.label.stop) {
+    const size_t n = std::min(kPiece, frame.label.stop - frame.fed);
+    frame.lines.feed(subprograms->text.data() + frame.fed, n);
+    frame.fed += n;
+    return;
+  }
+  const std::string name = "M98 P" + std::to_string(frame.label.number);
+  fail_call(CallFault::unended, name);
+  frames_.pop_back();
+}
+
+inline void Interpreter::fail_call(CallFault fault, const std::string& call) {
+  fail(Fault::call, call, double(int(fault)), double(kDeepest));
+}
+
+}  // namespace passo

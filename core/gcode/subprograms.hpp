@@ -1,0 +1,97 @@
+// The sub-programs of a file: the text behind the end of its main program, with the numbers that
+// M98 calls.
+#pragma once
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "gcode/words.hpp"
+
+namespace passo {
+
+class Subprograms {
+ public:
+  static constexpr size_t kMostBytes = size_t(16) << 20;
+
+  struct Label {
+    uint32_t number;
+    bool program;     // O, which begins a sub-program; else N, a place within one
+    size_t at, stop;  // in the text: its line, and the next sub-program or the end
+    uint32_t line;    // in the file
+  };
+  std::string text;  // lines, each ended by \n
+  std::vector<Label> labels;
+
+  // Labels come in the order of the file; the first one of a number counts.
+  void add(const Label& label) {
+    by_number_.emplace(key(label.number, label.program), labels.size());
+    labels.push_back(label);
+  }
+  // The sub-program of a number; else the place with that line number; null if there is none.
+  const Label* find(uint32_t number) const {
+    for (bool program : {true, false})
+      if (auto at = by_number_.find(key(number, program)); at != by_number_.end())
+        return &labels[at->second];
+    return nullptr;
+  }
+
+ private:
+  std::unordered_map<uint64_t, size_t> by_number_;
+
+  static uint64_t key(uint32_t number, bool program) { return uint64_t(number) << 1 | program; }
+};
+
+// What M98 asks for.
+struct Call {
+  const Subprograms::Label* label = nullptr;
+  int repeats = 1;
+};
+
+enum class CallFault : uint8_t { none, unreadable, missing, nested, unended, idle, no_file };
+
+// Reads `P1002 L3`, or P31002 for three times 1002, where there is no 31002. `call` is set if the
+// result is none.
+inline CallFault read_call(std::string_view text, const Subprograms& all, Call& call) {
+  static constexpr int kMostRepeats = 9999;
+  std::vector<Word> words;
+  split_words(text, words);
+  double number = -1, repeats = -1;
+  for (const Word& w : words) {
+    if (!w.whole() || w.value < 0 || w.value > 1e8) return CallFault::unreadable;
+    if (w.letter == 'P')
+      number = w.value;
+    else if (w.letter == 'L')
+      repeats = w.value;
+    else
+      return CallFault::unreadable;
+  }
+  if (number < 0 || repeats > kMostRepeats) return CallFault::unreadable;
+  call.label = all.find(uint32_t(number));
+  if (!call.label && repeats < 0 && number > 9999) {
+    repeats = std::floor(number / 10'000);
+    call.label = all.find(uint32_t(number - repeats * 10'000));
+  }
+  call.repeats = repeats < 0 ? 1 : int(repeats);
+  return !call.label                   ? CallFault::missing
+         : call.repeats > kMostRepeats ? CallFault::unreadable
+                                       : CallFault::none;
+}
+
+// The number behind O or N at the beginning of a line; false if there is none.
+inline bool read_label(const char* p, const char* end, bool& program, uint32_t& number) {
+  while (p < end && (*p == ' ' || *p == '\t' || *p == '/')) ++p;
+  if (p == end || !std::strchr("OoNn", *p)) return false;
+  program = *p != 'N' && *p != 'n';
+  const char* q = ++p;
+  uint32_t value = 0;
+  for (; q < end && uint8_t(*q - '0') < 10 && value < 100'000'000; ++q)
+    value = value * 10 + uint32_t(*q - '0');
+  number = value;
+  return q > p;
+}
+
+}  // namespace passo
