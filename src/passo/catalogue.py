@@ -48,11 +48,11 @@ def _firmware(says: str, action: str, status: ExitStatus = ExitStatus.USAGE) -> 
 
 
 def _heat(says: str, action: str) -> Entry:
-    return Entry("heat", says, f"{action}, then rearm it", ExitStatus.MACHINE_FAULT)
+    return Entry("heat", says, f"{action}, then send M922", ExitStatus.MACHINE_FAULT)
 
 
 def _late(says: str, action: str) -> Entry:
-    head = "commands reached the board {value} they were due, where {limit:.0f} ms should be left"
+    head = "commands reached the board {value} they were due, {limit:.0f} ms before is needed"
     return Entry("link", f"{head}: {says}", action, ExitStatus.MACHINE_FAULT)
 
 
@@ -66,7 +66,7 @@ CATALOGUE: Mapping[str, Entry] = {
         "Name a shipped machine (see `passo machines`) or the path of a TOML file",
     ),
     "config.unreadable": _config("cannot be read: {value}", "Check the path and its permissions"),
-    "config.syntax": _config("is not valid TOML: {value}", "Mend the syntax at this place"),
+    "config.syntax": _config("is not valid TOML: {value}", "Correct the syntax at this place"),
     "config.unknown-key": _config("{key} is not a known key", "Remove it or correct its name"),
     "config.missing-key": _config("{key} is missing: expected {limit}", "Add the key"),
     "config.value": _config("{key} is {value!r}: expected {limit}", "Correct the value"),
@@ -117,7 +117,7 @@ CATALOGUE: Mapping[str, Entry] = {
     ),
     "input.too-slow": _input(
         "motion",
-        "the move would take {value:.3g} s, of at most {limit:,.0f} s: its {axis} bounds it",
+        "the move would take {value:.3g} s (limit {limit:,.0f} s): {axis} is too slow",
         "Correct F, T, M203 or the speeds of the machine file, or use several moves",
     ),
     "input.feedrate": _input(
@@ -183,7 +183,7 @@ CATALOGUE: Mapping[str, Entry] = {
     ),
     "card.broken": _card(
         "the file system is damaged: {key} is {value}, expected {limit}",
-        "Check and mend the card on a computer (fsck.fat or chkdsk)",
+        "Check and repair the card on a computer (fsck.fat or chkdsk)",
     ),
     "card.not-found": _card("is not on the card", "List the card and name what is there"),
     "card.directory": _card("is a directory, not a file", "Name a file in it"),
@@ -217,10 +217,10 @@ CATALOGUE: Mapping[str, Entry] = {
     "console.unopened": Entry(
         "console",
         "{axis} cannot be opened: {value}",
-        "Check the name, its permissions, and that nobody else has it",
+        "Check the name, its permissions, and that no other program has it",
         ExitStatus.USAGE,
     ),
-    "card.no-name": _card("no file is named", "Name one behind the command, as M20 lists it"),
+    "card.no-name": _card("no file is named", "Name one after the command, as M20 lists it"),
     "card.no-console": _card("only a console can send a file", "Send it from a console"),
     "job.at-end": _input(
         "job", "{value} has been printed to its end", "Rewind it with M26 S0, then send M24"
@@ -243,22 +243,24 @@ CATALOGUE: Mapping[str, Entry] = {
     "settings.unwritable": _input(
         "settings",
         "the settings were not stored: {value}",
-        "Check the directory, its permissions and the room on the disk",
+        "Check the directory, its permissions and the free space on the disk",
     ),
-    "job.failed": _input("job", "{value}", "Mend it and go on after it (M24), or cancel (M524)"),
+    "job.failed": _input(
+        "job", "{value}", "Correct it and continue after it (M24), or cancel (M524)"
+    ),
     "history.unusable": _input(
         "job",
         "the history of prints cannot be used: {value}",
-        "Let nobody else have it open; if it is damaged, move it away and start again",
+        "Close it in other programs; if it is damaged, move it away and start again",
     ),
     "job.no-part": _input(
         "job",
-        "needs {value}, which the machine file does not have any more",
-        "Give back the name and start again, or forget the print (M1000 C)",
+        "needs {value}, which is missing from the machine file",
+        "Restore that section and start again, or forget the print (M1000 C)",
     ),
     "job.other-file": _input(
         "job",
-        "is not the file that was printed, or cannot be gone on with here",
+        "is not the file that was printed, or cannot be resumed on this machine",
         "Put back the card with that file, or forget the print (M1000 C)",
     ),
     "job.other-machine": _input(
@@ -272,8 +274,8 @@ CATALOGUE: Mapping[str, Entry] = {
     ),
     "machine.switch-missed": Entry(
         "homing",
-        "{axis} was not homed: {value} was not pressed within {limit} towards {position}",
-        "Look whether the axis moved towards it, and what M119 says while you press it",
+        "{axis} was not homed: {value} was not triggered within {limit} towards {position}",
+        "Check that the axis moved towards it, and what M119 reports while you press it",
         ExitStatus.MACHINE_FAULT,
     ),
     "machine.switch-lost": Entry(
@@ -284,8 +286,8 @@ CATALOGUE: Mapping[str, Entry] = {
     ),
     "machine.switch-stuck": Entry(
         "homing",
-        "{axis} was not homed: {value} is still pressed {limit} away from {position}",
-        "Check its wiring and the ! in front of its pin, or give it a longer way back",
+        "{axis} was not homed: {value} is still triggered {limit} away from {position}",
+        "Check its wiring and the ! in front of its pin, or raise its retract distance",
         ExitStatus.MACHINE_FAULT,
     ),
     "input.cold": _input(
@@ -319,7 +321,7 @@ CATALOGUE: Mapping[str, Entry] = {
         "Name one as APrinter does, such as XStepsPerUnit",
     ),
     "command.no-mains": _input(
-        "command", "the mains are off", "Switch them on (M80), then send the command again"
+        "command", "the power supply is off", "Switch it on (M80), then send the command again"
     ),
     "command.fixed": _input(
         "command",
@@ -328,21 +330,21 @@ CATALOGUE: Mapping[str, Entry] = {
     ),
     "command.halted": _input(
         "command",
-        "the board is stopped and tells nothing: {value}",
+        "the board is stopped and reports nothing: {value}",
         "Make the printer safe, then send M999",
     ),
     "command.aside": _input(
         "command",
         "{value} changes scales, in which the moves of the paused print are counted",
-        "Go on (M24) or cancel (M524), then send the command again",
+        "Resume (M24) or cancel (M524), then send the command again",
     ),
     "command.value": _input(
         "command", "{axis} is {value}: expected {limit}", "Send the command with such a value"
     ),
     "command.nothing-moves": _input(
         "command",
-        "{axis} names nothing that moves here: expected {limit}",
-        "Send the command with such a letter",
+        "unknown axis {axis}; this machine has {limit}",
+        "Send the command with one of these letters",
     ),
     "heat.unknown": _input(
         "heat",
@@ -358,26 +360,26 @@ CATALOGUE: Mapping[str, Entry] = {
         "Change its control in the machine file",
     ),
     "heat.no-thermistor": _input(
-        "heat", "the sensor of {axis} is no thermistor", "Change it in the machine file"
+        "heat", "the sensor of {axis} is not a thermistor", "Change it in the machine file"
     ),
     "heat.reads-nothing": _input(
         "heat",
-        "with these values the thermistor of {axis} tells no temperatures from {limit} C apart",
+        "these thermistor values of {axis} give no distinct readings from {limit} °C",
         "Send its R25, beta and pull-up resistor as they are",
     ),
     "heat.unsafe-target": _input(
         "heat",
-        "heater {axis} was switched off: {value:g} C is outside of its safe range, {limit} C",
+        "heater {axis} was switched off: {value:g} °C is outside of its safe range, {limit} °C",
         "Give a temperature within it, or change min_c and max_c of the heater",
     ),
     "input.unsaved": _input("moves", "no position was saved as {value}", "Save one with G60 first"),
     "input.not-homed": _input(
         "homing",
-        "axis {axis} does not know where it is",
-        "Home it (G28), or say where it is (G92)",
+        "axis {axis} is not homed",
+        "Home it (G28), or set its position (G92)",
     ),
     "input.homing": _input(
-        "homing", "{axis} has to wait until all axes are at home", "Send it again when G28 is done"
+        "homing", "{axis} has to wait until all axes are homed", "Send it again when G28 is done"
     ),
     "machine.emergency-stop": Entry(
         "job",
@@ -394,17 +396,27 @@ CATALOGUE: Mapping[str, Entry] = {
     "machine.slow-heater": Entry(
         "heat",
         "heater {axis} has reached only {value:.1f} °C of {limit:.1f} °C in an hour",
-        "Check its cartridge, its supply and its sensor's place",
+        "Check its cartridge, its supply, and that its sensor is seated",
         ExitStatus.MACHINE_FAULT,
     ),
     "heat.sensor-open": _heat(
-        "heater {axis} was switched off: its sensor is open, it says {value:.1f} °C where at least"
-        " {limit:.1f} °C is possible",
+        "heater {axis} was switched off: its sensor reads {value:.1f} °C; below {limit:.1f} °C"
+        " means a broken cable",
+        "Check the sensor's plug and wires",
+    ),
+    "heat.sensor-open-high": _heat(
+        "heater {axis} was switched off: its sensor reads {value:.1f} °C, which means a broken"
+        " cable",
         "Check the sensor's plug and wires",
     ),
     "heat.sensor-short": _heat(
-        "heater {axis} was switched off: its sensor is short-circuited, it says {value:.1f} °C"
-        " where at most {limit:.1f} °C is allowed",
+        "heater {axis} was switched off: its sensor reads {value:.1f} °C; above {limit:.1f} °C"
+        " means a short circuit in its cable",
+        "Check the sensor's wires where they may touch",
+    ),
+    "heat.sensor-short-low": _heat(
+        "heater {axis} was switched off: its sensor reads {value:.1f} °C, which means a short"
+        " circuit in its cable",
         "Check the sensor's wires where they may touch",
     ),
     "heat.sensor-erratic": _heat(
@@ -413,16 +425,17 @@ CATALOGUE: Mapping[str, Entry] = {
         "Check the sensor's plug and wires where they move",
     ),
     "heat.min-temperature": _heat(
-        "heater {axis} was switched off: it is at {value:.1f} °C, below its least {limit:.1f} °C",
+        "heater {axis} was switched off: it is at {value:.1f} °C, below its minimum of {limit:.1f}"
+        " °C",
         "Check the sensor, and that the room is not too cold",
     ),
     "heat.max-temperature": _heat(
-        "heater {axis} was switched off: it is at {value:.1f} °C, above its limit of {limit:.1f}"
+        "heater {axis} was switched off: it is at {value:.1f} °C, above its maximum of {limit:.1f}"
         " °C",
         "Let it cool, and check its sensor and its control",
     ),
     "heat.heating-failed": _heat(
-        "heater {axis} was switched off: it is at {value:.1f} °C and did not come to {limit:.1f} °C"
+        "heater {axis} was switched off: it is at {value:.1f} °C and did not reach {limit:.1f} °C"
         " in time",
         "Check its cartridge, its supply, and that its sensor sits where it heats",
     ),
@@ -432,7 +445,7 @@ CATALOGUE: Mapping[str, Entry] = {
     ),
     "heat.stuck-on": _heat(
         "heater {axis} gets hotter without power: it is at {value:.1f} °C, above {limit:.1f} °C",
-        "Cut its supply at once: its switch may be broken",
+        "Cut its power at once: its MOSFET or relay may be broken",
     ),
     "heat.model-deviation": _heat(
         "heater {axis} was switched off: at {value:.1f} °C it does not behave as its model, by more"
@@ -464,11 +477,11 @@ CATALOGUE: Mapping[str, Entry] = {
         "Cut the power, check the motor's cable and plug, then M999",
     ),
     "driver.overheated": _driver(
-        "its driver, a {value}, has switched it off, for it is too hot",
+        "its driver, a {value}, is too hot and has switched the motor off",
         "Let it cool, check its fan and heat sink or lower its current (M906), then M999",
     ),
     "driver.hot": _driver(
-        "its driver, a {value}, is hot and will soon switch it off",
+        "its driver, a {value}, is hot and will soon switch the motor off",
         "Cool it better, or lower its current (M906)",
     ),
     "driver.undervoltage": _driver(
@@ -476,7 +489,7 @@ CATALOGUE: Mapping[str, Entry] = {
         "Check the motors' supply and its plugs, then M999",
     ),
     "driver.stopped": _driver(
-        "its driver, a {value}, has switched it off for a moment, for heat or a short circuit",
+        "its driver, a {value}, has switched the motor off for a moment: heat or a short circuit",
         "Check the motor's cable and the driver's cooling, then M999",
     ),
     "firmware.board": _firmware(
@@ -499,7 +512,7 @@ CATALOGUE: Mapping[str, Entry] = {
         "Plug the board in and name its port with --port",
     ),
     "firmware.nobody": _firmware(
-        "nobody pressed Enter after: {value}", "Flash from a terminal, where hands can help"
+        "no confirmation received after: {value}", "Flash from an interactive terminal"
     ),
     "firmware.tool": _firmware(
         "the program {value} is missing, which {axis} needs", "Install it, and try again"
@@ -515,12 +528,12 @@ CATALOGUE: Mapping[str, Entry] = {
     ),
     "firmware.flash": _firmware(
         "{axis} was not flashed: {value}",
-        "Check cable, port and what hands must do, and try again",
+        "Check the cable, the port and the manual steps, and try again",
         ExitStatus.MACHINE_FAULT,
     ),
     "firmware.silent": _firmware(
-        "{axis} does not tell who it is at {value}",
-        "Do what hands must do after flashing, then reset the board; or flash it again",
+        "{axis} does not identify itself at {value}",
+        "Do the manual steps after flashing, then reset the board; or flash it again",
         ExitStatus.MACHINE_FAULT,
     ),
     "firmware.other": _firmware(
@@ -556,7 +569,7 @@ CATALOGUE: Mapping[str, Entry] = {
     "machine.old-firmware": Entry(
         "board",
         "the board's firmware is older than this program",
-        "Build and flash it anew: passo firmware flash",
+        "Build and flash it again: passo firmware flash",
         ExitStatus.MACHINE_FAULT,
     ),
     "machine.closed": Entry(
@@ -581,31 +594,31 @@ CATALOGUE: Mapping[str, Entry] = {
     ),
     "late.bytes": _late(
         "the link took no more bytes for {held:.2f} s",
-        "Raise the baud rate, or state in the board's budget how many bytes/s the link carries",
+        "Raise the baud rate, or set link_bytes_s in [board.budget] of the machine file",
     ),
     "late.retransmits": _late(
         "bytes were lost and sent again for {held:.2f} s, {bytes} of them so far",
         "Use a shorter cable away from the motors' wires, or 115200 baud",
     ),
     "late.slots": _late(
-        "the board's {slots} places for commands were taken for {held:.2f} s",
-        "Give the board a budget in the machine file, or print at lower speed",
+        "the board's move queue of {slots} commands was full for {held:.2f} s",
+        "Set [board.budget] in the machine file, or print more slowly",
     ),
     "machine.alone": Entry(
         "board",
-        "the board was not told in time how to go on, and has stopped by itself",
-        "Let the computer do less beside, use a shorter or faster link, or start again",
+        "the board ran out of commands and braked to a stop",
+        "End other programs on the computer, use a shorter or faster link, or start again",
         ExitStatus.MACHINE_FAULT,
     ),
     "machine.began-anew": Entry(
         "board",
-        "{value} has begun anew, after a reset or a failure of its supply; its place is lost",
+        "{value} restarted (reset or power failure); position lost",
         "Home the machine; M1000 resumes a print from the card",
         ExitStatus.MACHINE_FAULT,
     ),
     "machine.place-unknown": Entry(
         "board",
-        "the board does not tell where it stopped when the link was lost",
+        "the board does not report where it stopped when the link was lost",
         "Home the machine; M1000 resumes a print from the card",
         ExitStatus.MACHINE_FAULT,
     ),
@@ -617,7 +630,7 @@ CATALOGUE: Mapping[str, Entry] = {
     ),
     "machine.unstopped": Entry(
         "board",
-        "the order to stop has not reached {value}, which may heat for up to a minute",
+        "the emergency stop has not reached {value}, which may heat for up to a minute",
         "Cut the printer's power, or bring the link back",
         ExitStatus.MACHINE_FAULT,
     ),
@@ -630,7 +643,7 @@ CATALOGUE: Mapping[str, Entry] = {
     "machine.shutdown": Entry(
         "board",
         "the board shut down: {value}",
-        "Read the cause, make the printer safe, and start again",
+        "Remove the cause, then start again or send M999",
         ExitStatus.MACHINE_FAULT,
     ),
 }

@@ -29,7 +29,7 @@ class ScaledLoop(asyncio.SelectorEventLoop):
     """An event loop whose seconds are `1/scale` of real ones."""
 
     def __init__(self, scale: float) -> None:
-        self._factor = scale
+        self.scale = scale
         self._start = time.monotonic()
         super().__init__(_Scaled(scale))
         if not scale > 0:
@@ -38,7 +38,7 @@ class ScaledLoop(asyncio.SelectorEventLoop):
 
     def time(self) -> float:
         """Seconds of this loop since it was made."""
-        return (time.monotonic() - self._start) * self._factor
+        return (time.monotonic() - self._start) * self.scale
 
 
 class _Jumping(selectors.DefaultSelector):
@@ -71,6 +71,16 @@ class VirtualLoop(asyncio.SelectorEventLoop):
     def time(self) -> float:
         """Virtual seconds since the loop was made."""
         return self._virtual_s
+
+
+def time_scale() -> float:
+    """How many times as fast as real the running loop keeps time; 1 where no loop runs or time is
+    virtual."""
+    try:
+        loop = asyncio.get_running_loop()
+    except RuntimeError:
+        return 1.0
+    return loop.scale if isinstance(loop, ScaledLoop) else 1.0
 
 
 def new_loop(scale: float | None) -> asyncio.AbstractEventLoop:

@@ -105,7 +105,7 @@ def test_slow_moves_take_their_time(capsys, tmp_path, lines, seconds):
     [
         (
             "G1 X10 F0.0001",
-            "the move would take 6e+06 s, of at most 1,000,000 s: its feedrate bounds it. "
+            "the move would take 6e+06 s (limit 1,000,000 s): feedrate is too slow. "
             "Correct F, T, M203 or the speeds of the machine file, or use several moves.",
         ),
         (
@@ -135,13 +135,13 @@ def test_what_is_wrong_is_said_as_it_is(capsys, tmp_path, line, says):
 @pytest.mark.parametrize(
     ("junction", "words", "says"),
     [
-        ("deviation", "FOO=1 ACCEL=100 BAR=2", "FOO BAR without effect"),
-        ("deviation", "ACCEL_TO_DECEL=50 ACCEL=100", "ACCEL_TO_DECEL without effect"),
+        ("deviation", "FOO=1 ACCEL=100 BAR=2", "FOO BAR have no effect"),
+        ("deviation", "ACCEL_TO_DECEL=50 ACCEL=100", "ACCEL_TO_DECEL has no effect"),
         (
             "jerk",
             "SQUARE_CORNER_VELOCITY=5 ACCEL=100",
-            "SQUARE_CORNER_VELOCITY without effect, for corners obey X Y Z E, the jerk of each"
-            " axis",
+            "SQUARE_CORNER_VELOCITY has no effect, because the machine's corners use the jerk of"
+            " each axis (X Y Z E)",
         ),
     ],
 )

@@ -73,7 +73,8 @@ def test_arcs_and_warnings(capsys, unpacked):
     assert result["arcs"] == 7241
     assert [w.split(": ", 1)[1] for w in result["warnings"]] == [
         "G80 is unknown and was skipped (1 time)",
-        "M205: X Y Z E without effect, for corners obey J, the junction deviation (1 time)",
+        "M205: X Y Z E have no effect, because the machine's corners use the junction deviation (J)"
+        " (1 time)",
     ]
 
 
@@ -434,7 +435,7 @@ def test_an_unsafe_temperature_is_a_warning_and_heats_nothing(tmp_path, capsys):
     path.write_text("G28\nM104 S999\nG1 X10 F3000\n")
     assert main(["print", str(path), "--assume-ready", "--json"]) == 0
     (warning,) = json.loads(capsys.readouterr().out)["warnings"]
-    assert warning.startswith(f"{path}:2: M104: heater hotend was switched off: 999 C is outside")
+    assert warning.startswith(f"{path}:2: M104: heater hotend was switched off: 999 °C is outside")
 
 
 def test_what_is_written_for_others_is_one_warning_each(capsys, tmp_path):
@@ -540,7 +541,7 @@ def test_m205_sets_the_jerk_of_axes_within_the_machines_own(capsys, tmp_path):
     assert slow > usual * 1.15
     assert cornered_s(capsys, tmp_path, "M205 X1") == (pytest.approx(slow, rel=0.02), [])
     _, (warning,) = cornered_s(capsys, tmp_path, "M205 J0.1 B20000")
-    assert "M205: J B without effect, for corners obey X Y Z E, the jerk" in warning
+    assert "M205: J B have no effect, because the machine's corners use the jerk" in warning
 
 
 def test_limits_beyond_the_machines_are_warned_of(capsys, tmp_path):
@@ -560,9 +561,12 @@ def test_m205_sets_the_junction_deviation(capsys, tmp_path):
     assert cornered_s(capsys, tmp_path, "M205 J0.2", "deviation")[0] < usual * 0.9
     seconds, (warning,) = cornered_s(capsys, tmp_path, "M205 X8 E4.5 S0 T0", "deviation")
     assert seconds == usual
-    assert ":2: M205: X E without effect, for corners obey J, the junction deviation" in warning
+    assert (
+        ":2: M205: X E have no effect, because the machine's corners use the junction deviation (J)"
+        in warning
+    )
     _, (warning,) = cornered_s(capsys, tmp_path, "M205 X0 Y0 B0 S0 T0", "deviation")
-    assert ":2: M205: X Y without effect" in warning
+    assert ":2: M205: X Y have no effect" in warning
 
 
 def test_a_slow_link_is_named_with_its_worst_line(capsys, tmp_path):

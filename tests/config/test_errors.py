@@ -143,7 +143,7 @@ def test_a_problem_reads_as_a_sentence() -> None:
             "[board]",
             "[fans.b]\nnumber = 1\n[board]",
             "fans.b.pin",
-            "expected a pin in quotes, for the board's variant HFB has no output for fan1.",
+            "expected a pin in quotes: the board's variant HFB has no output for fan1.",
         ),
         ("[board]", "[bed]\ncenter_mm = [1, 1]\n[board]", "bed.size_mm", "a list in brackets"),
         ('direction = "min"\n', "", "homing.x.direction", "is missing: expected one of min, max."),
@@ -329,3 +329,24 @@ def test_motion_that_no_machine_has(i3_text: str, key: str, value: str, limit: s
     (problem,) = problems_of(text)
     assert problem.values["key"] == f"axes.x.{key}"
     assert problem.values["limit"] == limit
+
+
+def test_an_unknown_table_gets_the_list_of_tables(i3_text):
+    with pytest.raises(ConfigError) as error:
+        config.load_text(f'{i3_text}\n[bltouch]\npin = "D11"\n')
+    assert "bltouch is not a known key. Known tables: [axes], [bed], " in str(error.value)
+    assert "[tools]." in str(error.value)
+    assert "uuid" not in str(error.value)
+
+
+def test_an_unknown_key_gets_the_list_of_its_table_however_long(i3_text):
+    with pytest.raises(ConfigError) as error:
+        config.load_text(i3_text.replace("[board]\n", "[board]\nqqq = 1\n"))
+    assert "board.qqq is not a known key. Known here: base, baud, budget, " in str(error.value)
+
+
+def test_a_heater_of_no_kind_is_one_problem(i3_text):
+    with pytest.raises(ConfigError) as error:
+        config.load_text(f'{i3_text}\n[heaters.x]\npin = "D11"\nsensor_pin = "T2"\nmax_c = 90.0\n')
+    (problem,) = error.value.problems
+    assert "heaters.x.kind is missing: expected one of hotend, bed, chamber" in str(problem)

@@ -338,7 +338,7 @@ def test_a_card_that_is_back_lets_its_print_go_on(s, folder, monkeypatch, back):
     monkeypatch.undo()
     if back == "another":
         (folder / "long.g").write_text(text + "G1 X0\n")
-        over = "echo:long.g is not on the card as it was: its print is over"
+        over = "echo:long.g was changed on the card or removed; its print is cancelled"
         assert s.host.ok("M21") == [over, "SD card ok", "ok"]
         assert "no file is selected" in s.host.ok("M24")[0]
         return
@@ -599,8 +599,8 @@ def test_a_failed_print_says_once_what_to_do(s, folder):
     s.host.ok("M32 a.g")
     assert s.host.expect("stopped", 5) == (
         "echo:Print of a.g stopped: a.g:3: file.open failed, File: nothere.g. /nothere.g: is not"
-        " on the card. List the card and name what is there. Mend it and go on after it (M24), or"
-        " cancel (M524)."
+        " on the card. List the card and name what is there. Correct it and continue after it"
+        " (M24), or cancel (M524)."
     )
     s.passes(1)
     bed = s.printer.connection.heaters["bed"]

@@ -28,7 +28,7 @@ def test_homing_ends_at_rest_and_not_beyond_a_switch(s, after):
     s.passes(5.0)
     assert s.positions() == at_rest
     other = Host(s)
-    assert "does not know where it is" in other.ok("G1 X10")[0]
+    assert "is not homed" in other.ok("G1 X10")[0]
     other.ok("G28", within=20)
     assert s.positions() == {"x": 0.0, "y": 0.0, "z": 0.0, "e": 0.0}
 

@@ -19,7 +19,7 @@ def s():
 
 NOTES = {
     "M900 K0.2": "M900 does nothing here. Linear advance is not built.",
-    "M300 S440 P200": "M300 does nothing here. Beeps where the machine file has a [beeper]",
+    "M300 S440 P200": "M300 does nothing here. The machine file has no [beeper].",
     "M413 S0": "M413 does nothing here. A print can always be resumed",
     "M202 X1000": "M202 does nothing here. M201 bounds axes in every move, M204 T all travel.",
     "M907 X500": "M907 does nothing here. M906 and the machine file set motor currents.",
@@ -28,8 +28,8 @@ NOTES = {
     "M420 S1": "M420 does nothing here. Bed levelling is not built.",
     "M800": "M800 does nothing here. M1000 goes on with a print",
     "EXCLUDE_OBJECT_START NAME=a": "EXCLUDE_OBJECT_START does nothing here. Labels",
-    "M205 X8 Y8 S0": "M205: X Y without effect, for corners obey J, the junction deviation",
-    "SET_VELOCITY_LIMIT FOO=1 ACCEL=900": "SET_VELOCITY_LIMIT: FOO without effect",
+    "M205 X8 Y8 S0": "M205: X Y have no effect, because the machine's corners use the junction",
+    "SET_VELOCITY_LIMIT FOO=1 ACCEL=900": "SET_VELOCITY_LIMIT: FOO has no effect",
     "M106 X100": "M106 sets speeds, by S",
     "M106 P0 F250": "M106 sets no frequency; the machine file has it",
 }
@@ -122,7 +122,9 @@ def test_m205_sets_the_jerk_where_corners_obey_it():
             "ok",
         ]
         assert s.host.ok("M205")[0] == "M205 X8 Y10 Z0.2 E0.5"
-        assert s.host.ok("M205 J0.05")[0].startswith("echo:M205: J without effect, for corners")
+        assert s.host.ok("M205 J0.05")[0].startswith(
+            "echo:M205: J has no effect, because the machine's corners"
+        )
         assert "M205 X8 Y10 Z0.2 E0.5" in "\n".join(s.host.ok("M503"))
 
 
@@ -208,9 +210,9 @@ def test_m92_tells_the_heights_of_whole_steps(s, words, layer):
 @pytest.mark.parametrize(
     ("machine", "line", "told"),
     [
-        ("delta", "M92 X100", "X names nothing that moves here: expected E, A, B, C"),
-        ("delta", "M203 A100", "A names nothing that moves here: expected X, Y, Z"),
-        ("i3", "M201 X500 U5", "U names nothing that moves here: expected X, Y, Z"),
+        ("delta", "M92 X100", "unknown axis X; this machine has E, A, B, C"),
+        ("delta", "M203 A100", "unknown axis A; this machine has X, Y, Z"),
+        ("i3", "M201 X500 U5", "unknown axis U; this machine has X, Y, Z"),
         ("i3", "M92 X200000", "X is 200000: expected 0.001 to 100,000 microsteps per mm"),
         ("i3", "M220 S5", "echo:M220: 5 % is not within 10 to 1000 %, 10 % is taken"),
         (

@@ -48,7 +48,7 @@ def test_an_emergency_stop_meanwhile_acts(s):
     at_once(s, (s.host, b"M112\nM999\n"), (other, b"M112\n"))
     s.host.expect("Printer stopped: emergency stop by M112")
     assert s.host.ok("G28") == [
-        "echo:Printer stopped: emergency stop by M112. Make it safe, then send M999",
+        "echo:Printer stopped: emergency stop by M112. Make the printer safe, then send M999",
         "ok",
     ]
     s.passes(5)
@@ -73,7 +73,7 @@ def test_a_stopped_board_tells_nothing_more(s, question):
     s.passes(1)
     *_, told, ok = s.host.ok(question)
     assert told == (
-        "echo:the board is stopped and tells nothing: emergency stop by M112."
+        "echo:the board is stopped and reports nothing: emergency stop by M112."
         " Make the printer safe, then send M999."
     )
     assert ok == "ok"

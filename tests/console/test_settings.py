@@ -382,7 +382,7 @@ def test_motors_go_off_by_axis_and_forget_where_they_are(s):
     s.host.ok("M84 X")
     assert s.board.output_value("x-enable") == 1
     assert s.board.output_value("y-enable") == 0
-    assert "axis X does not know" in s.host.ok("G1 X5")[0]
+    assert "axis X is not homed" in s.host.ok("G1 X5")[0]
     assert s.host.ok("G1 Y5 F3000") == ["ok"]
     s.host.ok("M18")
     s.passes(0.1)

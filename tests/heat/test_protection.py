@@ -6,7 +6,7 @@ import pytest
 from tests.heat.oven import Oven
 
 from passo import _core
-from passo.board.faults import FaultKind
+from passo.board.faults import FaultKind, HeaterFault
 from passo.config.sensor_tables import share_at
 
 MODEL = "model = { rise_c = 380.0, fan_loss = 0.3, time_constant_s = 120.0 }"
@@ -266,7 +266,33 @@ def test_every_fault_is_a_sentence():
     fault = oven.faults[0]
     assert fault.problem.code == "heat.heating-failed"
     assert str(fault) == (
-        f"heater hotend was switched off: it is at {fault.celsius:.1f} °C and did not come to"
+        f"heater hotend was switched off: it is at {fault.celsius:.1f} °C and did not reach"
         f" {fault.limit:.1f} °C in time. Check its cartridge, its supply, and that its sensor sits"
-        " where it heats, then rearm it."
+        " where it heats, then send M922."
     )
+
+
+@pytest.mark.parametrize(
+    ("kind", "celsius", "limit", "says"),
+    [
+        (FaultKind.SENSOR_OPEN, -20.0, 5.0, "reads -20.0 °C; below 5.0 °C means a broken cable"),
+        (FaultKind.SENSOR_OPEN, 850.0, 5.0, "reads 850.0 °C, which means a broken cable"),
+        (
+            FaultKind.SENSOR_SHORT,
+            400.0,
+            285.0,
+            "reads 400.0 °C; above 285.0 °C means a short circuit in its cable",
+        ),
+        (
+            FaultKind.SENSOR_SHORT,
+            -50.0,
+            285.0,
+            "reads -50.0 °C, which means a short circuit in its cable",
+        ),
+    ],
+)
+def test_a_broken_sensor_is_named_with_its_reading(kind, celsius, limit, says):
+    fault = HeaterFault("bed", kind, celsius, limit, 0)
+    assert str(fault).startswith(f"heater bed was switched off: its sensor {says}. Check the ")
+    assert str(fault).endswith(", then send M922.")
+    assert fault.halting == str(fault).replace("M922", "M999")

@@ -143,7 +143,7 @@ def test_a_board_that_begins_anew_in_mid_move_is_configured_again(cable: Cable) 
         zigzag(host)
         scenario.passes(1.2)
         scenario.printer.connection.main.command("reset")
-        host.expect("^Error:the board has begun anew", 3.0)
+        host.expect("^Error:the board restarted", 3.0)
         host.expect("The printer is ready again", 10.0)
         assert scenario.printer.connection.heaters["hotend"].target == 50.0
         stood = cable.look(lambda: cable.board.net_steps("x"))
@@ -180,7 +180,7 @@ def test_an_emergency_stop_reaches_the_board_when_its_cable_is_back() -> None:
         host.expect("has not reached the board, which may heat for up to a minute", 5.0)
         assert cable.look(lambda: cable.board.device.fault) == ""
         cable.plug()
-        host.expect("The order to stop has arrived", 5.0)
+        host.expect("Emergency stop confirmed by all boards", 5.0)
         assert cable.look(lambda: cable.board.device.fault) == "Command request"
         host.ok("M999")
         assert scenario.printer.halted == ""

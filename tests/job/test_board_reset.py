@@ -16,7 +16,7 @@ printing = test_place_lost.printing
 def test_a_print_goes_on_from_the_journal(printing):
     s = printing
     reset(s)
-    s.host.expect("^Error:the board has begun anew, after a reset or a failure of its supply", 1)
+    s.host.expect("^Error:the board restarted .reset or power failure.; position lost", 1)
     s.host.expect("The printer is ready again", 1)
     assert not any("The machine waits" in line for line in s.host.heard)
     s.passes(1)
@@ -32,12 +32,12 @@ def test_whatever_the_printer_is_doing(doing):
         s.passes(1.2)
         target = s.printer.connection.heaters["hotend"].target
         reset(s)
-        s.host.expect("the board has begun anew", 1)
+        s.host.expect("the board restarted", 1)
         s.host.expect("The printer is ready again", 1)
         s.passes(2)
         assert s.printer.connection.heaters["hotend"].target == target
         assert (s.board.output_value("hotend") > 0) == (target > 0)
-        assert "axis X does not know where it is" in s.host.ok("G1 X50")[0]
+        assert "axis X is not homed" in s.host.ok("G1 X50")[0]
         s.host.ok("G28", 60)
         s.host.ok("G1 X50 F6000")
         s.host.ok("M400", 20)
@@ -54,7 +54,7 @@ def test_one_of_two_boards(board):
         s.passes(2)
         reset(s, board)
         name = "board tool" if board else "the board"
-        s.host.expect(f"^Error:{name} has begun anew", 2)
+        s.host.expect(f"^Error:{name} restarted", 2)
         s.host.expect("The printer is ready again", 2)
         s.passes(2)
         assert s.printer.connection.heaters["hotend"].target == 60
@@ -79,6 +79,6 @@ def test_a_second_time_within_a_minute_halts_it_cold(seconds, warm):
         assert (s.printer.connection.heaters["hotend"].target > 0) == warm
         assert (s.board.output_value("hotend") > 0) == warm
         if not warm:
-            s.host.expect("^Error:Printer halted: the board has begun anew", 1)
+            s.host.expect("^Error:Printer halted: the board restarted", 1)
             s.host.send("M999")
             s.host.expect("The printer is ready again", 5)

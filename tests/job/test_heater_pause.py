@@ -122,7 +122,7 @@ def test_an_answer_to_what_names_the_failure_rearms(s, pause):
     for _ in range(2):  # it is not mended yet
         assert heater.fault
         other.send("M108")
-        other.expect("stays aside: heater hotend was switched off", 5)
+        other.expect("Print still paused: heater hotend was switched off", 5)
         s.passes(1)
         assert (s.positions(), s.board.output_value("hotend")) == (at, 0)
     s.board.force_sensor("hotend", None)

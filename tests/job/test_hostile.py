@@ -209,7 +209,7 @@ def test_motors_off_in_a_pause(start):
     s.host.ok("M25")
     s.passes(5)
     s.host.ok("M84")
-    assert "axis X does not know where it is" in s.host.ok("M24")[0]
+    assert "axis X is not homed" in s.host.ok("M24")[0]
     s.passes(1)
     assert is_paused(s)
     s.host.ok("G28", 60)

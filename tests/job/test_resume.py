@@ -186,7 +186,7 @@ def test_a_full_disk_leaves_no_stale_offer(places, monkeypatch):
         s.host.ok("M32 wall.gcode")
         assert s.until(lambda: s.positions()["e"] > 2, 200)
         monkeypatch.setattr(Journal, "record", full)
-        s.host.expect("cannot be gone on with after a power cut: No space left", 3)
+        s.host.expect("cannot be resumed after a power cut: No space left", 3)
         s.host.expect("Done printing", 300)
         assert s.positions()["z"] == pytest.approx(1.6, abs=0.01)
     assert recorded(places) is None

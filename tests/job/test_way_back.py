@@ -5,7 +5,7 @@ from tests.console.scenario import Host, Scenario
 
 from passo import config
 
-LOST = "axis X does not know where it is"
+LOST = "axis X is not homed"
 
 
 def program(x: int, y: int, z: int) -> str:

@@ -52,7 +52,7 @@ def test_a_hit_stops_the_machine_where_that_is_asked_for(s):
     s.board.force_switch("z", True)
     s.host.expect("endstops hit: Z", 1)
     s.passes(1)
-    assert "echo:Heaters are off: a switch was hit in mid-move (M540)" in s.host.heard
+    assert "echo:Heaters are off: an endstop was triggered during a move (M540)" in s.host.heard
     assert "// action:pause" in s.host.heard
     assert [h.target for h in s.printer.connection.heaters.values()] == [0, 0]
     at = s.positions()["x"]
@@ -80,7 +80,7 @@ def test_a_hit_ends_a_print(tmp_path, switch):
         assert s.printer.job.line_at(s.printer.drive.now) > 3
         s.host.silent(1, "endstops hit")
         s.board.force_switch(switch, True)
-        s.host.expect(f"Print of a.g stopped: endstop {switch} was hit", 3)
+        s.host.expect(f"Print of a.g stopped: endstop {switch} was triggered", 3)
         s.passes(2)
         at = s.positions()
         s.passes(2)

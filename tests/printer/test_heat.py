@@ -84,7 +84,7 @@ def test_what_cools_no_further_is_not_waited_for(s):
     start = s.loop.time()
     s.host.ok("M190 R20", 70)
     assert s.loop.time() - start == pytest.approx(60, abs=2)
-    assert s.host.heard.count("echo:bed cools no further than 25.0 C: not waited for") == 1
+    assert s.host.heard.count("echo:bed stopped cooling at 25.0 C; continuing") == 1
     s.host.ok("M104 S20")
     start = s.loop.time()
     s.host.ok("M116", 70)  # for both at once
@@ -252,3 +252,15 @@ def test_an_unsafe_temperature_of_a_tool_is_refused_too(s):
     s.passes(1)
     assert "outside of its safe range" in s.host.ok("G10 P0 S999")[0]
     assert heater(s).target == 0
+
+
+def test_a_broken_sensor_halts_with_one_advice():
+    with Scenario("i3") as s:
+        s.host.ok("M104 S200")
+        s.passes(2)
+        s.board.force_sensor("hotend", 0.999)
+        told = s.host.expect("^Error:Printer halted", 5)
+        assert told == (
+            "Error:Printer halted: heater hotend was switched off: its sensor reads -20.0 C; below"
+            " 5.0 C means a broken cable. Check the sensor's plug and wires, then send M999"
+        )

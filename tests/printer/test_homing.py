@@ -80,7 +80,7 @@ def test_one_axis_alone_leaves_the_others_where_they_are():
         at = s.positions()
         assert at["x"] == pytest.approx(0, abs=1 / 80)
         assert (at["y"], at["z"]) == (20.0, 20.0)
-        assert "axis Y does not know where it is" in s.host.ok("G1 Y5")[0]
+        assert "axis Y is not homed" in s.host.ok("G1 Y5")[0]
         assert s.host.ok("G1 X5 F6000") == ["ok"]
 
 
@@ -99,9 +99,7 @@ def test_the_position_counts_from_home():
 def test_unhomed_axes_refuse_to_move_until_they_know_where_they_are():
     with Scenario("i3") as s:
         answer, _ = s.host.ok("G1 X10 E5 F3000")
-        assert answer == (
-            "echo:axis X does not know where it is. Home it (G28), or say where it is (G92)."
-        )
+        assert answer == ("echo:axis X is not homed. Home it (G28), or set its position (G92).")
         s.passes(1)
         assert s.positions()["x"] == 20.0
         s.host.ok("G92 X100")
@@ -126,18 +124,18 @@ def test_a_switch_that_is_never_pressed_is_named():
         s.board.force_switch("y", False)
         answer = s.host.ok("G28", 120)[-2]
         assert answer.startswith(
-            "echo:axis Y was not homed: switch y at ^Y_MIN was not pressed within 264 towards 0."
+            "echo:axis Y was not homed: switch y at ^Y_MIN was not triggered within 264 towards 0."
         )
-        assert "axis Y does not know" in s.host.ok("G1 Y10")[0]
-        assert "axis X does not know" in s.host.ok("G1 X10")[0]  # they went together
+        assert "axis Y is not homed" in s.host.ok("G1 Y10")[0]
+        assert "axis X is not homed" in s.host.ok("G1 X10")[0]  # they went together
 
 
 def test_a_switch_that_stays_pressed_is_named():
     with Scenario("i3") as s:
         s.board.force_switch("z", True)
         answer = s.host.ok("G28 Z", 120)[-2]
-        assert "switch z at ^Z_MIN is still pressed 3 away from 0" in answer
-        assert "axis Z does not know" in s.host.ok("G1 Z10")[0]
+        assert "switch z at ^Z_MIN is still triggered 3 away from 0" in answer
+        assert "axis Z is not homed" in s.host.ok("G1 Z10")[0]
 
 
 def test_m119_shows_the_switches():
@@ -163,7 +161,7 @@ def test_homing_ends_when_the_machine_is_stopped():
         at = s.positions()
         s.passes(2)
         assert s.positions() == at
-        assert "does not know" in s.host.ok("G1 X1")[0]
+        assert "is not homed" in s.host.ok("G1 X1")[0]
 
 
 def test_an_emergency_stop_while_homing_forgets_where_all_axes_are():
@@ -175,7 +173,7 @@ def test_an_emergency_stop_while_homing_forgets_where_all_axes_are():
         s.host.expect("Printer halted", 5)
         s.host.send("M999")
         s.host.expect("ready again", 10)
-        assert "axis Y does not know" in s.host.ok("G1 Y1")[0]
+        assert "axis Y is not homed" in s.host.ok("G1 Y1")[0]
         s.host.ok("G28", 60)
         assert s.host.ok("G1 X1 F6000") == ["ok"]
 
@@ -258,7 +256,7 @@ def test_x_and_y_of_a_scara_are_homed_together_and_z_by_itself():
         assert s.host.ok("G28 X", 60)[-1] == "ok"
         at = s.positions()
         assert (at["a"], at["b"], at["z"]) == pytest.approx((-60, 60, 20), abs=0.02)
-        assert "axis Z does not know where it is" in s.host.ok("G1 Z5")[0]
+        assert "axis Z is not homed" in s.host.ok("G1 Z5")[0]
         assert "X:250.000 Y:-56.000" in s.host.ok("M114")[0]
         assert s.host.ok("G28 Z", 60)[-1] == "ok"
         assert s.positions()["z"] == pytest.approx(0, abs=0.01)
@@ -281,16 +279,16 @@ def test_an_arm_that_does_not_find_its_switch_is_named_with_its_angle():
     with Scenario("scara") as s:
         s.board.force_switch("b", False)
         assert s.host.ok("G28", 120)[-2].startswith(
-            "echo:arm B was not homed: switch b at ^Y_MIN was not pressed within 190 degrees"
+            "echo:arm B was not homed: switch b at ^Y_MIN was not triggered within 190 degrees"
             " towards 60 degrees."
         )
         for axis in "XYZ":
-            assert f"axis {axis} does not know" in s.host.ok(f"G1 {axis}10")[0]
+            assert f"axis {axis} is not homed" in s.host.ok(f"G1 {axis}10")[0]
         s.board.force_switch("b", None)
         assert s.host.ok("G28", 120)[-1] == "ok"
         s.board.force_switch("a", True)
         answer = s.host.ok("G28 Y", 120)[-2]
-        assert "arm A was not homed: switch a at ^X_MIN is still pressed 5 degrees" in answer
+        assert "arm A was not homed: switch a at ^X_MIN is still triggered 5 degrees" in answer
 
 
 BOTTOM = """
@@ -347,7 +345,7 @@ def test_what_a_console_asks_while_axes_home(machine):
         s.passes(0.2)
         counts = []
         while s.printer.homer.active:
-            assert "M290 has to wait until all axes are at home" in other.ok("M290 Z0.5")[0]
+            assert "M290 has to wait until all axes are homed" in other.ok("M290 Z0.5")[0]
             plain, real = other.ok("M114")[0], other.ok("M114 R")[0]
             places = before.split(" Count")[0]
             assert (plain.split(" Count")[0], real.split(" Count")[0]) == (places, places)

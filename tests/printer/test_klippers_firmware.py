@@ -154,7 +154,7 @@ def test_a_board_that_begins_anew_all_of_a_sudden(s: Scenario, board: Board) -> 
     board._act_reset()
     for chip in board.chips.values():
         chip.power_on()
-    s.host.expect("^Error:the board has begun anew", 2)
+    s.host.expect("^Error:the board restarted", 2)
     s.host.expect("ready again", 10)
     assert (board.resets, board.is_shutdown, board.is_config) == (1, 0, 1)
     s.host.ok("G28", 60)

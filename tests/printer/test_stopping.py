@@ -13,10 +13,10 @@ from passo.config.pin_names import MAIN
 
 ORDER = "Command request"
 WARNING = (
-    "Error:the order to stop has not reached {}, which may heat for up to a minute."
+    "Error:the emergency stop has not reached {}, which may heat for up to a minute."
     " Cut the printer's power, or bring the link back."
 )
-ARRIVED = "echo:The order to stop has arrived: nothing heats any more"
+ARRIVED = "echo:Emergency stop confirmed by all boards; heaters are off"
 UNKNOWN = "T:-273.15 /0.00 B:-273.15 /0.00 @:0 B@:0"
 
 
@@ -215,7 +215,7 @@ def test_while_axes_home_heat_stays_as_ever(hot, lost_s):
     )
     plug(s, 5)
     assert not s.printer.halted
-    s.host.expect("the board does not tell where it stopped")
+    s.host.expect("the board does not report where it stopped")
 
 
 def test_after_homing_the_board_keeps_warm_again(hot):

@@ -96,7 +96,7 @@ def test_one_that_begins_anew_stops_the_other_and_is_named(two: Two, which: str)
     board = two.main if which == "main" else two.tool
     board._act_reset()
     name = "the board" if which == "main" else "board tool"
-    s.host.expect(f"^Error:{name} has begun anew", 2)
+    s.host.expect(f"^Error:{name} restarted", 2)
     s.host.expect("The printer is ready again", 10)
     for each in (two.main, two.tool):
         assert (each.resets, each.is_shutdown, each.is_config) == (1, 0, 1)

@@ -63,7 +63,7 @@ def test_nothing_is_shifted_out_of_range(s):
 def test_an_axis_that_does_not_know_where_it_is_stays():
     with Scenario("i3") as s:
         before = s.positions()
-        assert "axis Z does not know where it is" in s.host.ok("M290 Z0.2")[0]
+        assert "axis Z is not homed" in s.host.ok("M290 Z0.2")[0]
         s.passes(1)
         assert s.positions() == before
 

@@ -195,7 +195,7 @@ def test_a_failed_home_is_no_home(s):
     answer = s.host.ok("G28 X", 120)[-2]
     assert "axis X was not homed" in answer
     assert "switch x at ^X_MIN" in answer
-    assert "axis X does not know where it is" in s.host.ok("G1 X1")[0]
+    assert "axis X is not homed" in s.host.ok("G1 X1")[0]
 
 
 def test_g28_without_axes_homes_all_of_them(s):

@@ -84,6 +84,6 @@ def test_an_axis_that_is_not_homed_by_default():
     with Scenario(config.load_text(text)) as s:
         s.host.ok("G28", 60)
         assert s.positions() == {"x": 0.0, "y": 0.0, "z": 20.0, "e": 0.0}
-        assert "axis Z does not know where it is" in s.host.ok("G1 Z1")[0]
+        assert "axis Z is not homed" in s.host.ok("G1 Z1")[0]
         s.host.ok("G28 Z", 60)
         assert s.positions()["z"] == pytest.approx(0, abs=0.01)

@@ -36,7 +36,7 @@ def test_m80_and_m81_switch_the_mains(s):
     assert s.printer.connection.heaters["hotend"].target == 0
     assert s.board.output_value("x-enable") == 1  # inverted: off
     assert s.host.ok("M80 S") == ["PS:0", "ok"]
-    assert "the mains are off" in s.host.ok("M104 S100")[0]
+    assert "the power supply is off" in s.host.ok("M104 S100")[0]
     s.host.ok("M104 S0")
     s.host.ok("M80")
     assert on(s)
@@ -51,7 +51,7 @@ def test_nothing_moves_without_them(s):
     before = s.positions()
     s.host.send("G1 X10 F6000")
     s.passes(3)
-    assert "the mains are off" in s.printer.halted
+    assert "the power supply is off" in s.printer.halted
     assert s.positions() == before
 
 

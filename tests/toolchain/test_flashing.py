@@ -183,7 +183,7 @@ def test_a_pico_is_a_drive(tools: Path, tmp_path: Path) -> None:
 def test_a_board_that_does_not_answer(tools: Path, image: Path) -> None:
     program(tools, "avrdude")
     port = Port(None)
-    with pytest.raises(FirmwareError, match=r"does not tell who it is at .*, 250000") as caught:
+    with pytest.raises(FirmwareError, match=r"does not identify itself at .*, 250000") as caught:
         flashed("ramps", port.name, image, port)
     port.close()
     assert caught.value.status == 5
@@ -197,7 +197,7 @@ def test_a_port_that_has_gone_when_the_board_is_asked(
     notes = program(tools, "avrdude", then=f"pathlib.Path({str(link)!r}).unlink()")
     says = r"port: the image was written, but the port cannot be read \(No such file or directory\)"
     with pytest.raises(
-        FirmwareError, match=f"ramps does not tell who it is at .*/{says}"
+        FirmwareError, match=f"ramps does not identify itself at .*/{says}"
     ) as caught:
         flashed("ramps", str(link), image, port)
     assert caught.value.status == 5
@@ -485,7 +485,7 @@ def test_the_end_of_input_is_no_enter(
     monkeypatch.setattr("sys.stdin", io.StringIO(""))
     assert main(["firmware", "flash", "melzi", "--port", port.name, "--image", str(image)]) == 2
     said = capsys.readouterr().err
-    assert "nobody pressed Enter after: Put a jumper on" in said and ".." not in said
+    assert "no confirmation received after: Put a jumper on" in said and ".." not in said
     assert not notes.exists()
 
 

@@ -20,9 +20,16 @@ from passo.board.configuration import (
 )
 from passo.board.description import BoardDescription, Output, Sensor, inverted
 from passo.board.dictionary import RUNS_KLIPPERS, RUNS_PASSOS, Dictionary, DictionaryError
-from passo.board.faults import BoardAloneError, BoardResetError, BoardSilentError, HeaterFault
+from passo.board.faults import (
+    BoardAloneError,
+    BoardResetError,
+    BoardSilentError,
+    HeaterFault,
+    shutdown_error,
+)
 from passo.board.ports import LinkLostError, Port
 from passo.board.words import check_words
+from passo.clock import time_scale
 from passo.errors import MachineError
 
 Values: TypeAlias = dict[str, int | bytes]
@@ -626,4 +633,4 @@ class Connection:
     def shutdown_error(self) -> MachineError:
         """Why the board has shut down."""
         reason = self.dictionary.name_of("static_string_id", self.link.shutdown_reason)
-        return MachineError.of("machine.shutdown", value=self._named(reason))
+        return shutdown_error(reason, self._named(reason), time_scale())

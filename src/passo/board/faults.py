@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from passo import _core
 from passo.board.ports import LinkLostError
@@ -34,15 +34,63 @@ class HeaterFault:
     def problem(self) -> Problem:
         """The fault as a problem of the catalogue, `heat.` and its kind being the code."""
         code = f"heat.{self.kind.name.lower().replace('_', '-')}"
+        # Some sensors read hot when their cable is open, and cold when it is shorted.
+        if self.kind == FaultKind.SENSOR_OPEN and self.celsius > self.limit:
+            code += "-high"
+        if self.kind == FaultKind.SENSOR_SHORT and self.celsius < self.limit:
+            code += "-low"
         values = {"axis": self.heater, "value": self.celsius, "limit": self.limit}
         return Problem(code, values=values)
+
+    @property
+    def halting(self) -> str:
+        """The sentence where the fault halts the printer, which M999 restarts."""
+        problem = self.problem
+        hint = problem.entry.action.replace("M922", "M999")
+        return str(replace(problem, hint=hint))
 
     def __str__(self) -> str:
         return str(self.problem)
 
 
+# Why boards shut down, in the words of Klipper's firmware, which are Passo's firmware's too.
+_TOO_LATE = (
+    "Missed scheduling of next digital out event",
+    "Missed scheduling of next hard pwm event",
+    "Timer too close",
+    "Stepper too far in past",
+    "No next step",
+)
+_SENSORS = ("ADC out of range", "Thermocouple ADC out of range", "Thermocouple reader fault")
+_OVERLOADED = "Rescheduled timer in the past"
+
+
+def shutdown_error(reason: str, named: str, time_scale: float) -> MachineError:
+    """A board has shut down for this reason; `named` is the reason with the board where there are
+    several. `time_scale` is how many times as fast as real the host keeps time."""
+    clock = f"for --clock {time_scale:g}" if time_scale != 1 else "or too busy"
+    action = "a lower --clock" if time_scale != 1 else "a faster computer or a better cable"
+    hint = ""
+    if reason in _TOO_LATE:
+        hint = (
+            f"Commands reached it after their time: this computer was too slow {clock}. End other"
+            f" programs or use {action}, then send M999"
+        )
+    elif reason in _SENSORS:
+        hint = (
+            "A temperature sensor reads outside of its heater's min_c to max_c. Check the sensors'"
+            " cables, then send M999"
+        )
+    elif reason == _OVERLOADED:
+        hint = (
+            "Its processor was overloaded. Set [board.budget] in the machine file or print more"
+            " slowly, then send M999"
+        )
+    return MachineError.of("machine.shutdown", hint=hint, value=named)
+
+
 class BoardAloneError(LinkLostError):
-    """The board was not told in time how to go on, and has stopped by itself."""
+    """The board ran out of commands and braked to a stop."""
 
 
 class PlaceLostError(MachineError):
@@ -50,8 +98,7 @@ class PlaceLostError(MachineError):
 
 
 class BoardResetError(PlaceLostError, LinkLostError):
-    """The board has begun anew, and knows of nothing that it was told before. The main board's name
-    is empty."""
+    """The board has restarted and lost its configuration. The main board's name is empty."""
 
     def __init__(self, name: str) -> None:
         board = f"board {name}" if name else "the board"

@@ -24,14 +24,14 @@ from passo.errors import ExitStatus, PassoError, Problem
 _GC_THRESHOLD = 20_000
 COMMANDS: dict[str, str] = {
     "print": "print a file on a simulated board, to the end, and say what came out",
-    "serve": "be a printer that hosts and people can drive, on serial, pty, TCP or a terminal",
+    "serve": "serve a printer to OctoPrint and other hosts, on serial, pty, TCP or a terminal",
     "estimate": "say how long a file takes, by layer, feature and limit",
     "steps": "write every step of every motor, as the board executed it",
     "explain": "show what one line of a file becomes: plan, steps, bytes",
     "report": "write one page with pictures: path, speeds, temperatures, limits",
     "calibrate": "find a thermistor's β from what a thermometer says",
     "machines": "list the machines that come with Passo",
-    "firmware": "list boards, build their firmware, bring it onto them",
+    "firmware": "list boards, build and flash their firmware",
     "check": "check a machine file and report everything that is wrong with it",
 }
 

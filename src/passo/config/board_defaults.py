@@ -60,9 +60,14 @@ def put_originals(data: dict[str, Any]) -> Iterator[Finding]:
                 if other in function:
                     content[own] = function[other]
                 else:
-                    why = f", for {whose} has no {other} for {key}" if functions else ""
+                    why = _missing(whose, other, key) if functions else ""
                     path = (part, name, own)
                     yield Finding("config.missing-key", path, None, f"a pin in quotes{why}")
+
+
+def _missing(whose: str, other: str, key: str) -> str:
+    """Why a pin has to be given; nothing of a part whose kind is not known."""
+    return "" if key == "None" else f": {whose} has no {other} for {key}"
 
 
 def put_pullups(data: dict[str, Any]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
@@ -116,13 +116,29 @@ def expected(error: ErrorDetails) -> str:
     return words(error.get("ctx", {})) if words is not None else error["msg"]
 
 
+def _hint_of(key: str, known: Iterable[str], model: Any) -> str:
+    """For an unknown key: the closest one, or all that its table may have."""
+    hint = did_you_mean(key, known)
+    if hint.startswith("Did") or not known:
+        return hint
+    if model is not MachineConfig:
+        return f"Known here: {', '.join(sorted(known))}"
+    tables = [name for name in known if not _is_plain(MachineConfig.model_fields[name].annotation)]
+    return f"Known tables: {', '.join(f'[{name}]' for name in sorted(tables))}"
+
+
+def _is_plain(place: Any) -> bool:
+    """Whether a text or a number stands there."""
+    return _one(place) is str or get_origin(_one(place)) is Literal
+
+
 def _finding(error: ErrorDetails) -> Finding:
     kind, context, value = error["type"], error.get("ctx", {}), error["input"]
     model, key = _one(_place(error["loc"][:-1])[1]), str(error["loc"][-1])
     path, place = _place(error["loc"])
     if kind == "extra_forbidden":
         known = model.model_fields if _is_model(model) else ()
-        return Finding("config.unknown-key", path, value, "", did_you_mean(key, known))
+        return Finding("config.unknown-key", path, value, "", _hint_of(key, known, model))
     if kind == "missing":
         return Finding("config.missing-key", path, None, _missing(model, key))
     if kind in ("union_tag_not_found", "union_tag_invalid"):
@@ -143,4 +159,6 @@ def _finding(error: ErrorDetails) -> Finding:
 def model_findings(error: ValidationError) -> Iterator[Finding]:
     """One finding for each error of the models."""
     for detail in error.errors(include_url=False):
-        yield _finding(detail)
+        # A default that depends on keys which are wrong: those are reported.
+        if detail["type"] != "default_factory_not_called":
+            yield _finding(detail)

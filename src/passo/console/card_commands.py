@@ -96,7 +96,9 @@ class CardCommands:
             if (now.size, now.modified) == (before.size, before.modified):
                 runner.exchange(self.card.open(runner.path))
                 return
-        self._printer.tell(f"echo:{runner.name} is not on the card as it was: its print is over")
+        self._printer.tell(
+            f"echo:{runner.name} was changed on the card or removed; its print is cancelled"
+        )
         runner.release()
 
     def autostart(self) -> None:

@@ -214,7 +214,7 @@ class RecoveryCommands:
             # What it says would soon be long past.
             self._end()
             self._printer.tell(
-                f"echo:This print cannot be gone on with after a power cut: {error.strerror}"
+                f"echo:This print cannot be resumed after a power cut: {error.strerror}"
             )
 
     def _end(self) -> None:

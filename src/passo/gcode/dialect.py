@@ -39,6 +39,7 @@ class Row(NamedTuple):
     bare: str | None = ""  # letters that may stand alone; None: what follows is not read as words
     nan: bool = False  # `S nan` is no number, and switches the heater off
     repeats: str = ""  # letters that may come more than once
+    lacks: str = ""  # why it does nothing on a machine without the part; else `text` says it
 
 
 ANY = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
@@ -166,7 +167,7 @@ TABLE: tuple[Row, ...] = (
         _P,
         _N,
         "S",
-        "Laser on; less where the head is slower, dark at rest and on G0.",
+        "Laser on; less power where the head is slower, off at standstill and on G0.",
         bare="I",
     ),
     Row("M5", _P, _N, "", "Laser or spindle off.", bare="I"),
@@ -187,8 +188,8 @@ TABLE: tuple[Row, ...] = (
         "Lists the card's programs, with long names (L) and times (T); D lists one directory.",
         bare=None,
     ),
-    Row("M21", _Q, _I, "", "Opens the card anew."),
-    Row("M22", _S, _I, "", "Leaves the card."),
+    Row("M21", _Q, _I, "", "Mounts the SD card again."),
+    Row("M22", _S, _I, "", "Releases the SD card."),
     Row(
         "M23",
         _S,
@@ -241,8 +242,8 @@ TABLE: tuple[Row, ...] = (
     Row("M76", _Q, _I, "", "Halts the print timer.", bare=None),
     Row("M77", _Q, _I, "", "Stops the print timer and tells it.", bare=None),
     Row("M78", _Q, _I, "S78", "Tells what was printed; S78 forgets it."),
-    Row("M80", _Q, _X, "S", "Mains on; S tells whether they are.", bare="S"),
-    Row("M81", _S, _X, "", "Heaters and motors off, and the mains where they have a pin."),
+    Row("M80", _Q, _X, "S", "Power supply on; S reports whether it is.", bare="S"),
+    Row("M81", _S, _X, "", "Heaters and motors off, and the power supply if it has a pin."),
     Row("M82", _M, _N, "", "The extruder's positions are absolute."),
     Row("M83", _M, _N, "", "The extruder's positions are relative."),
     Row("M84", _P, _X, "X Y Z E S(s)", "As M18.", bare=_AXES),
@@ -293,7 +294,7 @@ TABLE: tuple[Row, ...] = (
         bare="F",
     ),
     Row("M107", _P, _N, "P F", "Turns a fan off. F: at once.", bare="F"),
-    Row("M108", _Q, _A, "", "Ends the wait that goes on."),
+    Row("M108", _Q, _A, "", "Cancels the current wait."),
     Row(
         "M109",
         _P,
@@ -310,7 +311,7 @@ TABLE: tuple[Row, ...] = (
         _P,
         _A,
         "",
-        "Everything off at once; M999 begins anew. A print without consoles fails there.",
+        "Everything off at once; M999 restarts. A print without consoles fails there.",
     ),
     Row("M113", _Q, _I, "S(s)", "How often a command that waits says so."),
     Row(
@@ -333,7 +334,7 @@ TABLE: tuple[Row, ...] = (
     ),
     Row("M117", _Q, _I, "text", "A message for displays and hosts.", bare=None),
     Row("M118", _Q, _I, "E1 A1 text", "A line for all consoles.", bare=None),
-    Row("M119", _Q, _I, "", "Tells which switches are pressed."),
+    Row("M119", _Q, _I, "", "Reports which endstops are triggered."),
     Row("M120", _S, _I, "", "Endstops are watched while the machine moves."),
     Row("M121", _S, _I, "", "Endstops count only for homing."),
     Row(
@@ -405,8 +406,8 @@ TABLE: tuple[Row, ...] = (
         _P,
         _N,
         "J(mm), X Y Z E(mm/s) T",
-        "Corners: the junction deviation (J), or the axes' jerk, at most the machine's, where its"
-        " corners obey that. There are no least speeds.",
+        "Corners: the junction deviation (J), or the jerk of each axis up to the machine's limit,"
+        " whichever the machine file chooses. There are no minimum speeds.",
     ),
     Row("M206", _S, _N, "X Y Z (mm)", "Added to the axes' home positions."),
     Row(
@@ -442,20 +443,34 @@ TABLE: tuple[Row, ...] = (
         _P,
         _I,
         "S(%) B R",
-        "Scales the speed; from a console of what is planned too. B keeps the factor that holds, R"
-        " takes the one back that was kept.",
+        "Scales the speed; during a print also that of queued moves. B stores the current factor, R"
+        " restores it.",
         bare="BR",
     ),
-    Row("M221", _P, _I, "T S(%)", "Scales a tool's extrusion; from beside of what is planned too."),
-    Row("M290", _P, _I, "X Y Z (mm)", "Shifts all that is not done yet, in mid-move.", bare="R"),
+    Row(
+        "M221",
+        _P,
+        _I,
+        "T S(%)",
+        "Scales a tool's extrusion; during a print also that of queued moves.",
+    ),
+    Row(
+        "M290",
+        _P,
+        _I,
+        "X Y Z (mm)",
+        "Babysteps: shifts all moves that are not done yet, at once.",
+        bare="R",
+    ),
     Row("M302", _Q, _I, "S(°C) P T", "Allows cold extrusion, P of tool T alone, or tells of it."),
     Row(
         "M300",
         _Q,
         _N,
         "S(Hz) P(ms)",
-        "Beeps where the machine file has a [beeper]; S0 is a rest.",
+        "Sounds the [beeper] of the machine file; S0 is a pause.",
         bare=ANY,
+        lacks="The machine file has no [beeper].",
     ),
     Row(
         "M301",
@@ -540,7 +555,7 @@ TABLE: tuple[Row, ...] = (
     Row("M933", _Q, _I, "", "Ends M932."),
     Row("M937", _Q, _I, "", "Corrections of the bed: none yet."),
     Row("M940", _Q, _I, "", "The network is the computer's."),
-    Row("M999", _S, _I, "", "A halted printer begins anew."),
+    Row("M999", _S, _I, "", "Restarts after a halt."),
     Row("M1000", _S, _X, "C", "Goes on with a print that was interrupted; C forgets it.", bare="C"),
     Row(
         "T",

@@ -213,7 +213,7 @@ class Printer:
 
     def _before_motion(self) -> None:
         if not self.mains.on:
-            self.halt("the mains are off, and a motor was to move")
+            self.halt("the power supply is off, and a motor was to move")
         self.drivers.before_motion()
         if not self.halted:
             self.motors.all_on()
@@ -275,7 +275,7 @@ class Printer:
 
     def set_target(self, heater: str, celsius: float, *, at_once: bool = False) -> None:
         """Sets a heater's target when the moves so far are done, or at once. Raises CommandError
-        where the mains are off."""
+        where the power supply is off."""
         if celsius > 0:
             self.mains.require()
         self.cooled_c.pop(heater, None)
@@ -333,7 +333,7 @@ class Printer:
     def why_halted(self) -> str:
         """`halted`, and what to do."""
         said = self.halted.endswith("M999")
-        return self.halted if said else f"{self.halted}. Make it safe, then send M999"
+        return self.halted if said else f"{self.halted}. Make the printer safe, then send M999"
 
     def revive(self) -> None:
         """M999: a halted printer begins anew, cold, and without knowing where it is."""
@@ -356,10 +356,10 @@ class Printer:
     def stop_by_endstop(self, names: Sequence[str]) -> None:
         """A switch was hit in mid-move: brakes, and ends the print if one is under way, with all
         heaters off. A host that prints is asked to pause."""
-        self.stop_all(f"endstop {', '.join(names)} was hit")
+        self.stop_all(f"endstop {', '.join(names)} was triggered")
         if not self.halted:
             self.switch_off(self.heaters)
-            self.tell("echo:Heaters are off: a switch was hit in mid-move (M540)")
+            self.tell("echo:Heaters are off: an endstop was triggered during a move (M540)")
             self.tell("// action:pause")
 
     def stop_all(self, reason: str) -> None:
@@ -578,7 +578,7 @@ class Printer:
         """Says of a command that does nothing why it does not."""
         row = row_of(code)
         if row is not None and row.kind in (Kind.QUIET, Kind.SERVED, Kind.NOT_BUILT):
-            reply.note(row.code, f"{row.code} does nothing here. {row.text}")
+            reply.note(row.code, f"{row.code} does nothing here. {row.lacks or row.text}")
 
     @property
     def interrupted(self) -> bool:
@@ -605,7 +605,7 @@ class Printer:
         self.failures += 1
         policy = self.machine.heaters[fault.heater].on_fault
         if policy == "machine":
-            self.halt(str(fault))
+            self.halt(fault.halting)
             return
         self.tell(f"echo:{fault}")
         if policy == "job":

@@ -44,7 +44,7 @@ class _Cooling:
             self._seen = now_s, celsius
             self._over = was - celsius < _LEAST_COOLING_C
             if self._over:
-                text = f"echo:{self._name} cools no further than {celsius:.1f} C: not waited for"
+                text = f"echo:{self._name} stopped cooling at {celsius:.1f} °C; continuing"
                 self._reply.say(text)
         return not self._over
 

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
 
 _WIDEST_US = 25.0  # of a step's time, where that saves commands
+_NEAR = 0.8  # of what there is: less concerns no user
 _BURST = ", in a burst that is sent ahead"
 _NAMES = {
     "steps": "processor{}, for steps",
@@ -63,11 +64,18 @@ class BudgetUse:
     unsure_s: float = 0.0
 
     def told(self, file: str) -> Iterator[str]:
-        """What a console should hear before a print: nothing without a budget."""
-        if self.densest:
-            told = "; ".join(f"{name} {share}" for name, share in self.shares())
-            several = any(place.board is not None for place in self.densest.values())
-            yield f"At its densest the file takes of the board{'s' if several else ''}: {told}"
+        """What a console reports before a print: nothing without a budget, and nothing of places
+        that the board takes easily."""
+        told = {"slots", *self.worst}  # full slots alone do no harm: the link waits for one
+        near = {k: p for k, p in self.densest.items() if p.load >= _NEAR and k not in told}
+        for name, place in near.items():
+            yield (
+                f"{file}:{place.line} takes {place.load:.0%} of what {_BOUNDS[name]}".format(
+                    place.of_board
+                )
+                + f"{_BURST if place.load > 1 else ''}. If the print stops or stutters there, print"
+                " it more slowly or slice it with longer moves"
+            )
         for name, place in self.worst.items():
             gets = "lower speed" if name == "steps" else "less even steps or lower speed"
             yield (

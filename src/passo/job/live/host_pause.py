@@ -95,7 +95,7 @@ class HostPause:
                 await park.come_back()
                 break
             except CommandError as error:
-                printer.tell(f"echo:The print stays aside: {error}")
+                printer.tell(f"echo:Print still paused: {error}")
                 printer.waits.ended, rearms = False, True
                 printer.person.ask(f"{error} Go on with M108")
         self._raise_if_stopped()
@@ -138,7 +138,7 @@ class HostPause:
 
     async def _pause_after(self, fault: HeaterFault) -> None:
         printer = self._printer
-        text = f"Heater {fault.heater} failed; mend it, then go on with M108, which rearms it"
+        text = f"Heater {fault.heater} failed; repair it, then M108 continues and rearms it"
         try:
             await printer.drive.until(
                 lambda: not printer.waits.busy or bool(printer.halted), idly=True

@@ -253,7 +253,7 @@ class Runner:
         self._again = False
         if self._kept and not self._pauses:
             self._pauses, self._park_words = True, words
-            self._printer.tell(f"echo:{self.name} pauses as soon as it is where it goes on")
+            self._printer.tell(f"echo:{self.name} will pause once it reaches the resume point")
         if self.state is State.PRINTING and not self._printer.halted:
             self._park_words = words
             self.state = State.PAUSED

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from math import inf, nan, sqrt
 from typing import TYPE_CHECKING, ClassVar, NamedTuple, Protocol, Self
 
@@ -42,9 +42,9 @@ _ROUNDING = 1e-6  # of a value that was written with ten digits
 _FULL_FAN = 255  # S of M106
 _DEVIATION = (1e-5, 0.3)  # mm, of M205 J
 _CORNERS = {
-    "deviation": "corners obey J, the junction deviation",
-    "cornering_distance": "corners obey the machine file's cornering distances",
-    "jerk": "corners obey X Y Z E, the jerk of each axis",
+    "deviation": "the machine's corners use the junction deviation (J)",
+    "cornering_distance": "the machine's corners use the cornering distances of its file",
+    "jerk": "the machine's corners use the jerk of each axis (X Y Z E)",
 }
 _LEAST = {"speed": (LEAST_SPEED, "mm/s"), "accel": (LEAST_ACCEL, "mm/s²"), "jerk": (0.0, "mm/s")}
 _OF_VELOCITY_LIMIT = {"VELOCITY": "speed", "ACCEL": "accel"}
@@ -522,7 +522,7 @@ class Commands:
         acts = {"deviation": {"J"}, "jerk": jerk.keys()}.get(law, set[str]())
         # Without a limit, as with S0, no speed is too low and no segment too short.
         idle = [k for k, value in words.items() if k not in acts and (value or k not in "BSTV")]
-        without = f"M205: {' '.join(idle)} without effect, for {_CORNERS[law]}" if idle else ""
+        without = f"M205: {_no_effect(idle)}, because {_CORNERS[law]}" if idle else ""
         return ". ".join(note for note in (above, without) if note)
 
     def _speed(self, command: Command) -> None:
@@ -614,8 +614,8 @@ class Commands:
         if law == "deviation":
             acts.add(_KLIPPERS_CORNER)
         idle = [key for key in values if key not in acts]
-        why = f", for {_CORNERS[law]}" if _KLIPPERS_CORNER in idle else ""
-        without = f"{command.code}: {' '.join(idle)[:100]} without effect{why}" if idle else ""
+        why = f", because {_CORNERS[law]}" if _KLIPPERS_CORNER in idle else ""
+        without = f"{command.code}: {_no_effect(idle)}{why}" if idle else ""
         above = [
             self._bounded(command.code, key, values.get(key, 0.0), what, ("x", "y"))
             for key, what in _OF_VELOCITY_LIMIT.items()
@@ -669,6 +669,10 @@ def _at_least(word: str, value: float, what: str) -> None:
     least, unit = _LEAST[what]
     if value < least:
         raise CommandError.bad_value(word, value, f"at least {least:g} {unit}")
+
+
+def _no_effect(words: Sequence[str]) -> str:
+    return f"{' '.join(words)[:100]} {'has' if len(words) == 1 else 'have'} no effect"
 
 
 def _key(command: Command) -> str:

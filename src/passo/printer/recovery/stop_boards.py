@@ -39,7 +39,7 @@ async def stop_boards(printer: Printer, given_up: asyncio.Event) -> None:
             danger = MachineError.of("machine.unstopped", value=_names(printer, warm))
             printer.tell(f"Error:{danger}")
     if warned and not left:
-        printer.tell("echo:The order to stop has arrived: nothing heats any more")
+        printer.tell("echo:Emergency stop confirmed by all boards; heaters are off")
 
 
 def _names(printer: Printer, boards: Sequence[Connection]) -> str:
