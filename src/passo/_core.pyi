@@ -1279,14 +1279,9 @@ class Fault(enum.Enum):
 
     TOO_SLOW = 19
 
-def without_exponents(text: str) -> str:
-    """
-    A line's command with decimal numbers in place of those with exponents, as a job reads it on a machine that has an E.
-    """
+    MISSING_WORD = 20
 
-    MISSING_WORD = 19
-
-    CALL = 20
+    CALL = 21
 
 class CallFault(enum.IntEnum):
     """Why M98 or M99 cannot be carried out."""
@@ -1302,6 +1297,11 @@ class CallFault(enum.IntEnum):
     IDLE = 5
 
     NO_FILE = 6
+
+def without_exponents(text: str) -> str:
+    """
+    A line's command with decimal numbers in place of those with exponents, as a job reads it on a machine that has an E.
+    """
 
 class Job:
     """A G-code program through one machine. Not thread-safe."""

@@ -116,7 +116,7 @@ def test_a_broken_sensor_is_a_fault_within_a_second(ratio, kind, target):
 def test_without_a_listener_a_fault_is_raised():
     bench = Bench()
     bench.simulated.force_sensor("hotend", 1.0)
-    with pytest.raises(MachineError, match="sensor is open"):
+    with pytest.raises(MachineError, match="means a broken cable"):
         bench.run(1.0)
 
 
