@@ -113,7 +113,7 @@ def memory(folder: str, machine: str) -> None:
     for copies in (1, 10, 40):
         path.write_bytes(example() * copies)
         r = json.loads(user_s([sys.executable, "-c", PIPELINE, str(path), machine])[1])
-        megabytes, most = path.stat().st_size / 1e6, r["peak_rss_mb"]
+        megabytes, most = path.stat().st_size / 1e6, r["process_peak_rss_mb"]
         print(f"peak memory, file of {megabytes:.1f} MB, {r['moves']} moves: {most:.0f} MB")
 
 
@@ -154,7 +154,7 @@ def main() -> None:
                 f"{steps / r['queue_step_commands']:10.2f}"
                 f"{r['wire_bytes'] / r['queue_step_commands']:7.2f}"
                 f"{r['step_error_us']['max']:7.2f}{r['step_error_us']['rms']:7.2f}"
-                f"{r['peak_rss_mb']:5.0f}{ratios[0]:>8}{ratios[1]:>8}"
+                f"{r['process_peak_rss_mb']:5.0f}{ratios[0]:>8}{ratios[1]:>8}"
             )
             stages = {k: f"{v / steps * 1e9:.2f}" for k, v in r["cpu_s"].items() if k != "total"}
             print("   ns a step by stage: " + ", ".join(f"{k} {v}" for k, v in stages.items()))

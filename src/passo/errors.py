@@ -86,6 +86,10 @@ class PassoError(Exception):
         self.problems = tuple(problems)
         self.status: ExitStatus = problems[0].entry.status
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        # The text alone would not do: an error crosses to another process with its problems.
+        return _restored, (type(self), self.problems), self.__dict__
+
     @classmethod
     def of(
         cls,
@@ -99,6 +103,13 @@ class PassoError(Exception):
     ) -> Self:
         """The error of one problem: a code of the catalogue, its place, its values."""
         return cls([Problem(code, file, line, values, hint)])
+
+
+def _restored(cls: type[PassoError], problems: Sequence[Problem]) -> PassoError:
+    """An error as it was before it was pickled, whatever its class takes."""
+    error = cls.__new__(cls)
+    PassoError.__init__(error, problems)
+    return error
 
 
 class ConfigError(PassoError):

@@ -26,7 +26,7 @@ FIELDS = [
     "dwell_time_s", "filament_mm", "travel_mm", "layers", "final_position_mm", "steps",
     "final_steps", "net_steps_expected", "reversal_pairs_dropped", "queue_step_commands",
     "wire_bytes", "step_error_us", "limits", "budget", "stream_hash", "warnings", "errors", "cpu_s",
-    "peak_rss_mb",
+    "process_peak_rss_mb",
 ]  # fmt: skip
 
 
@@ -222,7 +222,7 @@ def test_a_print_that_failed_tells_its_warnings_and_its_cost(capsys, tmp_path):
     assert result["warnings"] == [f"{path}:2: M9999 is unknown and was skipped (2 times)"]
     assert list(result["cpu_s"]) == ["parse", "plan", "steps", "compress", "wire", "board", "total"]
     assert result["cpu_s"]["total"] > 0
-    assert result["peak_rss_mb"] > 10
+    assert result["process_peak_rss_mb"] > 10
     assert len(result["errors"]) == 1
 
 
@@ -618,7 +618,7 @@ def test_a_move_of_ten_metres_of_filament_takes_little_memory(tmp_path):
     little, much = found
     assert much["steps"]["e"] == 954_905  # 95.5 steps for a mm, rounded up from the half
     assert much["step_error_us"]["max"] <= 2.0 + 0.5 / 16 + 1e-3
-    assert much["peak_rss_mb"] - little["peak_rss_mb"] < 20
+    assert much["process_peak_rss_mb"] - little["process_peak_rss_mb"] < 20
 
 
 @pytest.mark.parametrize(

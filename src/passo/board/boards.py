@@ -114,8 +114,8 @@ class Boards:
         """The boards go on as another host has left them."""
         return self.main.adopted
 
-    def set_on_fault(self, on_fault: Callable[[str, HeaterFault], None]) -> None:
-        """What is told of a heater that fails; it may raise."""
+    def set_on_fault(self, on_fault: Callable[[str, HeaterFault], None] | None) -> None:
+        """What is called for each heater that fails; it may raise. None: the fault is raised."""
         for connection in self.connections:
             connection.on_fault = on_fault
 

@@ -102,7 +102,7 @@ def print_table(result: PrintResult) -> str:
         *shares(result.limits, 6),
         (
             "computer time",
-            f"{result.cpu_s['total']:.2f} s, {result.peak_rss_mb:.0f} MB"
+            f"{result.cpu_s['total']:.2f} s, {result.process_peak_rss_mb:.0f} MB"
             f" ({result.print_time_s / max(result.cpu_s['total'], 1e-9):,.0f} times real time)",
         ),
     ]

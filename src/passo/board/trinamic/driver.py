@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Generator
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import ClassVar, Protocol, TypeAlias, TypeVar
+from typing import Any, ClassVar, Protocol, TypeAlias, TypeVar
 
 from passo.board.trinamic import registers as r
 from passo.board.trinamic.datagrams import (
@@ -42,6 +42,9 @@ class DriverFailure(Exception):
     def __init__(self, problem: Problem) -> None:
         super().__init__(str(problem))
         self.problem = problem
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return DriverFailure, (self.problem,), self.__dict__
 
 
 class AnswerLostError(Exception):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import resource
+import time
 from dataclasses import asdict, dataclass, field
 from math import sqrt
 from typing import TYPE_CHECKING, Any
@@ -16,7 +17,12 @@ if TYPE_CHECKING:
 
 @dataclass(slots=True)
 class PrintResult:
-    """Figures of one print; `--json` prints these fields. print_time = move + heat + dwell."""
+    """Figures of one print; `--json` prints these fields. print_time = move + heat + dwell.
+
+    `cpu_s` is the processor time of this job alone: its stages, and in `total` all of it, without
+    the start of the program. `process_peak_rss_mb` belongs to the process: after several jobs, or
+    beside others, it is that of the largest so far.
+    """
 
     file: str
     machine: str
@@ -44,7 +50,7 @@ class PrintResult:
     warnings: list[str] = field(default_factory=list[str])
     errors: list[str] = field(default_factory=list[str])
     cpu_s: dict[str, float] = field(default_factory=dict[str, float])
-    peak_rss_mb: float = 0.0
+    process_peak_rss_mb: float = 0.0
 
     def as_dict(self) -> dict[str, Any]:
         """All fields, for JSON."""
@@ -76,11 +82,12 @@ class PrintResult:
         self.step_error_us = {"max": worst * us, "rms": sqrt(square / total) * us if total else 0.0}
 
 
-def peak_rss_mb() -> float:
-    """Peak memory of this process."""
+def process_peak_rss_mb() -> float:
+    """Peak memory of this process since it began; no system has that figure for one job."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
 
-def cpu_s() -> float:
-    """User CPU seconds of this process."""
-    return resource.getrusage(resource.RUSAGE_SELF).ru_utime
+def thread_cpu_s() -> float:
+    """Processor seconds of this thread, by the clock with which the core measures its stages. A job
+    runs in one thread, so differences are the job's own while others run beside it."""
+    return time.thread_time()

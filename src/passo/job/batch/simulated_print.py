@@ -16,12 +16,13 @@ from passo.errors import InputError, MachineError, Problem
 from passo.job.batch.policy import Policy
 from passo.job.batch.program import heated, run_program, with_option
 from passo.job.batch.rehearsal import RehearsedCommands
-from passo.job.batch.result import PrintResult, cpu_s, peak_rss_mb
+from passo.job.batch.result import PrintResult, process_peak_rss_mb, thread_cpu_s
 from passo.printer.commands.program import Commands
 from passo.printer.setup.boards import connect_simulated
 from passo.printer.wait_requests import Stop, Wait
 
 if TYPE_CHECKING:
+    from passo.board.boards import Boards
     from passo.config.machine import MachineConfig
 
 _LEAD_S = 0.25  # what is planned after a wait starts this much later
@@ -53,6 +54,24 @@ class Progress:
         return (self.print_s - self.heat_s) * (1 - self.share) / self.share
 
 
+class _Targets:
+    """Sets the targets of a print's heaters. It does not know the print, so that the two are freed
+    without the garbage collector."""
+
+    def __init__(self, job: _core.Job, connection: Boards, heaters: list[str]) -> None:
+        self._job, self._connection, self._heaters = job, connection, heaters
+        # Called with each target that waits for the moves before it.
+        self.on_target: Callable[[str, float], None] = lambda heater, celsius: None
+
+    def set_target(self, heater: str, celsius: float, *, at_once: bool = False) -> None:
+        """Sets a heater's target when the moves so far are done, or at once."""
+        if at_once:
+            self._connection.set_target(heater, celsius)
+        else:
+            self.on_target(heater, celsius)
+            self._job.mark(self._heaters.index(heater), round(celsius * 100))
+
+
 class Print:
     """One print on a simulated board of the machine. Runs once; not thread-safe."""
 
@@ -65,6 +84,7 @@ class Print:
     ) -> None:
         """`progress` is called whenever the board has done what was planned so far, and after
         `every_s` of print time in between."""
+        begin_s = thread_cpu_s()
         self._machine = machine
         self._policy = policy or Policy()
         self._progress = progress
@@ -74,17 +94,18 @@ class Print:
         self.connection, self.board = connect_simulated(machine)
         for connection in self.connection.connections:
             Drivers(connection).require()
-        self.connection.set_on_fault(self._heater_failed)
         outputs = self.connection.board.outputs
         self.job = _core.Job(
             machine.core_spec(), True, self._policy.clamp, self._policy.ignore_tools
         )
         full = [self.connection.full_scale(output.name) for output in outputs]
+        self._targets = _Targets(self.job, self.connection, self._heaters)
         self._checks: RehearsedCommands | None = None
         if self._policy.checked:
-            self._checks = RehearsedCommands(machine, self.job, self, full, self.connection)
-            self._checks.catch_up = lambda: self._run_to(self.job.clock)
-        self._commands = self._checks or Commands(machine, self.job, self, full)
+            self._checks = RehearsedCommands(
+                machine, self.job, self._targets, full, self.connection
+            )
+        self._commands = self._checks or Commands(machine, self.job, self._targets, full)
         self._commands.skips = self._policy.skips
         self._filament: dict[str, int] | None = None  # steps so far, while it may be cold
         self.base = 0  # board clock at which the job begins
@@ -95,15 +116,7 @@ class Print:
         self._watch: Callable[[], None] = lambda: None
         self._trace_s = 0.0
         self._path = ""
-
-    def set_target(self, heater: str, celsius: float, *, at_once: bool = False) -> None:
-        """Sets a heater's target when the moves so far are done, or at once."""
-        if at_once:
-            self.connection.set_target(heater, celsius)
-            return
-        if self._checks is not None:
-            self._checks.target_set(heater, celsius)
-        self.job.mark(self._heaters.index(heater), round(celsius * 100))
+        self._cpu_s = thread_cpu_s() - begin_s
 
     def watch(self, watcher: Callable[[], None]) -> None:
         """Before `run`: a function to call whenever the plan has grown."""
@@ -146,12 +159,31 @@ class Print:
         MachineError, also for M112 and M410, which end a print as soon as they are read; a `result`
         that was given has the warnings and the cost of such a print, too."""
         result = result or PrintResult(file=str(path), machine=self._machine.name)
+        begin_s = thread_cpu_s()
+        self._join()
         try:
             self._print(path, end)
             self._fill(result)
         finally:
+            self._cpu_s += thread_cpu_s() - begin_s
             self._fill_cost(result, str(path))
+            self._part()
         return result
+
+    def _join(self) -> None:
+        """The parts of this print call it while it runs."""
+        self.connection.set_on_fault(self._heater_failed)
+        if self._checks is not None:
+            self._targets.on_target = self._checks.target_set
+            self._checks.catch_up = lambda: self._run_to(self.job.clock)
+
+    def _part(self) -> None:
+        """No part refers back any more: that would keep all until the garbage collector runs."""
+        self.connection.set_on_fault(None)
+        self._progress, self._watch = None, lambda: None
+        self._targets.on_target = lambda heater, celsius: None
+        if self._checks is not None:
+            self._checks.catch_up = lambda: None
 
     def _print(self, path: str | os.PathLike[str], end: int | None) -> None:
         checks, self._path = self._checks, str(path)
@@ -203,10 +235,10 @@ class Print:
 
     def _run(self, clock: int) -> None:
         while self.connection.now < clock:
-            before, looks = cpu_s(), self._looks_at_filament()
+            before, looks = thread_cpu_s(), self._looks_at_filament()
             stretch = min(self._stretch, _LOOK_S * self._hz) if looks else self._stretch
             self.connection.run(round(min(clock, self.connection.now + stretch)))
-            self._wire_cpu_s += cpu_s() - before
+            self._wire_cpu_s += thread_cpu_s() - before
             if looks:
                 self._look_at_filament()
             if self._progress:
@@ -302,6 +334,6 @@ class Print:
         result.cpu_s = self.job.cpu() | {
             "wire": self._wire_cpu_s - board,
             "board": board,
-            "total": cpu_s(),
+            "total": self._cpu_s,
         }
-        result.peak_rss_mb = peak_rss_mb()
+        result.process_peak_rss_mb = process_peak_rss_mb()
