@@ -546,6 +546,10 @@ void bind_job(nb::module_& m) {
           [](JobView& self, double ticks) { return self.job.motion.lines().near(ticks); },
           "ticks"_a, "As line_at, for any clock from a second before the last one asked for.")
       .def(
+          "layer_near",
+          [](JobView& self, double ticks) { return self.job.motion.lines().layer_near(ticks); },
+          "ticks"_a, "The layer of that move (0: before the first one).")
+      .def(
           "position_at",
           [](JobView& self, double ticks) -> std::optional<std::vector<double>> {
             auto p = self.job.motion.position_at(ticks);

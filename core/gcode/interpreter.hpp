@@ -65,10 +65,16 @@ class Interpreter {
   bool at_boundary() const { return !unfinished() && next_word_ == 0; }
   void feed(const char* data, size_t n) { sources_[source_].feed(data, n); }
   void finish() { sources_[source_].finish(); }
-  // Forgets the unread text of the selected source; its lines count from `first` again.
+  // Forgets the unread text of the selected source; its lines count from `first` again, and the
+  // layers too where that is the first line of all.
   void restart(uint32_t first = 1) {
     sources_[source_] = Lines(first);
     if (!source_) frames_.clear();
+    if (first == 1) {
+      marked_layers_ = 0;
+      risen_layers_ = 0;
+      highest_ = -kInfinity;
+    }
     dark();
   }
   // No move gets a laser's energy any more that does not ask for it again.

@@ -1,4 +1,4 @@
-// Which line of the program each part of the motion came from.
+// Which line and layer of the program each part of the motion came from.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -11,9 +11,9 @@ class ProgramLines {
   explicit ProgramLines(double clock_hz) : kept_ticks_(kKeptSeconds * clock_hz) {}
 
   // A move of this line (0: of no program) starts at `ticks`. Kept only once at() was asked.
-  void add(double ticks, uint32_t number) {
+  void add(double ticks, uint32_t number, uint32_t layer) {
     if (kept_ && number > 0 && (starts_.empty() || starts_.back().number != number))
-      starts_.push_back({ticks, number});
+      starts_.push_back({ticks, number, layer});
   }
   // What started at `ticks` or later will not be executed.
   void cut(double ticks) {
@@ -30,18 +30,27 @@ class ProgramLines {
   }
   // The same for any clock from a second before the last at() on.
   uint32_t near(double ticks) const {
-    auto behind = std::upper_bound(starts_.begin(), starts_.end(), ticks,
-                                   [](double t, const Start& line) { return t < line.ticks; });
-    if (starts_.empty()) return 0;
-    return (behind == starts_.begin() ? behind : behind - 1)->number;
+    const Start* start = find(ticks);
+    return start ? start->number : 0;
+  }
+  // The layer of the move that near() means (0: before the first layer).
+  uint32_t layer_near(double ticks) const {
+    const Start* start = find(ticks);
+    return start ? start->layer : 0;
   }
 
  private:
   static constexpr double kKeptSeconds = 1;
   struct Start {
     double ticks;
-    uint32_t number;
+    uint32_t number, layer;
   };
+  const Start* find(double ticks) const {
+    if (starts_.empty()) return nullptr;
+    auto next = std::upper_bound(starts_.begin(), starts_.end(), ticks,
+                                 [](double t, const Start& line) { return t < line.ticks; });
+    return &*(next == starts_.begin() ? next : next - 1);
+  }
   double kept_ticks_;
   bool kept_ = false;
   std::deque<Start> starts_;

@@ -457,7 +457,7 @@ class Motion {
       place(m.start, m.records, false);
       if (with_steps_) laser_.follow(m, machine_.clock_hz, light());
       if (on_move) on_move(m);
-      lines_.add(m.start, m.main_line);
+      lines_.add(m.start, m.main_line, m.layer);
     }
     if (still) {
       laser_.off(planner_.clock(), light());

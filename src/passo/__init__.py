@@ -2,19 +2,40 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from passo.errors import CommandError, ConfigError, InputError, MachineError, PassoError
+    from passo.live import Printer, run
     from passo.machine import Machine
+    from passo.printer.status import Status
 
 __version__ = "0.1.0"
-__all__ = ["Machine", "__version__"]
+__all__ = [
+    "CommandError",
+    "ConfigError",
+    "InputError",
+    "Machine",
+    "MachineError",
+    "PassoError",
+    "Printer",
+    "Status",
+    "__version__",
+    "run",
+]
+
+_ERRORS = ("CommandError", "ConfigError", "InputError", "MachineError", "PassoError")
+_MODULES = dict.fromkeys(_ERRORS, "errors") | {
+    "Machine": "machine",
+    "Printer": "live",
+    "Status": "printer.status",
+    "run": "live",
+}
 
 
 def __getattr__(name: str) -> Any:
-    """`passo.Machine`, loaded at first use so that the command line starts at once."""
-    if name == "Machine":
-        from passo.machine import Machine
-
-        return Machine
+    """The library's names, loaded at first use so that the command line starts at once."""
+    if name in _MODULES:
+        return getattr(import_module(f"passo.{_MODULES[name]}"), name)
     raise AttributeError(f"module 'passo' has no attribute {name!r}")

@@ -1542,6 +1542,9 @@ class Job:
     def line_near(self, ticks: float) -> int:
         """As line_at, for any clock from a second before the last one asked for."""
 
+    def layer_near(self, ticks: float) -> int:
+        """The layer of that move (0: before the first one)."""
+
     def position_at(self, ticks: float) -> list[float] | None:
         """
         Where the plan was at a clock not much more than a second ago, as machine_position; None if it is longer ago.

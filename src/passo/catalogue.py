@@ -328,6 +328,13 @@ CATALOGUE: Mapping[str, Entry] = {
         "{value} is fixed while the printer runs",
         "Change it in the machine file and start again",
     ),
+    "command.failed": _input("command", "{value}", "Remove the cause, then send the command again"),
+    "job.stopped": Entry(
+        "job",
+        "the print stopped: {value}",
+        "Remove the cause, then print the file again",
+        ExitStatus.MACHINE_FAULT,
+    ),
     "command.halted": _input(
         "command",
         "the board is stopped and reports nothing: {value}",

@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 from passo import config
 from passo.clock import VirtualLoop
 from passo.config.machine import MachineConfig
-from passo.console.printer_console import furnished
+from passo.console.printer_console import assembled
 from passo.console.session import Session
 from passo.printer.unfit_commands import NOTHING, Skips
 from passo.simulator import SimulatedBoard
@@ -111,7 +111,7 @@ class Scenario:
         self.host = Host(self)
 
     async def _start(self, free: bool, card: str | None, state: str | None, skips: Skips) -> Any:
-        return furnished(self.machine, free=free, card=card, state=state, skips=skips)
+        return assembled(self.machine, free=free, card=card, state=state, skips=skips).printer
 
     def __enter__(self) -> Scenario:
         return self

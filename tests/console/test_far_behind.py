@@ -12,7 +12,7 @@ from tests.console.scenario import Host, Scenario
 
 from passo import config
 from passo.clock import VirtualLoop
-from passo.console.printer_console import furnished
+from passo.console.printer_console import assembled
 from passo.console.receive_queue import MOST_BYTES, MOST_LINES
 from passo.console.session import AT_ONCE
 from passo.console.transports.serial import open_pty
@@ -200,7 +200,7 @@ def test_m112_comes_through_a_pipe_that_is_full_of_lines(way, numbers, tmp_path)
     sessions = []
 
     async def body():
-        printer = furnished(config.load("i3"))
+        printer = assembled(config.load("i3")).printer
         runs = asyncio.get_running_loop().create_task(printer.run())
         if way == "pty":
             console = await open_pty(printer, str(tmp_path / "port"), sessions.append)

@@ -10,7 +10,7 @@ from tests.console.scenario import Host, Scenario
 
 from passo import config
 from passo.clock import VirtualLoop
-from passo.console.printer_console import furnished
+from passo.console.printer_console import assembled
 from passo.console.session import Session
 from passo.console.transports.streams import open_tcp
 
@@ -20,7 +20,7 @@ def test_a_flood_is_read_in_pieces_so_that_others_have_their_turn(monkeypatch):
     monkeypatch.setattr(Session, "receive", lambda _, data: sizes.append(len(data)))
 
     async def flood():
-        printer = furnished(config.load("i3"))
+        printer = assembled(config.load("i3")).printer
         server = await open_tcp(printer, "127.0.0.1", 0, 1, lambda _: None)
         host, _, port = server.place.removeprefix("tcp ").rpartition(":")
         with socket.create_connection((host, int(port))) as client:

@@ -9,7 +9,7 @@ from passo import config
 from passo.board.boards import Boards
 from passo.board.drivers import Drivers
 from passo.config.machine import MachineConfig
-from passo.console.printer_console import furnished, welcome
+from passo.console.printer_console import assembled, welcome
 from passo.errors import CardError, MachineError, PassoError
 from passo.printer import printer as printer_module
 from passo.printer.setup import boards as setup_boards
@@ -86,9 +86,9 @@ def test_heaters_go_off_before_all_that_may_fail(closed):
     assert len(closed) == 1
 
 
-def test_a_machine_is_furnished_within_a_loop_only():
+def test_a_machine_is_assembled_within_a_loop_only():
     with pytest.raises(RuntimeError, match="no running event loop"):
-        furnished(config.load("i3"))
+        assembled(config.load("i3"))
 
 
 # -- a machine that fails as the printer starts ----------------------------------------------------

@@ -19,7 +19,7 @@ import pytest
 
 from passo import config
 from passo.cli.main import main
-from passo.console.printer_console import furnished
+from passo.console.printer_console import assembled
 from passo.console.transports import serial as lines
 from passo.console.transports import streams as wires
 from passo.console.transports.serial import open_pty, open_serial
@@ -76,7 +76,7 @@ class Served:
     """A printer with its consoles."""
 
     def __init__(self, card=None):
-        self.printer = furnished(config.load("i3"), card=card)
+        self.printer = assembled(config.load("i3"), card=card).printer
         self.consoles = []
         self._run = asyncio.get_running_loop().create_task(self.printer.run())
 

@@ -14,7 +14,7 @@ from tests.printer.waits import NEAR_C, WAITS, Waits, machine
 
 from passo.clock import ScaledLoop
 from passo.config.machine import MachineConfig
-from passo.console.printer_console import furnished
+from passo.console.printer_console import assembled
 from passo.console.session import Session
 
 SCALE = 40
@@ -72,7 +72,9 @@ class Print:
 
     async def run(self) -> None:
         self.done = asyncio.Event()
-        self.printer = furnished(config_of(self.waits), card=str(self.card), state=str(self.state))
+        self.printer = assembled(
+            config_of(self.waits), card=str(self.card), state=str(self.state)
+        ).printer
         serving = asyncio.create_task(self.printer.run())
         try:
             self.session = Session(self.printer, self)

@@ -7,11 +7,15 @@ import asyncio
 import contextlib
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from passo.cli.clock import factor
 from passo.cli.machine_option import add_machine, add_skips, skips_of
 from passo.cli.main import endings
 from passo.errors import ExitStatus
+
+if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
 
 _TCP = ("127.0.0.1", 2323)
 _BAUD = 250_000
@@ -124,7 +128,6 @@ def _serial(text: str) -> tuple[str, int]:
 def run(arguments: argparse.Namespace) -> int:
     """Serves until interrupted, by Ctrl-C or SIGTERM; heaters and laser are off then."""
     from passo import config
-    from passo.clock import new_loop
 
     machine, questions = config.load_and_question(arguments.machine)
     for question in questions:
@@ -137,67 +140,50 @@ def run(arguments: argparse.Namespace) -> int:
     if twice := next((path for path in links if links.count(path) > 1), None):
         print(f"passo serve: error: --pty {twice} is given twice", file=sys.stderr)
         return ExitStatus.USAGE
-    scale = 1.0 if arguments.clock is None else arguments.clock
-    with asyncio.Runner(loop_factory=lambda: new_loop(scale)) as runner:
-        runner.run(_serve(arguments, machine))
+    from passo.live import run as run_live
+
+    run_live(_serve(arguments, machine), clock=arguments.clock or "real")
     return ExitStatus.DONE
 
 
-async def _serve(arguments: argparse.Namespace, machine: object) -> None:
-    from passo.config.machine import MachineConfig
-    from passo.console.printer_console import furnished, welcome
-    from passo.console.session import Session
-    from passo.console.transports.serial import open_pty, open_serial
-    from passo.console.transports.streams import Console, open_stdin, open_tcp
+async def _serve(arguments: argparse.Namespace, machine: MachineConfig) -> None:
+    from passo.live import Printer
 
-    assert isinstance(machine, MachineConfig)
     ours = asyncio.current_task()
     assert ours is not None
     for number in endings():
         asyncio.get_running_loop().add_signal_handler(number, ours.cancel)
-    printer = furnished(
+    skips = skips_of(arguments)
+    printer = Printer(
         machine,
-        free=arguments.clock is None,
+        fast=arguments.clock is None,
         card=arguments.sd,
         state=arguments.state,
-        skips=skips_of(arguments),
+        skip_unknown=skips.unknown,
+        skip_levelling=skips.levelling,
     )
-    for text in printer.unheard:
-        print(text.removeprefix("echo:"), file=sys.stderr)
-    if printer.halted:
-        print(f"Printer halted: {printer.why_halted}", file=sys.stderr)
-
-    def opened(session: Session) -> None:
-        session.advanced_ok = arguments.advanced_ok
-        welcome(printer, session)
-
-    places: list[str] = []
-
-    def add(console: Console) -> None:
-        places.append(console.place)
-        printer.closers.append(console.close)
-
-    serving = asyncio.create_task(printer.run())
+    advanced_ok: bool = arguments.advanced_ok
     # An interrupt, as Ctrl-C and SIGTERM are, is the usual end.
-    with contextlib.closing(printer), contextlib.suppress(asyncio.CancelledError):
-        for path in arguments.pty:
-            add(await open_pty(printer, path, opened))
-        for device, baud in arguments.serial:
-            add(await open_serial(printer, device, baud, opened))
-        silent = not (arguments.pty or arguments.serial or arguments.stdin)
-        for host, port in arguments.tcp or ([_TCP] if silent else []):
-            clients = arguments.tcp_clients
-            add(await open_tcp(printer, host, port, clients, opened))
-        if arguments.stdin:
-            alone = not places
-            over = (lambda: _end(serving)) if alone else _go_on_serving
-            add(await open_stdin(printer, opened, over))
-        print(f"Serving {machine.name} on {', '.join(places)}.", file=sys.stderr, flush=True)
-        await serving
-
-
-def _end(serving: asyncio.Task[None]) -> None:
-    serving.cancel()
+    with contextlib.suppress(asyncio.CancelledError):
+        async with printer:
+            for text in printer.start_messages:
+                print(text.removeprefix("echo:"), file=sys.stderr)
+            places: list[str] = []
+            for path in arguments.pty:
+                places.append(await printer.open_pty(path, advanced_ok=advanced_ok))
+            for device, baud in arguments.serial:
+                places.append(await printer.open_serial(device, baud, advanced_ok=advanced_ok))
+            silent = not (arguments.pty or arguments.serial or arguments.stdin)
+            for host, port in arguments.tcp or ([_TCP] if silent else []):
+                place = await printer.open_tcp(
+                    host, port, clients=arguments.tcp_clients, advanced_ok=advanced_ok
+                )
+                places.append(place)
+            if arguments.stdin:
+                over = _go_on_serving if places else printer.end
+                places.append(await printer.open_stdin(over, advanced_ok=advanced_ok))
+            print(f"Serving {machine.name} on {', '.join(places)}.", file=sys.stderr, flush=True)
+            await printer.serve()
 
 
 def _go_on_serving() -> None:

@@ -7,6 +7,8 @@ from pathlib import PurePosixPath
 from typing import TYPE_CHECKING
 
 from passo.card import Card, Entry, open_card
+from passo.card import Reader as CardReader
+from passo.card.local import is_local, local_name, open_local
 from passo.card.names import fold
 from passo.console.session import Session
 from passo.console.upload import Upload
@@ -91,6 +93,8 @@ class CardCommands:
     def _open_again(self) -> None:
         """The file of a print that stands."""
         runner, before = self._runner, self._selected
+        if is_local(runner.path):
+            return
         if self._there(runner.path) and before is not None:
             now = self.card.find(runner.path)
             if (now.size, now.modified) == (before.size, before.modified):
@@ -201,10 +205,18 @@ class CardCommands:
         return True
 
     def open(self, path: str) -> None:
-        """Selects a file to print. Raises CardError, and CommandError while one is printed."""
+        """Selects a file to print, of the card or of this computer (`file:///…`). Raises CardError
+        or InputError, and CommandError while one is printed."""
+        if is_local(path):
+            self._runner.select(local_name(path), path, open_local(path))
+            return
         entry = self.card.find(path)
         self._runner.select(entry.name, path, self.card.open(path))
         self._selected = entry
+
+    def reader(self, path: str) -> CardReader:
+        """The file of a path as `open` takes it. Raises CardError, InputError."""
+        return open_local(path) if is_local(path) else self.card.open(path)
 
     def _select_and_start(self, text: str, reply: Reply) -> None:
         if self._select(text, reply):  # a directory starts nothing
@@ -299,7 +311,7 @@ class CardCommands:
             if upload.finish():
                 reply.say("Done saving file.")
         except CardError as error:
-            reply.fail(f"error writing to file {upload.name}: {error}")
+            reply.fail(f"error writing to file {upload.name}: {error}", error.problems)
 
     def _delete(self, text: str, reply: Reply) -> None:
         if self._runner.printing_from(reply):
@@ -310,7 +322,7 @@ class CardCommands:
             self._let_go(path)
             self.card.remove(path)
         except CardError as error:
-            reply.fail(f"Deletion failed, File: {_unquoted(text)}. {error}")
+            reply.fail(f"Deletion failed, File: {_unquoted(text)}. {error}", error.problems)
             return
         reply.say(f"File deleted:{_unquoted(text)}")
 
@@ -344,9 +356,10 @@ def _guarded(action: Callable[[str, Reply], None]) -> Handler:
             action(command.text, reply)
         except PassoError as error:
             if command.code in ("M23", "M32"):
-                reply.fail(f"file.open failed, File: {_unquoted(command.text)}. {error}")
+                name = _unquoted(command.text)
+                reply.fail(f"file.open failed, File: {name}. {error}", error.problems)
             else:
-                reply.fail(str(error))
+                reply.fail(str(error), error.problems)
         return None
 
     return handler

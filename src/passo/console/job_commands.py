@@ -130,6 +130,8 @@ class JobCommands:
         return self._statistics.begun(name, lambda: self._watch.seconds, self._runner.size, meant)
 
     def _close(self) -> None:
+        if self._forecast is not None:
+            self._forecast.cancel()
         self._host_ends("cancelled")
         self._statistics.close()
 
@@ -175,12 +177,32 @@ class JobCommands:
         for sentence in found.budget.told(self._runner.name) if found else ():
             self._printer.tell(f"echo:{sentence}")
 
+    @property
+    def printed_s(self) -> float:
+        """Print time of the print that is under way, or was the last, without pauses."""
+        return self._watch.seconds
+
+    @property
+    def layers(self) -> int | None:
+        """Layers of the file that is printed; None while that is not known."""
+        found = self._found()
+        return found.layers if found else None
+
+    @property
+    def left_s(self) -> float | None:
+        """Print time that the rest of the file's moves takes; None while that is not known."""
+        times = self._times()
+        return None if times is None else times[1] - times[0]
+
+    def _found(self) -> Forecast | None:
+        task = self._forecast
+        if not self._runner.active or task is None or not task.done() or task.cancelled():
+            return None
+        return task.result()
+
     def _times(self) -> tuple[float, float] | None:
         """Seconds of motion done and in all; None if not known."""
-        task = self._forecast
-        if not self._runner.active or task is None:
-            return None
-        found = task.result() if task.done() and not task.cancelled() else None
+        found = self._found()
         if not found or not found.seconds:
             return None
         total = found.seconds

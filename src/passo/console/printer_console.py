@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,7 +16,8 @@ from passo.console.json_status import JsonStatus
 from passo.console.recovery_commands import RecoveryCommands
 from passo.console.session import Session
 from passo.console.settings_commands import SettingsCommands
-from passo.errors import InputError
+from passo.console.status import StatusReader
+from passo.errors import InputError, Problem
 from passo.job.durable_files import directory_held
 from passo.job.live.runner import Runner
 from passo.job.live.statistics import Statistics
@@ -51,35 +54,45 @@ class Listeners:
     def warming(self, text: str) -> None:
         """Nothing: consoles beside a print ask when they want to know."""
 
-    def fail(self, text: str) -> None:
+    def fail(self, text: str, problems: Sequence[Problem] = ()) -> None:
         """A command that was not carried out."""
         # Not as CommandError: whoever takes that in says it again, here.
         raise InputError.of("job.failed", value=text.rstrip("."))
 
 
-def furnished(
+@dataclass(frozen=True, slots=True)
+class Assembly:
+    """A printer that understands every command of a console, and the parts that a program uses."""
+
+    printer: Printer
+    runner: Runner
+    jobs: JobCommands
+    files: CardCommands
+    status: StatusReader
+
+
+def assembled(
     machine: MachineConfig,
     *,
     free: bool = False,
     card: str | None = None,
     state: str | None = None,
     skips: Skips = NOTHING,
-) -> Printer:
-    """A printer that understands every command of a console; `skips` are commands that its prints
-    may leave out. Within a running event loop. Raises
-    MachineError, CardError if `card` cannot be used, and InputError if another one has `state`; the
-    board is let go then."""
+) -> Assembly:
+    """A printer with all that `passo serve` has but the consoles; `skips` are commands that its
+    prints may leave out. Within a running event loop. Raises MachineError, CardError if `card`
+    cannot be used, and InputError if another one has `state`; the board is let go then."""
     printer = Printer(machine, free=free, skips=skips)
     listen = printer.unheard.append
     printer.listeners.append(listen)
     try:
-        _furnish(printer, card, state)
+        assembly = _furnish(printer, card, state)
         printer.report_start()
     except BaseException:
         printer.close()
         raise
     printer.listeners.remove(listen)
-    return printer
+    return assembly
 
 
 def _hold(printer: Printer, state: Path) -> None:
@@ -93,7 +106,7 @@ def _hold(printer: Printer, state: Path) -> None:
         printer.closers.append(lambda: os.close(held))
 
 
-def _furnish(printer: Printer, card: str | None, state: str | None) -> None:
+def _furnish(printer: Printer, card: str | None, state: str | None) -> Assembly:
     if state is not None:
         _hold(printer, Path(state))
     reports = Reports(printer, card=card is not None, settings=state is not None)
@@ -108,10 +121,11 @@ def _furnish(printer: Printer, card: str | None, state: str | None) -> None:
     printer.immediate.update(files.handlers)
     statistics = Statistics(printer, None if state is None else Path(state))
     printer.immediate.update(statistics.immediate)
-    jobs = JobCommands(printer, runner, statistics, lambda path: files.card.open(path))
+    jobs = JobCommands(printer, runner, statistics, files.reader)
     printer.immediate.update(jobs.immediate)
     printer.planned.update(jobs.planned)
-    printer.immediate.update(JsonStatus(printer, runner, jobs, options).handlers)
+    status = StatusReader(printer, runner, jobs)
+    printer.immediate.update(JsonStatus(printer, status, options).handlers)
     recovery = None
     if state is not None:
         recovery = RecoveryCommands(printer, runner, files, Path(state))
@@ -133,6 +147,7 @@ def _furnish(printer: Printer, card: str | None, state: str | None) -> None:
             recovery.instead = f". {AUTOSTART} was not started"
         elif files.starts_itself:
             printer.tell(f"echo:{AUTOSTART} was not started, for the printer is halted")
+    return Assembly(printer, runner, jobs, files, status)
 
 
 def welcome(printer: Printer, session: Session) -> None:

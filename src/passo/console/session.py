@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Protocol
 
 from passo import _core
@@ -12,7 +12,7 @@ from passo.console.emergency_parser import LIFTS, Ahead, answers, halts
 from passo.console.receive_queue import Heard, InHand
 from passo.console.timers import Timers
 from passo.console.upload import Upload
-from passo.errors import CardError, PassoError, in_words
+from passo.errors import CardError, PassoError, Problem, in_words
 from passo.gcode.command import Command
 from passo.gcode.line_protocol import Line, LineProtocol, Refusal
 from passo.motion.motion_queue import MOST_QUEUED
@@ -195,7 +195,7 @@ class Session:
         if not self._timers.runs("temperatures"):
             self.hear(text)
 
-    def fail(self, text: str) -> None:
+    def fail(self, text: str, problems: Sequence[Problem] = ()) -> None:
         """A command that was not carried out. Not `Error:`, which makes hosts disconnect; a strict
         console knows that word. A host that prints is asked to pause before it sends more: what
         would follow on a move that is missing spoils the print."""
@@ -386,7 +386,7 @@ class Session:
         if not isinstance(error, (Stopped, PassoError)):
             error = in_words(error)
             self._printer.halt(str(error))
-        self.fail(str(error))
+        self.fail(str(error), error.problems if isinstance(error, PassoError) else ())
 
     def _stored(self, line: Line, code: str) -> bool:
         """Whether a line was for the file that is written, and not to be carried out. Once lines

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from passo.console.aprinter_options import OptionCommands
-from passo.errors import CommandError
+from passo.errors import CommandError, Problem
 from passo.gcode.command import Command, numeral
 from passo.job.settings_store import Override, Store, commands_of, same, settings_in
 from passo.printer.wait_requests import Handler, Reply, Silence, Still, Wait
@@ -29,7 +29,7 @@ class _Collected(Silence):
         """Collects the line."""
         self._said.append(f"echo:{text}")
 
-    def fail(self, text: str) -> None:
+    def fail(self, text: str, problems: Sequence[Problem] = ()) -> None:
         """Collects the reason."""
         self._said.append(f"echo:A stored setting was refused: {text}")
 

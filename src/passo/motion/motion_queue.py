@@ -29,6 +29,7 @@ LEAST_LEAD_S = 0.05  # less than is left after GATHER_S
 GATHER_S = 0.08  # host time in which a standing machine hopes for more moves to plan with
 BUFFER_S = 2.0  # of print time ahead; a console that brings more must wait
 MOST_QUEUED = 2048  # moves that wait for look-ahead
+_SAME_MM = 1e-6
 _STRIDE_S = 0.25  # print time between two looks where time is free
 
 
@@ -84,6 +85,7 @@ class Drive:
         self._heard_s = 0.0
         self._dirty = False
         self._awaited = False  # the board is to answer
+        self._closed = False
 
     @property
     def now(self) -> int:
@@ -110,6 +112,18 @@ class Drive:
             return planned
         # What the board does not have yet comes too late, and it will say so.
         return not self.interrupted and self._connection.delivered
+
+    @property
+    def idle(self) -> bool:
+        """Nothing moves or dwells, and nothing is about to; a command that came in just now may
+        have reserved the time to its first step."""
+        job, now = self._job, max(self.passed, 0)  # the job begins a moment after the boards
+        if self.standing:
+            return True
+        if job.queued > 0 or job.holds or job.clock > now + LEAD_S * self.hz:
+            return False
+        at = job.position_at(now)
+        return at is not None and math.dist(at, job.machine_position) < _SAME_MM
 
     @property
     def idle_s(self) -> float:
@@ -255,6 +269,8 @@ class Drive:
     async def until(self, condition: Callable[[], bool], *, idly: bool = False) -> None:
         """Waits until the condition holds; it is looked at as time passes. `idly`: what it waits
         for comes from elsewhere, so that free time may stand, once nothing moves."""
+        if self._closed:
+            raise asyncio.CancelledError
         if condition():
             return
         future: asyncio.Future[None] = self._loop.create_future()
@@ -280,6 +296,12 @@ class Drive:
         """Does not make that call, if it was not made yet."""
         if alarm in self._alarms:
             self._alarms.remove(alarm)
+
+    def close(self) -> None:
+        """No time passes any more: the tasks that wait for it are cancelled."""
+        self._closed = True
+        for _, future, _ in self._waiting:
+            future.cancel()
 
     async def sleep(self, seconds: float) -> None:
         """Waits for print time to pass."""

@@ -131,13 +131,22 @@ class Positions:
             found[name] = net + row["count"] - row["expected_net"]
         return found
 
+    def shown(self) -> dict[str, float]:
+        """The program's coordinates of where the plan is now, by axis letter and E, without a
+        question to a board; while axes home, those of where the program was."""
+        planned = None if self._frozen else self._planned(self._printer.drive.passed)
+        return planned or dict(zip([*self._letters, "E"], self.program, strict=True))
+
     def at(self, clock: int) -> dict[str, float]:
         """The program's coordinates of where the plan was at a clock of the job, about a second ago
         at most, else of where the machine is now. Lets time pass; raises MachineError."""
+        return self._planned(clock) or self.now()[0]
+
+    def _planned(self, clock: int) -> dict[str, float] | None:
         job = self._printer.job
         found = job.position_at(clock)
         if found is None:
-            return self.now()[0]
+            return None
         letters = self._letters
         slots = [*(slot_of_axis(i) for i in range(len(letters))), E]
         ends = job.machine_position

@@ -261,6 +261,7 @@ class Printer:
     def close(self) -> None:
         """Lets go of the board, heaters and laser off, then of all else,
         whatever fails. Nothing may be asked of the printer after that."""
+        self.drive.close()
         with ExitStack() as last_comes_first:
             for closer in self.closers:
                 last_comes_first.callback(closer)
@@ -551,7 +552,7 @@ class Printer:
                 command.check()
                 wait = handler(command, reply)
         except (CommandError, LinkLostError) as error:
-            reply.fail(str(error))
+            reply.fail(str(error), error.problems)
             return None
         for listener in self.command_listeners:
             listener(command, reply)
@@ -645,7 +646,8 @@ class Printer:
                     if wait is not None:
                         return wait
                 elif found == status.ERROR:
-                    reply.fail(str(self.commands.problem()))
+                    problem = self.commands.problem()
+                    reply.fail(str(problem), [problem])
                     self.job.abandon()
                     return None
                 else:

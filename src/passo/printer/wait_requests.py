@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol, TypeAlias
 
+from passo.errors import Problem
 from passo.gcode.command import Command
 
 
@@ -92,8 +93,8 @@ class Reply(Protocol):
     def warming(self, text: str) -> None:
         """The temperatures, once a second while a command waits for them."""
 
-    def fail(self, text: str) -> None:
-        """The command was not carried out, and why."""
+    def fail(self, text: str, problems: Sequence[Problem] = ()) -> None:
+        """The command was not carried out: why, in words, and the problems if they are known."""
 
 
 Handler: TypeAlias = Callable[[Command, Reply], Wait | None]
@@ -111,7 +112,7 @@ class Silence:
     def with_ok(self, text: str) -> None:
         """Drops the text."""
 
-    def fail(self, text: str) -> None:
+    def fail(self, text: str, problems: Sequence[Problem] = ()) -> None:
         """Drops the text."""
 
     def warming(self, text: str) -> None:

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from passo import _core
 from passo.job.batch.board_load import BudgetUse, budget_use
+from passo.job.batch.heating import Heating
 from passo.job.batch.program import run_program
-from passo.job.heating import Heating
 from passo.printer.commands.program import Commands
 
 if TYPE_CHECKING:

@@ -26,10 +26,11 @@ _REST_S = 0.02  # of host time between two pieces
 @dataclass(frozen=True, slots=True)
 class Forecast:
     """Seconds of motion and dwell in a file, without heating, and those before the byte where its
-    print begins; what it asks of the board."""
+    print begins; its layers; what it asks of the board."""
 
     seconds: float
     before_s: float
+    layers: int
     budget: BudgetUse
 
 
@@ -59,7 +60,7 @@ async def forecast(machine: MachineConfig, reader: Reader, begin: int) -> Foreca
     finally:
         reader.close()
     plan = job.statistics()
-    return Forecast(_planned_s(job), before_s, budget_use(plan, machine))
+    return Forecast(_planned_s(job), before_s, plan["layers"], budget_use(plan, machine))
 
 
 def _planned_s(job: _core.Job) -> float:

@@ -80,6 +80,7 @@ class Runner:
         self._locked = set[int]()  # axes that did not know where they are when it began
         self._again = False  # to be started as soon as the last print has ended
         self._failed = ""
+        self.problems: tuple[Problem, ...] = ()  # of the last print, where they are known
         self._left = False  # a print that failed could be gone on with
         self._kept = False  # nobody else may select, rewind or start a file
         self._pauses = False  # what is kept is to pause as soon as it goes on
@@ -112,6 +113,11 @@ class Runner:
     def reader(self) -> Reader | None:
         """The selected file."""
         return self._reader
+
+    @property
+    def failed(self) -> str:
+        """Why the last print failed; empty if it did not."""
+        return self._failed
 
     @property
     def size(self) -> int:
@@ -233,6 +239,7 @@ class Runner:
         if self._again:
             return  # when the one that was just cancelled has let go of the machine
         self._failed = ""
+        self.problems = ()
         self._returns = False
         self._waits_for = None
         # The task is there before anybody hears of it, and runs when all have.
@@ -350,6 +357,7 @@ class Runner:
                     break
         except (Stopped, PassoError) as error:
             self._failed = str(error)
+            self.problems = error.problems if isinstance(error, PassoError) else ()
         self._end()
 
     async def _look_through(self) -> None:

@@ -1,0 +1,114 @@
+"""A console of the program that embeds the printer: commands in, replies out, without text."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from passo.console.session import Session
+from passo.errors import CommandError, Problem
+from passo.gcode.line_protocol import LONGEST, uncommented
+from passo.printer.printer import Printer
+
+
+@dataclass(frozen=True, slots=True)
+class Reply:
+    """What a command has answered, a line each, without `ok`; empty of most commands."""
+
+    lines: tuple[str, ...] = ()
+
+    @property
+    def text(self) -> str:
+        """The lines as one text."""
+        return "\n".join(self.lines)
+
+
+class _NoWire:
+    """The client takes its answers before they become bytes."""
+
+    def write(self, text: bytes, *, dispensable: bool = False) -> None:
+        """Drops the bytes."""
+
+    def hold(self, held: bool) -> None:
+        """Nothing is read here that could be held."""
+
+
+class Client(Session):
+    """A console whose lines come from `send`. Commands are carried out in the order of the calls,
+    and those that act at once (M108, M112, M410) act at once."""
+
+    def __init__(self, printer: Printer) -> None:
+        self._pending: deque[asyncio.Future[Reply]] = deque()
+        self._said: list[str] = []
+        self._failure: CommandError | None = None
+        super().__init__(printer, _NoWire())
+        self.every("wait", 0, None)
+        self.busy_s = 0.0
+
+    async def send(self, line: str) -> Reply:
+        """Carries out one line of G-code and returns what it answers.
+
+        A move is done with when the plan has it; `M400` waits until the machine stands. Raises
+        CommandError when the line is not carried out, and ValueError for more than one line. When
+        the calling task is cancelled, a line that has not begun is not carried out any more, and a
+        wait ends as M108 ends it: moves that are planned still happen.
+        """
+        text = line.strip()
+        if "\n" in text or "\r" in text:
+            raise ValueError("send() takes one line; call it once for each line")
+        data = text.encode() + b"\n"
+        if len(data) > LONGEST:
+            raise ValueError(f"send() takes at most {LONGEST} bytes, not {len(data)}")
+        if not uncommented(text):
+            return Reply()
+        reply: asyncio.Future[Reply] = asyncio.get_running_loop().create_future()
+        self._pending.append(reply)
+        self.receive(data)
+        try:
+            return await reply
+        except asyncio.CancelledError:
+            if self._working and self._pending[0] is reply:
+                self._printer.end_wait()
+            raise
+
+    def fail_all(self, error: BaseException) -> None:
+        """The printer has ended: no command is answered any more."""
+        while self._pending:
+            reply = self._pending.popleft()
+            if not reply.done():
+                reply.set_exception(error)
+
+    def say(self, text: str) -> None:
+        """A line of the answer."""
+        if text.startswith("Error:"):
+            self.fail(text.removeprefix("Error:"))
+        else:
+            self._said.append(text.removeprefix("echo:"))
+
+    def hear(self, text: str) -> None:
+        """Nothing: lines to all consoles come as events."""
+
+    def fail(self, text: str, problems: Sequence[Problem] = ()) -> None:
+        """The command was not carried out."""
+        found = list(problems) or [Problem("command.failed", values={"value": text.rstrip(".")})]
+        self._failure = CommandError(found)
+
+    def warming(self, text: str) -> None:
+        """Nothing: temperatures come with the status."""
+
+    def _refused(self, code: str) -> bool:
+        """Also a line whose caller does not want it any more."""
+        return self._pending[0].cancelled() or super()._refused(code)
+
+    def _acknowledge(self, number: int | None) -> None:
+        lines, self._said = [*self._said, *([self._ok] if self._ok else [])], []
+        failure, self._failure = self._failure, None
+        reply = self._pending.popleft()
+        if reply.done():
+            return
+        if failure is not None:
+            reply.set_exception(failure)
+        else:
+            reply.set_result(Reply(tuple(lines)))

@@ -1,0 +1,164 @@
+"""Looks at a printer as time passes, and reports its status and what has changed."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeVar, cast
+
+from passo.board.faults import HeaterFault
+from passo.events import (
+    Event,
+    Fault,
+    JobEnded,
+    LayerChanged,
+    Message,
+    Outcome,
+    ProgressChanged,
+    StateChanged,
+    TemperatureChanged,
+)
+from passo.job.live.runner import State
+
+if TYPE_CHECKING:
+    from passo.console.printer_console import Assembly
+    from passo.printer.status import Status
+
+LOOK_S = 0.25  # of host time, and of print time, between two looks
+_CHANGE_C = 1.0
+_T = TypeVar("_T")
+
+
+@dataclass(slots=True)
+class _Listener:
+    """Who wants the status so often; due at a host time, or a print time where that is earlier."""
+
+    call: Callable[[Status], object]
+    every_s: float
+    host_s: float = 0.0
+    print_s: float = 0.0
+
+
+class Observer:
+    """Status and events of one printer. Callbacks run in the event loop, never within the printer's
+    own work; an exception in one goes to the loop's exception handler."""
+
+    def __init__(self, assembly: Assembly) -> None:
+        self._assembly = assembly
+        self._loop = asyncio.get_running_loop()
+        self._listeners: list[_Listener] = []
+        self._event_listeners: list[Callable[[Event], object]] = []
+        self._last = assembly.status.read()
+        self._shown_c = {name: heater.celsius for name, heater in self._last.heaters.items()}
+        self._active = assembly.runner.active
+        self._host_s = self._print_s = 0.0  # when the next look is due
+        self._beat = self._loop.call_later(LOOK_S, self._on_beat)
+        printer = assembly.printer
+        printer.watchers.append(self._time_passed)
+        printer.listeners.append(self._on_message)
+        assembly.runner.watchers.append(self._job_changed)
+
+    def on_status(self, call: Callable[[Status], object], every_s: float) -> Callable[[], None]:
+        """Calls it with the status now and then at least `every_s` of host time apart, or of print
+        time where that passes faster. Returns what ends it."""
+        self._look()
+        listener = _Listener(call, every_s)
+        self._listeners.append(listener)
+        self._report(self._assembly.status.read())
+        return lambda: _remove(self._listeners, listener)
+
+    def on_event(self, call: Callable[[Event], object]) -> Callable[[], None]:
+        """Calls it with each event from now on, first with the messages of the start. Returns what
+        ends it."""
+        if not (self._listeners or self._event_listeners):
+            self._last = self._assembly.status.read()  # what changed before is no news
+        self._event_listeners.append(call)
+        for text in self._assembly.printer.unheard:
+            self._loop.call_soon(call, Message(text))
+        return lambda: _remove(self._event_listeners, call)
+
+    def close(self) -> None:
+        """Reports nothing any more."""
+        self._beat.cancel()
+        self._listeners.clear()
+        self._event_listeners.clear()
+
+    def _on_beat(self) -> None:
+        self._beat = self._loop.call_later(LOOK_S, self._on_beat)
+        if self._loop.time() >= self._host_s:
+            self._look()
+
+    def _time_passed(self) -> None:
+        if self._assembly.printer.drive.now_s >= self._print_s:
+            self._look()
+
+    def _job_changed(self, state: State) -> None:
+        runner = self._assembly.runner
+        was, self._active = self._active, state in (State.PRINTING, State.PAUSED)
+        if was and not self._active:
+            outcome = cast("Outcome", runner.ended)
+            self._emit(JobEnded(runner.name, outcome, runner.failed))
+        self._loop.call_soon(self._look)
+
+    def _on_message(self, text: str) -> None:
+        self._emit(Message(text))
+        self._loop.call_soon(self._look)  # it may tell of a halt
+
+    def _emit(self, event: Event) -> None:
+        for call in self._event_listeners:
+            self._loop.call_soon(call, event)
+
+    def _look(self) -> None:
+        self._host_s = self._loop.time() + LOOK_S
+        self._print_s = self._assembly.printer.drive.now_s + LOOK_S
+        if not (self._listeners or self._event_listeners):
+            return
+        status, last = self._assembly.status.read(), self._last
+        self._last = status
+        for event in self._changes(last, status):
+            self._emit(event)
+        self._report(status)
+
+    def _report(self, status: Status) -> None:
+        host_s, print_s = self._loop.time(), self._assembly.printer.drive.now_s
+        for listener in self._listeners:
+            if host_s >= listener.host_s or print_s >= listener.print_s:
+                listener.host_s = host_s + listener.every_s
+                listener.print_s = print_s + listener.every_s
+                self._loop.call_soon(listener.call, status)
+
+    def _changes(self, last: Status, now: Status) -> Iterator[Event]:
+        if now.state is not last.state:
+            yield StateChanged(now.state, last.state, now.halted)
+        for name, heater in now.heaters.items():
+            before, shown = last.heaters[name], self._shown_c[name]
+            if heater.fault and heater.fault != before.fault:
+                fault = self._assembly.printer.connection.heaters[name].fault
+                text = str(HeaterFault.of(name, fault)) if fault else heater.fault
+                yield Fault(name, heater.fault, text)
+            if heater.target_c != before.target_c or _moved(shown, heater.celsius):
+                self._shown_c[name] = heater.celsius
+                yield TemperatureChanged(name, heater.celsius, heater.target_c)
+        job, before = now.job, last.job
+        if job is None:
+            return
+        known = before is not None and before.file == job.file
+        layer = before.layer if known and before else 0
+        for begun in range(layer + 1, job.layer + 1) if job.layer > layer else [job.layer]:
+            if begun != layer:
+                yield LayerChanged(job.file, begun, job.layers)
+        if not (known and before and int(100 * before.fraction) == int(100 * job.fraction)):
+            yield ProgressChanged(job)
+
+
+def _moved(shown_c: float | None, celsius: float | None) -> bool:
+    """A reading has changed by a degree since it was shown, or has come or gone."""
+    if shown_c is None or celsius is None:
+        return shown_c is not celsius
+    return abs(celsius - shown_c) >= _CHANGE_C
+
+
+def _remove(items: list[_T], item: _T) -> None:
+    if item in items:
+        items.remove(item)

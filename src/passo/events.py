@@ -1,0 +1,75 @@
+"""What a live printer reports by itself: each event is a value of one of these types."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+from passo.printer.status import JobStatus, PrinterState
+
+Outcome: TypeAlias = Literal["done", "cancelled", "failed"]
+
+
+@dataclass(frozen=True, slots=True)
+class StateChanged:
+    """The printer does something else now. `halted` says why a halted printer is halted."""
+
+    state: PrinterState
+    before: PrinterState
+    halted: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class TemperatureChanged:
+    """A heater's target has changed, or its reading by 1 °C; None until its sensor has reported."""
+
+    heater: str
+    celsius: float | None
+    target_c: float
+
+
+@dataclass(frozen=True, slots=True)
+class LayerChanged:
+    """The moves of another layer have begun. `layers` is None until the file was planned."""
+
+    file: str
+    layer: int
+    layers: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class ProgressChanged:
+    """A print has come further by a whole percent."""
+
+    job: JobStatus
+
+
+@dataclass(frozen=True, slots=True)
+class JobEnded:
+    """A print from a file is over; `reason` says why it failed."""
+
+    file: str
+    outcome: Outcome
+    reason: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """A protection has switched a heater off. `kind` is the row of docs/heat.md, for example
+    `sensor-open`; `text` is the sentence that consoles receive."""
+
+    heater: str
+    kind: str
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Message:
+    """A line that goes to all consoles, as it stands there."""
+
+    text: str
+
+
+Event: TypeAlias = (
+    StateChanged | TemperatureChanged | LayerChanged | ProgressChanged | JobEnded | Fault | Message
+)

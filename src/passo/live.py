@@ -1,0 +1,341 @@
+"""Live printers as a library: commands, prints, status and events, within an event loop."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+from collections.abc import AsyncGenerator, Awaitable, Callable, Coroutine
+from dataclasses import dataclass
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Literal, Self, TypeVar
+
+from passo import config
+from passo.board.faults import HeaterFault
+from passo.card.local import local_uri
+from passo.clock import new_loop
+from passo.console.client import Client, Reply
+from passo.console.observer import Observer
+from passo.console.printer_console import Assembly, assembled, welcome
+from passo.errors import CommandError, MachineError
+from passo.machine import Machine
+from passo.printer.unfit_commands import Skips
+
+if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
+    from passo.console.session import Session
+    from passo.console.transports.streams import Console, Opened
+    from passo.events import Event
+    from passo.job.live.runner import State
+    from passo.printer import printer as printers
+    from passo.printer.status import Status
+
+_T = TypeVar("_T")
+_MAX_EVENTS = 10_000  # that wait for a slow reader
+
+
+@dataclass(frozen=True, slots=True)
+class PrintSummary:
+    """A print from a file that is over: print time without pauses, and filament that all extruders
+    have pushed together."""
+
+    file: str
+    outcome: Literal["done", "cancelled"]
+    print_s: float
+    filament_mm: float
+
+
+def run(main: Coroutine[Any, Any, _T], *, clock: Literal["real", "virtual"] | float = "real") -> _T:
+    """Runs a coroutine as `asyncio.run` does, in a time of its own.
+
+    `clock` is `real`; `virtual`, in which every wait is over at once and each run is the same; or
+    a factor: so many times as fast as real. All printers that `main` opens share that time. Boards
+    that are not simulated need `real`.
+    """
+    scale = 1.0 if clock == "real" else None if clock == "virtual" else float(clock)
+    with asyncio.Runner(loop_factory=lambda: new_loop(scale)) as runner:
+        return runner.run(main)
+
+
+class Printer:
+    """A live printer, as `passo serve` runs it: open it with `async with`.
+
+    At the end of the block heaters and laser go off and the board is released. All methods belong
+    to one event loop; any number of printers may share it.
+    """
+
+    def __init__(
+        self,
+        machine: Machine | MachineConfig | str | os.PathLike[str],
+        *,
+        fast: bool = False,
+        card: str | None = None,
+        state: str | None = None,
+        skip_unknown: bool = False,
+        skip_levelling: bool = False,
+    ) -> None:
+        """`machine` is a machine, or the name or file of one. `fast`: print time of a simulated
+        board passes as fast as it can, but only while something waits for it. `card` is the SD card
+        (a folder, an image or a device), `state` the folder of settings, history and the journal.
+        `skip_unknown` and `skip_levelling` let prints leave out commands as `Machine.print` does.
+        Raises ConfigError.
+        """
+        if isinstance(machine, str | os.PathLike):
+            machine = config.load(machine)
+        self.config = machine.config if isinstance(machine, Machine) else machine
+        self._fast, self._card, self._state = fast, card, state
+        self._skips = Skips(unknown=skip_unknown, levelling=skip_levelling)
+        self._assembly: Assembly | None = None
+        self._observed: Observer | None = None
+        self._client: Client | None = None
+        self._serving: asyncio.Task[None] | None = None
+        self._prints: set[asyncio.Future[None]] = set()
+        self._queues: set[asyncio.Queue[Event | None]] = set()
+
+    async def __aenter__(self) -> Self:
+        """Connects to the boards and starts. Raises MachineError, CardError, InputError."""
+        self._assembly = assembled(
+            self.config,
+            free=self._fast,
+            card=self._card,
+            state=self._state,
+            skips=self._skips,
+        )
+        self._serving = asyncio.create_task(self._printer.run())
+        self._serving.add_done_callback(self._ended)
+        return self
+
+    async def __aexit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Ends all waits, switches heaters and laser off and releases the boards."""
+        assert self._serving is not None
+        with contextlib.closing(self._printer):
+            if self._observed is not None:
+                self._observed.close()
+            if self._client is not None:
+                self._client.close()
+            self._serving.cancel()
+            await asyncio.wait([self._serving])
+        self._assembly = None
+        if error is None and not self._serving.cancelled():
+            self._serving.result()
+
+    # -- what it does -----------------------------------------------------------------------------
+
+    async def send(self, line: str) -> Reply:
+        """Carries out one line of G-code and returns what it answers.
+
+        A move is answered when it is planned; `M400` waits until the machine stands. Raises
+        CommandError when the line is not carried out, and ValueError for more than one line. When
+        the calling task is cancelled, a line that has not begun is not carried out any more, and a
+        wait ends as M108 ends it: moves that are planned still happen.
+        """
+        self._raise_if_ended()
+        if self._client is None:
+            self._client = Client(self._printer)
+        return await self._client.send(line)
+
+    async def print(self, path: str | os.PathLike[str]) -> PrintSummary:
+        """Prints a file of this computer, and returns when the last move is done or the print was
+        cancelled. A pause is part of it.
+
+        When the calling task is cancelled the print is, too: the machine brakes, and heaters and
+        fans go off. Raises InputError for a file that cannot be read, CommandError while another
+        one is printed, and CommandError or MachineError when the print fails; heaters keep their
+        targets then, so that `resume` can go on after the line that failed.
+        """
+        self._raise_if_ended()
+        assembly, printer = self._opened, self._printer
+        runner = assembly.runner
+        assembly.files.open(local_uri(path))
+        before_mm = printer.filament_mm()
+        over: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        begun = False
+
+        def watch(_: State) -> None:
+            nonlocal begun
+            begun = begun or runner.active
+            if begun and not (runner.active or over.done()):
+                over.set_result(None)
+
+        runner.watchers.append(watch)
+        self._prints.add(over)
+        try:
+            runner.start()
+            await over
+        except asyncio.CancelledError:
+            runner.cancel()
+            raise
+        finally:
+            self._prints.discard(over)
+            runner.watchers.remove(watch)
+        if runner.ended == "failed":
+            if runner.problems:
+                raise CommandError(runner.problems)
+            faults = [
+                HeaterFault.of(name, heater.fault).problem
+                for name, heater in printer.connection.heaters.items()
+                if heater.fault is not None
+            ]
+            if faults:
+                raise MachineError(faults)
+            raise MachineError.of("job.stopped", os.fspath(path), value=runner.failed)
+        return PrintSummary(
+            os.fspath(path),
+            "cancelled" if runner.ended == "cancelled" else "done",
+            assembly.jobs.printed_s,
+            printer.filament_mm() - before_mm,
+        )
+
+    async def pause(self) -> None:
+        """Pauses the print from a file (M25): the machine brakes and parks."""
+        await self.send("M25")
+
+    async def resume(self) -> None:
+        """Ends a pause, or goes on after a line that failed (M24). Raises CommandError."""
+        await self.send("M24")
+
+    async def cancel(self) -> None:
+        """Cancels the print from a file (M524): the machine brakes, heaters and fans go off."""
+        await self.send("M524")
+
+    # -- what it reports --------------------------------------------------------------------------
+
+    @property
+    def status(self) -> Status:
+        """The printer now."""
+        return self._opened.status.read()
+
+    @property
+    def start_messages(self) -> tuple[str, ...]:
+        """What the printer reported while it started, until the first console has shown it, and why
+        it is halted, if it is."""
+        printer = self._printer
+        halted = (f"Printer halted: {printer.why_halted}",) if printer.halted else ()
+        return (*printer.unheard, *halted)
+
+    def on_status(
+        self, call: Callable[[Status], object], *, every_s: float = 1.0
+    ) -> Callable[[], None]:
+        """Calls `call` with the status now, and then whenever `every_s` have passed, of host time
+        or of print time where that runs faster; 0.25 s is the shortest. Returns what ends it."""
+        return self._observer.on_status(call, every_s)
+
+    def on_event(self, call: Callable[[Event], object]) -> Callable[[], None]:
+        """Calls `call` with each event from now on: see `passo.events`. Returns what ends it."""
+        return self._observer.on_event(call)
+
+    async def events(self) -> AsyncGenerator[Event]:
+        """The events from now on, until the printer is closed. The oldest are dropped
+        where more than 10000 wait for the reader."""
+        queue: asyncio.Queue[Event | None] = asyncio.Queue()
+
+        def put(event: Event) -> None:
+            if queue.qsize() >= _MAX_EVENTS:
+                queue.get_nowait()
+            queue.put_nowait(event)
+
+        end = self.on_event(put)
+        self._queues.add(queue)
+        try:
+            while (event := await queue.get()) is not None:
+                yield event
+        finally:
+            self._queues.discard(queue)
+            end()
+
+    # -- consoles for hosts -----------------------------------------------------------------------
+
+    async def open_tcp(
+        self, host: str = "127.0.0.1", port: int = 0, *, clients: int = 2, advanced_ok: bool = False
+    ) -> str:
+        """Opens a TCP console for so many clients at once; port 0 is any that is free. Returns
+        `tcp HOST:PORT`. Raises ConsoleError."""
+        from passo.console.transports.streams import open_tcp
+
+        opened = self._greet(advanced_ok=advanced_ok)
+        return await self._add(open_tcp(self._printer, host, port, clients, opened))
+
+    async def open_pty(self, path: str, *, advanced_ok: bool = False) -> str:
+        """Opens a pseudo terminal; `path` becomes a link to it. Raises ConsoleError."""
+        from passo.console.transports.serial import open_pty
+
+        return await self._add(open_pty(self._printer, path, self._greet(advanced_ok=advanced_ok)))
+
+    async def open_serial(self, device: str, baud: int, *, advanced_ok: bool = False) -> str:
+        """Opens a serial device as a console. Raises ConsoleError."""
+        from passo.console.transports.serial import open_serial
+
+        opened = self._greet(advanced_ok=advanced_ok)
+        return await self._add(open_serial(self._printer, device, baud, opened))
+
+    async def open_stdin(self, over: Callable[[], None], *, advanced_ok: bool = False) -> str:
+        """Opens standard input and output as a console; `over` is called when the input has ended
+        and its lines are done. Raises ConsoleError."""
+        from passo.console.transports.streams import open_stdin
+
+        opened = self._greet(advanced_ok=advanced_ok)
+        return await self._add(open_stdin(self._printer, opened, over))
+
+    async def serve(self) -> None:
+        """Serves the consoles until `end` is called. Raises what ends the printer otherwise."""
+        assert self._serving is not None
+        await asyncio.wait([self._serving])
+        if not self._serving.cancelled():
+            self._serving.result()
+
+    def end(self) -> None:
+        """Ends `serve`."""
+        assert self._serving is not None
+        self._serving.cancel()
+
+    # -- within -----------------------------------------------------------------------------------
+
+    @property
+    def _opened(self) -> Assembly:
+        if self._assembly is None:
+            raise RuntimeError("the printer is not open: use `async with passo.Printer(…)`")
+        return self._assembly
+
+    @property
+    def _printer(self) -> printers.Printer:
+        return self._opened.printer
+
+    @property
+    def _observer(self) -> Observer:
+        if self._observed is None:
+            self._observed = Observer(self._opened)
+        return self._observed
+
+    def _greet(self, *, advanced_ok: bool) -> Opened:
+        def opened(session: Session) -> None:
+            session.advanced_ok = advanced_ok
+            welcome(self._printer, session)
+
+        return opened
+
+    async def _add(self, opening: Awaitable[Console]) -> str:
+        console = await opening
+        self._printer.closers.append(console.close)
+        return console.place
+
+    def _raise_if_ended(self) -> None:
+        _ = self._opened
+        if self._serving is not None and self._serving.done():
+            raise MachineError.of("job.stopped", value="the printer has ended")
+
+    def _ended(self, task: asyncio.Task[None]) -> None:
+        """The printer's own task is over, by its end or by a fault of the program."""
+        error: BaseException = MachineError.of("job.stopped", value="the printer has ended")
+        error = error if task.cancelled() else task.exception() or error
+        if self._client is not None:
+            self._client.fail_all(error)
+        for future in self._prints:
+            if not future.done():
+                future.set_exception(error)
+        for queue in self._queues:
+            queue.put_nowait(None)

@@ -1,0 +1,92 @@
+"""What a printer is doing, as typed values: the one source of M408 and of the Python API."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import TYPE_CHECKING
+
+from passo.board.connection import ABSOLUTE_ZERO_C
+from passo.config.motor_roles import axis_order
+
+if TYPE_CHECKING:
+    from passo.printer.printer import Printer
+
+
+class PrinterState(Enum):
+    """What a printer does; the values are the letters of M408."""
+
+    IDLE = "I"
+    BUSY = "B"  # it moves, or a command waits
+    PRINTING = "P"
+    PAUSED = "A"
+    HALTED = "H"  # nothing moves or heats until M999
+
+
+@dataclass(frozen=True, slots=True)
+class HeaterStatus:
+    """A heater. `celsius` is None until its sensor has reported; `target_c` is 0 while it is off;
+    `power` is a fraction of full power; `fault` says what a protection has found, or is empty."""
+
+    celsius: float | None
+    target_c: float
+    power: float
+    fault: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class JobStatus:
+    """The file that is printed. `fraction` is the part of its time that is done, or of its bytes
+    while its time is not known yet, 0 to 1; `line` and `layer` are those of the move under way (0:
+    none yet); `printed_s` is the print time so far, without pauses; `left_s` is the time that the
+    rest of its moves takes, without heating. `layers` and `left_s` are None while they are not
+    known."""
+
+    file: str
+    fraction: float
+    line: int
+    layer: int
+    layers: int | None
+    printed_s: float
+    left_s: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class Status:
+    """A printer at one moment. Positions are the program's coordinates of where the machine is, in
+    mm, by axis and `e`; `homed` are the axes whose position is certain; fans
+    are fractions of full speed; `time_s` is print time since the start; `halted` says why nothing
+    moves or heats, or is empty; `progress` is the fraction of a print that is done, also of a
+    host's that reports it (M73, M532); `job` is None while no file is printed."""
+
+    state: PrinterState
+    halted: str
+    time_s: float
+    position_mm: dict[str, float]
+    homed: frozenset[str]
+    tool: int
+    heaters: dict[str, HeaterStatus]
+    fans: dict[str, float]
+    speed_factor: float
+    flow_factors: list[float] = field(default_factory=list[float])
+    progress: float | None = None
+    job: JobStatus | None = None
+
+
+def heater_status(printer: Printer, name: str) -> HeaterStatus:
+    """A heater of this name."""
+    heater = printer.connection.heaters[name]
+    celsius = printer.connection.reading(name)
+    return HeaterStatus(
+        None if celsius == ABSOLUTE_ZERO_C else celsius,
+        heater.target,
+        # What the board said last of a heater is from before it was halted.
+        0.0 if printer.halted or heater.fault else heater.power,
+        heater.fault.kind.name.lower().replace("_", "-") if heater.fault else "",
+    )
+
+
+def homed_axes(printer: Printer) -> frozenset[str]:
+    """The axes that may move: homed, or of a machine that does not ask for it."""
+    axes, locked = axis_order(printer.machine.axes), printer.job.locked_axes
+    return frozenset(name for i, name in enumerate(axes) if i not in locked)
