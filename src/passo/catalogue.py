@@ -328,6 +328,17 @@ CATALOGUE: Mapping[str, Entry] = {
         "{value} is fixed while the printer runs",
         "Change it in the machine file and start again",
     ),
+    "command.real-board": _input(
+        "command",
+        "the boards of this machine are real, and no fault can be simulated on them",
+        'Start with a machine file whose [board] table has link = "simulated"',
+    ),
+    "command.no-fault": _input(
+        "command", "{value} is not a fault of this machine: expected {limit}", "Name one of these"
+    ),
+    "command.fault-order": _input(
+        "command", "{value} is not understood: expected {limit}", "Write it like that"
+    ),
     "command.failed": _input("command", "{value}", "Remove the cause, then send the command again"),
     "job.stopped": Entry(
         "job",

@@ -11,6 +11,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any, Literal, Self, TypeVar
 
 from passo import config
+from passo.board.fault_injection import FaultOrder
 from passo.board.faults import HeaterFault
 from passo.card.local import local_uri
 from passo.clock import new_loop
@@ -202,6 +203,21 @@ class Printer:
     async def cancel(self) -> None:
         """Cancels the print from a file (M524): the machine brakes, heaters and fans go off."""
         await self.send("M524")
+
+    @property
+    def faults(self) -> dict[str, tuple[str, ...]]:
+        """The faults that each part of a simulated printer can have, by the part's name; empty of
+        real boards."""
+        injector = self._printer.connection.injector
+        return {} if injector is None else dict(injector.values)
+
+    def inject_fault(
+        self, part: str, value: str, *, after_s: float = 0.0, for_s: float | None = None
+    ) -> None:
+        """Gives a part of the simulated printer a fault after so many seconds of print time, for so
+        many or for good; `none` ends one: see docs/faults.md. Raises CommandError for a part or a
+        fault that does not exist, and for real boards."""
+        self._printer.faults.order(FaultOrder(part, value, after_s, for_s))
 
     # -- what it reports --------------------------------------------------------------------------
 

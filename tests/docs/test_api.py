@@ -17,14 +17,20 @@ PART = re.search(r"```gcode\n(.*?)```", PAGE, re.DOTALL)[1]
 EXAMPLES = re.findall(r"```python\n(.*?)```\n\n```text\n(.*?)```", PAGE, re.DOTALL)
 
 
+def example_output(folder, code):
+    """What a script prints that runs in this folder."""
+    (folder / "example.py").write_text(code, encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, "-X", "utf8", "example.py"], cwd=folder, capture_output=True, text=True
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    return done.stdout
+
+
 @pytest.mark.parametrize(("code", "output"), EXAMPLES, ids=range(len(EXAMPLES)))
 def test_each_example_prints_what_is_shown(tmp_path, code, output):
     (tmp_path / "part.gcode").write_text(PART)
-    (tmp_path / "example.py").write_text(code, encoding="utf-8")
-    done = subprocess.run(
-        [sys.executable, "-X", "utf8", "example.py"], cwd=tmp_path, capture_output=True, text=True
-    )
-    assert (done.returncode, done.stderr, done.stdout) == (0, "", output)
+    assert example_output(tmp_path, code) == output
 
 
 def test_no_example_is_left_out():

@@ -8,6 +8,7 @@ from contextlib import suppress
 from passo import _core
 from passo.board.connection import LEAD_S, Connection
 from passo.board.description import Sensor, together
+from passo.board.fault_injection import FaultInjector
 from passo.board.faults import BoardAloneError, HeaterFault
 from passo.board.ports import LinkLostError
 from passo.errors import MachineError
@@ -37,6 +38,7 @@ class Boards:
         self.board = together({c.name: c.board for c in self.connections})
         self.timeline = _core.Timeline()
         self.faults: list[HeaterFault] = []
+        self.injector: FaultInjector | None = None  # of boards that can be made to fail
         for connection in self.connections:
             connection.faults = self.faults
 
@@ -163,6 +165,12 @@ class Boards:
             with suppress(LinkLostError):
                 connection.pass_time(until_clock if main else connection.now)
                 connection.take_faults()
+
+    def stand_by(self, until_clock: int) -> None:
+        """All boards are shut down, and time passes at simulated ones until `until_clock`: what is
+        hot cools down, and a heater that is stuck on does not."""
+        if isinstance(self.main.wire, _core.Pump):
+            self.main.wire.sleep(until_clock)
 
     def _look(self) -> None:
         """At what all boards have told."""

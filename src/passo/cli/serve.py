@@ -15,6 +15,7 @@ from passo.cli.main import endings
 from passo.errors import ExitStatus
 
 if TYPE_CHECKING:
+    from passo.board.fault_injection import FaultOrder
     from passo.config.machine import MachineConfig
 
 _TCP = ("127.0.0.1", 2323)
@@ -74,6 +75,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--tcp-clients", type=_clients, default=2, metavar="N", help="clients of a TCP console (2)"
+    )
+    parser.add_argument(
+        "--fault",
+        action="append",
+        default=[],
+        metavar="PART=FAULT[@START][+DURATION]",
+        help="give a part of the simulated printer a fault, at a print time and for a time (s or "
+        "min): HEATER-sensor=open|short|noise|loose, HEATER-heater=on|off, "
+        "ENDSTOP-endstop=triggered|open, cable=cut|noise, or none to end it; for example "
+        "hotend-sensor=open@60s+30s. May be given several times; `--fault list` lists all",
     )
     parser.add_argument(
         "--advanced-ok",
@@ -140,13 +151,32 @@ def run(arguments: argparse.Namespace) -> int:
     if twice := next((path for path in links if links.count(path) > 1), None):
         print(f"passo serve: error: --pty {twice} is given twice", file=sys.stderr)
         return ExitStatus.USAGE
+    from passo.board.fault_injection import FaultOrder
+    from passo.errors import CommandError
     from passo.live import run as run_live
 
-    run_live(_serve(arguments, machine), clock=arguments.clock or "real")
+    if arguments.fault and machine.board.link != "simulated":
+        raise CommandError.of("command.real-board")
+    if arguments.fault == ["list"]:
+        run_live(_list_faults(machine), clock="virtual")
+        return ExitStatus.DONE
+    orders = [FaultOrder.parse(text) for text in arguments.fault]
+    run_live(_serve(arguments, machine, orders), clock=arguments.clock or "real")
     return ExitStatus.DONE
 
 
-async def _serve(arguments: argparse.Namespace, machine: MachineConfig) -> None:
+async def _list_faults(machine: MachineConfig) -> None:
+    """A line for each part that can be made to fail."""
+    from passo.live import Printer
+
+    async with Printer(machine) as printer:
+        for part, values in printer.faults.items():
+            print(f"{part}={'|'.join(values)}")
+
+
+async def _serve(
+    arguments: argparse.Namespace, machine: MachineConfig, orders: list[FaultOrder]
+) -> None:
     from passo.live import Printer
 
     ours = asyncio.current_task()
@@ -168,6 +198,10 @@ async def _serve(arguments: argparse.Namespace, machine: MachineConfig) -> None:
         async with printer:
             for text in printer.start_messages:
                 print(text.removeprefix("echo:"), file=sys.stderr)
+            for order in orders:
+                printer.inject_fault(
+                    order.part, order.value, after_s=order.after_s, for_s=order.for_s
+                )
             places: list[str] = []
             for path in arguments.pty:
                 places.append(await printer.open_pty(path, advanced_ok=advanced_ok))

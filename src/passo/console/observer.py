@@ -52,6 +52,7 @@ class Observer:
         self._last = assembly.status.read()
         self._shown_c = {name: heater.celsius for name, heater in self._last.heaters.items()}
         self._active = assembly.runner.active
+        self._layer = self._last.job.layer if self._last.job else 0
         self._host_s = self._print_s = 0.0  # when the next look is due
         self._beat = self._loop.call_later(LOOK_S, self._on_beat)
         printer = assembly.printer
@@ -96,7 +97,14 @@ class Observer:
     def _job_changed(self, state: State) -> None:
         runner = self._assembly.runner
         was, self._active = self._active, state in (State.PRINTING, State.PAUSED)
+        if self._active and not was:
+            self._layer = 0
         if was and not self._active:
+            # On a busy computer the last look may be long past.
+            job, now = self._assembly.printer.job, self._assembly.printer.drive.passed
+            layer = job.layer_near(now) if job.line_at(now) else 0
+            for event in self._layers(runner.name, layer, self._assembly.jobs.layers):
+                self._emit(event)
             outcome = cast("Outcome", runner.ended)
             self._emit(JobEnded(runner.name, outcome, runner.failed))
         self._loop.call_soon(self._look)
@@ -144,12 +152,17 @@ class Observer:
         if job is None:
             return
         known = before is not None and before.file == job.file
-        layer = before.layer if known and before else 0
-        for begun in range(layer + 1, job.layer + 1) if job.layer > layer else [job.layer]:
-            if begun != layer:
-                yield LayerChanged(job.file, begun, job.layers)
+        yield from self._layers(job.file, job.layer, job.layers)
         if not (known and before and int(100 * before.fraction) == int(100 * job.fraction)):
             yield ProgressChanged(job)
+
+    def _layers(self, file: str, layer: int, layers: int | None) -> Iterator[LayerChanged]:
+        """Each layer that has begun since the last call; a file may go back to a lower one."""
+        before, self._layer = self._layer, layer
+        for begun in range(before + 1, layer + 1):
+            yield LayerChanged(file, begun, layers)
+        if 0 < layer < before:
+            yield LayerChanged(file, layer, layers)
 
 
 def _moved(shown_c: float | None, celsius: float | None) -> bool:

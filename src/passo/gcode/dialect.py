@@ -565,6 +565,13 @@ TABLE: tuple[Row, ...] = (
         "Selects a tool. The next move of an axis carries out its offset on all axes.",
     ),
     Row(
+        "SIMULATE_FAULT",
+        _S,
+        _I,
+        "NAME VALUE AFTER(s) DURATION(s)",
+        "Gives a part of the simulated printer a fault, or none; without parameters it lists them.",
+    ),
+    Row(
         "SET_VELOCITY_LIMIT",
         _P,
         _N,

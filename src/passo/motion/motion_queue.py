@@ -362,6 +362,10 @@ class Drive:
         """The same, whichever links are lost. Raises MachineError when a board has shut down."""
         self._connection.wait(max(self.base + self.now, self._connection.now))
 
+    def stand_by(self) -> None:
+        """Time passes up to now at boards that are shut down."""
+        self._connection.stand_by(max(self.base + self.now, self._connection.now))
+
     def live_on(self, seconds: float) -> None:
         """So much time has passed at the boards, whatever has become of them and of their links."""
         boards, until = self._connection, self._connection.now

@@ -23,6 +23,7 @@ from passo.printer.commands.heater_tuning import TuneCommands
 from passo.printer.commands.motors import Motors
 from passo.printer.commands.power_supply import Mains
 from passo.printer.commands.program import Commands, forced
+from passo.printer.commands.simulated_faults import SimulatedFaultCommands
 from passo.printer.commands.steps_and_offsets import MotionCommands
 from passo.printer.commands.temperature import HeatCommands
 from passo.printer.commands.user_prompts import PersonCommands
@@ -97,6 +98,7 @@ class Printer:
         self.controls = ControlCommands(self)
         self.tunes = TuneCommands(self, self.controls)
         self.endstops = EndstopWatch(self)
+        self.faults = SimulatedFaultCommands(self, free=free)
         self.watchers.append(self.endstops.time_passed)
         self.watchers.append(FollowingFans(self).time_passed)
         self.watchers.append(self.drivers.time_passed)
@@ -108,6 +110,7 @@ class Printer:
             | self.person.immediate
             | self.controls.immediate
             | self.endstops.immediate
+            | self.faults.immediate
         )
         self.planned: dict[str, Handler] = (
             {"M112": self._halt_by_line, "M410": self._stop_by_line}

@@ -1,6 +1,7 @@
 """The simulated printer: a complete board in virtual time with mechanics and heat around it."""
 
 from passo.simulator.board import SimulatedBoard
+from passo.simulator.fault_injector import SimulatedFaults
 from passo.simulator.machine import Cable, SimulatedMachine
 from passo.simulator.plant import Actuator, Body, PlantDescription, Switch
 
@@ -10,6 +11,7 @@ __all__ = [
     "Cable",
     "PlantDescription",
     "SimulatedBoard",
+    "SimulatedFaults",
     "SimulatedMachine",
     "Switch",
 ]

@@ -63,8 +63,8 @@ class SimulatedMachine:
                 )
 
     def cut_cable(self, board: str, on: bool = True) -> None:
-        """A fault: what is sent to a further board, or from it, is lost; False ends it. KeyError if
-        the board's clock and cable are perfect."""
+        """A fault: what is sent to a board, or from it, is lost; False ends it. KeyError if the
+        board's clock and cable are perfect."""
         self._distant[self.boards[board]].cut(on)
 
     def spoil_cable(self, board: str, share: float) -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from passo.board.faults import BoardResetError, PlaceLostError
 from passo.board.ports import LinkLostError
 from passo.errors import MachineError, in_words
-from passo.motion.motion_queue import TICK_S
+from passo.motion.motion_queue import TICK_S, either
 from passo.printer.recovery.reconnect import reconnect
 from passo.printer.recovery.stop_boards import stop_boards
 from passo.printer.setup.boards import reconnected
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 # A board that begins anew twice within this time does so because of what is turned on, perhaps.
 _SOON_S = 60.0
+_LOOK_S = 0.25  # while it is halted
 
 
 class Life:
@@ -138,7 +139,9 @@ class Life:
     async def _until_revived(self) -> None:
         """Waits for M999; until then each board is told to stop that has not heard of it."""
         await stop_boards(self._printer, self._revived)
-        await self._revived.wait()
+        while not self._revived.is_set():
+            await either(self._revived, _LOOK_S)
+            self._printer.drive.stand_by()
 
     def _make_safe(self) -> None:
         """The board may only have been silent for a moment: it must not go on when it is back."""

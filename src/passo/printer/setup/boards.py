@@ -304,11 +304,17 @@ def connect_simulated(
     machine: MachineConfig, cable: Cable | None = None
 ) -> tuple[Boards, SimulatedMachine]:
     """Connections to simulated boards for the machine, identified and configured, and the boards
-    themselves, to look at. Raises MachineError."""
+    themselves, to look at. Boards on a cable, however good it is, can be made to fail. Raises
+    MachineError."""
     boards = board_descriptions(machine)
     simulated = simulated_machine(machine, boards, cable)
     ports = in_process([simulated.devices[name] for name in boards])
-    return _connected(boards, ports), simulated
+    connected = _connected(boards, ports)
+    if cable is not None:
+        from passo.simulator import SimulatedFaults
+
+        connected.injector = SimulatedFaults(simulated)
+    return connected, simulated
 
 
 def simulated_machine(
@@ -329,7 +335,9 @@ def connect(machine: MachineConfig) -> tuple[Boards, SimulatedMachine | None]:
     boards themselves where they are simulated. A board that has outlived another host is adopted.
     Raises MachineError."""
     if machine.board.link == "simulated":
-        return connect_simulated(machine)
+        from passo.simulator import Cable
+
+        return connect_simulated(machine, Cable())
     ports = [_port(board) for board in machine.all_boards.values()]
     return _connected(board_descriptions(machine), ports, adopt=True), None
 
@@ -346,7 +354,9 @@ def _port(board: Board) -> Port:
 def reconnected(old: Boards) -> Boards:
     """New connections to the boards of `old`, which are reset. Raises MachineError."""
     ports = [connection.port for connection in old.connections]
-    return _connected({c.name: c.board for c in old.connections}, ports)
+    connected = _connected({c.name: c.board for c in old.connections}, ports)
+    connected.injector = old.injector
+    return connected
 
 
 def _connected(

@@ -1,0 +1,109 @@
+"""SIMULATE_FAULT, and faults that come at a print time, where the boards can be made to fail."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING
+
+from passo.board.fault_injection import NO_FAULT, FaultInjector, FaultOrder
+from passo.errors import CommandError
+from passo.gcode.command import Command
+from passo.printer.wait_requests import Handler, Reply, Wait
+
+if TYPE_CHECKING:
+    from passo.printer.printer import Printer
+
+_WORDS = ("NAME", "VALUE", "AFTER", "DURATION")
+
+
+class SimulatedFaultCommands:
+    """Faults of one printer's boards. Print time passes for them as it does on the boards, also
+    while the printer is halted; where it is `free` (--clock fast), only while the printer works."""
+
+    def __init__(self, printer: Printer, *, free: bool) -> None:
+        self._printer, self._free = printer, free
+        self._loop = asyncio.get_running_loop()
+        self._passed_s = self._seen_s = 0.0  # print time, where it is free
+        self._due: list[tuple[float, FaultOrder]] = []  # print times, where it is free
+        self._timers: set[asyncio.TimerHandle] = set()
+        self.immediate: dict[str, Handler] = {"SIMULATE_FAULT": self._simulate}
+        printer.closers.append(self._close)
+        if free:
+            printer.watchers.append(self._time_passed)
+
+    @property
+    def injector(self) -> FaultInjector:
+        """What gives the boards their faults. Raises CommandError where the boards are real."""
+        if self._printer.connection.injector is None:
+            raise CommandError.of("command.real-board")
+        return self._printer.connection.injector
+
+    def order(self, order: FaultOrder) -> None:
+        """Injects a fault now or later, and ends it again if it has a duration. Raises
+        CommandError, also for a later fault that does not exist."""
+        injector = self.injector
+        if order.after_s > 0:
+            injector.check(order.part, order.value)
+            self._later(order)
+            return
+        injector.inject(order.part, order.value)
+        self._printer.tell(f"echo:Simulated fault: {order.part}={order.value}")
+        if order.for_s is not None:
+            self._later(FaultOrder(order.part, NO_FAULT, order.for_s))
+
+    def _later(self, order: FaultOrder) -> None:
+        now = FaultOrder(order.part, order.value, 0.0, order.for_s)
+        if self._free:
+            self._due.append((self._passed_s + order.after_s, now))
+            return
+
+        def act() -> None:
+            self._timers.discard(timer)
+            self.order(now)
+
+        timer = self._loop.call_later(order.after_s, act)
+        self._timers.add(timer)
+
+    def _time_passed(self) -> None:
+        """Print time counts on where the boards were restarted."""
+        now_s = self._printer.drive.now_s
+        self._passed_s += max(now_s - self._seen_s, 0.0)
+        self._seen_s = now_s
+        due = [order for at_s, order in self._due if at_s <= self._passed_s]
+        self._due = [(at_s, order) for at_s, order in self._due if at_s > self._passed_s]
+        for order in due:
+            self.order(order)
+
+    def _close(self) -> None:
+        for timer in self._timers:
+            timer.cancel()
+
+    def _simulate(self, command: Command, reply: Reply) -> Wait | None:
+        injector, pairs = self.injector, command.pairs()
+        if not pairs:
+            for part, values in injector.values.items():
+                now = injector.active.get(part, NO_FAULT)
+                reply.say(f"echo:{part}={now} (of {', '.join(values)})")
+            return None
+        for word in pairs:
+            if word not in _WORDS:
+                raise CommandError.of(
+                    "command.fault-order", value=word, limit="NAME= VALUE= AFTER= DURATION="
+                )
+        after_s, for_s = (_number(pairs, word) for word in ("AFTER", "DURATION"))
+        part, value = pairs.get("NAME", "").lower(), pairs.get("VALUE", "").lower()
+        self.order(FaultOrder(part, value, after_s or 0.0, for_s))
+        return None
+
+
+def _number(pairs: dict[str, str], word: str) -> float | None:
+    """Seconds. Raises CommandError."""
+    if word not in pairs:
+        return None
+    try:
+        seconds = float(pairs[word].removesuffix("s"))
+    except ValueError:
+        seconds = -1.0
+    if not 0 <= seconds <= 1e9:
+        raise CommandError.of("command.fault-order", value=f"{word}={pairs[word]}", limit="seconds")
+    return seconds

@@ -1,0 +1,118 @@
+"""Faults of the simulated printer by the names of its parts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
+
+from passo.board.fault_injection import NO_FAULT
+from passo.errors import CommandError
+
+if TYPE_CHECKING:
+    from passo.simulator.machine import SimulatedMachine
+
+_SENSOR = (NO_FAULT, "open", "short", "noise", "loose")
+_HEATER = (NO_FAULT, "on", "off")
+_ENDSTOP = (NO_FAULT, "triggered", "open")
+_CABLE = (NO_FAULT, "cut", "noise")
+_SENSOR_NOISE = 0.05  # of the full scale of the ADC, either way
+_CABLE_NOISE = 0.01  # of all bytes
+
+
+class SimulatedFaults:
+    """Offers the faults of one simulated machine: see `board.fault_injection.FaultInjector`.
+
+    `noise` may have an amount, as in `noise:0.05`: of a sensor a fraction of the full scale of its
+    ADC, of a cable the fraction of bytes that arrive as others.
+    """
+
+    def __init__(self, machine: SimulatedMachine) -> None:
+        self._machine = machine
+        self._setters: dict[str, Callable[[str, float | None], None]] = {}
+        self._values: dict[str, tuple[str, ...]] = {}
+        self._active: dict[str, str] = {}
+        board = machine.board
+        for heater in board.heaters:
+            self._add(f"{heater.name}-sensor", _SENSOR, self._sensor_setter(heater.sensor))
+            self._add(f"{heater.name}-heater", _HEATER, self._heater_setter(heater.sensor))
+        for endstop in board.endstops:
+            self._add(f"{endstop.name}-endstop", _ENDSTOP, self._endstop_setter(endstop.name))
+        for name in machine.boards:
+            self._add(f"{name}-cable" if name else "cable", _CABLE, self._cable_setter(name))
+
+    @property
+    def values(self) -> Mapping[str, tuple[str, ...]]:
+        """The faults of each part."""
+        return self._values
+
+    @property
+    def active(self) -> Mapping[str, str]:
+        """The parts that have a fault now, and which."""
+        return self._active
+
+    def check(self, part: str, value: str) -> None:
+        """Raises CommandError for a part or a fault that does not exist."""
+        self._read(part, value)
+
+    def inject(self, part: str, value: str) -> None:
+        """Gives a part this fault from now on, or `none`. Raises CommandError."""
+        fault, amount = self._read(part, value)
+        self._setters[part](fault, amount)
+        self._active.pop(part, None)
+        if fault != NO_FAULT:
+            self._active[part] = value
+
+    def _read(self, part: str, value: str) -> tuple[str, float | None]:
+        """The fault and its amount."""
+        if part not in self._values:
+            limit = ", ".join(self._values)
+            raise CommandError.of("command.no-fault", value=part or "''", limit=limit)
+        fault, colon, text = value.partition(":")
+        amount = _share(text) if fault == "noise" and colon else None
+        if fault not in self._values[part] or (colon and amount is None):
+            noise = " (or noise:SHARE, from 0 to 1)" if "noise" in self._values[part] else ""
+            limit = ", ".join(self._values[part]) + noise
+            raise CommandError.of("command.no-fault", value=f"{part}={value}", limit=limit)
+        return fault, amount
+
+    def _add(
+        self, part: str, values: tuple[str, ...], setter: Callable[[str, float | None], None]
+    ) -> None:
+        self._values[part], self._setters[part] = values, setter
+
+    def _sensor_setter(self, sensor: str) -> Callable[[str, float | None], None]:
+        machine = self._machine
+        open_is_high = next(s.open_is_high for s in machine.board.sensors if s.name == sensor)
+
+        def set_fault(fault: str, amount: float | None) -> None:
+            ratios = {"open": float(open_is_high), "short": float(not open_is_high)}
+            machine.force_sensor(sensor, ratios.get(fault))
+            machine.drop_sensor(sensor, fault == "loose")
+            noise = _SENSOR_NOISE if amount is None else amount
+            machine.add_noise(sensor, noise if fault == "noise" else 0.0)
+
+        return set_fault
+
+    def _heater_setter(self, sensor: str) -> Callable[[str, float | None], None]:
+        powers = {"on": 1.0, "off": 0.0}
+        return lambda fault, _: self._machine.force_heater(sensor, powers.get(fault))
+
+    def _endstop_setter(self, endstop: str) -> Callable[[str, float | None], None]:
+        pressed = {"triggered": True, "open": False}
+        return lambda fault, _: self._machine.force_switch(endstop, pressed.get(fault))
+
+    def _cable_setter(self, board: str) -> Callable[[str, float | None], None]:
+        def set_fault(fault: str, amount: float | None) -> None:
+            self._machine.cut_cable(board, fault == "cut")
+            noise = _CABLE_NOISE if amount is None else amount
+            self._machine.spoil_cable(board, noise if fault == "noise" else 0.0)
+
+        return set_fault
+
+
+def _share(text: str) -> float | None:
+    try:
+        share = float(text)
+    except ValueError:
+        return None
+    return share if 0 <= share <= 1 else None
