@@ -34,10 +34,10 @@ def program(tmp_path):
 
 
 REFUSED = {  # a program, the line that stops it, a part of the sentence
-    "never homed": ("G1 X5 F600\n", 1, "axis X does not know"),
-    "one axis not homed": ("G28 X\nG1 X5 F600\nG1 Y5\n", 3, "axis Y does not know"),
-    "motors off": ("G28\nG1 X5 F600\nM84\nG1 X6\n", 4, "axis X does not know"),
-    "one motor off": ("G28\nM18 Y\nG1 X5 F600\nG1 Y6\n", 4, "axis Y does not know"),
+    "never homed": ("G1 X5 F600\n", 1, "axis X is not homed"),
+    "one axis not homed": ("G28 X\nG1 X5 F600\nG1 Y5\n", 3, "axis Y is not homed"),
+    "motors off": ("G28\nG1 X5 F600\nM84\nG1 X6\n", 4, "axis X is not homed"),
+    "one motor off": ("G28\nM18 Y\nG1 X5 F600\nG1 Y6\n", 4, "axis Y is not homed"),
     "cold": ("G28\nG1 X10 E5 F600\n", 2, "cold extrusion"),
     "cold retraction": ("G28\nG10\n", 2, "cold extrusion"),
     "not hot enough yet": ("G28\nM104 S200\nG1 X10 E5 F600\n", 3, "cold extrusion"),
@@ -49,8 +49,16 @@ REFUSED = {  # a program, the line that stops it, a part of the sentence
         None,
         "cold extrusion",
     ),
-    "hotend above its maximum": ("G28\nM109 S400\nG1 X5 F600\n", 2, "400 C is outside"),
-    "bed above its maximum": ("G28\nM140 S400\nG1 X5 F600\n", 2, "400 C is outside"),
+    "hotend above its maximum": (
+        "G28\nM109 S400\nG1 X5 F600\n",
+        2,
+        "is outside of its safe range, 5 to",
+    ),
+    "bed above its maximum": (
+        "G28\nM140 S400\nG1 X5 F600\n",
+        2,
+        "is outside of its safe range, 5 to",
+    ),
     "no such fan": ("G28\nM106 P7 S255\n", 2, "P is 7"),
     "a speed of 0": ("G28\nM220 S0\n", 2, "S is 0"),
 }
@@ -185,7 +193,7 @@ def test_other_commands_take_pieces_as_they_are(capsys, program, tmp_path, comma
 def test_the_library_checks_unless_it_is_to_assume(program):
     machine = passo.Machine.load("i3")
     piece, full = program("G1 X10 E5 F600\n"), None
-    with pytest.raises(InputError, match="axis X does not know"):
+    with pytest.raises(InputError, match="axis X is not homed"):
         machine.print(piece)
     assert machine.print(piece, assume_ready=True).final_position_mm["x"] == 10
     full = program(f"START_PRINT\nG29\n{START}G1 X10 E5 F600\n")

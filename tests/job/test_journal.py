@@ -365,8 +365,8 @@ def test_a_print_whose_heater_has_another_name_now_is_not_gone_on_with(places):
     journal.leave()
     with Scenario("i3", **arguments) as s:
         assert s.host.ok("M1000")[:1] == [
-            "echo:/wall.gcode: needs fan cooler, heater plate, which the machine file does not have"
-            " any more. Give back the name and start again, or forget the print (M1000 C)."
+            "echo:/wall.gcode: needs fan cooler, heater plate, which is missing from the machine"
+            " file. Restore that section and start again, or forget the print (M1000 C)."
         ]
         assert s.host.ok("M27")[0] == "Not SD printing"
         assert s.printer.connection.heaters["bed"].target == 0

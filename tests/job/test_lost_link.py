@@ -72,7 +72,7 @@ def test_a_host_that_was_late_goes_on_where_the_board_has_stopped(whole, seed):
             s.passes(generator.expovariate(0.5))
             stall(s, generator.choice((0.05, 0.25, 0.6, 3.0)))
             assert not s.printer.halted
-            stops = sum("stopped by itself" in line for line in s.host.heard)
+            stops = sum("braked to a stop" in line for line in s.host.heard)
         assert stops > 3
         assert s.board.device.fault == ""
         assert steps(s) == wanted

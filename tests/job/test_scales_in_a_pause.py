@@ -36,7 +36,7 @@ def test_they_are_refused_and_the_print_goes_on_as_planned(s, line):
     code = line.split()[0]
     told = s.host.ok(line)[0]
     assert told.startswith(f"echo:{code} changes scales, in which the moves of the paused print")
-    assert "Go on (M24) or cancel (M524)" in told
+    assert "Resume (M24) or cancel (M524)" in told
     assert settings(s) == before  # all of them, and what M926 has noted
     s.host.ok("M24")
     s.host.expect("^Done printing file$", 120)

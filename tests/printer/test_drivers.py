@@ -179,7 +179,7 @@ def test_heat_is_told_of_before_it_stops_the_motor(s):
     s.host.ok("M912 E")
     assert "E temperature prewarn triggered: false" in s.host.ok("M911")
     s.board.drivers["e"].set(r.DRV_STATUS, 1 << 25)
-    s.host.expect("halted: motor e: its driver, a TMC5160, has switched it off, for it is too", 2)
+    s.host.expect("halted: motor e: its driver, a TMC5160, is too hot and has switched the", 2)
 
 
 def test_currents_and_modes_by_command(s):
