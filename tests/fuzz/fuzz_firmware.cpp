@@ -68,7 +68,7 @@ void configure() {
                                           {COMMAND_CONFIG_TMCUART, {11, 16, 0, 17, 101}},
                                           {COMMAND_CONFIG_I2C, {12}},
                                           {COMMAND_I2C_SET_SW_BUS, {12, 18, 19, 16, 72}},
-                                          {COMMAND_CONFIG_THERMOCOUPLE, {13, 9, 2, 1}},
+                                          {COMMAND_CONFIG_THERMOCOUPLE, {13, 9, 2}},
                                           {COMMAND_FINALIZE_CONFIG, {1}}};
   for (const Line& line : lines) {
     uint8_t payload[64], *end = passo::wire::put_vlq(payload, line.command);
