@@ -20,6 +20,10 @@ class Arc {
   static constexpr double kSpiral = 0.005, kLeastSpiral = 0.05, kMostSpiral = 0.5;
   static constexpr double kFullTurn = 6.283185307179586;
 
+  // Whether an arc whose ends are so many mm apart is a straight line where its words name no
+  // circle: its distances from one of the ends differ by no more than they may.
+  static bool tiny(double mm) { return mm <= kLeastSpiral; }
+
   bool active() const { return done_ < chords_; }
 
   // From `start` to `end` in the plane of slots u, v, about a centre; `turns` further full circles.

@@ -573,26 +573,37 @@ inline void Interpreter::run_arc(bool clockwise, const double* value, uint32_t h
     logical_e_ = e_before;
     fail(fault, word, value, limit);
   };
-  double du = end[u] - start[u], dv = end[v] - start[v], cu, cv;
+  auto straight = [&] {
+    queue_offset(start, feed);
+    queue_straight(feed, 0, false);
+  };
+  auto given = [&](char letter) { return (have >> (letter - 'A') & 1) != 0; };
+  double du = end[u] - start[u], dv = end[v] - start[v], d2 = du * du + dv * dv, cu, cv;
   if (radius != 0) {
-    double d2 = du * du + dv * dv, h2 = radius * radius - d2 / 4;
-    if (whole && (d2 == 0 || h2 < -1e-3 * radius * radius))
-      return none(Fault::arc, "R", radius, std::sqrt(d2) / 2);
-    if (d2 == 0) return queue_straight(feed, 0, false);  // both ends were cut to the same place
+    double h2 = radius * radius - d2 / 4;
+    const bool apart = h2 < -1e-3 * radius * radius;
+    if (d2 == 0 ? !whole : apart && Arc::tiny(std::sqrt(d2))) return straight();
+    if (whole && (d2 == 0 || apart)) return none(Fault::arc, "R", radius, std::sqrt(d2) / 2);
     double h = std::sqrt(std::max(0.0, h2) / d2) * ((clockwise == (radius > 0)) ? 1 : -1);
     cu = start[u] + du / 2 + dv * h;
     cv = start[v] + dv / 2 - du * h;
   } else {
-    auto centre = [&](char letter) {
-      return (have >> (letter - 'A') & 1) ? value[letter - 'A'] * unit_ : 0.0;
-    };
+    auto centre = [&](char letter) { return given(letter) ? value[letter - 'A'] * unit_ : 0.0; };
     double i = centre(kCentre[plane_ - 17][0]), j = centre(kCentre[plane_ - 17][1]);
-    if (i == 0 && j == 0) return none(Fault::centre, kWords[plane_ - 17], 0, 0);
+    if (i == 0 && j == 0) {  // no more than the ends may be off a circle, or no arc
+      const bool circle = given('R') ? d2 > 0 : given('I') || given('J') || given('K');
+      if (circle && Arc::tiny(std::sqrt(d2))) return straight();
+      return none(Fault::centre, kWords[plane_ - 17], 0, 0);
+    }
     cu = start[u] + i;
     cv = start[v] + j;
   }
   if (!arc_.begin(start, end, u, v, cu, cv, clockwise, turns))
     return none(Fault::range, "P", turns + 1.0, arc_.most_turns());
+  if (2 * arc_.radius() <= Arc::kChordError) {  // a line is as near to it as its chords may be
+    arc_ = Arc();
+    return straight();
+  }
   if (whole && !arc_.round()) return none(Fault::radii, "", arc_.start_radius(), arc_.end_radius());
   ++arcs_;
   arc_move_ = move_;

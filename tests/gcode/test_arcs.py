@@ -295,3 +295,48 @@ def test_a_radius_that_rounding_made_too_small_is_half_a_circle(radius):
     middle = [hypot(m.end_mm[0] - 105, m.end_mm[1] - 105) for m in out.moves[1:]]
     assert middle == pytest.approx([hypot(5, 5)] * len(middle), abs=1e-9)
     assert len(middle) > 10
+
+
+@pytest.mark.parametrize("plane", AXES)
+@pytest.mark.parametrize(
+    "words",
+    ["{u}-0 {v}-0", "{u}0", "{v}-0", "{u}0 {v}0 P3", "R0", "R0.001", "R-0.001", "{u}0.0005"],
+)
+@pytest.mark.parametrize("word", ["G2", "G3"])
+def test_a_tiny_arc_without_a_circle_is_a_straight_line(plane, words, word):
+    u, v, w = AXES[plane]
+    centre = words.format(u="IJK"[u], v="IJK"[v])
+    ends = {"XYZ"[u]: 99.999, "XYZ"[v]: 100.001, "XYZ"[w]: 100.5}
+    line = f"{word} {' '.join(f'{k}{mm}' for k, mm in ends.items())} {centre} E0.00007 F1200"
+    out = run(f"M83\n{plane}\nG1 X100 Y100 Z100 F6000\n{line}\nG1 X101 E0.1\n")
+    assert out.errors == []
+    assert out.statistics["arcs"] == 0
+    tiny, after = out.moves[1:]
+    assert tiny.end_mm[:3] == (ends["X"], ends["Y"], ends["Z"])
+    assert tiny.end_mm[3] == pytest.approx(0.00007, abs=1e-12)
+    assert tiny.kind == "print"
+    assert after.cruise_speed == pytest.approx(20)
+    assert after.end_mm[3] == pytest.approx(0.10007, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("line", "fault"),
+    [
+        ("G2 X100.05 I0 J0 E1", None),
+        ("G2 X100.051 I0 J0 E1", Fault.CENTRE),
+        ("G2 X100.03 Y100.03 Z104 I0 J0 E1", None),
+        ("G2 X100.04 Y100.04 I0 J0 E1", Fault.CENTRE),
+        ("G2 X100 Y100 I0 J0 E1", None),
+        ("G2 X100.001 E1", Fault.CENTRE),
+        ("G2 X100.05 R0.01 E1", None),
+        ("G2 X100.06 R0.01 E1", Fault.ARC),
+        ("G2 X100 Y100 R5 E1", Fault.ARC),
+        ("G2 X100 Y100 R0 E1", Fault.CENTRE),
+        ("G20 G2 X3.938 Y3.937008 I0 J0 E1", None),
+        ("G91 G2 X-0.001 Y0.001 I-0 J-0 E1", None),
+    ],
+)
+def test_arcs_without_a_circle_are_lines_up_to_the_tolerance(line, fault):
+    out = run(f"G1 X100 Y100 Z100\n{line}\n")
+    assert [e[1] for e in out.errors] == ([] if fault is None else [fault])
+    assert len(out.moves) == (2 if fault is None else 1)

@@ -64,6 +64,11 @@ little, as rounded coordinates make them do: by 0.5 % of the larger one, or by 0
 more, but never by more than 0.5 mm. Such an arc is a spiral; beyond that the line is an error that
 names both distances. P is the number of turns.
 
+An arc of at most 0.05 mm from end to end whose centre is its start (`I0 J0`, also with one of the
+two left out), or whose radius (R) is smaller than half of that way, is a straight line, with its E,
+Z and F: ArcWelder writes such arcs. Longer ones are errors, and so are arcs without I, J, K and R,
+and those with R that end where they begin.
+
 ## Offsets of tools
 
 A change of tools moves nothing. The first move after it that names an axis other than those of
