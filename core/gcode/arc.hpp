@@ -51,6 +51,7 @@ class Arc {
     if (chords > kMostChords) return false;
     chords_ = std::max(1, int(chords));
     done_ = 0;
+    reached_ = false;
     return true;
   }
   // All that is left of it lies so much further along slot j.
@@ -59,6 +60,7 @@ class Arc {
     end_[j] += mm;
     if (j == u_) cu_ += mm;
     if (j == v_) cv_ += mm;
+    reached_ = false;
   }
   // How far it still goes along slot j.
   double left(int j) const { return (end_[j] - start_[j]) * (1 - double(done_) / chords_); }
@@ -78,6 +80,13 @@ class Arc {
     return std::fabs(radius1_ - radius0_) <= allowed;
   }
   bool first() const { return done_ == 1; }
+  // The least and the greatest that any of its points has along slot j of its plane, or less and
+  // more: those of the whole circle.
+  double lowest(int j) const { return (j == u_ ? cu_ : cv_) - radius(); }
+  double highest(int j) const { return (j == u_ ? cu_ : cv_) + radius(); }
+  // All chords that are left were found to be within the reach of the actuators.
+  bool reached() const { return reached_; }
+  void note_reached() { reached_ = true; }
 
   // The end of the next chord.
   void next(double* point) {
@@ -99,6 +108,7 @@ class Arc {
   int u_ = 0, v_ = 1;
   double cu_ = 0, cv_ = 0, radius0_ = 0, radius1_ = 0, angle_ = 0, sweep_ = 0, most_turns_ = 0;
   int chords_ = 0, done_ = 0;
+  bool reached_ = false;
 };
 
 }  // namespace passo

@@ -164,6 +164,7 @@ class Interpreter {
   void drop_hop(double mm) {
     position_[kZ] -= mm;
     arc_.shift(kZ, -mm);
+    arc_hop_ = arc_move_.hop_mm = 0;
     for (Item& item : pending_) item.move.target[kZ] -= std::exchange(item.move.hop_mm, 0);
     hop_ = 0;
   }
@@ -247,6 +248,14 @@ class Interpreter {
   // Of the program or console: not of a sub-program.
   uint32_t line() const { return sources_[source_].number(); }
   uint64_t arcs() const { return arcs_; }
+  // The arc that is under way, or begins with the next move.
+  const Arc& arc() const { return arc_; }
+  void note_arc_reached() { arc_.note_reached(); }
+  // The next chord of `rest`, a copy of it, as it will be a move's target.
+  void take_chord(Arc& rest, double* target) const {
+    rest.next(target);
+    if (arc_hop_ > 0) target[kZ] = std::min(target[kZ], high_[kZ]);  // as there is room
+  }
   // Targets of slot j that went to the limit instead, and the first one's error.
   struct Clamped {
     uint64_t times = 0;
@@ -563,9 +572,9 @@ class Interpreter {
 
   // Whether a move may not bring axis slot j there. From a switch that lies beyond the limits there
   // is a way back.
-  bool beyond(int j, double at) const {
-    return at < std::min(low_[j], position_[j]) - 1e-6 ||
-           at > std::max(high_[j], position_[j]) + 1e-6;
+  bool beyond(int j, double at) const { return beyond(j, at, position_[j]); }
+  bool beyond(int j, double at, double from) const {
+    return at < std::min(low_[j], from) - 1e-6 || at > std::max(high_[j], from) + 1e-6;
   }
 
   // Letters of axes that a move which names `have` moves too: by the offset of a tool that no move
@@ -708,6 +717,7 @@ class Interpreter {
   void run_retract(bool in, bool swap = false);
   void queue_return(const double* to);
   void select_tool(const Word& word);
+  bool arc_in_range(const double* start, int u, int v, GcodeError& error) const;
   bool next_chord();
   void emit_power(double power);
   void run_cycle(int code, const Word* first, const Word* last);

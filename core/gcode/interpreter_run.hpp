@@ -563,6 +563,8 @@ inline void Interpreter::run_arc(bool clockwise, const double* value, uint32_t h
     note_clamp(j, meant(j), limit);
     cut |= uint8_t(1u << j);
   }
+  const double due[3] = {due_[kX], due_[kY], due_[kZ]};
+  const uint8_t cut_before = cut_;
   if (!target(value, axes, relative(), offset_letters(axes, true))) return;
   cut |= cut_;
   const bool whole = (cut & (1u << u | 1u << v)) == 0;  // both ends are where the program means
@@ -571,6 +573,9 @@ inline void Interpreter::run_arc(bool clockwise, const double* value, uint32_t h
   auto none = [&](Fault fault, const std::string& word, double value, double limit) {
     arc_ = Arc();
     logical_e_ = e_before;
+    hop_ = arc_hop_;
+    cut_ = cut_before;
+    owe(due);
     fail(fault, word, value, limit);
   };
   auto straight = [&] {
@@ -605,6 +610,9 @@ inline void Interpreter::run_arc(bool clockwise, const double* value, uint32_t h
     return straight();
   }
   if (whole && !arc_.round()) return none(Fault::radii, "", arc_.start_radius(), arc_.end_radius());
+  GcodeError out;
+  if (!clamp && !arc_in_range(start, u, v, out))
+    return none(out.fault, out.word, out.value, out.limit);
   ++arcs_;
   arc_move_ = move_;
   arc_move_.feed_mm_s = feed;
@@ -614,6 +622,34 @@ inline void Interpreter::run_arc(bool clockwise, const double* value, uint32_t h
   arc_move_.arc_axis = arc_.axis();
   stamp(arc_move_);
   queue_offset(start, feed);
+}
+
+// Whether no chord of the arc, which begins at `start`, ends beyond a limit of the slots of its
+// plane, where target() has looked at its ends alone; else fills `error` with how far it goes.
+inline bool Interpreter::arc_in_range(const double* start, int u, int v, GcodeError& error) const {
+  auto hop = [this](int j) { return j == kZ ? arc_hop_ : 0; };
+  auto round = [&](int j) {
+    return arc_.lowest(j) - hop(j) >= low_[j] && arc_.highest(j) - hop(j) <= high_[j];
+  };
+  if (round(u) && round(v)) return true;
+  int out = -1;
+  double from[3] = {start[kX], start[kY], start[kZ]}, to[kAxes];
+  for (Arc rest = arc_; rest.active(); std::copy(to, to + 3, from)) {
+    rest.next(to);
+    for (int j : {u, v}) {
+      const double at = to[j] - hop(j);
+      if (hop(j) > 0) to[j] = std::min(to[j], high_[j]);
+      if (!beyond(j, at, from[j]) || (out >= 0 && out != j)) continue;
+      const double limit = at < low_[j] ? low_[j] : high_[j];
+      if (out == j && std::fabs(at - limit) <= std::fabs(error.value - error.limit)) continue;
+      out = j;
+      error.fault = Fault::out_of_range;
+      error.word = axis_name(j);
+      error.value = at;
+      error.limit = limit;
+    }
+  }
+  return out < 0;
 }
 
 inline bool Interpreter::next_chord() {

@@ -267,7 +267,7 @@ class Job {
     }
     bool travels = m.kind != MoveKind::dwell && m.kind != MoveKind::extrude;
     bool sound = !too_long(m);
-    if (sound && travels && motion.planner().constraints().checks_reach() && !reach(m) &&
+    if (sound && travels && motion.planner().constraints().checks_reach() && !reach_all(m) &&
         !(m.hop_mm > 0 && reach_without_hop(m))) {
       sound = interpreter.clamp;
       if (sound) {
@@ -291,7 +291,23 @@ class Job {
     const double mm = std::exchange(m.hop_mm, 0);
     m.target[kZ] -= mm;
     interpreter.drop_hop(mm);
-    return reach(m);
+    return reach_all(m);
+  }
+  // Whether a move, and the whole arc that it begins or leads to, is within reach: none is half
+  // done. Where moves are left out, only the move.
+  bool reach_all(const MoveRequest& m) {
+    const Arc& arc = interpreter.arc();
+    if (m.radius_mm < kInfinity && arc.reached()) return true;
+    if (!reach(m)) return false;
+    if (interpreter.clamp || !arc.active()) return true;
+    double from[kAxes], to[kAxes];
+    std::copy_n(m.target, kAxes, from);
+    for (Arc rest = arc; rest.active(); std::copy_n(to, kAxes, from)) {
+      interpreter.take_chord(rest, to);
+      if (!reach(from, to, m.line)) return false;
+    }
+    interpreter.note_arc_reached();
+    return true;
   }
   double way_mm(const MoveRequest& m) const {
     double mm = 0;
@@ -360,35 +376,34 @@ class Job {
   }
 
   // Whether every actuator reaches the whole line, and without a jump; else fills error_.
-  bool reach(const MoveRequest& m) {
-    const double* from = at_;
+  bool reach(const MoveRequest& m) { return reach(at_, m.target, m.line); }
+  bool reach(const double* from, const double* to, uint32_t line) {
     const Geometry& geometry = *motion.machine().geometry;
     double mm = 0, p[3];
-    for (int j = 0; j < 3; ++j) mm += (m.target[j] - from[j]) * (m.target[j] - from[j]);
+    for (int j = 0; j < 3; ++j) mm += (to[j] - from[j]) * (to[j] - from[j]);
     mm = std::sqrt(mm);
     int n = std::min(1 + int(mm / kCheckEvery), 4096);
-    const Sampling sampling(geometry, from, m.target, mm, n);
+    const Sampling sampling(geometry, from, to, mm, n);
     auto reaches = [&](double at) {
-      for (int j = 0; j < 3; ++j) p[j] = from[j] + (m.target[j] - from[j]) * at;
-      return reach_point(p, m.line, from);
+      for (int j = 0; j < 3; ++j) p[j] = from[j] + (to[j] - from[j]) * at;
+      return reach_point(p, line, from);
     };
     for (int i = 1; i <= n; ++i) {
       if (!sampling.before(i, reaches)) return false;
-      for (int j = 0; j < 3; ++j)
-        p[j] = i == n ? m.target[j] : from[j] + (m.target[j] - from[j]) * i / n;
-      if (!reach_point(p, m.line, from)) return false;
+      for (int j = 0; j < 3; ++j) p[j] = i == n ? to[j] : from[j] + (to[j] - from[j]) * i / n;
+      if (!reach_point(p, line, from)) return false;
     }
-    return !geometry.jumps(from, m.target) || stop_at_jump(from, m);
+    return !geometry.jumps(from, to) || stop_at_jump(from, to, line);
   }
   // Finds the place. Always false.
-  bool stop_at_jump(const double* from, const MoveRequest& m) {
+  bool stop_at_jump(const double* from, const double* to, uint32_t line) {
     double low = 0, high = 1, p[3];
     for (int k = 0; k < 48; ++k) {
       double middle = 0.5 * (low + high);
-      for (int j = 0; j < 3; ++j) p[j] = from[j] + (m.target[j] - from[j]) * middle;
+      for (int j = 0; j < 3; ++j) p[j] = from[j] + (to[j] - from[j]) * middle;
       (motion.machine().geometry->jumps(from, p) ? high : low) = middle;
     }
-    error_ = {m.line, Fault::unreachable, "", 0, 0, {p[0], p[1], p[2]}};
+    error_ = {line, Fault::unreachable, "", 0, 0, {p[0], p[1], p[2]}};
     return false;
   }
   // An actuator that is beyond its limit at `from`, as home offsets may put it, may only go back.

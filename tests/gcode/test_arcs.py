@@ -222,16 +222,122 @@ def test_no_axis_is_pulled_to_the_centre_of_an_arc_harder_than_it_may(plane, alo
     assert max(pulls) == pytest.approx(100.0, rel=1e-3)  # Z's acceleration, mm/s²
 
 
-@pytest.mark.parametrize("line", ["G2 X10 Y10 I-8 J-8 E5", "G2 X10 Y10 I0 J-100 E5"])
-def test_of_an_arc_that_leaves_the_limits_the_filament_counts_that_has_moved(line):
-    job = Job(spec("i3"), True)
-    job.feed(f"G1 X10 Y10 E1 F3000\n{line}\n".encode())
-    assert job.advance() == JobStatus.ERROR
-    assert job.error[1] == Fault.OUT_OF_RANGE
-    job.abandon()
-    e = job.machine_position[3]
-    assert 1 < e < 2
-    assert job.program_position[3] == pytest.approx(e, abs=1e-12)
+def before_and_after(machine, before, line):
+    """A job after these lines and after one more that is refused: its error, and where machine and
+    program are before and after it, with the moves that it has made."""
+    job = Job(spec(machine) if isinstance(machine, str) else machine, True)
+    job.keep_moves(True)
+    states = []
+    for text in (before, line):
+        job.feed(f"{text}\n".encode())
+        while (found := job.advance()) == JobStatus.EVENT:
+            pass
+        if found == JobStatus.ERROR:
+            job.abandon()
+        job.flush()
+        made = len(job.take_moves())
+        states.append((job.machine_position, job.program_position, job.clock))
+    assert found == JobStatus.ERROR
+    return job, made, *states
+
+
+def assert_same(was, then):
+    for a, b in zip(was[:2], then[:2], strict=True):
+        assert a == pytest.approx(b, abs=1e-12)
+    assert was[2] == then[2]
+
+
+@pytest.mark.parametrize(
+    ("before", "line", "axis", "farthest"),
+    [
+        ("G1 X50 Y50", "G2 X0 Y0 R40 E10", "y", -1.77),
+        ("G1 X50 Y50", "G3 X100 Y50 R-30 P1 E10", "", 0),
+        ("G1 X10 Y10", "G2 X10 Y10 I-8 J-8 E5", "y", -9.31),
+        ("G1 X10 Y10", "G2 X10 Y10 I0 J-100 E5", "y", -190),
+        ("G1 X10 Y10", "G3 I-8 P9 Z5 E5", "x", -6),
+        ("G1 X240 Y10 Z5", "G2 X240 Y30 Z8 J10 E3", "", 0),
+        ("G1 X245 Y10 Z5", "G3 X245 Y30 Z8 J10 E3", "x", 255),
+        ("G1 X100 Y210", "G2 X120 I10 E1", "", 0),
+        ("G1 X100 Y211", "G2 X120 I10 E1", "y", 221),
+        ("G1 X100 Y10 G91", "G3 X20 Y0 I10 J0 E1", "", 0),
+        ("G1 X100 Y9.9 G91", "G3 X20 Y0 I10 J0 E1", "y", -0.1),
+        ("G1 X100 Z9.9 G18", "G2 X120 I10 K0 E1", "z", -0.1),
+        ("G1 X100 Z5 G18", "G3 X100 Y50 I10 K-2 E1", "z", -7.2),
+        ("G1 X9 Z50 G18", "G3 Z70 K10 E1", "x", -1),
+        ("G1 Y9 Z50 G19", "G2 Z70 K10 E1", "y", -1),
+        ("G1 Y100 Z4 G19", "G3 X30 J5 E1", "z", -1),
+        ("G1 Y100 Z4 G19", "G2 Y100 Z4 J2 K2 E1", "", 0),
+        ("G1 X50 Y20 G92 X0 Y0", "G3 X20 I10 E1", "", 0),
+        ("G1 X50 Y9 G92 X0 Y0", "G3 X20 I10 E1", "y", -1),
+        ("G20 G1 X4 Y.3", "G3 X5 I.5 E.1", "y", -5.08),
+        ("M207 S1 Z1\nG1 X100 Z9.9\nG10\nG18", "G2 X120 I10 K0", "z", -0.1),
+    ],
+)
+def test_an_arc_beyond_the_limits_is_refused_before_it_moves(before, line, axis, farthest):
+    before = f"M83\n{before.replace(' G', chr(10) + 'G')} F6000"
+    if not axis:
+        assert run(f"{before}\n{line}\n").errors == []
+        return
+    job, made, was, then = before_and_after("i3", before, f"{line} F1200")
+    number, fault, name, value, limit = job.error[:5]
+    assert (number, fault, name) == (before.count("\n") + 2, Fault.OUT_OF_RANGE, axis)
+    assert value == pytest.approx(farthest, abs=0.01)
+    assert limit in (0, 220, 250)
+    assert made == 0
+    assert_same(was, then)
+    job.feed(b"G90\nG17\nG21\nG1 X60\n")
+    assert job.advance() == JobStatus.NEED_INPUT
+    job.flush()
+    assert [m.cruise_speed for m in job.take_moves()] == [
+        pytest.approx(20 if "G20" not in before else 300)
+    ]
+
+
+@pytest.mark.parametrize(
+    "line", ["G1 Y50\nG2 X7.8 Y50 I5 E1", "G1 Y50\nG2 X-2.2 Y50 I-1.1", "G3 X.3 Y2.5 J2.5"]
+)
+def test_an_arc_from_an_endstop_beyond_the_limit_leads_back_only(line):
+    job = Job(spec("i3"), False)
+    job.set_axes([(0, -2.2)])
+    job.feed(f"M83\n{line}\n".encode())
+    found = job.advance()
+    if "I-1.1" in line:
+        assert job.error[1:4] == (Fault.OUT_OF_RANGE, "x", pytest.approx(-4.4, abs=0.01))
+    else:
+        assert found == JobStatus.NEED_INPUT
+
+
+@pytest.mark.parametrize(
+    ("machine", "before", "line", "fault"),
+    [
+        ("delta", "G1 X0 Y0 Z20\nG1 X10", "G2 X10 I21 J33 E1", Fault.UNREACHABLE),
+        ("delta", "G1 X0 Y0 Z158", "G18\nG3 X40 I20 K0 E1", Fault.ACTUATOR),
+        ("scara", "G1 X100 Y200 Z5", "G2 X100 Y200 J30 E1", Fault.UNREACHABLE),
+        ("scara", "G1 X100 Y40 Z5", "G3 X100 Y40 J-49 E1", Fault.ACTUATOR),
+        ("rotary-delta", "G1 X0 Y40 Z5", "G2 X0 Y40 J30 E1", Fault.ACTUATOR),
+    ],
+)
+def test_an_arc_beyond_reach_is_refused_before_it_moves(machine, before, line, fault):
+    *modes, line = line.split("\n")
+    wide = [axis | {"min": -300, "max": 300} for axis in spec(machine)["axes"]]
+    job, made, was, then = before_and_after(
+        spec(machine) | {"axes": wide}, "\n".join(["M83", before, *modes, "G1 F3000"]), line
+    )
+    assert job.error[1] == fault
+    assert made == 0
+    assert_same(was, then)
+
+
+def test_of_an_arc_beyond_the_limits_the_offset_of_a_tool_stays_due():
+    """The travel to the arc's begin with the new tool is not made, but by the next move."""
+    before = "M83\nG1 X60 Y50 F6000\nT1"
+    job, made, was, then = before_and_after("dual-extruder", before, "G2 X60 I-40 E1")
+    assert job.error[1:3] == (Fault.OUT_OF_RANGE, "x")
+    assert made == 0
+    assert_same(was, then)
+    job.feed(b"G1 Y60\n")
+    job.advance()
+    assert job.machine_position[:2] == [35, 60]
 
 
 def test_of_an_arc_that_is_stopped_the_filament_counts_that_has_moved():

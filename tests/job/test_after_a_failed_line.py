@@ -33,8 +33,11 @@ WAY = [f"G1 X{i} E0.1 F3000" for i in range(1, 31)]
     [
         ("i3", "G1 E10001"),
         ("i3", "G1 X990"),
+        ("i3", "G2 I20 J0 E5"),  # a whole circle, the half of it before Y 0
+        ("delta", "G3 I18 J33 E1"),  # between the soft limits, beyond the limit radius
         ("delta", "G1 X-60 Y-60 Z190 F9000"),  # beyond a motor's limit on its way
         ("scara", "G1 X-200 Y-200"),
+        ("scara", "G2 J60 E1"),
     ],
 )
 def test_what_follows_a_move_that_is_refused_is_printed(tmp_path, machine, bad):

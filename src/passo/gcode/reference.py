@@ -69,6 +69,9 @@ two left out), or whose radius (R) is smaller than half of that way, is a straig
 Z and F: ArcWelder writes such arcs. Longer ones are errors, and so are arcs without I, J, K and R,
 and those with R that end where they begin.
 
+An arc that leaves the soft limits or the reach of the machine on its way is refused before it
+moves, with nothing extruded.
+
 ## Offsets of tools
 
 A change of tools moves nothing. The first move after it that names an axis other than those of
