@@ -79,7 +79,7 @@ Table statistics(JobView& self) {
   d["travel_mm"] = plan.travel_mm;
   d["print_mm"] = plan.print_mm;
   d["filament_mm"] = plan.filament_mm;
-  d["layers"] = job.interpreter.layers();
+  d["layers"] = job.interpreter.layers.count();
   d["layer_s"] = plan.layer_s;
   const auto& names = job.motion.planner().constraints().names;
   for (size_t i = 0; i < plan.limit_s.size(); ++i)
@@ -577,7 +577,7 @@ void bind_job(nb::module_& m) {
           "commands", [](JobView& self) { return self.job.interpreter.commands(); },
           "How many were read, unknown ones too.")
       .def_prop_ro("line", [](JobView& self) { return self.job.interpreter.line(); })
-      .def_prop_ro("layer", [](JobView& self) { return self.job.interpreter.layers(); })
+      .def_prop_ro("layer", [](JobView& self) { return self.job.interpreter.layers.count(); })
       .def_prop_ro("tool", [](JobView& self) { return self.job.interpreter.tool(); })
       .def_prop_ro(
           "messages",
@@ -660,11 +660,13 @@ void bind_job(nb::module_& m) {
           "(line, text, fault) of each M98 that cannot be carried out, once it is finished.")
       .def_prop_ro("moves", &Survey::moves, "The program moves the machine.");
   job.def(
-         "use_subprograms",
+         "use_survey",
          [](JobView& self, const Survey& survey) {
            self.job.interpreter.subprograms = survey.subprograms();
+           self.job.interpreter.layers.expect(survey.layer_mark());
          },
-         "survey"_a, "The sub-programs that M98 calls: those of a program that was surveyed.")
+         "survey"_a,
+         "Of the program that it reads next: its sub-programs, and the comments that mark layers.")
       .def_prop_ro(
           "calls",
           [](JobView& self) {

@@ -16,6 +16,7 @@
 #include "gcode/arc.hpp"
 #include "gcode/cycle.hpp"
 #include "gcode/exponents.hpp"
+#include "gcode/layers.hpp"
 #include "gcode/lexer.hpp"
 #include "gcode/parse_result.hpp"
 #include "gcode/subprograms.hpp"
@@ -33,6 +34,7 @@ class Interpreter {
   std::shared_ptr<const Subprograms> subprograms;  // of the program; null: M98 is an error
   bool ignore_calls = false;                       // of sub-programs that are missing: events
   bool calls_are_events = false;                   // M98 and M99 are not carried out
+  LayerCounter layers;                             // of the program
 
   Interpreter(const Machine& machine, std::vector<double> home, const LaserWords& laser)
       : machine_(&machine), home_(std::move(home)), laser_(laser),
@@ -70,11 +72,7 @@ class Interpreter {
   void restart(uint32_t first = 1) {
     sources_[source_] = Lines(first);
     if (!source_) frames_.clear();
-    if (first == 1) {
-      marked_layers_ = 0;
-      risen_layers_ = 0;
-      highest_ = -kInfinity;
-    }
+    if (first == 1) layers = LayerCounter();
     dark();
   }
   // No move gets a laser's energy any more that does not ask for it again.
@@ -262,7 +260,6 @@ class Interpreter {
     GcodeError first;
   };
   const Clamped& clamped(int j) const { return clamped_[j]; }
-  int layers() const { return marked_layers_ > 0 ? marked_layers_ : int(risen_layers_); }
   const std::vector<std::string>& features() const { return features_; }
   const double* position() const { return position_; }
   size_t extruder() const { return active_; }
@@ -402,9 +399,6 @@ class Interpreter {
   uint8_t locked_ = 0;  // a bit for each axis slot
   double hop_ = 0;      // mm by which Z is above what the program means
   Retraction retraction_;
-  int marked_layers_ = 0;
-  uint32_t risen_layers_ = 0;
-  double highest_ = -kInfinity;
   uint16_t feature_ = 0;
   std::vector<std::string> features_;
   uint64_t arcs_ = 0;
@@ -449,8 +443,7 @@ class Interpreter {
   void stamp(MoveRequest& m) const {
     m.line = source_ ? 0 : lines().number();
     m.main_line = source_ ? 0 : sources_[0].number();
-    m.layer =
-        uint16_t(std::min(marked_layers_ > 0 ? uint32_t(marked_layers_) : risen_layers_, 65535u));
+    m.layer = uint16_t(std::min(layers.count(), 65535u));
     m.feature = feature_;
   }
   const std::string& axis_name(int j) const {
@@ -675,12 +668,12 @@ class Interpreter {
     }
     if (!travels && !forward && !back) return false;
     m.kind = !travels ? MoveKind::extrude : forward ? MoveKind::print : MoveKind::travel;
-    if (m.kind == MoveKind::print && m.target[kZ] > highest_ + 1e-6) {
-      highest_ = m.target[kZ];
-      ++risen_layers_;
+    if (m.kind == MoveKind::print &&
+        (m.target[kX] != position_[kX] || m.target[kY] != position_[kY])) {
+      const double program_z = tool_offset(kZ) - m.hop_mm;  // from the machine's
+      layers.extrude(position_[kZ] + program_z, m.target[kZ] + program_z);
     }
-    m.layer =
-        uint16_t(std::min(marked_layers_ > 0 ? uint32_t(marked_layers_) : risen_layers_, 65535u));
+    m.layer = uint16_t(std::min(layers.count(), 65535u));
     m.feature = feature_;
     m.extruder = uint16_t(active_);
     m.tool = uint16_t(tool_);

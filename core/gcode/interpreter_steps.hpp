@@ -196,12 +196,10 @@ inline void Interpreter::shine(MoveRequest& m) const {
 
 // Layers and features, as slicers tell them.
 inline void Interpreter::comment(std::string_view text) {
-  auto starts = [&](std::string_view s) { return text.substr(0, s.size()) == s; };
-  if (starts("LAYER:") || starts("LAYER_CHANGE") || starts(" layer ") ||
-      starts("BEFORE_LAYER_CHANGE")) {
-    if (!starts("BEFORE_LAYER_CHANGE")) ++marked_layers_;
-  } else if (starts("TYPE:")) {
-    text.remove_prefix(5);
+  layers.comment(text);
+  constexpr std::string_view kType = "TYPE:";
+  if (text.substr(0, kType.size()) == kType) {
+    text.remove_prefix(kType.size());
     while (!text.empty() && std::isspace(uint8_t(text.back()))) text.remove_suffix(1);
     std::string name = readable(text);
     auto at = std::find(features_.begin(), features_.end(), name);

@@ -52,6 +52,7 @@ class Survey {
   // The program moves the machine.
   bool moves() const { return moves_; }
   std::shared_ptr<const Subprograms> subprograms() const { return subprograms_; }
+  LayerMark layer_mark() const { return layer_marks_.kind(); }
 
  private:
   struct Note {
@@ -68,6 +69,7 @@ class Survey {
   Lines lines_;
   bool ended_ = false;  // the main program: by M2, M30 or M99
   bool moves_ = false;
+  LayerMarks layer_marks_;
   std::string text_;  // behind that
   std::shared_ptr<Subprograms> subprograms_ = std::make_shared<Subprograms>();
   std::vector<size_t> part_of_label_;
@@ -81,9 +83,13 @@ class Survey {
     return end - p >= 3 && p[0] == 'G' && p[1] >= '0' && p[1] <= '3' && p[2] == ' ';
   }
   // A line that is a comment, or one straight move or arc and nothing else.
-  static bool plain(const char* p, const char* end) {
+  bool plain(const char* p, const char* end) {
     while (p < end && (*p == ' ' || *p == '\t')) ++p;
-    if (p == end || *p == ';') return true;
+    if (p == end) return true;
+    if (*p == ';') {
+      layer_marks_.comment(std::string_view(p + 1, size_t(end - p - 1)));
+      return true;
+    }
     if (!is_move(p, end)) return false;
     for (p += 3; p < end && *p != ';'; ++p)
       if (uint8_t(*p) >= 'a' || *p == '*' || *p == '(' || *p == 'G' || *p == 'M' || *p == 'T' ||

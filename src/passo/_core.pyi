@@ -1703,8 +1703,10 @@ class Job:
         Changes an axis' `speed`, `accel` or `jerk`, never beyond the machine's own, as set_limit.
         """
 
-    def use_subprograms(self, survey: Survey) -> None:
-        """The sub-programs that M98 calls: those of a program that was surveyed."""
+    def use_survey(self, survey: Survey) -> None:
+        """
+        Of the program that it reads next: its sub-programs, and the comments that mark layers.
+        """
 
     @property
     def calls(self) -> bool:

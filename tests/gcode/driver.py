@@ -65,7 +65,7 @@ def run(
         survey = Survey(spec(machine) if isinstance(machine, str) else machine)
         survey.feed(data)
         survey.finish()
-        job.use_subprograms(survey)
+        job.use_survey(survey)
     if isinstance(data, bytes):
         data = [data[i : i + chunk] for i in range(0, len(data), chunk)] if chunk else [data]
     for piece in data:

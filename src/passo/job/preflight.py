@@ -65,7 +65,7 @@ def prepare(job: _core.Job, found: _core.Survey, file: str, skips: Skips) -> lis
     """Gives a job the sub-programs of the program that it is to read. Returns what a print of this
     program must not leave out, in the order of its lines. Nothing for a text without any command
     that is known: reading it says so."""
-    job.use_subprograms(found)
+    job.use_survey(found)
     job.ignore_calls = skips.unknown
     commands = [Command(*row) for row in found.commands]
     if not found.moves and not any(c.letter == "T" or row_of(c.code) for c in commands):
