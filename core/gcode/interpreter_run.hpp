@@ -65,13 +65,15 @@ inline void Interpreter::run_line(const char* p, const char* end) {
         for (size_t i = 0; i < star; ++i) sum ^= uint8_t(text[i]);
         const char* s = text.data() + star + 1;
         double given;
-        if (!read_number(s, text.data() + text.size(), given) || given != sum)
+        if (read_number(s, text.data() + text.size(), given) && given == sum && nothing_left(s)) {
+          heard_.checked |= listening();
+          text.resize(star);
+          q = text.data();
+          after = q + 1;
+          read_number(after, q + text.size(), number);
+        } else if (!takes_text(after)) {
           return fail(Fault::checksum, text.substr(star), sum, 0);
-        heard_.checked |= listening();
-        text.resize(star);
-        q = text.data();
-        after = q + 1;
-        read_number(after, q + text.size(), number);
+        }
       }
       if (listening()) heard_.number.assign(q + 1, after);
       text.erase(0, size_t(after - q));

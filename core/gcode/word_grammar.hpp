@@ -17,6 +17,17 @@ inline bool text_command(const Word& w) {  // its argument is free text, not wor
          n == 550 || n == 587 || n == 600 || n == 862 || n == 928;
 }
 
+// Whether a line that goes on so begins with a command that takes a text.
+inline bool takes_text(const char* line) {
+  std::vector<Word> words;
+  split_words(line, words);
+  if (words.empty()) return false;
+  const char* second = line + words[0].begin + 1;
+  const bool name = std::isalpha(uint8_t(second[-1])) != 0 &&
+                    (std::isalpha(uint8_t(*second)) != 0 || *second == '_');
+  return name || (words[0].number && text_command(words[0]));
+}
+
 // The number of a command, and its decimal, where it has one.
 inline std::pair<int, int> code_of(const Word& w) {
   if (!w.number || std::fabs(w.value) > kLargestWord) return {-1, 0};
@@ -29,12 +40,12 @@ inline bool wordless(const Word& w) {
   if (text_command(w)) return true;
   const auto [n, minor] = code_of(w);
   if (w.letter == 'G') return minor == 0 && (n == 12 || n == 27 || (n >= 29 && n <= 32));
-  return n == 29 || n == 33 || n == 34 || n == 48 || (n >= 75 && n <= 77) || n == 99 || n == 111 ||
-         n == 125 || n == 142 || n == 150 || (n >= 163 && n <= 166) || n == 192 || n == 202 ||
-         n == 222 || n == 240 || n == 250 || n == 280 || n == 281 || n == 351 || n == 355 ||
-         n == 401 || n == 402 || (n >= 404 && n <= 407) || n == 420 || n == 421 || n == 428 ||
-         n == 512 || n == 531 || n == 561 || n == 595 || n == 604 || n == 605 || n == 666 ||
-         n == 800 || n == 851 || n == 908 || n == 925 || n == 926;
+  return n == 29 || n == 33 || n == 34 || n == 48 || (n >= 75 && n <= 77) || n == 99 || n == 110 ||
+         n == 111 || n == 125 || n == 142 || n == 150 || (n >= 163 && n <= 166) || n == 192 ||
+         n == 202 || n == 222 || n == 240 || n == 250 || n == 280 || n == 281 || n == 351 ||
+         n == 355 || n == 401 || n == 402 || (n >= 404 && n <= 407) || n == 420 || n == 421 ||
+         n == 428 || n == 512 || n == 531 || n == 561 || n == 595 || n == 604 || n == 605 ||
+         n == 666 || n == 800 || n == 851 || n == 908 || n == 925 || n == 926;
 }
 
 // Commands, other than moves, that have a word E; the dialect table says the same.

@@ -64,6 +64,12 @@ inline size_t last_star(std::string_view text) {
   return star;
 }
 
+// Whether nothing but a comment follows.
+inline bool nothing_left(const char* p) {
+  while (*p == ' ' || *p == '\t') ++p;
+  return *p == 0 || *p == ';' || *p == '(';
+}
+
 // Comments in parentheses become blanks, what follows ';' goes. `comment` is the text behind ';'.
 inline void strip_comments(std::string& text, std::string& comment) {
   comment.clear();

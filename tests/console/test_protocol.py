@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from passo.gcode import line_protocol
 from passo.gcode.line_protocol import LONGEST, Line, LineProtocol, Refusal
 
 # Words by which OctoPrint knows that a resend follows and does not disconnect.
@@ -50,25 +51,23 @@ def test_numbered_lines_are_taken_in_their_order(protocol):
 @pytest.mark.parametrize(
     ("line", "reason"),
     [
-        (numbered(5, "G1 X1")[:-1] + "9", "checksum mismatch, Last Line: 3"),
-        ("N4 G1 X1", "No Checksum with line number, Last Line: 3"),
-        (numbered(5, "G1 X1"), "Line Number is not Last Line Number+1, Last Line: 3"),
-        (numbered(2, "G1 X1"), "Line Number is not Last Line Number+1, Last Line: 3"),
-        (
-            numbered(4, "G1 X1" + " " * LONGEST),
-            f"format error: line longer than {LONGEST} characters, Last Line: 3",
-        ),
+        (numbered(5, "G1 X1")[:-1] + "9", "checksum mismatch"),
+        ("N4 G1 X1", "No Checksum with line number"),
+        (numbered(5, "G1 X1"), "Line Number is not Last Line Number+1"),
+        (numbered(2, "G1 X1"), "Line Number is not Last Line Number+1"),
+        (numbered(4, "G1 X1" + " " * LONGEST)[:-1] + "x", "No Checksum with line number"),
+        (numbered(4, "M486 A" + "x" * LONGEST).replace("xx", "xy", 1), "checksum mismatch"),
         # A damaged N: in a stream with numbers nothing with a checksum comes without one.
-        ("O" + numbered(4, "G1 X1")[1:], "checksum mismatch, Last Line: 3"),
-        ("N", "checksum mismatch, Last Line: 3"),  # torn off by a line end that nobody sent
-        ("73", "checksum mismatch, Last Line: 3"),
-        (numbered(4, "G1 X1") + numbered(5, "G1 X2"), "checksum mismatch, Last Line: 3"),
+        ("O" + numbered(4, "G1 X1")[1:], "checksum mismatch"),
+        ("N", "checksum mismatch"),  # torn off by a line end that nobody sent
+        ("73", "checksum mismatch"),
+        (numbered(4, "G1 X1") + numbered(5, "G1 X2"), "checksum mismatch"),
     ],
 )
 def test_a_damaged_line_is_asked_for_again(protocol, line, reason):
     fed(protocol, numbered(0, "M110 N3"))
     (refusal,) = fed(protocol, line)
-    assert refusal[:2] == Refusal(reason, 4)[:2]
+    assert refusal[:2] == (f"{reason}, Last Line: 3", 4)
     assert COMMUNICATION.search(reason)
     assert fed(protocol, numbered(4, "G1 X1")) == [Line("G1 X1", 4)]
 
@@ -87,6 +86,11 @@ def test_a_damaged_line_is_asked_for_again(protocol, line, reason):
         ("M110", 77),
         ("M1100 N3", 77),
         (checked("M110 N-1"), -1),
+        ("M110 N2147483646", 2147483646),
+        (numbered(1, "M110 N2147483646"), 2147483646),
+        (numbered(3_000_000_000, "M110"), 3_000_000_000),
+        ("M110 N999999999999999998", 999_999_999_999_999_998),
+        ("M110 N00000000000000000000012", 12),
     ],
 )
 def test_m110_sets_the_number_of_the_last_line(protocol, line, last):
@@ -94,6 +98,86 @@ def test_m110_sets_the_number_of_the_last_line(protocol, line, last):
     assert isinstance(fed(protocol, line)[0], Line)
     assert protocol.last == last
     assert fed(protocol, numbered(last + 1, "G28")) == [Line("G28", last + 1)]
+
+
+@pytest.mark.parametrize("line", ["M110 N1234567890123456789", numbered(1, "M110 L" + "9" * 5000)])
+def test_a_line_number_of_too_many_digits_sets_nothing(protocol, line):
+    (refusal,) = fed(protocol, line)
+    assert "the line number has more than 18 digits" in refusal.reason
+    assert (refusal.resend, protocol.last) == (None, 0)
+
+
+def of_size(number, text, size):
+    """A numbered line of so many bytes."""
+    for end in "xyz123":
+        for count in (2, 3, 4):
+            line = numbered(number, text.ljust(size - count - len(f"N{number} "), end))
+            if len(line) == size:
+                return line
+    raise AssertionError(size)
+
+
+@pytest.mark.parametrize("size", [4097, 5000, LONGEST - 1, LONGEST])
+def test_a_long_line_is_taken(protocol, size):
+    line = of_size(1, "EXCLUDE_OBJECT_DEFINE NAME=ring POLYGON=[[100.5,50.25],[10,20]] ", size)
+    assert fed(protocol, line, numbered(2, "G1 X1")) == [
+        Line(line[3 : line.rindex("*")], 1),
+        Line("G1 X1", 2),
+    ]
+
+
+@pytest.mark.parametrize("over", [1, 2, 3, 15, 16, 17, 40, 3 * LONGEST])
+def test_a_line_beyond_all_limits_is_left_out_and_counted(protocol, over):
+    line = of_size(1, "M486 A", LONGEST + over)
+    refusal, following = fed(protocol, line, numbered(2, "G1 X1"))
+    assert refusal.reason == f"line 1 is longer than {LONGEST} characters and is left out"
+    assert (refusal.resend, refusal.lost) == (None, True)
+    assert following == Line("G1 X1", 2)
+    (again,) = fed(protocol, line)  # out of its order, but known
+    assert again == Refusal("line 1 has come already", None)
+
+
+@pytest.mark.parametrize(
+    "line", [numbered(1, "G1 X1 ;" + "c" * LONGEST), "G1 X1 ;" + "c" * LONGEST]
+)
+def test_a_comment_may_be_of_any_length(protocol, line):
+    assert [found.text for found in fed(protocol, line)] == ["G1 X1"]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "M486 S0 Aspanner 13*10.stl",
+        "M486 Aspanner 13*10",
+        "M486 S0 A2*3",
+        "M117 3*4",
+        "M0 screw M3*10",
+        "M23 plate 2*3",
+        "EXCLUDE_OBJECT_START NAME=plate_2*3",
+        "PRINT_START PART=2*3",
+    ],
+)
+@pytest.mark.parametrize("before", [[], [numbered(1, "G28")]])
+def test_a_star_in_a_text_is_no_checksum(protocol, text, before):
+    fed(protocol, *before)
+    (found,) = fed(protocol, text)
+    # Amid numbered lines a file's name or a message may be what is left of one.
+    damaged = bool(before) and text.startswith(("M0", "M23"))
+    assert found == (Line(text) if not damaged else Refusal("checksum mismatch, Last Line: 1", 2))
+
+
+@pytest.mark.parametrize("text", ["G1 X10*3", "M104 S200*1", "X10*3", "T1*3"])
+def test_a_wrong_checksum_of_words_is_asked_for_again(protocol, text):
+    assert fed(protocol, text) == [Refusal("checksum mismatch, Last Line: 0", 1)]
+
+
+def test_the_checksum_of_a_label_with_a_star_is_the_last_one(protocol):
+    assert fed(protocol, numbered(1, "M486 Aspanner 13*10")) == [Line("M486 Aspanner 13*10", 1)]
+    assert fed(protocol, checked("M486 Aspanner 13*10")) == [
+        Refusal("checksum mismatch, Last Line: 1", 2)
+    ]
+    protocol = LineProtocol()
+    assert fed(protocol, checked("M486 Aspanner 13*10")) == [Line("M486 Aspanner 13*10")]
 
 
 def test_bare_lines_between_numbered_ones_change_no_count(protocol):
@@ -164,16 +248,25 @@ def test_a_line_without_end_takes_no_memory(protocol):
     tracemalloc.stop()
     assert most < 1 << 20
     assert fed(protocol, "", "M105") == [
-        Refusal(f"format error: line longer than {LONGEST} characters", None, lost=True),
+        Refusal(
+            f"this line is longer than {LONGEST} characters and is left out",
+            None,
+            "x" * LONGEST,
+            lost=True,
+        ),
         Line("M105"),
     ]
 
 
+SHORT = 300  # in place of LONGEST
 WILD = st.lists(
     st.one_of(
         st.binary(max_size=30),
-        st.sampled_from([b"\n", b"\r\n", b"N1 G1*", b"G28\n", b"x" * (LONGEST - 3), b"x" * 5]),
+        st.sampled_from([b"\n", b"\r\n", b"N1 G1*", b"G28\n", b"x" * (SHORT - 3), b"x" * 5]),
         st.builds(lambda n: (numbered(n, "G1 X1") + "\n").encode(), st.integers(-2, 4)),
+        st.builds(
+            lambda n: (numbered(1, "M486 A" + "z" * n) + "\n").encode(), st.integers(280, 320)
+        ),
         st.builds(lambda n: f"M110 N{n}\n".encode(), st.integers(-2, 4)),
     ),
     max_size=12,
@@ -184,12 +277,14 @@ WILD = st.lists(
 @given(WILD, st.randoms(use_true_random=False))
 def test_it_does_not_matter_how_the_bytes_are_cut(pieces, chance):
     data = b"".join(pieces)
-    at_once = LineProtocol().feed(data)
-    protocol, found = LineProtocol(), []
-    while data:
-        size = chance.choice((1, 2, 7, 64, LONGEST))
-        found += protocol.feed(data[:size])
-        data = data[size:]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(line_protocol, "LONGEST", SHORT)
+        at_once = LineProtocol().feed(data)
+        protocol, found = LineProtocol(), []
+        while data:
+            size = chance.choice((1, 2, 7, 64, SHORT))
+            found += protocol.feed(data[:size])
+            data = data[size:]
     assert found == at_once
 
 

@@ -1,6 +1,8 @@
 """What a console answers, and when; several consoles at one printer."""
 
 import re
+from functools import reduce
+from operator import xor
 
 import pytest
 from hypothesis import given, settings
@@ -142,6 +144,50 @@ def test_resends_are_asked_for(s):
     assert s.host.ok("N2 M105*37")[1] == "Resend: 1"
     assert s.host.ok("N1 M115*39")[-1] == "ok"
     assert s.host.ok("N1 M115*39") == ["echo:line 1 has come already", "ok"]
+
+
+def numbered(number, text):
+    """A line as hosts send it."""
+    line = f"N{number} {text}"
+    return f"{line}*{reduce(xor, line.encode())}"
+
+
+def test_a_long_outline_is_carried_out_and_counted(s):
+    outline = ",".join(f"[{100 + i / 10:.3f},{50 + i / 5:.3f}]" for i in range(400))
+    command = f"EXCLUDE_OBJECT_DEFINE NAME=ring CENTER=100,100 POLYGON=[{outline}]"
+    assert len(command) > 6000
+    assert s.host.ok("N0 M110 N0*125") == ["ok"]
+    assert not any("Resend" in line for line in s.host.ok(numbered(1, command)))
+    assert s.host.ok(numbered(2, "G92 X20")) == ["ok"]
+    assert s.host.ok(numbered(3, "M114"))[0].startswith("X:20.000")
+
+
+def test_a_line_beyond_all_limits_is_answered_once(s):
+    """It is left out; a print pauses where it is a move."""
+    left_out = "is longer than 65536 characters and is left out. Send shorter lines"
+    s.host.ok("N0 M110 N0*125")
+    assert s.host.ok(numbered(1, "M486 A" + "x" * 70_000)) == [f"echo:line 1 {left_out}", "ok"]
+    assert s.host.ok(numbered(2, "M105"))[0].startswith("ok T:")
+    assert s.host.ok(numbered(3, "G1 X" + "1" * 70_000)) == [
+        f"echo:line 3 {left_out}",
+        "// action:pause",
+        "ok",
+    ]
+    assert s.host.ok("M486 A" + "x" * 70_000) == [f"echo:this line {left_out}", "ok"]
+
+
+def test_line_numbers_of_more_than_thirty_bits(s):
+    assert s.host.ok("M110 N2147483646") == ["ok"]
+    assert s.host.ok(numbered(2147483647, "M115"))[-1] == "ok"
+    assert s.host.ok(numbered(9, "M110 N99999999999")) == ["ok"]
+    assert s.host.ok(numbered(100000000000, "M110")) == ["ok"]
+    assert s.host.ok(numbered(100000000001, "M31"))[-1] == "ok"
+
+
+def test_a_label_with_a_star_is_a_label(s):
+    for line in ("M486 S0 Aspanner 13*10.stl", "M486 S0 Aspanner 13*10"):
+        assert not any("checksum" in heard for heard in s.host.ok(line))
+    assert s.host.ok("M117 3*4") == ["// action:notification 3*4", "ok"]
 
 
 # -- time -----------------------------------------------------------------------------------------

@@ -418,7 +418,7 @@ async def test_a_client_that_sends_no_line_end_takes_no_memory(s):
         await asyncio.sleep(0)
     assert "T:" in (await second.ok("M105"))[-1]
     first.write(b"\nM118 done\n")
-    assert "echo:format error: line longer" in (await first.until("^done$"))[1]
+    assert "echo:this line is longer than 65536" in (await first.until("^done$"))[1]
     first.close()
     second.close()
 

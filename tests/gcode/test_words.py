@@ -52,6 +52,10 @@ def test_line_ends(end):
     ]
 
 
+def checked(line):
+    return f"{line}*{reduce(xor, line.encode())}"
+
+
 def test_checksums():
     good = "N3 T0*57\n"
     assert run(good).errors == []
@@ -69,8 +73,21 @@ def test_a_star_in_a_comment_begins_no_checksum(line):
     assert out.ends[:-1] == ([(5, 6, 0, 0)] if "Y6" in line else [])
 
 
+@pytest.mark.parametrize(
+    "text",
+    ["M486 S0 Aspanner 13*10.stl", "M486 Apart 13*10", "M117 3*4", "EXCLUDE_OBJECT_START NAME=a*2"],
+)
+def test_a_star_in_a_text_of_a_numbered_line_is_no_checksum(text):
+    command, _, rest = text.partition(" ")
+    for line in (text, f"N5 {text}", checked(f"N5 {text}"), checked(f"N5 {text}") + " ; 1*2"):
+        out = run(line + "\n")
+        assert out.errors == []
+        ((_, letter, number, _, name, said),) = out.events
+        assert (name or f"{letter}{number}", said) == (command, rest)
+
+
 def test_a_checksum_is_behind_the_last_star():
-    text = "N3 M117 3*4 (a*b)"
+    text = "N3 G1 X5 (3*4)"
     sum_ = reduce(xor, text.encode())
     assert run(f"{text}*{sum_}\n").errors == []
     assert [e[1] for e in run(f"{text}*{sum_ ^ 1}\n").errors] == [Fault.CHECKSUM]

@@ -244,7 +244,10 @@ class Session:
             if isinstance(heard, Refusal):
                 if heard.lost and self._upload is not None and self._upload.takes_all:
                     self._upload.lose(heard.reason)
-                if heard.resend is None:
+                if heard.lost:
+                    self._printed = prints(command_of(heard.text).code)
+                    self.fail(f"{heard.reason}. Send shorter lines")
+                elif heard.resend is None:
                     self.say(f"echo:{heard.reason}")
                 else:
                     self.say(f"Error:{heard.reason}")

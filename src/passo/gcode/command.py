@@ -76,13 +76,13 @@ def numeral(value: float) -> str:
     return f"{Decimal(f'{value:.10g}'):f}"
 
 
-_NO_WORDS = re.compile(r'"[^"]*"|\([^)]*\)')
+_NO_WORDS = re.compile(r'"[^"]*("|\Z)|\([^)]*(\)|\Z)')
 _COMMAND = re.compile(r"[GMT]\s*\d", re.IGNORECASE)
 
 
 def worded(text: str) -> str:
     """A command's text without what is quoted or in parentheses."""
-    return _NO_WORDS.sub("", text)
+    return _NO_WORDS.sub(lambda m: "" if m[1] or m[2] else m[0], text)
 
 
 def alone(command: Command) -> bool:

@@ -305,7 +305,7 @@ TABLE: tuple[Row, ...] = (
         bare="F",
         nan=True,
     ),
-    Row("M110", _Q, _I, "N", "The number of the line before the next one."),
+    Row("M110", _Q, _I, "N", "The number of the line before the next one.", bare=None),
     Row(
         "M112",
         _P,

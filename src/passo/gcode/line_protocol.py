@@ -1,8 +1,13 @@
 """The line protocol of hosts: line numbers, checksums, resends. Sans-IO: bytes in, lines out.
 
 A numbered line is `N<number> <command>*<checksum>`, the checksum being the exclusive or of all
-bytes before `*`, in decimal. Its number must be one more than the last one's; M110 sets what the
-last one was. Lines without a number are taken as they come and change no count.
+bytes before the last `*`, in decimal. Its number must be one more than the last one's; M110 sets
+what the last one was. Lines without a number are taken as they come and change no count.
+
+`*` and up to three digits at the end of a line without a number are its checksum if they are right.
+If they are wrong, they belong to the text of a command that takes a text (a label, a name of a
+file, a message); any other line is asked for again. M117 and M118 have no checksum without a
+number.
 
 Hosts read what follows `Error:`. The reasons here hold the words by which they know a fault of the
 link, which a resend mends; any other text after `Error:` makes them disconnect.
@@ -14,14 +19,22 @@ import re
 from collections import deque
 from typing import NamedTuple
 
-LONGEST = 4096  # bytes of a line; a longer one is refused
+LONGEST = 65536  # bytes of a line, as in files; a longer one is left out
 _REMEMBERED = 64  # lines: one that comes once more, as after two requests for it, is known by them
+_ENDING = 16  # bytes at the end of a longer line, in which its checksum is looked for
 
 _NUMBERED = re.compile(r"\s*[Nn]\s*(-?\d{1,18})(?!\d)\s*(.*)\Z", re.DOTALL)
-_CHECKSUM = re.compile(r"\*\s*(\d{1,3})\s*\Z")
+_CHECKSUM = re.compile(rb"\*\s*(\d{1,3})\s*\Z")
 _FRAGMENT = re.compile(r"\s*([Nn]\s*-?|\d+)\s*\Z")  # of a numbered line that was torn apart
-_SET_NUMBER = re.compile(r"[Mm]110(?!\d)\s*(?:[NnLl]\s*(-?\d{1,18})(?!\d))?")
-_TEXT = re.compile(r"\s*[Mm]11[78](?!\d)")
+_SET_NUMBER = re.compile(r"[Mm]110(?!\d)\s*(?:[NnLl]\s*(-?)0*(\d+))?")
+_MOST_DIGITS = 18
+_MESSAGE = re.compile(r"\s*[Mm]11[78](?!\d)")
+# Commands that take a text.
+_TAKES_TEXT = re.compile(
+    r"\s*(?:[A-Za-z_]{2}|[Mm]0*(?:[01]|16|2[038]|3[02368]|486|531|550|587|928)(?!\d))"
+)
+# Those of them that a numbered line with a damaged beginning does not look like.
+_LABELS = re.compile(r"\s*(?:[A-Za-z_]{4}|[Mm]486\s+(?:[Ss]-?\d+\s*)?[Aa])")
 
 
 class Line(NamedTuple):
@@ -34,8 +47,8 @@ class Line(NamedTuple):
 
 class Refusal(NamedTuple):
     """A line that is not carried out. The host is told `reason`; with `resend` it is asked for that
-    line, and must send `ok`. `text` is what a sound line says that came out of its order. `lost`
-    if nobody will send it again."""
+    line, and must send `ok`. `text` is what a sound line says that came out of its order, or the
+    beginning of one that is too long. `lost` if nobody will send it again."""
 
     reason: str
     resend: int | None
@@ -43,98 +56,169 @@ class Refusal(NamedTuple):
     lost: bool = False
 
 
+class _Incoming:
+    """The bytes of a line as they come in. At most LONGEST of them are kept; of a longer line also
+    the last ones, and the exclusive or of those between."""
+
+    def __init__(self) -> None:
+        self.kept = bytearray()
+        self._between = 0
+        self._skipped = False
+        self._ending = b""
+
+    @property
+    def too_long(self) -> bool:
+        """Bytes beyond `kept` have come."""
+        return bool(self._ending)
+
+    def add(self, data: bytes) -> None:
+        """What comes next."""
+        room = LONGEST - len(self.kept)
+        self.kept += data[:room]
+        if len(data) > room:
+            ending = self._ending + data[room:]
+            self._between ^= _exclusive_or(ending[:-_ENDING])
+            self._skipped = self._skipped or len(ending) > _ENDING
+            self._ending = ending[-_ENDING:]
+
+    def checksum(self) -> tuple[int, bool] | None:
+        """Where `*` and digits end the line as a checksum does, and whether they are right; of a
+        line that is too long the place means nothing."""
+        end = self._ending if self._skipped else bytes(self.kept) + self._ending
+        star = end.rfind(b"*")
+        found = _CHECKSUM.match(end, star) if star >= 0 else None
+        if found is None:
+            return None
+        total = self._between ^ _exclusive_or(end[:star])
+        if self._skipped:
+            total ^= _exclusive_or(self.kept)
+        return star, total == int(found[1])
+
+
 class LineProtocol:
     """One console's incoming bytes. Keeps at most one unfinished line of LONGEST bytes."""
 
     def __init__(self) -> None:
         self.last = 0  # number of the last line taken
-        self._rest = b""
+        self._incoming = _Incoming()
         self._numbering = False  # lines with numbers have come
-        self._taken: deque[str] = deque(maxlen=_REMEMBERED)  # the last of them
+        self._taken: deque[int] = deque(maxlen=_REMEMBERED)  # hashes of the last of them
 
     @property
     def unfinished(self) -> bool:
         """The beginning of a line has come, and not its end."""
-        return bool(self._rest)
+        return bool(self._incoming.kept)
 
     def feed(self, data: bytes) -> list[Line | Refusal]:
         """What the bytes complete, in order. Blank lines and comments are not lines."""
         # A zero byte is noise that the exclusive or does not see.
         data = data.replace(b"\0", b"").replace(b"\r", b"\n")
-        *lines, rest = (self._rest + data).split(b"\n")
-        self._rest = rest[: LONGEST + 1]
+        first, *others = data.split(b"\n")
+        self._incoming.add(first)
         found: list[Line | Refusal] = []
-        for raw in lines:
-            if raw:
-                line = self._line(raw)
+        for begins in others:
+            if self._incoming.kept:
+                line = self._line(self._incoming)
                 if line is not None:
                     found.append(line)
+                self._incoming = _Incoming()
+            self._incoming.add(begins)
         return found
 
-    def _line(self, raw: bytes) -> Line | Refusal | None:
-        text = raw[: LONGEST + 1].decode("ascii", "surrogateescape")
+    def _line(self, raw: _Incoming) -> Line | Refusal | None:
+        text = raw.kept.decode("ascii", "surrogateescape")
         numbered = _NUMBERED.match(text)
-        if len(raw) > LONGEST:
-            reason = f"format error: line longer than {LONGEST} characters"
-            return self._asked_again(reason) if numbered else Refusal(reason, None, lost=True)
         if numbered is None:
             return self._bare(text, raw)
         self._numbering = True
-        checked = _CHECKSUM.search(text) if "*" in text else None
+        checked = raw.checksum()
         if checked is None:
             return self._asked_again("No Checksum with line number")
-        if not _right(raw, checked):
+        star, right = checked
+        if not right:
             return self._asked_again("checksum mismatch")
         number = int(numbered[1])
-        text = uncommented(text[numbered.start(2) : checked.start()])
+        text = text[numbered.start(2) : None if raw.too_long else star]
+        cut = raw.too_long and not _ends_in_comment(text)
+        text = uncommented(text)
         set_number = _SET_NUMBER.match(text)
         if set_number:
-            self._count_from(int(set_number[1]) if set_number[1] else number)
+            if (refusal := self._count_from(set_number, number)) is not None:
+                return refusal
         elif number == self.last + 1:
             self.last = number
-            self._taken.append(text)
+            self._taken.append(hash(text))
         elif 0 <= self.last - number < len(self._taken) and (
-            self._taken[number - self.last - 1] == text
+            self._taken[number - self.last - 1] == hash(text)
         ):
             return Refusal(f"line {number} has come already", None)
         else:
             return self._asked_again("Line Number is not Last Line Number+1", text)
-        return Line(text, number)
+        return _left_out(f"line {number}", text) if cut else Line(text, number)
 
-    def _bare(self, text: str, raw: bytes) -> Line | Refusal | None:
-        if _TEXT.match(text):
+    def _bare(self, text: str, raw: _Incoming) -> Line | Refusal | None:
+        if raw.too_long:
+            if self._numbering or not _ends_in_comment(text):
+                return _left_out("this line", text)
+            return Line(line) if (line := uncommented(text)) else None
+        if _MESSAGE.match(text):
             return Line(text.strip())
-        checked = _CHECKSUM.search(text)
-        sound = checked is not None and (";" in text or _right(raw, checked))
-        if (checked and not sound) or (self._numbering and (checked or _FRAGMENT.match(text))):
-            # Its number is damaged, for nobody checks lines without one; or a host has hung up in
-            # the midst of it, and this is the next one's first line behind that.
+        checked = raw.checksum()
+        if checked is not None:
+            star, right = checked
+            if not right and (_LABELS if self._numbering else _TAKES_TEXT).match(text):
+                return Line(uncommented(text))
+            if self._numbering or not (right or ";" in text):
+                # Its number is damaged, for nobody checks lines without one.
+                return self._asked_again("checksum mismatch")
+            text = text[:star]
+        elif self._numbering and _FRAGMENT.match(text):
+            # A host has hung up in the midst of it, and this is the next one's first line.
             return self._asked_again("checksum mismatch")
-        if checked:
-            text = text[: checked.start()]
         text = uncommented(text)
         set_number = _SET_NUMBER.match(text)
-        if set_number and set_number[1]:
-            self._count_from(int(set_number[1]))
+        if set_number and (refusal := self._count_from(set_number, None)) is not None:
+            return refusal
         return Line(text) if text else None
 
-    def _count_from(self, number: int) -> None:
-        self.last = number
-        self._taken.clear()
+    def _count_from(self, command: re.Match[str], number: int | None) -> Refusal | None:
+        """M110 in the line of this number: the count goes on from its own, or else from that."""
+        sign, digits = command[1], command[2]
+        if digits is not None:
+            if len(digits) > _MOST_DIGITS:
+                limit = f"the line number has more than {_MOST_DIGITS} digits"
+                return Refusal(f"M110 is not carried out: {limit}. Send a smaller one", None)
+            number = int(sign + digits)
+        if number is not None:
+            self.last = number
+            self._taken.clear()
+        return None
 
     def _asked_again(self, reason: str, text: str = "") -> Refusal:
         return Refusal(f"{reason}, Last Line: {self.last}", self.last + 1, text)
 
 
+def _left_out(line: str, text: str) -> Refusal:
+    reason = f"{line} is longer than {LONGEST} characters and is left out"
+    return Refusal(reason, None, text, lost=True)
+
+
+def _ends_in_comment(text: str) -> bool:
+    """The beginning of a line holds all of its command."""
+    return ";" in text and not _MESSAGE.match(text)
+
+
 def uncommented(text: str) -> str:
     """The line without what stands behind `;`, except in the text of M117 and M118."""
-    if ";" not in text or _TEXT.match(text):
+    if ";" not in text or _MESSAGE.match(text):
         return text.strip()
     return text.partition(";")[0].strip()
 
 
-def _right(raw: bytes, checked: re.Match[str]) -> bool:
-    total = 0
-    for byte in raw[: checked.start()]:
-        total ^= byte
-    return total == int(checked[1])
+def _exclusive_or(data: bytes | bytearray) -> int:
+    """Of all bytes: halves of them at a time, since an endless line has many."""
+    total, size = int.from_bytes(data, "big"), len(data)
+    while size > 1:
+        size = (size + 1) // 2
+        total = (total >> 8 * size) ^ (total & ((1 << 8 * size) - 1))
+    return total
