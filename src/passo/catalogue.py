@@ -71,6 +71,10 @@ CATALOGUE: Mapping[str, Entry] = {
     "config.missing-key": _config("{key} is missing: expected {limit}", "Add the key"),
     "config.value": _config("{key} is {value!r}: expected {limit}", "Correct the value"),
     "config.conflict": _config("{key} is {value!r}: expected {limit}", "Change or remove it"),
+    "config.home-side": _config(
+        "{key} is {value!r}: expected {limit}",
+        "Give the position at which the endstop triggers, or change the direction",
+    ),
     "config.gain": _config(
         "{key} is {value!r}: {limit}",
         "Copy the gains of Klipper, Marlin or M303, or leave them out",

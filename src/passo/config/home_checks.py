@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
+from itertools import product
+from math import isinf
 
 from passo.config.findings import Finding
 from passo.config.machine import MachineConfig
@@ -26,6 +29,57 @@ def check_home(machine: MachineConfig) -> Iterator[Finding]:
             limit = f"a home that the arms reach: {error}"
             x, y, z = machine.home_point
             yield Finding("config.value", ("axes", "x"), f"at home at {x:g}, {y:g}, {z:g}", limit)
+
+
+def check_home_sides(machine: MachineConfig) -> Iterator[Finding]:
+    """Each home is on its endstop's half of the axis or carriage: from the other half most moves
+    would lead through the endstop. It may be beyond the limit on its own side, and in the middle,
+    as of an axis that turns. Two arms may have to meet at home, far from their limits: of an arm
+    that turns only what is near its other limit is the far side. An angle a long way beyond that
+    limit is one on the own side, counted from another turn."""
+    geometry = machine.geometry
+    for name, homing in machine.homing.items():
+        arm, turns = name in geometry.arms, name in geometry.rotary
+        low, high = _range_of_arm(machine, name) if arm else _range_of_axis(machine, name)
+        own, other, sign = (low, high, 1) if homing.direction == "min" else (high, low, -1)
+        farthest = own + (other - own) * (0.75 if turns else 0.5)
+        beyond = sign * (homing.position - farthest)
+        around = turns and not geometry.lifts_together
+        if not beyond > 0 or (around and beyond > 0.5 * (high - low)):
+            continue
+        part = f"axes.{name} goes from min_mm {low:g} to max_mm {high:g}"
+        if arm:
+            kind, unit = ("arm", "degrees") if turns else ("carriage", "mm")
+            part = f"{kind} {name.upper()} goes from {low:g} to {high:g} {unit}"
+        limit = (
+            f"at {'most' if sign > 0 else 'least'} {farthest:g}, as {part} and"
+            f' homing.{name}.direction is "{homing.direction}": from a home on the far side moves'
+            " lead through the endstop"
+        )
+        yield Finding("config.home-side", ("homing", name, "position"), homing.position, limit)
+
+
+def _range_of_axis(machine: MachineConfig, name: str) -> tuple[float, float]:
+    return machine.axes[name].min_mm, machine.axes[name].max_mm
+
+
+def _range_of_arm(machine: MachineConfig, name: str) -> tuple[float, float]:
+    """The limits of an actuator's motors; where one is missing and the arms lift together, what the
+    ends and middles of the axes need of it, as far as it reaches them; else infinite."""
+    geometry = machine.geometry
+    index = geometry.actuators.index(name)
+    low, high = machine.actuator_limits[index]
+    if not geometry.lifts_together:
+        return low, high
+    axes = [machine.axes[axis] for axis in "xyz"]
+    needed: list[float] = []
+    for x, y, z in product(*((a.min_mm, (a.min_mm + a.max_mm) / 2, a.max_mm) for a in axes)):
+        with suppress(Unreachable, ArithmeticError):
+            needed.append(geometry.inverse((x, y, z))[index])
+    return (
+        min(needed, default=low) if isinf(low) else low,
+        max(needed, default=high) if isinf(high) else high,
+    )
 
 
 def check_park(machine: MachineConfig) -> Iterator[Finding]:

@@ -15,9 +15,10 @@ class Homing(Model):
 
     The axis moves `fast` towards its switch at the `direction` end, at most `max_travel`; back by
     `retract`, where the switch must be free again; and `slow` to the switch, which is then at
-    `position`. One switch at `pin` stops all motors of the axis; with `stepper_pins` each motor has
-    a switch of its own. In front of a pin `!` says that the switch reads low when pressed, `^` that
-    it needs the pull-up. G28 without letters leaves out what is not `by_default`.
+    `position`. That is on the `direction` half of the axis, also a little beyond its limit.
+    One switch at `pin` stops all motors of the axis; with `stepper_pins` each motor has a switch of
+    its own. In front of a pin `!` says that the switch reads low when pressed, `^` that it needs
+    the pull-up. G28 without letters leaves out what is not `by_default`.
     """
 
     direction: Literal["min", "max"]

@@ -18,7 +18,7 @@ from passo.config.findings import Finding, as_written, did_you_mean, key_text, t
 from passo.config.gains import question_gains
 from passo.config.geometry_kinds import KINDS
 from passo.config.heat_checks import check_sensors
-from passo.config.home_checks import check_home, check_park, check_scales
+from passo.config.home_checks import check_home, check_home_sides, check_park, check_scales
 from passo.config.machine import MachineConfig
 from passo.config.sensor_files import with_sensor_files
 from passo.config.sensor_names import put_sensor_names
@@ -130,7 +130,12 @@ def _machine(text: str, file: str) -> Loaded:
         findings += check_all(data, (), ())
     if machine is not None and not findings:
         machine = machine.facing_its_middle()
-        findings += [*check_home(machine), *check_park(machine), *check_scales(machine)]
+        findings += [
+            *check_home_sides(machine),
+            *check_home(machine),
+            *check_park(machine),
+            *check_scales(machine),
+        ]
         findings += check_sensors(machine)
     if findings or machine is None:
         raise ConfigError(_problems(findings, text, file, sources))

@@ -143,11 +143,18 @@ class MachineConfig(Model):
     def facing_its_middle(self) -> MachineConfig:
         """This machine, the angles of its arms counted as its axes and motors have them."""
         x, y, z = ((axis.min_mm + axis.max_mm) / 2 for axis in (self.axes[n] for n in "xyz"))
+        geometry = self.geometry.facing((x, y, z), self.actuator_limits)
+        return self.model_copy(update={"geometry": geometry})
+
+    @property
+    def actuator_limits(self) -> list[tuple[float, float]]:
+        """What their motors' limits let the actuators' positions be, mm or degrees; infinite where
+        there is none."""
         limits = [(-inf, inf)] * len(self.geometry.actuators)
         for row in self._steppers_spec():
             if row["drive"] == "actuator":
                 limits[row["index"]] = row["min"], row["max"]
-        return self.model_copy(update={"geometry": self.geometry.facing((x, y, z), limits)})
+        return limits
 
     def core_spec(self) -> dict[str, Any]:
         """The machine for `passo._core`: all defaults filled in, times in s, other units kept."""
