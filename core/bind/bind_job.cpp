@@ -467,18 +467,21 @@ void bind_job(nb::module_& m) {
           "it is too long, or not within what it must keep to: see error.")
       .def(
           "set_axes",
-          [](JobView& self, const std::vector<std::pair<int, double>>& places) {
+          [](JobView& self, const std::vector<std::pair<int, double>>& places, bool homed) {
             Job& job = self.job;
             job.motion.flush();
             auto p = job.position();
             for (auto [axis, mm] : places) {
               p[size_t(slot_of_axis(axis))] = mm;
-              job.interpreter.set_axis(slot_of_axis(axis), mm);
+              job.interpreter.set_axis(slot_of_axis(axis), mm, homed);
               job.interpreter.lock(slot_of_axis(axis), false);
             }
             job.motion.set_position(p.data(), job.interpreter.extruder());
           },
-          "places"_a, "These axes, by number, are here now (mm), without motion.")
+          "places"_a, "homed"_a = false,
+          "These axes, by number, are here now (mm), without motion; and at home there, if they "
+          "are "
+          "`homed`.")
       .def(
           "use_joints",
           [](JobView& self, bool on) {

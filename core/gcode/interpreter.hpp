@@ -57,7 +57,9 @@ class Interpreter {
       high_[j] = machine.axes[i].max;
       // Arms that move no Z may not reach the origin: their machine begins at home.
       if (machine.axes[i].by_arms && !machine.axes[size_t(kZ)].by_arms) position_[j] = home_[i];
+      homed_[j] = home_[i];
     }
+    measure_steps();
     features_.push_back("");
   }
 
@@ -117,6 +119,7 @@ class Interpreter {
     diameter_ = std::move(mine.diameter_);
     volumetric_ = mine.volumetric_;
     change_ = std::move(mine.change_);
+    std::copy(std::begin(mine.homed_), std::end(mine.homed_), homed_);
     auto_retract_ = mine.auto_retract_;
     retraction_ = mine.retraction_;
   }
@@ -130,14 +133,17 @@ class Interpreter {
     sources_[1] = std::move(mine.sources_[1]);
     source_ = mine.source_;
     locked_ = mine.locked_;
+    std::copy(std::begin(mine.homed_), std::end(mine.homed_), homed_);
     cold = mine.cold;
     subprograms = std::move(mine.subprograms);
     ignore_calls = mine.ignore_calls;
     frames_.clear();
   }
-  // Axis slot j is at this machine position now; the program's zero stays where it was.
-  void set_axis(int j, double position) {
+  // Axis slot j is at this machine position now, and at home there if it is `homed`; the program's
+  // zero stays where it was.
+  void set_axis(int j, double position, bool homed) {
     position_[j] = position;
+    if (homed) homed_[j] = position;
     if (j < 3) origin_[j] = -tool_offset(j), owe(j, 0);
   }
   // The active tool's offset is about to become `mm` along axis slot j; the next move carries it
@@ -198,7 +204,7 @@ class Interpreter {
   }
   // Whether axis slot j may be at this machine position; else what the error says.
   bool in_range(int j, double at, GcodeError& error) const {
-    if (at >= low_[j] - 1e-6 && at <= high_[j] + 1e-6) return true;
+    if ((at >= low_[j] - 1e-6 && at <= high_[j] + 1e-6) || at_home(j, at)) return true;
     error = {0, Fault::out_of_range, axis_name(j), at, at < low_[j] ? low_[j] : high_[j], {}};
     return false;
   }
@@ -313,6 +319,9 @@ class Interpreter {
     }
   }
 
+  // Machine position of each slot at home, as it was when the axis was homed last.
+  const double* homed() const { return homed_; }
+
   // Homing: the axes named (all if none) are at home now, their offsets are gone.
   void home(const std::string& letters) {
     auto named = [&](const Axis& axis) { return letters.find(axis.letter) != std::string::npos; };
@@ -323,7 +332,7 @@ class Interpreter {
       int j = slot_of_axis(int(i));
       if (is_filament(j)) continue;
       if (!letters.empty() && !named(axis) && !(arms && axis.by_arms)) continue;
-      position_[j] = home_[i];
+      position_[j] = homed_[j] = home_[i];
       cut_ &= uint8_t(~(1u << j));
       origin_[j] = j < 3 ? -tool_offset(j) : 0;
       owe(j, 0);
@@ -334,6 +343,7 @@ class Interpreter {
 
  private:
   static constexpr double kPi = 3.141592653589793;
+  static constexpr double kReported = 0.5e-3;                      // mm, rounding of M114
   static constexpr double kNowhere = 1e-9;                         // mm: no way but a rounding
   static constexpr double kLeastRetract = 0.1, kMostRetract = 10;  // mm, of M209
   static constexpr size_t kLongestName = 100;                      // bytes, of a command
@@ -346,6 +356,7 @@ class Interpreter {
   };
   const Machine* machine_;
   std::vector<double> home_;
+  double homed_[kAxes] = {}, home_step_[kAxes] = {};
   LaserWords laser_;
   double density_ = 0;  // W·s/mm
   Lines sources_[2];    // the program, the console
@@ -563,11 +574,33 @@ class Interpreter {
     return true;
   }
 
+  // Whether slot j is at home there, as exactly as motors stop and reports say it.
+  bool at_home(int j, double at) const {
+    return std::fabs(at - homed_[j]) <= home_step_[j] + kReported;
+  }
+  // How far a step of each motor moves an axis at home.
+  void measure_steps() {
+    const Geometry& geometry = *machine_->geometry;
+    double step[3] = {}, q[3], p[3];
+    for (const StepperSpec& s : machine_->steppers) {
+      if (s.drive == Drive::extruder) continue;
+      double& mm = s.drive == Drive::axis ? home_step_[slot_of_axis(s.index)] : step[s.index];
+      mm = std::max(mm, 1 / s.steps_per_unit);
+    }
+    for (int i = 0; i < geometry.actuators(); ++i) {
+      for (int k = 0; k < 3; ++k) q[k] = geometry.inverse(k, homed_) + (k == i ? step[k] : 0);
+      if (!geometry.forward(q, p)) continue;
+      for (int j = 0; j < 3; ++j)
+        if (const double mm = std::fabs(p[j] - homed_[j]); mm < kInfinity) home_step_[j] += mm;
+    }
+  }
+
   // Whether a move may not bring axis slot j there. From a switch that lies beyond the limits there
-  // is a way back.
+  // is a way back, and to there, but not to places between it and the limit.
   bool beyond(int j, double at) const { return beyond(j, at, position_[j]); }
   bool beyond(int j, double at, double from) const {
-    return at < std::min(low_[j], from) - 1e-6 || at > std::max(high_[j], from) + 1e-6;
+    return (at < std::min(low_[j], from) - 1e-6 || at > std::max(high_[j], from) + 1e-6) &&
+           !at_home(j, at);
   }
 
   // Letters of axes that a move which names `have` moves too: by the offset of a tool that no move

@@ -407,6 +407,7 @@ class Job {
     return false;
   }
   // An actuator that is beyond its limit at `from`, as home offsets may put it, may only go back.
+  // Up to its home it may go, wherever its limit is: its endstop is there.
   bool reach_point(const double* p, uint32_t line, const double* from = nullptr) {
     const Machine& machine = motion.machine();
     for (const StepperSpec& s : machine.steppers) {
@@ -416,6 +417,8 @@ class Job {
       if (q >= s.min - half_step && q <= s.max + half_step) continue;
       double start = from == nullptr ? q : machine.geometry->inverse(s.index, from);
       if (q < s.min ? q > start : q < start) continue;
+      double home = machine.geometry->inverse(s.index, interpreter.homed());
+      if (q < s.min ? q >= home - half_step : q <= home + half_step) continue;
       bool nowhere = !(std::fabs(q) < 1e12);
       error_ = {line,
                 nowhere ? Fault::unreachable : Fault::actuator,

@@ -1498,8 +1498,10 @@ class Job:
         A straight move in machine coordinates (NaN: stay). False, and nothing is changed, if it is too long, or not within what it must keep to: see error.
         """
 
-    def set_axes(self, places: Sequence[tuple[int, float]]) -> None:
-        """These axes, by number, are here now (mm), without motion."""
+    def set_axes(self, places: Sequence[tuple[int, float]], homed: bool = False) -> None:
+        """
+        These axes, by number, are here now (mm), without motion; and at home there, if they are `homed`.
+        """
 
     def use_joints(self, on: bool) -> None:
         """

@@ -5,7 +5,7 @@ from tests.console.scenario import Host, Scenario
 
 from passo import config
 from passo.config.load import shipped_text
-from passo.errors import ConfigError
+from passo.errors import ConfigError, InputError
 from passo.job.batch.simulated_print import Print
 
 CARTESIAN = {"x": 0.0, "y": 0.0, "z": 0.0, "e": 0.0}
@@ -29,6 +29,81 @@ def test_all_axes_end_at_their_switches(machine, home, step):
         for stepper, at in s.positions().items():
             assert at == pytest.approx(home[stepper], abs=1.01 * step)
         assert s.printer.job.locked_axes == []
+
+
+def reported(s):
+    """X, Y, Z and further axes as M114 reports them."""
+    words = s.host.ok("M114")[0].split(" E:")[0].split()
+    return {word[0]: float(word[2:]) for word in words}
+
+
+@pytest.mark.parametrize("machine", config.shipped_machines())
+@pytest.mark.parametrize("relative", [False, True])
+def test_after_homing_a_move_may_return_to_home(machine, relative):
+    with Scenario(machine) as s:
+        axes = {n.upper(): a for n, a in s.machine.axes.items() if not a.extruder}
+        s.host.ok("G28", 60)
+        home, at_home = reported(s), s.positions()
+        middle = {n: round((a.min_mm + a.max_mm) / 2, 1) for n, a in axes.items()}
+        middle["Z"] = min(middle["Z"], 20.0)
+        ways = [{n: middle[n] - home[n] for n in axes}, {n: home[n] - middle[n] for n in axes}]
+        ends = ways if relative else [middle, home]
+        if relative:
+            s.host.ok("G91")
+        for end in ends:
+            words = " ".join(f"{n}{mm:.3f}" for n, mm in end.items())
+            told = s.host.ok(f"G1 {words} F3000", 60)
+            assert [line for line in told if line != "echo:busy: processing"] == ["ok"]
+        s.host.ok("M400", 120)
+        assert reported(s) == home
+        for stepper, at in s.positions().items():
+            scale = s.machine.steppers[stepper].steps_per_unit
+            assert at == pytest.approx(at_home[stepper], abs=1.01 / scale)
+
+
+@pytest.mark.parametrize(
+    ("change", "offset", "home", "good", "bad"),
+    [
+        (('0.0\npin = "^X_MIN', '-2.2\npin = "^X_MIN'), "", "X-2.2", "X0", "X-1 X-2.22 X-3"),
+        (('0.0\npin = "^X_MIN', '-2.2\npin = "^X_MIN'), "M206 X0.5", "X-1.7", "X0", "X-2.2"),
+        (('0.0\npin = "^Z_MIN', '-1\npin = "^Z_MIN'), "", "Z-1", "Z5", "Z-0.99 Z-1.01"),
+    ],
+)
+def test_a_home_beyond_the_limit_is_the_one_place_there(change, offset, home, good, bad):
+    assert change[0] in shipped_text("i3")
+    with Scenario(config.load_text(shipped_text("i3").replace(*change))) as s:
+        s.host.ok(offset or "M400")
+        s.host.ok("G28", 60)
+        for _ in range(2):
+            assert s.host.ok(f"G1 {good} F3000") == ["ok"]
+            assert s.host.ok(f"G1 {home}") == ["ok"]
+            assert s.host.ok(f"G1 {good}") == ["ok"]
+            for word in bad.split():
+                assert "is beyond the limit of 0.000 mm" in s.host.ok(f"G1 {word}")[0]
+
+
+def test_a_print_may_return_to_a_home_beyond_the_limit(tmp_path):
+    path = tmp_path / "a.g"
+    path.write_text("G28\nG91\nG1 Z-50 F3000\nG1 X5\nG1 X-5\nG1 Z50\n")
+    printed = Print(config.load("delta")).run(path)
+    assert printed.final_position_mm["z"] == pytest.approx(180.018117131, abs=1e-9)
+    path.write_text("G28\nG91\nG1 Z-50 F3000\nG1 Z50.1\n")
+    with pytest.raises(InputError, match=r"Z 180\.118 mm is beyond the limit of 180\.000 mm"):
+        Print(config.load("delta")).run(path)
+
+
+def test_a_carriage_may_return_to_a_home_beyond_its_limit():
+    text = shipped_text("delta").replace("position = 318.0", "position = 318.5")
+    with Scenario(config.load_text(text)) as s:
+        s.host.ok("G28", 60)
+        assert reported(s)["Z"] == 180.518
+        assert s.host.ok("G91") == ["ok"]
+        assert s.host.ok("G1 Z-50 F3000") == ["ok"]
+        assert s.host.ok("G1 Z50") == ["ok"]
+        s.host.ok("M400", 60)
+        assert s.positions()["a"] == pytest.approx(318.5, abs=0.02)
+        assert "is beyond the limit" in s.host.ok("G1 Z0.1")[0]
+        assert "beyond its limit of 318.000 mm" in s.host.ok("G1 X20")[0]
 
 
 def text_of(machine):

@@ -338,7 +338,9 @@ class Homer:
         self._printer.job.set_axes([(way.axis, at)])
 
     def _set(self, places: dict[str, float]) -> None:
-        self._printer.job.set_axes([(self._axes.index(n), at) for n, at in places.items()])
+        self._printer.job.set_axes(
+            [(self._axes.index(n), at) for n, at in places.items()], homed=True
+        )
         self._printer.motion.homed(places)
         self._printer.positions.known.update(places)
 
