@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from passo.card import FatCard, FolderCard, open_card
+from passo.card.directory import checksum
 from passo.errors import CardError
 
 from .images import Image, code, partitioned, run
@@ -43,6 +44,29 @@ def test_files_of_mtools(image: Image, source: Path):
     assert card.find("lower.g").name == "lower.g"
     assert card.find("sub dir").is_directory
     assert card.find("/").is_directory
+    card.close()
+
+
+def test_an_8_3_name_beyond_ascii_gets_one_of_ascii(image: Image, source: Path):
+    """Which code page it is of is not on the card; the long name says what it is."""
+    for name in ("Würfel.g", "wurfel 2.g"):
+        image.put(source, name)
+    raw = bytearray(image.path.read_bytes())
+    at = next(raw.index(x) for x in (b"WURFEL~1G  ", b"W_RFEL~1G  ") if x in raw)
+    card = image.card()
+    before = {entry.short_name for entry in card.list()}
+    card.close()
+    raw[at + 1] = 0x9A  # Ü
+    raw[at - 32 + 13] = checksum(raw[at : at + 11])  # of its long name, in one slot
+    image.path.write_bytes(raw)
+    card = image.card()
+    shown = {entry.short_name for entry in card.list()}
+    assert len(shown) == 2
+    assert all(name.isascii() for name in shown)
+    changed = shown - before
+    assert len(changed) == 1
+    assert read(card, changed.pop()) == CONTENT
+    assert read(card, "Würfel.g") == CONTENT
     card.close()
 
 

@@ -56,6 +56,20 @@ def test_case_does_not_count_and_eszett_stays():
     assert names.fold("Größe.gcode") == "GRÖßE.GCODE"
 
 
+def test_letters_and_their_accents_compare_as_one():
+    apart = "Gro\N{COMBINING DIAERESIS}ße e\N{COMBINING ACUTE ACCENT}.gcode"
+    assert names.fold(apart) == names.fold("GRÖßE É.gcode")
+    assert names.stable_short_name(apart, ()) == names.stable_short_name("Größe é.gcode", ())
+
+
+def test_names_without_a_letter_of_ascii_have_short_names_of_their_own():
+    short = [
+        names.stable_short_name(f"{name}.gcode", ()) for name in ("日本語", "中国語", "한국어")
+    ]
+    assert len(set(short)) == 3
+    assert all(name.isascii() and len(name) <= 12 for name in short)
+
+
 @pytest.mark.parametrize(
     "name",
     ["a:b", "a*", "a?", 'a"', "a<", "a|b", "a\\b", "a\nb", "a\x7f", "dot.", "end ", " a", "\ud800"],

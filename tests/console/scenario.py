@@ -35,7 +35,7 @@ class Host:
 
     def write(self, text: bytes, *, dispensable: bool = False) -> None:
         *lines, self._rest = (self._rest + text).split(b"\n")
-        self.heard += [line.decode("ascii") for line in lines]
+        self.heard += [line.decode() for line in lines]
 
     def hold(self, held: bool) -> None:
         self.held = held

@@ -64,6 +64,20 @@ def test_it_uploads_to_the_card_and_prints_from_there(printer, program, host, at
     at_end(printer)
 
 
+def test_names_beyond_ascii_are_listed_and_printed(printer, program, host, at_end):
+    for name in ("Würfel & Kügel.gcode", "日本語.gcode", "中国語.gcode"):
+        (printer.card / name).write_text(program.text)
+    host.connect(port(printer, "pty"))
+    host.wait(lambda: len(host.get("files/sdcard")["files"]) == 3)
+    listed = {x["display"]: x["path"] for x in host.get("files/sdcard")["files"]}
+    assert set(listed) == {"Würfel & Kügel.gcode", "日本語.gcode", "中国語.gcode"}
+    path = listed["日本語.gcode"].lstrip("/")
+    host.post(f"files/sdcard/{path}", command="select", print=True)
+    printer.wait_for("Done printing file")
+    host.wait(lambda: host.state == "Operational")
+    at_end(printer)
+
+
 @pytest.mark.parametrize("way", ["pty", "tcp"])
 def test_a_pause_loses_nothing(printer, program, host, at_end, way):
     host.connect(port(printer, way))

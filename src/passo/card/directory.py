@@ -7,11 +7,11 @@ Structure", "FAT Long Directory Entries".
 from __future__ import annotations
 
 import struct
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 
 from passo.card.api import Entry
-from passo.card.names import MAX_UNITS, is_presentable
+from passo.card.names import MAX_UNITS, is_presentable, stable_short_name
 
 SLOT = 32
 MAX_BYTES = 65536 * SLOT
@@ -85,7 +85,7 @@ def parse(data: bytearray, clusters: list[int]) -> Slots:
         at = slot * SLOT
         lead, attributes = data[at], data[at + 11]
         if lead == 0:
-            return Slots(records, slot, data, clusters)
+            return Slots(_with_ascii_names(records), slot, data, clusters)
         if lead == _DELETED:
             expected, total = 0, -1
         elif attributes & _ATTR_LONG_MASK == _ATTR_LONG:
@@ -106,7 +106,22 @@ def parse(data: bytearray, clusters: list[int]) -> Slots:
             if record:
                 records.append(record)
             expected, total = 0, -1
-    return Slots(records, slots, data, clusters)
+    return Slots(_with_ascii_names(records), slots, data, clusters)
+
+
+def _with_ascii_names(records: list[Record]) -> list[Record]:
+    """Hosts can name a file by ASCII only, and a card does not say which code page its 8.3 names
+    are of: where one has other characters, another one is made from the long name."""
+    taken = {record.entry.short_name for record in records}
+    found: list[Record] = []
+    for record in records:
+        entry = record.entry
+        if not entry.short_name.isascii():
+            short = stable_short_name(entry.name, taken)
+            taken.add(short)
+            record = replace(record, entry=replace(entry, short_name=short))
+        found.append(record)
+    return found
 
 
 def _long_name(parts: list[bytes]) -> str:

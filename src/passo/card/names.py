@@ -7,6 +7,7 @@ Entries" and "Name Limits and Character Sets".
 from __future__ import annotations
 
 import re
+import unicodedata
 import zlib
 from collections.abc import Callable, Collection
 
@@ -16,20 +17,23 @@ MAX_UNITS = 255
 """The longest name, in UTF-16 units."""
 
 _FORBIDDEN = re.compile(r'["*/:<>?\\|]')
-_UNPRESENTABLE = re.compile("[\x00-\x1f\x7f-\x9f\ud800-\udfff]")
+_UNPRESENTABLE = re.compile("[\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff]")
 _SHORT = re.compile(r"[A-Z0-9!#$%&'()\-@^_`{}~]{1,8}(\.[A-Z0-9!#$%&'()\-@^_`{}~]{1,3})?")
 _NOT_SHORT = re.compile(r"[^A-Z0-9!#$%&'()\-@^_`{}~]")
 
 
 def fold(name: str) -> str:
-    """The form in which names compare: upper case letter by letter, so that ß stays ß."""
+    """The form in which names compare: upper case letter by letter, so that ß stays ß, and letters
+    composed with their accents (NFC), which other systems write apart."""
     if name.isascii():
         return name.upper()
-    return "".join(up if len(up := letter.upper()) == 1 else letter for letter in name)
+    composed = unicodedata.normalize("NFC", name)
+    return "".join(up if len(up := letter.upper()) == 1 else letter for letter in composed)
 
 
 def is_presentable(name: str) -> bool:
-    """Whether a name can be shown on a console: no control characters, no half characters."""
+    """Whether a name can be shown on a console: no control characters, ends of lines, halves of
+    characters."""
     return not _UNPRESENTABLE.search(name)
 
 

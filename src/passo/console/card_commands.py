@@ -374,5 +374,5 @@ def _numbers(text: str) -> dict[str, float]:
 
 
 def _unquoted(text: str) -> str:
-    name = text.strip()
+    name = text.strip(" \t")
     return name[1:-1] if len(name) > 1 and name[0] == name[-1] == '"' else name

@@ -13,8 +13,8 @@ from passo.printer.printer import Printer
 
 _RESUMES = ("M24", "M602")
 LIFTS = ("M922", "M999")
-_HALT = re.compile(r"M\s*0*112(?![\d.])", re.IGNORECASE)
-_HALT_APART = re.compile(rf"(?<!\S){_HALT.pattern}", re.IGNORECASE)
+_HALT = re.compile(r"M\s*0*112(?![\d.])", re.IGNORECASE | re.ASCII)
+_HALT_APART = re.compile(rf"(?<!\S){_HALT.pattern}", re.IGNORECASE | re.ASCII)
 
 
 def halts(command: Command) -> bool:

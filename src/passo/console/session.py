@@ -14,7 +14,7 @@ from passo.console.timers import Timers
 from passo.console.upload import Upload
 from passo.errors import CardError, PassoError, Problem, in_words
 from passo.gcode.command import Command
-from passo.gcode.line_protocol import Line, LineProtocol, Refusal
+from passo.gcode.line_protocol import Line, LineProtocol, Refusal, decoded
 from passo.motion.motion_queue import MOST_QUEUED
 from passo.printer.printer import Printer
 from passo.printer.unfit_commands import unfit
@@ -24,14 +24,17 @@ AT_ONCE = 1024  # lines that are carried out before others have their turn: all 
 AT_ONCE_S = 0.005  # of the loop's time, likewise: lines like M503 take long
 WAIT_S = 1.0  # an idle console says `wait` this often
 _CONTROLS = {chr(i): "?" for i in (*range(9), *range(11, 32), 127)}  # a terminal would obey them
-_PLAIN = str.maketrans(_CONTROLS | {"°": "", "µ": "u", "²": "2"})
+_PLAIN = str.maketrans(_CONTROLS)
+# Units of this program's own texts, which every host can show without them. Not those of names.
+_UNITS = re.compile(r"(?<=\d )°(?=C(?:[/\s,;:)]|\.?$|\.\s))|(?<=\d )µ(?=[ms]\b)|(?<=/s)²")
+_UNIT = {"°": "", "µ": "u", "²": "2"}
 _NO_TEXT = ("M29", "M110", "M932", "M933")  # not even while a file is written
 _EVEN_AFTER_FAILURE = (*_NO_TEXT, "M108", "M112", "M410", "M876", "M999")
 # A line that begins so moves the machine; a word of an axis repeats the last move.
 _MOVES = re.compile(r"G([0-3]|10|11|28|61)\Z|M(60[01]|70[12])\Z|[A-EH-LO-RU-Z][-+.\d]")
 _TOOL = re.compile(r"T\d")  # without it filament of another one would be printed
 _EXPONENT = re.compile(r"[\d.][Ee][-+\d]")
-_HEAD = re.compile(r"\s*([A-Za-z])\s*(\d{1,9})(?:\.(\d))?\s*(.*)\Z", re.DOTALL)
+_HEAD = re.compile(r"\s*([A-Za-z])\s*(\d{1,9})(?:\.(\d))?\s*(.*)\Z", re.DOTALL | re.ASCII)
 
 
 class Wire(Protocol):
@@ -46,7 +49,7 @@ class Wire(Protocol):
 
 def command_of(text: str) -> Command:
     """The command that a line begins with; a name of its own if it has no letter and number."""
-    text = text.encode("ascii", "replace").decode()
+    text = decoded(text)
     if _EXPONENT.search(text):
         text = _core.without_exponents(text)
     head = _HEAD.match(text)
@@ -61,9 +64,11 @@ def prints(code: str) -> bool:
     return bool(_MOVES.match(code) or _TOOL.match(code))
 
 
-def _ascii(text: str) -> bytes:
-    """A line that every host can read."""
-    return text.translate(_PLAIN).encode("ascii", "replace") + b"\n"
+def _encoded(text: str) -> bytes:
+    """A line in UTF-8; ASCII, which every host can read, but for names and texts of users."""
+    if not text.isascii():
+        text = _UNITS.sub(lambda unit: _UNIT[unit[0]], text)
+    return text.translate(_PLAIN).encode("utf-8", "replace") + b"\n"
 
 
 class Session:
@@ -174,11 +179,11 @@ class Session:
     def say(self, text: str) -> None:
         """A line of answer."""
         if not self.closed:
-            self._wire.write(_ascii(text))
+            self._wire.write(_encoded(text))
 
     def hear(self, text: str) -> None:
         """A line that concerns everybody; a console that does not read may miss it."""
-        self._wire.write(_ascii(text), dispensable=True)
+        self._wire.write(_encoded(text), dispensable=True)
 
     def note(self, about: str, text: str) -> None:
         """A line of answer that this console hears once."""

@@ -9,7 +9,9 @@ from typing import NamedTuple
 from passo.errors import WordError
 from passo.gcode.dialect import ANY, row_of
 
-_WORD = re.compile(r"([A-Z])\s*(?:([-+]?(?:\d+\.?\d*|\.\d+))|(\"[^\"]*\")|(nan)\b)?", re.IGNORECASE)
+_WORD = re.compile(
+    r"([A-Z])\s*(?:([-+]?(?:\d+\.?\d*|\.\d+))|(\"[^\"]*\")|(nan)\b)?", re.IGNORECASE | re.ASCII
+)
 _PAIR = re.compile(r"([^\s=]+)(?:\s*=\s*(\"[^\"]*\"|(?![^\s=]+\s*=)\S+)?)?")
 _ESCAPE = re.compile(rb"\\([0-9A-Fa-f]{2})")
 LARGEST = 1e9  # as in the words of moves
@@ -77,7 +79,7 @@ def numeral(value: float) -> str:
 
 
 _NO_WORDS = re.compile(r'"[^"]*("|\Z)|\([^)]*(\)|\Z)')
-_COMMAND = re.compile(r"[GMT]\s*\d", re.IGNORECASE)
+_COMMAND = re.compile(r"[GMT]\s*\d", re.IGNORECASE | re.ASCII)
 
 
 def worded(text: str) -> str:

@@ -35,6 +35,8 @@ _TAKES_TEXT = re.compile(
 )
 # Those of them that a numbered line with a damaged beginning does not look like.
 _LABELS = re.compile(r"\s*(?:[A-Za-z_]{4}|[Mm]486\s+(?:[Ss]-?\d+\s*)?[Aa])")
+# Commands that name a file, in quotes.
+_QUOTED_NAME = re.compile(r'(\s*[Mm]0*(?:2[38]|3[0236]|928)\s+"[^"]*")\s*(?:;|\Z)')
 
 
 class Line(NamedTuple):
@@ -208,11 +210,25 @@ def _ends_in_comment(text: str) -> bool:
     return ";" in text and not _MESSAGE.match(text)
 
 
+def decoded(text: str) -> str:
+    """The text of a `Line` with its bytes beyond ASCII as characters: of UTF-8, or of Latin-1 if
+    they are not UTF-8."""
+    if text.isascii():
+        return text
+    raw = text.encode("utf-8", "surrogateescape")
+    try:
+        return raw.decode()
+    except UnicodeDecodeError:
+        return raw.decode("latin-1")
+
+
 def uncommented(text: str) -> str:
-    """The line without what stands behind `;`, except in the text of M117 and M118."""
+    """The line without what stands after `;`, except in the text of M117 and M118, and in the
+    quoted name of a file."""
     if ";" not in text or _MESSAGE.match(text):
         return text.strip()
-    return text.partition(";")[0].strip()
+    quoted = _QUOTED_NAME.match(text)
+    return (quoted[1] if quoted else text.partition(";")[0]).strip()
 
 
 def _exclusive_or(data: bytes | bytearray) -> int:

@@ -495,7 +495,7 @@ class Printer:
         self._tell_of_line(done=False)
         self.select(console=True)
         job = self.job
-        job.feed(text.encode("ascii", "replace") + b"\n")
+        job.feed(text.encode("utf-8", "surrogateescape") + b"\n")
         before = job.queued, job.clock
         wait = self._go_on(reply)
         self._tell_of_line(done=True)
@@ -506,7 +506,7 @@ class Printer:
     def take_setting(self, text: str, reply: Reply) -> None:
         """Carries out one line of stored settings, the machine standing, by who has the turn."""
         self.select(console=True)
-        self.job.feed(text.encode("ascii", "replace") + b"\n")
+        self.job.feed(text.encode("utf-8", "surrogateescape") + b"\n")
         wait = self._go_on(reply)
         while wait is not None:
             if isinstance(wait, Still) and wait.then is not None:

@@ -27,9 +27,9 @@ if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
 
 
-_OF_FANS = re.compile(r"[UIHLXT]", re.IGNORECASE)  # settings of M106
-_LETTERED = re.compile(r"([TPBC])\s*(-?\d+)?", re.IGNORECASE)
-_AT_ONCE = re.compile(r"(?<![A-Z])F", re.IGNORECASE)
+_OF_FANS = re.compile(r"[UIHLXT]", re.IGNORECASE | re.ASCII)  # settings of M106
+_LETTERED = re.compile(r"([TPBC])\s*(-?\d+)?", re.IGNORECASE | re.ASCII)
+_AT_ONCE = re.compile(r"(?<![A-Z])F", re.IGNORECASE | re.ASCII)
 # Of a whole line of a console, which must hold nothing that has to wait for its turn.
 _FORCED = re.compile(
     r"(?=.*F)(?:\s*(?:[STPR]\s*[-+]?(?:\d+\.?\d*|\.\d+)|S\s*nan\b|F(?!\s*[-+.\d])))*\s*",

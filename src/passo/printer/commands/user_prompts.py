@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from passo.printer.printer import Printer
 
 # Words only where the text begins with them: "M0 S30 Remove clip3", not "M0 Remove clip3".
-_WORDS = re.compile(r"\s*(?:[PS]\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:\s+|$))+", re.IGNORECASE)
+_WORDS = re.compile(r"\s*(?:[PS]\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:\s+|$))+", re.IGNORECASE | re.ASCII)
 
 
 class PersonCommands:
