@@ -138,6 +138,45 @@ nb::typed<nb::list, Table> steppers(JobView& self) {
   return list;
 }
 
+void bind_objects(nb::class_<JobView>& job) {
+  job.def_prop_ro(
+         "objects",
+         [](const JobView& self) {
+           std::vector<std::tuple<std::string, bool, std::string, std::string>> list;
+           for (const PrintObject& o : self.job.interpreter.objects().all())
+             list.emplace_back(o.name, o.cancelled, o.centre, o.outline);
+           return list;
+         },
+         "(name, cancelled, centre, outline) of each object of the program, by number; centre and "
+         "outline as they are written, or empty.")
+      .def_prop_ro(
+          "objects_version",
+          [](const JobView& self) { return self.job.interpreter.objects().version(); },
+          "Another value after each change of `objects`, and for each program.")
+      .def(
+          "object_of_line",
+          [](const JobView& self, uint32_t line) {
+            return self.job.interpreter.object_of_line(line);
+          },
+          "line"_a,
+          "The object that a line of the main program belongs to, of those read lately; -1: none.")
+      .def(
+          "find_objects",
+          [](const JobView& self, const std::string& name) {
+            return self.job.interpreter.objects().find(name);
+          },
+          "name"_a, "Numbers of the objects of this name, in any case.")
+      .def(
+          "cancel_object",
+          [](JobView& self, int number, bool cancelled) {
+            Objects& objects = self.job.interpreter.objects();
+            if (number < 0 || objects.numbered(number) < 0) throw nb::index_error("no such object");
+            objects.cancel(number, cancelled);
+          },
+          "number"_a, "cancelled"_a = true,
+          "Moves of the object that are read from now on are left out, or are not left out.");
+}
+
 }  // namespace
 
 void bind_job(nb::module_& m) {
@@ -177,6 +216,27 @@ void bind_job(nb::module_& m) {
       .value("TOO_SLOW", Fault::too_slow)
       .value("MISSING_WORD", Fault::missing_word)
       .value("CALL", Fault::call);
+  nb::enum_<ObjectAction>(m, "ObjectAction", "What a command says about the objects of a print.")
+      .value("COUNT", ObjectAction::count, "There are so many.")
+      .value("DEFINE", ObjectAction::define, "One of this name.")
+      .value("BEGIN", ObjectAction::begin, "What follows belongs to this one.")
+      .value("NAME", ObjectAction::name, "Of the one that has begun.")
+      .value("END", ObjectAction::end, "What follows belongs to none.")
+      .value("CANCEL", ObjectAction::cancel, "This one, by number or name.")
+      .value("CANCEL_CURRENT", ObjectAction::cancel_current, "The one that is printed.")
+      .value("RESTORE", ObjectAction::restore, "This one, by number or name.")
+      .value("RESTORE_ALL", ObjectAction::restore_all);
+  m.def(
+      "object_orders",
+      [](const std::string& code, const std::string& text) {
+        std::vector<std::tuple<ObjectAction, int, std::string>> orders;
+        for (ObjectOrder& order : ObjectText::read(code, text))
+          orders.emplace_back(order.action, order.number, std::move(order.name));
+        return orders;
+      },
+      "code"_a, "text"_a,
+      "(action, number, name) of M486 or EXCLUDE_OBJECT…, by what follows the code. The number is "
+      "-1 where the object is meant by its name. What cannot be read is left out.");
   nb::enum_<CallFault>(m, "CallFault", "Why M98 or M99 cannot be carried out.", nb::is_arithmetic())
       .value("UNREADABLE", CallFault::unreadable)
       .value("MISSING", CallFault::missing)
@@ -629,6 +689,7 @@ void bind_job(nb::module_& m) {
       .def("steppers", &steppers)
       .def("cpu", &cpu);
   bind_job_settings(job);
+  bind_objects(job);
   nb::class_<Survey>(m, "Survey", "The commands of a program, found before it runs.")
       .def(
           "__init__",
@@ -667,9 +728,11 @@ void bind_job(nb::module_& m) {
          [](JobView& self, const Survey& survey) {
            self.job.interpreter.subprograms = survey.subprograms();
            self.job.interpreter.layers.expect(survey.layer_mark());
+           self.job.interpreter.objects().learn(survey.objects());
          },
          "survey"_a,
-         "Of the program that it reads next: its sub-programs, and the comments that mark layers.")
+         "Of the program that it reads next: its sub-programs, its objects, and the comments that "
+         "mark layers.")
       .def_prop_ro(
           "calls",
           [](JobView& self) {

@@ -18,6 +18,7 @@
 #include "gcode/exponents.hpp"
 #include "gcode/layers.hpp"
 #include "gcode/lexer.hpp"
+#include "gcode/objects.hpp"
 #include "gcode/parse_result.hpp"
 #include "gcode/subprograms.hpp"
 #include "gcode/words.hpp"
@@ -40,7 +41,8 @@ class Interpreter {
       : machine_(&machine), home_(std::move(home)), laser_(laser),
         extruder_(machine.extruders.size(), 0.0), filament_(machine.extruders.size()),
         diameter_(machine.extruders.size(), kUsualMm),
-        change_(machine.extruders.size(), Change{100, 100}), drawn_(machine.extruders.size()) {
+        change_(machine.extruders.size(), Change{100, 100}), drawn_(machine.extruders.size()),
+        strands_(machine.extruders.size()) {
     std::fill(std::begin(letter_slot_), std::end(letter_slot_), int8_t(-1));
     for (size_t i = 0; i < machine.axes.size(); ++i)
       letter_slot_[machine.axes[i].letter - 'A'] = int8_t(slot_of_axis(int(i)));
@@ -75,6 +77,7 @@ class Interpreter {
     sources_[source_] = Lines(first);
     if (!source_) frames_.clear();
     if (first == 1) layers = LayerCounter();
+    if (first == 1 && !source_) forget_objects();
     dark();
   }
   // No move gets a laser's energy any more that does not ask for it again.
@@ -144,6 +147,7 @@ class Interpreter {
   void set_axis(int j, double position, bool homed) {
     position_[j] = position;
     if (homed) homed_[j] = position;
+    gap_[j] = 0;
     if (j < 3) origin_[j] = -tool_offset(j), owe(j, 0);
   }
   // The active tool's offset is about to become `mm` along axis slot j; the next move carries it
@@ -179,8 +183,8 @@ class Interpreter {
       position_[kE] -= mm;
       arc_.shift(kE, -mm);
     }
-    for (Item& item : pending_)
-      if (item.found == Found::move && item.move.extruder == extruder) item.move.target[kE] -= mm;
+    for (Item& item : pending_)  // of the extruder in use: a change of tools comes after them
+      if (item.found == Found::move && extruder == active_) item.move.target[kE] -= mm;
   }
   // mm of filament for a mm, or mm³, of the program's E.
   double e_scale() const {
@@ -200,6 +204,8 @@ class Interpreter {
   void forget_retraction() {
     for (Filament& filament : filament_) filament.owed = 0;
     std::fill(drawn_.begin(), drawn_.end(), Drawn{});
+    std::fill(strands_.begin(), strands_.end(), Strand{});
+    std::fill(std::begin(axis_strands_), std::end(axis_strands_), Strand{});
     hop_ = 0;
   }
   // Whether axis slot j may be at this machine position; else what the error says.
@@ -237,8 +243,14 @@ class Interpreter {
     locked_ = uint8_t(locked ? locked_ | 1u << j : locked_ & ~(1u << j));
   }
   bool locked(int j) const { return locked_ >> j & 1; }
-  // The program's own coordinates of slot j.
-  double logical(int j) const { return j == kE ? logical_e_ : meant(j) - origin_[j]; }
+  // Where the machine is on slot j in the program's own coordinates; E as the program counts it.
+  double logical(int j) const { return j == kE ? logical_e_ : meant(j) - gap(j) - origin_[j]; }
+  // Objects of the program. Moves of those that are cancelled are not handed out; after them the
+  // machine travels to where the next move is to begin.
+  Objects& objects() { return *objects_; }
+  const Objects& objects() const { return *objects_; }
+  // The object that a line of the main program belongs to, of those read lately; -1: none.
+  int object_of_line(uint32_t line) const { return object_lines_.at(line); }
   // Notes what becomes of the program's line of this number, see heard().
   void listen(uint32_t line) { listened_ = line; }
   const Heard& heard() const { return heard_; }
@@ -277,7 +289,7 @@ class Interpreter {
         Item item = std::move(pending_.front());
         pending_.pop_front();
         if (item.found == Found::move) {
-          if (take(item.move)) return Found::move;
+          if (item.joins ? take_now(item.move, false) : take(item.move)) return Found::move;
           continue;
         }
         if (item.found == Found::event) event_ = std::move(item.event);
@@ -333,6 +345,7 @@ class Interpreter {
       if (is_filament(j)) continue;
       if (!letters.empty() && !named(axis) && !(arms && axis.by_arms)) continue;
       position_[j] = homed_[j] = home_[i];
+      gap_[j] = 0;
       cut_ &= uint8_t(~(1u << j));
       origin_[j] = j < 3 ? -tool_offset(j) : 0;
       owe(j, 0);
@@ -350,6 +363,7 @@ class Interpreter {
   static constexpr double kThinnest = 0.1, kThickest = 10;         // mm, of filament
   struct Item {
     Found found;
+    bool joins = false;  // see take_apart: its target is where the machine goes
     MoveRequest move;
     Event event;
     GcodeError error;
@@ -406,6 +420,19 @@ class Interpreter {
     double mm = 0;
   };
   std::vector<Drawn> drawn_;  // of each extruder
+  std::shared_ptr<Objects> objects_ = std::make_shared<Objects>();
+  ObjectLines object_lines_;
+  int object_ = -1;         // that the program is in; -1: none
+  double gap_[kAxes] = {};  // from the machine to where the program, that was skipped, has gone
+  struct Strand {           // the filament of an extruder, or of an axis that pushes it
+    double drawn = 0;       // mm by which it is drawn back
+    double behind = 0;      // mm by which that is more than the program means
+  };
+  std::vector<Strand> strands_;  // of each extruder
+  Strand axis_strands_[kAxes];
+  bool apart_ = false;  // a gap, or a strand's difference, is not 0
+  double skipped_feed_ = 0,
+         skipped_strand_feed_ = 0;  // of the last travel, and the last retraction
   bool auto_retract_ = false;
   uint8_t locked_ = 0;  // a bit for each axis slot
   double hop_ = 0;      // mm by which Z is above what the program means
@@ -510,7 +537,14 @@ class Interpreter {
   void take_back(double mm) { logical_e_ -= mm / e_scale(); }
 
   // Where the program means slot j to be, in machine coordinates.
-  double meant(int j) const { return position_[j] - (j == kZ ? hop_ : 0) + due_[j]; }
+  double meant(int j) const { return position_[j] + gap(j) - (j == kZ ? hop_ : 0) + due_[j]; }
+  // How far the program is from the machine, by moves that were skipped; nothing for a console.
+  double gap(int j) const { return source_ ? 0 : gap_[j]; }
+  // Where the program has left the machine, by moves that were skipped, too.
+  void here(double* at) const {
+    for (int j = 0; j < kAxes; ++j) at[j] = position_[j] + gap(j);
+  }
+  bool skips() const { return object_ >= 0 && !source_ && objects_->cancelled(object_); }
   void owe(int j, double mm) {
     due_[j] = std::fabs(mm) > kNowhere ? mm : 0;
     any_due_ = due_[kX] != 0 || due_[kY] != 0 || due_[kZ] != 0;
@@ -617,7 +651,7 @@ class Interpreter {
   // `relative`: a bit for each letter that counts from where it is. `offset`: letters that stay
   // where the program means them to be, see offset_letters.
   bool target(const double* value, uint32_t have, uint32_t relative, uint32_t offset) {
-    std::copy(position_, position_ + kAxes, move_.target);
+    here(move_.target);
     uint8_t moved = 0;
     const double e_before = logical_e_;
     double hop = hop_;
@@ -653,14 +687,14 @@ class Interpreter {
         hop = std::clamp(high_[j] - t, 0.0, hop_);
         t += hop;
       }
-      if (std::fabs(t - position_[j]) > kNowhere) move_.target[j] = t;
+      if (std::fabs(t - move_.target[j]) > kNowhere) move_.target[j] = t;
     }
     if (moved & locked_) {
       logical_e_ = e_before;
       fail(Fault::not_homed, axis_name(__builtin_ctz(unsigned(moved & locked_))), 0, 0);
       return false;
     }
-    for (uint32_t left = cold & moved; left; left &= left - 1) {
+    for (uint32_t left = skips() ? 0 : cold & moved; left; left &= left - 1) {
       int j = __builtin_ctz(left);
       if (move_.target[j] == position_[j]) continue;
       logical_e_ = e_before;
@@ -681,6 +715,11 @@ class Interpreter {
     return take(move_);
   }
   bool take(MoveRequest& m) {
+    if ((apart_ || object_ >= 0) && (apart_ || skips()) && !source_) return take_apart(m);
+    return take_now(m, true);
+  }
+  // `follows`: how far filament is drawn back follows the move; a move that joins has done so.
+  bool take_now(MoveRequest& m, bool follows) {
     if (m.kind == MoveKind::dwell && m.duration_s > 0) {
       std::copy(position_, position_ + kAxes, m.target);
       m.hop_mm = hop_;
@@ -694,10 +733,12 @@ class Interpreter {
     bool travels = false, forward = false, back = false;
     for (int j = 0; j < kAxes; ++j) {
       double mm = m.target[j] - position_[j];
-      if (is_filament(j))
-        forward |= mm > 0, back |= mm < 0;
-      else
+      if (!is_filament(j)) {
         travels |= mm != 0;
+      } else if (mm != 0) {
+        forward |= mm > 0, back |= mm < 0;
+        if (follows) strand_of(j).drawn = owed_after(strand_of(j).drawn, mm);
+      }
     }
     if (!travels && !forward && !back) return false;
     m.kind = !travels ? MoveKind::extrude : forward ? MoveKind::print : MoveKind::travel;
@@ -753,6 +794,15 @@ class Interpreter {
   void begin_frame();
   void feed_frame();
   void fail_call(CallFault fault, const std::string& call);
+  Strand& strand_of(int j) { return j == kE ? strands_[active_] : axis_strands_[j]; }
+  void run_objects(std::string_view code, std::string_view text);
+  void obey(const ObjectOrder& order);
+  void forget_objects();
+  bool take_apart(MoveRequest& m);
+  void skip(const MoveRequest& m);
+  bool join(const MoveRequest& m);
+  void pass_filament(int j, double mm);
+  void look_apart();
 };
 
 }  // namespace passo
@@ -760,5 +810,6 @@ class Interpreter {
 #include "gcode/interpreter_calls.hpp"
 #include "gcode/interpreter_cycles.hpp"
 #include "gcode/interpreter_filament.hpp"
+#include "gcode/interpreter_objects.hpp"
 #include "gcode/interpreter_run.hpp"
 #include "gcode/interpreter_steps.hpp"

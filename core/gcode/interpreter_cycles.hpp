@@ -114,9 +114,9 @@ inline void Interpreter::run_cycle(int code, const Word* w, const Word* end) {
 }
 
 inline bool Interpreter::next_of_cycle() {
-  const Cycle::Step step = cycle_.next(position_);
   MoveRequest m{};
-  std::copy(position_, position_ + kAxes, m.target);
+  here(m.target);
+  const Cycle::Step step = cycle_.next(m.target);
   std::copy(step.target, step.target + 3, m.target);
   m.feed_mm_s = step.rapid ? kInfinity : cycle_feed_;
   m.radius_mm = kInfinity;

@@ -80,6 +80,13 @@ inline void Interpreter::run_line(const char* p, const char* end) {
       while (!text.empty() && std::isspace(uint8_t(text[0]))) text.erase(0, 1);
     }
   }
+  if (const size_t code = object_code(text)) {
+    std::string name = text.substr(0, code);
+    for (char& c : name) c = char(std::toupper(uint8_t(c)));
+    const std::string_view rest = without_comment(std::string_view(text).substr(code));
+    hear(name, nullptr, nullptr, rest);
+    return run_objects(name, rest);
+  }
   strip_comments(text, note);
   if (!note.empty() && text.empty()) return comment(note);
   text.erase(0, std::min(text.find_first_not_of(" \t"), text.size()));
@@ -291,7 +298,7 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
         // O: only what does not know where it is, which the caller must find out.
         bool back = has('B') && letter_slot_['B' - 'A'] < 0;
         double before[kAxes], hop = hop_;
-        if (place_of_tool(before) >= 0) std::copy(position_, position_ + kAxes, before);
+        if (place_of_tool(before) >= 0) here(before);
         if (has('O') && letter_slot_['O' - 'A'] < 0)
           letters += 'O';
         else
@@ -404,6 +411,8 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
       case 702:
         if (run_filament(code, w, end)) return;
         break;
+      case 486:
+        return run_objects("M486", text);
       case 207:
         for (char letter : {'S', 'Z', 'W'})
           if (!within(letter, value_of(letter, 0), 0, kLongestChange)) return;

@@ -50,7 +50,7 @@ inline void Interpreter::carry_out(uint8_t moved) {
 // Where the machine is once it has carried out the offset that is due. Returns the slot of an axis
 // for which that is beyond its limit, where `at` ends, or -1.
 inline int Interpreter::place_of_tool(double* at) const {
-  std::copy(position_, position_ + kAxes, at);
+  here(at);
   int out = -1;
   for (int j = 0; any_due_ && !machine_zero_ && j < 3; ++j) {
     if (due_[j] == 0 || locked(j)) continue;
@@ -77,8 +77,10 @@ inline void Interpreter::queue_offset(const double* to, double feed) {
   item.found = Found::move;
   MoveRequest& m = item.move;
   std::copy(to, to + kAxes, m.target);
+  double from[kAxes];
+  here(from);
   for (int j = 0; j < 3; ++j)
-    if (to[j] != position_[j]) m.moved |= uint8_t(1u << j);
+    if (to[j] != from[j]) m.moved |= uint8_t(1u << j);
   if (m.moved == 0) return;
   m.hop_mm = hop_;
   m.feed_mm_s = feed;
@@ -95,7 +97,9 @@ inline void Interpreter::queue_step(int j, double by, double feed) {
   Item item{};
   item.found = Found::move;
   MoveRequest& m = item.move;
-  const double* from = position_;
+  double start[kAxes];
+  here(start);
+  const double* from = start;
   for (const Item& x : pending_)
     if (x.found == Found::move) from = x.move.target;
   std::copy(from, from + kAxes, m.target);
@@ -127,11 +131,12 @@ inline bool Interpreter::run_filament(int code, const Word* w, const Word* end) 
   }
   Change& change = change_[size_t(machine_->tools[size_t(tool)].extruder)];
   double load = length_of('L', change.load_mm), unload = length_of('U', change.unload_mm);
-  double lift = std::clamp(length_of('Z', 0), 0.0, std::max(0.0, high_[kZ] - position_[kZ]));
+  double lift =
+      std::clamp(length_of('Z', 0), 0.0, std::max(0.0, high_[kZ] - position_[kZ] - gap(kZ)));
   if (!within('L', load, 0, kLongestChange) || !within('U', unload, 0, kLongestChange)) return true;
   if (code == 603) {
     change = {load, unload};
-  } else if (cold >> kE & 1) {
+  } else if (!skips() && (cold >> kE & 1)) {
     fail(Fault::cold, "E", 0, 0);
   } else if (lift > 0 && locked(kZ)) {
     fail(Fault::not_homed, axis_name(kZ), 0, 0);
@@ -146,7 +151,7 @@ inline bool Interpreter::run_filament(int code, const Word* w, const Word* end) 
 // G28 B: back to machine position `to`, X and Y first, unless arms lift them together with Z: where
 // these are at home there is no way aside.
 inline void Interpreter::queue_return(const double* to) {
-  std::copy(position_, position_ + kAxes, move_.target);
+  here(move_.target);
   const bool together = machine_->axes[size_t(kZ)].by_arms;
   for (int j = 0; j < kAxes; ++j)
     if (j != kE && (j != kZ || together)) move_.target[j] = to[j];
@@ -161,7 +166,7 @@ inline void Interpreter::queue_return(const double* to) {
 // `swap`: by the length for a change of tools, and so is what G11 gives back then.
 inline void Interpreter::run_retract(bool in, bool swap) {
   if (machine_->extruders.empty() || in == drawn_[active_].back) return;
-  if (cold >> kE & 1) return fail(Fault::cold, "E", 0, 0);
+  if (!skips() && (cold >> kE & 1)) return fail(Fault::cold, "E", 0, 0);
   Drawn& drawn = drawn_[active_];
   drawn.back = in;
   if (in) {
@@ -169,7 +174,7 @@ inline void Interpreter::run_retract(bool in, bool swap) {
     drawn.mm = swap ? retraction_.swap_mm : retraction_.mm;
     queue_step(kE, -drawn.mm, retraction_.feed_mm_s);
     if (hop_ > 0) return;  // another extruder's
-    hop_ = std::clamp(retraction_.hop_mm, 0.0, std::max(0.0, high_[kZ] - position_[kZ]));
+    hop_ = std::clamp(retraction_.hop_mm, 0.0, std::max(0.0, high_[kZ] - position_[kZ] - gap(kZ)));
     queue_step(kZ, hop_, kInfinity);
   } else {
     queue_step(kZ, -std::exchange(hop_, 0), kInfinity);

@@ -53,6 +53,8 @@ class Survey {
   bool moves() const { return moves_; }
   std::shared_ptr<const Subprograms> subprograms() const { return subprograms_; }
   LayerMark layer_mark() const { return layer_marks_.kind(); }
+  // As the program labels them.
+  const Objects& objects() const { return splitter_.objects(); }
 
  private:
   struct Note {

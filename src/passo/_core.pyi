@@ -1283,6 +1283,40 @@ class Fault(enum.Enum):
 
     CALL = 21
 
+class ObjectAction(enum.Enum):
+    """What a command says about the objects of a print."""
+
+    COUNT = 0
+    """There are so many."""
+
+    DEFINE = 1
+    """One of this name."""
+
+    BEGIN = 2
+    """What follows belongs to this one."""
+
+    NAME = 3
+    """Of the one that has begun."""
+
+    END = 4
+    """What follows belongs to none."""
+
+    CANCEL = 5
+    """This one, by number or name."""
+
+    CANCEL_CURRENT = 6
+    """The one that is printed."""
+
+    RESTORE = 7
+    """This one, by number or name."""
+
+    RESTORE_ALL = 8
+
+def object_orders(code: str, text: str) -> list[tuple[ObjectAction, int, str]]:
+    """
+    (action, number, name) of M486 or EXCLUDE_OBJECT…, by what follows the code. The number is -1 where the object is meant by its name. What cannot be read is left out.
+    """
+
 class CallFault(enum.IntEnum):
     """Why M98 or M99 cannot be carried out."""
 
@@ -1705,9 +1739,32 @@ class Job:
         Changes an axis' `speed`, `accel` or `jerk`, never beyond the machine's own, as set_limit.
         """
 
+    @property
+    def objects(self) -> list[tuple[str, bool, str, str]]:
+        """
+        (name, cancelled, centre, outline) of each object of the program, by number; centre and outline as they are written, or empty.
+        """
+
+    @property
+    def objects_version(self) -> int:
+        """Another value after each change of `objects`, and for each program."""
+
+    def object_of_line(self, line: int) -> int:
+        """
+        The object that a line of the main program belongs to, of those read lately; -1: none.
+        """
+
+    def find_objects(self, name: str) -> list[int]:
+        """Numbers of the objects of this name, in any case."""
+
+    def cancel_object(self, number: int, cancelled: bool = True) -> None:
+        """
+        Moves of the object that are read from now on are left out, or are not left out.
+        """
+
     def use_survey(self, survey: Survey) -> None:
         """
-        Of the program that it reads next: its sub-programs, and the comments that mark layers.
+        Of the program that it reads next: its sub-programs, its objects, and the comments that mark layers.
         """
 
     @property

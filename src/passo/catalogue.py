@@ -257,6 +257,34 @@ CATALOGUE: Mapping[str, Entry] = {
         "the history of prints cannot be used: {value}",
         "Close it in other programs; if it is damaged, move it away and start again",
     ),
+    "job.no-objects": _input(
+        "job",
+        "no file that labels its objects is being printed",
+        "Start one that was sliced with labels (M486 or EXCLUDE_OBJECT), then send it again",
+    ),
+    "job.no-object": _input(
+        "job",
+        "{value} is not an object of this print: expected {limit}, or a name",
+        "List the objects with M486, then name one",
+    ),
+    "job.several-objects": _input(
+        "job",
+        "several objects have the name {value}: {limit}",
+        "Choose one by its number (M486 P)",
+    ),
+    "job.no-current-object": _input(
+        "job",
+        "no object is being printed at this moment",
+        "Name the object: M486 P<number> or EXCLUDE_OBJECT NAME=<name>",
+    ),
+    "job.no-object-order": _input(
+        "job", "{value} names no object: expected {limit}", "Correct it and send it again"
+    ),
+    "job.objects-and-laser": _input(
+        "job",
+        "objects cannot be cancelled on a machine with a laser, which would burn where it stands",
+        "Cancel the print (M524)",
+    ),
     "job.no-part": _input(
         "job",
         "needs {value}, which is missing from the machine file",

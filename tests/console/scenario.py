@@ -111,7 +111,8 @@ class Scenario:
         self.host = Host(self)
 
     async def _start(self, free: bool, card: str | None, state: str | None, skips: Skips) -> Any:
-        return assembled(self.machine, free=free, card=card, state=state, skips=skips).printer
+        self.assembly = assembled(self.machine, free=free, card=card, state=state, skips=skips)
+        return self.assembly.printer
 
     def __enter__(self) -> Scenario:
         return self

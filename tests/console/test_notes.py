@@ -27,7 +27,7 @@ NOTES = {
     "G27": "G27 does nothing here. The head parks when a print pauses",
     "M420 S1": "M420 does nothing here. Bed levelling is not built.",
     "M800": "M800 does nothing here. M1000 goes on with a print",
-    "EXCLUDE_OBJECT_START NAME=a": "EXCLUDE_OBJECT_START does nothing here. Labels",
+    "EXCLUDE_OBJECT_START NAME=a": "EXCLUDE_OBJECT_START labels objects of a file on the card",
     "M205 X8 Y8 S0": "M205: X Y have no effect, because the machine's corners use the junction",
     "SET_VELOCITY_LIMIT FOO=1 ACCEL=900": "SET_VELOCITY_LIMIT: FOO has no effect",
     "M106 X100": "M106 sets speeds, by S",

@@ -13,12 +13,14 @@ from passo.console.card_commands import AUTOSTART, CardCommands
 from passo.console.commands import ConsoleCommands
 from passo.console.job_commands import JobCommands
 from passo.console.json_status import JsonStatus
+from passo.console.object_commands import ObjectCommands
 from passo.console.recovery_commands import RecoveryCommands
 from passo.console.session import Session
 from passo.console.settings_commands import SettingsCommands
 from passo.console.status import StatusReader
 from passo.errors import InputError, Problem
 from passo.job.durable_files import directory_held
+from passo.job.live.objects import PrintObjects
 from passo.job.live.runner import Runner
 from passo.job.live.statistics import Statistics
 from passo.job.settings_store import Store
@@ -69,6 +71,7 @@ class Assembly:
     jobs: JobCommands
     files: CardCommands
     status: StatusReader
+    objects: PrintObjects
 
 
 def assembled(
@@ -124,11 +127,13 @@ def _furnish(printer: Printer, card: str | None, state: str | None) -> Assembly:
     jobs = JobCommands(printer, runner, statistics, files.reader)
     printer.immediate.update(jobs.immediate)
     printer.planned.update(jobs.planned)
-    status = StatusReader(printer, runner, jobs)
+    objects = PrintObjects(printer, runner)
+    printer.immediate.update(ObjectCommands(objects).immediate)
+    status = StatusReader(printer, runner, jobs, objects)
     printer.immediate.update(JsonStatus(printer, status, options).handlers)
     recovery = None
     if state is not None:
-        recovery = RecoveryCommands(printer, runner, files, Path(state))
+        recovery = RecoveryCommands(printer, runner, files, objects, Path(state))
         printer.planned.update(recovery.planned)
         printer.greeting = recovery.offer
     store = None if state is None else Store(Path(state) / "settings.json", printer.machine.uuid)
@@ -147,7 +152,7 @@ def _furnish(printer: Printer, card: str | None, state: str | None) -> Assembly:
             recovery.instead = f". {AUTOSTART} was not started"
         elif files.starts_itself:
             printer.tell(f"echo:{AUTOSTART} was not started, for the printer is halted")
-    return Assembly(printer, runner, jobs, files, status)
+    return Assembly(printer, runner, jobs, files, status, objects)
 
 
 def welcome(printer: Printer, session: Session) -> None:

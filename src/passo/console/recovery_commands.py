@@ -8,9 +8,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from passo.console.card_commands import CardCommands
+from passo.console.session import command_of
 from passo.errors import CardError, CommandError, PassoError
 from passo.gcode.command import Command
 from passo.job.live.journal import Change, Journal, Moment, Program
+from passo.job.live.objects import PrintObjects
 from passo.job.live.overrides import Overrides, Settings
 from passo.job.live.resume_after_power_loss import Recovery
 from passo.job.live.runner import Runner, State
@@ -30,7 +32,12 @@ class RecoveryCommands:
     """Records the prints of one printer in `directory`."""
 
     def __init__(
-        self, printer: Printer, runner: Runner, files: CardCommands, directory: Path
+        self,
+        printer: Printer,
+        runner: Runner,
+        files: CardCommands,
+        objects: PrintObjects,
+        directory: Path,
     ) -> None:
         self._printer, self._runner, self._files = printer, runner, files
         self._journal = Journal(directory)
@@ -44,6 +51,7 @@ class RecoveryCommands:
         self._program: Program | None = None  # that was begun last
         self.instead = ""  # what was not done because of it, to be told with the offer
         self.planned: dict[str, Handler] = {"M1000": self._go_on}
+        objects.watchers.append(self._object_cancelled)
         runner.watchers.append(self._job_changed)
         printer.watchers.append(self._time_passed)
         printer.closers.append(self._journal.leave)
@@ -195,6 +203,11 @@ class RecoveryCommands:
         self._program.changes.append(change)
         self._write(lambda: self._journal.record_change(change))
 
+    def _object_cancelled(self, number: int, cancelled: bool) -> None:
+        if self._follows():
+            order = f"M486 {'P' if cancelled else 'U'}{number}"
+            self._set_by_console((self._runner.offset, [order]))
+
     def _z_matters(self, before_mm: float) -> bool:
         """Z has gone far since the last record, or has come to rest elsewhere. A print that goes on
         keeps Z without homing it where Z moves alone."""
@@ -261,6 +274,10 @@ class RecoveryCommands:
             with self._runner.keep() as seek:
                 offset = await recovery.run()
                 seek(offset)
+            if offset == 0:  # seeking the beginning has forgotten which objects are cancelled
+                for line in (line for _, lines in program.changes for line in lines):
+                    if (command := command_of(line)).code == "M486":
+                        self._printer.commands.run(command)
             # What was set while more had been read ahead holds before that is read now.
             changes = [(min(at, offset), lines) for at, lines in program.changes]
             self._program = replace(program, changes=changes)

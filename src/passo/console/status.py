@@ -15,6 +15,7 @@ from passo.printer.status import (
 
 if TYPE_CHECKING:
     from passo.console.job_commands import JobCommands
+    from passo.job.live.objects import PrintObjects
     from passo.job.live.runner import Runner
     from passo.printer.printer import Printer
 
@@ -22,8 +23,11 @@ if TYPE_CHECKING:
 class StatusReader:
     """The status of one printer; reading it asks no board and lets no time pass."""
 
-    def __init__(self, printer: Printer, runner: Runner, jobs: JobCommands) -> None:
+    def __init__(
+        self, printer: Printer, runner: Runner, jobs: JobCommands, objects: PrintObjects
+    ) -> None:
         self._printer, self._runner, self._jobs = printer, runner, jobs
+        self._objects = objects
 
     def read(self) -> Status:
         """The printer now."""
@@ -67,4 +71,6 @@ class StatusReader:
             layers=self._jobs.layers,
             printed_s=self._jobs.printed_s,
             left_s=self._jobs.left_s,
+            objects=self._objects.all,
+            current_object=self._objects.current,
         )

@@ -502,6 +502,15 @@ TABLE: tuple[Row, ...] = (
         "Brakes to a stop and forgets what was planned, and moves in hand. A print without consoles"
         " fails there.",
     ),
+    Row(
+        "M486",
+        _P,
+        _I,
+        "P(object) U(object) C T(count) S(object) A(name)",
+        "P cancels an object of the print from the card, C the one that is printed, U prints it"
+        " again; alone it lists them. Files label their objects with T, S and A.",
+        bare=None,
+    ),
     Row("M500", _S, _N, "", "Stores the settings."),
     Row("M501", _S, _X, "", "Takes the stored settings."),
     Row("M502", _S, _X, "", "Takes the machine file's settings."),
@@ -572,6 +581,39 @@ TABLE: tuple[Row, ...] = (
         "Gives a part of the simulated printer a fault, or none; without parameters it lists them.",
     ),
     Row(
+        "EXCLUDE_OBJECT",
+        _P,
+        _I,
+        "NAME CURRENT RESET",
+        "NAME= cancels an object of the print from the card, CURRENT=1 the one that is printed;"
+        " RESET=1 prints all again, with NAME= this one; alone it lists them.",
+        bare=None,
+    ),
+    Row(
+        "EXCLUDE_OBJECT_DEFINE",
+        _M,
+        _I,
+        "NAME CENTER POLYGON",
+        "Names an object of a file on the card.",
+        bare=None,
+    ),
+    Row(
+        "EXCLUDE_OBJECT_START",
+        _M,
+        _I,
+        "NAME",
+        "What follows in a file belongs to this object.",
+        bare=None,
+    ),
+    Row(
+        "EXCLUDE_OBJECT_END",
+        _M,
+        _I,
+        "NAME",
+        "What follows in a file belongs to no object.",
+        bare=None,
+    ),
+    Row(
         "SET_VELOCITY_LIMIT",
         _P,
         _N,
@@ -591,16 +633,12 @@ TABLE: tuple[Row, ...] = (
             ("M8", "There is no coolant."),
             ("M9", "There is no coolant."),
             ("M413", "A print can always be resumed where there is a place for its journal."),
-            ("M486", "Labels of objects have no use yet."),
             *(
                 (code, "It asks whether this is a Prusa printer.")
                 for code in ("M862", *(f"M862.{i}" for i in range(1, 7)))
             ),
             ("M900", "Linear advance is not built."),
             ("M907", "M906 and the machine file set motor currents."),
-            ("EXCLUDE_OBJECT_DEFINE", "Labels of objects have no use yet."),
-            ("EXCLUDE_OBJECT_START", "Labels of objects have no use yet."),
-            ("EXCLUDE_OBJECT_END", "Labels of objects have no use yet."),
             ("SET_PRINT_STATS_INFO", "There is no display yet."),
         )
     ),

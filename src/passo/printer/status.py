@@ -35,12 +35,25 @@ class HeaterStatus:
 
 
 @dataclass(frozen=True, slots=True)
+class PrintObject:
+    """An object that the file labels. `number` is the one of M486, or its place in the file; `name`
+    is empty if the file has none. `centre_mm` and `outline_mm`, X and Y, are those of
+    EXCLUDE_OBJECT_DEFINE, else None and empty."""
+
+    number: int
+    name: str
+    cancelled: bool = False
+    centre_mm: tuple[float, float] | None = None
+    outline_mm: tuple[tuple[float, float], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
 class JobStatus:
     """The file that is printed. `fraction` is the part of its time that is done, or of its bytes
     while its time is not known yet, 0 to 1; `line` and `layer` are those of the move under way (0:
     none yet); `printed_s` is the print time so far, without pauses; `left_s` is the time that the
     rest of its moves takes, without heating. `layers` and `left_s` are None while they are not
-    known."""
+    known. `current_object` is the number, among `objects`, of the one that is printed now."""
 
     file: str
     fraction: float
@@ -49,6 +62,8 @@ class JobStatus:
     layers: int | None
     printed_s: float
     left_s: float | None
+    objects: tuple[PrintObject, ...] = ()
+    current_object: int | None = None
 
 
 @dataclass(frozen=True, slots=True)

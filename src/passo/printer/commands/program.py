@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from math import inf, nan, sqrt
 from typing import TYPE_CHECKING, ClassVar, NamedTuple, Protocol, Self
 
+from passo import _core
 from passo.config.heater_numbers import heater_of
 from passo.config.motor_roles import axis_order
 from passo.config.types import LEAST_ACCEL, LEAST_SPEED
@@ -23,7 +24,6 @@ from passo.printer.unfit_commands import ALL
 from passo.printer.wait_requests import Homing, Person, Still, Stop, Temperatures, Wait
 
 if TYPE_CHECKING:
-    from passo import _core
     from passo.config.machine import MachineConfig
 
 
@@ -623,6 +623,13 @@ class Commands:
         return ". ".join(note for note in (*above, without) if note)
 
     # Of the class: an object that refers to itself would keep its job until it is found as garbage.
+    def _cancel_objects(self, command: Command) -> None:
+        """As a console has ordered it, by number, in the part of a print that is read again."""
+        action = _core.ObjectAction
+        for what, number, _ in _core.object_orders(command.code, command.text):
+            if what in (action.CANCEL, action.RESTORE) and number >= 0:
+                self._job.cancel_object(number, what == action.CANCEL)
+
     _HANDLERS: ClassVar[dict[str, Callable[[Commands, Command], Wait | None]]] = {
         "G28": _home,
         "G92": _set_position,
@@ -661,6 +668,7 @@ class Commands:
         "G10": _tool_temperatures,
         "G80": lambda self, c: self.omitted.count(Omission.UNKNOWN, c.code, c.line),
         "SET_VELOCITY_LIMIT": _velocity_limit,
+        "M486": _cancel_objects,
     }
 
 

@@ -1,0 +1,234 @@
+// Objects of a print that are cancelled: their moves are skipped, and the way on from there.
+#pragma once
+#include "gcode/interpreter.hpp"
+
+namespace passo {
+
+// A command about objects. The program's own are carried out here; a console's go to the caller.
+inline void Interpreter::run_objects(std::string_view code, std::string_view text) {
+  while (!text.empty() && std::isspace(uint8_t(text.front()))) text.remove_prefix(1);
+  if (source_) return code == "M486" ? emit('M', 486, 0, "", text) : emit(0, 0, 0, code, text);
+  for (const ObjectOrder& order : ObjectText::read(code, text)) obey(order);
+}
+
+inline void Interpreter::obey(const ObjectOrder& order) {
+  Objects& all = *objects_;
+  auto enter = [&](int object) {
+    object_ = object;
+    object_lines_.add(sources_[0].number(), object);
+  };
+  auto cancel = [&](bool cancelled) {
+    const int number = order.number < 0 ? all.named(order.name) : all.numbered(order.number);
+    if (number >= 0) all.cancel(number, cancelled);
+  };
+  switch (order.action) {
+    case ObjectAction::count:
+      return all.reserve(order.number);
+    case ObjectAction::define:
+      return all.define(order);
+    case ObjectAction::begin:
+      return enter(order.number < 0 ? all.named(order.name) : all.numbered(order.number));
+    case ObjectAction::name:
+      if (object_ >= 0) all.call(object_, order.name);
+      return;
+    case ObjectAction::end:
+      return enter(-1);
+    case ObjectAction::cancel:
+      return cancel(true);
+    case ObjectAction::cancel_current:
+      if (object_ >= 0) all.cancel(object_, true);
+      return;
+    case ObjectAction::restore:
+      return cancel(false);
+    case ObjectAction::restore_all:
+      return all.restore_all();
+  }
+}
+
+// Another program begins: it has no objects yet, and begins where the machine is.
+inline void Interpreter::forget_objects() {
+  objects_ = std::make_shared<Objects>();
+  object_lines_.clear();
+  object_ = -1;
+  std::fill(std::begin(gap_), std::end(gap_), 0.0);
+  for (Strand& strand : strands_) strand.behind = 0;
+  for (Strand& strand : axis_strands_) strand.behind = 0;
+  apart_ = false;
+}
+
+// The machine's filament at slot j ends elsewhere by so much than what is read of the program
+// reckons with; the program's E does not notice.
+inline void Interpreter::pass_filament(int j, double mm) {
+  arc_.shift(j, mm);
+  for (Item& item : pending_)
+    if (item.found == Found::move) item.move.target[j] += mm;
+  if (j != kE) origin_[j] += mm;
+}
+
+inline void Interpreter::look_apart() {
+  apart_ = std::any_of(std::begin(gap_), std::end(gap_), [](double mm) { return mm != 0; });
+  auto differs = [this](const Strand& strand) { apart_ |= strand.behind != 0; };
+  std::for_each(strands_.begin(), strands_.end(), differs);
+  std::for_each(std::begin(axis_strands_), std::end(axis_strands_), differs);
+}
+
+// A move of the program while its object is cancelled, or after that. Dwells take place.
+inline bool Interpreter::take_apart(MoveRequest& m) {
+  if (m.kind == MoveKind::dwell && m.duration_s > 0) return take_now(m, true);
+  if (!skips()) return join(m);
+  skip(m);
+  return false;
+}
+
+// The program goes on, and the machine stays. Of filament only how far it is drawn back counts:
+// what would have been printed does not come later.
+inline void Interpreter::skip(const MoveRequest& m) {
+  bool forward = false, back = false, travels = false;
+  for (int j = 0; j < kAxes; ++j) {
+    const double mm = m.target[j] - (position_[j] + gap_[j]);
+    if (mm == 0) continue;
+    if (!is_filament(j)) {
+      travels |= j != kZ;
+      gap_[j] = m.target[j] - position_[j];
+      if (std::fabs(gap_[j]) <= kNowhere) gap_[j] = 0;
+      continue;
+    }
+    forward |= mm > 0, back |= mm < 0;
+    Strand& strand = strand_of(j);
+    strand.behind = strand.drawn - owed_after(strand.drawn - strand.behind, mm);
+    if (std::fabs(strand.behind) <= kNowhere) strand.behind = 0;
+    if (j == kE && m.flow > 0) filament_[active_].moved(mm, e_scale());
+    pass_filament(j, -mm);
+  }
+  if (travels && !forward) skipped_feed_ = m.feed_mm_s;
+  if (back || (forward && !travels)) skipped_strand_feed_ = m.feed_mm_s;
+  idle_calls_ = 0;
+  look_apart();
+}
+
+// The first moves of the program that take place again. A retraction or a lift takes place where
+// the machine stands. Any other move first brings it to where the program is: up, across and down,
+// with the filament drawn back as the program means, and none laid on the way.
+inline bool Interpreter::join(const MoveRequest& m) {
+  double start[kAxes], by[kAxes];  // where the program is, and how far it goes
+  here(start);
+  bool forward = false, across = false, any = false;
+  for (int j = 0; j < kAxes; ++j) {
+    by[j] = m.target[j] - start[j];
+    any |= by[j] != 0;
+    forward |= is_filament(j) && by[j] > 0;
+    across |= !is_filament(j) && j != kZ && by[j] != 0;
+  }
+  if (!any) return false;
+  const bool arrives = forward || across || by[kZ] < 0;
+
+  std::vector<Item> way;
+  double at[kAxes];  // where the way leads so far
+  std::copy(position_, position_ + kAxes, at);
+  auto as_meant = [&] {
+    Item item{};
+    item.found = Found::move;
+    item.joins = true;
+    item.move = m;
+    std::copy(at, at + kAxes, item.move.target);
+    way.push_back(std::move(item));
+  };
+  // A move of the way, of which the program knows nothing.
+  auto step = [&](double feed) {
+    as_meant();
+    MoveRequest& s = way.back().move;
+    s.kind = MoveKind::travel;
+    if (feed > 0) s.feed_mm_s = feed;
+    s.moved = 0;
+    for (int j = 0; j < kAxes; ++j)
+      if (at[j] != position_[j]) s.moved |= uint8_t(1u << j);
+    s.duration_s = s.energy_ws = s.hop_mm = s.flow = 0;
+    s.radius_mm = kInfinity;
+    s.arc_inner = false;
+    s.rapid = true;  // no laser burns on it
+  };
+  // Filament of the way: `mm` of slot j, where the program moves it by `meant`.
+  auto feed_strand = [&](int j, double mm, double meant) {
+    Strand& strand = strand_of(j);
+    const double drawn = owed_after(strand.drawn, mm);
+    strand.behind = drawn - owed_after(strand.drawn - strand.behind, meant);
+    if (std::fabs(strand.behind) <= kNowhere) strand.behind = 0;
+    if (j == kE && m.flow > 0 && meant != 0) filament_[active_].moved(meant, e_scale());
+    strand.drawn = drawn;
+    pass_filament(j, mm - meant);
+    at[j] += mm;
+  };
+  auto each_strand = [&](auto&& with) {
+    for (int j = 0; j < kAxes; ++j)
+      if (is_filament(j) && (j != kE || !extruder_.empty())) with(j, strand_of(j));
+  };
+  // It is drawn back as the program means from now on, or only where that is further.
+  auto settle = [&](bool only_back) {
+    bool moves = false;
+    each_strand([&](int j, Strand& strand) {
+      if (only_back ? strand.behind >= 0 : strand.behind == 0) return;
+      feed_strand(j, strand.behind, 0);
+      moves = true;
+    });
+    if (moves) step(skipped_strand_feed_);
+  };
+  // The program's retraction within m, if the filament is not drawn back so far already.
+  auto retract = [&] {
+    each_strand([&](int j, Strand& strand) {
+      if (by[j] < 0) feed_strand(j, std::min(0.0, by[j] + strand.behind), by[j]);
+    });
+  };
+
+  if (!arrives) {
+    at[kZ] = std::max(at[kZ], by[kZ] > 0 ? m.target[kZ] : at[kZ]);
+    retract();
+    if (!std::equal(at, at + kAxes, position_)) {
+      as_meant();
+      way.back().move.hop_mm = way.back().move.flow = 0;
+    }
+    gap_[kZ] = m.target[kZ] - at[kZ];
+    if (std::fabs(gap_[kZ]) <= kNowhere) gap_[kZ] = 0;
+  } else {
+    const double* to = forward ? start : m.target;
+    bool far = false;
+    auto aside = [&](int j) { return j != kZ && !is_filament(j); };
+    for (int j = 0; j < kAxes; ++j) far |= aside(j) && std::fabs(to[j] - at[j]) > kNowhere;
+    if (far) settle(true);
+    const double top = std::max({at[kZ], start[kZ], to[kZ]});
+    if (far && top - at[kZ] > kNowhere) {
+      at[kZ] = top;
+      step(skipped_feed_);
+    }
+    for (int j = 0; j < kAxes; ++j)
+      if (aside(j)) at[j] = to[j];
+    if (!far) at[kZ] = to[kZ];
+    if (!forward) {
+      retract();
+      as_meant();
+      way.back().move.hop_mm = way.back().move.flow = 0;
+    } else if (far || at[kZ] != position_[kZ]) {
+      step(skipped_feed_);
+    }
+    if (far && std::fabs(to[kZ] - at[kZ]) > kNowhere) {
+      at[kZ] = to[kZ];
+      step(forward ? skipped_feed_ : m.feed_mm_s);
+    }
+    if (forward && !across && by[kZ] == 0) {
+      each_strand([&](int j, Strand& strand) { feed_strand(j, strand.behind + by[j], by[j]); });
+      as_meant();
+      way.back().move.flow = 0;
+    } else if (forward) {
+      settle(false);
+      for (int j = 0; j < kAxes; ++j) at[j] = is_filament(j) ? at[j] + by[j] : m.target[j];
+      each_strand([&](int j, Strand& s) { s.drawn = owed_after(s.drawn, by[j]); });
+      as_meant();
+    }
+    std::fill(std::begin(gap_), std::end(gap_), 0.0);
+  }
+  pending_.insert(pending_.begin(), std::make_move_iterator(way.begin()),
+                  std::make_move_iterator(way.end()));
+  look_apart();
+  return false;
+}
+
+}  // namespace passo

@@ -1,0 +1,107 @@
+"""The objects of the file that is printed: which there are, and which are cancelled."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, cast
+
+from passo.errors import CommandError
+from passo.printer.status import PrintObject
+
+if TYPE_CHECKING:
+    from passo import _core
+    from passo.job.live.runner import Runner
+    from passo.printer.printer import Printer
+
+
+class PrintObjects:
+    """Those of one printer's print from a file. They are known once the file was looked through,
+    and none is cancelled when a print begins. `watchers` are called with the number of each object
+    that a client cancels or restores, and whether it is cancelled."""
+
+    def __init__(self, printer: Printer, runner: Runner) -> None:
+        self._printer, self._runner = printer, runner
+        self._known: tuple[PrintObject, ...] = ()
+        self._of: tuple[_core.Job, int] | None = None  # that they were read from
+        self.watchers: list[Callable[[int, bool], None]] = []
+
+    @property
+    def all(self) -> tuple[PrintObject, ...]:
+        """Each object of the print under way, or of the last one, by its number."""
+        job = self._printer.job
+        version = job.objects_version
+        if self._of is None or self._of[0] is not job or self._of[1] != version:
+            self._of = job, version
+            self._known = tuple(
+                PrintObject(i, name, cancelled, _point(centre), _outline(outline))
+                for i, (name, cancelled, centre, outline) in enumerate(job.objects)
+            )
+        return self._known
+
+    @property
+    def current(self) -> int | None:
+        """The object whose moves are under way; None between objects, and without a print."""
+        if not self._runner.active:
+            return None
+        job = self._printer.job
+        number = job.object_of_line(job.line_at(self._printer.drive.passed))
+        return number if number >= 0 else None
+
+    @property
+    def planned_to_line(self) -> int:
+        """The line up to which moves are planned, and take place whatever is cancelled now."""
+        with self._printer.file_selected() as job:
+            return job.line
+
+    def named(self, name: str) -> int:
+        """The number of the object of this name, in any case. Raises CommandError."""
+        self._require_print()
+        numbers = self._printer.job.find_objects(name)
+        if not numbers:
+            raise CommandError.of("job.no-object", value=name, limit=self._choice())
+        if len(numbers) > 1:
+            limit = ", ".join(map(str, numbers))
+            raise CommandError.of("job.several-objects", value=name, limit=limit)
+        return numbers[0]
+
+    def cancel(self, number: int, *, cancelled: bool = True) -> bool:
+        """Skips the object's moves that are not planned yet, or skips them no longer. False if that
+        was so before. Raises CommandError."""
+        self._require_print()
+        if not 0 <= number < len(self.all):
+            raise CommandError.of("job.no-object", value=str(number), limit=self._choice())
+        if self.all[number].cancelled == cancelled:
+            return False
+        if self._printer.machine.laser:
+            raise CommandError.of("job.objects-and-laser")
+        self._printer.job.cancel_object(number, cancelled)
+        for watcher in self.watchers:
+            watcher(number, cancelled)
+        return True
+
+    def _choice(self) -> str:
+        last = len(self.all) - 1
+        return "0" if last == 0 else f"0 to {last}"
+
+    def _require_print(self) -> None:
+        if not (self._runner.active and self.all):
+            raise CommandError.of("job.no-objects")
+
+
+def _point(text: str) -> tuple[float, float] | None:
+    """X,Y; None if it is something else."""
+    try:
+        x, y = map(float, text.split(","))
+    except ValueError:
+        return None
+    return x, y
+
+
+def _outline(text: str) -> tuple[tuple[float, float], ...]:
+    """[[X,Y],...]; empty if it is something else."""
+    try:
+        found = cast("list[Any]", json.loads(text))
+        return tuple((float(x), float(y)) for x, y in found)
+    except (ValueError, TypeError, RecursionError):
+        return ()
