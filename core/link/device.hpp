@@ -1,6 +1,5 @@
 // The far end of a link, in the same process: it takes bytes and gives bytes, in virtual time.
 #pragma once
-#include <cstddef>
 #include <cstdint>
 #include <limits>
 

@@ -1,6 +1,5 @@
 // How a fan is started: fully on for a while, for what it is asked for may not get it to turn.
 #pragma once
-#include <algorithm>
 #include <cstdint>
 
 #include "link/device.hpp"

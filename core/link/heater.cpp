@@ -1,6 +1,7 @@
 #include "link/heater.hpp"
 
 #include <cmath>
+#include <variant>
 
 namespace passo::wire {
 

@@ -1,6 +1,8 @@
 #include "link/live_wire.hpp"
 
 #include <algorithm>
+#include <chrono>
+#include <exception>
 #include <mutex>
 #include <utility>
 

@@ -2,8 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+
+#include "steps/stabbing.hpp"
+#include "steps/windows.hpp"
 
 namespace passo::wire {
+
+Retimer::Retimer(double tolerance)
+    : tolerance_(tolerance), stabbing_(std::make_unique<Stabbing>()) {}
+
+Retimer::~Retimer() = default;
 
 void Retimer::set_apart(size_t stepper, Apart apart) {
   if (motors_.size() <= stepper) motors_.resize(stepper + 1);
@@ -88,8 +97,8 @@ void Retimer::steps(const Message& m, Way& motor) {
   motor.turning = false;
   int64_t due = clock_of(m.clock);
   for (size_t i = 0; i < n;) {
-    Command c = stabbing_.longest(&lo_[i], &hi_[i], int(std::min(n - i, size_t(kMostSteps))),
-                                  double(motor.last), &executed_[i]);
+    Command c = stabbing_->longest(&lo_[i], &hi_[i], int(std::min(n - i, size_t(kMostSteps))),
+                                   double(motor.last), &executed_[i]);
     motor.last += int64_t(c.span());
     // All parts may leave when the message might: what waits behind them must not wait for them.
     ready_.push({due, moves ? motor.last : due, uint32_t(c.interval), uint16_t(c.count),

@@ -1,13 +1,16 @@
 // Messages of the timeline → messages in the clock of one further board.
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "link/time_map.hpp"
-#include "steps/compressor.hpp"
 #include "steps/message_queue.hpp"
-#include "steps/stabbing.hpp"
+
+namespace passo {
+class Stabbing;
+}
 
 namespace passo::wire {
 
@@ -22,7 +25,8 @@ class Retimer {
     double least = 1, turning = 1;
   };
 
-  explicit Retimer(double tolerance) : tolerance_(tolerance) {}
+  explicit Retimer(double tolerance);
+  ~Retimer();
 
   TimeMap& map() { return map_; }
   void set_apart(size_t stepper, Apart apart);
@@ -65,7 +69,7 @@ class Retimer {
   TimeMap map_;
   std::vector<Motor> motors_;
   MessageQueue ready_;
-  Stabbing stabbing_;
+  std::unique_ptr<Stabbing> stabbing_;
   std::vector<double> times_, lo_, hi_, executed_;
 
   // A tail counts on from the last step before it, and is told at the clock of its commit. Without

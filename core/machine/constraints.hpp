@@ -1,6 +1,6 @@
 // The speed and acceleration limits of a machine as rows: |row · direction| * speed ≤ limit.
 #pragma once
-#include <algorithm>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -55,49 +55,13 @@ struct Constraints {
   bool checks_reach() const { return checks_reach_; }
 
   // Lowers or restores a limit of an axis or extruder, within the machine's own.
-  void set(const Machine& m, const std::string& axis, double Row::* limit, double value) {
-    Constraints own(m);
-    auto apply = [&](std::vector<Row>& mine, const std::vector<Row>& original, size_t i) {
-      mine[i].*limit = std::min(value, original[i].*limit);
-    };
-    for (size_t i = 0; i < m.axes.size(); ++i)
-      if (m.axes[i].name == axis) apply(rows, own.rows, i);
-    for (size_t i = 0; i < m.extruders.size(); ++i)
-      if (m.extruders[i].name == axis) apply(extruders, own.extruders, i);
-  }
+  void set(const Machine& m, const std::string& axis, double Row::* limit, double value);
 
   // The limits of a machine whose motors have other scales now: what was as high as `before`, the
   // machine's own, let it be is so again.
-  Constraints rescaled(const Constraints& before, const Machine& m) const {
-    Constraints now(m);
-    auto lower = [](std::vector<Row>& now, const std::vector<Row>& set,
-                    const std::vector<Row>& own) {
-      for (size_t i = 0; i < set.size(); ++i)
-        for (double Row::* limit : {&Row::speed, &Row::accel, &Row::jerk})
-          if (set[i].*limit < (1 - kRounded) * own[i].*limit)
-            now[i].*limit = std::min(now[i].*limit, set[i].*limit);
-    };
-    lower(now.rows, rows, before.rows);
-    lower(now.extruders, extruders, before.extruders);
-    return now;
-  }
+  Constraints rescaled(const Constraints& before, const Machine& m) const;
 
-  explicit Constraints(const Machine& m) {
-    for (const StepperSpec& s : m.steppers)
-      checks_reach_ |= s.drive == Drive::actuator && (s.min > -kInfinity || s.max < kInfinity);
-    for (size_t i = 0; i < m.axes.size(); ++i)
-      rows.push_back(single(slot_of_axis(int(i)), m.axes[i]));
-    for (const Extruder& e : m.extruders) extruders.push_back(single(kE, e));
-    bool linear = true;
-    double c[3];
-    for (int i = 0; i < m.geometry->actuators(); ++i) linear = linear && m.geometry->linear(i, c);
-    checks_reach_ |= !linear;
-    if (!linear) {
-      for (int i = 0; i < m.geometry->actuators(); ++i)
-        actuators.push_back(Row{{}, -1, kInfinity, kInfinity, 0, 0});
-    }
-    for (const StepperSpec& s : m.steppers) add_stepper(m, s, linear);
-  }
+  explicit Constraints(const Machine& m);
 
  private:
   bool checks_reach_ = false;
@@ -109,39 +73,10 @@ struct Constraints {
     row.c[axis] = 1;
     return row;
   }
-  LimitId add_name(const std::string& name) {
-    names.push_back(name);
-    return LimitId(names.size() - 1);
-  }
+  LimitId add_name(const std::string& name);
   // `share`: of the highest rate of steps, which no interval may exceed.
-  void tighten(Row& row, const StepperSpec& s, double share = 1) {
-    double rate = share * s.max_rate / s.steps_per_unit;
-    if (s.speed < row.speed && s.speed <= rate) {
-      row.speed = s.speed;
-      row.speed_id = add_name("stepper " + s.name + " speed");
-    } else if (rate < row.speed) {
-      row.speed = rate;
-      row.speed_id = add_name("stepper " + s.name + " step rate");
-    }
-    if (s.accel < row.accel) {
-      row.accel = s.accel;
-      row.accel_id = add_name("stepper " + s.name + " acceleration");
-    }
-  }
-  void add_stepper(const Machine& m, const StepperSpec& s, bool linear) {
-    if (s.drive == Drive::extruder) return tighten(extruders[size_t(s.index)], s);
-    if (s.drive == Drive::axis) return tighten(rows[size_t(s.index)], s);
-    // A line is looked at here and there: between these places it may be steeper by 1 %.
-    if (!linear) return tighten(actuators[size_t(s.index)], s, 0.99);
-    double c[3];
-    m.geometry->linear(s.index, c);
-    for (int axis = 0; axis < 3; ++axis)
-      if (std::fabs(c[axis]) == 1 && std::fabs(c[0]) + std::fabs(c[1]) + std::fabs(c[2]) == 1)
-        return tighten(rows[size_t(axis)], s);
-    Row row{{c[0], c[1], c[2]}, -1, kInfinity, kInfinity, 0, 0};
-    tighten(row, s);
-    rows.push_back(row);
-  }
+  void tighten(Row& row, const StepperSpec& s, double share = 1);
+  void add_stepper(const Machine& m, const StepperSpec& s, bool linear);
 };
 
 }  // namespace passo

@@ -1,11 +1,9 @@
 // A machine as the core sees it: plain numbers, compiled once from the validated configuration.
 #pragma once
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <vector>
 

@@ -1,8 +1,10 @@
 // A G-code program on its way through one machine: text in, planned motion out. It stops at
 // whatever needs the caller, and goes on from there.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>

@@ -2,7 +2,6 @@
 #pragma once
 #include <cstdint>
 #include <deque>
-#include <utility>
 #include <vector>
 
 #include "plan/move.hpp"
@@ -24,45 +23,15 @@ struct Held {
 
   // These come before what is held already: moves, the records due at their starts, and `at_end`
   // more that are due behind them.
-  void put_first(const std::vector<Move>& rest, std::deque<Record>& of_rest, uint32_t at_end) {
-    due_first() += at_end;
-    moves.insert(moves.begin(), rest.begin(), rest.end());
-    records.insert(records.begin(), of_rest.begin(), of_rest.end());
-    of_rest.clear();
-  }
+  void put_first(const std::vector<Move>& rest, std::deque<Record>& of_rest, uint32_t at_end);
   // These come when it goes on, before all else.
-  void record_first(const std::deque<Record>& first) {
-    due_first() += uint32_t(first.size());
-    records.insert(records.begin(), first.begin(), first.end());
-  }
+  void record_first(const std::deque<Record>& first);
   // The first n records come in the plan.
-  void give_back(uint32_t n, std::deque<Record>& plan) {
-    plan.insert(plan.end(), records.begin(), records.begin() + n);
-    records.erase(records.begin(), records.begin() + n);
-  }
+  void give_back(uint32_t n, std::deque<Record>& plan);
   // All of it lies `mm` further along slot j (X, Y or Z).
-  void shift(int j, double mm) {
-    for (Move& m : moves) m.p0[j] += mm, m.p1[j] += mm;
-  }
+  void shift(int j, double mm);
   // The same, from a machine that stands where it is to go on: it goes over to there first.
-  void shift_from_rest(int j, double mm) {
-    const Move& first = moves.front();
-    Move over{};
-    for (int i = 0; i < kAxes; ++i) over.p0[i] = over.p1[i] = first.p0[i];
-    over.p1[j] += mm;
-    over.feed = over.radius = kInfinity;
-    over.kind = MoveKind::travel;
-    over.rules = first.rules;
-    over.line = first.line;
-    over.main_line = first.main_line;
-    over.layer = first.layer;
-    over.feature = first.feature;
-    over.extruder = first.extruder;
-    over.tool = first.tool;
-    over.moved = uint8_t(1u << j);
-    shift(j, mm);
-    moves.insert(moves.begin(), over);
-  }
+  void shift_from_rest(int j, double mm);
 
  private:
   uint32_t& due_first() { return moves.empty() ? behind : moves.front().records; }

@@ -1,8 +1,5 @@
 // How fast the machine may go through the corner between two moves.
 #pragma once
-#include <algorithm>
-#include <cmath>
-
 #include "machine/constraints.hpp"
 #include "machine/machine.hpp"
 #include "plan/move.hpp"
@@ -15,25 +12,10 @@ class JunctionRule {
   explicit JunctionRule(const Machine& m) : machine_(m) {}
 
   // Steps of axis slot j on the way, unsigned and unrounded: the measure of `cornering_distance`.
-  double steps(const Move& m, int j) const {
-    return std::fabs(m.p1[j] - m.p0[j]) * steps_per_mm(m, j);
-  }
+  double steps(const Move& m, int j) const;
 
   // Cap of v² at the join of `before` and `m`, whose vn2, a and d are known.
-  double cap2(const Move& before, const Move& m, const Rules& rules) const {
-    const Limits& limits = rules.limits;
-    const Constraints& own = *rules.constraints;
-    double cap = std::min(before.vn2, m.vn2);
-    if (before.kind == MoveKind::dwell || m.kind == MoveKind::dwell) return 0;
-    if (m.inner) return before.flow == m.flow ? cap : std::min(cap, extruder_cap(before, m, own));
-    if (limits.junction == JunctionLaw::cornering_distance) return cornering(before, m, cap);
-    if (before.cartesian != m.cartesian) return 0;
-    if (!m.cartesian) return alongside(before, m) ? cap : 0;
-    return limits.junction == JunctionLaw::deviation
-               ? deviation(before, m, std::min(cap, extruder_cap(before, m, own)),
-                           limits.junction_deviation)
-               : jerk(before, m, cap, own);
-  }
+  double cap2(const Move& before, const Move& m, const Rules& rules) const;
 
  private:
   const Machine& machine_;
@@ -41,108 +23,26 @@ class JunctionRule {
   static double unit(const Move& m, int j) { return (m.p1[j] - m.p0[j]) / m.d; }
 
   // Both moves drive the same axes without X, Y and Z, in the same proportion: no corner at all.
-  bool alongside(const Move& before, const Move& m) const {
-    if (before.extruder != m.extruder) return false;
-    for (int j = kE; j < kAxes; ++j)
-      if (std::fabs(unit(before, j) - unit(m, j)) > 1e-9) return false;
-    return true;
-  }
+  bool alongside(const Move& before, const Move& m) const;
 
   // An extruder may change its speed at once by `jerk` mm/s, and so may further linear axes.
-  double extruder_cap(const Move& before, const Move& m, const Constraints& own) const {
-    double cap = kInfinity;
-    auto limit = [&cap](double change, double jerk) {
-      if (change > 1e-12) cap = std::min(cap, (jerk / change) * (jerk / change));
-    };
-    double e0 = unit(before, kE), e1 = unit(m, kE);
-    if (machine_.extruders.empty()) {
-      // a laser or a mill
-    } else if (before.extruder == m.extruder) {
-      limit(std::fabs(e1 - e0), own.extruders[m.extruder].jerk);
-    } else {
-      limit(std::fabs(e0), own.extruders[before.extruder].jerk);
-      limit(std::fabs(e1), own.extruders[m.extruder].jerk);
-    }
-    for (size_t i = 3; i < machine_.axes.size(); ++i) {
-      int j = slot_of_axis(int(i));
-      limit(std::fabs(unit(m, j) - unit(before, j)), own.rows[i].jerk);
-    }
-    return cap;
-  }
+  double extruder_cap(const Move& before, const Move& m, const Constraints& own) const;
 
   // Junction deviation (S. Jeon, 2011, as in grbl): the corner is a circle that passes at most δ
   // from it, v² = a δ s / (1 - s) with s = sin(θ/2), θ the angle enclosed by the two moves. The
   // circle's tangent points must lie on the inner half of either move: v² ≤ ½ a d tan(θ/2).
-  double deviation(const Move& before, const Move& m, double cap, double delta) const {
-    double inverse = 1 / (before.d * m.d);
-    double cosine = -((m.p1[0] - m.p0[0]) * (before.p1[0] - before.p0[0]) +
-                      (m.p1[1] - m.p0[1]) * (before.p1[1] - before.p0[1]) +
-                      (m.p1[2] - m.p0[2]) * (before.p1[2] - before.p0[2])) *
-                    inverse;
-    double s = std::sqrt(std::max(0.0, 0.5 * (1 - cosine)));
-    double c = std::sqrt(std::max(0.0, 0.5 * (1 + cosine)));
-    double accel = std::min(before.a, m.a);
-    if (1 - s > 1e-12) cap = std::min(cap, accel * delta * s / (1 - s));
-    if (c > 1e-9) cap = std::min(cap, 0.5 * std::min(before.a * before.d, m.a * m.d) * s / c);
-    return cap;
-  }
+  double deviation(const Move& before, const Move& m, double cap, double delta) const;
 
   // APrinter (facts: v² = min over axes of a_i c_i / |m_i - m_i before|, m_i = steps of the axis by
   // steps of the longest axis, c_i = cornering distance in steps).
-  double cornering(const Move& before, const Move& m, double cap) const {
-    auto ratio = [this](const Move& x, int j) {
-      return std::copysign(steps(x, j) / x.d, x.p1[j] - x.p0[j]);
-    };
-    auto limit = [&](int j, double change, double accel, double distance) {
-      if (std::fabs(change) > 1e-12)
-        cap = std::min(cap, accel * steps_per_mm(m, j) * distance / std::fabs(change));
-    };
-    for (size_t i = 0; i < machine_.axes.size(); ++i) {
-      int j = slot_of_axis(int(i));
-      limit(j, ratio(m, j) - ratio(before, j), machine_.axes[i].accel,
-            machine_.axes[i].cornering_steps);
-    }
-    if (machine_.extruders.empty()) return cap;
-    if (before.extruder != m.extruder) return 0;
-    const Extruder& e = machine_.extruders[m.extruder];
-    limit(kE, ratio(m, kE) - ratio(before, kE), e.accel, e.cornering_steps);
-    return cap;
-  }
+  double cornering(const Move& before, const Move& m, double cap) const;
 
   // Of what drives axis slot j in this move, as M92 has it now; 0 if nothing does.
-  double steps_per_mm(const Move& m, int j) const {
-    for (const StepperSpec& s : machine_.steppers) {
-      bool filament = s.drive == Drive::extruder && j == kE && s.index == m.extruder;
-      bool axis = s.drive == Drive::axis && slot_of_axis(s.index) == j;
-      bool actuator = s.drive == Drive::actuator && s.index < 3 && s.index == j;
-      if (filament || axis || actuator) return s.steps_per_unit;
-    }
-    return 0;
-  }
+  double steps_per_mm(const Move& m, int j) const;
 
   // Classic jerk: at the lesser nominal speed, no axis may change its speed by more than its jerk;
   // on a reversal of the axis the larger of the two speeds counts.
-  double jerk(const Move& before, const Move& m, double cap, const Constraints& own) const {
-    double v = std::sqrt(cap), factor = 1;
-    auto limit = [&](double part0, double part1, double allowed) {  // of the path's speed
-      double out = part0 * v, in = part1 * v;
-      double change = out * in < 0 ? std::max(std::fabs(out), std::fabs(in)) : std::fabs(out - in);
-      if (change * factor > allowed) factor = allowed / change;
-    };
-    for (size_t i = 0; i < machine_.axes.size(); ++i) {
-      int j = slot_of_axis(int(i));
-      limit(unit(before, j), unit(m, j), own.rows[i].jerk);
-    }
-    if (machine_.extruders.empty()) return cap * factor * factor;
-    const double last = unit(before, kE), next = unit(m, kE);
-    if (before.extruder == m.extruder) {
-      limit(last, next, own.extruders[m.extruder].jerk);
-    } else {
-      limit(last, 0, own.extruders[before.extruder].jerk);
-      limit(0, next, own.extruders[m.extruder].jerk);
-    }
-    return cap * factor * factor;
-  }
+  double jerk(const Move& before, const Move& m, double cap, const Constraints& own) const;
 };
 
 }  // namespace passo

@@ -1,6 +1,8 @@
 // A move on the timeline: a straight line with a trapezoid of speed.
 #pragma once
-#include <cmath>
+#include <algorithm>
+#include <cstdint>
+#include <utility>
 
 #include "base/types.hpp"
 #include "machine/constraints.hpp"

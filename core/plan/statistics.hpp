@@ -1,7 +1,6 @@
 // What a plan adds up to: times by kind, limit, layer and feature, distances, filament.
 #pragma once
-#include <algorithm>
-#include <cmath>
+#include <cstdint>
 #include <vector>
 
 #include "machine/machine.hpp"
@@ -35,59 +34,16 @@ struct PlanStatistics {
   double widened_s = 0, widest_ticks = 0;  // time with a wider tolerance, and the widest
 
   // sign -1 takes back what a replan revokes.
-  void add(const Move& m, double hz, int sign) {
-    double per_tick = sign / hz, seconds = m.ticks() * per_tick;
-    grow(layer_s, m.layer) += seconds;
-    grow(feature_s, m.feature) += seconds;
-    if (sign > 0) pass(m, seconds);
-    if (m.kind == MoveKind::dwell) {
-      dwell_s += seconds;
-      return;
-    }
-    if (!m.inner) moves += sign;
-    move_s += seconds;
-    if (m.step_load > most_steps.share) most_steps = {m.line, m.step_load};
-    if (m.command_load > most_commands.share) most_commands = {m.line, m.command_load};
-    if (m.tolerance > 0) {
-      widened_s += seconds;
-      widest_ticks = std::max(widest_ticks, m.tolerance);
-    }
-    bool slow = m.vc * m.vc < m.vn2 * (1 - 1e-9);
-    grow(limit_s, slow ? LimitId(kJunction) : m.speed_limit) += m.t_cru * per_tick;
-    grow(limit_s, m.accel_limit) += (m.t_acc + m.t_dec) * per_tick;
-    if (m.cartesian) {
-      double dx = m.p1[0] - m.p0[0], dy = m.p1[1] - m.p0[1], dz = m.p1[2] - m.p0[2];
-      (m.kind == MoveKind::print ? print_mm : travel_mm) +=
-          sign * std::sqrt(dx * dx + dy * dy + dz * dz);
-    }
-    if (m.extruder < filament_mm.size()) filament_mm[m.extruder] += sign * (m.p1[kE] - m.p0[kE]);
-  }
+  void add(const Move& m, double hz, int sign);
 
-  void add(const Piece& p) {
-    move_s += p.seconds;
-    if (p.extruder < filament_mm.size()) filament_mm[p.extruder] += p.end[kE] - p.c[kE][0];
-  }
+  void add(const Piece& p);
 
  private:
   double window_s_ = 0, window_commands_ = 0;
   uint32_t window_line_ = 0;
 
-  void pass(const Move& m, double seconds) {
-    if (m.kind != MoveKind::dwell) {
-      steps_s.see(m.line, m.steps * m.vc / m.d);
-      ahead.see(m.line, m.ahead1);
-      if (window_s_ == 0) window_line_ = m.line;
-      window_commands_ += m.commands;
-    }
-    window_s_ += seconds;
-    if (window_s_ < kWindow) return;
-    commands_s.see(window_line_, window_commands_ / window_s_);
-    window_s_ = window_commands_ = 0;
-  }
-  static double& grow(std::vector<double>& v, size_t i) {
-    if (i >= v.size()) v.resize(i + 1, 0.0);
-    return v[i];
-  }
+  void pass(const Move& m, double seconds);
+  static double& grow(std::vector<double>& v, size_t i);
 };
 
 }  // namespace passo

@@ -1,6 +1,8 @@
 #include "sim/heat_run.hpp"
 
 #include <algorithm>
+#include <cstdint>
+#include <utility>
 
 namespace passo::wire {
 

@@ -1,6 +1,8 @@
 // A heater loop and the body that it heats, without a board between them: how long heating takes,
 // for plans. Control, arrival and body are those of a simulated printer.
 #pragma once
+#include <cstdint>
+
 #include "link/heater.hpp"
 #include "sim/plant.hpp"
 

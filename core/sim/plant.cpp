@@ -1,6 +1,7 @@
 #include "sim/plant.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace passo::wire {
 

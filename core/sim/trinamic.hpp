@@ -1,7 +1,6 @@
 // A simulated motor driver of Trinamic's: its registers, spoken to in datagrams by UART or SPI.
 #pragma once
 #include <array>
-#include <cstddef>
 #include <cstdint>
 
 #include "link/frame.hpp"

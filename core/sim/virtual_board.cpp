@@ -1,6 +1,8 @@
 #include "sim/virtual_board.hpp"
 
 #include <algorithm>
+#include <initializer_list>
+#include <type_traits>
 
 namespace passo::wire {
 

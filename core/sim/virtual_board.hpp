@@ -1,10 +1,10 @@
 // A complete board in virtual time: it takes frames, checks, executes and answers as a real one.
 #pragma once
 #include <cstdint>
+#include <initializer_list>
 #include <map>
 #include <optional>
 #include <string>
-#include <utility>
 #include <variant>
 #include <vector>
 

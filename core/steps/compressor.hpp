@@ -2,19 +2,15 @@
 // never on how they arrived.
 #pragma once
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <deque>
 #include <limits>
-#include <stdexcept>
-#include <utility>
+#include <memory>
 #include <vector>
 
-#include "base/simd.hpp"
 #include "machine/machine.hpp"
 #include "steps/message_queue.hpp"
-#include "steps/stabbing.hpp"
-#include "steps/step_solver.hpp"
+#include "steps/steps.hpp"
 
 namespace passo {
 
@@ -25,36 +21,13 @@ struct StepStatistics {
 
 // Every clock is behind this one.
 inline constexpr int64_t kAnyClock = std::numeric_limits<int64_t>::min();
-// Ticks from a step to one that is not known, or that there is none.
-inline constexpr double kNeverNear = 1e15;
-
-// half[k] = half the window of step k: a quarter of the smaller gap to its neighbours, `tolerance`
-// at most, and so that executed steps keep `least` ticks apart; plus half a tick, so that it always
-// holds an integer. t[-1] and t[n] are read.
-PASSO_SIMD inline void windows(const double* __restrict t, double* __restrict lo,
-                               double* __restrict hi, int n, double tolerance, double least) {
-  for (int k = 0; k < n; ++k) {
-    double before = t[k] - t[k - 1], after = t[k + 1] - t[k];
-    double gap = before < after ? before : after;
-    double quarter = 0.25 * gap, room = 0.5 * (gap - least);
-    double half = quarter < room ? quarter : room;
-    half = half < tolerance ? half : tolerance;
-    half = (half > 0 ? half : 0) + 0.5;
-    lo[k] = t[k] - half;
-    hi[k] = t[k] + half;
-  }
-}
+struct Command;
+class Stabbing;
 
 class Compressor {
  public:
-  Compressor(const Machine& machine, const StepperSpec& spec, uint16_t target)
-      : tolerance_(machine.tolerance),
-        reversal_(double(spec.pulse + std::max(spec.pulse, spec.dir_hold + spec.dir_setup)) + 2),
-        least_(std::max(2.0 * double(spec.pulse), std::ceil(machine.clock_hz / spec.max_rate))),
-        longest_(kLongestSeconds * machine.clock_hz), lead_(kLeadSeconds * machine.clock_hz),
-        margin_(std::max(reversal_, 4 * machine.widest_tolerance()) + 1), target_(target) {
-    steps_.ticks.push_back(-kNeverNear);  // stands for the step before the first
-  }
+  Compressor(const Machine& machine, const StepperSpec& spec, uint16_t target);
+  ~Compressor();
 
   // The solver appends here.
   Steps& steps() { return steps_; }
@@ -67,75 +40,30 @@ class Compressor {
 
   // Makes commands of all steps that can no longer change, all steps before `frontier` being known;
   // `still`: none will follow until the machine has stood. None is done at or before `behind`.
-  void advance(double frontier, bool still, int64_t behind) {
-    drop_close_reversals();
-    behind_ = behind;
-    if (crowded_ && steps_.ticks.size() > 1) set_apart();
-    const size_t n = steps_.ticks.size();
-    size_t known = n;
-    if (!still) {
-      double limit = frontier - margin_;
-      while (known > 1 && steps_.ticks[known - 1] > limit) --known;
-    }
-    if (known > 1) forget(compress_all(known, frontier, still));
-    // The next move may begin at the very clock of the last step, and take it back.
-    if (still) crowded_ = true;
-  }
+  void advance(double frontier, bool still, int64_t behind);
 
   // No message to come has a clock before this one.
-  double next_clock(double frontier) const {
-    double first = steps_.ticks.size() > 1 ? steps_.ticks[1] : frontier;
-    return std::max(double(last_), std::floor(first) - 1 - lead_ - tolerance_);
-  }
+  double next_clock(double frontier) const;
 
   // No command may be due before this clock: messages up to it are handed out already.
   void not_before(int64_t clock) { floor_ = clock; }
 
   // The motor has stopped by itself: its clock and direction are told anew before its next step.
-  void renew(bool on = true) {
-    renew_ = on;
-    dir_ = 0;
-  }
+  void renew(bool on = true);
   bool renews() const { return renew_; }
 
   // The last step before the clock was set anew at `clock`.
-  int64_t before_reset(int64_t clock) const {
-    for (const Reset& r : resets_)
-      if (r.at == clock) return r.before;
-    throw std::logic_error("the clock was not set anew then");
-  }
+  int64_t before_reset(int64_t clock) const;
   // What was set anew before `clock` can no longer be taken back.
-  void forget_resets(int64_t clock) {
-    while (!resets_.empty() && resets_.front().at < clock) resets_.pop_front();
-  }
+  void forget_resets(int64_t clock);
 
   // Net steps that were solved but not made into commands.
-  int64_t pending_net() const {
-    int64_t net = 0;
-    for (size_t r = 0; r < steps_.runs.size(); ++r) {
-      size_t end = r + 1 < steps_.runs.size() ? steps_.runs[r + 1].first : steps_.ticks.size();
-      net += steps_.runs[r].dir * int64_t(end - steps_.runs[r].first);
-    }
-    return net;
-  }
+  int64_t pending_net() const;
 
   // A cut: the motor's last step is executed at `last`, what is pending is forgotten and `revoked`
   // is taken back from the statistics. Steps that follow are set apart from that step. A clock that
   // was set anew behind it, and had to be, must be so again.
-  void restart(int64_t last, const StepStatistics& revoked) {
-    steps_.ticks.assign(1, double(last));
-    steps_.runs.clear();
-    steps_.widenings.clear();
-    joined_ = 0;
-    last_ = last;
-    dir_ = 0;
-    crowded_ = true;
-    for (; !resets_.empty() && resets_.back().at >= last; resets_.pop_back())
-      renew_ |= resets_.back().renewed;
-    statistics_.steps -= revoked.steps;
-    statistics_.net -= revoked.net;
-    statistics_.commands -= revoked.commands;
-  }
+  void restart(int64_t last, const StepStatistics& revoked);
 
  private:
   static constexpr double kLongestSeconds =
@@ -153,7 +81,7 @@ class Compressor {
   size_t joined_ = 0;                       // runs before this one are checked for close reversals
   size_t base_ = 0;                         // index in `ticks` of the first element of these
   std::vector<double> lo_, hi_, executed_;  // three more than a block, as Stabbing wants it
-  Stabbing stabbing_;
+  std::unique_ptr<Stabbing> stabbing_;
   MessageQueue messages_;
   StepStatistics statistics_;
   int64_t last_ = 0;  // executed clock of the last step compressed
@@ -168,44 +96,9 @@ class Compressor {
   std::vector<double> ideal_;
 
   // Where the motor turns, opposite steps that are too close for the driver cancel each other.
-  void drop_close_reversals() {
-    auto& runs = steps_.runs;
-    for (size_t r = std::max<size_t>(joined_, 1); r < runs.size();) {
-      size_t at = runs[r].first,
-             end = r + 1 < runs.size() ? runs[r + 1].first : steps_.ticks.size();
-      size_t begin = runs[r - 1].first, pairs = 0;
-      while (at + pairs < end && at - pairs > begin &&
-             steps_.ticks[at + pairs] - steps_.ticks[at - pairs - 1] < reversal_)
-        ++pairs;
-      if (pairs == 0) {
-        ++r;
-        continue;
-      }
-      statistics_.dropped_pairs += int64_t(pairs);
-      steps_.ticks.erase(steps_.ticks.begin() + long(at - pairs),
-                         steps_.ticks.begin() + long(at + pairs));
-      steps_.move_widenings(at - pairs, 2 * pairs);
-      for (size_t q = r; q < runs.size(); ++q) runs[q].first -= q == r ? pairs : 2 * pairs;
-      remove_empty(r);
-      r = std::max<size_t>(r > 1 ? r - 1 : 1, 1);
-    }
-    joined_ = runs.empty() ? 0 : runs.size() - 1;
-  }
+  void drop_close_reversals();
   // Run r or the one before it may have lost all its steps; neighbours of one direction then join.
-  void remove_empty(size_t r) {
-    auto& runs = steps_.runs;
-    auto empty = [&](size_t q) {
-      return runs[q].first == (q + 1 < runs.size() ? runs[q + 1].first : steps_.ticks.size());
-    };
-    if (empty(r)) runs.erase(runs.begin() + long(r));
-    if (empty(r - 1)) runs.erase(runs.begin() + long(r - 1));
-    for (size_t q = 1; q < runs.size();) {
-      if (runs[q].dir == runs[q - 1].dir)
-        runs.erase(runs.begin() + long(q));
-      else
-        ++q;
-    }
-  }
+  void remove_empty(size_t r);
 
   // The least distance of a step from one that is done, whichever way it goes.
   double apart() const { return std::max(reversal_, least_); }
@@ -213,157 +106,32 @@ class Compressor {
 
   // After a cut or a stop a step may be due at once, at or before the last executed one, or when
   // the clock is to be set anew.
-  void set_apart() {
-    crowded_ = false;
-    const double apart = this->apart();
-    bool anew = resets(steps_.ticks[1]);
-    double least = std::max(
-        {double(last_), anew ? double(floor_) : steps_.ticks[0], double(behind_) - apart + 1});
-    for (size_t k = 1; k < steps_.ticks.size() && steps_.ticks[k] < least + apart; ++k)
-      steps_.ticks[k] = least += apart;
-  }
+  void set_apart();
 
   // Returns the index of the first step that still waits.
-  size_t compress_all(size_t known, double frontier, bool still) {
-    const size_t n = steps_.ticks.size();
-    // Behind a stop the next step may be due at once, and is then set apart from the last one.
-    steps_.ticks.push_back(still ? steps_.ticks.back() + apart() : 1e18);
-    size_t done = 1;
-    for (bool last = false; !last;) {
-      size_t end = std::min(n, done + kBlock);
-      last = known <= end;
-      prepare(done, end);
-      done = compress(done, std::min(known, end), last, frontier, still);
-    }
-    steps_.ticks.pop_back();
-    return done;
-  }
+  size_t compress_all(size_t known, double frontier, bool still);
 
   // Windows of the steps from index `from` to `to`; a further one is read.
-  void prepare(size_t from, size_t to) {
-    base_ = from;
-    if (size_t n = to - from; lo_.size() < n + 3)
-      for (auto* v : {&lo_, &hi_, &executed_}) v->resize(2 * (n + 3));
-    double tolerance = tolerance_;
-    auto fill = [&](size_t end) {
-      if (end <= from) return;
-      windows(steps_.ticks.data() + from, &lo_[from - base_], &hi_[from - base_], int(end - from),
-              tolerance, least_);
-      from = end;
-    };
-    for (const Steps::Widening& w : steps_.widenings) {
-      fill(std::min(w.first, to));
-      tolerance = std::max(tolerance_, w.tolerance);
-    }
-    fill(to);
-    for (const Steps::Run& run : steps_.runs) {
-      if (run.first < 2) continue;
-      double half = half_turn(run.first);
-      for (size_t k : {run.first - 1, run.first})
-        if (k >= base_ && k < to) narrow(k, half);
-    }
-    for (size_t k = 0; k < to - base_ && lo_[k] <= double(behind_); ++k)
-      lo_[k] = double(behind_) + 1;
-  }
+  void prepare(size_t from, size_t to);
   // Around a reversal executed steps keep pulse, hold and set-up apart, and a pause as a pulse.
-  double half_turn(size_t b) const {
-    return std::max(0.0, 0.5 * (steps_.ticks[b] - steps_.ticks[b - 1] - reversal_)) + 0.5;
-  }
-  void narrow(size_t k, double half) {
-    lo_[k - base_] = std::max(lo_[k - base_], steps_.ticks[k] - half);
-    hi_[k - base_] = std::min(hi_[k - base_], steps_.ticks[k] + half);
-  }
+  double half_turn(size_t b) const;
+  void narrow(size_t k, double half);
 
   // Makes commands of the steps from index i on, of which those before `known` are known in this
   // block. Returns the index of the first step that is left for the next block, or still waits.
-  size_t compress(size_t i, size_t known, bool last, double frontier, bool still) {
-    const double* t = steps_.ticks.data();
-    const size_t size = steps_.ticks.size() - 1;
-    double before = double(last_);  // a number of its own: each search waits for it
-    for (size_t r = 0; r < steps_.runs.size() && i < known; ++r) {
-      bool last_run = r + 1 == steps_.runs.size();
-      size_t run_end = last_run ? size : steps_.runs[r + 1].first;
-      size_t end = std::min(run_end, known);
-      bool open = last && !still && (last_run || run_end > known);
-      while (i < end) {
-        if (!last && end == known && end - i < size_t(kMostSteps)) return check(i);
-        if (resets(t[i])) {
-          reset_clock(t[i]);
-          double& lo = lo_[i - base_];  // may reach over the new clock, as the step before is far
-          before = double(last_);
-          lo = std::max(lo, before + 1);
-        }
-        int left = int(std::min(end - i, size_t(kMostSteps))), n = std::min(left, kLook);
-        size_t k = i - base_;
-        Command c = stabbing_.longest(&lo_[k], &hi_[k], n, before, &executed_[k]);
-        if ((c.count == n && n < left) || t[i + size_t(c.count) - 1] - t[i] > longest_) {
-          n = int(std::upper_bound(t + i, t + i + left, t[i] + longest_) - (t + i));
-          c = stabbing_.longest(&lo_[k], &hi_[k], n, before, &executed_[k]);
-        }
-        if (open && i + size_t(c.count) == end && frontier - margin_ <= t[i] + longest_)
-          return check(i);
-        const double span = c.span();
-        emit(steps_.runs[r].dir, i, c, int64_t(span));
-        before += span;
-        i += size_t(c.count);
-      }
-    }
-    return check(i);
-  }
+  size_t compress(size_t i, size_t known, bool last, double frontier, bool still);
 
   // The block's steps before index `done` have become commands. Returns `done`.
-  size_t check(size_t done) {
-    Errors e =
-        stabbing_.errors(&steps_.ticks[base_], &lo_[0], &hi_[0], &executed_[0], done - base_);
-    if (e.beyond > 1e-5) throw std::logic_error("a command left the window of its steps");
-    statistics_.error_max = std::max(statistics_.error_max, e.largest);
-    statistics_.error_square += e.square;
-    return done;
-  }
+  size_t check(size_t done);
 
-  int64_t due(double first) const {
-    return std::max({last_, floor_, int64_t(std::floor(first - lead_))});
-  }
+  int64_t due(double first) const;
 
-  void reset_clock(double first) {
-    int64_t before = last_;
-    last_ = due(first);
-    resets_.push_back({last_, before, renew_});
-    renew_ = false;
-    messages_.push({last_, last_, 0, 0, 0, target_, MessageKind::reset_clock, 0});
-  }
+  void reset_clock(double first);
 
-  void emit(int dir, size_t i, const Command& c, int64_t span) {
-    const int64_t clock = due(steps_.ticks[i]), end = last_ + span, count = c.count;
-    if (dir != dir_) {
-      messages_.push({clock, clock, 0, 0, 0, target_, MessageKind::set_dir, uint8_t(dir > 0)});
-      dir_ = dir;
-    }
-    messages_.push({clock, end, uint32_t(c.interval), uint16_t(count), int16_t(c.add), target_,
-                    MessageKind::queue_step, uint8_t(dir > 0)});
-    last_ = end;
-    if (keeps_ideal_)
-      ideal_.insert(ideal_.end(), steps_.ticks.begin() + long(i),
-                    steps_.ticks.begin() + long(i) + count);
-    statistics_.steps += count;
-    statistics_.net += dir * count;
-    ++statistics_.commands;
-  }
+  void emit(int dir, size_t i, const Command& c, int64_t span);
 
   // Drops the steps before index `done`, keeping the last of them as ticks[0].
-  void forget(size_t done) {
-    if (done == 1) return;
-    size_t shift = done - 1;
-    steps_.ticks.erase(steps_.ticks.begin(), steps_.ticks.begin() + long(shift));
-    auto& runs = steps_.runs;
-    size_t keep = 0;
-    while (keep + 1 < runs.size() && runs[keep + 1].first <= done) ++keep;
-    runs.erase(runs.begin(), runs.begin() + long(keep));
-    if (!runs.empty()) runs[0].first = std::max(runs[0].first, done);
-    for (Steps::Run& run : runs) run.first -= shift;
-    steps_.move_widenings(0, shift);
-    joined_ = joined_ > keep ? joined_ - keep : 0;
-  }
+  void forget(size_t done);
 };
 
 }  // namespace passo

@@ -2,7 +2,6 @@
 #pragma once
 #include <algorithm>
 #include <atomic>
-#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -27,32 +26,11 @@ class MessageQueue {
     ring_[tail_++ & mask_] = message;
   }
   // Before all that wait. Only where nothing is kept.
-  void push_front(const Message& message) {
-    if (tail_ - kept_ > mask_) grow();
-    kept_ = --head_;
-    ring_[head_ & mask_] = message;
-  }
+  void push_front(const Message& message);
   // Behind all messages whose clocks are not later.
-  void insert(const Message& message) {
-    push(message);
-    for (size_t i = tail_ - 1; i != head_; --i) {
-      Message &before = ring_[(i - 1) & mask_], &here = ring_[i & mask_];
-      if (before.clock <= here.clock) break;
-      std::swap(before, here);
-    }
-  }
+  void insert(const Message& message);
   // A pin's value, as insert(); another value of it at the same clock would never be seen.
-  void set_pin(const Message& message) {
-    for (size_t i = tail_; i != head_ && at(i - 1).clock >= message.clock; --i) {
-      Message& there = ring_[(i - 1) & mask_];
-      if (there.clock > message.clock || there.kind != MessageKind::pin ||
-          there.target != message.target)
-        continue;
-      there.interval = message.interval;
-      return;
-    }
-    insert(message);
-  }
+  void set_pin(const Message& message);
   const Message& operator[](size_t i) const { return at(head_ + i); }
   const Message& front() const { return (*this)[0]; }
   int64_t next_clock() const { return empty() ? kNoMessage : front().clock; }
@@ -67,26 +45,13 @@ class MessageQueue {
     }
   }
   // From here on the messages of the last so many commits are kept, for what follows.
-  void keep(size_t commits) {
-    keeps_ = commits;
-    commits_ = 0;
-    kept_ = first_ = head_;
-  }
+  void keep(size_t commits);
   // Where what followed this commit begins, among the messages taken; nothing if it was taken too
   // long ago, or not at all. kFirst: since keep().
   static constexpr int64_t kFirst = -1;
-  std::optional<size_t> behind(int64_t serial) const {
-    if (serial == kFirst) return kept_ == first_ ? std::optional(first_) : std::nullopt;
-    for (size_t i = head_; i-- > kept_;)
-      if (at(i).kind == MessageKind::commit && at(i).interval == serial) return i + 1;
-    return std::nullopt;
-  }
+  std::optional<size_t> behind(int64_t serial) const;
   // All messages from there on are to be taken again; what was taken before ended at `clock`.
-  void rewind(size_t begin, int64_t clock) {
-    for (size_t i = begin; i < head_; ++i) commits_ -= at(i).kind == MessageKind::commit;
-    head_ = begin;
-    taken_until_ = clock;
-  }
+  void rewind(size_t begin, int64_t clock);
   // All that is kept, and all that waits, in its order.
   template <typename Visit>
   void visit(Visit&& visit) const {
@@ -108,13 +73,7 @@ class MessageQueue {
 
  private:
   const Message& at(size_t i) const { return ring_[i & mask_]; }
-  void grow() {
-    std::vector<Message> bigger(ring_.size() * 2);
-    const size_t mask = bigger.size() - 1;
-    for (size_t i = kept_; i != tail_; ++i) bigger[i & mask] = at(i);
-    ring_.swap(bigger);
-    mask_ = mask;
-  }
+  void grow();
   static constexpr size_t kSmallest = 256;  // little enough for the nearest cache
   std::vector<Message> ring_;               // its size is a power of two
   size_t mask_ = kSmallest - 1;             // size less one

@@ -1,80 +1,28 @@
 // The steps of one motor along pieces, and along moves above a bed that is not flat.
 #pragma once
-#include <algorithm>
-#include <cmath>
-#include <stdexcept>
+#include <cstdint>
 #include <vector>
 
 #include "machine/machine.hpp"
 #include "plan/pieces.hpp"
-#include "steps/crossings.hpp"
+#include "steps/steps.hpp"
 
 namespace passo {
 
 class PieceSolver {
  public:
-  PieceSolver(const Machine& machine, const StepperSpec& spec) : machine_(machine), spec_(spec) {
-    for (double& c : row_) c = 0;
-    if (spec.drive == Drive::actuator)
-      straight_ = machine.geometry->linear(spec.index, row_);
-    else
-      row_[spec.drive == Drive::extruder ? kE : slot_of_axis(spec.index)] = 1;
-  }
+  PieceSolver(const Machine& machine, const StepperSpec& spec);
 
   // What the bed adds to Z moves this motor.
-  bool raised() const {
-    return machine_.height_map && !machine_.joints && spec_.drive == Drive::actuator &&
-           (!straight_ || row_[kZ] != 0);
-  }
+  bool raised() const;
 
-  // Calls step(ticks, direction) for each step from `count` on. At the end of a path, also for each
+  // Appends each step from `count` on. At the end of a path, also for each
   // that its rounded end, `target`, still wants. Returns the count after them.
-  template <class Step>
-  int64_t solve(const Piece& p, int64_t count, int64_t target, bool ends_path, Step&& step) {
-    if (!moves(p)) return count;
-    if (!raised()) {
-      double whole[] = {0, p.seconds};
-      if (straight_)
-        count = solve_along(Straight(*this, p), p, whole, 1, count, step);
-      else
-        count = solve_along(Curved{*this, p, {}}, p, whole, parts(p), count, step);
-    } else {
-      find_lines(p);
-      for (size_t i = 1; i < lines_.size(); ++i) {
-        double middle = 0.5 * (lines_[i - 1] + lines_[i]);
-        Curved curve{*this, p, cell_at(p, middle)};
-        // A straight motor above one cell follows t to the fourth power, if the piece is a move's.
-        int n = straight_ && p.degree() <= 2 ? 1 : parts(p);
-        count = solve_along(curve, p, &lines_[i - 1], n, count, step);
-      }
-    }
-    if (!ends_path) return count;
-    for (int dir = target > count ? 1 : -1; count != target; count += dir)
-      step(p.start + p.seconds * machine_.clock_hz, dir);
-    return count;
-  }
+  int64_t solve(const Piece& p, int64_t count, int64_t target, bool ends_path, Steps& out);
 
   // Throws std::invalid_argument if the motor cannot reach a position, or not so fast. Looked at
   // each kSampleMm, and kLeastSamples times at least.
-  void check(const Piece& p) const {
-    if (!moves(p)) return;
-    int n = std::max(parts(p), kLeastSamples);
-    for (int i = 0; i <= n; ++i) {
-      double t = p.seconds * i / n, q, rate;
-      if (straight_ && !raised()) {
-        q = Straight(*this, p).value(t), rate = Straight(*this, p).slope(t);
-      } else {
-        Curved curve{*this, p, raised() ? cell_at(p, t) : HeightMap::Cell{}};
-        q = curve.value(t), rate = curve.slope(t);
-      }
-      q /= spec_.steps_per_unit;
-      // Written so that a position that is none fails too.
-      if (!(q >= spec_.min - 1e-6 && q <= spec_.max + 1e-6))
-        throw std::invalid_argument("a piece leaves the reach of stepper " + spec_.name);
-      if (!(std::fabs(rate) <= spec_.max_rate))
-        throw std::invalid_argument("a piece is too fast for stepper " + spec_.name);
-    }
-  }
+  void check(const Piece& p) const;
 
  private:
   static constexpr double kSampleMm = 1;  // within which an actuator turns at most twice
@@ -87,126 +35,27 @@ class PieceSolver {
   double row_[kAxes];  // of a straight motor: its position by those of the axes
   std::vector<double> turns_, lines_;
 
-  bool moves(const Piece& p) const {
-    return spec_.drive != Drive::extruder || p.extruder == spec_.index;
-  }
-  static int parts(const Piece& p) {
-    return int(std::ceil(std::clamp(p.way() / kSampleMm, 1.0, 4096.0)));
-  }
+  bool moves(const Piece& p) const;
+  static int parts(const Piece& p);
 
-  // Position in steps over the seconds of a piece.
-  struct Straight {
-    double k[Piece::kTerms];
-    Straight(const PieceSolver& s, const Piece& p) {
-      for (int i = 0; i < Piece::kTerms; ++i) {
-        k[i] = 0;
-        for (int j = 0; j < kAxes; ++j)
-          if (s.row_[j] != 0) k[i] += s.row_[j] * p.c[j][i];
-        k[i] *= s.spec_.steps_per_unit;
-      }
-    }
-    double value(double t) const { return Piece::at(k, t); }
-    double slope(double t) const { return Piece::slope_at(k, t); }
-  };
-  // The same by the geometry's inverse, above one cell of the bed; a flat one is all zeros.
-  struct Curved {
-    const PieceSolver& s;
-    const Piece& p;
-    HeightMap::Cell bed;
-    double value(double t) const {
-      double at[3] = {p.position(kX, t), p.position(kY, t), p.position(kZ, t)};
-      at[kZ] += bed.at(at[kX], at[kY]);
-      return s.machine_.geometry->inverse(s.spec_.index, at) * s.spec_.steps_per_unit;
-    }
-    // By path position along the tangent, which passes one unit in a second.
-    double slope(double t) const {
-      double x = p.position(kX, t), y = p.position(kY, t), z = p.position(kZ, t) + bed.at(x, y);
-      double vx = p.speed(kX, t), vy = p.speed(kY, t);
-      double vz = p.speed(kZ, t) + bed.slope_x(y) * vx + bed.slope_y(x) * vy;
-      Path tangent{{x, y, z}, {x + vx, y + vy, z + vz}, 1};
-      double first, second;
-      s.machine_.geometry->slopes(s.spec_.index, tangent, 0, first, second);
-      return first * s.spec_.steps_per_unit;
-    }
-  };
-  struct Axis {
-    const double* k;
-    double value(double t) const { return Piece::at(k, t); }
-    double slope(double t) const { return Piece::slope_at(k, t); }
-  };
-
-  HeightMap::Cell cell_at(const Piece& p, double t) const {
-    return machine_.height_map->cell(p.position(kX, t), p.position(kY, t));
-  }
+  // Position in steps over the seconds of a piece, in closed form or by the geometry's inverse.
+  struct Straight;
+  struct Curved;
+  HeightMap::Cell cell_at(const Piece& p, double t) const;
 
   // lines_: 0, the times at which the way crosses a line of the height map, and the piece's end.
-  void find_lines(const Piece& p) {
-    const HeightMap& map = *machine_.height_map;
-    lines_.assign(1, 0.0);
-    for (int j : {kX, kY}) {
-      Axis axis{p.c[j]};
-      turns_.clear();
-      Turns<Axis>(axis, kExact, turns_).find(0, p.seconds);
-      double a = 0;
-      for (double b : turns_) {
-        double from = axis.value(a), to = axis.value(b), dir = to > from ? 1 : -1;
-        for (int i = 0; i < map.lines(j); ++i)
-          if ((map.line(j, i) - from) * (map.line(j, i) - to) < 0)
-            lines_.push_back(crossing(axis, map.line(j, i), dir, a, b));
-        a = b;
-      }
-    }
-    lines_.push_back(p.seconds);
-    std::sort(lines_.begin(), lines_.end());
-    lines_.erase(std::unique(lines_.begin(), lines_.end()), lines_.end());
-  }
+  void find_lines(const Piece& p);
 
   // From span[0] to span[1] seconds, first looked at in so many parts.
-  template <class Curve, class Step>
+  template <class Curve>
   int64_t solve_along(const Curve& curve, const Piece& p, const double* span, int parts,
-                      int64_t count, Step&& step) {
-    turns_.clear();
-    Turns<Curve> turns(curve, kExact, turns_);
-    double t = span[0], seconds = span[1] - span[0];
-    for (int i = 0; i < parts; ++i)
-      turns.find(span[0] + seconds * i / parts,
-                 i + 1 == parts ? span[1] : span[0] + seconds * (i + 1) / parts);
-    double from = curve.value(t);
-    for (double turn : turns_) {
-      double to = curve.value(turn);
-      int64_t target = int64_t(std::floor(to + 0.5));
-      int dir = to > from ? 1 : -1;
-      for (; (target - count) * dir > 0; count += dir) {
-        t = crossing(curve, double(count) + 0.5 * dir, dir, t, turn);
-        step(p.start + t * machine_.clock_hz, dir);
-      }
-      t = turn;
-      from = to;
-    }
-    return count;
-  }
+                      int64_t count, Steps& out);
 };
 
 // Throws std::invalid_argument if pieces do not join from `from` on, to kPieceJoint mm, or a motor
 // cannot follow one. `filament`: where the extruder of the first one is.
 inline constexpr double kPieceJoint = 1e-6;
-inline void check_pieces(const Machine& machine, const std::vector<Piece>& pieces,
-                         const double* from, double filament) {
-  for (const Piece& p : pieces) {
-    if (!(p.seconds > 0 && p.seconds < kInfinity))
-      throw std::invalid_argument("a piece needs a time above 0");
-    for (int j = 0; j < kAxes; ++j) {
-      bool first = &p == pieces.data() && p.extruder < machine.extruders.size();
-      double before = j == kE && first ? filament : from[j];
-      // Written so that numbers that are none fail too.
-      if (!(std::fabs(p.c[j][0] - before) <= kPieceJoint))
-        throw std::invalid_argument("a piece does not start where the one before it ends");
-      if (!(std::fabs(p.position(j, p.seconds) - p.end[j]) <= kPieceJoint))
-        throw std::invalid_argument("a piece does not end where it says");
-    }
-    from = p.end;
-    for (const StepperSpec& spec : machine.steppers) PieceSolver(machine, spec).check(p);
-  }
-}
+void check_pieces(const Machine& machine, const std::vector<Piece>& pieces, const double* from,
+                  double filament);
 
 }  // namespace passo

@@ -7,10 +7,6 @@
 // slopes is kept exactly, from all pairs of segments, four at a time; when it holds but few
 // integers, each of these is tried to its end.
 #pragma once
-#include <algorithm>
-#include <bit>
-#include <cmath>
-#include <cstdint>
 #include <stdexcept>
 
 #include "base/lanes.hpp"

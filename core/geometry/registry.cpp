@@ -1,0 +1,40 @@
+#include "geometry/registry.hpp"
+
+#include <stdexcept>
+
+#include "geometry/cartesian.hpp"
+#include "geometry/core_belts.hpp"
+#include "geometry/delta.hpp"
+#include "geometry/dual_scara.hpp"
+#include "geometry/rotary_delta.hpp"
+#include "geometry/scara.hpp"
+
+namespace passo {
+
+std::unique_ptr<Geometry> make_geometry(const std::string& kind, const GeometryParams& params) {
+  auto list = [&](const char* name) -> const std::vector<double>& { return params.at(name); };
+  auto number = [&](const char* name) { return params.at(name).at(0); };
+  if (kind == "cartesian") return std::make_unique<LinearGeometry>(cartesian());
+  if (kind == "corexy") return std::make_unique<LinearGeometry>(core_xy());
+  if (kind == "corexz") return std::make_unique<LinearGeometry>(core_xz());
+  if (kind == "coreyz") return std::make_unique<LinearGeometry>(core_yz());
+  if (kind == "delta")
+    return std::make_unique<Delta>(number("radius"), list("rods"), list("angles"),
+                                   number("limit_radius"));
+  if (kind == "rotary_delta")
+    return std::make_unique<RotaryDelta>(number("effector_length"), number("base_length"),
+                                         number("rod_length"), number("arm_length"),
+                                         number("z_offset"));
+  if (kind == "scara")
+    return std::make_unique<Scara>(number("arm1"), number("arm2"), number("external_motor") != 0,
+                                   number("x_offset"), number("y_offset"), list("middles").at(0),
+                                   list("middles").at(1));
+  if (kind == "dual_scara")
+    return std::make_unique<DualScara>(number("shoulder1_x"), number("shoulder2_x"),
+                                       number("proximal1"), number("proximal2"), number("distal1"),
+                                       number("distal2"), number("x_offset"), number("y_offset"),
+                                       list("middles").at(0), list("middles").at(1));
+  throw std::invalid_argument("unknown geometry " + kind);
+}
+
+}  // namespace passo

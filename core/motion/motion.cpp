@@ -1,0 +1,452 @@
+#include "motion/motion.hpp"
+
+#include <cmath>
+#include <cstdint>
+#include <stdexcept>
+
+#include "motion/stopping.hpp"
+#include "plan/braking.hpp"
+
+namespace passo {
+
+Motion::Motion(const Machine& machine, bool with_steps, double (*cpu_clock)())
+    : machine_(machine), planner_(machine_), with_steps_(with_steps), cpu_clock_(cpu_clock),
+      stream_(machine_, with_steps,
+              [this](int64_t clock, std::vector<Move>& moves) {
+                brake_from(clock, history_, planner_, machine_.clock_hz, moves);
+              }),
+      history_(machine_.clock_hz), lines_(machine_.clock_hz) {
+  plan_.filament_mm.resize(machine_.extruders.size());
+}
+
+void Motion::push(const MoveRequest& request) {
+  if (std::exchange(in_pieces_, false)) flush();
+  if (planner_.push(request, unattached_)) unattached_ = 0;
+  if (!planner_.settled().empty()) process(false);
+}
+
+void Motion::add_pieces(std::vector<Piece> pieces) {
+  if (stream_.commits()) throw std::invalid_argument("pieces cannot be stopped on their way");
+  if (!in_pieces_) flush();
+  bool filament = !pieces.empty() && pieces[0].extruder < machine_.extruders.size();
+  check_pieces(machine_, pieces, planner_.position(),
+               filament ? planner_.extruder_position(pieces[0].extruder) : 0);
+  for (Piece& p : pieces) {
+    in_pieces_ = true;
+    p.start = planner_.clock();
+    plan_.add(p);
+    stream_.solve(p);
+    planner_.wait_until(p.start + p.seconds * machine_.clock_hz);
+    planner_.set_position(p.end, p.extruder);
+    pieces_end_ = planner_.clock();
+  }
+  process(false);
+}
+
+void Motion::record(uint16_t target, uint32_t value) {
+  auto near = records_.rbegin() + std::min<long>(unattached_, kOutputsSeen);
+  auto same =
+      std::find_if(records_.rbegin(), near, [=](const Record& r) { return r.target == target; });
+  if (target < kMark && same != near) {
+    same->value = value;  // nobody would ever see the one before
+    return;
+  }
+  records_.push_back({target, value, 0});
+  ++unattached_;
+  if (planner_.queued() == 0) place(planner_.clock(), std::exchange(unattached_, 0), true);
+}
+
+void Motion::record_at(double ticks, uint16_t target, uint32_t value) {
+  auto held = stream_.hold();
+  stream_.set_output_among(target, value, ticks);
+  merge(false);
+}
+
+void Motion::flush() {
+  in_pieces_ = false;
+  planner_.flush();
+  process(true);
+}
+
+void Motion::set_position(const double* position, size_t extruder) {
+  planner_.set_position(position, extruder);
+  for (size_t i = 0; i < stream_.motors(); ++i) {
+    const StepperSpec& s = machine_.steppers[i];
+    if (s.drive != Drive::extruder || size_t(s.index) == extruder)
+      stream_.set_position(i, position);
+  }
+}
+
+std::array<double, kAxes> Motion::position(size_t extruder) const {
+  std::array<double, kAxes> p;
+  std::copy_n(planner_.position(), kAxes, p.begin());
+  if (extruder < machine_.extruders.size()) p[kE] = planner_.extruder_position(extruder);
+  return p;
+}
+
+void Motion::set_steps_per_unit(size_t i, double value) {
+  StepperSpec& s = machine_.steppers[i];
+  const Constraints before(machine_);
+  s.steps_per_unit = value;
+  planner_.rules().change(false, [&](Rules& r) {
+    r.constraints = std::make_shared<Constraints>(r.constraints->rescaled(before, machine_));
+  });
+  bool own = s.drive == Drive::extruder;
+  const auto p = position(own ? size_t(s.index) : machine_.extruders.size());
+  if (i < stream_.motors()) stream_.set_position(i, p.data());
+}
+
+void Motion::set_height_map(std::shared_ptr<const HeightMap> map) {
+  double position[kAxes];
+  std::copy_n(planner_.position(), kAxes, position);
+  double height = machine_.raised(position);
+  machine_.height_map = std::move(map);
+  position[kZ] = height - (machine_.raised(position) - position[kZ]);
+  planner_.set_position(position, machine_.extruders.size());
+}
+
+void Motion::use_commits(int64_t period, size_t most) {
+  stream_.use_commits(period, most, int64_t(std::ceil(planner_.clock())));
+}
+
+std::optional<double> Motion::recover_from(uint32_t serial) {
+  auto held = stream_.hold();
+  std::optional<Commits::Point> commit = stream_.rewind(serial);
+  if (!commit) return std::nullopt;
+  hold_from(double(commit->clock), commit->way);
+  std::deque<Record> late;
+  for (const Message& m : stream_.resume_at_rest(serial, int64_t(std::ceil(planner_.clock()))))
+    if (m.target != laser_.target()) late.push_back({m.target, m.interval, m.clock});
+  held_.record_first(late);
+  return double(commit->clock);
+}
+
+double Motion::replan_from(double ticks) {
+  std::vector<Move> rest;
+  double speed2 = cut(ticks, rest);
+  go_on(rest, speed2);
+  return ticks_of_cut_;
+}
+
+double Motion::shift_from(double ticks, int j, double mm, size_t extruder, size_t tool) {
+  if (aside_) {
+    aside_->held.shift(j, mm);
+    aside_->stop[j] += mm;
+    aside_->end[j] += mm;
+    return planner_.clock();
+  }
+  if (held() > 0) {
+    held_.shift_from_rest(j, mm);
+    planner_.move_end(j, mm);
+    return planner_.clock();
+  }
+  std::vector<Move> rest;
+  double speed2 = cut(ticks, rest);
+  planner_.take_queue(rest);
+  std::vector<Move> moves = take_braking(rest, speed2);
+  double left = planner_.shift(rest, j, mm);
+  moves.insert(moves.end(), rest.begin(), rest.end());
+  go_on(moves, speed2);
+  if (left != 0) push_shift(j, left, extruder, tool);
+  return ticks_of_cut_;
+}
+
+void Motion::push_shift(int j, double mm, size_t extruder, size_t tool) {
+  MoveRequest m{};
+  std::copy_n(planner_.position(), kAxes, m.target);
+  m.target[j] += mm;
+  if (extruder < machine_.extruders.size()) m.target[kE] = planner_.extruder_position(extruder);
+  m.extruder = uint16_t(extruder);
+  m.tool = uint16_t(tool);
+  m.feed_mm_s = m.radius_mm = kInfinity;
+  m.kind = MoveKind::travel;
+  m.moved = uint8_t(1u << j);
+  push(m);
+}
+
+double Motion::change_flow_from(double ticks, size_t extruder, FlowChange& change) {
+  if (held() > 0) {
+    change_flow(held_.moves, extruder, change);
+    planner_.place_filament(extruder, change);
+    return planner_.clock();
+  }
+  std::vector<Move> rest;
+  double speed2 = cut(ticks, rest);
+  planner_.take_queue(rest);
+  std::vector<Move> moves = take_braking(rest, speed2);
+  change_flow(rest, extruder, change);
+  planner_.place_filament(extruder, change);
+  moves.insert(moves.end(), rest.begin(), rest.end());
+  go_on(moves, speed2);
+  return ticks_of_cut_;
+}
+
+void Motion::change_flow_aside(size_t extruder, FlowChange& change) {
+  change_flow(aside_->held.moves, extruder, change);
+  double& end = aside_->extruders[extruder];
+  if (aside_->end[kE] == end) aside_->end[kE] = change.place(end);
+  end = change.place(end);
+}
+
+bool Motion::allows_shift(double ticks, int j, double mm,
+                          const std::function<bool(const double*)>& allowed) const {
+  auto beside = [&](const double* end) {
+    double p[kAxes];
+    std::copy_n(end, kAxes, p);
+    p[j] += mm;
+    return allowed(p);
+  };
+  auto ends = [&](const Move& m) { return beside(m.p1); };
+  if (ticks == kInfinity && !aside_) return beside(planner_.position());
+  if (aside_)
+    return beside(aside_->stop) && beside(aside_->end) &&
+           std::all_of(aside_->held.moves.begin(), aside_->held.moves.end(), ends);
+  if (held() > 0)
+    return beside(held_.moves.front().p0) && beside(planner_.position()) &&
+           std::all_of(held_.moves.begin(), held_.moves.end(), ends);
+  return std::all_of(history_.at(ticks), history_.end(), ends) && planner_.all_queued(ends) &&
+         beside(planner_.position());
+}
+
+std::optional<double> Motion::skip_dwell_from(double ticks) {
+  auto m = history_.at(ticks);
+  if (m == history_.end() || m->kind != MoveKind::dwell || m->start > ticks) return std::nullopt;
+  double start = m->start;
+  std::vector<Move> rest;
+  double speed2 = cut(ticks, rest);
+  bool still_there = !rest.empty() && rest[0].kind == MoveKind::dwell && rest[0].start <= start;
+  if (still_there) rest[0].duration = 0;
+  go_on(rest, speed2);
+  return ticks_of_cut_;
+}
+
+double Motion::hold_from(double ticks, double way) {
+  std::vector<Move> rest;
+  double speed2 = cut(ticks, rest);
+  planner_.take_queue(rest);
+  planner_.stand(ticks_of_cut_);
+  held_.put_first(rest, records_, std::exchange(unattached_, 0));
+  double even = 0;  // deceleration that takes the machine so far
+  if (way > 0) {
+    std::vector<Move> ahead = held_.moves;
+    if (std::fabs(length_of(take_braking(ahead, speed2)) - way) > kSameWay * way)
+      even = speed2 / (2 * way);
+  }
+  std::vector<Move> braking = take_braking(held_.moves, speed2, even);
+  // Records behind the last move held are not due at the stop.
+  uint32_t due = unattached_ = held_.moves.empty() ? std::exchange(held_.behind, 0) : 0;
+  for (const Move& m : braking) due += m.records;
+  held_.give_back(due, records_);
+  resume_plan(braking, speed2, ticks_of_cut_);
+  flush();
+  if (uint32_t light = last_light(); light > 0) {
+    record(laser_.target(), 0);
+    flush();
+    held_.record_first({{laser_.target(), light, 0}});
+  }
+  return ticks_of_cut_;
+}
+
+void Motion::release() {
+  if (planner_.queued() > 0) flush();
+  Held held = std::exchange(held_, {});
+  planner_.rules().renumber(held.moves);
+  records_.insert(records_.end(), held.records.begin(), held.records.end());
+  unattached_ += held.behind;
+  if (held.moves.empty()) place(planner_.clock(), std::exchange(unattached_, 0), true);
+  resume_plan(held.moves, 0, planner_.clock());
+  process(false);
+}
+
+std::optional<size_t> Motion::stopped_tool() const {
+  return held_.moves.empty() ? std::nullopt : std::optional<size_t>(held_.moves.front().tool);
+}
+
+std::optional<std::array<double, kAxes>> Motion::position_at(double ticks) const {
+  const double* next = held() > 0 ? held_.moves.front().p0 : planner_.next_start();
+  return history_.position_at(ticks, next);
+}
+
+void Motion::suspend() {
+  Aside aside;
+  aside.held = std::exchange(held_, {});
+  std::copy_n(planner_.position(), kAxes, aside.end);
+  for (size_t i = 0; i < machine_.extruders.size(); ++i)
+    aside.extruders.push_back(planner_.extruder_position(i));
+  stand_before(aside.held);
+  std::copy_n(planner_.position(), kAxes, aside.stop);
+  for (size_t i = 0; i < stream_.motors(); ++i) aside.counts.push_back(stream_.count(i));
+  aside_ = std::move(aside);
+}
+
+void Motion::resume() {
+  planner_.set_position(aside_->end, 0);
+  for (size_t i = 0; i < aside_->extruders.size(); ++i) {
+    double position[kAxes];
+    std::copy_n(aside_->end, kAxes, position);
+    position[kE] = aside_->extruders[i];
+    planner_.set_position(position, i);
+  }
+  planner_.set_position(aside_->end, machine_.extruders.size());
+  // Filament that was moved meanwhile stays where it is.
+  for (size_t i = 0; i < stream_.motors(); ++i)
+    if (machine_.pushes_filament(machine_.steppers[i])) stream_.set_count(i, aside_->counts[i]);
+  held_ = std::move(aside_->held);
+  aside_.reset();
+  release();
+}
+
+void Motion::change_flow(std::vector<Move>& moves, size_t extruder, FlowChange& change) {
+  for (Move& m : moves)
+    if (m.extruder == extruder) change.apply(m.p0[kE], m.p1[kE], m.flow, m.owed);
+}
+
+void Motion::resume_plan(std::vector<Move>& moves, double speed2, double clock) {
+  unattached_ += planner_.resume(std::move(moves), speed2, clock);
+}
+
+void Motion::go_on(std::vector<Move>& moves, double speed2) {
+  resume_plan(moves, speed2, ticks_of_cut_);
+  held() > 0 ? flush() : process(false);
+}
+
+void Motion::stand_before(const Held& held) {
+  for (size_t i = held.moves.size(); i-- > 0;)
+    planner_.set_position(held.moves[i].p0, held.moves[i].extruder);
+}
+
+void Motion::process(bool still) {
+  auto light = [this](double ticks, uint32_t value) {
+    stream_.set_output(laser_.target(), value, ticks);
+  };
+  double start = now();
+  std::vector<Move>& moves = planner_.settled();
+  for (const Move& m : moves) {
+    plan_.add(m, machine_.clock_hz, 1);
+    place(m.start, m.records, false);
+    if (with_steps_) laser_.follow(m, machine_.clock_hz, light);
+    if (on_move) on_move(m);
+    lines_.add(m.start, m.main_line, m.layer);
+  }
+  if (still) {
+    laser_.off(planner_.clock(), light);
+    place(planner_.clock(), std::exchange(unattached_, 0), true);
+  }
+  if (with_steps_) {
+    stream_.solve(moves);
+    double solved = now();
+    cpu_.steps += solved - start;
+    stream_.compress(planner_.clock(), still);
+    forget();
+    history_.add(moves);
+    if (!history_.empty()) forget_rules(history_.oldest());
+    merge(still);
+    if (still) stream_.stand(planner_.clock());
+    cpu_.compress += now() - solved;
+  } else if (!moves.empty()) {
+    forget_rules(moves.back());
+  }
+  moves.clear();
+}
+
+uint32_t Motion::last_light() const {
+  uint32_t value = light_before_;
+  for (const Record& r : placed_)
+    if (r.target == laser_.target()) value = r.value;
+  return value;
+}
+
+bool Motion::still_following() const {
+  const Move* before = history_.last();
+  if (before == nullptr || before->duty == 0) return false;
+  for (const Record& r : placed_)
+    if (r.target == laser_.target() && double(r.clock) >= before->end() - 1) return false;
+  return true;
+}
+
+void Motion::place(double ticks, uint32_t n, bool alone) {
+  for (; n > 0; --n) {
+    Record r = records_.front();
+    records_.pop_front();
+    r.alone = alone;
+    if (r.target >= kMark) {
+      r.clock = stream_.not_before(ticks);
+      marks_.push_back(r);
+    } else {
+      r.clock = stream_.set_output(r.target, r.value, ticks);
+    }
+    if (r.target == laser_.target()) laser_.recorded();
+    placed_.push_back(r);
+  }
+}
+
+void Motion::forget() {
+  auto held = stream_.hold();
+  double past = std::max(double(stream_.taken_until()), passed_);
+  past -= kKeptSeconds * machine_.clock_hz;
+  if (stream_.commits()) past = std::min(past, double(stream_.oldest_commit()));
+  history_.forget(past);
+  for (; !placed_.empty() && double(placed_.front().clock) < past; placed_.pop_front())
+    if (placed_.front().target == laser_.target()) light_before_ = placed_.front().value;
+  stream_.forget(int64_t(past));
+}
+
+void Motion::forget_rules(const Move& oldest) {
+  if (held() == 0 && !aside_) planner_.rules().forget_before(oldest.rules);
+}
+
+double Motion::cut(double ticks, std::vector<Move>& rest) {
+  auto held = stream_.hold();  // what the link has taken stays as it is until all is cut
+  in_pieces_ = false;
+  int64_t at = std::max(int64_t(std::ceil(std::max(ticks, pieces_end_))), stream_.taken_until());
+  ticks_of_cut_ = std::min(double(at), planner_.clock());
+  double speed2 = planner_.speed2();
+  if (double(at) >= planner_.clock()) {
+    planner_.rewind_budget(rest);
+    return speed2;
+  }
+  stream_.revoke(at, planner_.clock());
+  lines_.cut(ticks_of_cut_);
+  while (!marks_.empty() && marks_.back().clock > at) marks_.pop_back();
+  rest = history_.cut(ticks_of_cut_);
+  for (const Move& m : rest) plan_.add(m, machine_.clock_hz, -1);
+  bool under_way = !rest.empty() && rest[0].start < ticks_of_cut_;
+  if (under_way)
+    plan_.add(history_.divide(rest[0], ticks_of_cut_, speed2), machine_.clock_hz, 1);
+  else if (!rest.empty())
+    speed2 = rest[0].v0 * rest[0].v0;
+  uint32_t at_the_end = take_back(at, rest, under_way);
+  if (!planner_.attach(at_the_end)) unattached_ += at_the_end;
+  laser_.cut(under_way ? rest[0].duty > 0 : still_following());
+  planner_.rewind_budget(rest);
+  return speed2;
+}
+
+uint32_t Motion::take_back(int64_t at, std::vector<Move>& rest, bool under_way) {
+  uint32_t at_the_end = 0, *next = &at_the_end;
+  auto back = [&] {
+    records_.push_front(placed_.back());
+    placed_.pop_back();
+  };
+  auto later = [&] { return !placed_.empty() && placed_.back().clock > at; };
+  for (size_t i = rest.size(); i-- > (under_way ? 1 : 0); next = &rest[i].records) {
+    // What this move has brought comes before what came behind it, also within half a tick.
+    auto behind = [&] {
+      return rest[i].records > 0 || double(placed_.back().clock) > rest[i].start + 0.5;
+    };
+    for (; later() && placed_.back().alone && behind(); ++*next) back();
+    // One that is due at the very clock of the cut has been, before this move.
+    uint32_t n = 0;
+    for (; n < rest[i].records && later(); ++n) back();
+    for (size_t k = rest[i].records - n; k > 0; --k) placed_[placed_.size() - k].alone = true;
+    rest[i].records = n;
+  }
+  if (under_way) {
+    for (; later() && placed_.back().alone; ++*next) back();
+    next = &rest[0].records;
+  }
+  for (; later(); ++*next) back();
+  return at_the_end;
+}
+
+}  // namespace passo

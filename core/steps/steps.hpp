@@ -1,0 +1,48 @@
+// The ideal times of one motor's steps on their way from the solver to the compressor.
+#pragma once
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+#include "base/uninitialised_vector.hpp"
+
+namespace passo {
+
+// Steps in order of time. A run is a stretch of one direction.
+struct Steps {
+  struct Run {
+    size_t first;  // index in `ticks`
+    int dir;       // +1 or -1
+  };
+  struct Widening {
+    size_t first;      // index in `ticks`
+    double tolerance;  // ticks; 0: the board's own
+  };
+  UnsetDoubles ticks;
+  std::vector<Run> runs;
+  std::vector<Widening> widenings;  // where the tolerance changes, from the board's own at first
+
+  // Where to put the ticks of n more steps of one direction. The array goes on for four more:
+  // TimeLaw writes up to three behind them, the compressor puts one there.
+  double* extend(size_t n, int dir) {
+    size_t first = ticks.size(), wanted = first + n + 4;
+    if (ticks.capacity() < wanted) ticks.reserve(std::max(wanted, ticks.capacity() * 3 / 2));
+    if (runs.empty() || runs.back().dir != dir) runs.push_back({first, dir});
+    ticks.resize(first + n);
+    return ticks.data() + first;
+  }
+  // The steps to come have this tolerance.
+  void set_tolerance(double tolerance) {
+    if ((widenings.empty() ? 0 : widenings.back().tolerance) == tolerance) return;
+    if (!widenings.empty() && widenings.back().first == ticks.size()) widenings.pop_back();
+    widenings.push_back({ticks.size(), tolerance});
+  }
+  // The n ticks from index `from` on are taken out, or n ticks in front of all.
+  void move_widenings(size_t from, size_t n) {
+    for (Widening& w : widenings)
+      if (w.first > from) w.first = std::max(w.first - std::min(n, w.first), from);
+    while (widenings.size() > 1 && widenings[1].first <= 1) widenings.erase(widenings.begin());
+  }
+};
+
+}  // namespace passo
