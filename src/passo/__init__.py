@@ -5,13 +5,14 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from passo.version import __version__
+
 if TYPE_CHECKING:
     from passo.errors import CommandError, ConfigError, InputError, MachineError, PassoError
     from passo.live import Printer, run
     from passo.machine import Machine
     from passo.printer.status import Status
 
-__version__ = "0.1.0"
 __all__ = [
     "CommandError",
     "ConfigError",

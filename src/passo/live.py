@@ -231,8 +231,8 @@ class Printer:
         """What the printer reported while it started, until the first console has shown it, and why
         it is halted, if it is."""
         printer = self._printer
-        halted = (f"Printer halted: {printer.why_halted}",) if printer.halted else ()
-        return (*printer.unheard, *halted)
+        halted = (f"Printer halted: {printer.state.why_halted}",) if printer.halted else ()
+        return (*printer.state.unheard, *halted)
 
     def on_status(
         self, call: Callable[[Status], object], *, every_s: float = 1.0

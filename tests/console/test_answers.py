@@ -58,7 +58,7 @@ def test_a_late_second_answer_is_none(tmp_path):
         s.passes(10)
         s.host.ok("M876 S0")
         s.passes(6)
-        assert s.printer.heating
+        assert s.printer.waits.heating
         other.ok("M876 S0")
         s.host.silent(2, "^hot$")
         s.host.expect("^hot$", 120)

@@ -374,7 +374,7 @@ def test_a_fault_of_the_program_leaves_nothing_hot(folder, monkeypatch):
     with Scenario("i3", card=str(folder)) as s:
         s.host.ok("M140 S60")
         s.passes(1)
-        monkeypatch.setattr(s.printer, "run_command", broken)
+        monkeypatch.setattr(s.printer.dispatch, "run_command", broken)
         s.host.ok("M32 square.gcode")
         s.host.expect("Error:Printer halted: a fault of the program, RuntimeError: by the test", 5)
         s.passes(4)
@@ -591,7 +591,7 @@ def test_a_card_that_fails_at_the_start_ends_the_print_at_once(folder, tmp_path,
     places = {"state": str(tmp_path / "state")} if state else {}
     with Scenario("i3", card=str(folder), **places) as s:
         s.host.ok("M23 square.gcode")
-        runner = s.printer.stop_listeners[0].__self__
+        runner = s.printer.state.stop_listeners[0].__self__
         runner._reader.close()
         runner._reader = Pulled()
         s.host.ok("M24")

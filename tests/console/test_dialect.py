@@ -19,16 +19,16 @@ def codes(kinds, *whens):
 
 
 def test_every_handler_has_a_row_of_its_kind(printer):
-    for code in printer.immediate:
+    for code in printer.dispatch.immediate:
         assert BY_CODE[code].when in (When.IMMEDIATE, When.AHEAD), code
     # M220, M221 and M290 of a program keep their places among the moves; M112 and M410 in a file,
     # or behind another command, act in their turn.
-    for code in set(printer.planned) - {"M220", "M221", "M290", "M112", "M410"}:
+    for code in set(printer.dispatch.planned) - {"M220", "M221", "M290", "M112", "M410"}:
         assert BY_CODE[code].when in (When.PLANNED, When.EXCLUSIVE), code
 
 
 def test_every_row_of_a_console_has_a_handler(printer):
-    handled = {*printer.immediate, *printer.planned, "M410"}
+    handled = {*printer.dispatch.immediate, *printer.dispatch.planned, "M410"}
     rows = {r.code for r in TABLE if r.when in (When.IMMEDIATE, When.AHEAD)}
     assert rows <= handled
 

@@ -46,8 +46,10 @@ def test_lines_that_take_long_let_others_have_their_turn():
             s.loop.pass_time(0.001)
             reply.say("slow")
 
-        s.printer.immediate["M503"] = slow
-        s.printer.immediate["M105"] = lambda _, reply: reply.say(f"{len(flooding.heard)} heard")
+        s.printer.dispatch.immediate["M503"] = slow
+        s.printer.dispatch.immediate["M105"] = lambda _, reply: reply.say(
+            f"{len(flooding.heard)} heard"
+        )
         flooding.session.receive(b"M503\n" * 500)  # both before the loop looks again
         s.host.session.receive(b"M105\n")
         s.host.expect("heard", 1)
@@ -60,7 +62,11 @@ def kept(s):
     """What a console must not leave behind: who listens, and tasks."""
 
     async def counted():
-        return len(s.printer.listeners), len(s.printer.stop_listeners), len(asyncio.all_tasks())
+        return (
+            len(s.printer.state.listeners),
+            len(s.printer.state.stop_listeners),
+            len(asyncio.all_tasks()),
+        )
 
     return s.run(counted())
 

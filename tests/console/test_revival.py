@@ -113,7 +113,7 @@ def test_it_ends_where_the_board_cannot_be_reached(s, monkeypatch):
     def gone(_):
         raise MachineError.of("machine.program", value="no board")
 
-    monkeypatch.setattr("passo.printer.recovery.supervisor.reconnected", gone)
+    monkeypatch.setattr("passo.printer.printer.reconnected", gone)
     heard = s.host.ok("M999")
     assert "Then send M999 again" in heard[0]
     assert "Printer stopped" in heard[1]
@@ -127,7 +127,7 @@ def test_a_fault_of_the_program_in_it_halts_again(s, monkeypatch):
     s.host.ok("M112")
     s.passes(1)
     with monkeypatch.context() as patch:
-        patch.setattr(s.printer, "take_setting", lambda *_: 1 / 0)
+        patch.setattr(s.printer.dispatch, "take_setting", lambda *_: 1 / 0)
         heard = s.host.ok("M999")
     assert heard[0].startswith("Error:a fault of the program, ZeroDivisionError: division by zero.")
     assert heard[0].endswith("Then send M999 again")
@@ -147,7 +147,7 @@ def test_what_changes_the_plan_does_not_act_while_it_is_halted(s, line):
     s.passes(0.5)
     s.host.send(line, "M112")
     s.host.expect("Printer stopped: emergency stop by M112", 3)
-    assert s.printer.motion.babysteps_mm["z"] == 0
+    assert s.printer.offsets.babysteps_mm["z"] == 0
     assert s.printer.job.speed_factor == 1
     assert s.host.ok("M410") == ["ok"]
     s.host.ok("M999")

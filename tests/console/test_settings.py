@@ -58,7 +58,7 @@ def test_the_report_sent_back_gives_the_same_state(s):
     for line in changed:
         assert s.host.ok(line) == ["ok"], line
     assert report(s) == changed
-    assert (s.printer.motors.idle_s, s.printer.person.kill_s) == (90, 7200.5)
+    assert (s.printer.motors.idle_s, s.printer.prompts.kill_s) == (90, 7200.5)
     assert s.printer.endstops.stops
 
 
@@ -73,7 +73,7 @@ def test_idle_times_and_the_stop_at_endstops_are_settings(tmp_path):
         for line in ("M84 S90", "M85 S60", "M540 S1", "M500"):
             s.host.ok(line)
     with Scenario("i3", state=str(tmp_path)) as s:
-        assert (s.printer.motors.idle_s, s.printer.person.kill_s) == (90, 60)
+        assert (s.printer.motors.idle_s, s.printer.prompts.kill_s) == (90, 60)
         assert s.printer.endstops.stops
         s.passes(61)
         assert s.printer.halted == "idle for 60 s (M85)"
@@ -174,7 +174,7 @@ def rows_of(tmp_path):
 
 
 def heard_at_start(s):
-    unheard, s.printer.unheard = s.printer.unheard, []
+    unheard, s.printer.state.unheard = s.printer.state.unheard, []
     return unheard
 
 

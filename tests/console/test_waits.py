@@ -34,7 +34,7 @@ def test_m108_ends_a_wait_that_has_no_room_yet(s, own, feed, waits):
     start = len(s.host.heard)
     s.host.send(waits)
     s.passes(1)
-    assert not s.printer.has_room()
+    assert not s.printer.dispatch.has_room()
     other.send("M108")
     s.passes(0.03)
     assert len(oks(s.host, start)) == 1 + own
@@ -182,7 +182,7 @@ def test_a_fault_of_the_program_halts_and_costs_no_ok(s, monkeypatch, line, plac
     s.host.ok("M140 S60")
     s.passes(1)
     with monkeypatch.context() as patch:
-        patch.setattr(s.printer.waits if place == "wait" else s.printer, place, broken)
+        patch.setattr(s.printer.waits if place == "wait" else s.printer.dispatch, place, broken)
         answer = s.host.ok(line)
     assert answer[-1] == "ok"
     assert any(FAULT in x for x in answer)
@@ -240,7 +240,7 @@ def test_a_fault_in_what_is_waited_for_halts(s, monkeypatch):
 def test_a_fault_behind_a_full_plan_gives_the_turn(s, monkeypatch):
     s.host.ok("G1 X100 F600")
     s.host.send("G1 X120", "M118 after")
-    monkeypatch.setattr(s.printer, "take_line", broken)
+    monkeypatch.setattr(s.printer.dispatch, "take_line", broken)
     s.host.expect(FAULT, 10)
     s.host.expect("^after$", 1)
     assert not s.printer.turn.taken
@@ -252,7 +252,7 @@ def test_a_command_that_fails_in_mid_line_ends_its_line_alone(s, monkeypatch, li
     def fails(*_):
         raise CardError.of("card.absent", value="by the test")
 
-    monkeypatch.setitem(s.printer.planned, "M500", fails)
+    monkeypatch.setitem(s.printer.dispatch.planned, "M500", fails)
     answer = s.host.ok(line)
     assert "there is no card: by the test" in answer[0]
     assert not s.printer.halted
@@ -289,7 +289,7 @@ def test_reports_come_ten_times_a_second_at_most(s, command, shown):
     start = len(s.host.heard)
     s.passes(2.05)
     lines = [x for x in s.host.heard[start:] if x.startswith(shown)]
-    each = len(s.printer.heaters) if command.startswith("M921") else 1
+    each = len(s.printer.machine.heaters) if command.startswith("M921") else 1
     assert len(lines) == 20 * each
 
 

@@ -310,10 +310,10 @@ async def test_a_client_that_goes_away_ends_its_wait(s):
     client = await at_tcp(console)
     await client.ok("M113 S0.01")
     client.write(b"M109 S200\nM104 S50\n")
-    while not s.printer.heating:
+    while not s.printer.waits.heating:
         await asyncio.sleep(0)
     client.close()
-    while s.printer.heating:
+    while s.printer.waits.heating:
         await asyncio.sleep(0)
     assert s.printer.connection.heaters["hotend"].target == 200
     while True:  # and its place is free
@@ -353,8 +353,8 @@ async def test_200_clients(s):
     def kept():
         printer = s.printer
         return (
-            len(printer.listeners),
-            len(printer.stop_listeners),
+            len(printer.state.listeners),
+            len(printer.state.stop_listeners),
             len([*Path("/dev/fd").iterdir()]),
         )
 

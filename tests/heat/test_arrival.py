@@ -80,7 +80,7 @@ def test_a_new_target_is_waited_for_from_the_beginning():
         s.host.send("M109 S200")
         near(s, 200)
         s.passes(5)
-        s.printer.set_target("hotend", 210.0, at_once=True)
+        s.printer.targets.set_target("hotend", 210.0, at_once=True)
         begin = near(s, 210)
         assert done(s) - begin == pytest.approx(10, abs=0.3)
 

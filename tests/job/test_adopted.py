@@ -85,7 +85,7 @@ def test_motors_that_have_held_are_where_the_board_says(monkeypatch, places):
     left = killed(printing(places))
     push(left[0])  # whoever can do that against the motor is not noticed
     with next_host(monkeypatch, left, places) as s:
-        assert OFFER in s.printer.greeting()
+        assert OFFER in s.printer.state.greeting()
         assert printed_on(s) == END | {"x": 63.0}
 
 
@@ -96,7 +96,7 @@ def test_motors_that_were_off_since_are_homed(monkeypatch, places, code):
         s.host.ok("M400")
         if code != "M84 E":
             push(s.board)
-        assert (OFFER in s.printer.greeting()) == (code == "M84 E")
+        assert (OFFER in s.printer.state.greeting()) == (code == "M84 E")
         assert printed_on(s) == pytest.approx(END, abs=0.02)
 
 
@@ -109,7 +109,7 @@ def test_motors_that_were_off_under_the_host_before_are_homed(monkeypatch, place
     assert journal_of(Path(places["state"]))[1].origins == {}
     push(left[0])
     with next_host(monkeypatch, left, places) as s:
-        assert OFFER not in s.printer.greeting()
+        assert OFFER not in s.printer.state.greeting()
         retracted = {"e": END["e"] - 2.0}  # where it was parked
         assert printed_on(s) == pytest.approx(END | retracted, abs=0.02)
 
@@ -124,7 +124,7 @@ def test_they_are_trusted_again_when_all_axes_were_homed(monkeypatch, places):
     s.passes(0.1)
     assert journal_of(Path(places["state"]))[1].origins == s.printer.positions.origins()
     with next_host(monkeypatch, killed(s), places) as s:
-        assert OFFER in s.printer.greeting()
+        assert OFFER in s.printer.state.greeting()
 
 
 def test_where_counting_begins_is_recorded_as_soon_as_an_axis_is_at_home(places):

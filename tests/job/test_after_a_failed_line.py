@@ -91,7 +91,7 @@ def test_a_print_that_stands_at_it_is_offered_after_a_power_cut(tmp_path, meanwh
         for stepper in "xyz":
             s.board.place(stepper, left[stepper])
         s.host.ok("M302 P1")
-        assert "a.g was interrupted at line 15. M1000 goes on" in s.printer.greeting()
+        assert "a.g was interrupted at line 15. M1000 goes on" in s.printer.state.greeting()
         s.host.send("M1000")
         s.host.expect("echo:Printing a.g from line 15$", 600)
         assert s.board.temperature("hotend") > 57
@@ -122,7 +122,7 @@ def test_a_print_that_could_do_nothing_does_not_keep_the_next_one_from_starting(
     (tmp_path / "auto0.g").write_text("T7\n")
     for _ in range(2):
         with Scenario("i3", **places) as s:
-            assert s.printer.greeting() == ""
+            assert s.printer.state.greeting() == ""
             s.passes(10)
             assert s.host.ok("M27")[0] == "Not SD printing"
 

@@ -233,7 +233,7 @@ def test_two_printers_do_not_share_a_folder(places):
             Scenario("i3", **places)
         assert "SD printing" in s.host.ok("M27")[0]
     with Scenario("i3", **places) as s:
-        assert "M1000 goes on" in s.printer.greeting()
+        assert "M1000 goes on" in s.printer.state.greeting()
 
 
 def test_a_print_that_its_host_has_broken_off_stays_in_the_history(tmp_path):

@@ -86,7 +86,7 @@ def test_a_print_goes_on_after_a_power_cut(machine, places):
         for stepper, at in left.items():
             if stepper != "e":
                 s.board.place(stepper, at)
-        assert f"interrupted at line {moment.line}" in s.printer.greeting()
+        assert f"interrupted at line {moment.line}" in s.printer.state.greeting()
         s.host.ok("M302 P1")
         answer = [x for x in s.host.ok("M1000", 600) if "busy" not in x]
         assert f"echo:Printing wall.gcode from line {moment.line}" in answer
@@ -112,7 +112,7 @@ def test_a_recovery_that_is_stopped_leaves_the_heaters_off(places):
         s.passes(20)
     with Scenario("i3", **arguments) as s:
         s.host.send("M1000")
-        assert s.until(lambda: s.printer.heating, 60)
+        assert s.until(lambda: s.printer.waits.heating, 60)
         s.passes(1)
         s.host.send("M108")
         s.host.expect("it was stopped", 2)
@@ -177,7 +177,7 @@ def test_another_file_is_not_gone_on_with(places, tmp_path):
     with Scenario("i3", **arguments) as s:
         assert "is not the file that was printed" in s.host.ok("M1000")[0]
         s.host.ok("M1000 C")
-        assert s.printer.greeting() == ""
+        assert s.printer.state.greeting() == ""
         assert "no print was interrupted" in s.host.ok("M1000")[0]
     assert journal_of(state) is None
 
@@ -189,7 +189,7 @@ def test_a_print_cut_off_before_its_first_move_begins_anew_and_says_so(places, t
             s.host.ok("M32 wall.gcode")
         (tmp_path / "card" / "wall.gcode").write_text(text)
         with Scenario("i3", **arguments) as s:
-            offer = s.printer.greeting()
+            offer = s.printer.state.greeting()
             assert "was interrupted at its beginning. M1000 goes on with it from there" in offer
             assert (answer or "is not the file that was printed") in s.host.ok("M1000")[0]
             if answer:
@@ -280,7 +280,7 @@ def test_an_interrupted_print_comes_before_the_card_s_own(places, tmp_path):
     left = journal_of(state)
     with Scenario("i3", **arguments) as s:
         assert s.host.ok("M27")[0] == "Not SD printing"
-        offer = s.printer.greeting()
+        offer = s.printer.state.greeting()
         assert offer.startswith(
             f"echo:The print of /wall.gcode was interrupted at line {left[1].line}"
         )

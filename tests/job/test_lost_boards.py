@@ -16,7 +16,7 @@ from passo import _core
 from passo.board.connection import Connection
 from passo.config.pin_names import MAIN
 from passo.motion.motion_queue import LEAD_S
-from passo.printer.recovery.reconnect import _Reconnection
+from passo.printer.recovery.reconnect import _Attempt
 from passo.printer.setup.boards import connect_simulated
 from passo.simulator import Cable
 
@@ -151,7 +151,7 @@ def test_a_board_stands_behind_the_last_commit_that_was_under_way(monkeypatch, t
         s.printer.connection.stop_job()
         tool.command("survive_query")
         tool.command(f"survive_commit serial=9 clock={tool.board_clock & 0xFFFFFFFF} rest=1")
-        assert s.run(_Reconnection(s.printer)._stood_behind(tool)) == 9
+        assert s.run(_Attempt(s.printer.life.reconnection)._stood_behind(tool)) == 9
 
 
 @pytest.mark.parametrize("board", [MAIN, "tool"])

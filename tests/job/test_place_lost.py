@@ -96,7 +96,7 @@ def test_a_board_that_cannot_be_reached_anew_is_switched_off(printing, monkeypat
     def gone(_):
         raise MachineError.of("machine.program", value="no board")
 
-    monkeypatch.setattr("passo.printer.recovery.supervisor.reconnected", gone)
+    monkeypatch.setattr("passo.printer.printer.reconnected", gone)
     with turned_by_hand(s, monkeypatch):
         break_link(s, 2.0)
         s.host.expect("Then send M999 again", 10)
@@ -110,7 +110,7 @@ def test_a_board_that_cannot_be_reached_anew_is_switched_off(printing, monkeypat
 
 def test_m112_in_that_moment_halts_it_cold(printing, monkeypatch):
     s = printing
-    tell = s.printer.tell
+    tell = s.printer.state.tell
 
     def panic(text):
         tell(text)
@@ -118,7 +118,7 @@ def test_m112_in_that_moment_halts_it_cold(printing, monkeypatch):
             s.printer.halt("M112")
 
     with turned_by_hand(s, monkeypatch) as patch:
-        patch.setattr(s.printer, "tell", panic)
+        patch.setattr(s.printer.state, "tell", panic)
         break_link(s, 2.0)
         s.host.expect("Make the printer safe, then send M999", 10)
     s.passes(5)

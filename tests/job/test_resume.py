@@ -85,9 +85,9 @@ def test_babysteps_of_a_print_that_was_given_up_are_gone_with_it(places):
         s.host.ok("M25")
         s.passes(3)
         s.host.ok("G28", 60)
-        assert s.printer.motion.program_babysteps_mm()["z"] == 0.3
+        assert s.printer.offsets.of_program_mm(suspended=s.printer.job.suspended)["z"] == 0.3
         s.host.ok("M524")
-        assert s.printer.motion.program_babysteps_mm()["z"] == 0
+        assert s.printer.offsets.of_program_mm(suspended=s.printer.job.suspended)["z"] == 0
 
 
 def test_babysteps_end_where_the_axis_is_homed(places):
@@ -96,7 +96,7 @@ def test_babysteps_end_where_the_axis_is_homed(places):
         s.host.ok("M290 Z0.3")
         s.host.ok("M290 X0.3")
         s.host.ok("G28 Z", 60)
-        assert s.printer.motion.babysteps_mm == {"x": 0.3, "y": 0.0, "z": 0.0}
+        assert s.printer.offsets.babysteps_mm == {"x": 0.3, "y": 0.0, "z": 0.0}
 
 
 def test_z_is_known_after_a_power_cut_in_a_pause(places):
@@ -350,9 +350,9 @@ def test_settings_of_the_file_hold_for_the_rest_of_it(machine, places):
     with Scenario(machine, **places) as s:
         s.host.ok("M32 a.g")
         s.host.expect("Done printing", 300)
-        job, motion = s.printer.job, s.printer.motion
+        job, offsets = s.printer.job, s.printer.offsets
         settings = s.host.ok("M503")
-        whole = job.machine_position, motion.home_offset_mm, job.tool
+        whole = job.machine_position, offsets.home_mm, job.tool
         steps = s.positions()
     with Scenario(machine, **places) as s:
         s.host.ok("M32 a.g")
@@ -363,9 +363,9 @@ def test_settings_of_the_file_hold_for_the_rest_of_it(machine, places):
         s.host.send("M1000")
         s.host.expect("Done printing", 300)
         assert s.host.ok("M503") == settings
-        job, motion = s.printer.job, s.printer.motion
+        job, offsets = s.printer.job, s.printer.offsets
         assert job.machine_position == pytest.approx(whole[0], abs=1e-6)
-        assert (motion.home_offset_mm, job.tool) == whole[1:]
+        assert (offsets.home_mm, job.tool) == whole[1:]
         for stepper in "xy":
             assert s.positions()[stepper] == pytest.approx(steps[stepper], abs=0.03)
 
@@ -455,7 +455,9 @@ def test_a_machine_without_switches_goes_on_from_home(tmp_path):
         s.host.ok("M32 a.g")
         s.passes(4)
     with Scenario("cnc", **places) as s:
-        assert "goes on with it from X 0 Y 0: without switches it must" in s.printer.greeting()
+        assert (
+            "goes on with it from X 0 Y 0: without switches it must" in s.printer.state.greeting()
+        )
         s.host.ok("M1000", 60)
         s.host.expect("Done printing", 60)
         assert (s.positions()["x"], s.positions()["y"]) == pytest.approx((10, 40), abs=0.02)
@@ -472,14 +474,14 @@ def state_after(places, name, *lines, killed):
         left = s.positions()
         if not killed:
             s.until(lambda: "Done printing file" in s.host.heard, 300)
-            return list(s.printer.settings()), s.printer.job.modes
+            return list(s.printer.state.settings()), s.printer.job.modes
     with Scenario("i3", **places) as s:
         for stepper in "xyz":
             s.board.place(stepper, left[stepper])
         s.host.ok("M302 P1")
         s.host.ok("M1000", 600)
         s.until(lambda: "Done printing file" in s.host.heard, 300)
-        return list(s.printer.settings()), s.printer.job.modes
+        return list(s.printer.state.settings()), s.printer.job.modes
 
 
 @pytest.mark.parametrize(
@@ -535,10 +537,10 @@ def test_what_consoles_set_where_a_print_stood_before_it_moved_is_not_forgotten(
             left = s.positions()
             if not killed:
                 s.host.expect("Done printing", 300)
-                ends.append((list(s.printer.settings()), s.printer.job.modes))
+                ends.append((list(s.printer.state.settings()), s.printer.job.modes))
     with Scenario("i3", **places) as s:
         goes_on(s, left)
-        assert (list(s.printer.settings()), s.printer.job.modes) == ends[0]
+        assert (list(s.printer.state.settings()), s.printer.job.modes) == ends[0]
     assert "M83" in ends[0][1]
 
 

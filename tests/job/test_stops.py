@@ -146,7 +146,7 @@ def test_a_print_that_waits_for_its_turn_is_ended_by_a_halt(tmp_path: Path, code
         s.passes(2)
         assert not [line for line in s.host.heard if "fault of the program" in line]
         assert s.host.heard.count("ok") == 4
-        assert not s.printer.busy()
+        assert not s.printer.state.busy()
         s.host.send("M999")
         s.host.expect("ready again", 5)
         s.host.ok("M32 a.g", 10)

@@ -20,7 +20,7 @@ def targets(s: Scenario) -> dict[str, float]:
 
 def computes_after_commands(s: Scenario, seconds: float = LATE_S) -> None:
     """After each command the program computes for so long before it looks at anything else."""
-    s.printer.command_listeners.append(lambda *_: s.loop.pass_time(seconds))
+    s.printer.state.command_listeners.append(lambda *_: s.loop.pass_time(seconds))
 
 
 @pytest.mark.parametrize("source", ["card", "host"])
@@ -55,7 +55,7 @@ def test_a_filament_change_reheats_after_a_late_target():
         s.host.send("M600 S200", "M118 changed")
         s.passes(20)
         computes_after_commands(s)
-        s.printer.set_target("hotend", 150)
+        s.printer.targets.set_target("hotend", 150)
         s.host.send("M108")
         s.host.expect("^changed$", 300)
         assert targets(s)["hotend"] == 200

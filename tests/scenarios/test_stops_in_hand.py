@@ -61,7 +61,7 @@ def test_words_belong_to_their_own_command(s, first):
     s.host.ok(f"{first} M104 S60")
     s.passes(0.5)
     assert s.printer.connection.heaters["hotend"].target == 60
-    assert (s.printer.heat.cold.cold_c, s.printer.person.kill_s, s.host.session.busy_s) == (
+    assert (s.printer.heat.cold.cold_c, s.printer.prompts.kill_s, s.host.session.busy_s) == (
         170,
         0,
         2,

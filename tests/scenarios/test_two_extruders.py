@@ -199,7 +199,7 @@ def after_a_pause(tmp_path, *lines: str) -> tuple[dict[str, float], list[str]]:
         for line in ("M25", *lines, "M24"):
             s.host.ok(line, 60)
         assert s.until(lambda: "Done printing file" in s.host.heard, 200)
-        return s.positions(), list(s.printer.settings())
+        return s.positions(), list(s.printer.state.settings())
 
 
 def test_an_offset_of_the_tool_that_a_pause_has_set_holds_behind_it(tmp_path):

@@ -75,7 +75,7 @@ def _axis(printer: Printer, name: str) -> Iterator[Option]:
         return
     yield Option(f"{letter}MinPos", lambda: axis.min_mm)
     yield Option(f"{letter}MaxPos", lambda: axis.max_mm)
-    offsets = printer.motion.home_offset_mm
+    offsets = printer.offsets.home_mm
     yield Option(f"{letter}HomeOffset", lambda: offsets[name], f"M206 {letter}{{}}")
 
 

@@ -78,6 +78,6 @@ class OptionCommands:
             option = self._options[name]
             before = option.value()
             line = option.command.format(numeral(value * option.scale))
-            self._printer.take_setting(line, Silence())
+            self._printer.dispatch.take_setting(line, Silence())
             if option.value() == before != value:
                 reply.say(f"echo:{option.name} stays at {numeral(before)}; {line} was not taken")

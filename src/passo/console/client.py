@@ -70,7 +70,7 @@ class Client(Session):
             return await reply
         except asyncio.CancelledError:
             if self._working and self._pending[0] is reply:
-                self._printer.end_wait()
+                self._printer.waits.end()
             raise
 
     def fail_all(self, error: BaseException) -> None:

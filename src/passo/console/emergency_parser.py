@@ -78,7 +78,7 @@ class Ahead:
             ends = self._resume() if code in _RESUMES else self._ends_wait(command)
             self._answers.append(_Answer(ends, ends))
         if code in LIFTS:
-            self._failures.append(self._printer.failures)
+            self._failures.append(self._printer.state.failures)
         self.act(command)
         return True
 
@@ -97,22 +97,22 @@ class Ahead:
         if answer is None:
             return False
         answer.used = True
-        answer.done = not (self._printer.job.suspended and self._printer.busy())
+        answer.done = not (self._printer.job.suspended and self._printer.state.busy())
         return True
 
     def outdated(self) -> bool:
         """The turn of one of LIFTS has come; True if something has failed since it came in: who
         sent it did not know of that."""
-        return self._failures.popleft() != self._printer.failures
+        return self._failures.popleft() != self._printer.state.failures
 
     def _resume(self) -> bool:
         """Ends a wait for a person, which a host's pause is too. True if there is no more to do,
         as where such a pause is about to end; a paused file is still to go on."""
         printer = self._printer
-        awaited = printer.person.awaited
+        awaited = printer.prompts.awaited
         if awaited:
             printer.go_on()
-        if printer.job.suspended and printer.busy():
+        if printer.job.suspended and printer.state.busy():
             return False
         return awaited or (printer.job.suspended and printer.waits.busy)
 
@@ -120,8 +120,8 @@ class Ahead:
         """M108 while something waits, or M876 that answers what a wait has asked."""
         printer = self._printer
         if command.code == "M108":
-            return printer.waits.busy or printer.waits.for_room or printer.person.asking
-        return printer.person.awaited and answers(command)
+            return printer.waits.busy or printer.waits.for_room or printer.prompts.asking
+        return printer.prompts.awaited and answers(command)
 
     def act(self, command: Command) -> None:
         """What such a command does, if it is one."""

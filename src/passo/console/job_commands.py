@@ -90,16 +90,16 @@ class JobCommands:
             "M600": self._change_filament,
             "M601": self._pause,
         }
-        printer.end_asking = self._end_asking
+        printer.state.end_asking = self._end_asking
         runner.watchers.append(self._job_changed)
-        printer.stop_listeners.append(self._stopped)
+        printer.state.stop_listeners.append(self._stopped)
         printer.closers.append(self._close)
 
     def _job_changed(self, state: State) -> None:
         if state is State.PAUSED:
             self._printer.tell("// action:paused")
         elif self._paused:
-            self._printer.person.answered()
+            self._printer.prompts.answered()
             if state is State.PRINTING:
                 self._printer.tell("// action:resumed")
         self._paused = state is State.PAUSED
@@ -322,7 +322,7 @@ class JobCommands:
     def _pause_file(self, text: str, words: Mapping[str, float]) -> None:
         self._printer.tell(f"echo:{text}")
         self._runner.pause(words)
-        self._printer.person.ask(text, awaited=False)
+        self._printer.prompts.ask(text, awaited=False)
 
     def _answer(self, command: Command, reply: Reply) -> Wait | None:
         """M876: of a wait it acted when the line came in. Raises CommandError."""
@@ -336,7 +336,7 @@ class JobCommands:
     @property
     def _asks(self) -> bool:
         """The file's pause has asked somebody to go on."""
-        person = self._printer.person
+        person = self._printer.prompts
         return self._paused and person.asking and not person.awaited
 
     def _end_asking(self) -> None:

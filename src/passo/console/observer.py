@@ -57,7 +57,7 @@ class Observer:
         self._beat = self._loop.call_later(LOOK_S, self._on_beat)
         printer = assembly.printer
         printer.watchers.append(self._time_passed)
-        printer.listeners.append(self._on_message)
+        printer.state.listeners.append(self._on_message)
         assembly.runner.watchers.append(self._job_changed)
 
     def on_status(self, call: Callable[[Status], object], every_s: float) -> Callable[[], None]:
@@ -75,7 +75,7 @@ class Observer:
         if not (self._listeners or self._event_listeners):
             self._last = self._assembly.status.read()  # what changed before is no news
         self._event_listeners.append(call)
-        for text in self._assembly.printer.unheard:
+        for text in self._assembly.printer.state.unheard:
             self._loop.call_soon(call, Message(text))
         return lambda: _remove(self._event_listeners, call)
 

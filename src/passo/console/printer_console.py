@@ -86,15 +86,15 @@ def assembled(
     prints may leave out. Within a running event loop. Raises MachineError, CardError if `card`
     cannot be used, and InputError if another one has `state`; the board is let go then."""
     printer = Printer(machine, free=free, skips=skips)
-    listen = printer.unheard.append
-    printer.listeners.append(listen)
+    listen = printer.state.unheard.append
+    printer.state.listeners.append(listen)
     try:
         assembly = _furnish(printer, card, state)
         printer.report_start()
     except BaseException:
         printer.close()
         raise
-    printer.listeners.remove(listen)
+    printer.state.listeners.remove(listen)
     return assembly
 
 
@@ -114,39 +114,39 @@ def _furnish(printer: Printer, card: str | None, state: str | None) -> Assembly:
         _hold(printer, Path(state))
     reports = Reports(printer, card=card is not None, settings=state is not None)
     printer.waits.temperatures = reports.temperatures
-    printer.immediate.update(reports.handlers)
-    printer.immediate.update(ConsoleCommands(printer, reports).handlers)
+    printer.dispatch.immediate.update(reports.handlers)
+    printer.dispatch.immediate.update(ConsoleCommands(printer, reports).handlers)
     runner = Runner(printer, Listeners(printer))
     options = OptionCommands(printer)
-    printer.immediate.update(options.immediate)
-    printer.planned.update(options.planned)
+    printer.dispatch.immediate.update(options.immediate)
+    printer.dispatch.planned.update(options.planned)
     files = CardCommands(printer, runner, card)
-    printer.immediate.update(files.handlers)
+    printer.dispatch.immediate.update(files.handlers)
     statistics = Statistics(printer, None if state is None else Path(state))
-    printer.immediate.update(statistics.immediate)
+    printer.dispatch.immediate.update(statistics.immediate)
     jobs = JobCommands(printer, runner, statistics, files.reader)
-    printer.immediate.update(jobs.immediate)
-    printer.planned.update(jobs.planned)
+    printer.dispatch.immediate.update(jobs.immediate)
+    printer.dispatch.planned.update(jobs.planned)
     objects = PrintObjects(printer, runner)
-    printer.immediate.update(ObjectCommands(objects).immediate)
+    printer.dispatch.immediate.update(ObjectCommands(objects).immediate)
     status = StatusReader(printer, runner, jobs, objects)
-    printer.immediate.update(JsonStatus(printer, status, options).handlers)
+    printer.dispatch.immediate.update(JsonStatus(printer, status, options).handlers)
     recovery = None
     if state is not None:
         recovery = RecoveryCommands(printer, runner, files, objects, Path(state))
-        printer.planned.update(recovery.planned)
-        printer.greeting = recovery.offer
+        printer.dispatch.planned.update(recovery.planned)
+        printer.state.greeting = recovery.offer
     store = None if state is None else Store(Path(state) / "settings.json", printer.machine.uuid)
     settings = SettingsCommands(printer, store, options)
-    printer.planned.update(settings.planned)
-    printer.settings = settings.lines
+    printer.dispatch.planned.update(settings.planned)
+    printer.state.settings = settings.lines
     if store is not None:
-        printer.store_settings = settings.store
+        printer.state.store_settings = settings.store
     settings.load_at_start()
     if card is not None:
         files.mount()
         offered = recovery is not None and recovery.offer()
-        if not offered and printer.start_failure is None:
+        if not offered and printer.state.start_failure is None:
             files.autostart()
         elif files.starts_itself and recovery is not None and offered:
             recovery.instead = f". {AUTOSTART} was not started"
@@ -159,10 +159,10 @@ def welcome(printer: Printer, session: Session) -> None:
     """What a console hears when it opens; the first also why something is amiss since the start."""
     session.say("start")
     session.say(f"echo:Passo, {printer.machine.name}")
-    unheard, printer.unheard = printer.unheard, []
+    unheard, printer.state.unheard = printer.state.unheard, []
     for text in unheard:
         session.say(text)
     if printer.halted:
-        session.say(f"echo:Printer halted: {printer.why_halted}")
-    if greeting := printer.greeting():
+        session.say(f"echo:Printer halted: {printer.state.why_halted}")
+    if greeting := printer.state.greeting():
         session.say(greeting)

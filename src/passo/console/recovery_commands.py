@@ -242,13 +242,14 @@ class RecoveryCommands:
 
     def _moment(self, line: int, z_mm: float) -> Moment:
         printer = self._printer
+        babysteps_mm = printer.offsets.of_program_mm(suspended=printer.job.suspended)
         return Moment(
             line if line > 1 else 0,
             round(printer.drive.passed / printer.drive.hz, 3),
             round(z_mm, 6),
             {n: h.target for n, h in printer.connection.heaters.items()},
             self._overrides.held,
-            {axis: mm for axis, mm in printer.motion.program_babysteps_mm().items() if mm},
+            {axis: mm for axis, mm in babysteps_mm.items() if mm},
             printer.positions.origins(),
         )
 
@@ -283,7 +284,7 @@ class RecoveryCommands:
             self._program = replace(program, changes=changes)
         except (PassoError, Stopped):
             self._runner.seek(0)
-            self._printer.switch_off(self._printer.heaters)
+            self._printer.targets.switch_off(self._printer.machine.heaters)
             raise
         where = f"line {moment.line}" if moment.line else "its beginning"
         reply.say(f"echo:Printing {self._runner.name} from {where}")

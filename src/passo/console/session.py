@@ -99,9 +99,9 @@ class Session:
         self._unanswered = False  # its input has ended, and only a user could end its wait
         self._noted: set[str] = set()
         self._then: Callable[[], None] | None = None  # to call after the last line
-        printer.listeners.append(self.hear)
-        printer.stop_listeners.append(self._stopped)
-        printer.person.wait_listeners.append(self._user_wanted)
+        printer.state.listeners.append(self.hear)
+        printer.state.stop_listeners.append(self._stopped)
+        printer.prompts.wait_listeners.append(self._user_wanted)
         self.every("wait", WAIT_S, self._say_wait)
 
     @property
@@ -151,14 +151,14 @@ class Session:
             self._upload = None
         if self._working:
             if self._printer.waits.person:
-                self._printer.cooled_c.clear()  # nobody is there for whom to warm up
-            self._printer.end_wait()  # cutting it off would leave a machine that moves
+                self._printer.targets.cooled_c.clear()  # nobody is there for whom to warm up
+            self._printer.waits.end()  # cutting it off would leave a machine that moves
         elif self._task is not None:
             self._task.cancel()
-        if self.hear in self._printer.listeners:
-            self._printer.listeners.remove(self.hear)
-            self._printer.stop_listeners.remove(self._stopped)
-            self._printer.person.wait_listeners.remove(self._user_wanted)
+        if self.hear in self._printer.state.listeners:
+            self._printer.state.listeners.remove(self.hear)
+            self._printer.state.stop_listeners.remove(self._stopped)
+            self._printer.prompts.wait_listeners.remove(self._user_wanted)
 
     @property
     def gone(self) -> bool:
@@ -169,7 +169,7 @@ class Session:
         """No more lines come: those in hand are carried out, then it closes. A wait that only a
         user ends is over, and what is in hand after it is not carried out."""
         self._then = then
-        if self._working and self._printer.person.for_ever:
+        if self._working and self._printer.prompts.for_ever:
             self._end_unanswered()
         if self._resting:
             self._work()
@@ -294,7 +294,7 @@ class Session:
             since = "the printer has failed since it was sent. Look at it, then send it again"
             self.fail(f"{code} is not carried out: {since}")
             return False
-        if printer.act(command, self):
+        if printer.dispatch.act(command, self):
             revives = code == "M999" and bool(printer.halted)
             if revives:
                 self._task = self._loop.create_task(self._revive(line, printer.life.answered()))
@@ -303,12 +303,12 @@ class Session:
             return False
         if given_up and self._was_stopped(code):
             return False
-        if not (printer.has_room() and printer.turn.take()):
+        if not (printer.dispatch.has_room() and printer.turn.take()):
             self._begin(line, code, None, queued=True)
             return True
         wait = None
         try:
-            wait = printer.take_line(line.text, self)
+            wait = printer.dispatch.take_line(line.text, self)
         finally:
             if wait is None:
                 printer.turn.give()
@@ -329,12 +329,12 @@ class Session:
             if queued:
                 await printer.turn.wait()
                 has_turn = True
-                hurried = await printer.room()
+                hurried = await printer.dispatch.room()
                 overtaken = self._overtaken and self._was_stopped(code)
                 if not (overtaken or self._refused(code) or self._halted(code)):
-                    wait = printer.take_line(line.text, self)
+                    wait = printer.dispatch.take_line(line.text, self)
             self._working = True
-            await printer.finish(wait, self, first_ends=hurried, all_end=lambda: self.gone)
+            await printer.dispatch.finish(wait, self, first_ends=hurried, all_end=lambda: self.gone)
         except Exception as error:
             self._not_done(error)
         finally:
@@ -361,8 +361,8 @@ class Session:
     def _user_wanted(self) -> None:
         """A wait for a user begins. If it is this console's, an answer may be in hand already."""
         if self._working and self._ahead.take_answer():
-            self._printer.end_wait()
-        elif self._working and self._then is not None and self._printer.person.for_ever:
+            self._printer.waits.end()
+        elif self._working and self._then is not None and self._printer.prompts.for_ever:
             self._end_unanswered()
 
     def _end_unanswered(self) -> None:
@@ -370,10 +370,10 @@ class Session:
         left = len(self._lines)
         self._unanswered = True
         self._lines.clear()
-        self._printer.cooled_c.clear()
+        self._printer.targets.cooled_c.clear()
         lines = f"; {left} lines after it are not carried out" if left else ""
         self.say(f"echo:The input has ended, so the wait for the user ends, too{lines}")
-        self._printer.end_wait()
+        self._printer.waits.end()
 
     def _stopped(self, _: str) -> None:
         """M410, or a switch that was hit: moves in hand are forgotten with those planned. What
@@ -413,7 +413,7 @@ class Session:
         self._printed = False
         upload.numbered = upload.numbered or line.number is not None
         if upload.numbered and line.number is None:
-            if code in self._printer.immediate:
+            if code in self._printer.dispatch.immediate:
                 return False
             self.fail(f"{code} is not carried out while a file is written; end it with M29")
             return True
@@ -437,8 +437,8 @@ class Session:
         return True
 
     def _halted(self, code: str) -> bool:
-        if self._printer.halted and not self._printer.answers_halted(code):
-            self.fail(f"Printer stopped: {self._printer.why_halted}")
+        if self._printer.halted and not self._printer.dispatch.answers_halted(code):
+            self.fail(f"Printer stopped: {self._printer.state.why_halted}")
             return True
         return False
 
@@ -452,7 +452,7 @@ class Session:
         self._timers.restart("wait")
 
     def _say_busy(self) -> None:
-        what = "heating" if self._printer.heating else "processing"
+        what = "heating" if self._printer.waits.heating else "processing"
         self.hear(f"echo:busy: {what}")
 
     def _say_wait(self) -> None:

@@ -77,7 +77,7 @@ class SettingsCommands:
         if self._printer.drivers.states:
             yield "Motor drivers", list(self._printer.driver_commands.setting_lines())
         idle = f"M84 S{numeral(self._printer.motors.idle_s)}"
-        yield "Idle times", [idle, self._printer.person.kill_line()]
+        yield "Idle times", [idle, self._printer.prompts.kill_line()]
         yield "Endstops", [self._printer.endstops.stop_line()]
         yield "Cold extrusion", list(heat.cold_lines())
 
@@ -89,7 +89,7 @@ class SettingsCommands:
     def restore(self, lines: Iterable[str], reply: Reply) -> None:
         """Carries out commands of settings. The caller has the turn, and the machine stands."""
         for line in lines:
-            self._printer.take_setting(line, reply)
+            self._printer.dispatch.take_setting(line, reply)
 
     def load_at_start(self) -> None:
         """Takes the stored values that differ from the machine file's, and names them. Values that

@@ -39,7 +39,7 @@ class StatusReader:
             position_mm={k.lower(): mm for k, mm in printer.positions.shown().items()},
             homed=homed_axes(printer),
             tool=job.tool,
-            heaters={name: heater_status(printer, name) for name in printer.heaters},
+            heaters={name: heater_status(printer, name) for name in printer.machine.heaters},
             fans={n: printer.commands.fans.get(n, 0.0) for n in printer.machine.fans},
             speed_factor=job.speed_factor,
             flow_factors=list(job.flows),

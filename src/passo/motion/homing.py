@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from passo._core import Within
 from passo.board.endstops import Endstops
 from passo.config.motor_roles import axis_order
-from passo.errors import CommandError
+from passo.errors import CommandError, Problem
 from passo.geometry.base import Point
 from passo.motion.axis_slots import E, X, Y, Z, slot_of_axis
 from passo.motion.endstops import (
@@ -25,7 +25,8 @@ from passo.motion.trigger_overshoot import Overshoot
 
 if TYPE_CHECKING:
     from passo.config.homing import Homing
-    from passo.printer.printer import Printer
+    from passo.motion.offsets import Offsets
+    from passo.motion.rig import Rig
 
 _REST_S = 0.001  # the board looks at a switch at least this often
 _ARMED_S = 0.005  # switches count from so long before the first step
@@ -58,18 +59,41 @@ class _Way:
         return {stepper for switch in self.switches for stepper in switch.steppers}
 
 
+class Interrupts(Protocol):
+    """Whether the wait under way has to end. `halted` says why the printer is halted, or is
+    empty."""
+
+    halted: str
+
+    @property
+    def interrupted(self) -> bool:
+        """After M108, M410 or a halt."""
+        ...
+
+    def raise_if_interrupted(self) -> None:
+        """Ends the caller after M108, M410 or a halt."""
+
+
 class Homer:
     """Homes the axes of one printer. Its methods must be called by who has the turn, the machine
     standing; they raise CommandError, and MachineError."""
 
-    def __init__(self, printer: Printer) -> None:
-        self._printer = printer
-        self._machine = printer.machine
+    def __init__(
+        self, rig: Rig, interrupts: Interrupts, offsets: Offsets, problem: Callable[[], Problem]
+    ) -> None:
+        self._rig, self._interrupts, self._offsets = rig, interrupts, offsets
+        self._problem_of_job = problem  # the error that the job stopped at
+        self._machine = rig.machine
         self._axes = axis_order(self._machine.axes)
         self._switches = switches(self._machine)
         self._order = [row["name"] for row in self._machine.core_spec()["steppers"]]
-        self._endstops = Endstops(printer.connection)
         self._joints = False
+        self.starts: list[Callable[[], None]] = []  # called before the switches are needed
+        self.begin()
+
+    def begin(self) -> None:
+        """The boards have been replaced."""
+        self._endstops = Endstops(self._rig.connection)
         self.active = False
         self.offset_mm: dict[str, float] = {}  # of M206, by axis, when it was placed last
 
@@ -89,31 +113,31 @@ class Homer:
         where that was known."""
         back = "B" in letters and "b" not in self._axes
         letters = letters.replace("B", "") if back else letters
-        before = None if self._printer.job.locked_axes else self._printer.job.machine_position
+        before = None if self._rig.job.locked_axes else self._rig.job.machine_position
         self.active = True
-        self._printer.positions.freeze()
+        self._rig.positions.freeze()
         try:
             await self._home(letters)
         finally:
             self.active = False
-            self._printer.positions.thaw()
+            self._rig.positions.thaw()
         if back and before is not None:
             await self._return(before)
 
     async def _return(self, to: Sequence[float]) -> None:
         """Back to a machine position."""
         slots = [slot_of_axis(i) for i in range(len(self._axes))]
-        reached = go_back(self._printer, {slot: to[slot] for slot in slots}, math.inf)
-        self._printer.drive.flush()
+        reached = go_back(self._rig, {slot: to[slot] for slot in slots}, math.inf)
+        self._rig.drive.flush()
         await self._still()
-        self._printer.raise_if_interrupted()
+        self._interrupts.raise_if_interrupted()
         if not reached:
-            raise CommandError([self._printer.commands.problem()])
+            raise CommandError([self._problem_of_job()])
 
     async def swing(self, x: float, y: float) -> None:
         """Brings the nozzle over this place, machine mm, each arm going its own way: between two
         places that arms reach the straight way may lead where they do not."""
-        printer, job, geometry = self._printer, self._printer.job, self._machine.geometry
+        rig, job, geometry = self._rig, self._rig.job, self._machine.geometry
 
         def point(position: Sequence[float]) -> Point:
             a, b, c = position[:E]
@@ -122,34 +146,35 @@ class Homer:
         before = point(job.machine_position)
         target = (x, y, before[Z])
         self.active = True
-        printer.positions.freeze()
+        rig.positions.freeze()
         job.use_joints(True)
         job.set_axes(list(enumerate(geometry.inverse(before))))
         try:
             a, b, _ = geometry.inverse(target)
-            printer.drive.move({X: a, Y: b}, math.inf, Within.ANYTHING)
-            printer.drive.flush()
+            rig.drive.move({X: a, Y: b}, math.inf, Within.ANYTHING)
+            rig.drive.flush()
             await self._still()
         finally:
             reached = target
-            if printer.interrupted:
+            if self._interrupts.interrupted:
                 reached = geometry.forward(point(job.machine_position))
             job.use_joints(False)
             job.set_axes(list(enumerate(reached)))
             self.active = False
-            printer.positions.thaw()
-        printer.raise_if_interrupted()
+            rig.positions.thaw()
+        self._interrupts.raise_if_interrupted()
 
     async def _home(self, letters: str) -> None:
         homed = [a for a in self._axes if not self._machine.axes[a].extruder]
         names = [a for a in homed if a.upper() in letters] or homed
         if "O" in letters and self._machine.unhomed_moves == "refuse":
-            unknown = [self._axes[i] for i in self._printer.job.locked_axes]
+            unknown = [self._axes[i] for i in self._rig.job.locked_axes]
             names = [name for name in names if name in unknown]
         fixed = [name for name in names if name not in self.axes]
         self._set({name: self._machine.home_mm[name] for name in fixed})
-        self._printer.endstops.pause()
-        self._printer.drive.use_commits(False)
+        for start in self.starts:
+            start()
+        self._rig.drive.use_commits(False)
         batch: list[_Way] = []
         try:
             for way in self._ways(names, everything=not letters.strip("O")):
@@ -160,8 +185,8 @@ class Homer:
             if batch:
                 await self._together(batch)
         finally:
-            if not self._printer.halted:
-                self._printer.drive.use_commits(True)
+            if not self._interrupts.halted:
+                self._rig.drive.use_commits(True)
 
     def _ways(self, names: Sequence[str], *, everything: bool) -> list[_Way]:
         """Arms first. Z of a delta that has a switch of its own needs them only to know where it
@@ -169,7 +194,7 @@ class Homer:
         machine, homing = self._machine, self._machine.homing
         of_arms = set(machine.axes_of_arms)
         wanted: set[str] = of_arms & set(names)
-        if wanted == {"z"} and "z" in homing and not self._printer.job.locked_axes:
+        if wanted == {"z"} and "z" in homing and not self._rig.job.locked_axes:
             wanted = set[str]()
         ways = [self._way(n, machine.geometry.actuators) for n in machine.geometry.arms if wanted]
         for name in names:
@@ -198,7 +223,7 @@ class Homer:
 
     async def _together(self, ways: Sequence[_Way]) -> None:
         """Homes axes and arms that share no motor at the same time."""
-        printer, job = self._printer, self._printer.job
+        rig, job = self._rig, self._rig.job
         arms = any(is_actuator(self._machine, way.name) for way in ways)
         of_arms = self._machine.axes_of_arms if arms else ()
 
@@ -234,11 +259,11 @@ class Homer:
             for way, by in moved:
                 self._place(way, self._at(way.slot) - by)
             self._set(point_of_arms(self._arms_at_home(job.machine_position[Z])))
-            printer.lock([*of_arms, *names])
+            rig.lock([*of_arms, *names])
             raise
         found = {way.name: self._at(way.slot) for way in ways if way.name in names}
         found |= point_of_arms(job.machine_position[:3])
-        self.offset_mm |= {n: printer.motion.home_offset_mm[n] for n in found}
+        self.offset_mm |= {n: self._offsets.home_mm[n] for n in found}
         self._set({n: at + self.offset_mm[n] for n, at in found.items()})
 
     def _arms_at_home(self, z: float) -> list[float]:
@@ -251,16 +276,16 @@ class Homer:
 
     async def _seek(self, ways: Sequence[_Way], travel: Sequence[float], *, fast: bool) -> None:
         """All ways at once, each at its own speed, until each has met all its switches."""
-        printer = self._printer
+        rig = self._rig
         speeds = [(w.config.fast if fast else w.config.slow) for w in ways]
         stops = {s.name: s.steppers for w in ways for s in w.switches}
         finest = max(speed * self._steps(w) for speed, w in zip(speeds, ways, strict=True))
-        drive = printer.drive
-        if not printer.positions.settled:
-            printer.positions.settle()
+        drive = rig.drive
+        if not rig.positions.settled:
+            rig.positions.settle()
         drive.before_moves()
-        overshoot = Overshoot(printer, self._endstops, joints=self._joints)
-        start = drive.base + int(printer.job.clock - _ARMED_S * drive.hz)
+        overshoot = Overshoot(rig, self._endstops, joints=self._joints)
+        start = drive.base + int(rig.job.clock - _ARMED_S * drive.hz)
         self._endstops.arm(stops, start, min(_REST_S, max(1.0 / finest, 5e-5)))
         times = [t / v for t, v in zip(travel, speeds, strict=True)]
         passed = 0.0
@@ -273,22 +298,22 @@ class Homer:
                     square += speed * speed
             drive.move(target, math.sqrt(square), Within.ANYTHING)
             passed = end
-        printer.drive.flush()
+        rig.drive.flush()
         try:
             await drive.until(
-                lambda: self._all_hit(overshoot) or drive.standing or printer.interrupted
+                lambda: self._all_hit(overshoot) or drive.standing or self._interrupts.interrupted
             )
             if not drive.standing:
                 drive.stop(program=False)
-                await drive.until(lambda: drive.standing or bool(printer.halted))
+                await drive.until(lambda: drive.standing or bool(self._interrupts.halted))
             self._all_hit(overshoot)
         finally:
             self._endstops.disarm()
             moved = {stepper for way in ways for stepper in way.steppers}
-            printer.job.renew_steppers([self._order.index(stepper) for stepper in moved])
-        if not printer.halted:
-            printer.positions.settle()
-        printer.raise_if_interrupted()
+            rig.job.renew_steppers([self._order.index(stepper) for stepper in moved])
+        if not self._interrupts.halted:
+            rig.positions.settle()
+        self._interrupts.raise_if_interrupted()
         for way in ways:
             for switch in way.switches:
                 if switch.name in self._endstops.expired:
@@ -299,7 +324,7 @@ class Homer:
         overshoot.measure(s for way in ways for s in way.switches)
         for way in ways:
             self._place(way, way.home)
-        printer.job.set_axes(overshoot.places())
+        rig.job.set_axes(overshoot.places())
 
     def _all_hit(self, overshoot: Overshoot) -> bool:
         """All switches are hit, or the boards of one have lost each other."""
@@ -309,40 +334,39 @@ class Homer:
 
     async def _go(self, by: Sequence[float], ways: Sequence[_Way]) -> None:
         """A move of all these axes, by so much towards their switches."""
-        printer = self._printer
+        rig = self._rig
         target: dict[int, float] = {}
         square = 0.0
         for way, distance in zip(ways, by, strict=True):
             target[way.slot] = self._at(way.slot) + way.sign * distance
             square += way.config.fast**2
-        printer.drive.move(target, math.sqrt(square), Within.ANYTHING)
-        printer.drive.flush()
+        rig.drive.move(target, math.sqrt(square), Within.ANYTHING)
+        rig.drive.flush()
         await self._still()
-        printer.raise_if_interrupted()
+        self._interrupts.raise_if_interrupted()
 
     async def _still(self) -> None:
         """Until the machine stands, which somebody may make it do early."""
-        printer, drive = self._printer, self._printer.drive
-        await drive.until(lambda: drive.standing or printer.interrupted)
+        drive = self._rig.drive
+        await drive.until(lambda: drive.standing or self._interrupts.interrupted)
         if not drive.standing:
             drive.stop(program=False)
-            await drive.until(lambda: drive.standing or bool(printer.halted))
+            await drive.until(lambda: drive.standing or bool(self._interrupts.halted))
 
     def _steps(self, way: _Way) -> float:
         return max(self._machine.steppers[s].steps_per_unit for s in way.steppers)
 
     def _at(self, slot: int) -> float:
-        return self._printer.job.machine_position[slot]
+        return self._rig.job.machine_position[slot]
 
     def _place(self, way: _Way, at: float) -> None:
-        self._printer.job.set_axes([(way.axis, at)])
+        self._rig.job.set_axes([(way.axis, at)])
 
     def _set(self, places: dict[str, float]) -> None:
-        self._printer.job.set_axes(
-            [(self._axes.index(n), at) for n, at in places.items()], homed=True
-        )
-        self._printer.motion.homed(places)
-        self._printer.positions.known.update(places)
+        self._rig.job.set_axes([(self._axes.index(n), at) for n, at in places.items()], homed=True)
+        self._rig.positions.trust(places)
+        self._offsets.homed(places)
+        self._rig.positions.known.update(places)
 
     def _problem(self, code: str, switch: Switch, limit: float) -> CommandError:
         geometry, home = self._machine.geometry, switch.home

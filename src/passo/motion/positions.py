@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
 from passo.config.motor_roles import axis_order
@@ -10,22 +10,31 @@ from passo.geometry.base import Unreachable
 from passo.motion.axis_slots import E, slot_of_axis
 
 if TYPE_CHECKING:
+    from passo import _core
+    from passo.board.boards import Boards
     from passo.board.connection import Connection
-    from passo.printer.printer import Printer
+    from passo.config.machine import MachineConfig
 
 
 class Positions:
     """Real positions of one printer. The board counts steps; the plan knows where counting began.
     An endstop stops a motor in mid-way: `lost` steps are then made up for by `settle`."""
 
-    def __init__(self, printer: Printer) -> None:
-        self._printer = printer
-        self._letters = [name.upper() for name in axis_order(printer.machine.axes)]
+    def __init__(
+        self,
+        machine: MachineConfig,
+        connection: Boards,
+        job: _core.Job,
+        passed: Callable[[], int],
+    ) -> None:
+        self._machine, self._connection, self._job = machine, connection, job
+        self._passed = passed  # the job's clock up to which the plan was executed
+        self._letters = [name.upper() for name in axis_order(machine.axes)]
         self.lost: dict[str, int] = {}
         self.settled = True  # False: a board did not answer the last time
         self.settlings = 0  # how often the origins may have changed
         # The motors have held since another host was there: their counts still tell where it is.
-        self.held = printer.connection.adopted
+        self.held = connection.adopted
         self.known: set[str] = set()  # axes that homed, or a recovery placed, and held since
         self._loose: set[str] = set()  # axes whose motors were off since they were known
         self._frozen: list[float] | None = None
@@ -33,7 +42,7 @@ class Positions:
     def freeze(self) -> None:
         """Axes home now. What the plan calls positions are those of arms, or of axes that do not
         know where they are: reports keep to where the program was, until `thaw`."""
-        self._frozen = self._printer.job.program_position
+        self._frozen = self._job.program_position
 
     def thaw(self) -> None:
         """Positions mean again what they say."""
@@ -42,21 +51,21 @@ class Positions:
     @property
     def program(self) -> list[float]:
         """The program's coordinates at the end of the plan: the axes, then E."""
-        return self._frozen or self._printer.job.program_position
+        return self._frozen or self._job.program_position
 
     def settle(self) -> None:
         """The machine stands: whatever the board has not made of the plan, it never will. Lets time
         pass; raises MachineError."""
         self.settled = False
         self.settlings += 1
-        for row in self._printer.job.steppers():
+        for row in self._job.steppers():
             name = row["name"]
-            self.lost[name] = row["expected_net"] - self._printer.connection.net_steps(name)
+            self.lost[name] = row["expected_net"] - self._connection.net_steps(name)
         self.settled = True
 
     def loosen(self) -> None:
         """Motors of axes are off: somebody may move them, and the counts do not tell."""
-        axes = self._printer.machine.axes
+        axes = self._machine.axes
         self.held = False
         self.settlings += 1
         self.known.clear()
@@ -74,20 +83,20 @@ class Positions:
             return {}
         return {
             row["name"]: row["count"] - row["expected_net"] + self.lost.get(row["name"], 0)
-            for row in self._printer.job.steppers()
+            for row in self._job.steppers()
         }
 
     def restore(self, origins: dict[str, int]) -> bool:
         """The machine is where a board that was adopted has counted to, from these origins. False,
         and nothing is changed, if it does not know, or a motor was off since. Lets time pass;
         raises MachineError."""
-        job, connection = self._printer.job, self._printer.connection
+        job, connection = self._job, self._connection
         rows = {row["name"]: row for row in job.steppers()}
         if not self.held or set(origins) != set(rows):
             return False
         counts = {name: connection.net_steps(name) + origins[name] for name in rows}
         places = [at for at in self._places(self._real(counts)) if at is not None]
-        if len(places) < len(self._printer.machine.axes):
+        if len(places) < len(self._machine.axes):
             return False
         job.set_axes(list(enumerate(places)))
         self.settle()
@@ -95,9 +104,9 @@ class Positions:
 
     def _real(self, counts: dict[str, int]) -> dict[tuple[str, int], float]:
         """What each actuator, axis and extruder stands at, mm or degrees."""
-        machine = self._printer.machine
+        machine = self._machine
         real: dict[tuple[str, int], float] = {}
-        for row in self._printer.job.steppers():
+        for row in self._job.steppers():
             name = row["name"]
             driven = machine.driven_by(name)
             if driven is not None:
@@ -107,7 +116,7 @@ class Positions:
 
     def _places(self, real: dict[tuple[str, int], float]) -> list[float | None]:
         """The axes, in machine mm; None where that is not known."""
-        machine = self._printer.machine
+        machine = self._machine
         places: list[float | None] = [None] * len(machine.axes)
         try:
             a, b, c = (real[("actuator", i)] for i in range(3))
@@ -123,18 +132,18 @@ class Positions:
         raises MachineError."""
         names = None if board is None else {s.name for s in board.board.steppers}
         found: dict[str, int] = {}
-        for row in self._printer.job.steppers():
+        for row in self._job.steppers():
             name = row["name"]
             if names is not None and name not in names:
                 continue
-            net = self._printer.connection.net_steps(name) + self.lost.get(name, 0)
+            net = self._connection.net_steps(name) + self.lost.get(name, 0)
             found[name] = net + row["count"] - row["expected_net"]
         return found
 
     def shown(self) -> dict[str, float]:
         """The program's coordinates of where the plan is now, by axis letter and E, without a
         question to a board; while axes home, those of where the program was."""
-        planned = None if self._frozen else self._planned(self._printer.drive.passed)
+        planned = None if self._frozen else self._planned(self._passed())
         return planned or dict(zip([*self._letters, "E"], self.program, strict=True))
 
     def at(self, clock: int) -> dict[str, float]:
@@ -143,7 +152,7 @@ class Positions:
         return self._planned(clock) or self.now()[0]
 
     def _planned(self, clock: int) -> dict[str, float] | None:
-        job = self._printer.job
+        job = self._job
         found = job.position_at(clock)
         if found is None:
             return None
@@ -160,8 +169,7 @@ class Positions:
     def now(self) -> tuple[dict[str, float], dict[str, int]]:
         """The program's coordinates of what the motors have done, by axis letter and E, and the
         motors' counts. Lets time pass; raises MachineError."""
-        printer, machine = self._printer, self._printer.machine
-        job = printer.job
+        machine, job = self._machine, self._job
         counts = self.counts()
         letters = self._letters
         if self._frozen is not None:

@@ -13,7 +13,7 @@ from passo.motion.endstops import Switch
 if TYPE_CHECKING:
     from passo.board.endstops import Endstops
     from passo.config.motor_roles import Driven
-    from passo.printer.printer import Printer
+    from passo.motion.rig import Rig
 
 
 class Overshoot:
@@ -24,10 +24,10 @@ class Overshoot:
     With `joints`, positions of the plan are those of the actuators.
     """
 
-    def __init__(self, printer: Printer, endstops: Endstops, *, joints: bool) -> None:
-        self._printer, self._endstops, self._joints = printer, endstops, joints
-        self._machine = printer.machine
-        self._lost = dict(printer.positions.lost)
+    def __init__(self, rig: Rig, endstops: Endstops, *, joints: bool) -> None:
+        self._rig, self._endstops, self._joints = rig, endstops, joints
+        self._machine = rig.machine
+        self._lost = dict(rig.positions.lost)
         self._ways: dict[Driven, float] = {}
         self._hit_at: dict[str, Sequence[float]] = {}
 
@@ -35,7 +35,7 @@ class Overshoot:
         """While the plan still knows where it was when a switch was hit: within a second."""
         for name, clock in self._endstops.hit.items():
             if name not in self._hit_at:
-                found = self._printer.job.position_at(clock - self._printer.drive.base)
+                found = self._rig.job.position_at(clock - self._rig.drive.base)
                 if found is not None:
                     self._hit_at[name] = found
 
@@ -54,7 +54,7 @@ class Overshoot:
         number, that are elsewhere, and where."""
         if not any(self._ways.values()):
             return []
-        position = self._printer.job.machine_position
+        position = self._rig.job.machine_position
         joints = self._actuators(position)
         places: list[tuple[int, float]] = []
         for driven, by in self._ways.items():
@@ -68,8 +68,8 @@ class Overshoot:
 
     def _way(self, stepper: str, driven: Driven, hit_at: Sequence[float]) -> float:
         """Way of an actuator, or an axis, from the hit to the stop."""
-        row = next(r for r in self._printer.job.steppers() if r["name"] == stepper)
-        lost = self._printer.positions.lost[stepper] - self._lost.get(stepper, 0)
+        row = next(r for r in self._rig.job.steppers() if r["name"] == stepper)
+        lost = self._rig.positions.lost[stepper] - self._lost.get(stepper, 0)
         if driven.drive == "axis":
             at = hit_at[slot_of_axis(driven.index)]
         else:

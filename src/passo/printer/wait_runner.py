@@ -13,6 +13,7 @@ from passo.printer.wait_requests import (
     Procedure,
     Reply,
     Room,
+    Silence,
     Still,
     Stopped,
     Temperatures,
@@ -22,7 +23,12 @@ from passo.printer.wait_requests import (
 
 if TYPE_CHECKING:
     from passo._core import Heater
-    from passo.printer.printer import Printer
+    from passo.motion.homing import Homer
+    from passo.printer.commands.user_prompts import PersonCommands
+    from passo.printer.laser import Laser
+    from passo.printer.live_rig import LiveRig
+    from passo.printer.state import State
+    from passo.printer.targets import Targets
 
 WARMING_S = 1.0  # of print time between two lines of temperatures for who waits for them
 # A heater that has cooled down by less than this in this time gets no further (StuFW's values).
@@ -52,9 +58,17 @@ class _Cooling:
 class Waiting:
     """The wait that goes on at one printer: one at a time, by who has the turn."""
 
-    def __init__(self, printer: Printer) -> None:
-        self._printer = printer
-        self.ended = False  # somebody wants the wait that goes on to end
+    def __init__(
+        self,
+        rig: LiveRig,
+        state: State,
+        homer: Homer,
+        prompts: PersonCommands,
+        laser: Laser,
+        targets: Targets,
+    ) -> None:
+        self._rig, self._state, self._homer = rig, state, homer
+        self._prompts, self._laser, self._targets = prompts, laser, targets
         self.heating = False  # somebody waits for a temperature
         self.person = False  # or for a person
         self.temperatures: Callable[[], str] = str  # a line of them
@@ -67,20 +81,20 @@ class Waiting:
         """Whoever waits waits no more, except to do something behind the moves. What moves goes
         on, dwells too."""
         if not self._firm:
-            self._impatient = self.ended = True
+            self._impatient = self._state.ended = True
 
     async def room(self, there: Callable[[], bool]) -> bool:
         """Waits until there is room for a line, or `end` wants it taken without. True if so."""
-        printer = self._printer
+        rig, state = self._rig, self._state
         self._impatient, self.for_room = False, True
 
         def let_in() -> bool:
-            if printer.aside:
+            if state.host_paused:
                 self._impatient = False  # that was for the pause
-            return there() or bool(printer.halted) or (self._impatient and printer.job.at_boundary)
+            return there() or bool(state.halted) or (self._impatient and rig.job.at_boundary)
 
         try:
-            await printer.drive.until(let_in, idly=True)
+            await rig.drive.until(let_in, idly=True)
         finally:
             self.for_room = False
         return self._impatient
@@ -98,20 +112,20 @@ class Waiting:
         meanwhile."""
         within_another, self.busy = self.busy, True
         if isinstance(wait, Person):
-            self._printer.person.ask(wait.message)
+            self._prompts.ask(wait.message)
         try:
             return await self._wait(wait, reply, ends, aside)
         finally:
             self.busy, self._firm = within_another, False
             if isinstance(wait, Person):
-                self._printer.person.answered()
+                self._prompts.answered()
 
     async def _wait(self, wait: Wait, reply: Reply, ends: bool, aside: Callable[[], bool]) -> bool:
         if isinstance(wait, Room):
             await self._more()
             return True
         self._firm = isinstance(wait, Still) and wait.then is not None
-        self.ended = self._impatient = ends and not self._firm
+        self._state.ended = self._impatient = ends and not self._firm
         if isinstance(wait, Still):
             if not await self._still(aside):
                 return False
@@ -119,35 +133,35 @@ class Waiting:
                 self._raise_if_ended()
                 wait.then()
         else:
-            with self._printer.dark():
+            with self._laser.dark():
                 if not await self._still(aside):
                     return False
                 # Who is tired of the moves still wants what comes behind them, unless it homes.
                 if isinstance(wait, Homing) or not self._impatient:
                     self._raise_if_ended()
                 await self._at_rest(wait, reply)
-        self._printer.raise_if_halted()
+        self._state.raise_if_halted()
         return True
 
     async def _more(self) -> None:
         """Until more can be planned of a line that nobody can end but by a stop."""
-        printer = self._printer
-        await printer.drive.until(
-            lambda: not (printer.drive.full or printer.aside) or bool(printer.halted), idly=True
+        rig, state = self._rig, self._state
+        await rig.drive.until(
+            lambda: not (rig.drive.full or state.host_paused) or bool(state.halted), idly=True
         )
-        printer.raise_if_halted()
+        state.raise_if_halted()
 
     async def _still(self, aside: Callable[[], bool]) -> bool:
-        printer = self._printer
-        printer.drive.flush()
-        await printer.drive.until(
-            lambda: printer.drive.standing or self._impatient or bool(printer.halted) or aside()
+        rig, state = self._rig, self._state
+        rig.drive.flush()
+        await rig.drive.until(
+            lambda: rig.drive.standing or self._impatient or bool(state.halted) or aside()
         )
-        printer.raise_if_halted()
+        state.raise_if_halted()
         return not aside()
 
     async def _at_rest(self, wait: Wait, reply: Reply) -> None:
-        printer = self._printer
+        rig = self._rig
         if isinstance(wait, Temperatures):
             await self._reach(wait, reply)
         elif isinstance(wait, Procedure):
@@ -157,18 +171,18 @@ class Waiting:
         elif isinstance(wait, Person):
             await self._person(wait, reply)
         elif isinstance(wait, Homing):
-            printer.job.abandon()
-            await printer.homer.home(wait.letters)
+            rig.job.abandon()
+            await self._homer.home(wait.letters)
 
     def _raise_if_ended(self) -> None:
-        if self.ended:
-            self._printer.job.abandon()
+        if self._state.ended:
+            self._rig.job.abandon()
             raise Stopped("it was stopped")
 
     async def _reach(self, wait: Temperatures, reply: Reply) -> None:
-        printer = self._printer
-        heaters = {name: printer.connection.heaters[name] for name in wait.heaters}
-        told_s = printer.drive.now_s
+        rig, state = self._rig, self._state
+        heaters = {name: rig.connection.heaters[name] for name in wait.heaters}
+        told_s = rig.drive.now_s
         cooling = {name: _Cooling(name, reply) for name in heaters}
 
         cools: dict[tuple[str, float], bool] = {}  # was it too warm for that target?
@@ -182,49 +196,71 @@ class Waiting:
                 return True
             if began_above and not wait.cooling:
                 return False
-            return cooling[name].goes_on(printer.drive.now_s, h.celsius)
+            return cooling[name].goes_on(rig.drive.now_s, h.celsius)
 
         def there() -> bool:
             nonlocal told_s
-            if printer.drive.now_s >= told_s + WARMING_S:
+            if rig.drive.now_s >= told_s + WARMING_S:
                 told_s += WARMING_S
                 reply.warming(f" {self.temperatures()} W:?")
             # Each is looked at: those that cool do so at the same time.
             left = [name for name, h in heaters.items() if on_its_way(name, h)]
-            return printer.interrupted or any(h.fault for h in heaters.values()) or not left
+            return state.interrupted or any(h.fault for h in heaters.values()) or not left
 
         self.heating = True
         try:
-            await printer.drive.until(there)
+            await rig.drive.until(there)
         finally:
             self.heating = False
         # The link's thread may have seen a fault of which nobody has been told yet.
         for name, heater in heaters.items():
-            if heater.fault is not None and not printer.halted:
+            if heater.fault is not None and not state.halted:
                 raise CommandError([HeaterFault.of(name, heater.fault).problem])
 
     async def _tune(self, wait: Tuning) -> None:
         self.heating = True
         try:
             # Who has switched the heater off must not find it heating for one step more.
-            await self._printer.drive.until(lambda: self._printer.interrupted or wait.step())
+            await self._rig.drive.until(lambda: self._state.interrupted or wait.step())
         finally:
             self.heating = False
             wait.finish()
 
     async def _person(self, wait: Person, reply: Reply) -> None:
-        printer, drive = self._printer, self._printer.drive
+        state, drive = self._state, self._rig.drive
         reply.say("echo:busy: paused for user")
         end = drive.now + wait.seconds * drive.hz
         self.person = True
         try:
-            with printer.person.waited_for(for_ever=wait.seconds <= 0):
+            with self._prompts.waited_for(for_ever=wait.seconds <= 0):
                 await drive.until(
-                    lambda: printer.interrupted or (wait.seconds > 0 and drive.now >= end),
+                    lambda: state.interrupted or (wait.seconds > 0 and drive.now >= end),
                     idly=wait.seconds <= 0,
                 )
         finally:
             self.person = False
-        printer.person.answered()
-        printer.raise_if_halted()
-        await printer.warm_again()
+        self._prompts.answered()
+        state.raise_if_halted()
+        await self.warm_again()
+
+    async def warm_again(self) -> None:
+        """Reheats the heaters that a long pause or a fault has switched off, unless their targets
+        were changed since; a bed or chamber that fails is done without. With the turn. Raises
+        Stopped, and CommandError where a hotend fails."""
+        rig, targets = self._rig, self._targets
+        cooled, targets.cooled_c = targets.cooled_c, {}
+        for name, celsius in cooled.items():
+            rig.connection.set_target(name, celsius)
+        if cooled:
+            rig.drive.before_moves()  # it stands idle no longer
+        waited: list[str] = list(cooled)
+        while waited:
+            try:
+                await self.wait(Temperatures(tuple(waited)), Silence())
+                return
+            except CommandError:
+                failed = {n for n in waited if rig.connection.heaters[n].fault is not None}
+                if not failed or any(rig.machine.heaters[n].kind == "hotend" for n in failed):
+                    targets.cooled_c = cooled | targets.cooled_c  # who tries again waits again
+                    raise
+                waited = [n for n in waited if n not in failed]

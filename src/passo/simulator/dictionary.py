@@ -8,8 +8,9 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
-from passo import __version__, _core
+from passo import _core
 from passo.board.description import BoardDescription, bare
+from passo.version import __version__
 
 Firmware: TypeAlias = Literal["virtual", "passo"]
 

@@ -4,9 +4,9 @@ more than its sources declare. For the package's own build, which has no package
 import sys
 from pathlib import Path
 
-from passo import __version__
 from passo.toolchain.declarations import gather
 from passo.toolchain.tables import dictionary, write_tables
+from passo.version import __version__
 
 found = gather(sorted(map(Path, sys.argv[2:])))
 write_tables(found, dictionary(found, version=__version__), Path(sys.argv[1]))

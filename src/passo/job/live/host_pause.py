@@ -26,8 +26,8 @@ class HostPause:
         self._park = Park(printer)
         self._stopped = False
         self._task: asyncio.Task[None] | None = None
-        printer.stop_listeners.append(self._stop)
-        printer.fault_listeners.append(self._heater_failed)
+        printer.state.stop_listeners.append(self._stop)
+        printer.state.fault_listeners.append(self._heater_failed)
 
     async def stand_by(
         self,
@@ -81,23 +81,23 @@ class HostPause:
     ) -> None:
         printer = self._printer
         self._stopped = False
-        printer.person.ask(text)
+        printer.prompts.ask(text)
         try:
             await park.leave(words)
         except BaseException:
-            printer.person.answered()
+            printer.prompts.answered()
             raise
         while True:
             await self._answered(gone)
             if rearms:
-                printer.rearm_failed()
+                printer.targets.rearm_failed()
             try:
                 await park.come_back()
                 break
             except CommandError as error:
                 printer.tell(f"echo:Print still paused: {error}")
-                printer.waits.ended, rearms = False, True
-                printer.person.ask(f"{error} Go on with M108")
+                printer.state.ended, rearms = False, True
+                printer.prompts.ask(f"{error} Go on with M108")
         self._raise_if_stopped()
 
     async def _answered(self, gone: Callable[[], bool]) -> None:
@@ -105,11 +105,11 @@ class HostPause:
         printer = self._printer
         try:
             printer.tell("echo:busy: paused for user")
-            with printer.person.waited_for():
-                await printer.drive.until(lambda: printer.interrupted, idly=True)
+            with printer.prompts.waited_for():
+                await printer.drive.until(lambda: printer.state.interrupted, idly=True)
         finally:
-            printer.person.answered()
-        printer.raise_if_halted()
+            printer.prompts.answered()
+        printer.state.raise_if_halted()
         if gone():
             self._stop("")
         self._raise_if_stopped()
@@ -121,19 +121,19 @@ class HostPause:
     def _stop(self, _: str) -> None:
         """M410, or a switch that was hit: there is nothing to come back to."""
         self._stopped = True
-        if self._printer.job.suspended and not self._printer.busy():
+        if self._printer.job.suspended and not self._printer.state.busy():
             self._printer.job.forget_suspended()
 
     def _heater_failed(self, fault: HeaterFault) -> None:
         """The heater's policy is to pause what is printed. Lines that are under way, such as one
         that homes, end first; no other one is taken in."""
         printer = self._printer
-        if printer.busy() or printer.halted or printer.aside:
+        if printer.state.busy() or printer.halted or printer.state.host_paused:
             return
         if not printer.waits.busy and printer.drive.idle_s > RECENT_S:
             printer.tell("// action:pause")
             return
-        printer.aside = True
+        printer.state.host_paused = True
         self._task = asyncio.get_running_loop().create_task(self._pause_after(fault))
 
     async def _pause_after(self, fault: HeaterFault) -> None:
@@ -154,4 +154,4 @@ class HostPause:
                 except PassoError as error:
                     printer.halt(f"the print could not stand aside: {error}")
         finally:
-            printer.aside = False
+            printer.state.host_paused = False

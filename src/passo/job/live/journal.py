@@ -15,7 +15,7 @@ from passo.job.durable_files import fsync_directory, replaced
 from passo.motion.axis_slots import slot_of_axis
 
 if TYPE_CHECKING:
-    from passo.job.live.runner import Reader
+    from passo.job.live.reader import Reader
     from passo.printer.printer import Printer
 
 _HEAD_BYTES = 1 << 16  # of the file, to know it again
@@ -30,7 +30,7 @@ Change = tuple[int, list[str]]  # bytes of the file, and the commands that act b
 
 def meaning(printer: Printer) -> list[str]:
     """Commands for those of the printer's settings that decide what a program means."""
-    return [line for line in printer.settings() if _MEANING.match(line)]
+    return [line for line in printer.state.settings() if _MEANING.match(line)]
 
 
 @dataclass(frozen=True, slots=True)

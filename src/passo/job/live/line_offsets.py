@@ -7,7 +7,7 @@ from itertools import islice
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from passo.job.live.runner import Reader
+    from passo.job.live.reader import Reader
 
 _CHUNK = 1 << 16
 _END = re.compile(rb"\r\n?|\n")  # of a line

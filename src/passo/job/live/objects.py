@@ -51,7 +51,7 @@ class PrintObjects:
     @property
     def planned_to_line(self) -> int:
         """The line up to which moves are planned, and take place whatever is cancelled now."""
-        with self._printer.file_selected() as job:
+        with self._printer.dispatch.file_selected() as job:
             return job.line
 
     def named(self, name: str) -> int:

@@ -46,7 +46,7 @@ class Overrides:
         self._printer, self._runner = printer, runner
         self._seen: dict[str, float] = {}
         self.held: dict[str, tuple[int, float]] = {}
-        printer.command_listeners.append(self._carried_out)
+        printer.state.command_listeners.append(self._carried_out)
 
     def begin(self) -> None:
         """A print begins, or goes on after an interruption."""
@@ -82,8 +82,8 @@ class Settings:
         self._printer, self._runner = printer, runner
         self._watched, self._changed = watched, changed
         self._seen: list[str] = []
-        printer.line_listeners.append(self._line)
-        printer.command_listeners.append(self._carried_out)
+        printer.state.line_listeners.append(self._line)
+        printer.state.command_listeners.append(self._carried_out)
 
     def begin(self) -> None:
         """A print begins, or goes on: what holds now is not to be told."""

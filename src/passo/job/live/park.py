@@ -58,13 +58,15 @@ class Park:
         printer = self._printer
         park = printer.machine.park
         self._away = False
-        self._warm = printer.can_extrude() and not printer.cooled_c  # that has been read rightly
+        self._warm = (
+            printer.can_extrude() and not printer.targets.cooled_c
+        )  # that has been read rightly
         self._celsius = words.get("S")
         self._left = printer.job.machine_position if self._here else None
         if park is None or printer.job.locked_axes:
             return
         await printer.drive.until(lambda: printer.drive.standing or bool(printer.halted))
-        printer.raise_if_halted()
+        printer.state.raise_if_halted()
         if not printer.job.suspended:
             return  # cancelled meanwhile
         self._take_tool()
@@ -113,13 +115,13 @@ class Park:
         printer = self._printer
         park = printer.machine.park
         await self._still()  # also until a target that is still queued has reached its heater
-        printer.raise_if_halted()
+        printer.state.raise_if_halted()
         if self._celsius is not None:
             await self._reach(self._celsius)
         job = printer.job
         if job.suspended:
             self._take_tool()
-            await printer.warm_again()
+            await printer.waits.warm_again()
             await self._melt()
         if self._away and job.suspended and printer.can_extrude():
             self._push(self._load_mm, _core.LOAD_MM_S)
@@ -133,7 +135,7 @@ class Park:
             for i in unknown:
                 job.lock_axis(i, True)
             place = {slot: at[slot] for i, slot in self._places.items() if i not in unknown}
-            if not go_back(printer, place, park.speed_mm_s if park else math.inf):
+            if not go_back(printer.rig, place, park.speed_mm_s if park else math.inf):
                 raise CommandError([printer.commands.problem()])
             if park is not None and printer.can_extrude():
                 mm = self.owed_mm + (self._retracted_mm if self._away else 0.0)
@@ -157,7 +159,7 @@ class Park:
         """The new filament's temperature, for the hotend of the tool in use."""
         printer = self._printer
         hotend = printer.commands.heater("hotend")
-        printer.set_target(hotend, celsius, at_once=True)
+        printer.targets.set_target(hotend, celsius, at_once=True)
         await printer.waits.wait(Temperatures((hotend,), cooling=True), Silence())
         self._celsius = None
 

@@ -13,7 +13,7 @@ from passo.gcode.command import Command, numeral
 from passo.job.batch.program import Settle, at_rest, read_program
 from passo.job.live.journal import Program
 from passo.job.live.overrides import override
-from passo.job.live.runner import Reader
+from passo.job.live.reader import Reader
 from passo.job.preflight import prepare, survey
 from passo.printer.commands.program import Commands
 from passo.printer.unfit_commands import ALL
@@ -65,7 +65,7 @@ class Past:
         self.commands = _Observed.of_plan(machine, job)
         self.commands.take_tool_temperatures(printer.commands)
         self.settings: list[str] = []
-        self.home_offset_mm = dict(printer.motion.home_offset_mm)
+        self.home_offset_mm = dict(printer.offsets.home_mm)
         self.homed_mm = dict(self.home_offset_mm)
         self._known = set[str]()  # axes that have homed, and have not been off since
         self._set_up(program)
@@ -112,7 +112,7 @@ class Past:
         zero = zip([*letters, "E"], program.program_mm, strict=False)
         words = " ".join(letter + numeral(mm) for letter, mm in zero)
         places = [f"G92 {words}"] if words else []  # alone it would set all to 0
-        self._take(*self._printer.settings(), *program.modes, "G21")
+        self._take(*self._printer.state.settings(), *program.modes, "G21")
         job.set_axes(list(enumerate(program.machine_mm)))
         self._take(*places, *program.modes[-1:])  # again in its own units
 

@@ -10,7 +10,7 @@ from passo.errors import CommandError
 from passo.job.live.journal import Moment, Program
 from passo.job.live.line_offsets import offset_of_line
 from passo.job.live.preamble_scan import Past
-from passo.job.live.runner import Reader
+from passo.job.live.reader import Reader
 from passo.motion.axis_slots import E, X, Y, Z
 from passo.motion.travel import go_over
 from passo.printer.input_errors import problem_of
@@ -42,10 +42,10 @@ class Recovery:
         """Brings the machine to where the print goes on; returns the offset to read from."""
         printer = self._printer
         for line in self._program.settings:
-            printer.take_setting(line, Silence())
+            printer.dispatch.take_setting(line, Silence())
         if self._moment.line == 0:
             for line in self._program.modes:
-                printer.take_setting(line, Silence())
+                printer.dispatch.take_setting(line, Silence())
             return 0
         offset = offset_of_line(self._reader, self._moment.line)
         past = Past(printer, self._program, self._reader, offset, self._moment.overrides)
@@ -58,20 +58,20 @@ class Recovery:
         state.flush()
         at = state.machine_position
         for line in past.settings:
-            printer.take_setting(line, Silence())
-        printer.motion.home_offset_mm |= past.homed_mm
+            printer.dispatch.take_setting(line, Silence())
+        printer.offsets.home_mm |= past.homed_mm
         await self._lift_and_home()
-        printer.motion.home_offset_mm |= past.home_offset_mm
+        printer.offsets.home_mm |= past.home_offset_mm
         await self._warm(past.commands.fans)
         if state.tool != printer.job.tool:
-            printer.take_setting(f"T{state.tool}", Silence())  # its nozzle is filled
+            printer.dispatch.take_setting(f"T{state.tool}", Silence())  # its nozzle is filled
         await self._approach(at)
         printer.job.adopt(state)
         printer.commands.follow_tool()
         printer.commands.take_tool_temperatures(past.commands)
         printer.job.set_speed_factor(state.speed_factor)
         printer.commands.speed.kept = past.commands.speed.kept
-        printer.motion.babysteps_mm |= self._moment.babysteps_mm
+        printer.offsets.babysteps_mm |= self._moment.babysteps_mm
         return offset
 
     async def _lift_and_home(self) -> None:
@@ -90,7 +90,7 @@ class Recovery:
             await printer.homer.home("")
             return
         known = printer.positions.known
-        offset_mm, was_mm = printer.motion.home_offset_mm["z"], printer.homer.offset_mm
+        offset_mm, was_mm = printer.offsets.home_mm["z"], printer.homer.offset_mm
         z = self._moment.z_mm
         if "z" in known:  # the program counts from where it has homed itself
             z = printer.job.machine_position[Z] + offset_mm - was_mm.get("z", offset_mm)
@@ -110,13 +110,13 @@ class Recovery:
     async def _warm(self, fans: dict[str, float]) -> None:
         printer = self._printer
         hot = tuple(n for n, celsius in self._moment.targets_c.items() if celsius > 0)
-        for name in printer.heaters:
+        for name in printer.machine.heaters:
             target = self._moment.targets_c.get(name, 0.0)
-            printer.set_target(name, target, at_once=True)
+            printer.targets.set_target(name, target, at_once=True)
         await printer.waits.wait(Temperatures(hot), Silence())
-        printer.raise_if_interrupted()
+        printer.state.raise_if_interrupted()
         for fan in printer.commands.commanded_fans:
-            printer.set_fan(fan, fans.get(fan, 0.0))
+            printer.rig.set_fan(fan, fans.get(fan, 0.0))
 
     async def _approach(self, at: list[float]) -> None:
         """Over the place, a little filament to fill the nozzle, and down."""
@@ -126,7 +126,7 @@ class Recovery:
             await self._printer.homer.swing(at[X], at[Y])
         else:
             place = {X: at[X], Y: at[Y], Z: at[Z]}
-            await self._arrive(reached=go_over(self._printer, place, speed))
+            await self._arrive(reached=go_over(self._printer.rig, place, speed))
         if park and park.prime_mm > 0 and self._printer.can_extrude():
             e = self._printer.job.machine_position[E]
             await self._go({E: e + park.prime_mm}, park.prime_mm_s)
@@ -141,5 +141,5 @@ class Recovery:
         if not reached:
             raise CommandError.of("job.other-file", self._program.path)
         printer.drive.flush()
-        await printer.drive.until(lambda: printer.drive.standing or printer.interrupted)
-        printer.raise_if_interrupted()
+        await printer.drive.until(lambda: printer.drive.standing or printer.state.interrupted)
+        printer.state.raise_if_interrupted()

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from enum import Enum
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from passo import _core
 from passo.config.motor_roles import axis_order
@@ -16,6 +16,7 @@ from passo.errors import CardError, CommandError, InputError, PassoError, Proble
 from passo.gcode.command import Command
 from passo.job.live.line_offsets import line_of_offset
 from passo.job.live.park import Park
+from passo.job.live.reader import Reader
 from passo.job.preflight import prepare, survey_beside
 from passo.motion.motion_queue import TICK_S
 from passo.printer.input_errors import problem_of
@@ -29,27 +30,6 @@ _CHUNK = 1 << 14  # bytes read at a time
 _ADVICE = "Change the file, or print it as it is (M24 U1)"
 _AHEAD_S = 4.0  # of planned print time in one stretch
 _MOST_MESSAGES = 4096  # and so many for the board
-
-
-class Reader(Protocol):
-    """An open file to print."""
-
-    size: int
-
-    def read(self, size: int, /) -> bytes:
-        """The next bytes; empty at the end. Raises PassoError."""
-        ...
-
-    def seek(self, offset: int, /) -> int:
-        """The next read begins here."""
-        ...
-
-    def tell(self) -> int:
-        """Where the next read begins."""
-        ...
-
-    def close(self) -> None:
-        """No more reads."""
 
 
 class State(Enum):
@@ -90,10 +70,10 @@ class Runner:
         self.watchers: list[Callable[[State], None]] = []
         self.name = self.path = ""
         self.ended = ""  # done, cancelled or failed: the last print
-        printer.busy = lambda: self.active
+        printer.state.busy = lambda: self.active
         printer.lateness.program = lambda: self.name if self.active else ""
-        printer.stop_listeners.append(self._stopped)
-        printer.fault_listeners.append(lambda _: self.pause())
+        printer.state.stop_listeners.append(self._stopped)
+        printer.state.fault_listeners.append(lambda _: self.pause())
 
     @property
     def state(self) -> State:
@@ -127,7 +107,7 @@ class Runner:
     @property
     def offset(self) -> int:
         """Bytes of it that were read and planned."""
-        with self._printer.file_selected() as job:
+        with self._printer.dispatch.file_selected() as job:
             return self._begin + job.offset
 
     @property
@@ -276,7 +256,7 @@ class Runner:
             self._parked = False
             self.park.owed_mm = 0.0
             self._locked = set(self._printer.job.locked_axes)
-            if self._printer.in_console_line:
+            if self._printer.dispatch.in_console_line:
                 self._printer.job.abandon()  # what is left of it is no part of the print
             self._printer.suspend_job()
 
@@ -319,7 +299,7 @@ class Runner:
         """Heaters and fans off."""
         self._left = False
         printer = self._printer
-        printer.switch_off(printer.heaters)
+        printer.targets.switch_off(printer.machine.heaters)
         printer.drive.before_moves()
         printer.commands.fans_off()
         printer.drive.after_moves()
@@ -329,7 +309,7 @@ class Runner:
             raise CommandError.of("job.printing", value=self.name)
 
     def _rewind(self, offset: int, line: int = 1) -> None:
-        with self._printer.file_selected() as job:
+        with self._printer.dispatch.file_selected() as job:
             job.restart(line)
         self._begin, self.first_line = offset, line
         if self._reader:
@@ -411,7 +391,7 @@ class Runner:
         printer = self._printer
         if not self.active:
             return  # cancelled
-        printer.laser_off()
+        printer.laser.off()
         self.ended = "failed" if self._failed else "done"
         self._left = bool(self._failed)
         self.state = State.READY
@@ -439,7 +419,7 @@ class Runner:
         printer, drive = self._printer, self._printer.drive
         await drive.until(
             lambda: (
-                not (drive.full or printer.aside or drive.interrupted)
+                not (drive.full or printer.state.host_paused or drive.interrupted)
                 or self.state is not State.PRINTING
                 or bool(printer.halted)
             ),
@@ -450,15 +430,15 @@ class Runner:
         """Plans as far ahead as is useful; True at the end of the file. With the turn."""
         printer = self._printer
         job, drive = printer.job, printer.drive
-        printer.raise_if_halted()
+        printer.state.raise_if_halted()
         if self.state is State.PAUSED:
             self._set_aside()
         if self.state is not State.PRINTING:
             return False
         if self._returns and not await self._come_back():
             return False
-        printer.select(console=False)
-        printer.program = self._reply
+        printer.dispatch.select(console=False)
+        printer.state.program = self._reply
         if self._waits_for is not None:
             return await self._wait()
         drive.before_moves()
@@ -508,7 +488,7 @@ class Runner:
         elif found == status.EVENT:
             command = Command(*job.event)
             try:
-                self._waits_for = printer.run_command(command, self._reply)
+                self._waits_for = printer.dispatch.run_command(command, self._reply)
             except InputError as error:
                 raise InputError(self._placed(error, command.line)) from None
             return await self._wait()
@@ -531,7 +511,7 @@ class Runner:
                     return False
             except CommandError as error:
                 heaters = wait.heaters if isinstance(wait, Temperatures) else ()
-                heaters = printer.heaters if isinstance(wait, Person) else heaters
+                heaters = tuple(printer.machine.heaters) if isinstance(wait, Person) else heaters
                 if not self._pauses_for(heaters):
                     raise
                 printer.tell(f"echo:Print of {self.name} is paused: {error}")
@@ -559,7 +539,7 @@ class Runner:
     async def _finish(self) -> bool:
         """Lets the last moves end, and the laser go off with them; a pause in them still counts."""
         drive = self._printer.drive
-        self._printer.laser_off()
+        self._printer.laser.off()
         drive.flush()
         await drive.until(
             lambda: (
@@ -569,5 +549,5 @@ class Runner:
                 or bool(self._printer.halted)
             )
         )
-        self._printer.raise_if_halted()
+        self._printer.state.raise_if_halted()
         return self.state is State.PRINTING and not self._returns

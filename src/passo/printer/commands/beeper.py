@@ -9,12 +9,13 @@ from passo.board.connection import LEAD_S
 from passo.config.pin_names import MAIN, placed
 from passo.errors import CommandError
 from passo.gcode.command import Command
+from passo.printer.state import State
 from passo.printer.wait_requests import Handler, Procedure, Reply, Wait
 
 if TYPE_CHECKING:
     from passo.board.boards import Boards
     from passo.config.board import Board
-    from passo.printer.printer import Printer
+    from passo.motion.rig import Rig
 
 LONGEST_S = 5.0  # of one tone
 _HZ, _MS = 260, 1000  # unless given: Marlin's
@@ -52,9 +53,9 @@ class Beeper:
     apart, which rests between them may fill: a board takes another pitch only while it is silent.
     """
 
-    def __init__(self, printer: Printer) -> None:
-        self._printer = printer
-        machine = printer.machine
+    def __init__(self, rig: Rig, state: State) -> None:
+        self._rig, self._state = rig, state
+        machine = rig.machine
         self._there = machine.beeper is not None
         board = machine.all_boards[placed(machine.beeper.pin)[0] if machine.beeper else MAIN]
         self._highest_hz, self._longest_s = highest_hz(board), longest_tone_s(board)
@@ -92,8 +93,8 @@ class Beeper:
 
     def time_passed(self) -> None:
         """Orders the next tone when the last one has ended."""
-        printer, boards = self._printer, self._printer.connection
-        if printer.halted or printer.drive.interrupted:
+        boards = self._rig.connection
+        if self._state.halted or self._rig.drive.interrupted:
             self._due.clear()
         now, per_s = boards.now, boards.board.clock_hz
         while self._due:
@@ -127,13 +128,13 @@ class Beeper:
         return Procedure(self._room) if full else None
 
     def _plan(self, hz: int, ms: int) -> None:
-        printer = self._printer
+        rig = self._rig
         self._planned += 1
-        printer.drive.before_moves()
-        printer.job.mark(len(printer.heaters), (self._era * _MARK + hz) * _MARK + ms)
-        printer.drive.after_moves()
+        rig.drive.before_moves()
+        rig.job.mark(len(rig.machine.heaters), (self._era * _MARK + hz) * _MARK + ms)
+        rig.drive.after_moves()
 
     async def _room(self) -> None:
-        await self._printer.drive.until(
-            lambda: len(self._due) < _MOST_TONES // 2 or self._printer.interrupted
+        await self._rig.drive.until(
+            lambda: len(self._due) < _MOST_TONES // 2 or self._state.interrupted
         )

@@ -16,7 +16,9 @@ from passo.gcode.command import Command, numeral
 from passo.printer.wait_requests import Handler, Reply, Wait
 
 if TYPE_CHECKING:
-    from passo.printer.printer import Printer
+    from passo.config.machine import MachineConfig
+    from passo.printer.commands.motors import Motors
+    from passo.printer.watch.driver_status import DriverWatch
 
 _LETTER = re.compile(r"([A-Z])\s*[-+\d.]*")
 _MOTORS = "XYZABCUVWE"  # letters of axes, actuators and extruders
@@ -25,9 +27,8 @@ _MOTORS = "XYZABCUVWE"  # letters of axes, actuators and extruders
 class DriverCommands:
     """M350, M906, M911, M912 and what M122, M503 and M569 say of the drivers of one printer."""
 
-    def __init__(self, printer: Printer) -> None:
-        self._printer = printer
-        self._watch = printer.drivers
+    def __init__(self, machine: MachineConfig, watch: DriverWatch, motors: Motors) -> None:
+        self._machine, self._watch, self._all_motors = machine, watch, motors
         self.planned: dict[str, Handler] = {
             "M350": self._microsteps,
             "M569": self._modes,
@@ -80,7 +81,7 @@ class DriverCommands:
         if "S" not in words:
             if words:
                 raise CommandError.of("command.fixed", value="steppers")
-            self._printer.motion.tell_drivers(reply)
+            self._tell_inputs(reply)
             for motor, state in self._watch.states.items():
                 reply.say(f"{motor.upper()} driver mode: {_mode(state)}")
             return None
@@ -97,9 +98,18 @@ class DriverCommands:
             self._watch.set(motor, replace(settings, threshold=threshold))
         return None
 
+    def _tell_inputs(self, reply: Reply) -> None:
+        """What the machine file says of the drivers' inputs."""
+        reply.say("Reporting Stepper control")
+        for row in self._machine.core_spec()["steppers"]:
+            reply.say(
+                f" {row['name'].upper()} dir:{'false' if row['invert'] else 'true'}"
+                f" pulse(us):{row['pulse_s'] * 1e6:g} delay(us):{row['dir_setup_s'] * 1e6:g}"
+            )
+
     def _stealth_threshold(self, motor: str) -> int:
         """That of the machine file; without one the driver is in stealthChop at any speed."""
-        stepper = self._printer.machine.steppers[motor]
+        stepper = self._machine.steppers[motor]
         tmc = stepper.tmc
         below = (tmc.stealthchop_below_mm_s or tmc.stealthchop_below_deg_s) if tmc else None
         return threshold_of(below * stepper.steps_per_unit, stepper.microsteps) if below else 0
@@ -109,7 +119,7 @@ class DriverCommands:
     ) -> Iterable[str]:
         """The motors of a letter that have drivers with registers, or the one of that index; an
         extruder's is a tool."""
-        named = self._printer.motors.named(letter)
+        named = self._all_motors.named(letter)
         if letter == "E" and tool is not None:
             index = tool
         if index is not None:
@@ -128,7 +138,7 @@ class DriverCommands:
             yield f"M569 {where}S{int(state.settings.threshold is not None)} {axis}"
 
     def _words(self) -> Iterator[tuple[str, DriverState]]:
-        groups = {letter: self._printer.motors.named(letter) for letter in _MOTORS}
+        groups = {letter: self._all_motors.named(letter) for letter in _MOTORS}
         for motor, state in self._watch.states.items():
             letter = min((x for x in groups if motor in groups[x]), key=lambda x: len(groups[x]))
             index = groups[letter].index(motor)

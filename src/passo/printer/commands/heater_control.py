@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, TypeAlias, TypeVar
+from typing import TypeAlias, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
@@ -17,11 +17,9 @@ from passo.config.sensors import Thermistor
 from passo.errors import CommandError
 from passo.gcode.command import Command, numeral
 from passo.heat.rules import FULL_POWER, Gains
+from passo.printer.live_rig import LiveRig
 from passo.printer.setup.boards import sensor_of
 from passo.printer.wait_requests import Handler, Reply, Wait
-
-if TYPE_CHECKING:
-    from passo.printer.printer import Printer
 
 Control: TypeAlias = _core.PidControl | _core.OnOffControl | _core.ModelControl | _core.RelayControl
 _Table = TypeVar("_Table", bound=BaseModel)
@@ -46,9 +44,9 @@ _MODEL_KEYS = {
 class ControlCommands:
     """M301 and M304 to M307 of one printer."""
 
-    def __init__(self, printer: Printer) -> None:
-        self._printer = printer
-        self._machine = printer.machine
+    def __init__(self, rig: LiveRig) -> None:
+        self._rig = rig
+        self._machine = rig.machine
         self._aside: dict[str, Control] = {}  # of heaters that a tune has for itself
         self.sensors = {name: h.sensor for name, h in self._machine.heaters.items()}
         self.immediate: dict[str, Handler] = {
@@ -65,7 +63,7 @@ class ControlCommands:
         """The heater that H (or E) of a command means. Raises CommandError if there is none."""
         number = int(words.get("H", words.get("E", otherwise)))
         kind = KINDS.get(number, "hotend")
-        return self._printer.commands.heater(kind, max(number, 0))
+        return self._rig.commands.heater(kind, max(number, 0))
 
     def number_of(self, name: str) -> int | None:
         """H of a heater; None for one that no number means."""
@@ -80,14 +78,14 @@ class ControlCommands:
 
     def control(self, name: str) -> Control:
         """What controls a heater, as set; during a tune what controls it afterwards."""
-        return self._aside.get(name) or self._printer.connection.heaters[name].control
+        return self._aside.get(name) or self._rig.connection.heaters[name].control
 
     def set_control(self, name: str, control: Control) -> None:
         """Takes over at once, or when the heater's tune is over."""
         if name in self._aside:
             self._aside[name] = control
         else:
-            self._printer.connection.heaters[name].set_control(control)
+            self._rig.connection.heaters[name].set_control(control)
 
     def lent(self, name: str) -> bool:
         """A tune has the heater."""
@@ -95,13 +93,13 @@ class ControlCommands:
 
     def lend(self, name: str) -> None:
         """A tune takes the heater over: what controls it is kept."""
-        self._aside[name] = self._printer.connection.heaters[name].control
+        self._aside[name] = self._rig.connection.heaters[name].control
 
     def take_back(self, name: str) -> None:
         """The tune is over: what was kept controls the heater again."""
         control = self._aside.pop(name, None)
         if control is not None:
-            self._printer.connection.heaters[name].set_control(control)
+            self._rig.connection.heaters[name].set_control(control)
 
     # -- gains ------------------------------------------------------------------------------------
 
@@ -194,7 +192,7 @@ class ControlCommands:
         if not reads_within(sensor_table(new), config.min_c, config.max_c):
             limit = f"{config.min_c:g} to {config.max_c:g}"
             raise CommandError.of("heat.reads-nothing", axis=name, limit=limit)
-        self._printer.connection.set_sensor(name, sensor_of(self._machine, name, config))
+        self._rig.connection.set_sensor(name, sensor_of(self._machine, name, config))
         self.sensors[name] = new
         return None
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING
 
 from passo import _core
 from passo.config.heat import HeatModel, PidControl
@@ -13,10 +12,10 @@ from passo.heat.relay_tune import RelayTune, TuneError
 from passo.heat.rules import RULES, Gains
 from passo.heat.step_tune import StepTune
 from passo.printer.commands.heater_control import ControlCommands, with_gains
+from passo.printer.live_rig import LiveRig
+from passo.printer.state import State
+from passo.printer.targets import Targets
 from passo.printer.wait_requests import Handler, Reply, Tuning, Wait
-
-if TYPE_CHECKING:
-    from passo.printer.printer import Printer
 
 _STEP_RESPONSE = len(RULES)  # R behind those of the relay's rules: the model, whatever controls
 _USUAL_C = {"hotend": 200.0, "bed": 70.0, "chamber": 70.0}
@@ -25,9 +24,12 @@ _USUAL_C = {"hotend": 200.0, "bed": 70.0, "chamber": 70.0}
 class TuneCommands:
     """The tunes of one printer's heaters, whose `controls` they borrow."""
 
-    def __init__(self, printer: Printer, controls: ControlCommands) -> None:
-        self._printer, self._controls = printer, controls
-        self._machine = printer.machine
+    def __init__(
+        self, rig: LiveRig, state: State, targets: Targets, controls: ControlCommands
+    ) -> None:
+        self._rig, self._state = rig, state
+        self._targets, self._controls = targets, controls
+        self._machine = rig.machine
         self.planned: dict[str, Handler] = {"M303": self._tune}
 
     def _tune(self, command: Command, reply: Reply) -> Wait | None:
@@ -40,7 +42,7 @@ class TuneCommands:
         if target <= (least := max(config.min_c, 0.0)):
             raise CommandError.bad_value("S", target, f"more than {least:g} C")
         tune: RelayTune | StepTune
-        board = self._printer.connection.connection_of("heaters", name).board
+        board = self._rig.connection.connection_of("heaters", name).board
         hz = float(board.clock_hz)
         try:
             cycles, rule = int(words.get("C", 5)), int(words.get("R", 0))
@@ -66,12 +68,12 @@ class TuneCommands:
 
     def _run(self, name: str, tune: RelayTune | StepTune, reply: Reply) -> bool:
         """Feeds what the sensor has said since the last call; True when the tune is over."""
-        heater = self._printer.connection.heaters[name]
+        heater = self._rig.connection.heaters[name]
         if not self._controls.lent(name):
             self._controls.lend(name)
             heater.take_samples()
             heater.set_control(tune.control)
-            self._printer.set_target(name, tune.target_c, at_once=True)
+            self._targets.set_target(name, tune.target_c, at_once=True)
         if heater.target != tune.target_c:
             return True  # somebody has switched it off, or wants it otherwise
         for sample in heater.take_samples():
@@ -83,7 +85,7 @@ class TuneCommands:
                 heater.set_control(tune.control)
             fan = self._machine.heaters[name].fan
             if fan is not None and isinstance(tune, StepTune):
-                self._printer.set_fan(fan, tune.fan)
+                self._rig.set_fan(fan, tune.fan)
         if tune.result is not None:
             for line in self._keys(name, tune.result):
                 reply.say(line)
@@ -105,15 +107,14 @@ class TuneCommands:
     def _end(self, name: str, tune: RelayTune | StepTune, apply: bool) -> None:
         """The heater off, unless somebody wants it otherwise by now, and, where asked for, with
         what the tune has found. Raises CommandError if that cannot be stored."""
-        printer = self._printer
         self._controls.take_back(name)
-        if printer.halted:
+        if self._state.halted:
             return  # everything is off
-        if printer.connection.heaters[name].target == tune.target_c:
-            printer.set_target(name, 0.0, at_once=True)
+        if self._rig.connection.heaters[name].target == tune.target_c:
+            self._targets.set_target(name, 0.0, at_once=True)
         fan = self._machine.heaters[name].fan
         if fan is not None and isinstance(tune, StepTune):
-            printer.set_fan(fan, 0.0)
+            self._rig.set_fan(fan, 0.0)
         old, result = self._controls.control(name), tune.result
         if not apply or result is None:
             return
@@ -121,8 +122,8 @@ class TuneCommands:
             self._controls.set_control(name, with_gains(old, result))
         elif isinstance(result, _core.HeatModel) and isinstance(old, _core.ModelControl):
             self._controls.set_control(name, _core.ModelControl(result, old.horizon_s))
-        if printer.store_settings is not None:
-            printer.store_settings()
+        if self._state.store_settings is not None:
+            self._state.store_settings()
 
 
 def _inline(table: Mapping[str, str | float]) -> str:

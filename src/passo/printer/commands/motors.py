@@ -3,25 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from passo.errors import CommandError
 from passo.gcode.command import Command
 from passo.motion.endstops import axes_lost, named_motors
+from passo.motion.rig import Rig
+from passo.printer.laser import Laser
 from passo.printer.setup.boards import enable_outputs
 from passo.printer.wait_requests import Handler, Reply, Still, Wait
-
-if TYPE_CHECKING:
-    from passo.printer.printer import Printer
 
 
 class Motors:
     """The drivers' enable pins of one printer. A move turns all motors on; an axis whose motors go
     off no longer knows where it is."""
 
-    def __init__(self, printer: Printer) -> None:
-        self._printer = printer
-        self._machine = printer.machine
+    def __init__(self, rig: Rig, laser: Laser) -> None:
+        self._rig, self._laser = rig, laser
+        self._machine = rig.machine
         self._outputs = enable_outputs(self._machine)
         self.on: set[str] = set()
         self.idle_s = self._machine.idle.motors_off_s
@@ -45,18 +43,18 @@ class Motors:
     def renew(self) -> None:
         """The board may not have heard the last words about motors."""
         for name, output in self._outputs.items():
-            self._printer.connection.switch(output, self.live(name))
+            self._rig.connection.switch(output, self.live(name))
 
     def _set(self, steppers: Sequence[str], *, on: bool) -> None:
         for name in steppers:
             was_live = self.live(name)
             (self.on.add if on else self.on.discard)(name)
             if name in self._outputs and self.live(name) != was_live:
-                self._printer.connection.switch(self._outputs[name], on)
+                self._rig.connection.switch(self._outputs[name], on)
         if not on:
             if not set(steppers) <= set(self.named("E")):
-                self._printer.positions.loosen()
-            self._printer.lock(self.axes_lost(steppers))
+                self._rig.positions.loosen()
+            self._rig.lock(self.axes_lost(steppers))
 
     def live(self, name: str) -> bool:
         """Whether the output of a motor is on: while any of the motors that share it is."""
@@ -82,5 +80,5 @@ class Motors:
             self.idle_s = words["S"]
             return None
         steppers = self.named(command.text)
-        self._printer.laser_off()
+        self._laser.off()
         return Still(lambda: self._set(steppers, on=False))

@@ -6,11 +6,14 @@ from typing import TYPE_CHECKING
 
 from passo.errors import CommandError
 from passo.gcode.command import Command
+from passo.motion.rig import Rig
+from passo.printer.commands.motors import Motors
+from passo.printer.laser import Laser
+from passo.printer.targets import Targets
 from passo.printer.wait_requests import Handler, Procedure, Reply, Still, Wait
 
 if TYPE_CHECKING:
     from passo.board.boards import Boards
-    from passo.printer.printer import Printer
 
 _RISES_S = 2.5  # until there is power, and every driver with registers has been asked and set up
 
@@ -19,9 +22,9 @@ class Mains:
     """M80 and M81 of one printer. Without a pin the mains are always on. A board that shuts down
     switches them off."""
 
-    def __init__(self, printer: Printer) -> None:
-        self._printer = printer
-        self._pin = printer.machine.mains
+    def __init__(self, rig: Rig, laser: Laser, motors: Motors, targets: Targets) -> None:
+        self._rig, self._laser, self._motors, self._targets = rig, laser, motors, targets
+        self._pin = rig.machine.mains
         self.on = True
         self.planned: dict[str, Handler] = {"M80": self._switch_on, "M81": self._switch_off}
 
@@ -32,7 +35,7 @@ class Mains:
 
     def renew(self) -> None:
         """The board may not have heard the last word."""
-        self._switch(self._printer.connection, self.on)
+        self._switch(self._rig.connection, self.on)
 
     def require(self) -> None:
         """Raises CommandError while they are off."""
@@ -51,17 +54,15 @@ class Mains:
         return None if self.on else Procedure(self._rise)
 
     async def _rise(self) -> None:
-        self._switch(self._printer.connection, True)
-        await self._printer.drive.sleep(_RISES_S)
+        self._switch(self._rig.connection, True)
+        await self._rig.drive.sleep(_RISES_S)
 
     def _switch_off(self, _: Command, __: Reply) -> Wait | None:
-        self._printer.laser_off()  # before the motors
+        self._laser.off()  # before the motors
         return Still(self._all_off)
 
     def _all_off(self) -> None:
-        printer = self._printer
-        for name in printer.heaters:
-            printer.set_target(name, 0.0, at_once=True)
-        printer.motors.all_off()
+        self._targets.switch_off_at_once()
+        self._motors.all_off()
         if self._pin is not None:
-            self._switch(printer.connection, False)
+            self._switch(self._rig.connection, False)

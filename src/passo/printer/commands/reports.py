@@ -5,12 +5,12 @@ from __future__ import annotations
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
-import passo
 from passo.config.motor_roles import axis_order
 from passo.errors import CommandError, Problem
 from passo.gcode.command import Command
 from passo.motion.endstops import switches
 from passo.printer.wait_requests import Handler, Reply, Wait
+from passo.version import __version__
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
@@ -159,7 +159,7 @@ class Reports:
     def _firmware(self, _: Command, reply: Reply) -> Wait | None:
         machine = self._printer.machine
         reply.say(
-            f"FIRMWARE_NAME:Passo {passo.__version__} PROTOCOL_VERSION:1.0"
+            f"FIRMWARE_NAME:Passo {__version__} PROTOCOL_VERSION:1.0"
             f" MACHINE_TYPE:{machine.name} EXTRUDER_COUNT:{max(1, len(machine.tools))}"
             f" UUID:{machine.uuid}"
         )

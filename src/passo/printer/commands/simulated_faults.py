@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING
 
 from passo.board.fault_injection import NO_FAULT, FaultInjector, FaultOrder
 from passo.errors import CommandError
 from passo.gcode.command import Command
+from passo.motion.rig import Rig
+from passo.printer.state import State
 from passo.printer.wait_requests import Handler, Reply, Wait
-
-if TYPE_CHECKING:
-    from passo.printer.printer import Printer
 
 _WORDS = ("NAME", "VALUE", "AFTER", "DURATION")
 
@@ -20,23 +18,20 @@ class SimulatedFaultCommands:
     """Faults of one printer's boards. Print time passes for them as it does on the boards, also
     while the printer is halted; where it is `free` (--clock fast), only while the printer works."""
 
-    def __init__(self, printer: Printer, *, free: bool) -> None:
-        self._printer, self._free = printer, free
+    def __init__(self, rig: Rig, state: State, *, free: bool) -> None:
+        self._rig, self._state, self._free = rig, state, free
         self._loop = asyncio.get_running_loop()
         self._passed_s = self._seen_s = 0.0  # print time, where it is free
         self._due: list[tuple[float, FaultOrder]] = []  # print times, where it is free
         self._timers: set[asyncio.TimerHandle] = set()
         self.immediate: dict[str, Handler] = {"SIMULATE_FAULT": self._simulate}
-        printer.closers.append(self._close)
-        if free:
-            printer.watchers.append(self._time_passed)
 
     @property
     def injector(self) -> FaultInjector:
         """What gives the boards their faults. Raises CommandError where the boards are real."""
-        if self._printer.connection.injector is None:
+        if self._rig.connection.injector is None:
             raise CommandError.of("command.real-board")
-        return self._printer.connection.injector
+        return self._rig.connection.injector
 
     def order(self, order: FaultOrder) -> None:
         """Injects a fault now or later, and ends it again if it has a duration. Raises
@@ -47,7 +42,7 @@ class SimulatedFaultCommands:
             self._later(order)
             return
         injector.inject(order.part, order.value)
-        self._printer.tell(f"echo:Simulated fault: {order.part}={order.value}")
+        self._state.tell(f"echo:Simulated fault: {order.part}={order.value}")
         if order.for_s is not None:
             self._later(FaultOrder(order.part, NO_FAULT, order.for_s))
 
@@ -64,9 +59,11 @@ class SimulatedFaultCommands:
         timer = self._loop.call_later(order.after_s, act)
         self._timers.add(timer)
 
-    def _time_passed(self) -> None:
+    def time_passed(self) -> None:
         """Print time counts on where the boards were restarted."""
-        now_s = self._printer.drive.now_s
+        if not self._free:
+            return
+        now_s = self._rig.drive.now_s
         self._passed_s += max(now_s - self._seen_s, 0.0)
         self._seen_s = now_s
         due = [order for at_s, order in self._due if at_s <= self._passed_s]
@@ -74,7 +71,8 @@ class SimulatedFaultCommands:
         for order in due:
             self.order(order)
 
-    def _close(self) -> None:
+    def close(self) -> None:
+        """Faults that are still to come do not."""
         for timer in self._timers:
             timer.cancel()
 

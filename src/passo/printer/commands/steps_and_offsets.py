@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterator
 
 from passo.config.motor_roles import axis_order
 from passo.config.types import LEAST_SCALE, MOST_SCALE
 from passo.errors import CommandError
 from passo.gcode.command import LARGEST, Command, numeral
 from passo.geometry.base import Unreachable
+from passo.motion.homing import Homer
+from passo.motion.offsets import Offsets
+from passo.printer.live_rig import LiveRig
+from passo.printer.state import State
 from passo.printer.wait_requests import Handler, Reply, Still, Wait
-
-if TYPE_CHECKING:
-    from passo.printer.printer import Printer
 
 
 class MotionCommands:
@@ -22,14 +22,11 @@ class MotionCommands:
     print is live, M221 too: it acts at once on what the board does not have yet. M220 and M290 in
     lines of their own are live from every console."""
 
-    def __init__(self, printer: Printer) -> None:
-        self._printer = printer
-        self._machine = printer.machine
+    def __init__(self, rig: LiveRig, state: State, offsets: Offsets, homer: Homer) -> None:
+        self._rig, self._state, self._homer = rig, state, homer
+        self.offsets = offsets
+        self._machine = rig.machine
         self._axes = axis_order(self._machine.axes)
-        homed = [a for a in self._axes if not self._machine.axes[a].extruder]
-        self.home_offset_mm = dict.fromkeys(homed, 0.0)
-        self.babysteps_mm = dict.fromkeys("xyz", 0.0)  # live ones, since the axis was homed
-        self._aside_mm = dict.fromkeys("xyz", 0.0)  # those that only what stands aside still has
         self.immediate: dict[str, Handler] = {
             "M220": lambda c, r: self._speed(c, r, live=True),
             "M221": lambda c, r: self._flow(c, r, live=True),
@@ -40,7 +37,7 @@ class MotionCommands:
             "M92": self._scales,
             "M200": lambda c, r: self._say(r, *self.filament_lines()),
             "G60": self._saved,
-            "M209": lambda c, r: self._say(r, f"M209 S{int(printer.job.auto_retract)}"),
+            "M209": lambda c, r: self._say(r, f"M209 S{int(rig.job.auto_retract)}"),
             "M201": lambda c, r: self._axis_limits(c, r, "accel"),
             "M203": lambda c, r: self._axis_limits(c, r, "speed"),
             "M204": self._accelerations,
@@ -49,7 +46,7 @@ class MotionCommands:
             "M218": self._tool_offset,
             "M220": lambda c, r: self._speed(c, r, live=False),
             "M221": lambda c, r: self._flow(c, r, live=False),
-            "M290": lambda c, r: self._printer.commands.run(c),
+            "M290": lambda c, r: self._rig.commands.run(c),
             "SET_VELOCITY_LIMIT": self._velocity_limit,
             "M603": lambda c, r: self._say(r, *self.change_lines()),
         }
@@ -59,7 +56,7 @@ class MotionCommands:
     def _places(self, name: str | None) -> list[int]:
         """Numbers, in the core's order, of the motors that drive an actuator, axis or extruder."""
         wanted = self._machine.drivable.by_name.get(name or "")
-        rows = self._printer.job.steppers()
+        rows = self._rig.job.steppers()
         driven_by = self._machine.driven_by
         return [i for i, r in enumerate(rows) if wanted and driven_by(r["name"]) == wanted]
 
@@ -94,7 +91,7 @@ class MotionCommands:
             if not LEAST_SCALE <= value <= MOST_SCALE:
                 limit = f"{LEAST_SCALE:g} to {MOST_SCALE:,.0f} microsteps per mm or degree"
                 raise CommandError.bad_value(letter, value, limit)
-            name = self._printer.commands.extruder(words) if letter == "E" else letter.lower()
+            name = self._rig.commands.extruder(words) if letter == "E" else letter.lower()
             places = self._places(name)
             if not places:
                 names = (name.upper() for name in self._machine.drivable.by_name if len(name) == 1)
@@ -109,7 +106,7 @@ class MotionCommands:
         places = self._places("z")
         if not places:
             raise CommandError.of("command.value", axis="M92", value="H, L", limit="a motor of Z")
-        row = self._printer.job.steppers()[places[0]]
+        row = self._rig.job.steppers()[places[0]]
         microsteps = words.get("H", self._machine.steppers[row["name"]].microsteps)
         if not 1 <= microsteps <= 256:
             raise CommandError.bad_value("H", microsteps, "1 to 256 microsteps")
@@ -124,25 +121,23 @@ class MotionCommands:
 
     def require_scales(self, code: str) -> None:
         """Raises CommandError where a command must not change scales now."""
-        if self._printer.job.suspended:
+        if self._rig.job.suspended:
             raise CommandError.of("command.aside", value=code)
 
     def _rescale(self, changes: list[tuple[int, float]]) -> None:
         self.require_scales("M92")  # a pause may have come meanwhile
         for i, value in changes:
-            self._printer.job.set_steps_per_unit(i, value)
+            self._rig.job.set_steps_per_unit(i, value)
 
     def scale_of(self, name: str) -> float:
         """Steps for a mm or degree of the first motor that drives an actuator, axis or extruder; 0
         if none does."""
-        rows = self._printer.job.steppers()
+        rows = self._rig.job.steppers()
         return next((float(rows[i]["steps_per_unit"]) for i in self._places(name)), 0.0)
 
     def scale_lines(self) -> list[str]:
         """The scales as commands."""
-        driven = {
-            self._machine.driven_by(row["name"]): None for row in self._printer.job.steppers()
-        }
+        driven = {self._machine.driven_by(row["name"]): None for row in self._rig.job.steppers()}
         names = {d: name for name, d in self._machine.drivable.by_name.items()}
         words = [
             f"{names[d].upper()}{numeral(self.scale_of(names[d]))}"
@@ -155,12 +150,12 @@ class MotionCommands:
         words = command.words()
         if not words:
             return self._say(reply, *self.axis_limit_lines(what))
-        live = self._printer.beside(reply)
-        note = self._printer.commands.axis_limits(command.code, words, what, live=live)
+        live = self._state.beside(reply)
+        note = self._rig.commands.axis_limits(command.code, words, what, live=live)
         if note:
             reply.say(f"echo:{note}")
         if live:
-            self._printer.drive.replan()
+            self._rig.drive.replan()
         return None
 
     def axis_limit_lines(self, what: str) -> list[str]:
@@ -168,7 +163,7 @@ class MotionCommands:
         return self._axis_lines("M203" if what == "speed" else "M201", what)
 
     def _axis_lines(self, code: str, what: str) -> list[str]:
-        job = self._printer.job
+        job = self._rig.job
         words = [f"{a.upper()}{numeral(job.axis_limit(a, what))}" for a in self._axes]
         return self._with_extruders(code, words, lambda name: job.axis_limit(name, what))
 
@@ -177,43 +172,43 @@ class MotionCommands:
         if not words:
             reply.say(self.acceleration_line())
             return None
-        live = self._printer.beside(reply)
-        note = self._printer.commands.accelerations(words, live=live)
+        live = self._state.beside(reply)
+        note = self._rig.commands.accelerations(words, live=live)
         if note:
             reply.note(note, note)
         if live:
-            self._printer.drive.replan()
+            self._rig.drive.replan()
         return None
 
     def acceleration_line(self) -> str:
         """M204 with what holds now."""
-        p, r, t = (self._printer.job.limit(f"{k}_accel") for k in ("print", "retract", "travel"))
+        p, r, t = (self._rig.job.limit(f"{k}_accel") for k in ("print", "retract", "travel"))
         return f"M204 P{numeral(p)} R{numeral(r)} T{numeral(t)}"
 
     def _junction(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
         if not words:
             return self._say(reply, *self.junction_lines())
-        live = self._printer.beside(reply)
-        note = self._printer.commands.junction(words, live=live)
+        live = self._state.beside(reply)
+        note = self._rig.commands.junction(words, live=live)
         if note:
             reply.note(note, note)
         if live:
-            self._printer.drive.replan()
+            self._rig.drive.replan()
         return None
 
     def _velocity_limit(self, command: Command, reply: Reply) -> Wait | None:
-        live = self._printer.beside(reply)
-        note = self._printer.commands.velocity_limit(command, live=live)
+        live = self._state.beside(reply)
+        note = self._rig.commands.velocity_limit(command, live=live)
         if note:
             reply.note(note, note)
         if live:
-            self._printer.drive.replan()
+            self._rig.drive.replan()
         return None
 
     def velocity_line(self) -> str:
         """SET_VELOCITY_LIMIT with what no other command sets; 1e9 mm/s is no limit."""
-        speed, ratio = (self._printer.job.limit(k) for k in ("speed", "minimum_cruise_ratio"))
+        speed, ratio = (self._rig.job.limit(k) for k in ("speed", "minimum_cruise_ratio"))
         speed, ratio = numeral(min(speed, LARGEST)), numeral(ratio)
         return f"SET_VELOCITY_LIMIT VELOCITY={speed} MINIMUM_CRUISE_RATIO={ratio}"
 
@@ -221,7 +216,7 @@ class MotionCommands:
         """M205 with what holds now."""
         if self._machine.limits.junction == "jerk":
             return self._axis_lines("M205", "jerk")
-        return [f"M205 J{numeral(self._printer.job.limit('junction_deviation'))}"]
+        return [f"M205 J{numeral(self._rig.job.limit('junction_deviation'))}"]
 
     def _say(self, reply: Reply, *lines: str) -> Wait | None:
         """Answers a question; with words the interpreter has carried the command out."""
@@ -231,7 +226,7 @@ class MotionCommands:
 
     def filament_lines(self) -> Iterator[str]:
         """M200 for each tool where E is a volume, else that it is a length."""
-        diameters = self._printer.job.filament_diameters
+        diameters = self._rig.job.filament_diameters
         if diameters is None:
             yield "M200 S0"
             return
@@ -242,7 +237,7 @@ class MotionCommands:
 
     def change_lines(self) -> Iterator[str]:
         """M603 for each tool."""
-        lengths = self._printer.job.filament_changes
+        lengths = self._rig.job.filament_changes
         for tool, row in enumerate(self._machine.core_spec()["tools"]):
             extruder: int = row["extruder"]
             if extruder >= 0:
@@ -251,7 +246,7 @@ class MotionCommands:
 
     def retraction_lines(self) -> Iterator[str]:
         """M207 to M209 with what holds now."""
-        job = self._printer.job
+        job = self._rig.job
         mm, feed, hop, extra, back, swap, swap_extra = job.retraction
         into = {"S": mm, "F": feed * 60, "Z": hop, "R": extra, "W": swap}
         out = {"S": extra, "F": back * 60, "W": swap_extra}
@@ -265,12 +260,12 @@ class MotionCommands:
         words = command.words()
         if not words:
             reply.say(self.home_offset_line())
-        self.home_offset_mm |= self.home_offsets(words)
+        self.offsets.home_mm |= self.home_offsets(words)
         return None
 
     def home_offsets(self, words: dict[str, float]) -> dict[str, float]:
         """The offsets that M206 gives, mm, by axis. Raises CommandError."""
-        offsets = {a: words[a.upper()] for a in self.home_offset_mm if a.upper() in words}
+        offsets = {a: words[a.upper()] for a in self.offsets.home_mm if a.upper() in words}
         for name, mm in offsets.items():
             axis = self._machine.axes[name]
             longest = axis.max_mm - axis.min_mm
@@ -278,7 +273,7 @@ class MotionCommands:
                 raise CommandError.bad_value(
                     name.upper(), mm, f"at most the {longest:g} mm of the axis"
                 )
-        machine, at_home = self._machine, self.home_offset_mm | offsets
+        machine, at_home = self._machine, self.offsets.home_mm | offsets
         x, y, z = (mm + at_home[a] for a, mm in zip("xyz", machine.home_point, strict=True))
         try:
             machine.geometry.inverse((x, y, z))
@@ -290,13 +285,13 @@ class MotionCommands:
 
     def home_offset_line(self, offsets_mm: dict[str, float] | None = None) -> str:
         """M206 with these offsets, or with what holds now."""
-        offsets_mm = offsets_mm or self.home_offset_mm
+        offsets_mm = offsets_mm or self.offsets.home_mm
         words = [f"{a.upper()}{numeral(mm)}" for a, mm in offsets_mm.items()]
         return f"M206 {' '.join(words)}"
 
     def _saved(self, command: Command, reply: Reply) -> Wait | None:
         """G60; the interpreter has saved the position."""
-        *axes, e = self._printer.job.program_position
+        *axes, e = self._rig.job.program_position
         places = zip([a.upper() for a in self._axes], axes, strict=True)
         where = " ".join(f"{letter}:{at + 0.0:.2f}" for letter, at in places)
         reply.say(f"Saved position {command.text}<-{where} E:{e + 0.0:.2f}")
@@ -304,18 +299,18 @@ class MotionCommands:
 
     def _tool_offset(self, command: Command, reply: Reply) -> Wait | None:
         words = command.words()
-        tool, axes = self.tool_offset(words, self._printer.job.tool)
+        tool, axes = self.tool_offset(words, self._rig.job.tool)
         if not axes:
             for line in self.tool_offset_lines():
                 reply.say(line)
         for letter, value in axes.items():
-            self._printer.job.set_tool_offset(tool, "XYZ".index(letter), value)
+            self._rig.job.set_tool_offset(tool, "XYZ".index(letter), value)
         return None
 
     def tool_offset(self, words: dict[str, float], active: int) -> tuple[int, dict[str, float]]:
         """The tool that M218 means, and the offsets that it gives, mm, by X, Y, Z. Raises
         CommandError."""
-        tools = len(self._printer.job.tool_offsets)
+        tools = len(self._rig.job.tool_offsets)
         tool = int(words.get("T", words.get("H", active)))
         if not 0 <= tool < tools:
             raise CommandError.bad_value("T", tool, f"a tool below {tools}")
@@ -323,62 +318,38 @@ class MotionCommands:
 
     def tool_offset_lines(self) -> Iterator[str]:
         """M218 for each tool."""
-        for tool, (x, y, z) in enumerate(self._printer.job.tool_offsets):
+        for tool, (x, y, z) in enumerate(self._rig.job.tool_offsets):
             yield f"M218 T{tool} X{numeral(x)} Y{numeral(y)} Z{numeral(z)}"
 
     def _flow(self, command: Command, reply: Reply, *, live: bool) -> Wait | None:
-        found = self._printer.commands.flow(command)
+        found = self._rig.commands.flow(command)
         if found is None:
             return None
         tool, extruder, factor, note = found
         if note:
             reply.note(note, note)
         if factor is None:
-            reply.say(f"echo:E{tool} Flow: {self._printer.job.flows[extruder] * 100:g}%")
+            reply.say(f"echo:E{tool} Flow: {self._rig.job.flows[extruder] * 100:g}%")
         elif live:
-            self._printer.drive.scale_flow(extruder, factor)
+            self._rig.drive.scale_flow(extruder, factor)
         else:
-            self._printer.job.set_flow(extruder, factor)
+            self._rig.job.set_flow(extruder, factor)
         return None
 
     def _babystep(self, command: Command, _: Reply) -> Wait | None:
-        if self._printer.homer.active:
+        if self._homer.active:
             raise CommandError.of("input.homing", axis=command.code)
-        for axis, mm in self._printer.commands.babysteps(command):
-            if not self._printer.drive.shift(axis, mm):
-                raise CommandError([self._printer.commands.problem()])
-            self.babysteps_mm["xyz"[axis]] += mm
+        for axis, mm in self._rig.commands.babysteps(command):
+            if not self._rig.drive.shift(axis, mm):
+                raise CommandError([self._rig.commands.problem()])
+            self.offsets.babysteps_mm["xyz"[axis]] += mm
         return None
-
-    def homed(self, axes: Iterable[str]) -> None:
-        """These axes are at home: how far they were shifted means nothing any more, but to what
-        stands aside."""
-        axes = list(axes)
-        self._printer.positions.trust(axes)
-        for axis in axes:
-            if axis in self.babysteps_mm:
-                self._aside_mm[axis] += self.babysteps_mm[axis]
-                self.babysteps_mm[axis] = 0.0
-
-    def put_aside(self) -> None:
-        """What is left of the program stands aside from now on, with its babysteps."""
-        self._aside_mm = dict.fromkeys("xyz", 0.0)
-
-    def take_back(self) -> None:
-        """What stood aside goes on, with its babysteps."""
-        self.babysteps_mm = self.program_babysteps_mm()
-
-    def program_babysteps_mm(self) -> dict[str, float]:
-        """Babysteps of the program, mm by axis, also while it stands aside."""
-        if not self._printer.job.suspended:
-            return dict(self.babysteps_mm)
-        return {axis: mm + self._aside_mm[axis] for axis, mm in self.babysteps_mm.items()}
 
     # -- overrides --------------------------------------------------------------------------------
 
     def _speed(self, command: Command, reply: Reply, *, live: bool) -> Wait | None:
-        job = self._printer.job
-        factor, note = self._printer.commands.speed.asked(command)
+        job = self._rig.job
+        factor, note = self._rig.commands.speed.asked(command)
         if factor is None:
             if not command.text.strip():
                 reply.say(f"Speed factor override: {job.speed_factor * 100:g}")
@@ -387,14 +358,5 @@ class MotionCommands:
         if note:
             reply.say(f"echo:{note}")
         if live:
-            self._printer.drive.replan()
+            self._rig.drive.replan()
         return None
-
-    def tell_drivers(self, reply: Reply) -> None:
-        """What the machine file says of the drivers' inputs."""
-        reply.say("Reporting Stepper control")
-        for row in self._machine.core_spec()["steppers"]:
-            reply.say(
-                f" {row['name'].upper()} dir:{'false' if row['invert'] else 'true'}"
-                f" pulse(us):{row['pulse_s'] * 1e6:g} delay(us):{row['dir_setup_s'] * 1e6:g}"
-            )

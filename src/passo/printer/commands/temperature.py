@@ -3,24 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
 
 from passo.errors import CommandError
 from passo.gcode.command import Command
 from passo.printer.cold_extrusion import ColdExtrusion
+from passo.printer.commands.heater_control import ControlCommands
+from passo.printer.live_rig import LiveRig
 from passo.printer.wait_requests import Handler, Reply, Wait
-
-if TYPE_CHECKING:
-    from passo.printer.printer import Printer
 
 
 class HeatCommands:
     """What only a living printer has of heaters and fans; set-points are in `Commands`."""
 
-    def __init__(self, printer: Printer) -> None:
-        self._printer = printer
-        self._machine = printer.machine
-        self.cold = ColdExtrusion(printer.machine)
+    def __init__(self, rig: LiveRig, controls: ControlCommands) -> None:
+        self._rig, self._controls = rig, controls
+        self.cold = ColdExtrusion(rig.machine)
         self.planned: dict[str, Handler] = {
             "M106": self._fan,
             "M107": self._fan,
@@ -36,7 +33,7 @@ class HeatCommands:
 
     def _fan(self, command: Command, reply: Reply) -> Wait | None:
         """Raises CommandError if P names no fan; a machine without fans lets the rest pass."""
-        commands = self._printer.commands
+        commands = self._rig.commands
         order = commands.fan_order(command)
         commands.set_fan(order)
         if "F" in command.words():
@@ -55,7 +52,7 @@ class HeatCommands:
         return None
 
     def _preset(self, command: Command, reply: Reply) -> Wait | None:
-        words, presets = command.words(), self._printer.commands.presets
+        words, presets = command.words(), self._rig.commands.presets
         if note := presets.set(words):
             reply.say(f"echo:{note}")
         for line in () if "S" in words else presets.lines():
@@ -70,20 +67,20 @@ class HeatCommands:
 
     def cold_lines(self) -> Iterable[str]:
         """M302 as it is set."""
-        return self.cold.lines(self._printer.controls.number_of)
+        return self.cold.lines(self._controls.number_of)
 
     def guard_extrusion(self) -> None:
         """Sets in the interpreter which filament may move."""
-        self.cold.guard(self._printer.job, self._printer.connection.heaters)
+        self.cold.guard(self._rig.job, self._rig.connection.heaters)
 
     def warm(self) -> bool:
         """The active tool's hotend lets filament move."""
-        return self.cold.warm(self._printer.connection.heaters, self._printer.job.tool)
+        return self.cold.warm(self._rig.connection.heaters, self._rig.job.tool)
 
     # -- faults -----------------------------------------------------------------------------------
 
     def _rearm(self, _: Command, reply: Reply) -> Wait | None:
-        for name, heater in self._printer.connection.heaters.items():
+        for name, heater in self._rig.connection.heaters.items():
             if heater.fault is not None:
                 heater.rearm()
                 reply.say(f"echo:Heater {name} is armed again, target {heater.target:g} C")

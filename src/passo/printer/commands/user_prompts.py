@@ -5,14 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
 
 from passo.errors import CommandError
 from passo.gcode.command import Command, numeral, words_of
+from passo.printer.commands.beeper import Beeper
+from passo.printer.state import State
 from passo.printer.wait_requests import Handler, Person, Reply, Wait
-
-if TYPE_CHECKING:
-    from passo.printer.printer import Printer
 
 # Words only where the text begins with them: "M0 S30 Remove clip3", not "M0 Remove clip3".
 _WORDS = re.compile(r"\s*(?:[PS]\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:\s+|$))+", re.IGNORECASE | re.ASCII)
@@ -21,8 +19,8 @@ _WORDS = re.compile(r"\s*(?:[PS]\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:\s+|$))+", re.IGNO
 class PersonCommands:
     """M0, M1, M85, M117 of one printer."""
 
-    def __init__(self, printer: Printer) -> None:
-        self._printer = printer
+    def __init__(self, state: State, beeper: Beeper) -> None:
+        self._state, self._beeper = state, beeper
         self.message = ""
         self.asking = False  # hosts show a question
         self.awaited = False  # it is that of a wait, which an answer ends; not of a paused print
@@ -50,8 +48,8 @@ class PersonCommands:
         """Hosts show the text and a button that goes on; a beeper beeps. `awaited`: a wait ends
         with the answer."""
         for words in (f"prompt_begin {text}", "prompt_button Continue", "prompt_show"):
-            self._printer.tell(f"// action:{words}")
-        self._printer.beeper.call()
+            self._state.tell(f"// action:{words}")
+        self._beeper.call()
         self.asking, self.awaited = True, awaited
 
     @contextmanager
@@ -69,11 +67,11 @@ class PersonCommands:
         """Somebody has gone on, or there is nothing to go on with: hosts show no question."""
         if self.asking:
             self.asking = self.awaited = False
-            self._printer.tell("// action:prompt_end")
+            self._state.tell("// action:prompt_end")
 
     def _show(self, command: Command, _: Reply) -> Wait | None:
         self.message = command.text
-        self._printer.tell(f"// action:notification {command.text}")
+        self._state.tell(f"// action:notification {command.text}")
         return None
 
     def _kill_after(self, command: Command, reply: Reply) -> Wait | None:

@@ -18,49 +18,71 @@ from passo.board.ports import LinkLostError
 from passo.motion.motion_queue import TICK_S
 
 if TYPE_CHECKING:
-    from passo.printer.printer import Printer
+    from passo.motion.rig import Rig
+    from passo.printer.commands.motors import Motors
+    from passo.printer.commands.power_supply import Mains
+    from passo.printer.state import State
+    from passo.printer.watch.driver_status import DriverWatch
+    from passo.printer.watch.endstops import EndstopWatch
 
 _AGAIN_S = 0.5  # between two tries to open the port
 # What a board did in one commit, it takes back in so long: some 40 times as slowly.
 _BACK_S = 3.0
 
 
-async def reconnect(printer: Printer, lost: LinkLostError) -> None:
-    """Waits for the boards, proves that they stand where their brake tails end, and goes on with
-    what was held as soon as what was warm is so again. Raises `lost` when the printer is halted
-    meanwhile, PlaceLostError when a board's place cannot be proved, and MachineError when one has
-    shut down."""
-    held = printer.job.holds
-    printer.drive.interrupted = True
-    reconnection = _Reconnection(printer)
-    plug = ": plug it in again, or give up with M112" if reconnection.silent else ""
-    problem = str(lost).partition(".")[0]
-    printer.tell(f"echo:The machine waits: {problem}. {reconnection.outlook}{plug}")
-    while not printer.halted:
-        printer.connection.stop_job()
-        try:
-            await reconnection.take_over()
-            break
-        except BoardAloneError:
-            continue
-        except BoardResetError:
-            raise
-        except LinkLostError:
-            reconnection.look_for_silent()
-            await asyncio.sleep(_AGAIN_S)
-    if printer.halted:
-        raise lost
-    printer.drive.interrupted = False
-    if not held:
-        printer.drive.release()
+class Reconnection:
+    """What follows the lost links of one printer, and the parts that it sets up again."""
+
+    def __init__(
+        self,
+        rig: Rig,
+        state: State,
+        *,
+        motors: Motors,
+        mains: Mains,
+        drivers: DriverWatch,
+        endstops: EndstopWatch,
+    ) -> None:
+        self.rig, self.state = rig, state
+        self.motors, self.mains = motors, mains
+        self.drivers, self.endstops = drivers, endstops
+
+    async def reconnect(self, lost: LinkLostError) -> None:
+        """Waits for the boards, proves that they stand where their brake tails end, and goes on
+        with what was held as soon as what was warm is so again. Raises `lost` when the printer is
+        halted meanwhile, PlaceLostError when a board's place cannot be proved, and MachineError
+        when one has shut down."""
+        held = self.rig.job.holds
+        self.rig.drive.interrupted = True
+        attempt = _Attempt(self)
+        plug = ": plug it in again, or give up with M112" if attempt.silent else ""
+        problem = str(lost).partition(".")[0]
+        self.state.tell(f"echo:The machine waits: {problem}. {attempt.outlook}{plug}")
+        while not self.state.halted:
+            self.rig.connection.stop_job()
+            try:
+                await attempt.take_over()
+                break
+            except BoardAloneError:
+                continue
+            except BoardResetError:
+                raise
+            except LinkLostError:
+                attempt.look_for_silent()
+                await asyncio.sleep(_AGAIN_S)
+        if self.state.halted:
+            raise lost
+        self.rig.drive.interrupted = False
+        if not held:
+            self.rig.drive.release()
 
 
-class _Reconnection:
+class _Attempt:
     """One lost link, until all boards are there again; those of `silent` must be reopened."""
 
-    def __init__(self, printer: Printer) -> None:
-        self._printer = printer
-        self._connections = printer.connection.connections
+    def __init__(self, parts: Reconnection) -> None:
+        self._parts, self._rig, self._state = parts, parts.rig, parts.state
+        self._connections = parts.rig.connection.connections
         self.silent: set[Connection] = set()
         self.look_for_silent()
         # Serials of two commits, and how much further each motor is behind the second one.
@@ -70,7 +92,7 @@ class _Reconnection:
     def outlook(self) -> str:
         """What the boards do meanwhile."""
         who = "The board" if len(self._connections) == 1 else "Each board"
-        if not self._printer.drive.commits:
+        if not self._rig.drive.commits:
             return f"Axes were homing: their place is lost. {who} keeps warm for a minute"
         return f"{who} stops by itself and keeps warm for a minute"
 
@@ -81,27 +103,27 @@ class _Reconnection:
     async def take_over(self) -> None:
         """Raises LinkLostError while a board cannot be reached, and again when one is lost
         again."""
-        printer = self._printer
-        printer.drive.wait()  # none has shut down
+        rig, state, parts = self._rig, self._state, self._parts
+        rig.drive.wait()  # none has shut down
         for connection in [c for c in self._connections if c in self.silent]:
             await connection.reopen()
             self.silent.discard(connection)
             if len(self._connections) > 1:
                 await self._passes(SETTLING_S)
         serials = {c: await self._stood_behind(c) for c in self._connections}
-        printer.drive.wait()  # none has shut down
+        rig.drive.wait()  # none has shut down
         serial = min(serials.values())
         ahead = [c for c in self._connections if serials[c] != serial]
         further = self._further(serial, {serials[c] for c in ahead})
         # One that was not armed yet has not moved yet; while axes home the plan has no commits.
-        if not printer.drive.recover_from(serial):
+        if not rig.drive.recover_from(serial):
             raise PlaceLostError.of("machine.place-unknown")
         self._prove(dict.fromkeys(ahead, further))
         for connection in self._connections:
             connection.command("survive_arm")
             connection.renew()
-        printer.motors.renew()
-        printer.mains.renew()
+        parts.motors.renew()
+        parts.mains.renew()
         for connection in ahead:
             connection.move_evenly({name: -n for name, n in further.items()}, _BACK_S, serial)
         for connection in ahead:
@@ -110,26 +132,26 @@ class _Reconnection:
                 raise BoardAloneError.of("machine.alone")
         if ahead:
             self._prove({})
-        await printer.drive.catch_up()
+        await rig.drive.catch_up()
         for connection in self._connections:
             connection.link.go_on()
-        await printer.drivers.reconnected()
-        if printer.halted:
+        await parts.drivers.reconnected()
+        if state.halted:
             return
-        printer.endstops.begin()
+        parts.endstops.begin()
         both = len(self._connections) > 1
-        printer.tell(
+        state.tell(
             "echo:The boards are back, and stand where they were told to stop"
             if both
             else "echo:The board is back, and stands where it was told to stop"
         )
-        heaters = printer.connection.heaters.values()
+        heaters = rig.connection.heaters.values()
         # Meanwhile one may be switched off.
         while any(h.target > 0 and not (h.reached or h.fault) for h in heaters):
-            if printer.halted:
+            if state.halted:
                 return
             await asyncio.sleep(TICK_S)
-            printer.drive.look()
+            rig.drive.look()
 
     async def _stood_behind(self, connection: Connection) -> int:
         """The last commit of a board whose motors stand."""
@@ -151,7 +173,7 @@ class _Reconnection:
     def _further(self, serial: int, others: set[int]) -> dict[str, int]:
         """Steps that the motors of boards which have stopped behind another commit have made more;
         it must be the next one."""
-        job = self._printer.job
+        job = self._rig.job
         if not others:
             return {}
         following = others.pop()
@@ -168,10 +190,10 @@ class _Reconnection:
         found: dict[str, int] = {}
         for connection in self._connections:
             with self._silence_of(connection):
-                found |= self._printer.positions.counts(connection)
-        for row in self._printer.job.steppers():
+                found |= self._rig.positions.counts(connection)
+        for row in self._rig.job.steppers():
             name = row["name"]
-            connection = self._printer.connection.connection_of("steppers", name)
+            connection = self._rig.connection.connection_of("steppers", name)
             wanted = row["count"] + ahead.get(connection, {}).get(name, 0)
             if found[name] != wanted:
                 raise PlaceLostError.of(
@@ -180,7 +202,7 @@ class _Reconnection:
 
     async def _passes(self, seconds: float) -> None:
         await asyncio.sleep(seconds)
-        self._printer.drive.wait()
+        self._rig.drive.wait()
 
     @contextmanager
     def _silence_of(self, connection: Connection) -> Generator[None]:

@@ -13,15 +13,16 @@ from passo.motion.motion_queue import either
 
 if TYPE_CHECKING:
     from passo.board.connection import Connection
-    from passo.printer.printer import Printer
+    from passo.motion.rig import Rig
+    from passo.printer.state import State
 
 _AGAIN_S = 0.5  # between two tries; whoever hears the first has answered by the second
 
 
-async def stop_boards(printer: Printer, given_up: asyncio.Event) -> None:
+async def stop_boards(rig: Rig, state: State, given_up: asyncio.Event) -> None:
     """Orders every board to shut down until all have said that they have, or it is `given_up`. The
     port of one that is not heard is opened again and again."""
-    left = [c for c in printer.connection.connections if not c.link.shut_down]
+    left = [c for c in rig.connection.connections if not c.link.shut_down]
     warned = False
     while left and not given_up.is_set():
         for connection in left:
@@ -30,20 +31,20 @@ async def stop_boards(printer: Printer, given_up: asyncio.Event) -> None:
                     await connection.open_again()
                 connection.order_stop()
         await either(given_up, _AGAIN_S)
-        printer.drive.live_on(_AGAIN_S)
+        rig.drive.live_on(_AGAIN_S)
         left = [c for c in left if not c.has_shut_down()]
         # Those that cannot keep warm by themselves have switched all off within three seconds.
-        warm = [c for c in left if c.heaters] if printer.connection.survives else []
+        warm = [c for c in left if c.heaters] if rig.connection.survives else []
         if warm and not warned:
             warned = True
-            danger = MachineError.of("machine.unstopped", value=_names(printer, warm))
-            printer.tell(f"Error:{danger}")
+            danger = MachineError.of("machine.unstopped", value=_names(rig, warm))
+            state.tell(f"Error:{danger}")
     if warned and not left:
-        printer.tell("echo:Emergency stop confirmed by all boards; heaters are off")
+        state.tell("echo:Emergency stop confirmed by all boards; heaters are off")
 
 
-def _names(printer: Printer, boards: Sequence[Connection]) -> str:
+def _names(rig: Rig, boards: Sequence[Connection]) -> str:
     """`the board`; among several `the main board and board tool`."""
-    if len(printer.connection.connections) == 1:
+    if len(rig.connection.connections) == 1:
         return "the board"
     return " and ".join(f"board {c.name}" if c.name else "the main board" for c in boards)

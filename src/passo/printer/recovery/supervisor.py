@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable
 from math import inf
 from typing import TYPE_CHECKING
 
@@ -10,13 +11,14 @@ from passo.board.faults import BoardResetError, PlaceLostError
 from passo.board.ports import LinkLostError
 from passo.errors import MachineError, in_words
 from passo.motion.motion_queue import TICK_S, either
-from passo.printer.recovery.reconnect import reconnect
 from passo.printer.recovery.stop_boards import stop_boards
-from passo.printer.setup.boards import reconnected
-from passo.printer.wait_requests import Silence
 
 if TYPE_CHECKING:
-    from passo.printer.printer import Printer
+    from passo.motion.rig import Rig
+    from passo.printer.motion_lock import Turn
+    from passo.printer.recovery.reconnect import Reconnection
+    from passo.printer.state import State
+    from passo.printer.watch.late_commands import LatenessWatch
 
 
 # A board that begins anew twice within this time does so because of what is turned on, perhaps.
@@ -25,10 +27,23 @@ _LOOK_S = 0.25  # while it is halted
 
 
 class Life:
-    """One printer's drive at work, again and again."""
+    """Runs one printer's motion queue until a failure, and again after a restart. `halt` halts the
+    printer; `restart` starts its boards again, and raises what it fails of."""
 
-    def __init__(self, printer: Printer) -> None:
-        self._printer = printer
+    def __init__(
+        self,
+        rig: Rig,
+        state: State,
+        turn: Turn,
+        lateness: LatenessWatch,
+        reconnection: Reconnection,
+        *,
+        halt: Callable[[str], None],
+        restart: Callable[[], None],
+    ) -> None:
+        self._rig, self._state, self._turn = rig, state, turn
+        self._lateness, self.reconnection = lateness, reconnection
+        self._halt_printer, self._restart = halt, restart
         self._revived = asyncio.Event()  # somebody has sent M999, and no M112 since
         self._asking: list[asyncio.Future[None]] = []  # who waits for what becomes of M999
         self._warm = False  # what is warm stays so when the printer begins anew
@@ -59,7 +74,7 @@ class Life:
 
     async def run(self) -> None:
         """Lets time pass until cancelled."""
-        printer = self._printer
+        state = self._state
         while True:
             try:
                 await self._drive()
@@ -68,9 +83,9 @@ class Life:
                 if failure is None:
                     continue
                 displaced = isinstance(failure, PlaceLostError) and not self._has_to_halt(failure)
-                printer.failures += not printer.halted  # else it has been counted
+                state.failures += not state.halted  # else it has been counted
                 self._warm = displaced
-                printer.halted = printer.halted or str(in_words(failure)).rstrip(".")
+                state.halted = state.halted or str(in_words(failure)).rstrip(".")
                 if displaced:
                     self._pause()
                 else:
@@ -81,119 +96,103 @@ class Life:
                         await self._halt()  # M112 came meanwhile
                     await self._revive()
                 finally:
-                    printer.turn.give()
+                    self._turn.give()
 
     def _has_to_halt(self, failure: PlaceLostError) -> bool:
         """It was halted before, or what it keeps warm may be what resets the board."""
         if not isinstance(failure, BoardResetError):
-            return bool(self._printer.halted)
+            return bool(self._state.halted)
         before, self._reset_s = self._reset_s, asyncio.get_running_loop().time()
-        return bool(self._printer.halted) or self._reset_s - before < _SOON_S
+        return bool(self._state.halted) or self._reset_s - before < _SOON_S
 
     async def _drive(self) -> None:
         """Lets time pass until the board fails. After a fault of the program, which halts the
         printer, too, the board is well: it tells that it has stopped."""
-        printer = self._printer
+        rig = self._rig
         try:
-            await printer.drive.run()
+            await rig.drive.run()
         except MachineError:
-            printer.lateness.board_failed()
+            self._lateness.board_failed()
             raise
         except Exception as error:
-            printer.halt(str(in_words(error)))
-            await printer.drive.hear_stop()
+            self._halt_printer(str(in_words(error)))
+            await rig.drive.hear_stop()
 
     async def _reconnect(self, error: Exception) -> Exception | None:
         """After a lost link goes on where the board has stopped by itself; else what halts it."""
-        printer = self._printer
-        if printer.halted or not isinstance(error, LinkLostError):
+        rig, state = self._rig, self._state
+        if state.halted or not isinstance(error, LinkLostError):
             return error
         if isinstance(error, PlaceLostError):
             return error  # nothing is left that could be taken over
-        boards = printer.connection
+        boards = rig.connection
         if not boards.survives or boards.timeline.halted:
             return error
         try:
-            await reconnect(printer, error)
+            await self.reconnection.reconnect(error)
         except Exception as failure:
             return failure
         return None
 
     def _pause(self) -> None:
         """Nothing is wrong but that nobody knows where the motors are."""
-        printer = self._printer
-        printer.connection.stop_job()
-        printer.tell(f"Error:{printer.halted}")
-        printer.tell("// action:pause")
-        printer.drive.end_waits()
+        rig, state = self._rig, self._state
+        rig.connection.stop_job()
+        state.tell(f"Error:{state.halted}")
+        state.tell("// action:pause")
+        rig.drive.end_waits()
 
     async def _halt(self) -> None:
         """Waits until somebody has made the machine safe."""
-        printer = self._printer
+        rig, state = self._rig, self._state
         self._make_safe()
-        if printer.start_failure is None:  # else each console is told when it opens
-            printer.tell(f"Error:Printer halted: {printer.why_halted}")
-        printer.drive.end_waits()
+        if state.start_failure is None:  # else each console is told when it opens
+            state.tell(f"Error:Printer halted: {state.why_halted}")
+        rig.drive.end_waits()
         await self._until_revived()
 
     async def _until_revived(self) -> None:
         """Waits for M999; until then each board is told to stop that has not heard of it."""
-        await stop_boards(self._printer, self._revived)
+        await stop_boards(self._rig, self._state, self._revived)
         while not self._revived.is_set():
             await either(self._revived, _LOOK_S)
-            self._printer.drive.stand_by()
+            self._rig.drive.stand_by()
 
     def _make_safe(self) -> None:
         """The board may only have been silent for a moment: it must not go on when it is back."""
-        printer = self._printer
-        printer.connection.switch_heaters_off()
-        printer.connection.stop_job()
-        printer.connection.emergency_stop()
+        rig = self._rig
+        rig.connection.switch_heaters_off()
+        rig.connection.stop_job()
+        rig.connection.emergency_stop()
 
     async def _all_have_stopped(self) -> None:
         """Takes the turn: who had it has heard of the halt by then, and waits for nothing of the
         old plan any more."""
-        printer = self._printer
-        while not printer.turn.take():
-            printer.drive.end_waits()
+        rig = self._rig
+        while not self._turn.take():
+            rig.drive.end_waits()
             await asyncio.sleep(TICK_S)
 
     async def _revive(self) -> None:
         """Begins anew; as often as somebody asks, until the board can be reached."""
-        heaters = self._printer.connection.heaters.items()
+        heaters = self._rig.connection.heaters.items()
         warm = {n: h.target for n, h in heaters if self._warm and not h.fault}
         if not self._warm:
             await self._until_revived()  # M112 may have come since somebody asked
         while True:
             try:
-                self._begin_anew()
+                self._restart()
                 for heater, celsius in warm.items():
-                    self._printer.connection.set_target(heater, celsius)
+                    self._rig.connection.set_target(heater, celsius)
             except Exception as error:
                 warm = {}
                 failure = in_words(error)
-                if not self._printer.halted:  # the board is well, but not what came after it
-                    self._printer.halted = str(failure).rstrip(".")
+                if not self._state.halted:  # the board is well, but not what came after it
+                    self._state.halted = str(failure).rstrip(".")
                 self._make_safe()
-                self._printer.tell(f"Error:{failure} Then send M999 again")
+                self._state.tell(f"Error:{failure} Then send M999 again")
                 self._answer()
                 await self._until_revived()
             else:
                 self._answer()
                 return
-
-    def _begin_anew(self) -> None:
-        printer = self._printer
-        for listener in printer.stop_listeners:
-            listener(printer.halted)
-        printer.motors.forget()
-        lines = list(printer.settings())
-        printer.begin(reconnected(printer.connection))
-        printer.motion.homed("xyz")
-        printer.endstops.begin()
-        printer.halted = ""
-        for line in lines:
-            printer.take_setting(line, Silence())
-        printer.tell("echo:The printer is ready again. Home it before you move it")
-        if greeting := printer.greeting():
-            printer.tell(greeting)

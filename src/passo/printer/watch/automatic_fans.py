@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from passo.config.electronics import Fan
-    from passo.printer.printer import Printer
+    from passo.printer.commands.motors import Motors
+    from passo.printer.live_rig import LiveRig
+    from passo.printer.state import State
 
 _STAYS_C = 2.0  # so much below its threshold a fan goes off again
 
@@ -18,17 +20,17 @@ class FollowingFans:
     and while any of their motors is on, and a while longer. A halted board has all its outputs off.
     """
 
-    def __init__(self, printer: Printer) -> None:
-        self._printer = printer
-        fans = printer.machine.fans
+    def __init__(self, rig: LiveRig, state: State, motors: Motors) -> None:
+        self._rig, self._state, self._motors = rig, state, motors
+        fans = rig.machine.fans
         self._fans = {n: f for n, f in fans.items() if not f.commanded and f.max_power > 0}
         self._motors_s: dict[str, float] = {}  # host time when a fan's motors were last seen on
 
     def time_passed(self) -> None:
         """Looks at the heaters and motors."""
-        if self._printer.halted:
+        if self._state.halted:
             return
-        commands = self._printer.commands
+        commands = self._rig.commands
         for name, fan in self._fans.items():
             was_on = commands.fans.get(name, 0.0) > 0
             on = self._warm(fan, was_on) or self._works(name, fan)
@@ -38,12 +40,12 @@ class FollowingFans:
     def _warm(self, fan: Fan, was_on: bool) -> bool:
         if fan.follows is None:
             return False
-        heater = self._printer.connection.heaters[fan.follows]
+        heater = self._rig.connection.heaters[fan.follows]
         threshold = fan.above_c - _STAYS_C if was_on else fan.above_c
         return heater.celsius > threshold or heater.fault is not None
 
     def _works(self, name: str, fan: Fan) -> bool:
         now_s = asyncio.get_running_loop().time()
-        if any(map(self._printer.motors.live, fan.follows_motors)):
+        if any(map(self._motors.live, fan.follows_motors)):
             self._motors_s[name] = now_s
         return name in self._motors_s and now_s <= self._motors_s[name] + fan.stays_on_s

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 from passo.board.drivers import Drivers, DriverState
@@ -12,7 +12,9 @@ from passo.motion.motion_queue import TICK_S
 
 if TYPE_CHECKING:
     from passo.board.boards import Boards
-    from passo.printer.printer import Printer
+    from passo.motion.rig import Rig
+    from passo.printer.commands.motors import Motors
+    from passo.printer.state import State
 
 _LOOK_S = 1.0  # between two questions how a driver is
 # What setting the driver up ends: it has lost its settings, or keeps a flag of what is over.
@@ -24,8 +26,8 @@ class DriverWatch:
     driver that has failed halts the printer; while they are off, one that has lost its settings, or
     whose supply was too low, is set up anew. Nothing moves while one cannot be spoken to."""
 
-    def __init__(self, printer: Printer) -> None:
-        self._printer = printer
+    def __init__(self, rig: Rig, state: State, motors: Motors, halt: Callable[[str], None]) -> None:
+        self._rig, self._state, self._motors, self._halt = rig, state, motors, halt
         self.prewarned: set[str] = set()  # motors whose drivers were hot since M912
         self._set: dict[str, DriverSettings] = {}  # by command: they outlive the board's reset
         self._told: set[tuple[str, str]] = set()
@@ -51,16 +53,16 @@ class DriverWatch:
             for motor in drivers.states:
                 drivers.begin_status(motor)
         await self._answered()
-        if not self._printer.halted:
+        if not self._state.halted:
             for motor in self.states:
                 self._of(motor).begin_configure(motor)
             await self._answered()
 
     async def _answered(self) -> None:
         """Waits for all answers, and looks at them."""
-        while not self._printer.halted and not all(drivers.idle for drivers in self._of_boards):
+        while not self._state.halted and not all(drivers.idle for drivers in self._of_boards):
             await asyncio.sleep(TICK_S)
-            self._printer.drive.look()
+            self._rig.drive.look()
             for drivers in self._of_boards:
                 drivers.poll()
         for motor, state in self.states.items():
@@ -89,11 +91,11 @@ class DriverWatch:
     def before_motion(self) -> None:
         """Halts the printer if a driver is not set up: its motor would not move as it should."""
         for sentence in self.failures():
-            self._printer.halt(sentence)
+            self._halt(sentence)
 
     def time_passed(self) -> None:
         """Asks on, and looks at what was answered."""
-        if not self.states or self._printer.halted:
+        if not self.states or self._state.halted:
             return
         for drivers in self._of_boards:
             drivers.poll()
@@ -109,16 +111,16 @@ class DriverWatch:
                     self._of(motor).begin_configure(motor)
 
     def _look_at(self, motor: str, state: DriverState) -> None:
-        on = motor in self._printer.motors.on
+        on = motor in self._motors.on
         if state.failure is not None:
             if on:
-                self._printer.halt(str(state.failure.problem))
+                self._halt(str(state.failure.problem))
             else:
                 self._tell_once(motor, "failure", str(state.failure.problem))
             return
         if (motor, "failure") in self._told:
             self._told.discard((motor, "failure"))
-            self._printer.tell(f"echo:The driver of motor {motor} is set up")
+            self._state.tell(f"echo:The driver of motor {motor} is set up")
         if state.fresh and state.reading is not None:
             state.fresh = False
             self._judge(motor, findings(motor, state.settings.chip, state.reading), on=on)
@@ -126,7 +128,7 @@ class DriverWatch:
     def _judge(self, motor: str, found: list[Finding], *, on: bool) -> None:
         grave = [f.problem for f in found if f.stops]
         if grave and on:
-            self._printer.halt(str(grave[0]))
+            self._halt(str(grave[0]))
         elif any(problem.code in _LATCHED for problem in grave):
             self._of(motor).begin_configure(motor)
         for finding in found:
@@ -141,4 +143,4 @@ class DriverWatch:
         """What goes on is told when it begins."""
         if (motor, what) not in self._told:
             self._told.add((motor, what))
-            self._printer.tell(f"echo:{sentence}")
+            self._state.tell(f"echo:{sentence}")

@@ -10,7 +10,11 @@ from passo.motion.endstops import switches
 from passo.printer.wait_requests import Handler, Reply, Wait
 
 if TYPE_CHECKING:
-    from passo.printer.printer import Printer
+    from collections.abc import Callable, Sequence
+
+    from passo.motion.homing import Homer
+    from passo.motion.rig import Rig
+    from passo.printer.state import State
 
 _REST_S = 0.001  # the board looks so often
 _AHEAD_S = 0.02  # from the command to its first look
@@ -21,9 +25,12 @@ class EndstopWatch:
     """M120, M121 and M540 of one printer. A switch that is pressed when the watch begins, or where
     its axis is at home, is watched once it has been let go."""
 
-    def __init__(self, printer: Printer) -> None:
-        self._printer = printer
-        self._switches = switches(printer.machine)
+    def __init__(
+        self, rig: Rig, state: State, homer: Homer, stop: Callable[[Sequence[str]], None]
+    ) -> None:
+        self._rig, self._state, self._homer = rig, state, homer
+        self._stop = stop  # the machine, by these switches
+        self._switches = switches(rig.machine)
         self._on = False
         self.stops = False  # M540: a hit stops the machine
         self.immediate: dict[str, Handler] = {
@@ -35,7 +42,7 @@ class EndstopWatch:
 
     def begin(self) -> None:
         """The board has begun anew."""
-        self._endstops = Endstops(self._printer.connection)
+        self._endstops = Endstops(self._rig.connection)
         self._watched: list[str] = []
         self._next_look = 0  # clock
 
@@ -46,20 +53,20 @@ class EndstopWatch:
 
     def time_passed(self) -> None:
         """Looks for hits, and for switches that have been let go."""
-        printer = self._printer
-        if not self._on or printer.halted or printer.homer.active or printer.drive.interrupted:
+        rig = self._rig
+        if not self._on or self._state.halted or self._homer.active or rig.drive.interrupted:
             return
         if self._watched:
             self._endstops.all_hit()
             if self._endstops.hit:
                 self._report(sorted(self._endstops.hit))
                 return
-        if len(self._watched) < len(self._switches) and printer.connection.now >= self._next_look:
+        if len(self._watched) < len(self._switches) and rig.connection.now >= self._next_look:
             self._look()
 
     def _look(self) -> None:
         """Watches all switches that are open now."""
-        connection = self._printer.connection
+        connection = self._rig.connection
         self._next_look = connection.now + int(_PRESSED_S * connection.board.clock_hz)
         others = [s.name for s in self._switches if s.name not in self._watched]
         let_go = [name for name in others if not self._endstops.pressed(name)]
@@ -74,22 +81,21 @@ class EndstopWatch:
         if not names:
             return
         # The board stops no motor by itself: the plan would go on without it.
-        connection = self._printer.connection
+        connection = self._rig.connection
         clock = connection.now + int(_AHEAD_S * connection.board.clock_hz)
         self._endstops.arm(dict.fromkeys(names, ()), clock, _REST_S)
 
     def _report(self, names: list[str]) -> None:
         """Where the machine was when the switches closed, which is a while ago by now."""
-        printer = self._printer
-        base = printer.drive.base
+        base = self._rig.drive.base
         clocks = {name: self._endstops.hit_clock(name) - base for name in names}
         self._arm([name for name in self._watched if name not in clocks])
         for name, clock in clocks.items():
-            places = printer.positions.at(clock)
+            places = self._rig.positions.at(clock)
             where = " ".join(f"{k}:{at:.3f}" for k, at in places.items() if k != "E")
-            printer.tell(f"echo:endstops hit: {name.upper()} at {where}")
+            self._state.tell(f"echo:endstops hit: {name.upper()} at {where}")
         if self.stops:
-            printer.stop_by_endstop(names)
+            self._stop(names)
 
     def _watch(self, on: bool) -> Wait | None:
         self.pause()

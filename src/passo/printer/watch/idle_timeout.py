@@ -2,46 +2,75 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
-if TYPE_CHECKING:
-    from passo.printer.printer import Printer
+from passo.printer.commands.motors import Motors
+from passo.printer.commands.user_prompts import PersonCommands
+from passo.printer.laser import Laser
+from passo.printer.live_rig import LiveRig
+from passo.printer.motion_lock import Turn
+from passo.printer.state import State
+from passo.printer.targets import Targets
+from passo.printer.wait_runner import Waiting
 
 LASER_OFF_S = 3.0  # of standing with the laser on, no print being under way
 
 
-def look_after_idleness(printer: Printer) -> None:
-    """To be called as time passes."""
-    idle_s, config = printer.drive.idle_s, printer.machine.idle
-    nobody = (printer.job.suspended or printer.waits.person) and not printer.waits.heating
-    if nobody and 0 < config.heaters_off_s < idle_s:
-        _cool_hotends(printer)
-    if printer.busy() or printer.turn.taken:
-        return
-    # Where something is kept warm a host may only have paused: its print must not lose its place.
-    warm = any(heater.target > 0 for heater in printer.connection.heaters.values())
-    motors_off = 0 < printer.motors.idle_s < idle_s and bool(printer.motors.on) and not warm
-    if printer.commands.lit and (idle_s > LASER_OFF_S or motors_off):
-        printer.laser_off()
-        printer.tell("echo:Laser off after standing idle; M3 switches it on again")
-        return
-    if motors_off:
-        printer.motors.all_off()
-        printer.tell("echo:Motors off after standing idle; home before the next move")
-    if 0 < printer.person.kill_s < idle_s:
-        printer.halt(f"idle for {printer.person.kill_s:g} s (M85)")
-    if 0 < config.heaters_off_s < idle_s:
-        for name in printer.heaters:
-            if printer.connection.heaters[name].target > 0:
-                printer.set_target(name, 0.0, at_once=True)
-                printer.tell(f"echo:Heater {name} off after standing idle")
+class IdleWatch:
+    """The idle times of one printer: `[idle]` of the machine file, M84 S and M85."""
 
+    def __init__(
+        self,
+        rig: LiveRig,
+        state: State,
+        turn: Turn,
+        *,
+        motors: Motors,
+        laser: Laser,
+        targets: Targets,
+        prompts: PersonCommands,
+        waits: Waiting,
+        halt: Callable[[str], None],
+    ) -> None:
+        self._rig, self._state, self._turn = rig, state, turn
+        self._motors, self._laser, self._targets = motors, laser, targets
+        self._prompts, self._waits, self._halt = prompts, waits, halt
 
-def _cool_hotends(printer: Printer) -> None:
-    """Nobody has come for long: filament must not cook. The bed holds the print, and stays."""
-    for name, config in printer.machine.heaters.items():
-        target = printer.connection.heaters[name].target
-        if config.kind == "hotend" and target > 0:
-            printer.cooled_c[name] = target
-            printer.connection.set_target(name, 0.0)
-            printer.tell(f"echo:Heater {name} off in a long pause; it warms up before all goes on")
+    def time_passed(self) -> None:
+        """Switches off what has been idle for too long."""
+        rig, waits = self._rig, self._waits
+        idle_s, config = rig.drive.idle_s, rig.machine.idle
+        heaters = rig.connection.heaters
+        waits_for_user = (rig.job.suspended or waits.person) and not waits.heating
+        if waits_for_user and 0 < config.heaters_off_s < idle_s:
+            self._cool_hotends()
+        if self._state.busy() or self._turn.taken:
+            return
+        # Where something is kept warm a host may only have paused: its print must not lose its
+        # place.
+        warm = any(heater.target > 0 for heater in heaters.values())
+        motors_off = 0 < self._motors.idle_s < idle_s and bool(self._motors.on) and not warm
+        if rig.commands.lit and (idle_s > LASER_OFF_S or motors_off):
+            self._laser.off()
+            self._state.tell("echo:Laser off after standing idle; M3 switches it on again")
+            return
+        if motors_off:
+            self._motors.all_off()
+            self._state.tell("echo:Motors off after standing idle; home before the next move")
+        if 0 < self._prompts.kill_s < idle_s:
+            self._halt(f"idle for {self._prompts.kill_s:g} s (M85)")
+        if 0 < config.heaters_off_s < idle_s:
+            for name, heater in heaters.items():
+                if heater.target > 0:
+                    self._targets.set_target(name, 0.0, at_once=True)
+                    self._state.tell(f"echo:Heater {name} off after standing idle")
+
+    def _cool_hotends(self) -> None:
+        """The pause is long: hotends go off so that filament does not degrade; the bed holds the
+        print and stays warm."""
+        for name, config in self._rig.machine.heaters.items():
+            if config.kind == "hotend" and self._rig.connection.heaters[name].target > 0:
+                self._targets.cool(name)
+                self._state.tell(
+                    f"echo:Heater {name} off in a long pause; it warms up before all goes on"
+                )

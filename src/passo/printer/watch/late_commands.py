@@ -10,7 +10,8 @@ from passo.board.lateness import is_late, problem_of, summary
 if TYPE_CHECKING:
     from passo import _core
     from passo.board.connection import Connection
-    from passo.printer.printer import Printer
+    from passo.motion.rig import Rig
+    from passo.printer.state import State
 
 _AGAIN_S = 10.0  # between two lines on the consoles
 
@@ -19,8 +20,8 @@ class LatenessWatch:
     """The slack of one printer's link. `program` names the file that is printed; `worst` is what
     there is to say of the print that is under way, or was the last one."""
 
-    def __init__(self, printer: Printer) -> None:
-        self._printer = printer
+    def __init__(self, rig: Rig, state: State) -> None:
+        self._rig, self._state = rig, state
         self.program: Callable[[], str] = str
         self.worst = ""
         self._least_s = 0.0  # slack of `worst`
@@ -33,17 +34,17 @@ class LatenessWatch:
 
     def time_passed(self) -> None:
         """Looks at what has arrived since; tells the least slack of the last ten seconds."""
-        printer = self._printer
-        printer.job.line_at(printer.drive.passed)  # what lies behind it is forgotten
+        rig = self._rig
+        rig.job.line_at(rig.drive.passed)  # what lies behind it is forgotten
         self.look()
-        now = printer.connection.now
+        now = rig.connection.now
         if self._pending is not None and now >= self._next_word:
-            self._next_word = now + int(_AGAIN_S * printer.drive.hz)
+            self._next_word = now + int(_AGAIN_S * rig.drive.hz)
             self._tell()
 
     def look(self) -> None:
         """Takes notice of what has happened since the last look."""
-        for connection in self._printer.connection.connections:
+        for connection in self._rig.connection.connections:
             slack = connection.link.take_slack()
             if not is_late(connection, slack):
                 continue
@@ -62,16 +63,16 @@ class LatenessWatch:
 
     def summaries(self) -> list[str]:
         """A line of M122 for each board."""
-        return [summary(connection) for connection in self._printer.connection.connections]
+        return [summary(connection) for connection in self._rig.connection.connections]
 
     def _tell(self) -> None:
         if self._pending is not None:
-            self._printer.tell(f"echo:{self._pending[1]}")
+            self._state.tell(f"echo:{self._pending[1]}")
             self._pending = None
 
     def _sentence(self, connection: Connection, slack: _core.Slack) -> str:
-        printer, file = self._printer, self.program()
-        clock = connection.main_clock(slack.clock) - printer.drive.base
-        line = printer.job.line_near(clock) if file else 0
-        again = sum(c.link.retransmitted_bytes for c in printer.connection.connections)
+        rig, file = self._rig, self.program()
+        clock = connection.main_clock(slack.clock) - rig.drive.base
+        line = rig.job.line_near(clock) if file else 0
+        again = sum(c.link.retransmitted_bytes for c in rig.connection.connections)
         return str(problem_of(connection, slack, again, file, line or None))

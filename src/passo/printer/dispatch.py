@@ -1,0 +1,226 @@
+"""The way of a command to its handler, at once or in its place among the moves."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator
+from contextlib import contextmanager
+from functools import partial
+
+from passo import _core
+from passo.board.ports import LinkLostError
+from passo.errors import CommandError
+from passo.gcode.command import Command, alone
+from passo.gcode.dialect import Kind, row_of
+from passo.motion.motion_queue import MOST_QUEUED
+from passo.printer.commands.program import forced
+from passo.printer.live_rig import LiveRig
+from passo.printer.state import State
+from passo.printer.unfit_commands import Skips, unfit
+from passo.printer.wait_requests import Handler, Person, Reply, Room, Still, Stopped, Wait
+from passo.printer.wait_runner import Waiting
+
+# What stops a machine at once waits in a file, which is read ahead, for the moves before it.
+_IN_THEIR_TURN = ("M25", "M112", "M410", "M524")
+
+
+class Dispatch:
+    """Commands of several sources, for one printer. To be used within one event loop.
+
+    `immediate` are the commands that act at once, whoever moves the machine; those of
+    `beside_only` do so only beside a print. Immediate ones that change the plan are `of_plan`.
+    `planned` take their place on the timeline or wait for the machine. Handlers may be added before
+    the first command.
+    """
+
+    def __init__(
+        self,
+        rig: LiveRig,
+        state: State,
+        waits: Waiting,
+        skips: Skips,
+        before_line: Callable[[], None],
+    ) -> None:
+        self._rig, self._state, self._waits, self._skips = rig, state, waits, skips
+        self._before_line = before_line  # called when a console's line or the file is read on
+        self.immediate: dict[str, Handler] = {}
+        self.planned: dict[str, Handler] = {}
+        self.beside_only: frozenset[str] = frozenset()
+        self.of_plan: frozenset[str] = frozenset()
+        self._from_console = False
+
+    def begin(self) -> None:
+        """The boards have been replaced, and the job with them."""
+        self._from_console = False
+
+    def act(self, command: Command, reply: Reply) -> bool:
+        """Carries out a command that acts at once when it comes from there; else False."""
+        handler = self.immediate.get(command.code)
+        in_order = command.code in self.beside_only and not self._state.beside(reply)
+        if in_order or (handler is None and not forced(command)):
+            return False
+        if not alone(command):
+            return False  # they take their places
+        handler = handler or self.planned.get(command.code)
+        self._carried_out(handler, command, reply)
+        return True
+
+    def answers_halted(self, code: str) -> bool:
+        """A halted printer carries such a command out: it acts at once, and not on the plan. What
+        has halted it is not rearmed; M999 restarts it, cold."""
+        return code in self.immediate and code not in self.of_plan and code != "M922"
+
+    # -- lines of consoles ------------------------------------------------------------------------
+
+    def has_room(self) -> bool:
+        """A planned line can be taken in without a wait, by whoever has the turn."""
+        rig, state = self._rig, self._state
+        lost = rig.drive.interrupted and not state.halted  # what is held comes first
+        if state.host_paused or lost or not rig.job.at_boundary:
+            return False
+        # Beside a print the plan is always full: a line comes behind what is planned.
+        return rig.job.queued <= MOST_QUEUED if state.busy() else not rig.drive.full
+
+    async def room(self) -> bool:
+        """Waits, with the turn, until a planned line can be taken in. True if M108 came meanwhile:
+        then it is taken even if the plan is full, and its own wait is over."""
+        return await self._waits.room(self.has_room)
+
+    def take_line(self, text: str, reply: Reply) -> Wait | None:
+        """Takes in one line of a console: all of it, or up to a command that waits; then `finish`
+        goes on. Only with the turn and with room."""
+        self._tell_of_line(done=False)
+        job = self._rig.job
+        self._feed(text)
+        before = job.queued, job.clock
+        wait = self._go_on(reply)
+        self._tell_of_line(done=True)
+        if not self._state.busy() and (job.queued, job.clock) != before:
+            self._state.program = reply
+        return wait
+
+    def take_setting(self, text: str, reply: Reply) -> None:
+        """Carries out one line of stored settings, the machine standing, by who has the turn."""
+        self._feed(text)
+        wait = self._go_on(reply)
+        while wait is not None:
+            if isinstance(wait, Still) and wait.then is not None:
+                self._rig.drive.flush()
+                wait.then()
+            wait = self._go_on(reply)
+
+    async def finish(
+        self,
+        wait: Wait | None,
+        reply: Reply,
+        *,
+        first_ends: bool = False,
+        all_end: Callable[[], bool] = lambda: False,
+    ) -> None:
+        """The rest of a line whose command waits; its first wait, or all of them, may have to end
+        as soon as they begin. Raises Stopped or MachineError."""
+        try:
+            while wait is not None:
+                await self._waits.wait(wait, reply, ends=first_ends or all_end())
+                if isinstance(wait, Person) and all_end():
+                    raise Stopped("no user has confirmed it")
+                first_ends = False
+                self.select(console=True)
+                wait = self._go_on(reply)
+                self._tell_of_line(done=True)
+        except Exception:
+            self._rig.job.abandon()  # the rest of the line would stand in everybody's way
+            raise
+
+    def _feed(self, text: str) -> None:
+        self.select(console=True)
+        self._rig.job.feed(text.encode("utf-8", "surrogateescape") + b"\n")
+
+    def _tell_of_line(self, *, done: bool) -> None:
+        for listener in self._state.line_listeners:
+            listener(done)
+
+    # -- the file, and lines of consoles beside it ------------------------------------------------
+
+    def select(self, *, console: bool) -> None:
+        """What is read next comes from a console, or else from the file."""
+        self._from_console = console
+        self._rig.job.select(console)
+        self._before_line()
+
+    @property
+    def in_console_line(self) -> bool:
+        """A line of a console is under way, none of the file."""
+        return self._from_console and not self._rig.job.at_boundary
+
+    @contextmanager
+    def file_selected(self) -> Generator[_core.Job]:
+        """The job with the file's text selected: to ask or restart it, not to read on, while a line
+        of a console may be under way."""
+        self._rig.job.select(False)
+        try:
+            yield self._rig.job
+        finally:
+            self._rig.job.select(self._from_console)
+
+    def run_command(self, command: Command, reply: Reply) -> Wait | None:
+        """Carries out a command that the interpreter handed out."""
+        self._rig.drive.before_moves()
+        handler = self.planned.get(command.code) or self.immediate.get(command.code)
+        if handler is not None and command.code in _IN_THEIR_TURN and not self._from_console:
+            return Still(partial(self._carried_out, handler, command, reply))
+        wait = self._carried_out(handler, command, reply)
+        if self._from_console and (problem := unfit(command, self._skips)):
+            levels = problem.code == "input.no-levelling"
+            reply.fail(problem.sentence if levels else f'Unknown command: "{command.code}"')
+            return wait
+        if handler is None:
+            _note(command.code, reply)
+        if handler is None and not self._rig.commands.knows(command):
+            reply.say(f'echo:Unknown command: "{command.code}"')
+        return wait
+
+    def _carried_out(self, handler: Handler | None, command: Command, reply: Reply) -> Wait | None:
+        """By a handler of a printer with consoles, or as in a print without them."""
+        try:
+            if handler is None:
+                wait = self._rig.commands.run(command)
+            else:
+                command.check()
+                wait = handler(command, reply)
+        except (CommandError, LinkLostError) as error:
+            reply.fail(str(error), error.problems)
+            return None
+        for listener in self._state.command_listeners:
+            listener(command, reply)
+        return wait
+
+    def _go_on(self, reply: Reply) -> Wait | None:
+        rig, status = self._rig, _core.JobStatus
+        rig.drive.before_moves()
+        try:
+            while True:
+                found = rig.job.advance()
+                if found == status.EVENT:
+                    wait = self.run_command(Command(*rig.job.event), reply)
+                    rig.commands.ended = False  # a console has no program to end
+                    if wait is not None:
+                        return wait
+                elif found == status.ERROR:
+                    problem = rig.commands.problem()
+                    reply.fail(str(problem), [problem])
+                    rig.job.abandon()
+                    return None
+                else:
+                    return Room() if found == status.FULL else None
+        except Exception:
+            rig.job.abandon()
+            raise
+        finally:
+            rig.drive.after_moves()
+
+
+def _note(code: str, reply: Reply) -> None:
+    """Says of a command that does nothing why it does not."""
+    row = row_of(code)
+    if row is not None and row.kind in (Kind.QUIET, Kind.SERVED, Kind.NOT_BUILT):
+        reply.note(row.code, f"{row.code} does nothing here. {row.lacks or row.text}")

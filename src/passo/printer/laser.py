@@ -1,0 +1,50 @@
+"""The laser of a printer where the machine stands still."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from contextlib import contextmanager
+
+from passo.printer.live_rig import LiveRig
+from passo.printer.state import State
+
+
+class Laser:
+    """Switches the laser of one printer off, for good or for as long as it stands."""
+
+    def __init__(self, rig: LiveRig, state: State) -> None:
+        self._rig, self._state = rig, state
+        self._dark = False  # for now; it will be lit again
+
+    def begin(self) -> None:
+        """The boards have been replaced: all outputs are off."""
+        self._dark = False
+
+    def off(self) -> None:
+        """Off when the moves so far are done, until it is switched on again."""
+        if self._rig.machine.laser and not self._state.halted:
+            self._rig.drive.before_moves()
+            self._rig.commands.laser_off()
+            self._rig.drive.after_moves()
+
+    @contextmanager
+    def dark(self) -> Generator[None]:
+        """Off when the moves so far are done, and as it was at the end, unless it was switched off
+        for good meanwhile."""
+        if self._rig.commands.lit and not self._dark:
+            self._shade(dark=True)
+        try:
+            yield
+        finally:
+            self.light()
+
+    def light(self) -> None:
+        """Ends the darkness; a suspended job keeps it."""
+        if self._dark and not (self._state.halted or self._rig.job.suspended):
+            self._shade(dark=False)
+
+    def _shade(self, *, dark: bool) -> None:
+        self._dark = dark
+        self._rig.drive.before_moves()
+        self._rig.commands.shade(dark=dark)
+        self._rig.drive.after_moves()

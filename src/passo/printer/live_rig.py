@@ -1,0 +1,28 @@
+"""The rig of a printer that executes commands."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from passo.motion.rig import Rig
+from passo.printer.commands.program import Commands, Heat
+
+
+class LiveRig(Rig):
+    """A rig with the commands of its job, which a restart replaces as well."""
+
+    commands: Commands
+
+    def plan_commands(self, heat: Heat, on_mark: Callable[[int, int], None]) -> None:
+        """As `plan`; commands set their temperatures at `heat`."""
+        self.plan(on_mark)
+        boards = self.connection
+        full = [boards.full_scale(output.name) for output in boards.board.outputs]
+        self.commands = Commands(self.machine, self.job, heat, full)
+        self.commands.record_at_once = self.drive.record_at_once
+
+    def set_fan(self, fan: str, share: float) -> None:
+        """Sets a fan's speed, 0 to 1, when the moves so far are done."""
+        self.drive.before_moves()
+        self.commands.set_output(fan, share)
+        self.drive.after_moves()

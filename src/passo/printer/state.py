@@ -1,0 +1,72 @@
+"""What all parts of one printer share: whether it runs, and who listens to what happens."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+from passo.board.faults import HeaterFault
+from passo.errors import MachineError
+from passo.gcode.command import Command
+from passo.printer.wait_requests import Reply, Stopped
+
+
+class State:
+    """The state of one printer, and the subscriptions to it. It survives a restart (M999).
+
+    `halted`: why nothing moves or heats until M999, or empty. `failures`: halts and failed heaters
+    so far; what clears one was sent after it. `host_paused`: a host's print is paused, and its
+    lines have to wait. `ended`: the wait under way has to end. `program`: whose moves were planned
+    last. `start_failure`: why the first start failed, until M999.
+    """
+
+    def __init__(self) -> None:
+        self.halted = ""
+        self.failures = 0
+        self.host_paused = False
+        self.ended = False
+        self.program: Reply | None = None
+        self.start_failure: MachineError | None = None
+        self.unheard: list[str] = []  # told before anybody listened, for the console that opens
+        self.listeners: list[Callable[[str], None]] = []
+        self.command_listeners: list[Callable[[Command, Reply], None]] = []  # of what was done
+        self.line_listeners: list[Callable[[bool], None]] = []  # a console's begins, or was `done`
+        self.stop_listeners: list[Callable[[str], None]] = []
+        self.fault_listeners: list[Callable[[HeaterFault], None]] = []
+        # What the parts above the printer answer.
+        self.busy: Callable[[], bool] = lambda: False  # a print is under way, or paused
+        self.end_asking: Callable[[], None] = lambda: None  # resumes a file that waits for the user
+        self.settings: Callable[[], Iterable[str]] = tuple  # commands that restore the settings
+        self.store_settings: Callable[[], object] | None = None  # durably; None: nowhere
+        self.greeting: Callable[[], str] = str  # for a console that opens
+
+    def tell(self, text: str) -> None:
+        """A line to all who listen."""
+        for listener in list(self.listeners):
+            listener(text)
+
+    def beside(self, reply: Reply) -> bool:
+        """True if `reply` is not the source whose moves are planned: a console beside a print from
+        the card, or beside another console."""
+        return reply is not self.program
+
+    @property
+    def why_halted(self) -> str:
+        """`halted`, and what to do."""
+        said = self.halted.endswith("M999")
+        return self.halted if said else f"{self.halted}. Make the printer safe, then send M999"
+
+    @property
+    def interrupted(self) -> bool:
+        """M108, M410 or a halt has to end the wait under way."""
+        return self.ended or bool(self.halted)
+
+    def raise_if_interrupted(self) -> None:
+        """Raises Stopped after M108, M410 or a halt."""
+        self.raise_if_halted()
+        if self.ended:
+            raise Stopped("it was stopped")
+
+    def raise_if_halted(self) -> None:
+        """Raises Stopped while the printer is halted."""
+        if self.halted:
+            raise Stopped(self.halted)
