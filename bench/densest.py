@@ -2,8 +2,8 @@
 
 Takes what `passo steps FILE --ideal --output STEPS.npz` wrote, draws runs of one direction at
 random and finds, for each motor, the fewest commands that execute them within the bound of
-docs/compression.md, whatever the way of choosing them. Beside it stands the exact greedy choice:
-always the longest command, ended as near to the ideal as can be.
+docs/explanation/compression.md, whatever the way of choosing them. Beside it stands the exact
+greedy choice: always the longest command, ended as near to the ideal as can be.
 """
 
 from __future__ import annotations

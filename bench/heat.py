@@ -1,4 +1,4 @@
-"""How the simulated hotend of the i3 is controlled: the table of docs/heat.md, in virtual time.
+"""How the simulated hotend of the i3 is controlled: the table of docs/explanation/heat.md.
 
     .venv/bin/python bench/heat.py
 

@@ -1,5 +1,5 @@
-"""Brings the sizes in docs/boards.md up to date: builds an image for each row of its table "What
-fits", of the row's first board. Usage: .venv/bin/python tools/what_fits.py"""
+"""Brings the sizes in docs/how-to/set-up-a-board.md up to date: builds an image for each row of its
+table "What fits", of the row's first board. Usage: .venv/bin/python tools/what_fits.py"""
 
 import re
 import tempfile
@@ -8,7 +8,7 @@ from pathlib import Path
 from passo.toolchain.build import build
 from passo.toolchain.targets import board_target
 
-_PAGE = Path(__file__).parents[1] / "docs" / "boards.md"
+_PAGE = Path(__file__).parents[1] / "docs" / "how-to" / "set-up-a-board.md"
 _ROW = re.compile(
     r"^(\| ([\w.-]+)[\w., -]* \| \w+ \| )\d+( of \d+ \| )\d+( of \d+ \|)$", re.MULTILINE
 )

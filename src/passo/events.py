@@ -55,8 +55,8 @@ class JobEnded:
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """A protection has switched a heater off. `kind` is the row of docs/heat.md, for example
-    `sensor-open`; `text` is the sentence that consoles receive."""
+    """A protection has switched a heater off. `kind` is its row in docs/explanation/heat.md, for
+    example `sensor-open`; `text` is the sentence that consoles receive."""
 
     heater: str
     kind: str

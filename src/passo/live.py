@@ -215,8 +215,8 @@ class Printer:
         self, part: str, value: str, *, after_s: float = 0.0, for_s: float | None = None
     ) -> None:
         """Gives a part of the simulated printer a fault after so many seconds of print time, for so
-        many or for good; `none` ends one: see docs/faults.md. Raises CommandError for a part or a
-        fault that does not exist, and for real boards."""
+        many or for good; `none` ends one (docs/how-to/simulate-faults.md). Raises CommandError for
+        a part or a fault that does not exist, and for real boards."""
         self._printer.faults.order(FaultOrder(part, value, after_s, for_s))
 
     # -- what it reports --------------------------------------------------------------------------

@@ -247,7 +247,7 @@ def test_missing_file_and_directory(tmp_path: Path) -> None:
 
 
 def test_the_documented_driver_table_is_the_one_in_use() -> None:
-    text = (Path(__file__).parents[2] / "docs" / "machine-files.md").read_text()
+    text = (Path(__file__).parents[2] / "docs" / "how-to" / "write-a-machine-file.md").read_text()
     rows = [line.strip("|").split("|") for line in text.splitlines() if " µs |" in line]
     table = {
         name.strip(): (
@@ -264,7 +264,7 @@ def test_the_documented_driver_table_is_the_one_in_use() -> None:
 
 
 def test_the_documented_geometries_are_those_that_there_are() -> None:
-    text = (Path(__file__).parents[2] / "docs" / "machine-files.md").read_text()
+    text = (Path(__file__).parents[2] / "docs" / "how-to" / "write-a-machine-file.md").read_text()
     table = text.partition("## Geometries")[2].partition("\n## ")[0]
     rows = [line.strip("|").split("|") for line in table.splitlines() if line.startswith("| `")]
     told = {kind.strip(" `"): (motors.split(), keys) for kind, motors, _, keys in rows}
@@ -280,7 +280,7 @@ def test_the_documented_geometries_are_those_that_there_are() -> None:
 
 
 def test_the_documented_machine_is_right_but_for_the_rest_of_it() -> None:
-    text = (Path(__file__).parents[2] / "docs" / "machine-files.md").read_text()
+    text = (Path(__file__).parents[2] / "docs" / "how-to" / "write-a-machine-file.md").read_text()
     example = text.split("```toml\n")[1].split("```")[0]
     with pytest.raises(ConfigError) as caught:
         config.load_text(example)

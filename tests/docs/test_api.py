@@ -1,4 +1,4 @@
-"""Every example of docs/api.md prints what the page shows."""
+"""Every example of docs/reference/python.md prints what the page shows."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pytest
 import passo
 from passo import events
 
-PAGE = (Path(__file__).parents[2] / "docs" / "api.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs" / "reference" / "python.md").read_text(encoding="utf-8")
 PART = re.search(r"```gcode\n(.*?)```", PAGE, re.DOTALL)[1]
 EXAMPLES = re.findall(r"```python\n(.*?)```\n\n```text\n(.*?)```", PAGE, re.DOTALL)
 

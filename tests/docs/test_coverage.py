@@ -12,7 +12,7 @@ import pytest
 from passo.gcode.dialect import BY_CODE, Kind
 
 ROOT = Path(__file__).parents[2]
-PAGE = (ROOT / "docs/coverage.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "tests/coverage.md").read_text(encoding="utf-8")
 NAMED = sorted(set(re.findall(r"`(tests/[\w/]+\.py)::(\w+)`", PAGE)))
 
 

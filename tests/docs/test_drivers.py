@@ -1,4 +1,4 @@
-"""The machine files of docs/drivers.md are right."""
+"""The machine files of docs/how-to/set-up-drivers.md are right."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from tests.printer.driver_machine import DRIVERS, machine_text
 
 from passo import config
 
-TEXT = (Path(__file__).parents[2] / "docs" / "drivers.md").read_text()
+TEXT = (Path(__file__).parents[2] / "docs" / "how-to" / "set-up-drivers.md").read_text()
 BLOCKS = [part.split("```")[0] for part in TEXT.split("```toml\n")[1:]]
 
 

@@ -1,4 +1,4 @@
-"""Every row of docs/faults.md happens as it stands there, and its example runs."""
+"""Every row of docs/how-to/simulate-faults.md happens as it stands there, and its example runs."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ import passo
 from passo.events import Message
 from passo.printer.status import PrinterState
 
-PAGE = (Path(__file__).parents[2] / "docs" / "faults.md").read_text(encoding="utf-8")
+ROOT = Path(__file__).parents[2]
+PAGE = (ROOT / "docs/how-to/simulate-faults.md").read_text(encoding="utf-8")
 HEAD = "| command, then | fault | what the machine does | what you see | what to do |\n"
 ROWS = [
     [cell.strip() for cell in line.strip("|").split("|")]

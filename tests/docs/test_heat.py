@@ -1,4 +1,4 @@
-"""The tables of docs/heat.md hold what is in use."""
+"""The tables of docs/explanation/heat.md hold what is in use."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from passo.config.sensors import CONVERTERS, PlatinumConverter, Thermistor, Univ
 from passo.heat.control import limits_of
 from passo.heat.rules import RULES
 
-PAGE = (Path(__file__).parents[2] / "docs" / "heat.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs" / "explanation" / "heat.md").read_text(encoding="utf-8")
 
 
 def rows(heading: str) -> list[list[str]]:

@@ -19,6 +19,11 @@ from passo.toolchain.declarations import gather, message_name
 from passo.toolchain.protocol_reference import reference as protocol
 
 ROOT = Path(__file__).parents[2]
+PAGES = [
+    page
+    for pattern in ("*.md", "docs/**/*.md", "examples/*.md", "bench/*.md", "tests/*.md")
+    for page in ROOT.glob(pattern)
+]
 
 
 def test_the_reference_is_up_to_date():
@@ -70,14 +75,35 @@ def test_words_belong_as_the_reference_says(tmp_path, text, x_mm, least_s):
 
 
 def test_links_lead_somewhere():
-    pages = [*ROOT.glob("*.md"), *ROOT.glob("docs/**/*.md"), *ROOT.glob("examples/*.md")]
     links = [
-        (page.relative_to(ROOT), target)
-        for page in pages
-        for target in re.findall(r"\]\(([^):#]+)\)", page.read_text(encoding="utf-8"))
+        (page, target, anchor)
+        for page in PAGES
+        for target, anchor in re.findall(
+            r"\]\(([^):#]*)#?([^):]*)\)", page.read_text(encoding="utf-8")
+        )
     ]
-    assert len(links) > 15
-    assert [link for link in links if not (ROOT / link[0].parent / link[1]).exists()] == []
+    assert len(links) > 100
+    broken = [
+        f"{page.relative_to(ROOT)}: {target}#{anchor}"
+        for page, target, anchor in links
+        if not (to := page.parent / target if target else page).exists()
+        or (anchor and anchor not in anchors(to))
+    ]
+    assert broken == []
+
+
+def anchors(page: Path) -> set[str]:
+    """The anchors of a page's headings, as web views of Markdown make them."""
+    headings = re.findall(r"^#+ (.*)$", page.read_text(encoding="utf-8"), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", h.lower()).replace(" ", "-") for h in headings}
+
+
+def test_the_index_leads_to_every_page():
+    text = (ROOT / "docs/README.md").read_text(encoding="utf-8")
+    linked = {(ROOT / "docs" / target).resolve() for target in re.findall(r"\]\(([^):#]+)", text)}
+    folders = ("tutorial", "how-to", "reference", "explanation")
+    pages = {page for folder in folders for page in ROOT.glob(f"docs/{folder}/*.md")}
+    assert sorted(pages - linked) == []
 
 
 def test_the_code_of_the_readme_runs(tmp_path, monkeypatch, capsys):

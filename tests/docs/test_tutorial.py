@@ -1,4 +1,4 @@
-"""What docs/tutorial.md shows is what its commands print, one after the other."""
+"""What docs/tutorial/one-line.md shows is what its commands print, one after the other."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-PAGE = (Path(__file__).parents[2] / "docs" / "tutorial.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs" / "tutorial" / "one-line.md").read_text(encoding="utf-8")
 BLOCK = re.compile(r"`([\w.]+)`[^`]*?```(?:gcode|python)\n(.*?)```|```console\n(.*?)```", re.DOTALL)
 
 

@@ -22,7 +22,8 @@ COMMITTED_S = 0.2
 # A link needs so long at most to carry one away: commands leave 125 ms before their time and are
 # late with less than 60 ms left. In commits they are needed 75 ms sooner, and leave 50 ms sooner.
 LINK_BURST_S = 0.06
-# So many commands a second the plan was seen to keep to, whatever a file asks (docs/planning.md).
+# The plan was measured to keep to this rate of commands, whatever a file asks
+# (docs/explanation/planning.md).
 SURE_COMMANDS_S = 600.0
 COMMIT_BURST_S = 0.035
 

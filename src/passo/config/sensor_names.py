@@ -201,7 +201,7 @@ sensor = { kind = "Marlin 1", pullup_ohm = 2200.0 }
 
 Case, blanks and hyphens do not matter; `sensor = 5` is `Marlin 5`, as in `TEMP_SENSOR_0 5`. The
 pull-up resistor is the board's (4700 Ω unless its file states another) except where a row has one.
-The equation of a thermistor is in [heat](../heat.md#sensors).
+The equation of a thermistor is in [heat](../explanation/heat.md#sensors).
 
 Klipper's thermistors follow from the points of its table, Marlin's are fitted to its tables of the
 same numbers in the least squares. Marlin's 6, 15, 17, 22, 23, 66, 503 to 505, 512 and 666 are not

@@ -21,9 +21,9 @@ an exponent only where it cannot be meant as a word:
 Comments stand in parentheses or behind `;`. A line number (`N12`) is skipped. A last `*` with
 digits that end such a line (`*71`) is its checksum and is checked. Where it is wrong and the
 command takes a text (`N5 M486 A13*10`), it belongs to the text. Lines without a number may have a
-checksum [on a console](../serve.md#line-numbers-and-checksums) only. Anything that is not listed
+checksum [on a console](serve.md#line-numbers-and-checksums) only. Anything that is not listed
 below is skipped with one warning; a print does not begin if
-[it may move the machine](../print.md) elsewhere.
+[it may move the machine](../how-to/check-a-file.md) elsewhere.
 
 A letter without a number, or with one beyond 1e9, is an error that names it, and nothing of the
 command is carried out, unless the letter is listed below as one that may stand *alone*. Behind it
