@@ -1,9 +1,11 @@
 // passo._core.Geometry: the kernels one by one, and the core's own trigonometry.
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <optional>
 #include <tuple>
 
 #include "base/numbers.hpp"
@@ -74,6 +76,14 @@ void bind_geometry(nb::module_& m) {
             return Point(p[0], p[1], p[2]);
           },
           "positions"_a, "Nozzle position. Raises ValueError where there is none.")
+      .def(
+          "linear",
+          [](const GeometryView& self, int i) -> std::optional<Point> {
+            double c[3];
+            if (!self.geometry->linear(checked(self, i), c)) return std::nullopt;
+            return Point(c[0], c[1], c[2]);
+          },
+          "actuator"_a, "How far an actuator goes for each mm of X, Y and Z; None if that differs.")
       .def(
           "slopes",
           [](const GeometryView& self, int i, const Point& from, const Point& to, double s) {

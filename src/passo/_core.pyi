@@ -1016,6 +1016,11 @@ class Geometry:
     def forward(self, positions: tuple[float, float, float]) -> tuple[float, float, float]:
         """Nozzle position. Raises ValueError where there is none."""
 
+    def linear(self, actuator: int) -> tuple[float, float, float] | None:
+        """
+        How far an actuator goes for each mm of X, Y and Z; None if that differs.
+        """
+
     def slopes(self, actuator: int, start: tuple[float, float, float], end: tuple[float, float, float], s: float) -> tuple[float, float]:
         """First and second derivative by path length at s mm."""
 

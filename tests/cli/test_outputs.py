@@ -1,8 +1,7 @@
-"""`passo steps`, `passo explain`, `passo report`: files that other programs read."""
+"""`passo steps`, `passo explain`: files that other programs read."""
 
 from __future__ import annotations
 
-import json
 import os
 import random
 import re
@@ -18,7 +17,6 @@ import numpy as np
 import pytest
 import vcd.reader
 
-from passo import config
 from passo.cli.main import main
 from passo.config.load import shipped_text
 from passo.job.batch.simulated_print import Print
@@ -420,130 +418,6 @@ sys.exit(main())
 def test_a_time_that_is_no_number_is_told(short, capsys):
     assert main(["steps", short, "--output", "o.npz", "--from", "soon"]) == 2
     assert "'soon' is not a time in seconds" in capsys.readouterr().err
-
-
-def test_report_is_one_page(short, tmp_path):
-    page = tmp_path / "r.html"
-    assert main(["report", short, "--output", str(page)]) == 0
-    text = page.read_text(encoding="utf-8")
-    assert "short.gcode on i3" in text
-    assert "http" not in text
-    assert '"steps' not in text.partition("const data")[0]
-
-
-def reported(path, page, *words):
-    """The figures behind a report's pictures."""
-    assert main(["report", str(path), "--output", str(page), *words]) == 0
-    text = page.read_text(encoding="utf-8").partition("const data = ")[2]
-    return json.JSONDecoder().raw_decode(text)[0]
-
-
-@pytest.mark.parametrize(
-    "machine", ["i3", "corexy", "delta", "rotary-delta", "scara", "dual-extruder"]
-)
-def test_report_shows_the_step_rate_of_every_motor(tmp_path, machine):
-    model = config.load(machine)
-    x, y = ((model.axes[a].min_mm + model.axes[a].max_mm) / 2 for a in "xy")
-    program = f"""G28
-G1 X{x} Y{y + 25} Z20 F2400
-G1 X{x + 30} Y{y + 38} E2
-G1 X{x - 20} Y{y + 45} Z22 E4
-G1 E-20
-"""
-    if machine == "dual-extruder":
-        program += f"T1\nG92 E0\nG1 X{x} Y{y} E30\n"
-    path, page, steps = (tmp_path / name for name in ("a.gcode", "a.html", "a.npz"))
-    path.write_text(program)
-    rates = reported(path, page, "--machine", machine)["rates"]
-    words = ["--machine", machine, "--ideal", "--output", str(steps)]
-    assert main(["steps", str(path), *words]) == 0
-    executed = np.load(steps)
-    assert set(rates) == {k.removesuffix("_ideal_s") for k in executed if k.endswith("_ideal_s")}
-    for name, shown in rates.items():
-        times, ways = executed[f"{name}_ideal_s"], executed[f"{name}_dir"]
-        same = ways[5:] == ways[:-5]  # five steps on, in one direction
-        fastest = np.max(5 / (times[5:] - times[:-5])[same])
-        # Of a long move it is the densest place at full speed, which it may not have there.
-        assert 0.98 * fastest <= max(shown) <= 1.05 * fastest
-
-
-def test_report_shows_the_step_rate_of_a_further_axis(tmp_path):
-    shipped = config.shipped_text("i3")
-    machine = tmp_path / "m.toml"
-    machine.write_text(
-        f"""{shipped}
-[axes.u]
-max_mm = 60
-speed_mm_s = 20
-accel_mm_s2 = 200
-[steppers.u]
-steps_per_mm = 100
-socket = "E1"
-"""
-    )
-    path = tmp_path / "a.gcode"
-    path.write_text("G28\nG1 U30 F600\n")
-    rates = reported(path, tmp_path / "a.html", "--machine", str(machine))["rates"]
-    assert {name: max(rate) for name, rate in rates.items()} == {
-        "x": 0,
-        "y": 0,
-        "z": 0,
-        "e": 0,
-        "u": 1000,
-    }
-
-
-def test_report_tells_what_the_print_time_is_made_of(tmp_path):
-    path = tmp_path / "a.gcode"
-    path.write_text("G28\nM109 S60\nG4 S3670\nG1 X100 F600\n")
-    told = dict(reported(path, tmp_path / "a.html")["summary"])
-    parts = [float(told[name].removesuffix(" s")) for name in ("Moving", "Heating", "Waiting")]
-    assert parts[2] == 3670
-    hours, minutes, seconds = re.fullmatch(
-        r"(\d) h (\d\d) min (\d\d) s", told["Print time"]
-    ).groups()
-    total = 3600 * int(hours) + 60 * int(minutes) + int(seconds)
-    assert sum(parts) == pytest.approx(total, abs=1)
-
-
-def test_a_report_of_long_moves_has_them_where_they_are(tmp_path):
-    """The columns over time are joined while such a move is drawn, too."""
-    path = tmp_path / "a.gcode"
-    path.write_text("G28\nG4 S500\nG1 Z200 F12\nG4 S300\nG1 Z100 F60\n")
-    data = reported(path, tmp_path / "a.html")
-    speeds, width = data["speed"], data["bucket_s"]
-    # Bounds of the changes, s: it stands, goes, stands, goes.
-    changes = [i * width for i in range(1, len(speeds)) if speeds[i] != speeds[i - 1]]
-    assert changes == pytest.approx([500, 1500, 1800], abs=2 * width)
-    assert [speeds[round(at / width)] for at in (100, 1000, 1650, 1850)] == [0, 0.2, 0, 1]
-    assert len(speeds) * width == pytest.approx(1900, abs=2 * width)
-
-
-def test_report_has_speeds_in_mm_where_the_path_is_measured_in_steps(tmp_path):
-    law = 'junction = "deviation"'
-    machine = tmp_path / "m.toml"
-    machine.write_text(config.shipped_text("i3").replace(law, 'junction = "cornering_distance"'))
-    path, page = tmp_path / "a.gcode", tmp_path / "a.html"
-    path.write_text("G28\nM204 T1000\nG1 X30 Y40 F3000\nG1 X60 Y80 E1\nG1 E-4 F600\n")
-    data = reported(path, page, "--machine", str(machine))
-    assert [p[5] for p in data["paths"]] == [50, 50]
-    assert max(data["speed"]) == 50
-    assert max(data["accel"]) == 5000  # of the retraction
-    assert data["accel"][0] == 1000
-    assert data["speed"][-1] == 10
-
-
-def test_report_shows_temperatures_within_long_moves(tmp_path):
-    """A hotend that is on for ten seconds only, before a move of forty."""
-    path, page = tmp_path / "a.gcode", tmp_path / "a.html"
-    path.write_text("M104 S200\nG1 X100 F600\nM104 S0\nG1 X0 F300\nG1 X100\n")
-    rows = reported(path, page)["celsius"]["hotend"]
-    seconds, celsius = zip(*rows, strict=True)
-    assert np.diff([0, *seconds, 50]).max() <= 1
-    assert celsius[0] == pytest.approx(25, abs=1)
-    hottest = celsius.index(max(celsius))
-    assert 10 < seconds[hottest] < 20  # it gets warmer still for a while
-    assert max(celsius) > max(celsius[0], celsius[-1]) + 5
 
 
 @pytest.mark.parametrize("line", [4, 5, 30_002])

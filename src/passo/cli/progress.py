@@ -6,7 +6,7 @@ import sys
 from types import TracebackType
 from typing import TYPE_CHECKING
 
-from passo.cli.tables import duration
+from passo.learn.labels import duration
 
 if TYPE_CHECKING:
     from passo.job.batch.simulated_print import Progress

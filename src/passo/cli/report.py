@@ -39,5 +39,7 @@ def run(arguments: argparse.Namespace) -> int:
         ) from None
     for line in result.warnings:
         print(line, file=sys.stderr)
-    print(f"{output}: {output.stat().st_size / 1e6:.1f} MB", file=sys.stderr)
+    size = output.stat().st_size
+    shown = f"{size / 1e6:.1f} MB" if size >= 1e6 else f"{size / 1e3:.0f} kB"
+    print(f"{output}: {shown}", file=sys.stderr)
     return ExitStatus.DONE

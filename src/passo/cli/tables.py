@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from passo.learn.labels import duration
+
 if TYPE_CHECKING:
     from passo.job.batch.board_load import BudgetUse
     from passo.job.batch.estimate import Estimate
@@ -19,15 +21,6 @@ def columns(rows: Sequence[Sequence[str]]) -> str:
         for row in rows
     )
     return "\n".join(line.rstrip() for line in lines)
-
-
-def duration(seconds: float) -> str:
-    """`1 h 02 min 03 s`, without what is zero in front; tenths below a minute."""
-    if round(seconds, 1) < 60:
-        return f"{seconds:.1f} s"
-    minutes, rest = divmod(round(seconds), 60)
-    hours, minutes = divmod(minutes, 60)
-    return f"{hours} h {minutes:02} min {rest:02} s" if hours else f"{minutes} min {rest:02} s"
 
 
 def rows(pairs: Sequence[tuple[str, str]]) -> str:

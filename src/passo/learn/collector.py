@@ -3,137 +3,189 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Mapping
+from itertools import pairwise
+from typing import NamedTuple
 
 from passo import _core
 from passo.job.batch.simulated_print import Progress
+from passo.learn.series import Series
+from passo.learn.toolpath import Line, Toolpath
 
-_MOST_PATHS = 120_000  # lines drawn at most, over all layers
-_BUCKETS = 1200  # columns of the charts over time
-_MOST_READINGS = 3000  # of the temperature of each heater
 _APART_MM = 2.0  # where the planner looks at the slopes of a line, too
+_FIRST_LOOK_S = 0.1
+_MANY_LOOKS = 6000
 
 
-# How many steps a motor makes for each mm of a move's path, where they are most.
-Density = Callable[[_core.Move], float]
+class Phase(NamedTuple):
+    """A part of a move with one acceleration: times in s; path positions in mm, speeds in mm/s at
+    its ends; acceleration in mm/s², negative where the machine brakes."""
+
+    start_s: float
+    end_s: float
+    start_mm: float
+    end_mm: float
+    start: float
+    end: float
+    acceleration: float
 
 
-def of_axis(slot: int, steps_per_unit: float, extruder: int | None = None) -> Density:
+# Adds the step rates of a motor in a move of so many mm, with its phases.
+Rates = Callable[[Series, _core.Move, float, list[Phase]], None]
+
+
+def of_axis(slot: int, steps_per_unit: float, extruder: int | None = None) -> Rates:
     """Of a motor that follows one place of a move's positions; an extruder's follows E in its own
     moves."""
 
-    def density(move: _core.Move) -> float:
-        if extruder not in (None, move.extruder):
-            return 0.0
-        return abs(move.end_mm[slot] - move.start_mm[slot]) / move.length * steps_per_unit
+    def add(series: Series, move: _core.Move, way: float, phases: list[Phase]) -> None:
+        steps_mm = 0.0
+        if extruder in (None, move.extruder):
+            steps_mm = abs(move.end_mm[slot] - move.start_mm[slot]) / way * steps_per_unit
+        _add_even(series, steps_mm, phases)
 
-    return density
+    return add
 
 
-def of_actuator(geometry: _core.Geometry, actuator: int, steps_per_unit: float) -> Density:
-    """Of a motor of the geometry: where it is most of places `_APART_MM` apart."""
+def of_actuator(geometry: _core.Geometry, actuator: int, steps_per_unit: float) -> Rates:
+    """Of a motor of the geometry. Where it is not linear, at places at most `_APART_MM` apart."""
+    linear = geometry.linear(actuator)
 
-    def density(move: _core.Move) -> float:
+    def add_linear(series: Series, move: _core.Move, way: float, phases: list[Phase]) -> None:
+        ends = zip(linear or (), move.start_mm, move.end_mm, strict=False)
+        steps_mm = abs(sum(c * (b - a) for c, a, b in ends)) / way * steps_per_unit
+        _add_even(series, steps_mm, phases)
+
+    def add(series: Series, move: _core.Move, way: float, phases: list[Phase]) -> None:
         (x0, y0, z0), (x1, y1, z1) = move.start_mm[:3], move.end_mm[:3]
         start, end = (x0, y0, z0), (x1, y1, z1)
-        way = math.dist(start, end)
-        if way == 0:
-            return 0.0
-        parts = math.ceil(way / _APART_MM)
-        places = (way * i / parts for i in range(parts + 1))
-        slope = max(abs(geometry.slopes(actuator, start, end, s)[0]) for s in places)
-        return slope * way / move.length * steps_per_unit
+        if start == end:
+            return _add_even(series, 0.0, phases)
+        for phase in phases:
+            parts = max(1, math.ceil((phase.end_mm - phase.start_mm) / _APART_MM))
+            took_s, a = phase.end_s - phase.start_s, phase.acceleration
+            before_s, before = phase.start_s, 0.0
+            for i in range(parts + 1):
+                tau = took_s * i / parts
+                s = phase.start_mm + phase.start * tau + a * tau * tau / 2
+                slope = geometry.slopes(actuator, start, end, min(max(s, 0.0), way))[0]
+                rate = abs(slope) * (phase.start + a * tau) * steps_per_unit
+                if i:
+                    series.add(before_s, before, phase.start_s + tau, rate)
+                before_s, before = phase.start_s + tau, rate
+        return None
 
-    return density
+    return add if linear is None else add_linear
+
+
+def _add_even(series: Series, steps_mm: float, phases: list[Phase]) -> None:
+    if steps_mm == 0:
+        series.add(phases[0].start_s, 0.0, phases[-1].end_s, 0.0)
+        return
+    for phase in phases:
+        series.add(phase.start_s, phase.start * steps_mm, phase.end_s, phase.end * steps_mm)
 
 
 def way_mm(move: _core.Move) -> float:
     """How far a move goes, in mm also where its path is measured in steps."""
-    ways = [abs(end - start) for start, end in zip(move.start_mm, move.end_mm, strict=True)]
-    return math.hypot(*ways[:3]) or max(ways)
+    start, end = move.start_mm, move.end_mm
+    return math.dist(start[:3], end[:3]) or max(abs(b - a) for a, b in zip(start, end, strict=True))
 
 
-@dataclass(slots=True)
-class Bucket:
-    """One column of the charts: the largest values within it, mm/s, mm/s² and steps/s."""
+class HeaterSeries:
+    """What a heater did: °C, °C, and per cent of full power."""
 
-    speed: float = 0.0
-    accel: float = 0.0
-    rates: dict[str, float] = field(default_factory=dict[str, float])
+    def __init__(self) -> None:
+        self.celsius, self.target, self.power = Series(), Series(), Series()
+        self.last: tuple[float, float] | None = None  # s, °C
 
 
 class Collector:
-    """Takes planned moves in order. Lines and temperatures are thinned by half whenever they get
-    too many, and the columns over time are joined in pairs, so that memory stays the same for any
-    file."""
+    """Takes planned moves and readings in the order of time. A series is exact for a short job, and
+    takes no more memory for a long one, see Series; so does the path, see Toolpath."""
 
-    def __init__(self, clock_hz: int, motors: dict[str, Density]) -> None:
+    def __init__(self, clock_hz: int, motors: Mapping[str, Rates], path: Toolpath) -> None:
         self._hz = clock_hz
         self._motors = motors
-        self._every, self._count = 1, 0
-        self.bucket_s = 0.25
-        self.buckets: list[Bucket] = []
-        self.celsius: dict[str, list[tuple[float, float]]] = {}  # (s, °C) of each heater
-        self._reading_s = 0.5  # from one to the next
-        # (layer, x0, y0, x1, y1, mm/s, prints)
-        self.paths: list[tuple[int, float, float, float, float, float, bool]] = []
+        self.path = path
+        self.speed, self.acceleration, self.line = Series(), Series(), Series()
+        self.rates = {name: Series() for name in motors}
+        self.heaters = dict[str, HeaterSeries]()
+        self._looks = 0
+        self.look_s = _FIRST_LOOK_S  # from one reading to the next
+        self.looked_s = 0.0  # print time of the last one
 
-    def take(self, moves: list[_core.Move]) -> None:
+    @property
+    def planned_s(self) -> float:
+        """Print time at which the moves so far end."""
+        return self.speed.end_s
+
+    def take(self, moves: Iterable[_core.Move]) -> None:
         """Adds settled moves."""
         for move in moves:
-            self._chart(move)
-            if move.kind in ("dwell", "extrude"):
+            self._rest(move.start_ticks / self._hz)
+            if move.kind == "dwell":
+                self._rest(move.end_ticks / self._hz)
                 continue
-            self._count += 1
-            if self._count % self._every == 0:
+            way = way_mm(move)
+            phases = self._phases(move, way / move.length)
+            if not phases:
+                continue
+            first_s, last_s = phases[0].start_s, phases[-1].end_s
+            for start_s, end_s, _, _, start, end, acceleration in phases:
+                self.speed.add(start_s, start, end_s, end)
+                self.acceleration.add(start_s, acceleration, end_s, acceleration)
+            self.line.add(first_s, move.line, last_s, move.line)
+            for name, add in self._motors.items():
+                add(self.rates[name], move, way, phases)
+            if move.kind != "extrude":
                 a, b = move.start_mm, move.end_mm
-                prints = move.kind == "print"
-                speed = move.cruise_speed * way_mm(move) / move.length
-                self.paths.append((move.layer, a[0], a[1], b[0], b[1], speed, prints))
-                if len(self.paths) > _MOST_PATHS:
-                    self.paths = self.paths[::2]
-                    self._every *= 2
+                speed, prints = max(p.end for p in phases), move.kind == "print"
+                drawn = Line(move.layer, a[0], a[1], b[0], b[1], speed, prints)
+                self.path.add(drawn, b[2], first_s, last_s)
 
     def look(self, at: Progress) -> None:
-        """Adds the temperatures of a moment."""
+        """Adds the readings of a moment. `look_s` grows with the length of the job."""
+        self._looks += 1
+        if self._looks % _MANY_LOOKS == 0:
+            self.look_s *= 2
+        self.looked_s = at.print_s
         for name, celsius in at.celsius.items():
-            rows = self.celsius.setdefault(name, [])
-            told = celsius > 0  # the sensor has spoken
-            if told and (not rows or at.print_s >= rows[-1][0] + self._reading_s):
-                rows.append((at.print_s, celsius))
-        if any(len(rows) > _MOST_READINGS for rows in self.celsius.values()):
-            self._reading_s *= 2
-            self.celsius = {name: rows[::2] for name, rows in self.celsius.items()}
+            heater = self.heaters.setdefault(name, HeaterSeries())
+            if celsius <= 0:  # the sensor has not reported yet
+                continue
+            if heater.last is not None:
+                before_s, before = heater.last
+                target, power = at.target_c[name], 100 * at.power[name]
+                heater.celsius.add(before_s, before, at.print_s, celsius)
+                heater.target.add(before_s, target, at.print_s, target)
+                heater.power.add(before_s, power, at.print_s, power)
+            heater.last = (at.print_s, celsius)
 
-    def _chart(self, move: _core.Move) -> None:
-        first = int(move.start_ticks / self._hz / self.bucket_s)
-        last = int(move.end_ticks / self._hz / self.bucket_s)
-        while last >= 2 * _BUCKETS:
-            self._join()
-            first, last = first // 2, last // 2
-        while len(self.buckets) <= last:
-            self.buckets.append(Bucket())
-        if move.kind == "dwell":
+    def finish(self, end_s: float) -> None:
+        """The machine stands still from the last move to the end of the job."""
+        self._rest(end_s)
+
+    def _phases(self, move: _core.Move, unit: float) -> list[Phase]:
+        """Where the speed is straight; `unit` is mm for each unit of the path."""
+        phases, at, mm = list[Phase](), move.start_ticks, 0.0
+        speeds = (move.start_speed, move.cruise_speed, move.cruise_speed, move.end_speed)
+        lasting = (move.accelerate_ticks, move.cruise_ticks, move.decelerate_ticks)
+        for ticks, (start, end) in zip(lasting, pairwise(speeds), strict=True):
+            start_s, end_s = at / self._hz, (at + ticks) / self._hz
+            took_s = end_s - start_s
+            if took_s <= 0:
+                continue
+            start, end = start * unit, end * unit
+            to_mm = mm + (start + end) / 2 * took_s
+            a = (end - start) / took_s
+            phases.append(Phase(start_s, end_s, mm, to_mm, start, end, a))
+            at, mm = at + ticks, to_mm
+        return phases
+
+    def _rest(self, until_s: float) -> None:
+        if until_s <= self.speed.end_s:
             return
-        unit = way_mm(move) / move.length
-        speed = move.cruise_speed * unit
-        accel = max(abs(move.acceleration), move.deceleration) * unit
-        rates = {name: of(move) * move.cruise_speed for name, of in self._motors.items()}
-        for bucket in self.buckets[first : last + 1]:
-            bucket.speed = max(bucket.speed, speed)
-            bucket.accel = max(bucket.accel, accel)
-            for name, rate in rates.items():
-                bucket.rates[name] = max(bucket.rates.get(name, 0.0), rate)
-
-    def _join(self) -> None:
-        pairs = [self.buckets[i : i + 2] for i in range(0, len(self.buckets), 2)]
-        self.buckets = [
-            Bucket(
-                max(b.speed for b in pair),
-                max(b.accel for b in pair),
-                {name: max(b.rates.get(name, 0.0) for b in pair) for name in self._motors},
-            )
-            for pair in pairs
-        ]
-        self.bucket_s *= 2
+        for series in (self.speed, self.acceleration, *self.rates.values()):
+            series.add(series.end_s, 0.0, until_s, 0.0)
+        self.line.hold(until_s)

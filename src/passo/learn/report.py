@@ -1,56 +1,76 @@
-"""One page with the pictures of a print: self-contained HTML, no network."""
+"""`passo report`: one page with the pictures of a print."""
 
 from __future__ import annotations
 
-import html
-import json
 import os
-from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from passo import _core
+from passo.errors import PassoError
 from passo.job.batch.policy import Policy
-from passo.job.batch.simulated_print import Print
+from passo.job.batch.result import PrintResult
+from passo.job.batch.simulated_print import Print, Progress
 from passo.job.durable_files import replaced
-from passo.learn.collector import Collector, Density, of_actuator, of_axis
+from passo.learn.chart import Chart, Curve
+from passo.learn.collector import Collector, HeaterSeries, Rates, of_actuator, of_axis
+from passo.learn.labels import duration
+from passo.learn.page import bars, beside, page, problems, table, zoom_bar
+from passo.learn.toolpath import Toolpath
 from passo.motion.axis_slots import slot_of_axis
 
 if TYPE_CHECKING:
-    from passo.config.machine import MachineConfig
-    from passo.job.batch.result import PrintResult
+    from collections.abc import Mapping
 
-_LOOK_S = 0.5  # from one reading of temperatures to the next, while they are few
+    from passo.config.machine import MachineConfig
+
+_COLOURS = 6  # of the page's palette
+_NO_PROGRAM = ("input.unreadable", "input.empty", "input.no-known-command")
+_LEAST_SHARE = 0.0005  # of a bar
 
 
 def write_report(
     machine: MachineConfig, path: str | os.PathLike[str], output: Path, policy: Policy
 ) -> PrintResult:
     """Prints the file on the simulated board and writes the page; it appears whole or not at all.
+    A print that stops gets a page, too, with what went wrong and what was planned until then,
+    before the error is raised; a file that cannot be read, or holds no command, gets none.
 
     Raises InputError, MachineError, OSError.
     """
-    motors = _motors(machine)
-    collector = Collector(machine.board.clock_hz, motors)
-    job = Print(machine, policy, collector.look, _LOOK_S)
+    x, y, _ = (machine.axes[name] for name in "xyz")
+    collector = Collector(
+        machine.board.clock_hz, _motors(machine), Toolpath((x.min_mm, y.min_mm, x.max_mm, y.max_mm))
+    )
+
+    def look(at: Progress) -> None:
+        collector.look(at)
+        job.every_s = collector.look_s
+
+    job = Print(machine, policy, look, collector.look_s)
     job.job.keep_moves(True)
     job.watch(lambda: collector.take(job.job.take_moves()))
-    result = job.run(path)
-    page = files("passo.learn").joinpath("report.html").read_text(encoding="utf-8")
-    data = _data(collector, job, result, machine, list(motors))
-    name = os.fsencode(Path(path).name).decode("utf-8", "backslashreplace")
-    title = html.escape(f"{name} on {machine.name}")
-    page = page.replace("@TITLE@", title)
-    page = page.replace("@DATA@", json.dumps(data, separators=(",", ":")).replace("</", "<\\/"))
+    result, failed = PrintResult(file=str(path), machine=machine.name), None
+    try:
+        job.run(path, result=result)
+    except PassoError as error:
+        if any(problem.code in _NO_PROGRAM for problem in error.problems):
+            raise
+        failed = error
+        job.job.flush()  # so that the moves before the failed line are planned
+    collector.take(job.job.take_moves())
+    text = _page(collector, job.job.statistics(), result, failed)
     with replaced(output) as temporary:
-        temporary.write_text(page, encoding="utf-8")
+        temporary.write_text(text, encoding="utf-8")
+    if failed is not None:
+        raise failed
     return result
 
 
-def _motors(machine: MachineConfig) -> dict[str, Density]:
+def _motors(machine: MachineConfig) -> dict[str, Rates]:
     spec = machine.core_spec()
     geometry = _core.Geometry(spec["geometry"])
-    motors: dict[str, Density] = {}
+    motors: dict[str, Rates] = {}
     for row in spec["steppers"]:
         index, steps = row["index"], row["steps_per_unit"]
         if row["drive"] == "extruder":
@@ -62,52 +82,113 @@ def _motors(machine: MachineConfig) -> dict[str, Density]:
     return motors
 
 
-def _data(
+def _page(
     collector: Collector,
-    job: Print,
+    plan: Mapping[str, Any],
     result: PrintResult,
-    machine: MachineConfig,
-    motors: list[str],
-) -> dict[str, Any]:
-    x, y, _ = (machine.axes[name] for name in "xyz")
-    paths = [
-        (layer, round(a, 2), round(b, 2), round(c, 2), round(d, 2), round(v, 1), int(prints))
-        for layer, a, b, c, d, v, prints in collector.paths
-    ]
-    return {
-        "bed": [x.min_mm, y.min_mm, x.max_mm, y.max_mm],
-        "paths": paths,
-        "bucket_s": collector.bucket_s,
-        "speed": [round(b.speed, 1) for b in collector.buckets],
-        "accel": [round(b.accel) for b in collector.buckets],
-        "rates": {
-            name: [round(b.rates.get(name, 0.0)) for b in collector.buckets] for name in motors
-        },
-        "celsius": {
-            name: [(round(s, 1), round(c, 1)) for s, c in rows]
-            for name, rows in collector.celsius.items()
-        },
-        "limits": result.limits,
-        "features": job.job.statistics()["feature_s"],
-        "summary": _summary(result),
+    failed: PassoError | None,
+) -> str:
+    end_s = max(collector.planned_s, result.print_time_s) or collector.looked_s
+    collector.finish(end_s)
+    name = os.fsencode(Path(result.file).name).decode("utf-8", "backslashreplace")
+    sections = list[str]()
+    if failed is not None:
+        texts = [str(problem) for problem in failed.problems]
+        sections.append(problems("The print stopped", texts))
+    charts = _charts(collector) if end_s > 0 else []
+    path = collector.path
+    drawn = bool(path.lines)
+    side = list[str]()
+    if failed is None:
+        side.append(table("Result", _summary(result)))
+    if limits := _shares(plan["limit_s"]):
+        side.append(bars("Time by limit of the speed", limits))
+    sections.append(beside(path.html() if drawn else "", side))
+    if charts:
+        sections.append(zoom_bar())
+        sections += [chart.html(end_s) for chart in charts]
+        if width_s := collector.speed.width_s:
+            sections.append(_note(width_s))
+    if len(features := _shares(plan["feature_s"])) > 1:  # the slicer names some
+        sections.append(bars("Time by feature", features))
+    data = {
+        "end_s": end_s,
+        "finest_s": collector.speed.width_s,
+        "charts": [chart.data() for chart in charts],
+        "line": collector.line.encoded() if collector.line else None,
+        "path": path.data() if drawn else None,
     }
+    return page(f"{name} on {result.machine}", sections, data)
+
+
+def _charts(collector: Collector) -> list[Chart]:
+    """Those that have something to show."""
+    charts = list[Chart]()
+    if any(collector.speed.range()):
+        charts += [
+            Chart("speed", "Speed along the path", "mm/s", [Curve("speed", collector.speed, 0)]),
+            Chart(
+                "acceleration",
+                "Acceleration along the path; braking is negative",
+                "mm/s\N{SUPERSCRIPT TWO}",
+                [Curve("acceleration", collector.acceleration, 1)],
+            ),
+        ]
+    heaters = {name: heater for name, heater in collector.heaters.items() if heater.celsius}
+    if heaters:
+        charts += _heat_charts(heaters)
+    if any(any(rate.range()) for rate in collector.rates.values()):
+        rates = [Curve(n, r, i % _COLOURS) for i, (n, r) in enumerate(collector.rates.items())]
+        charts.append(Chart("rates", "Step rate of each motor", "steps/s", rates))
+    return charts
+
+
+def _heat_charts(heaters: Mapping[str, HeaterSeries]) -> list[Chart]:
+    celsius, power = list[Curve](), list[Curve]()
+    for i, (name, heater) in enumerate(heaters.items()):
+        colour = (i + 1) % _COLOURS
+        celsius.append(Curve(name, heater.celsius, colour))
+        if any(heater.target.range()):
+            celsius.append(Curve(f"{name} target", heater.target, colour, dashed=True))
+        power.append(Curve(name, heater.power, colour))
+    unit = "\N{DEGREE SIGN}C"
+    charts = [Chart("temperature", "Temperature and target of each heater", unit, celsius)]
+    if any(any(curve.series.range()) for curve in power):
+        charts.append(Chart("power", "Power of each heater", "% of full power", power))
+    return charts
+
+
+def _note(width_s: float) -> str:
+    return (
+        f'<p class="note">The charts of moves have columns of {width_s:g} s: the line is the mean'
+        " within each, the band reaches from the lowest to the highest value.</p>\n"
+    )
+
+
+def _shares(parts: Mapping[str, float]) -> list[tuple[str, str, float]]:
+    total = sum(parts.values())
+    return [
+        (name, duration(seconds), seconds / total)
+        for name, seconds in sorted(parts.items(), key=lambda part: -part[1])
+        if total > 0 and seconds / total >= _LEAST_SHARE
+    ]
 
 
 def _summary(result: PrintResult) -> list[tuple[str, str]]:
-    minutes, seconds = divmod(round(result.print_time_s), 60)
+    filament = ", ".join(f"{name} {mm:,.1f} mm" for name, mm in result.filament_mm.items())
     return [
-        ("Print time", f"{minutes // 60} h {minutes % 60:02} min {seconds:02} s"),
-        ("Moving", f"{result.move_time_s:.0f} s"),
-        ("Heating", f"{result.heat_time_s:.0f} s"),
-        ("Waiting", f"{result.dwell_time_s:.0f} s"),
-        ("Layers", f"{result.layers}"),
+        ("Print time", duration(result.print_time_s)),
+        ("Moving", duration(result.move_time_s)),
+        ("Heating", duration(result.heat_time_s)),
+        ("Waiting", duration(result.dwell_time_s)),
+        ("Layers", f"{result.layers:,}"),
         ("Moves", f"{result.moves:,}"),
-        ("Filament", ", ".join(f"{n} {mm:.1f} mm" for n, mm in result.filament_mm.items())),
+        ("Filament", filament or "none"),
         ("Motor steps", f"{sum(result.steps.values()):,}"),
         ("Board commands", f"{result.queue_step_commands:,}"),
         (
             "Step time error",
             "{max:.2f} µs at most, {rms:.2f} µs rms".format(**result.step_error_us),
         ),
-        ("Stream", result.stream_hash),
+        ("Stream hash", result.stream_hash),
     ]

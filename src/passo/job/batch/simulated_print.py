@@ -36,14 +36,16 @@ _STOPS = {"M112": "machine.emergency-stop", "M410": "machine.stopped"}
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """Where a print is: share of the file done, layer, print time and what of it went into heating,
-    temperatures."""
+    """Where a print is: share of the file done, layer, print time and what of it went into heating;
+    of each heater its temperature, its target (0: off), °C, and its power, 0 to 1."""
 
     share: float
     layer: int
     print_s: float
     heat_s: float
     celsius: dict[str, float]
+    target_c: dict[str, float]
+    power: dict[str, float]
 
     @property
     def left_s(self) -> float | None:
@@ -83,13 +85,13 @@ class Print:
         every_s: float = inf,
     ) -> None:
         """`progress` is called whenever the board has done what was planned so far, and after
-        `every_s` of print time in between."""
+        `every_s` of print time in between; it may set `every_s`."""
         begin_s = thread_cpu_s()
         self._machine = machine
         self._policy = policy or Policy()
         self._progress = progress
         self._hz = machine.board.clock_hz
-        self._stretch = every_s * self._hz
+        self.every_s = every_s
         self._heaters = list(machine.heaters)
         self.connection, self.board = connect_simulated(machine)
         for connection in self.connection.connections:
@@ -236,8 +238,8 @@ class Print:
     def _run(self, clock: int) -> None:
         while self.connection.now < clock:
             before, looks = thread_cpu_s(), self._looks_at_filament()
-            stretch = min(self._stretch, _LOOK_S * self._hz) if looks else self._stretch
-            self.connection.run(round(min(clock, self.connection.now + stretch)))
+            stretch_s = min(self.every_s, _LOOK_S) if looks else self.every_s
+            self.connection.run(round(min(clock, self.connection.now + stretch_s * self._hz)))
             self._wire_cpu_s += thread_cpu_s() - before
             if looks:
                 self._look_at_filament()
@@ -269,13 +271,15 @@ class Print:
         (begin, share, layer), (end, to_share, to_layer) = self._from, self._to
         done = self.job.line_at(clock) - 1 if clock < self.job.clock else end
         part = min(max(done - begin, 0) / max(end - begin, 1), 1.0)
-        celsius = {name: self.connection.heaters[name].celsius for name in self._heaters}
+        heaters = {name: self.connection.heaters[name] for name in self._heaters}
         return Progress(
             share + (to_share - share) * part,
             layer + int((to_layer - layer) * part),
             max(clock, 0) / self._hz,
             self._heat_s,
-            celsius,
+            {name: heater.celsius for name, heater in heaters.items()},
+            {name: heater.target for name, heater in heaters.items()},
+            {name: heater.power for name, heater in heaters.items()},
         )
 
     def _on_its_way(self, name: str) -> bool:

@@ -1,0 +1,254 @@
+"""The path of a print, layer by layer, coloured by speed, as SVG. It shows one layer without
+scripts; with `page.js` any layer, and zooms."""
+
+from __future__ import annotations
+
+import math
+from array import array
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+from passo.learn.labels import label, round_step, ticks
+from passo.learn.series import packed
+
+MAX_LINES = 120_000
+MAX_STATIC_LINES = 20_000
+COLOURS = 12  # of the scale of speeds
+_ASPECT = 4 / 3  # width by height of the picture
+_GRID = 65_535  # coordinates are multiples of so many parts of the longest side
+_FINEST_MM, _COARSEST_MM = 0.005, 1.0  # by which lines that are joined may miss the path
+_FEWER = 0.9  # of the lines: joining still helps
+_THREAD_MM = 0.4  # how wide extruded lines are drawn
+_PIXELS = 700.0  # across the picture, where a line is at least one wide
+
+Box = tuple[float, float, float, float]  # x and y from, x and y to, mm
+
+
+@dataclass(slots=True)
+class Line:
+    """A straight part of the path: layer, ends in mm, fastest speed in mm/s."""
+
+    layer: int
+    x0: float
+    y0: float
+    x1: float
+    y1: float
+    speed: float
+    prints: bool
+
+    def joined(self, after: Line, miss_mm: float) -> Line | None:
+        """One line for both, if none of the path is farther than that from it."""
+        if (after.layer, after.prints) != (self.layer, self.prints):
+            return None
+        if (after.x0, after.y0) != (self.x1, self.y1):
+            return None
+        dx, dy = after.x1 - self.x0, after.y1 - self.y0
+        long = math.hypot(dx, dy)
+        px, py = self.x1 - self.x0, self.y1 - self.y0
+        if not long or not 0 <= px * dx + py * dy <= long * long:
+            return None
+        if abs(px * dy - py * dx) > miss_mm * long:
+            return None
+        speed = max(self.speed, after.speed)
+        return Line(self.layer, self.x0, self.y0, after.x1, after.y1, speed, self.prints)
+
+
+@dataclass(slots=True)
+class Layer:
+    """Its height, and when its moves begin and end."""
+
+    z_mm: float
+    start_s: float
+    end_s: float
+
+
+@dataclass(slots=True)
+class Toolpath:
+    """Takes moves in order; `bed` is what the machine reaches. When there are too many lines, those
+    that are almost straight on become one; if that is not enough, only some of them are kept. So
+    memory stays the same for any file."""
+
+    bed: Box
+    lines: list[Line] = field(default_factory=list[Line])
+    layers: dict[int, Layer] = field(default_factory=dict[int, Layer])
+    _miss_mm: float = _FINEST_MM
+    _every: int = 1  # of so many lines one is kept
+    _count: int = 0
+
+    def add(self, line: Line, z_mm: float, start_s: float, end_s: float) -> None:
+        """The next move."""
+        layer = self.layers.get(line.layer)
+        if layer is None:
+            layer = self.layers[line.layer] = Layer(z_mm, start_s, end_s)
+        layer.end_s = end_s
+        if line.prints:
+            layer.z_mm = z_mm
+        if line.x0 == line.x1 and line.y0 == line.y1:
+            return
+        self._count += 1
+        if self._count % self._every:
+            return
+        self.lines.append(line)
+        if len(self.lines) > MAX_LINES:
+            most = MAX_LINES * 3 // 4
+            self.lines, self._miss_mm, times = reduced(self.lines, most, self._miss_mm)
+            self._every <<= times
+
+    @property
+    def top(self) -> int:
+        """The last layer."""
+        return max(self.layers, default=0)
+
+    @property
+    def shown(self) -> int:
+        """The layer of the picture without scripts: the middle one."""
+        return min(self.top, max(1, round(self.top / 2)))
+
+    def data(self) -> dict[str, object]:
+        """What the script draws from: four coordinates a line, of which `unit` mm is one, from
+        `origin` on, and its colour from 1, 0 for a move without extrusion."""
+        x0, y0, x1, y1 = _box(self.lines, self.bed)
+        unit = max(x1 - x0, y1 - y0) / _GRID
+        ends, colours = array("H"), array("B")
+        fastest, by_print = self._fastest(), self._prints()
+        order = sorted(range(len(self.lines)), key=lambda i: self.lines[i].layer)
+        firsts = dict[int, int]()
+        for at, i in enumerate(order):
+            line = self.lines[i]
+            firsts.setdefault(line.layer, at)
+            for value, least in ((line.x0, x0), (line.y0, y0), (line.x1, x0), (line.y1, y0)):
+                ends.append(round((value - least) / unit))
+            colours.append(_colour(line, fastest, by_print))
+        layers, first = list[object](), len(order)
+        for number in range(self.top, -1, -1):
+            first = firsts.get(number, first)
+            layer = self.layers.get(number)
+            known = (layer.z_mm, layer.start_s, layer.end_s) if layer else ()
+            layers.append([first, *(round(value, 3) for value in known)])
+        return {
+            "origin": [x0, y0],
+            "unit": unit,
+            "ends": packed(ends),
+            "colours": packed(colours),
+            "layers": layers[::-1],
+            "layer": self.shown,
+            "view": self._view(),
+            "bed": self.bed,
+        }
+
+    def html(self) -> str:
+        """The section of the page."""
+        x0, y0, x1, y1 = self._view()
+        wide, high = x1 - x0, y1 - y0
+        rows = {colour: list[str]() for colour in range(COLOURS + 1)}
+        fastest, by_print = self._fastest(), self._prints()
+        number = self.shown
+        shown = [line for line in self.lines if line.layer == number]
+        shown, _, _ = reduced(shown, MAX_STATIC_LINES, _FINEST_MM)
+        for line in shown:
+            a, b = f"{line.x0:.2f} {line.y0:.2f}", f"{line.x1:.2f} {line.y1:.2f}"
+            rows[_colour(line, fastest, by_print)].append(f"M{a}L{b}")
+        thread = max(_THREAD_MM, wide / _PIXELS)
+        paths = "".join(
+            f'<path class="s{colour}" d="{"".join(parts)}"/>' for colour, parts in rows.items()
+        )
+        step = round_step(wide, 6)
+        xs, ys = ticks(x0, x1, step), ticks(y0, y1, step)
+        grid = "".join(f"M{x:g} {y0:g}V{y1:g}" for x in xs) + "".join(
+            f"M{x0:g} {y:g}H{x1:g}" for y in ys
+        )
+        left = "".join(
+            f'<span style="top:{100 * (y1 - y) / high:.2f}%">{label(y, step)}</span>' for y in ys
+        )
+        below = "".join(
+            f'<span style="left:{100 * (x - x0) / wide:.2f}%">{label(x, step)}</span>' for x in xs
+        )
+        bx0, by0, bx1, by1 = self.bed
+        colour_of = "extruding" if by_print else "all moves: nothing is extruded"
+        scale = "".join(f'<i class="s{colour}"></i>' for colour in range(1, COLOURS + 1))
+        travel = '<span class="k"><i class="line travel"></i>travel</span>' if by_print else ""
+        return f"""<section class="path">
+<h2>Toolpath{self._name()}</h2>
+<p class="legend"><span class="scale">0 {scale} {fastest:.0f} mm/s</span> {colour_of} {travel}</p>
+<div class="axis"><span>Y, mm</span></div>
+<div class="plot" role="img" aria-label="Toolpath of one layer from above, X and Y in mm, \
+coloured by speed">
+<svg viewBox="{x0:g} {-y1:g} {wide:g} {high:g}" preserveAspectRatio="none" aria-hidden="true">\
+<g transform="scale(1,-1)"><path class="grid" d="{grid}"/>\
+<path class="bed" d="M{bx0:g} {by0:g}H{bx1:g}V{by1:g}H{bx0:g}z"/>\
+<g class="lines" stroke-width="{thread:.3g}">{paths}</g></g></svg>
+<div class="y">{left}</div><div class="x">{below}</div>
+</div>
+<div class="under">X, mm</div>
+</section>
+"""
+
+    def _name(self) -> str:
+        if not self.top:
+            return ""
+        z_mm = self.layers[self.shown].z_mm if self.shown in self.layers else 0.0
+        return f': <span class="which">layer {self.shown} of {self.top}, Z {z_mm:.4g} mm</span>'
+
+    def _prints(self) -> bool:
+        return any(line.prints for line in self.lines)
+
+    def _fastest(self) -> float:
+        by_print = self._prints()
+        return max((line.speed for line in self.lines if line.prints or not by_print), default=1.0)
+
+    def _view(self) -> Box:
+        """All layers from above, in the shape of the picture; moves without extrusion, and what
+        comes before the first layer, count only if there is nothing else."""
+        printed = [line for line in self.lines if line.prints]
+        x0, y0, x1, y1 = _box(
+            [line for line in printed if line.layer] or printed or self.lines, self.bed
+        )
+        pad = 0.04 * max(x1 - x0, y1 - y0) + 1.0
+        wide, high = x1 - x0 + 2 * pad, y1 - y0 + 2 * pad
+        wide, high = max(wide, high * _ASPECT), max(high, wide / _ASPECT)
+        x, y = (x0 + x1) / 2, (y0 + y1) / 2
+        return (x - wide / 2, y - high / 2, x + wide / 2, y + high / 2)
+
+
+def reduced(lines: list[Line], most: int, miss_mm: float) -> tuple[list[Line], float, int]:
+    """At most so many lines. Lines are joined that miss the path by `miss_mm` or, where need be,
+    more, up to `_COARSEST_MM`; then every second one goes. Also returns by how much they miss it,
+    and how often every second one went."""
+    halved = 0
+    while len(lines) > most:
+        fewer = thinned(lines, miss_mm)
+        if len(fewer) > _FEWER * len(lines):
+            if miss_mm < _COARSEST_MM:
+                miss_mm *= 2
+            else:
+                fewer, halved = fewer[::2], halved + 1
+        lines = fewer
+    return lines, miss_mm, halved
+
+
+def thinned(lines: Iterable[Line], miss_mm: float) -> list[Line]:
+    """Two lines after each other become one where that misses the path by at most so much."""
+    out, single = list[Line](), False  # whether the last one is as it was
+    for line in lines:
+        joined = out[-1].joined(line, miss_mm) if single else None
+        if joined is None:
+            out.append(line)
+        else:
+            out[-1] = joined
+        single = joined is None
+    return out
+
+
+def _box(lines: Iterable[Line], otherwise: Box) -> Box:
+    """Around all ends."""
+    ends = [(x, y) for a in lines for x, y in ((a.x0, a.y0), (a.x1, a.y1))]
+    if not ends:
+        return otherwise
+    xs, ys = zip(*ends, strict=True)
+    return min(xs), min(ys), max(xs), max(ys)
+
+
+def _colour(line: Line, fastest: float, by_print: bool) -> int:
+    if by_print and not line.prints:
+        return 0
+    return 1 + min(COLOURS - 1, int(line.speed / fastest * COLOURS)) if fastest > 0 else 1
