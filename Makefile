@@ -3,6 +3,7 @@
 # make bench  speed and size         make fuzz   fuzzers, FUZZ_SECONDS each
 # make corpus DIR=...                print a folder of real files
 # make sizes  docs/how-to/set-up-a-board.md: how large the firmware is
+# make reference  writes the generated pages of docs/reference/
 # Each sets up what it needs: .venv, the build, and what must come from Debian.
 
 PYTHON ?= python3
@@ -21,7 +22,7 @@ FUZZERS := $(patsubst tests/fuzz/%.cpp,build/fuzz/%,$(wildcard tests/fuzz/fuzz_*
 PYTHON_HEADERS = $(shell $(PYTHON) -c "import os, sysconfig; \
   print(os.path.exists(sysconfig.get_path('include') + '/Python.h'))")
 
-.PHONY: demo test check bench fuzz corpus sizes stub format clean
+.PHONY: demo test check bench fuzz corpus sizes reference stub format clean
 .DELETE_ON_ERROR:
 
 demo: .venv/.built build/$(DEMO).gcode
@@ -63,6 +64,9 @@ corpus: .venv/.built
 sizes: .venv/.built
 	tools/debian.sh gcc-avr avr-libc gcc-arm-none-eabi
 	$(BIN)/python tools/what_fits.py
+
+reference: .venv/.built
+	$(BIN)/python tools/reference.py
 
 fuzz: $(FUZZERS)
 	@for fuzzer in $^; do \

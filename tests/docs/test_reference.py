@@ -6,17 +6,18 @@ import json
 import lzma
 import re
 from pathlib import Path
+from runpy import run_path
 
 import pytest
 
 import passo
-from passo.config.board_reference import reference as boards
-from passo.config.sensor_names import reference as sensors
-from passo.gcode.reference import reference
+from passo.catalogue import CATALOGUE
+from passo.config import machine_reference
+from passo.gcode.dialect import TABLE
+from passo.gcode.reference import SUBJECTS, without_effect
 from passo.toolchain import protocol_words
 from passo.toolchain.build import firmware_folder
 from passo.toolchain.declarations import gather, message_name
-from passo.toolchain.protocol_reference import reference as protocol
 
 ROOT = Path(__file__).parents[2]
 PAGES = [
@@ -26,20 +27,58 @@ PAGES = [
 ]
 
 
-def test_the_reference_is_up_to_date():
-    assert (ROOT / "docs/reference/gcode.md").read_text(encoding="utf-8") == reference()
+PAGES_MADE = run_path(str(ROOT / "tools/reference.py"))["PAGES"]
 
 
-def test_the_reference_of_sensors_is_up_to_date():
-    assert (ROOT / "docs/reference/sensors.md").read_text(encoding="utf-8") == sensors()
+@pytest.mark.parametrize("name", sorted(PAGES_MADE))
+def test_generated_page_is_up_to_date(name):
+    written = (ROOT / "docs/reference" / name).read_text(encoding="utf-8")
+    assert written == PAGES_MADE[name](), "make reference"
 
 
-def test_the_reference_of_boards_is_up_to_date():
-    assert (ROOT / "docs/reference/boards.md").read_text(encoding="utf-8") == boards()
+def test_every_command_is_in_one_subject_or_has_no_effect():
+    grouped = [code for codes in SUBJECTS.values() for code in codes.split()]
+    idle = [row.code for row in TABLE if without_effect(row)]
+    assert sorted(grouped + idle) == sorted(row.code for row in TABLE)
 
 
-def test_the_reference_of_the_protocol_is_up_to_date():
-    assert (ROOT / "docs/reference/protocol.md").read_text(encoding="utf-8") == protocol()
+def test_commands_without_an_effect_have_no_handler():
+    async def handled():
+        async with passo.Printer("i3") as printer:
+            told = {}
+            for row in TABLE:
+                if without_effect(row):
+                    try:
+                        told[row.code] = (await printer.send(row.code)).text
+                    except passo.CommandError as error:
+                        told[row.code] = str(error)
+            return told
+
+    told = passo.run(handled(), clock="virtual")
+    assert len(told) > 50
+    refused = {code for code, text in told.items() if "levels the bed" in text}
+    assert {"G29", "G32"} <= refused
+    done = {code for code, text in told.items() if "does nothing here" not in text}
+    assert done - refused == set()
+
+
+def test_every_key_of_the_machine_file_has_help():
+    found = list(machine_reference.tables())
+    keys = [key for table in found for key in table.keys]
+    assert len(keys) > 250
+    assert [key.name for key in keys if not re.search(r"^[A-Zβ].*[.…]$", key.help)] == []
+    axis = next(table for table in found if table.heading == "`[axes.NAME]`")
+    assert next(key[1:4] for key in axis.keys if key.name == "speed_mm_s") == (
+        "mm/s",
+        "0.001 to 1000000",
+        "*required*",
+    )
+
+
+def test_every_error_of_the_catalogue_is_listed():
+    page = (ROOT / "docs/reference/errors.md").read_text(encoding="utf-8")
+    assert set(re.findall(r"^\| `([\w.-]+)`", page, re.MULTILINE)) == CATALOGUE.keys()
+    assert "{" not in page
 
 
 def test_the_reference_of_the_protocol_leaves_nothing_out():

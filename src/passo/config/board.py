@@ -28,29 +28,40 @@ WIPER_MAX = 255  # the last position of a digital potentiometer
 
 
 class Socket(Model):
-    """A place for a stepper driver. `compare` is the compare unit that times its steps, `select`
-    its chip select where drivers are set up by SPI, `microstep` its pins MS1 and MS2, `current` its
-    channel of the board's current setter."""
+    """A socket for a stepper driver."""
 
     step: Pin
+    """The step pin."""
     direction: Pin
+    """The direction pin."""
     enable: Pin
+    """The enable pin."""
     compare: str | None = None
+    """The compare unit of the chip that times the steps."""
     select: Pin | None = None
+    """The chip select of drivers with SPI."""
     microstep: list[Pin] = []
+    """The pins MS1 and MS2 of the driver."""
     current: int | None = None
+    """The channel of the `current_setter`."""
 
 
 class CurrentSetter(Model):
-    """An AD5206 on an SPI bus, a digital potentiometer with a channel for each driver: at the
-    position of so many steps of 255 for each mA a driver limits its phases to that."""
+    """An AD5206 on an SPI bus, a digital potentiometer with a channel for each driver, whose
+    position limits the current of the phases."""
 
     kind: Literal["AD5206"]
+    """A digital potentiometer with a channel for each driver."""
     cs_pin: Pin
+    """The chip select."""
     clock_pin: Pin
+    """The clock of the SPI bus."""
     mosi_pin: Pin
+    """The data to the potentiometer."""
     miso_pin: Pin
+    """A pin for the data from the bus, which is not used."""
     steps_per_ma: Positive
+    """Positions, of 255, per mA of peak current."""
 
     def word(self, channel: int, ampere: float) -> bytes:
         """What it is told: the address, then the position."""
@@ -58,99 +69,134 @@ class CurrentSetter(Model):
 
 
 class Console(Model):
-    """The port that the host talks to. With the connector `usb` the chip itself would have to speak
-    USB; the firmware speaks on `pins` (receive, transmit) of `uart`."""
+    """The port of the host."""
 
     connector: Literal["serial", "usb", "any"]
+    """The connector of the console. The firmware does not speak USB."""
     uart: str | None = None
+    """The UART of the chip."""
     pins: Annotated[list[Pin], Field(max_length=2)] = []
+    """The pins that receive and send."""
     baud: Annotated[int, Field(ge=9600, le=4_000_000)]
+    """The baud rate."""
 
 
 class Flash(Model):
-    """How firmware gets onto the board. `part`, `programmer`, `baud` and `target` are what the tool
-    wants to hear; with `touch` the port is opened at 1200 baud first; `volume` is the name of the
-    drive that appears. `before` and `after` are what hands must do."""
+    """How firmware gets onto the board."""
 
     method: Literal["avrdude", "bossac", "openocd", "teensy_loader_cli", "uf2"]
+    """The program that flashes the board."""
     part: str = ""
+    """The name of the chip, for avrdude."""
     programmer: str = ""
+    """The programmer, for avrdude."""
     baud: int = 0
+    """The baud rate of the boot loader."""
     target: str = ""
+    """The target, for openocd."""
     touch: bool = False
+    """Whether the port is opened at 1200 baud first, which starts the boot loader."""
     volume: str = ""
+    """The name of the drive that appears, for UF2."""
     before: list[str] = []
+    """Manual steps before flashing."""
     after: list[str] = []
+    """Manual steps after flashing."""
 
 
 class Function(Model):
-    """What the board's makers meant an output for, and the sensor that belongs to it."""
+    """An output of the board and the input of its sensor, as the makers of the board named them."""
 
     output: Pin
+    """The output."""
     sensor: Pin | None = None
+    """The input of the sensor."""
 
 
 class Board(Model):
-    """A controller board. `base` names a shipped board whose values hold unless given here.
+    """A controller board. `base` names a shipped board whose values apply unless given here.
+    Machines name `sockets` and pins; once loaded, `pins` holds *all* names (printed numbers,
+    `outputs`, `thermistors`, `endstops`, `X_STEP` and the like) with their pins of the
+    microcontroller.
 
-    Machines speak of `sockets` and of names; once loaded, `pins` holds *all* names (printed
-    numbers, `outputs`, `thermistors`, `endstops`, `X_STEP` and the like) with the pin of the
-    microcontroller behind each, and every other pin is the microcontroller's too. `variant` chooses
-    one of the `variants` as the board's `functions`. `fitted` lists what is plugged in besides:
-    `card`, or one of the `displays`. `reserved` pins belong to the board itself. `microstep_levels`
-    are the levels of a socket's microstep pins for so many microsteps, and `current_setter` sets
-    the currents of the drivers whose sockets have a channel of it.
-    `pullup_ohm` are the resistors above its thermistors, for sensors that name none of their own.
-    `status_led` blinks once a second while the board is configured and not shut down.
-
-    `link` says where the board is: simulated, on the serial device `port` at `baud` (the console's
-    unless given; the console's too if given), or at the network address `port` (host:port).
-
-    `compression_tolerance_us` bounds how far a step may be from its ideal time, unless the board's
-    budget asks for more; `move_count` is the number of commands that the board can hold. Without a
-    `budget` the planner takes the board to be fast enough; a board with Klipper's firmware has the
-    one that its clock suggests. A real board runs Passo's firmware unless `firmware` is "klipper";
-    a simulated one is a model ("virtual") or runs Passo's ("passo"): to the tick the same, but
-    slower. A simulated board beside the main one begins at the clock `start_s`, which runs
-    `drift_ppm` faster than the main board's. `dictionary` is the file of a data dictionary as
-    Klipper's build leaves it, for boards of the kind `klipper`.
+    Without a `budget` the planner takes the board to be fast enough; a board with the firmware of
+    Klipper has the one that its clock suggests. A real board runs the firmware of Passo unless
+    `firmware` is "klipper".
     """
 
     base: str | None = None
+    """A [shipped board](boards.md) whose values apply unless given here, or `klipper`."""
     name: str
+    """The name of the board, in texts."""
     description: str = ""
+    """One line about the board."""
     notes: list[str] = []
+    """What the user of this board should know."""
     mcu: str
+    """The microcontroller: a file of `src/passo/config/chips/`, without its ending."""
     link: Literal["simulated", "serial", "tcp"] = "simulated"
+    """How the board is connected."""
     port: str | None = None
+    """The serial device, or host:port."""
     baud: Annotated[int, Field(ge=1200, le=4_000_000)] = 250_000
+    """The baud rate of the serial device. If not given, that of the console."""
     firmware: Literal["virtual", "passo", "klipper"] = "virtual"
+    """The firmware of the board. A simulated board is a model (`virtual`) or runs the firmware
+    itself (`passo`): the same to the tick, but slower."""
     drift_ppm: Annotated[float, Field(ge=-500, le=500)] = 0.0
+    """How much faster the clock of a further simulated board runs."""
     start_s: Annotated[float, Field(ge=0, le=1e6)] = 0.0
+    """The clock at which a further simulated board starts."""
     clock_hz: Annotated[int, Field(ge=1_000_000, le=1_000_000_000)]
+    """The frequency of the clock."""
     move_count: Annotated[int, Field(ge=16, le=65_535)]
+    """The capacity of the move queue, in commands."""
     compression_tolerance_us: Annotated[float, Field(gt=0, le=25)] = 2.0
+    """The maximum distance of a step from its ideal time. Where the budget is short, it widens up
+    to 25 µs."""
     budget: Budget | None = None
+    """What processor and link can take. If not given for a board with the firmware of Klipper, it
+    follows from `clock_hz`."""
     numbering: str | None = None
+    """The numbers that are printed beside the pins: a file of `src/passo/config/numberings/`."""
     dictionary: str | None = None
+    """The data dictionary of a firmware of Klipper, a file relative to the machine file."""
     console: Console | None = None
+    """The port that the host is connected to."""
     flash: Flash | None = None
+    """How firmware gets onto the board."""
     sockets: dict[str, Socket] = {}
+    """The sockets of stepper drivers, by name."""
     microstep_levels: dict[str, list[Literal[0, 1]]] = {}
+    """The levels of the pins MS1 and MS2, by microsteps."""
     current_setter: CurrentSetter | None = None
+    """The chip that sets the currents of the drivers."""
     outputs: dict[str, Pin] = {}
+    """Names of outputs."""
     thermistors: dict[str, Pin] = {}
+    """Names of the inputs of thermistors."""
     endstops: dict[str, Pin] = {}
+    """Names of the inputs of endstops."""
     pullup_ohm: Positive | None = None
+    """The pull-up resistors of the inputs of thermistors."""
     pins: dict[str, Pin] = {}
+    """Further names of pins."""
     card: dict[str, Pin] = {}
+    """The pins of the socket for an SD card."""
     displays: dict[str, dict[str, Pin]] = {}
+    """The pins of displays, by name."""
     reserved: dict[str, list[Pin]] = {}
+    """Pins that belong to the board itself."""
     status_led: Pin | None = None
+    """An LED that blinks once a second while the board is configured."""
     fitted: list[str] = []
+    """What is plugged in: `card`, or a name of `displays`."""
     variant: str | None = None
+    """The name of the variant whose `functions` apply."""
     variants: dict[str, dict[str, Function]] = {}
+    """Which output is for which part, by variant."""
     functions: dict[str, Function] = {}
+    """Which output and input are for which part: `hotend0`, `bed`, `fan0`, …"""
 
     def budget_spec(self, pulse_us: float = 0.0) -> dict[str, Any] | None:
         """The budget for the core: rates per second of all motors together, a burst in commands.

@@ -33,24 +33,24 @@ _Cycles = Annotated[float, Field(gt=0, le=1_000_000)]
 
 
 class Budget(Model):
-    """What a board's processor and its link take; the planner keeps to it.
-
-    Steps may take `step_share` of the processor's time at `cycles_per_step`, and what the longest
-    pulse lasts beyond `pulse_us`, commands `command_share` at `cycles_per_command`, frames and all:
-    figures that together give rates at which a board was seen to keep up, not costs of their own.
-    `cpu_hz` is the board's clock unless given. A serial link carries 95 of 100 bytes that fit its
-    `baud`, and any link no more than `link_bytes_s` (bytes/s) if given; of a board with Klipper's
-    firmware that counts in place of its `baud`. On a board that can stop by itself a part of it is
-    kept for the ways on which it would.
-    """
+    """What the processor of a board and its link take; the planner stays within it. The figures
+    are rates at which a board was measured to keep up with steps and commands together, not costs
+    of their own."""
 
     cpu_hz: Annotated[int, Field(ge=1_000_000, le=10_000_000_000)] | None = None
+    """The clock of the processor. If not given, `clock_hz`."""
     cycles_per_step: _Cycles
+    """Cycles of a step."""
     pulse_us: Annotated[float, Field(ge=0, le=100)] = 2.0
+    """The length of a step pulse that is part of `cycles_per_step`."""
     cycles_per_command: _Cycles
+    """Cycles of a command."""
     step_share: _Share = 0.65
+    """The fraction of the time of the processor that steps may take."""
     command_share: _Share = 0.3
+    """The fraction of the time of the processor that commands may take."""
     link_bytes_s: Annotated[float, Field(ge=100)] | None = None
+    """The maximum bytes per second of the link. If not given, 95 % of what `baud` allows."""
 
 
 # What Klipper's firmware takes. On an ATmega2560 three motors were measured to need 491 ticks for a

@@ -10,26 +10,32 @@ from passo.config.types import Fraction, Letter, Model, Name, Pin, Positive
 
 
 class Fan(Model):
-    """A fan; `number` is the P of M106 and M107. The board pulses it in software, `pwm_hz` times a
-    second. Its power is at most `max_power`, which is also what is asked for as 1; while it turns
-    it is at least `min_power`, below which it would stand still. What is asked for below
-    `off_below` is off. To start, and where its power rises by more than `kick_start_rise`, it gets
-    `max_power` for `kick_start_s` first. One that `follows` a heater, or motors, hears no commands:
-    it is on while the heater is warmer than `above_c`, and while any of the motors is on and for
-    `stays_on_s` after that."""
+    """A fan. The board pulses its output in software."""
 
     pin: Pin
+    """The output. If not given, the one that the board has for such a fan."""
     number: Annotated[int, Field(ge=0, le=255)] = 0
+    """P of M106 and M107."""
     min_power: Fraction = 0.0
+    """The minimum power of the fan while it turns."""
     max_power: Fraction = 1.0
+    """The power at M106 S255."""
     off_below: Fraction = 0.0
+    """The fan is off if less than this fraction of `max_power` is asked for."""
     kick_start_s: Annotated[float, Field(ge=0, le=10)] = 0.0
+    """The fan starts with `max_power` for this time."""
     kick_start_rise: Fraction = 0.5
+    """A rise of power by more than this starts the fan with `max_power`, too."""
     follows: Name | None = None
+    """The heater that switches this fan on. Such a fan obeys no commands."""
     above_c: Annotated[float, Field(ge=0, le=1200)] = 50.0
+    """The fan is on while the heater that it follows is warmer than this."""
     follows_motors: list[Name] = []
+    """The fan is on while any of these motors is on. Such a fan obeys no commands."""
     stays_on_s: Annotated[float, Field(ge=0, le=3600)] = 60.0
+    """The fan stays on for this time after these motors go off."""
     pwm_hz: Annotated[float, Field(ge=1, le=1000)] = 10.0
+    """Pulses per second of the output."""
 
     @property
     def commanded(self) -> bool:
@@ -38,32 +44,37 @@ class Fan(Model):
 
 
 class Laser(Model):
-    """A laser or a spindle. S of M3 and M4 at full power is `full_scale`. The two letters are
-    APrinter's words of a G1 (energy in W·s, density in W·s/mm); only if given do they belong to a
-    move. `power_w` is the power of the beam fully on; no move goes faster than it gets its energy
-    with `max_power_w`, which is the same by default."""
+    """A laser or a spindle. A move is not faster than the beam can give it its energy with
+    `max_power_w`."""
 
     pin: Pin
+    """An output with hardware PWM."""
     full_scale: Positive = 255.0
+    """S of M3 and M4 at full power."""
     energy_letter: Letter | None = None
+    """The letter of a G1 that gives the energy of the move, in W·s, as in APrinter."""
     density_letter: Letter | None = None
+    """The letter of a G1 that gives the energy per length, in W·s/mm, as in APrinter."""
     power_w: Positive = 100.0
+    """The power of the beam when it is fully on."""
     max_power_w: Positive | None = None
+    """The maximum power that a move may need. If not given, `power_w`."""
 
 
 class Mains(Model):
-    """What switches the power supply of motors and heaters: M80 on, M81 off, the board when it
-    shuts down."""
+    """The output that switches the power supply of motors and heaters: M80 on, M81 off."""
 
     pin: Pin
+    """The output that switches the power supply. It goes off when the board shuts down."""
     on_at_start: bool = True
+    """Whether the power supply is switched on at the start."""
 
 
 class Beeper(Model):
-    """What sounds at M300: a buzzer without a tone of its own, which the board pulses in
-    software."""
+    """A buzzer without a tone of its own, which the board pulses in software."""
 
     pin: Pin
+    """The output of a buzzer without a tone of its own. That of a fitted display may be used."""
 
 
 Fans = dict[Name, Fan]

@@ -13,38 +13,46 @@ _Celsius = Annotated[float, Field(ge=-100, le=1200)]
 
 
 class PidControl(Model):
-    """PID control. `kp`, `ki` and `kd` have the unit of Klipper, Marlin and M301: 1/255 of full
-    power by °C, by °C·s and by °C/s; those left out follow from the heater's model. The derivative
-    is of the temperature, filtered with `filter_s`; the integral stays within `drive_min` and
-    `drive_max`, fractions of full power; farther than `range_c` from its target the heater is fully
-    on or off.
-    """
+    """PID control. Gains that are left out follow from the model of the heater. The derivative is
+    that of the temperature, not of the error."""
 
     kind: Literal["pid"] = "pid"
+    """PID control."""
     kp: Positive | None = None
+    """Proportional gain, in 1/255 of full power per °C, as in Klipper and Marlin. If not given, it
+    follows from the model."""
     ki: NotNegative | None = None
+    """Integral gain, in 1/255 of full power per °C·s. If not given, it follows from the model."""
     kd: NotNegative | None = None
+    """Derivative gain, in 1/255 of full power per °C/s. If not given, it follows from the model."""
     filter_s: Positive = 1.0
+    """Time constant of the filter of the derivative."""
     drive_min: Fraction = 0.0
+    """The minimum of the integral, as a fraction of full power."""
     drive_max: Fraction = 1.0
+    """The maximum of the integral, as a fraction of full power."""
     range_c: Positive = 10.0
+    """Farther than this from the target the heater is fully on or off."""
 
 
 class BangBangControl(Model):
-    """Fully on below the target by more than the hysteresis, off above it by more; no two
-    switchings within `interval_s`."""
+    """On-off control with a hysteresis."""
 
     kind: Literal["bang-bang"] = "bang-bang"
+    """On-off control."""
     hysteresis_c: NotNegative = 1.0
+    """The heater goes on below the target by this, and off above it by this."""
     interval_s: NotNegative = 5.0
+    """The minimum time between two switchings."""
 
 
 class ModelControl(Model):
-    """Model-predictive control: the power that by the heater's model closes the gap within
-    `horizon_s`."""
+    """Model-predictive control."""
 
     kind: Literal["model"] = "model"
+    """Model-predictive control."""
     horizon_s: Positive = 3.0
+    """The controller closes the gap to the target within this time."""
 
 
 AnyControl = Annotated[
@@ -54,66 +62,69 @@ AnyControl = Annotated[
 
 
 class HeatModel(Model):
-    """A heater as its controllers see it: a first-order body under a first-order sensor.
-
-    At full power it ends `rise_c` above the room, and it comes 63 % nearer to its end in each
-    `time_constant_s`; the sensor follows with `sensor_lag_s`. A fan at full speed makes it lose
-    `fan_loss` (a share) more heat.
-    """
+    """The model of a heater: a first-order body, and a first-order sensor after it."""
 
     rise_c: Positive
+    """The final temperature at full power, above the ambient temperature."""
     time_constant_s: Positive
+    """The time in which 63 % of a change happens."""
     sensor_lag_s: Positive = 2.0
+    """The time constant of the sensor."""
     fan_loss: NotNegative = 0.0
+    """The fraction by which the fan at full speed increases the loss of heat."""
     ambient_c: _Celsius = 25.0
+    """The ambient temperature."""
 
 
 class Protection(Model):
-    """What switches a heater off besides `min_c` and `max_c`; 0 switches a protection off.
-
-    `jump_c` between two readings, several times in some seconds: the sensor is erratic. On its way
-    up, at full power, it must get `watch_rise_c` warmer in each `watch_s` (default 20 s, 90 s for a
-    bed or a chamber). Once there, it must not stay `runaway_c` below its target for `runaway_s`.
-    Without power it must not get `stuck_on_c` warmer in `stuck_on_s`. `deviation` is the share of
-    full power that its model may leave unexplained for `deviation_s`.
-    """
+    """What switches a heater off besides `min_c` and `max_c`; 0 switches a protection off. The
+    figures and what they are for: docs/explanation/heat.md."""
 
     jump_c: NotNegative = 10.0
+    """The sensor is erratic if it jumps by more than this, four times in a few seconds. 0: off."""
     watch_rise_c: NotNegative = 2.0
+    """At full power on its way up the heater must become warmer by this in each `watch_s`. 0:
+    off."""
     watch_s: Positive | None = None
+    """The time of `watch_rise_c`. If not given, 20 s, and 90 s for a bed or a chamber."""
     runaway_c: NotNegative = 4.0
+    """At its target the heater must not stay below it by this for `runaway_s`. 0: off."""
     runaway_s: Positive = 40.0
+    """The time of `runaway_c`."""
     stuck_on_c: NotNegative = 10.0
+    """Without power the heater must not become warmer by this in `stuck_on_s`. 0: off."""
     stuck_on_s: Positive = 60.0
+    """The time of `stuck_on_c`."""
     deviation: NotNegative = 0.25
+    """The fraction of full power that the model may leave unexplained for `deviation_s`. 0: off."""
     deviation_s: Positive = 30.0
+    """The time of `deviation`."""
 
 
 class Arrival(Model):
-    """Who waits for a target goes on `seconds` after the temperature has come within `window_c` of
-    it; when it leaves it by more than `leaves_c`, they begin anew. `seconds` is 10 unless given,
-    and 0 for a bang-bang control, which swings."""
+    """When a command that waits for a heater continues."""
 
     window_c: Positive = 1.0
+    """The heater has arrived when it stays this close to the target for `seconds`."""
     leaves_c: Positive = 3.0
+    """The time starts again if the heater leaves the target by more than this."""
     seconds: NotNegative | None = None
+    """The time of `window_c`, in s. If not given, 10 s, and 0 for bang-bang control."""
 
 
 class SimulatedHeat(Model):
-    """How the heater behaves on a simulated printer: a first-order body under a first-order sensor.
-
-    At full power it ends `full_power_rise_c` above the room, and it comes 63 % nearer to its end in
-    each `time_constant_s`; the sensor follows with `sensor_time_constant_s`. The heater's fan at
-    full speed makes it lose `fan_loss` (a fraction) more heat.
-
-    Without this table a heater is like its `model`; without that, too, it is a hotend of 40 W, a
-    bed of 200 W or a chamber of 300 W.
-    """
+    """How a heater behaves on a simulated printer: a first-order body, and a first-order sensor
+    after it. Without this table a heater is like its `model`; without that, too, it is a hotend of
+    40 W, a bed of 200 W or a chamber of 300 W."""
 
     full_power_rise_c: Positive
+    """The final temperature at full power, above the ambient temperature of 25 °C."""
     time_constant_s: Positive
+    """The time in which 63 % of a change happens."""
     sensor_time_constant_s: Positive = 2.0
+    """The time constant of the sensor."""
     fan_loss: NotNegative = 0.0
+    """The fraction by which the fan at full speed increases the loss of heat."""
 
 
 # A block of 13 J/K that loses 0.11 W/K; a plate of 730 J/K that loses 1.8 W/K; a chamber whose air
@@ -143,31 +154,42 @@ def _simulated_heat(heater: dict[str, Any]) -> SimulatedHeat:
 
 
 class Heater(Model):
-    """A heater with its sensor; outside `min_c`…`max_c` it is a fault. `kind` says which commands
-    mean it: M104 and M109 a hotend, M140 and M190 the bed, M141 and M191 a chamber.
-
-    `fan` names the fan that cools it. `model` is what a tune has found; without it the figures of
-    `simulated` are used. `on_fault` says what else stops when a protection has switched
-    it off: the whole `machine`, the `job`, or nothing but this `heater`. The board pulses it in
-    software, `pwm_hz` times a second. With each reading of the sensor, every 0.25 s, a cycle begins
-    anew: two whole ones fit between them at 8 Hz.
-    """
+    """A heater with its sensor. The board pulses the output in software. A cycle starts with each
+    reading of the sensor, every 0.25 s: two whole cycles fit between them at 8 Hz."""
 
     kind: Literal["hotend", "bed", "chamber"]
+    """Which commands set it: M104 and M109 a hotend, M140 and M190 the bed, M141 and M191 a
+    chamber."""
     pin: Pin
+    """The output. If not given, the one that the board has for such a heater."""
     sensor_pin: Pin
+    """The analog input of the sensor, or the chip select of a converter. If not given, the one that
+    the board has."""
     sensor: AnySensor = Field(default_factory=Thermistor)
+    """The sensor: a [name](sensors.md) or a table. If not given, a thermistor of 100 kΩ."""
     fan: Name | None = None
+    """The fan that cools this heater."""
     max_power: Fraction = 1.0
+    """The maximum power, as a fraction of full power."""
     pwm_hz: Annotated[float, Field(ge=4, le=1000)] = 8.0
+    """Pulses per second of the output."""
     min_c: _Celsius = 5.0
+    """The minimum temperature. A reading below it is a fault."""
     max_c: _Celsius
+    """The maximum temperature. A reading above it is a fault."""
     control: AnyControl = Field(default_factory=PidControl)
+    """How the heater is controlled."""
     model: HeatModel | None = None
+    """How the heater heats, as a tune has found it."""
     protection: Protection = Field(default_factory=Protection)
+    """What switches the heater off besides `min_c` and `max_c`."""
     arrival: Arrival = Field(default_factory=Arrival)
+    """When a command that waits for this heater continues."""
     on_fault: Literal["machine", "job", "heater"] = "machine"
+    """What else stops when a protection has switched this heater off."""
     simulated: SimulatedHeat = Field(default_factory=_simulated_heat)
+    """How the heater heats on the simulated printer. If not given, as its `model`, or as usual for
+    its `kind`."""
 
     @property
     def known_model(self) -> bool:

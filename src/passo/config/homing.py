@@ -10,23 +10,26 @@ from passo.config.types import Model, Name, Pin, Position, Positive, Speed
 
 
 class Homing(Model):
-    """The home of an axis, or of a carriage of a delta, or of an arm. Lengths in mm, of a turning
-    arm in degrees; speeds per second.
-
-    The axis moves `fast` towards its switch at the `direction` end, at most `max_travel`; back by
-    `retract`, where the switch must be free again; and `slow` to the switch, which is then at
-    `position`. That is on the `direction` half of the axis, also a little beyond its limit.
-    One switch at `pin` stops all motors of the axis; with `stepper_pins` each motor has a switch of
-    its own. In front of a pin `!` says that the switch reads low when pressed, `^` that it needs
-    the pull-up. G28 without letters leaves out what is not `by_default`.
-    """
+    """How an axis, a carriage of a delta, or an arm is homed. It moves `fast` towards its endstop,
+    back by `retract`, and `slow` to the endstop again, which is then at `position`: on the
+    `direction` half of the axis, perhaps a little beyond its limit."""
 
     direction: Literal["min", "max"]
+    """The end of the axis that has the endstop."""
     position: Position
+    """The position at which the endstop triggers, in mm or degrees."""
     pin: Pin | None = None
+    """The endstop, which stops all motors of the axis. `!` inverts it, `^` asks for the pull-up."""
     stepper_pins: dict[Name, Pin] = {}
+    """An endstop for each motor of the axis, by the name of the motor."""
     fast: Speed = 40.0
+    """The speed towards the endstop, in mm/s or degrees/s."""
     retract: Positive = 3.0
+    """The distance back from the endstop, in mm or degrees. There it must be open again."""
     slow: Speed = 4.0
+    """The speed of the second approach, in mm/s or degrees/s."""
     max_travel: Annotated[float, Field(gt=0, le=10_000)] | None = None
+    """The maximum distance towards the endstop, in mm or degrees. If not given, the length of the
+    axis and 20 % more."""
     by_default: bool = True
+    """Whether G28 without letters homes this axis."""

@@ -23,8 +23,11 @@ class Bed(Model):
     """The printable area, centred on `center_mm`; a round bed gives its diameter twice."""
 
     round: bool = False
+    """Whether the bed is round."""
     size_mm: Pair
+    """Width in X and depth in Y of the printable area; of a round bed its diameter, twice."""
     center_mm: Pair
+    """X and Y of the middle of the printable area."""
 
 
 class MachineConfig(Model):
@@ -35,27 +38,51 @@ class MachineConfig(Model):
     """
 
     name: Name
+    """The name of the machine, as M115 and the reports show it."""
     uuid: Uuid
+    """A number that identifies this machine; `uuidgen` prints one. Stored settings and journals of
+    another machine are refused."""
     author: str
+    """Who wrote the file."""
     description: str = ""
+    """One line about the machine, as `passo machines` shows it."""
     geometry: AnyGeometry
+    """How the motors move the nozzle."""
     axes: dict[AxisName, Axis]
+    """X, Y, Z, and at most four further axes."""
     steppers: Steppers
+    """The motors, by name."""
     extruders: dict[ExtruderName, Extruder] = {}
+    """The filament motors."""
     tools: list[Tool] = []
+    """What T0, T1, … select, in this order. Without tools, one for each extruder."""
     limits: Limits = Field(default_factory=Limits)
+    """Limits of the path: accelerations, speed, corners."""
     homing: dict[Name, Homing] = {}
+    """How an axis, a carriage or an arm is homed. An axis without this table has no endstop."""
     park: Park | None = Field(default_factory=Park)
+    """Where the nozzle waits during a pause."""
     idle: Idle = Field(default_factory=Idle)
+    """What is switched off when the machine is idle."""
     unhomed_moves: Literal["refuse", "allow"] = "refuse"
+    """What happens to a move of an axis that has an endstop and is not homed: an error, or the
+    move."""
     bed: Bed | None = None
+    """The printable area."""
     heaters: Heaters = {}
+    """The heaters, by name."""
     fans: Fans = {}
+    """The fans, by name."""
     laser: Laser | None = None
+    """The laser or spindle of M3, M4 and M5."""
     mains: Mains | None = None
+    """The output of M80 and M81, which switches the power supply."""
     beeper: Beeper | None = None
+    """The buzzer of M300."""
     board: Board
+    """The main board. Print time is its clock."""
     boards: dict[Name, Board] = {}
+    """Further boards. Their names stand before their pins, as in `tool:PA1`."""
 
     @property
     def all_boards(self) -> dict[str, Board]:

@@ -28,26 +28,30 @@ MICROSTEPS = 16
 
 
 class Axis(Model):
-    """A direction of the nozzle, X, Y or Z, or a further linear axis with motors of its own.
-
-    `min_mm` and `max_mm` are the soft limits; `home_mm` is the position after homing where no
-    switch has it (`min_mm` if not given). `jerk_mm_s` and `cornering_distance_steps` belong to the
-    junction laws of those names.
-
-    A further axis may be an `extruder`, as APrinter has them: then it has no limits and no home,
-    M82 and M83 say how its words count, and it does not move while `heater` is cold (the first
-    hotend if not given).
-    """
+    """A direction of the nozzle, X, Y or Z, or a further linear axis with motors of its own. A
+    further axis may be an `extruder`, as APrinter has them."""
 
     extruder: bool = False
+    """Whether a further axis moves filament. Then it has no limits and no home, and M82 and M83
+    apply to it."""
     heater: str | None = None
+    """Of an `extruder`: the heater below whose minimum temperature it does not move. If not given,
+    the first hotend."""
     min_mm: Position = 0.0
+    """The lower soft limit."""
     max_mm: Position
+    """The upper soft limit. Not needed for an `extruder`."""
     home_mm: Position | None = None
+    """The position after G28 of an axis without an endstop. If not given, `min_mm`."""
     speed_mm_s: Speed
+    """The maximum speed."""
     accel_mm_s2: Acceleration
+    """The maximum acceleration."""
     jerk_mm_s: Jerk = 10.0
+    """The maximum instant change of speed at a corner with the law `jerk`. With `deviation` it
+    applies to the axes after Z."""
     cornering_distance_steps: Positive = 40.0
+    """The distance of the law `limits.junction = "cornering_distance"`, in steps."""
 
     @model_validator(mode="before")
     @classmethod
@@ -59,21 +63,26 @@ class Axis(Model):
 
 
 class Extruder(Model):
-    """A filament motor. `jerk_mm_s` is the speed change that it may make at once at a junction."""
+    """A filament motor."""
 
     speed_mm_s: Speed
+    """The maximum speed of the filament."""
     accel_mm_s2: Acceleration
+    """The maximum acceleration of the filament."""
     jerk_mm_s: Jerk = 1.0
+    """The maximum instant change of speed at a corner."""
 
 
 class Tool(Model):
-    """What T0, T1, … select, in order. Several tools may share an extruder, and a spindle's or a
-    laser's tool has none. `offset_mm` is the nozzle's place relative to the first tool's: the
-    machine stands so much the other way."""
+    """A tool of T0, T1, …. Several tools may share an extruder. The machine moves by `offset_mm`
+    the other way, so that the nozzle of this tool is at the position of the program."""
 
     extruder: str | None = None
+    """The extruder of this tool. A laser or a spindle has none."""
     offset_mm: Point = [0.0, 0.0, 0.0]
+    """X, Y and Z of this nozzle, relative to the nozzle of the first tool."""
     heater: str | None = None
+    """The hotend of this tool."""
 
 
 _PulseUs = Annotated[float, Field(ge=0, le=30)]  # no board makes longer ones
@@ -82,44 +91,69 @@ _RateHz = Annotated[float, Field(ge=1)]  # so that a board's clocks hold its int
 
 
 class Stepper(Model):
-    """A motor with its driver.
-
-    It drives the actuator, axis or extruder called `drives`; without that key, the one that has the
-    motor's own name, or the name without its number (`z1` is a second motor of `z`). The scale is
-    given as `steps_per_mm` (`steps_per_degree` on arms), or by the parts it comes from:
-    full steps per rotation × microsteps × gear ratio / rotation distance (or / 360°).
-    Limits hold for the motor's own position: a tower's carriage, an arm's angle.
-    A driver with the table `tmc` is set up by Passo, to these microsteps too. On a board that sets
-    its drivers' currents `peak_current_a` is the limit of each phase.
-    """
+    """A motor with its driver. Its scale is `steps_per_mm` (`steps_per_degree` on arms), or
+    follows from rotation distance, full steps, microsteps and gear ratio. Limits are those of the
+    position of the motor itself: the carriage of a tower, the angle of an arm."""
 
     drives: str | None = None
+    """The actuator, axis or extruder that this motor moves. If not given, the one with the name of
+    the motor, without its number: `z1` moves z."""
     steps_per_mm: Scale | None = None
+    """Microsteps per mm of travel."""
     steps_per_degree: Scale | None = None
+    """Microsteps per degree of an arm."""
     rotation_distance_mm: Positive | None = None
+    """Travel per rotation, in place of `steps_per_mm`: full steps × microsteps × gear ratio /
+    rotation distance."""
     full_steps_per_rotation: Annotated[int, Field(gt=0)] = 200
+    """Full steps per rotation: 200 for a motor of 1.8°, 400 for 0.9°."""
     microsteps: Literal[1, 2, 4, 8, 16, 32, 64, 128, 256] = MICROSTEPS
+    """Microsteps per full step. Passo sets them where board or driver allow it."""
     gear_ratio: Positive = 1.0
+    """Rotations of the motor per rotation of the shaft."""
     invert: bool = False
+    """Whether the motor turns the other way."""
     driver: DriverName = "A4988"
+    """The kind of driver, which sets the times of pulses and directions and the maximum step
+    rate."""
     tmc: Tmc | None = None
+    """Registers of a TMC driver. Without this table Passo does not configure the driver."""
     peak_current_a: Positive | None = None
+    """The maximum current of each phase, on boards that set the currents of their drivers."""
     pulse_us: _PulseUs | None = None
+    """The minimum length of a step pulse, in place of the value of the driver."""
     direction_setup_us: _DirectionUs | None = None
+    """The minimum time from a change of direction to the next step, in place of the value of the
+    driver."""
     direction_hold_us: _DirectionUs | None = None
+    """The minimum time from a step to a change of direction, in place of the value of the
+    driver."""
     max_rate_hz: _RateHz | None = None
+    """The maximum step rate, in place of the value of the driver."""
     socket: str | None = None
+    """The socket of the board that the driver is in."""
     step_pin: Pin | None = None
+    """The step pin of a motor without a `socket`."""
     direction_pin: Pin | None = None
+    """The direction pin of a motor without a `socket`."""
     enable_pin: Pin | None = None
+    """The enable pin of a motor without a `socket`."""
     speed_mm_s: Speed | None = None
+    """The maximum speed of this motor: a carriage or a belt."""
     accel_mm_s2: Acceleration | None = None
+    """The maximum acceleration of this motor."""
     min_mm: Position | None = None
+    """The minimum position of this motor."""
     max_mm: Position | None = None
+    """The maximum position of this motor."""
     speed_deg_s: Speed | None = None
+    """The maximum speed of this arm."""
     accel_deg_s2: Acceleration | None = None
+    """The maximum acceleration of this arm."""
     min_deg: Position | None = None
+    """The minimum angle of this arm."""
     max_deg: Position | None = None
+    """The maximum angle of this arm."""
 
     @property
     def steps_per_unit(self) -> float:
@@ -147,44 +181,57 @@ _PushedMm = Annotated[float, Field(ge=0, le=1000)]  # of filament, at once
 
 class Park(Model):
     """Where the nozzle waits while a print is paused: `raise_mm` above the print, then at X and Y
-    of `position_mm` (stays over the print if not given), with the filament drawn back.
-    After an interruption the nozzle is filled with `prime_mm` of filament over the print."""
+    of `position_mm`, with the filament retracted."""
 
     position_mm: Pair | None = None
+    """X and Y of the nozzle during a pause. If not given, it stays over the print."""
     raise_mm: NotNegative = 10.0
+    """How far Z rises before the nozzle moves to X and Y."""
     speed_mm_s: Speed = 100.0
+    """The speed in X, Y and Z."""
     retract_mm: _PushedMm = 2.0
+    """How much filament is retracted."""
     retract_mm_s: Speed = 30.0
+    """The speed of this retraction."""
     prime_mm: _PushedMm = 5.0
+    """How much filament M1000 extrudes before a print resumes."""
     prime_mm_s: Speed = 5.0
+    """The speed of this filament."""
 
 
 class Idle(Model):
-    """What goes off when nothing has moved and nobody has commanded for so long; 0: nothing. Motors
-    stay on while a heater has a target."""
+    """What goes off when the machine is idle. Motors stay on while a heater has a target."""
 
     motors_off_s: NotNegative = 600.0
+    """The motors go off after this time without a move or a command; never with 0, or while a
+    heater has a target."""
     heaters_off_s: NotNegative = 1800.0
+    """The heaters go off after this time without a move or a command; never with 0."""
 
 
 class Limits(Model):
-    """Limits along the path, and the law of the speed at a junction.
-
-    The accelerations are those of M204 (P, T, R); without a value the slower of X and Y counts for
-    prints and travels, and the fastest extruder for retractions. Laws: `deviation` is grbl's circle
-    that leaves the corner by at most `junction_deviation_mm`; `cornering_distance` is APrinter's,
-    in steps of each axis; `jerk` is the classic instant speed change of each axis. A move that
-    could speed up for less than `least_speed_gain`, a share of the faster of its ends, does not.
-    """
+    """Limits of the path, and the law of the speed at corners: docs/explanation/planning.md."""
 
     print_accel_mm_s2: Acceleration | None = None
+    """The acceleration of moves that extrude (M204 P). If not given, the smaller one of X and Y."""
     travel_accel_mm_s2: Acceleration | None = None
+    """The acceleration of moves without filament (M204 T). If not given, the smaller one of X and
+    Y."""
     retract_accel_mm_s2: Acceleration | None = None
+    """The acceleration of moves of filament alone (M204 R). If not given, that of the fastest
+    extruder."""
     speed_mm_s: Speed | None = None
+    """The maximum speed of the path in X, Y and Z."""
     junction: Literal["deviation", "cornering_distance", "jerk"] = "deviation"
+    """The law of corners: a deviation from the corner (grbl), a distance in steps (APrinter), or an
+    instant change of speed for each axis (Marlin)."""
     junction_deviation_mm: Positive = 0.02
+    """The maximum distance between the corner and the arc of the law `deviation`."""
     minimum_cruise_ratio: Annotated[float, Field(ge=0, lt=1)] = 0.0
+    """This fraction of a move is not used to accelerate and brake, as Klipper has it."""
     least_speed_gain: Fraction = 0.0
+    """A move that could become faster than its ends by less than this fraction keeps their
+    speed."""
 
 
 Steppers = Annotated[dict[Name, Stepper], Field(min_length=1)]

@@ -58,34 +58,34 @@ def least_current_ma(chip: ChipName, resistor_ohm: float) -> int:
 
 
 class Tmc(Model):
-    """How a driver with registers is reached and set up; which one it is, the motor's `driver`
-    says.
-
-    A TMC2208 or TMC2209 hangs on `uart_pin` (with `tx_pin` where the board sends on another one;
-    `^` asks for the pull-up); up to four TMC2209 share it by their `address`. A TMC2130 or TMC5160
-    is selected by `cs_pin` (the socket's, unless given) on an SPI bus of any three pins, which it
-    may share.
-
-    Currents are effective values, as motors are rated; standing still a motor gets
-    `hold_current_a`, unless given the run current. Below `stealthchop_below_mm_s` (or
-    `stealthchop_below_deg_s`, on arms) the driver is silent (stealthChop), above it strong
-    (spreadCycle), without it always strong. With `interpolate` the chip makes 256 steps of each
-    full step, whatever the microsteps.
-    """
+    """A driver with registers, which Passo sets: docs/how-to/set-up-drivers.md."""
 
     run_current_a: Positive
+    """The current while the motor moves, as effective value."""
     hold_current_a: Positive | None = None
+    """The current at standstill, as effective value. If not given, `run_current_a`."""
     sense_resistor_ohm: Positive | None = None
+    """The sense resistor of the module. If not given, 0.11 Ω, and 0.075 Ω for a TMC5160."""
     stealthchop_below_mm_s: NotNegative | None = None
+    """The driver is silent (stealthChop) below this speed of the motor. If not given, never."""
     stealthchop_below_deg_s: NotNegative | None = None
+    """The same for an arm."""
     interpolate: bool = True
+    """Whether the driver makes 256 steps of each full step."""
     uart_pin: Pin | None = None
+    """The pin of the UART of a TMC2208 or TMC2209."""
     tx_pin: Pin | None = None
+    """The pin that sends, on boards with a pin for each direction. If not given, `uart_pin`."""
     address: Annotated[int, Field(ge=0, le=3)] = 0
+    """The address of a TMC2209, set by its pins MS1 and MS2."""
     cs_pin: Pin | None = None
+    """The chip select of a TMC2130 or TMC5160. If not given, that of the socket."""
     clock_pin: Pin | None = None
+    """The clock of the SPI bus."""
     mosi_pin: Pin | None = None
+    """The data to the driver."""
     miso_pin: Pin | None = None
+    """The data from the driver."""
 
     def resistor_ohm(self, chip: ChipName) -> float:
         """The sense resistor, that of most modules unless given."""

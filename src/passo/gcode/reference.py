@@ -2,78 +2,85 @@
 
 from __future__ import annotations
 
-from passo.gcode.dialect import ANY, TABLE, Kind, Row
+from passo.gcode.dialect import ANY, BY_CODE, TABLE, Kind, Row
 
 _HEAD = """# Commands
 
-Made from the dialect table (`passo.gcode.reference`). Letters may be lower case, blanks between
-words may be missing, `G01` is `G1`. A line may hold several commands; they run in order. A letter
-comes once in a command: a second one is an error (M116 may name several heaters of a kind).
+Made from the dialect table (`passo.gcode.reference`): [how a line is read](#how-a-line-is-read),
+[when a command acts](#when-a-command-acts), then the commands by subject. Commands that do nothing
+are in [a list of their own](#commands-without-an-effect).
+
+## How a line is read
+
+Letters may be lower case, blanks between words may be missing, `G01` is `G1`. A line may hold
+several commands; they run in order. A letter comes once in a command: a second one is an error
+(M116 may name several heaters of a kind).
 
 Numbers are decimal, and `X1E5` is X1 and E5. E with one to three digits directly after a digit is
-an exponent only where it cannot be meant as a word:
+an exponent only where it cannot be a word:
 
-- the command has another E (`E9.9e-05`, `X1E1 E2`), or E is no word of it (`M104 S2E2`);
+- the command has another E (`E9.9e-05`, `X1E1 E2`), or the command has no parameter E
+  (`M104 S2E2`);
 - the digits have a plus or a minus and a zero (`X1E+1`, `X13.5E-03`);
 - they have a minus, and the e is small after a capital (`X13.5e-3`), or the number has a point and
   a blank before its letter (`X13.5E-3`, but not `X10E-3` nor `G1X13.5E-3`).
 
-Comments stand in parentheses or behind `;`. A line number (`N12`) is skipped. A last `*` with
-digits that end such a line (`*71`) is its checksum and is checked. Where it is wrong and the
-command takes a text (`N5 M486 A13*10`), it belongs to the text. Lines without a number may have a
-checksum [on a console](serve.md#line-numbers-and-checksums) only. Anything that is not listed
-below is skipped with one warning; a print does not begin if
-[it may move the machine](../how-to/check-a-file.md) elsewhere.
+Comments are in parentheses or after `;`. A line number (`N12`) is skipped. A last `*` with digits
+that end such a line (`*71`) is its checksum and is checked. If it is wrong and the command takes a
+text (`N5 M486 A13*10`), it belongs to the text. Lines without a number may have a checksum
+[on a console](serve.md#line-numbers-and-checksums) only. A command that is not listed below is
+skipped with one warning; a print does not start if
+[it may move the machine](../how-to/check-a-file.md) on other firmware.
 
-A letter without a number, or with one beyond 1e9, is an error that names it, and nothing of the
-command is carried out, unless the letter is listed below as one that may stand *alone*. Behind it
-may stand a text in quotes, too. Temperatures may be `S nan`: the heater goes off.
+A letter without a number, or with a number beyond 1e9, is an error that names it. Nothing of the
+command is carried out then, unless the letter is listed below as one that may stand *alone*. A text
+in quotes may follow such a letter, too. Temperatures may be `S nan`: the heater goes off.
 
 ## Which words belong to which command
 
 A line is read from left to right.
 
-- A G or M word begins a command; the words up to the next command are its own.
-- Moves are more careful, with G0 to G3 and without, because T is also a move's duration in seconds,
-  for which F does not count then: a T behind them begins a command if it is the number of a tool of
-  the machine, otherwise it is the duration. An M behind them begins a command (`G1 X10 M400`),
-  except one that is no whole number, and except on machines whose laser has the letter M: there it
-  is a value of the move.
-- A T with a whole number that stands before all commands is a command of its own (`T1 M6`).
+- A G or M word starts a command; the words up to the next command are its parameters.
+- Moves (G0 to G3, also without the G word) are more careful, because T is also the duration of a
+  move in seconds, in place of F: a T after them starts a command if it is the number of a tool of
+  the machine, otherwise it is the duration. An M after them starts a command (`G1 X10 M400`),
+  except one that is not a whole number, and except on machines whose laser has the letter M: there
+  it is a value of the move.
+- A T with a whole number before all commands is a command of its own (`T1 M6`).
 - Words before the first command belong to it (`S12000 M3`). If one of them names an axis, F, I or
   J, they are a move of the kind of the last one, G1 if there was none.
-- G17 to G21, G53, G90 and G91 have no words of their own: what stands behind them is such a move
-  (`G90 X10`). So is what names an axis, F, I or J behind those that name no axes in any dialect,
-  known here or not: G15, G40, G43, G49, G54 to G59.3, G61.1, G64, G69, G91.1 and G93 to G99
-  (`G40 G49 X10`); and behind M3 to M9 the words that name an axis, and F (`M8 X10`).
-- All other G words that are not known here (`G29`, `G52`) keep the words behind them, which are
-  skipped with them. Other ways to move (G5, G33, G38, G73, G76, G81 to G89) also keep what stands
-  without a command in later lines, as long as no G0 to G3 nor G80 comes.
-- A T behind what has no words of its own is a command: behind M3 to M9, M82 and M83 (`M6 T1`), and
-  behind those G words (G17, G40, …) where no move has begun (`G90 T1`).
-- G10 with L is no retraction, and unknown.
+- G17 to G21, G53, G90 and G91 have no parameters: words after them are such a move (`G90 X10`). So
+  is what names an axis, F, I or J after those that name no axes in any dialect, known here or not:
+  G15, G40, G43, G49, G54 to G59.3, G61.1, G64, G69, G91.1 and G93 to G99 (`G40 G49 X10`); and after
+  M3 to M9 the words that name an axis, and F (`M8 X10`).
+- All other G words that are not known here (`G29`, `G52`) keep the words after them, which are
+  skipped with them. Other ways to move (G5, G33, G38, G73, G76, G81 to G89) also keep words without
+  a command in later lines, until G0 to G3 or G80.
+- A T after a command without parameters is a command: after M3 to M9, M82 and M83 (`M6 T1`), and
+  after those G words (G17, G40, …) where no move has started (`G90 T1`).
+- G10 with L is not a retraction, and unknown.
 - M117 and other commands whose argument is text, not words, take the rest of the line.
 - A name of two letters or more (`SET_VELOCITY_LIMIT ACCEL=500`) takes the whole line.
-- What is written for others is an unknown command, which a console hears of and a print without
-  consoles is warned of once for each: a program number (`O1000`, with the name behind it), words
-  that belong to no command (`D5`, `H1`), `T?` and `T-1`, lines that begin with `$` or `@`. So are
-  lines that begin with `/`, which are skipped.
-- Lines end with LF, CR LF or CR. A byte order mark in front of the first one means nothing.
+- What is written for other programs is an unknown command: a console receives a warning, and a
+  print without consoles warns once of each. These are a program number (`O1000`, with the name
+  after it), words that belong to no command (`D5`, `H1`), `T?` and `T-1`, lines that start with `$`
+  or `@`. Lines that start with `/` are skipped.
+- Lines end with LF, CR LF or CR. A byte order mark at the start of the first line is skipped.
 
 ## Arcs
 
-The centre (I, J, K) counts from where the arc begins. Its distances from both ends may differ a
+The centre (I, J, K) counts from the start of the arc. Its distances from both ends may differ a
 little, as rounded coordinates make them do: by 0.5 % of the larger one, or by 0.05 mm where that is
 more, but never by more than 0.5 mm. Such an arc is a spiral; beyond that the line is an error that
 names both distances. P is the number of turns.
 
-An arc of at most 0.05 mm from end to end whose centre is its start (`I0 J0`, also with one of the
-two left out), or whose radius (R) is smaller than half of that way, is a straight line, with its E,
-Z and F: ArcWelder writes such arcs. Longer ones are errors, and so are arcs without I, J, K and R,
-and those with R that end where they begin.
+An arc of at most 0.05 mm from end to end is a straight line, with its E, Z and F, if its centre is
+its start (`I0 J0`, also with one of the two left out), or if its radius (R) is smaller than half of
+that distance: ArcWelder writes such arcs. Longer ones are errors. So are arcs without I, J, K and
+R, and those with R that end where they start.
 
-An arc that leaves the soft limits or the reach of the machine on its way is refused before it
-moves, with nothing extruded.
+An arc that leaves the soft limits or the reach of the machine is refused before it moves, with
+nothing extruded.
 
 ## Offsets of tools
 
@@ -83,65 +90,107 @@ not name. M218 of the tool in use acts the same way.
 
 | the first move | what the machine does |
 |---|---|
-| lays no filament (G0, G1) | one move to the end of the line |
-| lays filament | a travel at its F to where the line begins with the new nozzle, then the line |
+| does not extrude (G0, G1) | one move to the end of the line |
+| extrudes | a travel at its F to the start of the line with the new nozzle, then the line |
 | is an arc | the same, also without filament |
 | is filament alone (`G1 E3`, G10, G11) | the axes stay; the next move carries out the offset |
 | has G53 | axes that the line does not name stay; the next move carries out their offset |
 
 M114 and the program count with the new nozzle as if the move had been carried out. Where an axis
-has no room for the offset, the move is refused as out of range, and the offset stays to be carried
-out. After homing, the offset of the homed axes counts at once. After a stop (M410), the program's
-coordinates are those of the nozzle that has stopped.
+has no room for the offset, the move is refused as out of range, and the offset is still carried out
+by a later move. After homing, the offset of the homed axes counts at once. After a stop (M410), the
+program's coordinates are those of the nozzle that has stopped.
 
 ## How slow a move may be
 
 F and T may ask for any speed, but a move of more than 1,000,000 s (11.5 days) is an error, which
-names what bounds its speed. M203 and VELOCITY take 0.001 mm/s at least, M201, M204 and ACCEL
-0.1 mm/s²; with less they change nothing, and a warning tells so.
+names what limits its speed. M203 and VELOCITY take 0.001 mm/s at least, M201, M204 and ACCEL
+0.1 mm/s²; with less they change nothing, and there is a warning.
 
 ## The hop of a retraction
 
-The hop of G10 (M207 Z) is no part of the program's Z: whatever the program does with G92, G60, G61
-or other tools while the filament is drawn back, G11 ends where it means Z to be. A tool that
-comes without being drawn back itself ends the hop, since it has no G11 to come. Homing Z ends it,
-too, unless it goes back there (B). Where the limit of Z leaves no room for it, it is as high as
-there is room, and where the motors do not reach, it is left out; G11 takes back what is left of it.
+The hop of G10 (M207 Z) does not belong to the program's Z: whatever the program does with G92, G60,
+G61 or other tools while the filament is retracted, G11 ends at the Z of the program. A tool that is
+not retracted itself ends the hop when it is selected, since no G11 of it follows. Homing Z ends the
+hop, too, unless Z returns (B). Where the limit of Z leaves too little room, the hop is as high as
+possible, and where the motors do not reach, there is none; G11 takes back what there is.
 
 """
 _WHEN = """## When a command acts
 
-- **immediate**: as soon as its line is reached, whoever moves the machine.
-- **planned**: in its place among the moves.
-- **exclusive**: when the machine stands; nobody else moves it meanwhile.
-- **ahead**: before all lines that wait.
+| when | what that means |
+|---|---|
+| immediate | as soon as its line is reached, also while another source moves the machine |
+| planned | in its place among the moves |
+| exclusive | at standstill; no other source moves the machine until the command is done |
+| ahead | before all lines that wait |
 
-A print without consoles (`passo print`, `passo estimate`) knows nothing of hosts and cards: what
-has a dot in the last column has no effect there, and what has a *p* waits for a person, which
-takes no time. What has an *s* sets up a printer that is served, or its jobs and heat: a print
-without consoles skips it with a warning. What has a dash does nothing anywhere; like all that
-nobody carries out, it is accepted: a console hears why, once, and a print without consoles is
-warned.
+The last column says what `passo print` and `passo estimate` do with a command, which have neither
+hosts nor an SD card:
 
-| command | parameters | when | what it does | |
+| without consoles | what that means |
+|---|---|
+| | the command acts |
+| no effect | it is accepted and has no effect |
+| no wait | it waits for the user, which takes no time |
+| skipped | it sets up a served printer, its jobs or its heat; it is skipped with a warning |
+"""
+_WITHOUT_EFFECT = """## Commands without an effect
+
+Passo accepts these commands and does nothing. A console receives the reason once. `passo print`
+warns of those that are marked, since the file may rely on them. Commands that level the bed stop a
+print on a machine without a probe: [check a file](../how-to/check-a-file.md).
+
+| command | why it does nothing | warning |
+|---|---|---|"""
+_COLUMNS = """| command | parameters | when | what it does | without consoles |
 |---|---|---|---|---|"""
-_MARK = {
-    Kind.MOTION: "",
-    Kind.PRINTER: "",
-    Kind.PERSON: "*p*",
-    Kind.QUIET: "·",
-    Kind.SERVED: "*s*",
-    Kind.NOT_BUILT: "–",
+_MARK = {Kind.PERSON: "no wait", Kind.QUIET: "no effect", Kind.SERVED: "skipped"}
+# Which part of the page a command is in. Those without an effect have a list of their own.
+SUBJECTS: dict[str, str] = {
+    "Moves": "G0 G1 G2 G3 G4 G60 G61 M400",
+    "Positions, units and planes": "G17 G18 G19 G20 G21 G28 G53 G90 G91 G92 M82 M83 M206 M290 M114"
+    " M154",
+    "Drilling and sub-programs": "G73 G80 G81 G82 G83 G98 G99 M98 M99 M2 EOF",
+    "Filament and tools": "G10 G11 T M200 M207 M208 M209 M218 M221 M302 M600 M603 M701 M702",
+    "Speed and acceleration": "M201 M203 M204 M205 M220 SET_VELOCITY_LIMIT",
+    "Heaters": "M104 M109 M140 M190 M141 M191 M116 M105 M155 M145 M149 M301 M303 M304 M305 M306"
+    " M307 M921 M922",
+    "Fans, laser, power supply, beeper": "M106 M107 M3 M4 M5 M80 M81 M300",
+    "Motors, drivers and endstops": "M17 M18 M84 M85 M92 M119 M120 M121 M122 M123 M124 M350 M540"
+    " M569 M906 M911 M912",
+    "SD card": "M20 M21 M22 M23 M24 M25 M26 M27 M28 M29 M30 M32 M33 M34 M36 M928",
+    "Prints": "M31 M73 M75 M76 M77 M78 M486 EXCLUDE_OBJECT EXCLUDE_OBJECT_DEFINE"
+    " EXCLUDE_OBJECT_START EXCLUDE_OBJECT_END M524 M530 M531 M532 M601 M602 M1000",
+    "Stop and restart": "M112 M410 M108 M0 M1 M876 M999",
+    "Settings": "M500 M501 M502 M503 M504 M925 M926 M930",
+    "Consoles": "M110 M113 M115 M117 M118 M408 M932 M933 M937 M940",
+    "Simulation": "SIMULATE_FAULT",
 }
+
+
+def without_effect(row: Row) -> bool:
+    """Whether a command is only accepted, on a served printer too."""
+    ignored = row.kind is Kind.QUIET and row.bare == ANY and not row.parameters
+    return row.kind is Kind.NOT_BUILT or ignored
 
 
 def reference() -> str:
     """The page as Markdown."""
-    rows = [
-        f"| {r.code} | {_parameters(r)} | {r.when.value} | {r.text} | {_MARK[r.kind]} |"
-        for r in TABLE
-    ]
-    return "\n".join([_HEAD.rstrip("\n") + "\n", _WHEN, *rows, ""])
+    lines = [_HEAD.rstrip("\n") + "\n", _WHEN]
+    for subject, codes in SUBJECTS.items():
+        lines += [f"## {subject}\n", _COLUMNS]
+        lines += [_row(BY_CODE[code]) for code in codes.split()]
+        lines.append("")
+    lines.append(_WITHOUT_EFFECT)
+    for row in filter(without_effect, TABLE):
+        lines.append(f"| {row.code} | {row.text} | {'yes' if row.kind is Kind.NOT_BUILT else ''} |")
+    return "\n".join([*lines, ""])
+
+
+def _row(row: Row) -> str:
+    mark = _MARK.get(row.kind, "")
+    return f"| {row.code} | {_parameters(row)} | {row.when.value} | {row.text} | {mark} |"
 
 
 def _parameters(row: Row) -> str:

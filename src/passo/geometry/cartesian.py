@@ -12,6 +12,7 @@ class Cartesian(GeometryModel):
 
     actuators = ("x", "y", "z")
     kind: Literal["cartesian"]
+    """A motor for each axis."""
 
     def inverse(self, point: Point) -> Point:
         """The motors' positions, mm: those of the axes."""

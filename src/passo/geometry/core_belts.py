@@ -12,6 +12,7 @@ class CoreXY(GeometryModel):
 
     actuators = ("a", "b", "z")
     kind: Literal["corexy"]
+    """Crossed belts: A = X + Y, B = X − Y."""
 
     def inverse(self, point: Point) -> Point:
         """The motors' positions, mm, at a point in mm; every point has them."""
@@ -29,6 +30,7 @@ class CoreXZ(GeometryModel):
 
     actuators = ("a", "y", "b")
     kind: Literal["corexz"]
+    """Crossed belts: A = X + Z, B = X − Z."""
 
     def inverse(self, point: Point) -> Point:
         """The motors' positions, mm, at a point in mm; every point has them."""
@@ -46,6 +48,7 @@ class CoreYZ(GeometryModel):
 
     actuators = ("x", "a", "b")
     kind: Literal["coreyz"]
+    """Crossed belts: A = Y + Z, B = Y − Z."""
 
     def inverse(self, point: Point) -> Point:
         """The motors' positions, mm, at a point in mm; every point has them."""

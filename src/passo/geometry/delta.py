@@ -20,10 +20,15 @@ class Delta(GeometryModel):
     lifts_together = True
     arms = ("a", "b", "c")
     kind: Literal["delta"]
+    """Carriages on three towers."""
     radius: Positive
+    """The distance from a tower to the middle, less the offsets of effector and carriage, in mm."""
     rods: Annotated[list[Positive], Field(min_length=3, max_length=3)]
+    """The lengths of the three rods, in mm."""
     angles: Annotated[list[Angle], Field(min_length=3, max_length=3)] = [210.0, 330.0, 90.0]
+    """The directions of the towers, from +X towards +Y, in degrees."""
     limit_radius: Positive
+    """The maximum distance of the nozzle from the middle, in mm."""
 
     @property
     def towers(self) -> list[tuple[float, float]]:

@@ -21,14 +21,23 @@ class DualScara(GeometryModel):
     rotary = ("a", "b")
     arms = ("a", "b")
     kind: Literal["dual_scara"]
+    """Two arms that meet at the nozzle."""
     shoulder1_x: Offset = -50.0
+    """X of the first shoulder, in mm."""
     shoulder2_x: Offset = 50.0
+    """X of the second shoulder, in mm."""
     proximal1: Positive = 60.0
+    """The length from the first shoulder to its elbow, in mm."""
     proximal2: Positive = 60.0
+    """The length from the second shoulder to its elbow, in mm."""
     distal1: Positive = 70.0
+    """The length from the first elbow to the nozzle, in mm."""
     distal2: Positive = 70.0
+    """The length from the second elbow to the nozzle, in mm."""
     x_offset: Offset = 0.0
+    """Added to X of both shoulders, in mm."""
     y_offset: Offset = 0.0
+    """Y of both shoulders, in mm."""
     # Each arm's direction to the nozzle, degrees, where its angles are in their middle.
     _middles: tuple[float, float] = PrivateAttr((0.0, 0.0))
 

@@ -20,11 +20,17 @@ class RotaryDelta(GeometryModel):
     lifts_together = True
     arms = ("a", "b", "c")
     kind: Literal["rotary_delta"]
+    """Three arms that turn down from the base, at 0°, +120° and −120° about Z."""
     effector_length: Positive = 30.0
+    """The side of the triangle of the effector, in mm."""
     base_length: Positive = 40.0
+    """The side of the triangle of the base, in mm."""
     rod_length: Positive = 130.0
+    """The length of a rod, in mm."""
     arm_length: Positive = 80.0
+    """The length of an arm, in mm."""
     z_offset: Offset = 200.0
+    """The height of the base above Z 0, in mm."""
 
     def options(self) -> dict[str, float]:
         """All of its parameters."""

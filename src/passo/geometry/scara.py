@@ -22,11 +22,18 @@ class Scara(GeometryModel):
     rotary = ("a", "b")
     arms = ("a", "b")
     kind: Literal["scara"]
+    """An upper arm and a forearm."""
     arm1: Positive = 150.0
+    """The length of the upper arm, in mm."""
     arm2: Positive = 150.0
+    """The length of the forearm, in mm."""
     external_motor: bool = True
+    """Whether the motor of the elbow is on the base. Then the angle of the forearm counts from the
+    base, otherwise from the upper arm."""
     x_offset: Offset = 0.0
+    """X of the shoulder, in mm."""
     y_offset: Offset = 0.0
+    """Y of the shoulder, in mm."""
     # Each arm's direction to the nozzle, degrees, where its angles are in their middle.
     _middles: tuple[float, float] = PrivateAttr((0.0, 0.0))
 

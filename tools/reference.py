@@ -1,0 +1,33 @@
+"""Writes the generated pages of docs/reference/. Usage: .venv/bin/python tools/reference.py"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from passo import catalogue_reference
+from passo.config import board_reference, machine_reference, sensor_names
+from passo.gcode import reference as command_reference
+from passo.toolchain import protocol_reference
+
+FOLDER = Path(__file__).parents[1] / "docs" / "reference"
+PAGES = {
+    "boards.md": board_reference.reference,
+    "errors.md": catalogue_reference.reference,
+    "gcode.md": command_reference.reference,
+    "machine-file.md": machine_reference.reference,
+    "protocol.md": protocol_reference.reference,
+    "sensors.md": sensor_names.reference,
+}
+
+
+def main() -> None:
+    """Writes the pages that have changed, and names them."""
+    for name, page in PAGES.items():
+        path, text = FOLDER / name, page()
+        if not path.exists() or path.read_text(encoding="utf-8") != text:
+            path.write_text(text, encoding="utf-8")
+            print(path)
+
+
+if __name__ == "__main__":
+    main()
