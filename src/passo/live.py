@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from passo.console.session import Session
     from passo.console.transports.streams import Console, Opened
     from passo.events import Event
-    from passo.job.live.runner import State
+    from passo.job.live.job_state import JobState
     from passo.printer import printer as printers
     from passo.printer.status import Status
 
@@ -157,7 +157,7 @@ class Printer:
         over: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         begun = False
 
-        def watch(_: State) -> None:
+        def watch(_: JobState, __: JobState) -> None:
             nonlocal begun
             begun = begun or runner.active
             if begun and not (runner.active or over.done()):

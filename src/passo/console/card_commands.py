@@ -14,7 +14,8 @@ from passo.console.session import Session
 from passo.console.upload import Upload
 from passo.errors import CardError, CommandError, PassoError
 from passo.gcode.command import Command, unescaped
-from passo.job.live.runner import Runner, State
+from passo.job.live.job_state import JobState
+from passo.job.live.runner import Runner
 from passo.printer.unfit_commands import ALL
 from passo.printer.wait_requests import Handler, Reply, Wait
 
@@ -226,7 +227,7 @@ class CardCommands:
         words = _numbers(text)
         if self._printer.job.suspended and not self._runner.active:
             return  # a host's print stands aside: no other may begin in its midst
-        if "S" in words and self._runner.state is not State.PAUSED:
+        if "S" in words and self._runner.state is not JobState.PAUSED:
             self._runner.seek(int(words["S"]))
         self._runner.start(skips=ALL if words.get("U") else None)
 
@@ -235,7 +236,7 @@ class CardCommands:
 
     def _seek(self, text: str, _: Reply) -> None:
         offset = int(_numbers(text).get("S", 0))
-        if self._runner.state is State.PAUSED and offset == 0:
+        if self._runner.state is JobState.PAUSED and offset == 0:
             self._runner.cancel()  # a host that cancels: M25, M26 S0
             return
         self._runner.seek(offset)

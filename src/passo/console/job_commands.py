@@ -12,8 +12,9 @@ from passo.errors import CommandError, PassoError
 from passo.gcode.command import Command
 from passo.job.batch.forecast import Forecast, forecast
 from passo.job.live.host_pause import HostPause
+from passo.job.live.job_state import JobState
 from passo.job.live.park import check_words
-from passo.job.live.runner import Runner, State
+from passo.job.live.runner import Runner
 from passo.job.live.statistics import Print, Statistics, spoken
 from passo.printer.wait_requests import Handler, Procedure, Reply, Wait
 
@@ -71,7 +72,6 @@ class JobCommands:
         self._from_card: Print | None = None
         self._failed: Print | None = None  # the last one from the card, if so it ended
         self._from_host: Print | None = None  # that says by itself when it begins and ends
-        self._paused = False  # the print from the card
         self._percent: float | None = None  # M73
         self._minutes_left: float | None = None
         self.immediate: dict[str, Handler] = {
@@ -95,15 +95,16 @@ class JobCommands:
         printer.state.stop_listeners.append(self._stopped)
         printer.closers.append(self._close)
 
-    def _job_changed(self, state: State) -> None:
-        if state is State.PAUSED:
+    def _job_changed(self, was: JobState, state: JobState) -> None:
+        if state is JobState.PAUSED:
             self._printer.tell("// action:paused")
-        elif self._paused:
+        elif was is JobState.PAUSED:
             self._printer.prompts.answered()
-            if state is State.PRINTING:
+            if state.prints:
                 self._printer.tell("// action:resumed")
-        self._paused = state is State.PAUSED
-        if state is State.PRINTING:
+        if state.prints:
+            if was.prints:
+                return
             if self._from_card is None:
                 self._from_card = self._begun()
                 self._planned_s = self._printer.planned_s()
@@ -112,7 +113,7 @@ class JobCommands:
             return
         if self._from_card is not None:
             self._watch.pause()
-            if state is not State.PAUSED:
+            if state is not JobState.PAUSED:
                 job, self._from_card = self._from_card, None
                 self._statistics.ended(job, self._runner.ended)
                 self._failed = job if self._runner.ended == "failed" else None
@@ -337,7 +338,7 @@ class JobCommands:
     def _asks(self) -> bool:
         """The file's pause has asked somebody to go on."""
         person = self._printer.prompts
-        return self._paused and person.asking and not person.awaited
+        return self._runner.state is JobState.PAUSED and person.asking and not person.awaited
 
     def _end_asking(self) -> None:
         if self._asks:
@@ -348,7 +349,7 @@ class JobCommands:
 
     def _resume(self, _: Command, __: Reply) -> Wait | None:
         """M602: of a wait for a person it acted when the line came in. Raises CommandError."""
-        if self._runner.state is State.PAUSED:
+        if self._runner.state is JobState.PAUSED:
             self._runner.start()
         return None
 

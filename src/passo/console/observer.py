@@ -19,7 +19,7 @@ from passo.events import (
     StateChanged,
     TemperatureChanged,
 )
-from passo.job.live.runner import State
+from passo.job.live.job_state import JobState
 
 if TYPE_CHECKING:
     from passo.console.printer_console import Assembly
@@ -51,7 +51,6 @@ class Observer:
         self._event_listeners: list[Callable[[Event], object]] = []
         self._last = assembly.status.read()
         self._shown_c = {name: heater.celsius for name, heater in self._last.heaters.items()}
-        self._active = assembly.runner.active
         self._layer = self._last.job.layer if self._last.job else 0
         self._host_s = self._print_s = 0.0  # when the next look is due
         self._beat = self._loop.call_later(LOOK_S, self._on_beat)
@@ -94,12 +93,11 @@ class Observer:
         if self._assembly.printer.drive.now_s >= self._print_s:
             self._look()
 
-    def _job_changed(self, state: State) -> None:
+    def _job_changed(self, was: JobState, state: JobState) -> None:
         runner = self._assembly.runner
-        was, self._active = self._active, state in (State.PRINTING, State.PAUSED)
-        if self._active and not was:
+        if state.active and not was.active:
             self._layer = 0
-        if was and not self._active:
+        if was.active and not state.active:
             # On a busy computer the last look may be long past.
             job, now = self._assembly.printer.job, self._assembly.printer.drive.passed
             layer = job.layer_near(now) if job.line_at(now) else 0

@@ -11,11 +11,12 @@ from passo.console.card_commands import CardCommands
 from passo.console.session import command_of
 from passo.errors import CardError, CommandError, PassoError
 from passo.gcode.command import Command
+from passo.job.live.job_state import JobState
 from passo.job.live.journal import Change, Journal, Moment, Program
 from passo.job.live.objects import PrintObjects
 from passo.job.live.overrides import Overrides, Settings
 from passo.job.live.resume_after_power_loss import Recovery
-from passo.job.live.runner import Runner, State
+from passo.job.live.runner import Runner
 from passo.printer.wait_requests import Handler, Procedure, Reply, Stopped, Wait
 
 if TYPE_CHECKING:
@@ -46,7 +47,6 @@ class RecoveryCommands:
         self._recorded = Moment(0, 0.0)
         self._seen_z_mm = 0.0
         self._settlings = 0
-        self._paused = False
         self._interrupted = self._journal.read()
         self._program: Program | None = None  # that was begun last
         self.instead = ""  # what was not done because of it, to be told with the offer
@@ -79,12 +79,11 @@ class RecoveryCommands:
         x, y, _ = self._printer.machine.home_point
         return f" from X {x:g} Y {y:g}: without switches it must be moved there by hand first"
 
-    def _job_changed(self, state: State) -> None:
-        resumed, self._paused = self._paused, state is State.PAUSED
-        if state is State.PRINTING:
-            if not (resumed and self._journal.open):
+    def _job_changed(self, was: JobState, state: JobState) -> None:
+        if state.prints and not was.prints:
+            if not (was is JobState.PAUSED and self._journal.open):
                 self._begin()
-        elif state is not State.PAUSED:
+        elif was.active and not state.active:
             self._over()
 
     def _over(self) -> None:
@@ -164,7 +163,7 @@ class RecoveryCommands:
         last = self._recorded
         moment = self._moment(line or last.line, self._seen_z_mm)
         # Heaters that are switched off meanwhile are wanted again for the print.
-        if self._runner.state is State.PAUSED:
+        if self._runner.state is JobState.PAUSED:
             moment = replace(moment, line=last.line, print_s=last.print_s, targets_c=last.targets_c)
         elif not self._runner.active:
             wanted = {n: c or last.targets_c.get(n, 0.0) for n, c in moment.targets_c.items()}

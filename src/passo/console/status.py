@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from passo.job.live.runner import State
+from passo.job.live.job_state import JobState
 from passo.printer.status import (
     JobStatus,
     PrinterState,
@@ -51,7 +51,7 @@ class StatusReader:
         printer = self._printer
         if printer.halted:
             return PrinterState.HALTED
-        if self._runner.state is State.PAUSED:
+        if self._runner.state is JobState.PAUSED:
             return PrinterState.PAUSED
         if self._runner.active:
             return PrinterState.PRINTING

@@ -6,7 +6,6 @@ import asyncio
 from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from enum import Enum
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
@@ -14,6 +13,7 @@ from passo import _core
 from passo.config.motor_roles import axis_order
 from passo.errors import CardError, CommandError, InputError, PassoError, Problem
 from passo.gcode.command import Command
+from passo.job.live.job_state import TRANSITIONS, JobState
 from passo.job.live.line_offsets import line_of_offset
 from passo.job.live.park import Park
 from passo.job.live.reader import Reader
@@ -32,15 +32,6 @@ _AHEAD_S = 4.0  # of planned print time in one stretch
 _MOST_MESSAGES = 4096  # and so many for the board
 
 
-class State(Enum):
-    """What becomes of the selected file."""
-
-    NONE = "no file is selected"
-    READY = "a file is selected"
-    PRINTING = "printing"
-    PAUSED = "paused"
-
-
 class Runner:
     """Prints one file at a time, with all consoles alive beside it. To be used within the printer's
     event loop. `reply` hears what the file's commands answer."""
@@ -54,20 +45,18 @@ class Runner:
         self._resumed = asyncio.Event()
         self.first_line = 1  # number of the first line fed
         self._begin = 0  # offset of the first byte fed since the source was restarted
-        self._returns = False  # a pause is over, its end is still to be done
+        self._suspended = False  # the rest of the print is, in a pause or until its end
         self._waits_for: Wait | None = None  # what the last command waits for, if that is not over
         self._parked = False
         self._locked = set[int]()  # axes that did not know where they are when it began
         self._again = False  # to be started as soon as the last print has ended
         self._failed = ""
         self.problems: tuple[Problem, ...] = ()  # of the last print, where they are known
-        self._left = False  # a print that failed could be gone on with
-        self._kept = False  # nobody else may select, rewind or start a file
-        self._pauses = False  # what is kept is to pause as soon as it goes on
+        self._pauses = False  # a print that is APPROACHING will pause as soon as it goes on
         self._skips = printer.skips
         self._surveyed: tuple[Reader, _core.Job] | None = None  # and given its sub-programs
-        self._state = State.NONE
-        self.watchers: list[Callable[[State], None]] = []
+        self._state = JobState.NONE
+        self.watchers: list[Callable[[JobState, JobState], None]] = []  # of what was, and is
         self.name = self.path = ""
         self.ended = ""  # done, cancelled or failed: the last print
         printer.state.busy = lambda: self.active
@@ -76,16 +65,20 @@ class Runner:
         printer.state.fault_listeners.append(lambda _: self.pause())
 
     @property
-    def state(self) -> State:
+    def state(self) -> JobState:
         """What becomes of the selected file."""
         return self._state
 
-    @state.setter
-    def state(self, state: State) -> None:
-        if state is not self._state:
-            self._state = state
-            for watcher in self.watchers:
-                watcher(state)
+    def _enter(self, state: JobState) -> None:
+        """Goes to another state, of which all watchers hear, or stays."""
+        was = self._state
+        if state is was:
+            return
+        if state not in TRANSITIONS[was]:
+            raise RuntimeError(f"a print does not go from {was.name} to {state.name}")
+        self._state = state
+        for watcher in self.watchers:
+            watcher(was, state)
 
     # -- what may be asked ------------------------------------------------------------------------
 
@@ -117,27 +110,27 @@ class Runner:
 
     def printing_from(self, reply: Reply) -> bool:
         """Whether a command comes from the file that is printed."""
-        return self.state is State.PRINTING and reply is self._reply
+        return self.state.prints and reply is self._reply
 
     @property
     def active(self) -> bool:
         """A print is under way, or paused."""
-        return self.state in (State.PRINTING, State.PAUSED)
+        return self.state.active
 
     @property
     def engaged(self) -> bool:
         """A print is under way, paused, or about to be gone on with."""
-        return self.active or self._kept
+        return self.active or self.state is JobState.APPROACHING
 
     @property
     def over(self) -> bool:
         """No print is under way, paused, or failed and to be gone on with."""
-        return not (self.engaged or self._left)
+        return not (self.engaged or self.state is JobState.FAILED)
 
     @property
     def stands(self) -> bool:
         """A line has failed, or the card, in the midst of the print, which goes on behind it."""
-        return self._left and self.offset > 0
+        return self.state is JobState.FAILED and self.offset > 0
 
     # -- what may be done -------------------------------------------------------------------------
 
@@ -148,9 +141,8 @@ class Runner:
         self._again = False
         if self._reader:
             self._reader.close()
-        self._left = False
         self.name, self.path, self._reader = name, path, reader
-        self.state = State.READY
+        self._enter(JobState.READY)
         self._rewind(0)
 
     def release(self) -> None:
@@ -159,9 +151,8 @@ class Runner:
         self._again = False
         if self._reader:
             self._reader.close()
-        self._left = False
         self.name, self.path, self._reader = "", "", None
-        self.state = State.NONE
+        self._enter(JobState.NONE)
 
     def exchange(self, reader: Reader) -> None:
         """The same file, of a card that was mounted anew, is read on from where it stands."""
@@ -188,31 +179,32 @@ class Runner:
         """The selected file stays as it is while the machine is brought to where it goes on; yields
         what seeks that byte."""
         self._refuse_if_active()
-        self._kept, self._pauses = True, False
+        self._pauses = False
+        self._enter(JobState.APPROACHING)
         try:
             yield self._seek
         except BaseException:
             self._pauses = False
             raise
         finally:
-            self._kept = False
+            self._enter(JobState.READY)
 
     def start(self, *, skips: Skips | None = None) -> None:
         """Starts the selected file where it stands, or ends a pause. `skips` are commands that the
         print may leave out, by default those of the printer. Raises CommandError."""
-        if self.state is State.PAUSED:
-            if self._returns:
+        if self.state is JobState.PAUSED:
+            if self._suspended:
                 self._require_places()
-            self.state = State.PRINTING
+            self._enter(JobState.RETURNING if self._suspended else JobState.PRINTING)
             self._resumed.set()
             return
-        if self._kept and self._pauses:
+        if self.state is JobState.APPROACHING and self._pauses:
             self._pauses = False
             return
         self._refuse_if_active()
         if self._reader is None:
             raise CommandError.of("job.no-file")
-        if 0 < self.size <= self.offset and not self._left:
+        if 0 < self.size <= self.offset and self.state is not JobState.FAILED:
             raise CommandError.of("job.at-end", value=self.name)
         self._skips = self._printer.skips if skips is None else skips
         self._again = self._task is not None and not self._task.done()
@@ -220,15 +212,14 @@ class Runner:
             return  # when the one that was just cancelled has let go of the machine
         self._failed = ""
         self.problems = ()
-        self._returns = False
+        self._suspended = False
         self._waits_for = None
         # The task is there before anybody hears of it, and runs when all have.
         task = asyncio.get_running_loop().create_task(self._print())
         task.add_done_callback(self._over)
         self._task = task  # the loop alone would not keep it
         self._resumed.clear()
-        self._left = False
-        self.state = State.PRINTING
+        self._enter(JobState.PRINTING)
         if self._pauses:
             self._pauses = False
             self.pause(self._park_words)
@@ -238,21 +229,22 @@ class Runner:
         park, see `Park.leave`. What is brought to where it goes on pauses as soon as it is there.
         """
         self._again = False
-        if self._kept and not self._pauses:
+        if self.state is JobState.APPROACHING and not self._pauses:
             self._pauses, self._park_words = True, words
             self._printer.tell(f"echo:{self.name} will pause once it reaches the resume point")
-        if self.state is State.PRINTING and not self._printer.halted:
+        if self.state.prints and not self._printer.halted:
             self._park_words = words
-            self.state = State.PAUSED
+            self._enter(JobState.PAUSED)
             self._resumed.clear()
             # Axes that home do so to the end: their moves are not the program's.
             if not self._printer.homer.active:
                 self._set_aside()
 
     def _set_aside(self) -> None:
-        """Brakes; the rest of the print stands aside, if it does not yet since the last pause."""
-        if not self._returns:
-            self._returns = True
+        """Brakes and suspends the rest of the print, if it is not suspended since the last
+        pause."""
+        if not self._suspended:
+            self._suspended = True
             self._parked = False
             self.park.owed_mm = 0.0
             self._locked = set(self._printer.job.locked_axes)
@@ -269,9 +261,9 @@ class Runner:
     def stands_aside(self) -> bool:
         """Whether a pause goes on, or is about to end: what is left of the print is aside. With the
         turn."""
-        if self.state is State.PAUSED:
+        if self.state is JobState.PAUSED:
             self._set_aside()
-        return self.active and self._returns
+        return self.active and self._suspended
 
     def cancel(self) -> None:
         """Ends the print: brakes to a stop, heaters and fans off. The file stays selected, from its
@@ -279,14 +271,15 @@ class Runner:
         self._again = False
         printer = self._printer
         if not self.active:
-            if self._kept:
+            if self.state is JobState.APPROACHING:
                 printer.stop_all("cancelled")
-            elif self._left and not printer.halted:
+            elif self.state is JobState.FAILED and not printer.halted:
                 self._cool()
+                self._enter(JobState.READY)
                 self._rewind(0)
             return
         self.ended = "cancelled"
-        self.state = State.READY
+        self._enter(JobState.READY)
         if not printer.halted:
             printer.stop()
             self._cool()
@@ -297,7 +290,6 @@ class Runner:
 
     def _cool(self) -> None:
         """Heaters and fans off."""
-        self._left = False
         printer = self._printer
         printer.targets.switch_off(printer.machine.heaters)
         printer.drive.before_moves()
@@ -322,7 +314,7 @@ class Runner:
         try:
             await self._look_through()
             while self.active:
-                if self.state is State.PAUSED:
+                if self.state is JobState.PAUSED:
                     await self._stand_aside()
                 await self._room()
                 await printer.turn.wait()
@@ -380,9 +372,9 @@ class Runner:
         """The machine was stopped in mid-print. What was planned is lost, so the file can only be
         printed from its beginning."""
         revived = self.active and bool(self._printer.halted)  # a pause has nothing to return to
-        if self.state is State.PRINTING or revived:
+        if self.state.prints or revived:
             self._failed = reason
-            self._returns = False
+            self._suspended = False
             self._end()
             self._resumed.set()
             self._rewind(0)
@@ -393,8 +385,7 @@ class Runner:
             return  # cancelled
         printer.laser.off()
         self.ended = "failed" if self._failed else "done"
-        self._left = bool(self._failed)
-        self.state = State.READY
+        self._enter(JobState.FAILED if self._failed else JobState.READY)
         if self._failed:
             printer.tell(f"echo:Print of {self.name} stopped: {self._failed}")
         else:
@@ -405,7 +396,7 @@ class Runner:
         printer = self._printer
         await printer.turn.wait()
         try:
-            if self.state is State.PAUSED:
+            if self.state is JobState.PAUSED:
                 self._set_aside()
                 if not self._parked:
                     self._parked = True
@@ -420,7 +411,7 @@ class Runner:
         await drive.until(
             lambda: (
                 not (drive.full or printer.state.host_paused or drive.interrupted)
-                or self.state is not State.PRINTING
+                or not self.state.prints
                 or bool(printer.halted)
             ),
             idly=True,
@@ -431,11 +422,11 @@ class Runner:
         printer = self._printer
         job, drive = printer.job, printer.drive
         printer.state.raise_if_halted()
-        if self.state is State.PAUSED:
+        if self.state is JobState.PAUSED:
             self._set_aside()
-        if self.state is not State.PRINTING:
+        if not self.state.prints:
             return False
-        if self._returns and not await self._come_back():
+        if self.state is JobState.RETURNING and not await self._come_back():
             return False
         printer.dispatch.select(console=False)
         printer.state.program = self._reply
@@ -462,12 +453,13 @@ class Runner:
             if self.active:
                 printer.tell(f"echo:Print of {self.name} stays paused: {error}")
                 self._resumed.clear()
-                self.state = State.PAUSED
+                self._enter(JobState.PAUSED)
             return False
         self._parked = False
-        if self.state is not State.PRINTING:
+        if self.state is not JobState.RETURNING:
             return False
-        self._returns = False
+        self._suspended = False
+        self._enter(JobState.PRINTING)
         printer.resume_job()
         return True
 
@@ -507,7 +499,7 @@ class Runner:
         wait = self._waits_for
         if wait is not None:
             try:
-                if not await printer.waits.wait(wait, self._reply, aside=lambda: self._returns):
+                if not await printer.waits.wait(wait, self._reply, aside=lambda: self._suspended):
                     return False
             except CommandError as error:
                 heaters = wait.heaters if isinstance(wait, Temperatures) else ()
@@ -544,10 +536,9 @@ class Runner:
         await drive.until(
             lambda: (
                 drive.standing
-                or self._returns  # the pause may be over by now
-                or self.state is not State.PRINTING
+                or self.state is not JobState.PRINTING  # the pause may be over by now
                 or bool(self._printer.halted)
             )
         )
         self._printer.state.raise_if_halted()
-        return self.state is State.PRINTING and not self._returns
+        return self.state is JobState.PRINTING

@@ -1,4 +1,4 @@
-"""How a printer lives on: a board that fails, or the program, halts it, and M999 begins anew."""
+"""Halts the printer when a board or the program fails, and restarts it on M999."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from passo.board.faults import BoardResetError, PlaceLostError
 from passo.board.ports import LinkLostError
 from passo.errors import MachineError, in_words
 from passo.motion.motion_queue import TICK_S, either
+from passo.printer.recovery.link_state import TRANSITIONS, LinkState
 from passo.printer.recovery.stop_boards import stop_boards
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from passo.printer.watch.late_commands import LatenessWatch
 
 
-# A board that begins anew twice within this time does so because of what is turned on, perhaps.
+# A second reset this soon is probably caused by a load, such as a heater.
 _SOON_S = 60.0
 _LOOK_S = 0.25  # while it is halted
 
@@ -44,28 +45,43 @@ class Life:
         self._rig, self._state, self._turn = rig, state, turn
         self._lateness, self.reconnection = lateness, reconnection
         self._halt_printer, self._restart = halt, restart
-        self._revived = asyncio.Event()  # somebody has sent M999, and no M112 since
-        self._asking: list[asyncio.Future[None]] = []  # who waits for what becomes of M999
-        self._warm = False  # what is warm stays so when the printer begins anew
-        self._reset_s = -inf  # when a board has begun anew
+        self._revived = asyncio.Event()  # M999 was sent, and no M112 since
+        self._asking: list[asyncio.Future[None]] = []  # each waits for the outcome of M999
+        self._link = LinkState.CONNECTED
+        self.watchers: list[Callable[[LinkState, LinkState], None]] = []  # of what was, and is
+        self._reset_s = -inf  # when a board was reset
+
+    @property
+    def link(self) -> LinkState:
+        """What the boards do."""
+        return self._link
+
+    def _enter(self, link: LinkState) -> None:
+        was = self._link
+        if link not in TRANSITIONS[was]:
+            raise RuntimeError(f"a link does not go from {was.name} to {link.name}")
+        self._link = link
+        for watcher in self.watchers:
+            watcher(was, link)
 
     def revive(self) -> None:
-        """Somebody has made the halted machine safe."""
+        """M999: the user has made the halted machine safe."""
         self._revived.set()
 
     def answered(self) -> asyncio.Future[None]:
-        """Done when the printer is ready again, or M999 has led to nothing."""
+        """Done when the printer is ready again, or M999 has failed."""
         asking: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         self._asking.append(asking)
         return asking
 
     def stop(self) -> None:
-        """M112, also while the printer begins anew, by itself or after M999."""
-        self._warm = False
+        """M112, also before the printer restarts, by itself or after M999."""
+        if self._link is LinkState.PLACE_LOST:
+            self._enter(LinkState.HALTED)
         self._answer()
 
     def _answer(self) -> None:
-        """M999 is done, or has led to nothing."""
+        """M999 is done, or has failed."""
         self._revived.clear()
         for asking in self._asking:
             if not asking.done():
@@ -84,15 +100,15 @@ class Life:
                     continue
                 displaced = isinstance(failure, PlaceLostError) and not self._has_to_halt(failure)
                 state.failures += not state.halted  # else it has been counted
-                self._warm = displaced
                 state.halted = state.halted or str(in_words(failure)).rstrip(".")
+                self._enter(LinkState.PLACE_LOST if displaced else LinkState.HALTED)
                 if displaced:
                     self._pause()
                 else:
                     await self._halt()
                 await self._all_have_stopped()
                 try:
-                    if displaced and not self._warm:
+                    if displaced and self._link is LinkState.HALTED:
                         await self._halt()  # M112 came meanwhile
                     await self._revive()
                 finally:
@@ -129,13 +145,15 @@ class Life:
         if not boards.survives or boards.timeline.halted:
             return error
         try:
+            self._enter(LinkState.RECONNECTING)
             await self.reconnection.reconnect(error)
         except Exception as failure:
             return failure
+        self._enter(LinkState.CONNECTED)
         return None
 
     def _pause(self) -> None:
-        """Nothing is wrong but that nobody knows where the motors are."""
+        """Nothing is wrong, but the positions of the motors are unknown."""
         rig, state = self._rig, self._state
         rig.connection.stop_job()
         state.tell(f"Error:{state.halted}")
@@ -143,7 +161,7 @@ class Life:
         rig.drive.end_waits()
 
     async def _halt(self) -> None:
-        """Waits until somebody has made the machine safe."""
+        """Waits for M999."""
         rig, state = self._rig, self._state
         self._make_safe()
         if state.start_failure is None:  # else each console is told when it opens
@@ -174,12 +192,14 @@ class Life:
             await asyncio.sleep(TICK_S)
 
     async def _revive(self) -> None:
-        """Begins anew; as often as somebody asks, until the board can be reached."""
+        """Restarts the boards; as often as M999 is sent, until they can be reached."""
+        keeps_warm = self._link is LinkState.PLACE_LOST
         heaters = self._rig.connection.heaters.items()
-        warm = {n: h.target for n, h in heaters if self._warm and not h.fault}
-        if not self._warm:
-            await self._until_revived()  # M112 may have come since somebody asked
+        warm = {n: h.target for n, h in heaters if keeps_warm and not h.fault}
+        if not keeps_warm:
+            await self._until_revived()  # M112 may have come since M999
         while True:
+            self._enter(LinkState.RESTARTING)
             try:
                 self._restart()
                 for heater, celsius in warm.items():
@@ -189,10 +209,12 @@ class Life:
                 failure = in_words(error)
                 if not self._state.halted:  # the board is well, but not what came after it
                     self._state.halted = str(failure).rstrip(".")
+                self._enter(LinkState.HALTED)
                 self._make_safe()
                 self._state.tell(f"Error:{failure} Then send M999 again")
                 self._answer()
                 await self._until_revived()
             else:
+                self._enter(LinkState.CONNECTED)
                 self._answer()
                 return

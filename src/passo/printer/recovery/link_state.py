@@ -1,0 +1,30 @@
+"""The states of the links to a printer's boards, and the ways between them."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+
+class LinkState(Enum):
+    """What the boards do, as far as the host knows."""
+
+    CONNECTED = "the boards answer"
+    RECONNECTING = "a link is lost; the boards brake by themselves and keep warm"
+    PLACE_LOST = "the position is lost; heaters keep their targets"
+    HALTED = "everything is off until M999"
+    RESTARTING = "the boards start again"
+
+
+_S = LinkState
+TRANSITIONS: dict[LinkState, frozenset[LinkState]] = {
+    # A link is lost, where the boards survive that; a board was reset; M112 or what else halts.
+    _S.CONNECTED: frozenset({_S.RECONNECTING, _S.PLACE_LOST, _S.HALTED}),
+    # All boards are back; a motor is not where it was told to stop; M112, or a board has stopped.
+    _S.RECONNECTING: frozenset({_S.CONNECTED, _S.PLACE_LOST, _S.HALTED}),
+    # By itself, as soon as no command waits any more; M112 meanwhile.
+    _S.PLACE_LOST: frozenset({_S.RESTARTING, _S.HALTED}),
+    # M999.
+    _S.HALTED: frozenset({_S.RESTARTING}),
+    # Each board is configured; one cannot be reached.
+    _S.RESTARTING: frozenset({_S.CONNECTED, _S.HALTED}),
+}

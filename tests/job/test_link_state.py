@@ -1,0 +1,96 @@
+"""Each transition of the links' state, by what happens to the boards, and no other one."""
+
+import pytest
+from tests.console.scenario import Scenario
+from tests.job.disturbed import reset
+from tests.job.test_lost_link import FIRMWARE, break_link
+from tests.job.test_place_lost import turned_by_hand
+
+from passo.errors import MachineError
+from passo.printer.recovery.link_state import TRANSITIONS, LinkState
+
+UP, AWAY, LOST, HALTED, STARTS = (
+    LinkState.CONNECTED,
+    LinkState.RECONNECTING,
+    LinkState.PLACE_LOST,
+    LinkState.HALTED,
+    LinkState.RESTARTING,
+)
+
+
+def broken_for_a_moment(s, _):
+    break_link(s, 0.3)
+
+
+def turned_meanwhile(s, monkeypatch):
+    with turned_by_hand(s, monkeypatch):
+        break_link(s, 1.0)
+        s.passes(1)
+
+
+def halted_meanwhile(s, _):
+    s.printer.connection.main.port.unplug()
+    s.passes(0.5)
+    s.host.send("M112")
+    s.passes(1)
+
+
+def reset_once(s, _):
+    reset(s)
+
+
+def halted_as_the_place_is_lost(s, _):
+    s.printer.life.watchers.append(
+        lambda _, now: s.printer.halt("by the test") if now is LOST else None
+    )
+    reset(s)
+
+
+def halted_and_revived(s, _):
+    s.host.send("M112")
+    s.passes(1)
+    s.host.ok("M999")
+
+
+def not_found_again(s, monkeypatch):
+    def gone(_):
+        raise MachineError.of("machine.program", value="no board")
+
+    monkeypatch.setattr("passo.printer.printer.reconnected", gone)
+    s.host.send("M112")
+    s.passes(1)
+    s.host.send("M999")
+
+
+WALKS = {
+    broken_for_a_moment: [AWAY, UP],
+    turned_meanwhile: [AWAY, LOST, STARTS, UP],
+    halted_meanwhile: [AWAY, HALTED],
+    reset_once: [LOST, STARTS, UP],
+    halted_as_the_place_is_lost: [LOST, HALTED],
+    halted_and_revived: [HALTED, STARTS, UP],
+    not_found_again: [HALTED, STARTS, HALTED],
+}
+
+
+@pytest.mark.parametrize("happens", WALKS, ids=lambda happens: happens.__name__)
+def test_what_happens_leads_to_these_states(happens, monkeypatch):
+    with Scenario(FIRMWARE) as s:
+        seen = [s.printer.life.link]
+        s.printer.life.watchers.append(lambda was, now: seen.append(now))
+        s.host.ok("G28", 60)
+        s.host.send("G1 X100 F600")
+        s.passes(1)
+        happens(s, monkeypatch)
+        s.passes(2)
+        assert seen == [UP, *WALKS[happens]]
+
+
+def test_these_are_all_ways_of_the_table():
+    walked = {way for states in WALKS.values() for way in zip([UP, *states], states, strict=False)}
+    assert walked == {(was, now) for was, ways in TRANSITIONS.items() for now in ways}
+
+
+def test_another_way_is_a_fault_of_the_program():
+    with Scenario(FIRMWARE) as s, pytest.raises(RuntimeError, match="from CONNECTED to RESTARTING"):
+        s.printer.life._enter(STARTS)
