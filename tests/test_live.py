@@ -10,7 +10,7 @@ import pytest
 
 import passo
 from passo import config
-from passo.console.printer_console import assembled
+from passo.app import assembled
 from passo.events import Fault, JobEnded, LayerChanged, Message, StateChanged, TemperatureChanged
 from passo.printer.status import PrinterState
 
@@ -299,7 +299,7 @@ def test_a_print_of_a_file_goes_on_after_a_power_cut(part, tmp_path):
     async def cut():
         printer = assembled(config.load("i3"), state=state)
         serving = asyncio.create_task(printer.printer.run())
-        printer.files.open(part.as_uri())
+        printer.library.open(part.as_uri())
         printer.runner.start()
         await asyncio.sleep(15)
         serving.cancel()

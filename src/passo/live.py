@@ -11,13 +11,14 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any, Literal, Self, TypeVar
 
 from passo import config
+from passo.app import Assembly, assembled
 from passo.board.fault_injection import FaultOrder
 from passo.board.faults import HeaterFault
 from passo.card.local import local_uri
 from passo.clock import new_loop
 from passo.console.client import Client, Reply
 from passo.console.observer import Observer
-from passo.console.printer_console import Assembly, assembled, welcome
+from passo.console.printer_console import welcome
 from passo.errors import CommandError, MachineError
 from passo.machine import Machine
 from passo.printer.unfit_commands import Skips
@@ -152,7 +153,7 @@ class Printer:
         self._raise_if_ended()
         assembly, printer = self._opened, self._printer
         runner = assembly.runner
-        assembly.files.open(local_uri(path))
+        assembly.library.open(local_uri(path))
         before_mm = printer.filament_mm()
         over: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         begun = False
@@ -188,7 +189,7 @@ class Printer:
         return PrintSummary(
             os.fspath(path),
             "cancelled" if runner.ended == "cancelled" else "done",
-            assembly.jobs.printed_s,
+            assembly.progress.printed_s,
             printer.filament_mm() - before_mm,
         )
 
@@ -324,7 +325,8 @@ class Printer:
     @property
     def _observer(self) -> Observer:
         if self._observed is None:
-            self._observed = Observer(self._opened)
+            opened = self._opened
+            self._observed = Observer(opened.printer, opened.runner, opened.progress, opened.status)
         return self._observed
 
     def _greet(self, *, advanced_ok: bool) -> Opened:

@@ -11,8 +11,8 @@ import pytest
 from tests.console.scenario import Host, Scenario
 
 from passo import config
+from passo.app import assembled
 from passo.clock import VirtualLoop
-from passo.console.printer_console import assembled
 from passo.console.receive_queue import MOST_BYTES, MOST_LINES
 from passo.console.session import AT_ONCE
 from passo.console.transports.serial import open_pty

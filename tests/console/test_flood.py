@@ -9,8 +9,8 @@ import pytest
 from tests.console.scenario import Host, Scenario
 
 from passo import config
+from passo.app import assembled
 from passo.clock import VirtualLoop
-from passo.console.printer_console import assembled
 from passo.console.session import Session
 from passo.console.transports.streams import open_tcp
 

@@ -6,10 +6,11 @@ import pytest
 from tests.console.scenario import Host, Scenario
 
 from passo import config
+from passo.app import assembled
 from passo.board.boards import Boards
 from passo.board.drivers import Drivers
 from passo.config.machine import MachineConfig
-from passo.console.printer_console import assembled, welcome
+from passo.console.printer_console import welcome
 from passo.errors import CardError, MachineError, PassoError
 from passo.printer import printer as printer_module
 from passo.printer.setup import boards as setup_boards

@@ -18,8 +18,8 @@ from pathlib import Path
 import pytest
 
 from passo import config
+from passo.app import assembled
 from passo.cli.main import main
-from passo.console.printer_console import assembled
 from passo.console.transports import serial as lines
 from passo.console.transports import streams as wires
 from passo.console.transports.serial import open_pty, open_serial

@@ -12,9 +12,9 @@ import pytest
 from tests.console.scenario import Scenario
 from tests.printer.waits import NEAR_C, WAITS, Waits, machine
 
+from passo.app import assembled
 from passo.clock import ScaledLoop
 from passo.config.machine import MachineConfig
-from passo.console.printer_console import assembled
 from passo.console.session import Session
 
 SCALE = 40

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING
 
-from passo.card import Card, Entry, open_card
-from passo.card import Reader as CardReader
-from passo.card.local import is_local, local_name, open_local
-from passo.card.names import fold
 from passo.console.session import Session
 from passo.console.upload import Upload
 from passo.errors import CardError, CommandError, PassoError
 from passo.gcode.command import Command, unescaped
 from passo.job.live.job_state import JobState
+from passo.job.live.library import Library
 from passo.job.live.runner import Runner
 from passo.printer.unfit_commands import ALL
 from passo.printer.wait_requests import Handler, Reply, Wait
@@ -22,21 +19,13 @@ from passo.printer.wait_requests import Handler, Reply, Wait
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
 
-PROGRAMS = {".g", ".gc", ".gco", ".gcode", ".nc", ".ngc", ".cnc", ".tap"}  # listed by M20
-AUTOSTART = "auto0.g"
-_DEEPEST = 8  # directories that M20 goes down
-
 
 class CardCommands:
-    """M20 to M36, M524, M928. `path` is the card; None: there is none."""
+    """M20 to M36, M524, M928."""
 
-    def __init__(self, printer: Printer, runner: Runner, path: str | None) -> None:
-        self._printer, self._runner, self._path = printer, runner, path
-        self._card: Card | None = None
-        self._released = False
-        self._selected: Entry | None = None
+    def __init__(self, printer: Printer, runner: Runner, library: Library) -> None:
+        self._printer, self._runner, self._library = printer, runner, library
         self._directory = PurePosixPath("/")
-        printer.closers.append(self._leave)
         self.handlers: dict[str, Handler] = {
             code: _guarded(action)
             for code, action in (
@@ -62,70 +51,15 @@ class CardCommands:
 
     # -- the card ---------------------------------------------------------------------------------
 
-    @property
-    def card(self) -> Card:
-        """The card that is mounted. Raises CardError if there is none, or M22 has released it."""
-        if self._released:
-            raise CardError.of("card.absent", value="M22 has released it (M21 mounts it)")
-        if self._card is None:
-            self.mount()
-        assert self._card is not None
-        return self._card
-
-    def mount(self) -> None:
-        """Opens the card anew. A print that stands because a line or the card has failed can still
-        be gone on with, if its file is there as it was. Raises CardError."""
-        if not self._runner.stands:
-            self._runner.release()
-        self._leave()
-        if self._path is None:
-            raise CardError.of("card.absent", value="start with --sd")
-        self._card = open_card(self._path)
-        self._released = False
-        if self._runner.stands:
-            self._open_again()
-
-    def _leave(self) -> None:
-        if self._card is not None:
-            self._card.close()
-            self._card = None
-        self._directory = PurePosixPath("/")
-
-    def _open_again(self) -> None:
-        """The file of a print that stands."""
-        runner, before = self._runner, self._selected
-        if is_local(runner.path):
-            return
-        if self._there(runner.path) and before is not None:
-            now = self.card.find(runner.path)
-            if (now.size, now.modified) == (before.size, before.modified):
-                runner.exchange(self.card.open(runner.path))
-                return
-        self._printer.tell(
-            f"echo:{runner.name} was changed on the card or removed; its print is cancelled"
-        )
-        runner.release()
-
-    def autostart(self) -> None:
-        """Starts `auto0.g` if the card holds it."""
-        if self.starts_itself:
-            self.open(AUTOSTART)
-            self._runner.start()
-
-    @property
-    def starts_itself(self) -> bool:
-        """The card holds `auto0.g`."""
-        return self._there(AUTOSTART)
-
     def _mount(self, _: str, reply: Reply) -> None:
-        if self._card is None or not self._runner.engaged:
-            self.mount()
+        if not (self._library.mounted and self._runner.engaged):
+            self._library.mount()
+            self._directory = PurePosixPath("/")
         reply.say("SD card ok")
 
     def _release(self, _: str, reply: Reply) -> None:
-        self._runner.release()
-        self._leave()
-        self._released = True
+        self._library.release()
+        self._directory = PurePosixPath("/")
         reply.say("SD card released")
 
     # -- names ------------------------------------------------------------------------------------
@@ -140,10 +74,10 @@ class CardCommands:
         if not name:
             raise CommandError.of("card.no-name")
         try:
-            self.card.find(self._place(name))
+            self._library.card.find(self._place(name))
         except CardError:
             inner = unescaped(name[1:]) if letter and name[:1].upper() == letter else ""
-            if not inner or not self._there(self._place(inner)):
+            if not inner or not self._library.there(self._place(inner)):
                 raise
             name = inner
         return self._place(name)
@@ -153,10 +87,10 @@ class CardCommands:
     def _list(self, text: str, reply: Reply) -> None:
         if text[:1].upper() == "D":
             directory = self._place(unescaped(text[1:]))
-            for entry in self.card.list(directory):
+            for entry in self._library.card.list(directory):
                 reply.say(f"{'d' if entry.is_directory else 'f'} {entry.name}")
             return
-        flags, programs = text.upper().split(), self._programs(self.card)
+        flags, programs = text.upper().split(), self._library.programs()
         reply.say("Begin file list")
         for directory, entry in programs:
             line = f"{directory}{entry.short_name} {entry.size}"
@@ -166,22 +100,6 @@ class CardCommands:
                 line += f' "{entry.name}"'
             reply.say(line)
         reply.say("End file list")
-
-    def _programs(self, card: Card) -> Iterator[tuple[str, Entry]]:
-        """All G-code files with the short names of their directories in front."""
-        stack = [("/", "")]
-        while stack:
-            path, shown = stack.pop()
-            inner: list[tuple[str, str]] = []
-            for entry in card.list(path):
-                if entry.name.startswith("."):
-                    continue
-                if entry.is_directory:
-                    if shown.count("/") < _DEEPEST:
-                        inner.append((f"{path}/{entry.name}", f"{shown}{entry.short_name}/"))
-                elif PurePosixPath(entry.name.lower()).suffix in PROGRAMS:
-                    yield shown, entry
-            stack += reversed(inner)
 
     def _choose(self, text: str, reply: Reply) -> None:
         self._select(text, reply)
@@ -197,27 +115,13 @@ class CardCommands:
                 return False
             if letter != "D":
                 raise
-            self.card.list(self._place(rest))
+            self._library.card.list(self._place(rest))
             self._directory = self._directory / rest
             return False
-        self.open(path)
+        self._library.open(path)
         reply.say(f"File opened: {self._runner.name} Size: {self._runner.size}")
         reply.say("File selected")
         return True
-
-    def open(self, path: str) -> None:
-        """Selects a file to print, of the card or of this computer (`file:///…`). Raises CardError
-        or InputError, and CommandError while one is printed."""
-        if is_local(path):
-            self._runner.select(local_name(path), path, open_local(path))
-            return
-        entry = self.card.find(path)
-        self._runner.select(entry.name, path, self.card.open(path))
-        self._selected = entry
-
-    def reader(self, path: str) -> CardReader:
-        """The file of a path as `open` takes it. Raises CardError, InputError."""
-        return open_local(path) if is_local(path) else self.card.open(path)
 
     def _select_and_start(self, text: str, reply: Reply) -> None:
         if self._select(text, reply):  # a directory starts nothing
@@ -276,33 +180,17 @@ class CardCommands:
             raise CommandError.of("card.no-name")
         upload.name = self._new_name(name, strict=reply.strict)
         path = self._place(upload.name)
-        self._let_go(path)
-        upload.writer = self.card.create(path)
+        upload.writer = self._library.create(path)
         reply.upload = upload
         reply.say(f"Writing to file: {upload.name}")
-
-    def _let_go(self, path: str) -> None:
-        """A file that was printed is selected no more when it is to change."""
-        runner = self._runner
-        folders = {fold(str(PurePosixPath(x).parent)) for x in (path, runner.path)}
-        selected = bool(runner.path) and len(folders) == 1 and self._there(path)
-        if selected and runner.over and self.card.find(path).name == runner.name:
-            runner.release()
 
     def _new_name(self, name: str, *, strict: bool) -> str:
         """The name as it stands, unless a strict console means what follows the letter, or there is
         no directory for it."""
-        if name[:1].upper() != "F" or len(name) == 1 or self._there(self._place(name)):
+        if name[:1].upper() != "F" or len(name) == 1 or self._library.there(self._place(name)):
             return name
         parent = str(PurePosixPath(self._place(name)).parent)
-        return unescaped(name[1:]) if strict or not self._there(parent) else name
-
-    def _there(self, path: str) -> bool:
-        try:
-            self.card.find(path)
-        except CardError:
-            return False
-        return True
+        return unescaped(name[1:]) if strict or not self._library.there(parent) else name
 
     def _end_upload(self, _: str, reply: Reply) -> None:
         if not isinstance(reply, Session) or reply.upload is None:
@@ -320,8 +208,7 @@ class CardCommands:
             return
         try:
             path = self._existing(text, letter="")  # no other file than the named one is to go
-            self._let_go(path)
-            self.card.remove(path)
+            self._library.remove(path)
         except CardError as error:
             reply.fail(f"Deletion failed, File: {_unquoted(text)}. {error}", error.problems)
             return
@@ -334,14 +221,14 @@ class CardCommands:
         path = PurePosixPath(self._existing(text))
         parts = ["/"]
         for part in path.parts[1:]:
-            parts.append(self.card.find(str(PurePosixPath(*parts, part))).name)
+            parts.append(self._library.card.find(str(PurePosixPath(*parts, part))).name)
         reply.say(str(PurePosixPath(*parts)))
 
     def _info(self, text: str, reply: Reply) -> None:
         path = self._existing(text) if text.strip() else self._runner.path
         if not path:
             raise CommandError.of("job.no-file")
-        entry = self.card.find(path)
+        entry = self._library.card.find(path)
         reply.say(
             f"File: {entry.name} Short: {entry.short_name} Size: {entry.size}"
             f" Modified: {entry.modified:%Y-%m-%d %H:%M:%S}"

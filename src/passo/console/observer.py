@@ -22,7 +22,10 @@ from passo.events import (
 from passo.job.live.job_state import JobState
 
 if TYPE_CHECKING:
-    from passo.console.printer_console import Assembly
+    from passo.console.status import StatusReader
+    from passo.job.live.progress import Progress
+    from passo.job.live.runner import Runner
+    from passo.printer.printer import Printer
     from passo.printer.status import Status
 
 LOOK_S = 0.25  # of host time, and of print time, between two looks
@@ -44,20 +47,22 @@ class Observer:
     """Status and events of one printer. Callbacks run in the event loop, never within the printer's
     own work; an exception in one goes to the loop's exception handler."""
 
-    def __init__(self, assembly: Assembly) -> None:
-        self._assembly = assembly
+    def __init__(
+        self, printer: Printer, runner: Runner, progress: Progress, status: StatusReader
+    ) -> None:
+        self._printer, self._runner = printer, runner
+        self._progress, self._status = progress, status
         self._loop = asyncio.get_running_loop()
         self._listeners: list[_Listener] = []
         self._event_listeners: list[Callable[[Event], object]] = []
-        self._last = assembly.status.read()
+        self._last = status.read()
         self._shown_c = {name: heater.celsius for name, heater in self._last.heaters.items()}
         self._layer = self._last.job.layer if self._last.job else 0
         self._host_s = self._print_s = 0.0  # when the next look is due
         self._beat = self._loop.call_later(LOOK_S, self._on_beat)
-        printer = assembly.printer
         printer.watchers.append(self._time_passed)
         printer.state.listeners.append(self._on_message)
-        assembly.runner.watchers.append(self._job_changed)
+        runner.watchers.append(self._job_changed)
 
     def on_status(self, call: Callable[[Status], object], every_s: float) -> Callable[[], None]:
         """Calls it with the status now and then at least `every_s` of host time apart, or of print
@@ -65,16 +70,16 @@ class Observer:
         self._look()
         listener = _Listener(call, every_s)
         self._listeners.append(listener)
-        self._report(self._assembly.status.read())
+        self._report(self._status.read())
         return lambda: _remove(self._listeners, listener)
 
     def on_event(self, call: Callable[[Event], object]) -> Callable[[], None]:
         """Calls it with each event from now on, first with the messages of the start. Returns what
         ends it."""
         if not (self._listeners or self._event_listeners):
-            self._last = self._assembly.status.read()  # what changed before is no news
+            self._last = self._status.read()  # what changed before is no news
         self._event_listeners.append(call)
-        for text in self._assembly.printer.state.unheard:
+        for text in self._printer.state.unheard:
             self._loop.call_soon(call, Message(text))
         return lambda: _remove(self._event_listeners, call)
 
@@ -90,18 +95,18 @@ class Observer:
             self._look()
 
     def _time_passed(self) -> None:
-        if self._assembly.printer.drive.now_s >= self._print_s:
+        if self._printer.drive.now_s >= self._print_s:
             self._look()
 
     def _job_changed(self, was: JobState, state: JobState) -> None:
-        runner = self._assembly.runner
+        runner = self._runner
         if state.active and not was.active:
             self._layer = 0
         if was.active and not state.active:
             # On a busy computer the last look may be long past.
-            job, now = self._assembly.printer.job, self._assembly.printer.drive.passed
+            job, now = self._printer.job, self._printer.drive.passed
             layer = job.layer_near(now) if job.line_at(now) else 0
-            for event in self._layers(runner.name, layer, self._assembly.jobs.layers):
+            for event in self._layers(runner.name, layer, self._progress.layers):
                 self._emit(event)
             outcome = cast("Outcome", runner.ended)
             self._emit(JobEnded(runner.name, outcome, runner.failed))
@@ -117,17 +122,17 @@ class Observer:
 
     def _look(self) -> None:
         self._host_s = self._loop.time() + LOOK_S
-        self._print_s = self._assembly.printer.drive.now_s + LOOK_S
+        self._print_s = self._printer.drive.now_s + LOOK_S
         if not (self._listeners or self._event_listeners):
             return
-        status, last = self._assembly.status.read(), self._last
+        status, last = self._status.read(), self._last
         self._last = status
         for event in self._changes(last, status):
             self._emit(event)
         self._report(status)
 
     def _report(self, status: Status) -> None:
-        host_s, print_s = self._loop.time(), self._assembly.printer.drive.now_s
+        host_s, print_s = self._loop.time(), self._printer.drive.now_s
         for listener in self._listeners:
             if host_s >= listener.host_s or print_s >= listener.print_s:
                 listener.host_s = host_s + listener.every_s
@@ -140,7 +145,7 @@ class Observer:
         for name, heater in now.heaters.items():
             before, shown = last.heaters[name], self._shown_c[name]
             if heater.fault and heater.fault != before.fault:
-                fault = self._assembly.printer.connection.heaters[name].fault
+                fault = self._printer.connection.heaters[name].fault
                 text = str(HeaterFault.of(name, fault)) if fault else heater.fault
                 yield Fault(name, heater.fault, text)
             if heater.target_c != before.target_c or _moved(shown, heater.celsius):

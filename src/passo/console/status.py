@@ -14,8 +14,8 @@ from passo.printer.status import (
 )
 
 if TYPE_CHECKING:
-    from passo.console.job_commands import JobCommands
     from passo.job.live.objects import PrintObjects
+    from passo.job.live.progress import Progress
     from passo.job.live.runner import Runner
     from passo.printer.printer import Printer
 
@@ -24,9 +24,9 @@ class StatusReader:
     """The status of one printer; reading it asks no board and lets no time pass."""
 
     def __init__(
-        self, printer: Printer, runner: Runner, jobs: JobCommands, objects: PrintObjects
+        self, printer: Printer, runner: Runner, jobs: Progress, objects: PrintObjects
     ) -> None:
-        self._printer, self._runner, self._jobs = printer, runner, jobs
+        self._printer, self._runner, self._progress = printer, runner, jobs
         self._objects = objects
 
     def read(self) -> Status:
@@ -43,7 +43,7 @@ class StatusReader:
             fans={n: printer.commands.fans.get(n, 0.0) for n in printer.machine.fans},
             speed_factor=job.speed_factor,
             flow_factors=list(job.flows),
-            progress=self._jobs.share_done(),
+            progress=self._progress.share_done(),
             job=self._job(),
         )
 
@@ -65,12 +65,12 @@ class StatusReader:
         line = job.line_at(now)  # what lies behind it is forgotten
         return JobStatus(
             file=self._runner.name,
-            fraction=self._jobs.share_done() or 0.0,
+            fraction=self._progress.share_done() or 0.0,
             line=line,
             layer=job.layer_near(now) if line else 0,
-            layers=self._jobs.layers,
-            printed_s=self._jobs.printed_s,
-            left_s=self._jobs.left_s,
+            layers=self._progress.layers,
+            printed_s=self._progress.printed_s,
+            left_s=self._progress.left_s,
             objects=self._objects.all,
             current_object=self._objects.current,
         )

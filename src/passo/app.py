@@ -1,0 +1,135 @@
+"""One printer with all that `passo serve` has: its files, its prints, its commands."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from passo.console.aprinter_options import OptionCommands
+from passo.console.card_commands import CardCommands
+from passo.console.commands import ConsoleCommands
+from passo.console.job_commands import JobCommands
+from passo.console.json_status import JsonStatus
+from passo.console.object_commands import ObjectCommands
+from passo.console.printer_console import Listeners
+from passo.console.recovery_commands import RecoveryCommands
+from passo.console.settings_commands import SettingsCommands
+from passo.console.status import StatusReader
+from passo.errors import InputError
+from passo.job.durable_files import directory_held
+from passo.job.live.journal_keeper import JournalKeeper
+from passo.job.live.library import AUTOSTART, Library
+from passo.job.live.objects import PrintObjects
+from passo.job.live.progress import Progress
+from passo.job.live.runner import Runner
+from passo.job.live.statistics import Statistics
+from passo.job.settings_store import Store
+from passo.printer.commands.reports import Reports
+from passo.printer.printer import Printer
+from passo.printer.unfit_commands import NOTHING, Skips
+
+if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
+
+
+@dataclass(frozen=True, slots=True)
+class Assembly:
+    """A printer that understands every command of a console, and the parts that a program uses."""
+
+    printer: Printer
+    runner: Runner
+    progress: Progress
+    library: Library
+    status: StatusReader
+    objects: PrintObjects
+
+
+def assembled(
+    machine: MachineConfig,
+    *,
+    free: bool = False,
+    card: str | None = None,
+    state: str | None = None,
+    skips: Skips = NOTHING,
+) -> Assembly:
+    """A printer with all that `passo serve` has but the consoles; `skips` are commands that its
+    prints may leave out. Within a running event loop. Raises MachineError, CardError if `card`
+    cannot be used, and InputError if another one has `state`; the board is let go then."""
+    printer = Printer(machine, free=free, skips=skips)
+    listen = printer.state.unheard.append
+    printer.state.listeners.append(listen)
+    try:
+        assembly = _furnish(printer, card, state)
+        printer.report_start()
+    except BaseException:
+        printer.close()
+        raise
+    printer.state.listeners.remove(listen)
+    return assembly
+
+
+def _hold(printer: Printer, state: Path) -> None:
+    """The folder is this printer's alone, as long as it lives. Where that cannot be, whoever needs
+    it says so."""
+    try:
+        held = directory_held(state)
+    except BlockingIOError:
+        raise InputError.of("state.busy", str(state)) from None
+    if held is not None:
+        printer.closers.append(lambda: os.close(held))
+
+
+def _furnish(printer: Printer, card: str | None, state: str | None) -> Assembly:
+    folder = None if state is None else Path(state)
+    if folder is not None:
+        _hold(printer, folder)
+    reports = Reports(printer, card=card is not None, settings=folder is not None)
+    printer.waits.temperatures = reports.temperatures
+    runner = Runner(printer, Listeners(printer))
+    options = OptionCommands(printer)
+    library = Library(printer, runner, card)
+    statistics = Statistics(printer, folder)
+    progress = Progress(printer, runner, statistics, library.reader)
+    jobs = JobCommands(printer, runner, progress)
+    objects = PrintObjects(printer, runner)
+    status = StatusReader(printer, runner, progress, objects)
+    immediate, planned = printer.dispatch.immediate, printer.dispatch.planned
+    immediate |= reports.handlers
+    immediate |= ConsoleCommands(printer, reports).handlers
+    immediate |= options.immediate
+    immediate |= CardCommands(printer, runner, library).handlers
+    immediate |= statistics.immediate
+    immediate |= jobs.immediate
+    immediate |= ObjectCommands(objects).immediate
+    immediate |= JsonStatus(printer, status, options).handlers
+    planned |= options.planned
+    planned |= jobs.planned
+    keeper = None
+    if folder is not None:
+        keeper = JournalKeeper(printer, runner, library, objects, folder)
+        planned |= RecoveryCommands(printer, runner, keeper).planned
+        printer.state.greeting = keeper.offer
+    store = None if folder is None else Store(folder / "settings.json", printer.machine.uuid)
+    settings = SettingsCommands(printer, store, options)
+    planned |= settings.planned
+    printer.state.settings = settings.lines
+    if store is not None:
+        printer.state.store_settings = settings.store
+    settings.load_at_start()
+    if card is not None:
+        library.mount()
+        _start_by_itself(printer, library, keeper)
+    return Assembly(printer, runner, progress, library, status, objects)
+
+
+def _start_by_itself(printer: Printer, library: Library, keeper: JournalKeeper | None) -> None:
+    """Starts `auto0.g`, unless the printer is halted or a print was interrupted."""
+    offered = keeper is not None and keeper.offer()
+    if not offered and printer.state.start_failure is None:
+        library.autostart()
+    elif library.starts_itself and keeper is not None and offered:
+        keeper.instead = f". {AUTOSTART} was not started"
+    elif library.starts_itself:
+        printer.tell(f"echo:{AUTOSTART} was not started, for the printer is halted")

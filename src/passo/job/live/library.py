@@ -1,0 +1,163 @@
+"""The files that a printer prints: those of its card, and of this computer."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import PurePosixPath
+from typing import TYPE_CHECKING
+
+from passo.card import Card, Entry, Writer, open_card
+from passo.card import Reader as CardReader
+from passo.card.local import is_local, local_name, open_local
+from passo.card.names import fold
+from passo.errors import CardError
+from passo.job.live.runner import Runner
+
+if TYPE_CHECKING:
+    from passo.printer.printer import Printer
+
+PROGRAMS = {".g", ".gc", ".gco", ".gcode", ".nc", ".ngc", ".cnc", ".tap"}  # listed by M20
+AUTOSTART = "auto0.g"
+_DEEPEST = 8  # directories that a list goes down
+
+
+class Library:
+    """The card of one printer and what is selected of it to print. `path` is the card; None: there
+    is none. Paths are absolute on the card, or `file:///…` of this computer."""
+
+    def __init__(self, printer: Printer, runner: Runner, path: str | None) -> None:
+        self._printer, self._runner, self._path = printer, runner, path
+        self._card: Card | None = None
+        self._released = False
+        self._selected: Entry | None = None
+        printer.closers.append(self._leave)
+
+    # -- the card ---------------------------------------------------------------------------------
+
+    @property
+    def card(self) -> Card:
+        """The card that is mounted. Raises CardError if there is none, or it was released."""
+        if self._released:
+            raise CardError.of("card.absent", value="M22 has released it (M21 mounts it)")
+        if self._card is None:
+            self.mount()
+        assert self._card is not None
+        return self._card
+
+    @property
+    def mounted(self) -> bool:
+        """A card is mounted."""
+        return self._card is not None
+
+    def mount(self) -> None:
+        """Opens the card anew. A print that stands because a line or the card has failed can still
+        be resumed, if its file is there as it was. Raises CardError."""
+        if not self._runner.stands:
+            self._runner.release()
+        self._leave()
+        if self._path is None:
+            raise CardError.of("card.absent", value="start with --sd")
+        self._card = open_card(self._path)
+        self._released = False
+        if self._runner.stands:
+            self._open_again()
+
+    def release(self) -> None:
+        """Lets go of the card until it is mounted again. Raises CommandError while a file is
+        printed."""
+        self._runner.release()
+        self._leave()
+        self._released = True
+
+    def _leave(self) -> None:
+        if self._card is not None:
+            self._card.close()
+            self._card = None
+
+    def _open_again(self) -> None:
+        """The file of a print that stands."""
+        runner, before = self._runner, self._selected
+        if is_local(runner.path):
+            return
+        if self.there(runner.path) and before is not None:
+            now = self.card.find(runner.path)
+            if (now.size, now.modified) == (before.size, before.modified):
+                runner.exchange(self.card.open(runner.path))
+                return
+        self._printer.tell(
+            f"echo:{runner.name} was changed on the card or removed; its print is cancelled"
+        )
+        runner.release()
+
+    # -- its files --------------------------------------------------------------------------------
+
+    def there(self, path: str) -> bool:
+        """The card has such a file or folder."""
+        try:
+            self.card.find(path)
+        except CardError:
+            return False
+        return True
+
+    def programs(self) -> Iterator[tuple[str, Entry]]:
+        """All G-code files with the short names of their folders in front. Raises CardError, also
+        while they are read."""
+        return self._programs(self.card)
+
+    def _programs(self, card: Card) -> Iterator[tuple[str, Entry]]:
+        stack = [("/", "")]
+        while stack:
+            path, shown = stack.pop()
+            inner: list[tuple[str, str]] = []
+            for entry in card.list(path):
+                if entry.name.startswith("."):
+                    continue
+                if entry.is_directory:
+                    if shown.count("/") < _DEEPEST:
+                        inner.append((f"{path}/{entry.name}", f"{shown}{entry.short_name}/"))
+                elif PurePosixPath(entry.name.lower()).suffix in PROGRAMS:
+                    yield shown, entry
+            stack += reversed(inner)
+
+    def open(self, path: str) -> None:
+        """Selects a file to print. Raises CardError or InputError, and CommandError while one is
+        printed."""
+        if is_local(path):
+            self._runner.select(local_name(path), path, open_local(path))
+            return
+        entry = self.card.find(path)
+        self._runner.select(entry.name, path, self.card.open(path))
+        self._selected = entry
+
+    def reader(self, path: str) -> CardReader:
+        """Opens a file to read it beside a print. Raises CardError, InputError."""
+        return open_local(path) if is_local(path) else self.card.open(path)
+
+    def create(self, path: str) -> Writer:
+        """Opens a file of the card to write it. Raises CardError."""
+        self._let_go(path)
+        return self.card.create(path)
+
+    def remove(self, path: str) -> None:
+        """Deletes a file of the card. Raises CardError."""
+        self._let_go(path)
+        self.card.remove(path)
+
+    def _let_go(self, path: str) -> None:
+        """A file that was printed is selected no more when it is to change."""
+        runner = self._runner
+        folders = {fold(str(PurePosixPath(x).parent)) for x in (path, runner.path)}
+        selected = bool(runner.path) and len(folders) == 1 and self.there(path)
+        if selected and runner.over and self.card.find(path).name == runner.name:
+            runner.release()
+
+    def autostart(self) -> None:
+        """Starts `auto0.g` if the card holds it."""
+        if self.starts_itself:
+            self.open(AUTOSTART)
+            self._runner.start()
+
+    @property
+    def starts_itself(self) -> bool:
+        """The card holds `auto0.g`."""
+        return self.there(AUTOSTART)

@@ -1,0 +1,226 @@
+"""How far a print is: its time, its layers, its filament, whoever prints it."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from passo.card import Reader as CardReader
+from passo.errors import PassoError
+from passo.job.batch.forecast import Forecast, forecast
+from passo.job.live.job_state import JobState
+from passo.job.live.runner import Runner
+from passo.job.live.statistics import Print, Statistics
+
+if TYPE_CHECKING:
+    from passo.printer.printer import Printer
+
+_HOST = "(a host's)"  # name of a print that has no other
+
+
+class Stopwatch:
+    """Print time that counts only while it runs."""
+
+    def __init__(self, printer: Printer) -> None:
+        self._printer = printer
+        self._sum_s = 0.0
+        self._since_s: float | None = None
+
+    @property
+    def seconds(self) -> float:
+        """Time counted so far."""
+        running = 0.0 if self._since_s is None else self._printer.drive.now_s - self._since_s
+        return self._sum_s + running
+
+    def start(self) -> None:
+        """Counts from now on, beside what it has counted before."""
+        if self._since_s is None:
+            self._since_s = self._printer.drive.now_s
+
+    def pause(self) -> None:
+        """Counts no more, until started."""
+        self._sum_s, self._since_s = self.seconds, None
+
+    def reset(self) -> None:
+        """Back to 0, standing."""
+        self._sum_s, self._since_s = 0.0, None
+
+
+class Progress:
+    """Of the print that is under way, or was the last: a file's, or a host's that reports it.
+
+    `percent` and `minutes_left` are what the file or the host says of it (M73, M532), or None.
+    """
+
+    def __init__(
+        self,
+        printer: Printer,
+        runner: Runner,
+        statistics: Statistics,
+        open_again: Callable[[str], CardReader],
+    ) -> None:
+        self._printer, self._runner, self._statistics = printer, runner, statistics
+        self._open_again = open_again
+        self._forecast: asyncio.Task[Forecast | None] | None = None
+        self._planned_s = 0.0  # before this print
+        self._watch = Stopwatch(printer)
+        self._from_card: Print | None = None
+        self._failed: Print | None = None  # the last one from the card, if so it ended
+        self._from_host: Print | None = None  # that says by itself when it begins and ends
+        self.percent: float | None = None
+        self.minutes_left: float | None = None
+        runner.watchers.append(self._job_changed)
+        printer.state.stop_listeners.append(self._stopped)
+        printer.closers.append(self._close)
+
+    def _job_changed(self, was: JobState, state: JobState) -> None:
+        if state.prints:
+            if was.prints:
+                return
+            if self._from_card is None:
+                self._from_card = self._begun()
+                self._planned_s = self._printer.planned_s()
+                self._reckon()
+            self._watch.start()
+            return
+        if self._from_card is not None:
+            self._watch.pause()
+            if state is not JobState.PAUSED:
+                job, self._from_card = self._from_card, None
+                self._statistics.ended(job, self._runner.ended)
+                self._failed = job if self._runner.ended == "failed" else None
+                if self._failed is None:
+                    self.percent = self.minutes_left = None
+
+    def _begun(self) -> Print:
+        """The print from the card that begins, or goes on behind what has failed."""
+        name, failed = self._runner.name, self._failed
+        if failed is not None and failed.name == name and self._runner.offset > 0:
+            return self._statistics.goes_on(failed)
+        self.percent = self.minutes_left = None
+        meant, self._from_host = self._from_host, None  # a host has announced this one
+        self._watch.reset()
+        return self._statistics.begun(name, lambda: self._watch.seconds, self._runner.size, meant)
+
+    def _close(self) -> None:
+        if self._forecast is not None:
+            self._forecast.cancel()
+        self._host_ends("cancelled")
+        self._statistics.close()
+
+    def _host_begins(self) -> None:
+        """One that was announced, and has not begun yet, is the same; else it was broken off."""
+        before = self._from_host
+        if before is not None and self._printer.filament_mm() > before.filament_mm:
+            self._host_ends("interrupted")
+        self._watch.reset()
+        self._from_host = self._statistics.begun(
+            _HOST, lambda: self._watch.seconds, instead=self._from_host
+        )
+
+    def _host_ends(self, how: str) -> None:
+        """The watch stands, and is read until the next print."""
+        job, self._from_host = self._from_host, None
+        if job is not None:
+            self._watch.pause()
+            self._statistics.ended(job, how)
+
+    def _stopped(self, _: str) -> None:
+        """M410 may be a host's own; after a halt nothing goes on."""
+        if self._printer.halted:
+            self._host_ends("failed")
+
+    def _reckon(self) -> None:
+        if self._forecast is not None:
+            self._forecast.cancel()
+        try:
+            reader = self._open_again(self._runner.path)
+        except PassoError:
+            self._forecast = None
+            return
+        loop = asyncio.get_running_loop()
+        self._forecast = loop.create_task(
+            forecast(self._printer.machine, reader, self._runner.offset)
+        )
+        self._forecast.add_done_callback(self._foretell)
+
+    def _foretell(self, task: asyncio.Task[Forecast | None]) -> None:
+        """What the file will ask of the board, when that is known."""
+        found = None if task.cancelled() else task.result()
+        for sentence in found.budget.told(self._runner.name) if found else ():
+            self._printer.tell(f"echo:{sentence}")
+
+    @property
+    def printed_s(self) -> float:
+        """Print time of the print that is under way, or was the last, without pauses."""
+        return self._watch.seconds
+
+    @property
+    def layers(self) -> int | None:
+        """Layers of the file that is printed; None while that is not known."""
+        found = self._found()
+        return found.layers if found else None
+
+    @property
+    def left_s(self) -> float | None:
+        """Print time that the rest of the file's moves takes; None while that is not known."""
+        times = self.times()
+        return None if times is None else times[1] - times[0]
+
+    def _found(self) -> Forecast | None:
+        task = self._forecast
+        if not self._runner.active or task is None or not task.done() or task.cancelled():
+            return None
+        return task.result()
+
+    def times(self) -> tuple[float, float] | None:
+        """Seconds of motion done and in all; None if not known."""
+        found = self._found()
+        if not found or not found.seconds:
+            return None
+        total = found.seconds
+        ahead = max(0.0, self._printer.drive.ahead_s)
+        done = found.before_s + self._printer.planned_s() - self._planned_s - ahead
+        return min(max(done, 0.0), total), total
+
+    def share_done(self) -> float | None:
+        """Of the print, 0 to 1, by the best that is known: its time, what the file or the host says
+        of it (M73, M532), its bytes. None if nothing is known of one."""
+        times = self.times()
+        if times is not None:
+            return times[0] / times[1]
+        return self._runner.progress if self.percent is None else self.percent / 100
+
+    # -- prints of a host, and the stopwatch ------------------------------------------------------
+
+    def host_print(self, *, begins: bool) -> None:
+        """A host says that its print begins or ends."""
+        self.percent = self.minutes_left = None
+        if self._from_card is None and begins:
+            self._host_begins()
+            self._watch.start()
+        elif self._from_card is None:
+            self._host_ends("done")
+
+    def name_host_print(self, name: str) -> None:
+        """A host says how its print is called."""
+        if self._from_host is not None:
+            self._from_host.name = name or _HOST
+
+    def timer(self, *, runs: bool) -> None:
+        """Starts or pauses the stopwatch of a host's print. A file's is timed by itself."""
+        if self._from_card is not None:
+            return
+        if runs:
+            if self._from_host is None:
+                self._host_begins()
+            self._watch.start()
+        else:
+            self._watch.pause()
+
+    def stop_timer(self) -> None:
+        """Ends the stopwatch of a host's print, and the print with it."""
+        if self._from_card is None:
+            self._host_ends("done")
+            self._watch.reset()
