@@ -14,7 +14,10 @@ from tests.console.scenario import Scenario
 
 from passo import Machine, config
 from passo.errors import PassoError
+from passo.job.batch.policy import Policy
 from passo.job.batch.simulated_print import Print
+from passo.learn.explain import explain
+from passo.learn.report import write_report
 from passo.printer.commands.program import Commands
 
 PRINT = "G92 X0 Y0 Z0 E0\nM302 P1\nM83\nG1 X10 E1 F3000\nG1 Y10 E1\n"
@@ -92,6 +95,41 @@ def test_other_uses_leave_no_cycles(
             found = use(machine, path)
             if use is Machine.plan:
                 list(found)  # pyright: ignore[reportArgumentType]
+        except PassoError:
+            assert text != JOBS["done"]
+
+    assert leftovers(works) == 0
+
+
+@pytest.mark.parametrize("text", JOBS.values(), ids=JOBS)
+@pytest.mark.parametrize("machine", ["i3", "dual-extruder", "laser"])
+def test_a_report_leaves_no_cycles(machine: str, text: str, tmp_path: Path) -> None:
+    path = tmp_path / "p.gcode"
+    path.write_text(text)
+    it = config.load(machine)
+
+    def works() -> None:
+        try:
+            write_report(it, path, tmp_path / "p.html", Policy())
+        except PassoError:
+            assert text != JOBS["done"]
+
+    assert leftovers(works) == 0
+
+
+@pytest.mark.parametrize("line", [1, 2, 5, 6])
+@pytest.mark.parametrize("text", JOBS.values(), ids=JOBS)
+@pytest.mark.parametrize("machine", ["i3", "dual-extruder", "laser"])
+def test_an_explained_line_leaves_no_cycles(
+    machine: str, text: str, line: int, tmp_path: Path
+) -> None:
+    path = tmp_path / "p.gcode"
+    path.write_text(text)
+    it = config.load(machine)
+
+    def works() -> None:
+        try:
+            explain(it, path, line, Policy())
         except PassoError:
             assert text != JOBS["done"]
 
