@@ -35,6 +35,8 @@ def wanted(tmp_path_factory):
     return undisturbed(tmp_path_factory.mktemp("card"), FIRMWARE)[1]
 
 
+# About one damaged frame in 65,536 has the right CRC. The board carries it out, or shuts down on it
+# with "Command parser error", as with seed 15: these are seeds where there is none.
 @pytest.mark.parametrize("seed", (0, 5, 8, 10, 16, 20))
 def test_it_ends_where_it_would_have_ended(printer, wanted, seed):
     s, generator = printer, random.Random(seed)

@@ -246,3 +246,24 @@ def test_no_object_is_cancelled_where_a_laser_would_burn(tmp_path):
         s.host.ok("M32 a.g")
         s.passes(2)
         assert s.host.ok("M486 P0")[0].startswith("echo:objects cannot be cancelled on a machine")
+
+
+def test_consoles_are_served_while_a_large_object_is_skipped(tmp_path):
+    moves = "".join(f"G1 X{i % 100} E1 F6000\n" for i in range(100_000))
+    (tmp_path / "a.g").write_text(
+        f"M302 P1\nG92 X0\nM486 P0\nM486 S0\nM118 begins\n{moves}M486 S-1\n"
+    )
+    seen = set[int]()
+    with Scenario("i3", card=str(tmp_path)) as s:
+        runner = s.assembly.runner
+
+        def look(_: str = "") -> None:
+            """In each turn of the event loop; no time passes while moves are skipped."""
+            seen.add(runner.offset)
+            if runner.active and runner.offset < runner.size:
+                s.loop.call_soon(look)
+
+        s.printer.listeners.append(lambda text: look() if text == "begins" else None)
+        s.host.ok("M32 a.g")
+        s.host.expect("^Done printing file$", 60)
+        assert len(seen) > runner.size / (1 << 14)

@@ -477,6 +477,7 @@ class Runner:
                 job.feed(data)
             else:
                 job.finish()
+            await asyncio.sleep(0)  # much may be read that plans nothing: skipped objects, comments
         elif found == status.EVENT:
             command = Command(*job.event)
             try:
