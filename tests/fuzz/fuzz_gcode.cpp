@@ -54,6 +54,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   survey.feed(reinterpret_cast<const char*>(data) + 1, size - 1);
   survey.finish();
   interpreter.subprograms = survey.subprograms();
+  interpreter.objects().learn(survey.objects());
   const size_t chunk = data[0] & 8 ? size : 1 + (data[0] >> 4);
   int moves = 0;
   for (size_t i = 1; i < size && moves <= 100000; i += chunk) {

@@ -263,7 +263,7 @@ def test_consoles_are_served_while_a_large_object_is_skipped(tmp_path):
             if runner.active and runner.offset < runner.size:
                 s.loop.call_soon(look)
 
-        s.printer.listeners.append(lambda text: look() if text == "begins" else None)
+        s.printer.state.listeners.append(lambda text: look() if text == "begins" else None)
         s.host.ok("M32 a.g")
         s.host.expect("^Done printing file$", 60)
         assert len(seen) > runner.size / (1 << 14)
