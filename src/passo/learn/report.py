@@ -62,8 +62,11 @@ def write_report(
     text = _page(collector, job.job.statistics(), result, failed)
     with replaced(output) as temporary:
         temporary.write_text(text, encoding="utf-8")
-    if failed is not None:
-        raise failed
+    try:
+        if failed is not None:
+            raise failed
+    finally:
+        failed = None  # its traceback refers to this frame: the two would keep the whole print
     return result
 
 
