@@ -4,11 +4,11 @@
 
 #include "command.h"
 #include "shutdown.h"
-#include "survive.h"
+#include "survive_state.h"
 
-DECL_SHUTDOWN(ADC_RANGE, "ADC out of range");
-DECL_SHUTDOWN(ADC_SILENT, "ADC gives no value");
-DECL_SHUTDOWN(ADC_PIN, "Not a valid ADC pin");
+DECL_SHUTDOWN_REASON(ADC_RANGE, "ADC out of range");
+DECL_SHUTDOWN_REASON(ADC_SILENT, "ADC gives no value");
+DECL_SHUTDOWN_REASON(ADC_PIN, "Not a valid ADC pin");
 
 // So long a converter, with all that wait for it, may take.
 #define SILENT (HAL_CLOCK_HZ / 10)
@@ -56,6 +56,7 @@ static bool run(struct timer *timer) {
 
 static const struct object_kind kind = {OBJECT_ANALOG_IN, NULL};
 
+DECL_WATCH(analog_in_watches);
 bool analog_in_watches(void) {
   const struct analog_in *in;
   for (int16_t oid = -1; (in = object_next(&oid, OBJECT_ANALOG_IN)) != NULL;)
@@ -63,6 +64,7 @@ bool analog_in_watches(void) {
   return false;
 }
 
+DECL_TASK(analog_in_task, INPUTS);
 void analog_in_task(void) {
   struct analog_in *in;
   for (int16_t oid = -1; (in = object_next(&oid, OBJECT_ANALOG_IN)) != NULL;) {

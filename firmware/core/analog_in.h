@@ -34,12 +34,8 @@ struct analog_in {
   uint8_t values[2 * ANALOG_VALUES_MAX];
 };
 
-// Reports what is ready. Foreground.
-void analog_in_task(void);
 // Begins anew. `args` are those of query_analog_in up to rest_ticks, `range` those from min_value
 // on. Foreground.
 void analog_in_query(const uint32_t *args, uint8_t report_size, const uint32_t *range);
-// Whether any sensor is sampled whose sums have a range. Foreground.
-bool analog_in_watches(void);
 // Tells `size` bytes of sums, low byte first: in analog_report.c.
 void analog_in_report(uint8_t oid, uint32_t next_clock, const uint8_t *values, uint8_t size);

@@ -6,8 +6,8 @@
 #include "command.h"
 #include "shutdown.h"
 
-DECL_SHUTDOWN(TOO_MANY_BUTTONS, "Max of 8 buttons");
-DECL_SHUTDOWN(NO_SUCH_BUTTON, "Set button past maximum button count");
+DECL_SHUTDOWN_REASON(TOO_MANY_BUTTONS, "Max of 8 buttons");
+DECL_SHUTDOWN_REASON(NO_SUCH_BUTTON, "Set button past maximum button count");
 DECL_REPORT("buttons_state oid=%c ack_count=%c state=%*s");
 
 static void tell(struct buttons *buttons) {
@@ -38,6 +38,8 @@ static bool run(struct timer *timer) {
 static void stop(void *object) { timer_remove(&((struct buttons *)object)->timer); }
 static const struct object_kind kind = {OBJECT_BUTTONS, stop};
 
+// Reports what is new, or not acknowledged.
+DECL_TASK(buttons_task, INPUTS);
 void buttons_task(void) {
   struct buttons *buttons;
   for (int16_t oid = -1; (buttons = object_next(&oid, OBJECT_BUTTONS)) != NULL;) {

@@ -27,6 +27,3 @@ struct buttons {
   uint8_t states[BUTTON_STATES];
   struct hal_input inputs[];  // `count`
 };
-
-// Tells what is new, or not acknowledged. Foreground.
-void buttons_task(void);

@@ -6,7 +6,7 @@
 #include "frame.h"
 #include "shutdown.h"
 
-DECL_SHUTDOWN(BAD_COMMAND, "Command parser error");
+DECL_SHUTDOWN_REASON(BAD_COMMAND, "Command parser error");
 
 static const uint8_t *bytes_at;
 
@@ -50,7 +50,7 @@ void command_run(const uint8_t *payload, const uint8_t *end) {
       return;
     }
     if (is_shut_down() && !(hal_const8(&row->flags) & IN_SHUTDOWN)) {
-      report_refusal();
+      report(REPORT_IS_SHUTDOWN, (uint32_t[]){shutdown_reason()}, 1);
       continue;
     }
     void (*run)(const uint32_t *) = (void (*)(const uint32_t *))hal_const_pointer(&row->run);

@@ -2,7 +2,7 @@
 
 #include "command.h"
 #include "frame.h"
-#include "object.h"
+#include "hooks.h"
 #include "scheduler.h"
 #include "shutdown.h"
 #include "spi.h"
@@ -97,7 +97,7 @@ DECL_COMMAND(command_reset, "reset", IN_SHUTDOWN);
 void command_reset(const uint32_t *args) {
   (void)args;
   hal_irq_save();
-  objects_shut_down();
+  hooks_shut_down();
   spi_send_last();
   hal_reset();
 }

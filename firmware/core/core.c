@@ -1,43 +1,24 @@
 #include "core.h"
 
-#include "analog_in.h"
-#include "buttons.h"
+#include "command.h"
 #include "control.h"
 #include "frame.h"
 #include "hal.h"
-#include "object.h"
+#include "hooks.h"
 #include "scheduler.h"
-#include "shutdown.h"
-#include "spi.h"
-#include "stepper.h"
-#include "survive.h"
-#include "thermocouple.h"
-#include "tmcuart.h"
-#include "trsync.h"
 
 void core_start(uint32_t clock_high) {
-  shutdown_start();
-  scheduler_start();
-  objects_start();
-  steppers_start();
-  survive_start();
-  frame_start();
+  hooks_start();
   control_start(clock_high);
 }
 
 bool core_task(void) {
   uint32_t began = hal_clock();
-  bool busy = frame_task();
-  survive_task();  // nothing may delay a brake
+  bool busy = frame_task(command_run);
+  hooks_every_pass();
   if (task_woken()) {
     busy = true;
-    spi_send_last();
-    trsync_task();
-    analog_in_task();
-    buttons_task();
-    tmcuart_task();
-    thermocouple_task();
-    shutdown_task();
+    hooks_task();
   }
   control_task(began, busy);
   return busy;

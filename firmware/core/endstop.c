@@ -4,9 +4,9 @@
 
 #include "command.h"
 #include "shutdown.h"
-#include "survive.h"
+#include "survive_state.h"
 
-DECL_SHUTDOWN(INPUT_PIN, "Not a valid input pin");
+DECL_SHUTDOWN_REASON(INPUT_PIN, "Not a valid input pin");
 DECL_REPORT("endstop_state oid=%c homing=%c next_clock=%u pin_value=%c");
 
 static bool run(struct timer *timer) {

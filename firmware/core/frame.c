@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "codec.h"
-#include "command.h"
+#include "declare.h"
 #include "hal.h"
 
 #define SEQUENCE_MARK 0x10
@@ -16,6 +16,7 @@ static uint8_t size;   // bytes of `received`; no frame is complete in them
 static bool skipping;  // up to the next sync
 static uint8_t sequence;
 
+DECL_START(frame_start);
 void frame_start(void) {
   size = 0;
   skipping = false;
@@ -71,7 +72,7 @@ static bool complete(void) {
 }
 
 // Looks at the bytes received; true if they did for a frame, good or bad.
-static bool examine(void) {
+static bool examine(void (*execute)(const uint8_t *payload, const uint8_t *end)) {
   while (size > 0 && received[0] == FRAME_SYNC) {
     --size;
     memmove(received, received + 1, size);
@@ -91,7 +92,7 @@ static bool examine(void) {
   if ((received[1] & SEQUENCE_MASK) == sequence) {
     sequence = (sequence + 1) & SEQUENCE_MASK;
     ++frame_counts.frames;
-    command_run(received + FRAME_HEADER, received + length - FRAME_TRAILER);
+    execute(received + FRAME_HEADER, received + length - FRAME_TRAILER);
   } else {
     ++frame_counts.naks;
   }
@@ -101,10 +102,10 @@ static bool examine(void) {
   return true;
 }
 
-bool frame_task(void) {
+bool frame_task(void (*execute)(const uint8_t *payload, const uint8_t *end)) {
   // What is left behind a bad frame may hold another.
   if (hal_console_room() < FRAME_MAX) return false;
-  if (size > 0 && examine()) return true;
+  if (size > 0 && examine(execute)) return true;
   int16_t byte;
   while ((byte = hal_console_read()) >= 0) {
     if (skipping) {
@@ -113,7 +114,7 @@ bool frame_task(void) {
     }
     received[size++] = (uint8_t)byte;
     // Only these bytes can end or spoil a frame.
-    if ((size <= 2 || size == received[0]) && examine()) return true;
+    if ((size <= 2 || size == received[0]) && examine(execute)) return true;
   }
   return false;
 }

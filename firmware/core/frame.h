@@ -20,9 +20,9 @@ struct frame_counts {
 };
 extern struct frame_counts frame_counts;
 
-void frame_start(void);
-// Takes what has been received, at most one frame; false if there was nothing to do.
-bool frame_task(void);
+// Takes what has been received, at most one frame, whose payload `execute` gets; false if there was
+// nothing to do.
+bool frame_task(void (*execute)(const uint8_t *payload, const uint8_t *end));
 // Completes and sends the frame whose payload ends at `end`, with FRAME_HEADER bytes free in front
 // and FRAME_TRAILER behind it. False if the console has no room.
 bool frame_send(uint8_t *frame, uint8_t *end);

@@ -10,10 +10,10 @@
 #include "shutdown.h"
 #include "wait.h"
 
-DECL_SHUTDOWN(I2C_PINS, "Pins cannot make an I2C bus");
-DECL_SHUTDOWN(I2C_NO_BUS, "I2C device without a bus");
-DECL_SHUTDOWN(I2C_TOO_SLOW, "I2C clock too slow for this board");
-DECL_SHUTDOWN(I2C_TOO_LONG, "I2C data too large");
+DECL_SHUTDOWN_REASON(I2C_PINS, "Pins cannot make an I2C bus");
+DECL_SHUTDOWN_REASON(I2C_NO_BUS, "I2C device without a bus");
+DECL_SHUTDOWN_REASON(I2C_TOO_SLOW, "I2C clock too slow for this board");
+DECL_SHUTDOWN_REASON(I2C_TOO_LONG, "I2C data too large");
 DECL_ENUMERATION("i2c_bus_status", "SUCCESS", 0);
 DECL_ENUMERATION("i2c_bus_status", "NACK", 1);
 DECL_ENUMERATION("i2c_bus_status", "BUS_TIMEOUT", 2);

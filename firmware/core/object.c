@@ -4,15 +4,15 @@
 #include <string.h>
 
 #include "command.h"
+#include "hooks.h"
 #include "shutdown.h"
-#include "stepper.h"
 
-DECL_SHUTDOWN(OID_TAKEN, "Can't assign oid");
-DECL_SHUTDOWN(INVALID_OID, "Invalid oid type");
-DECL_SHUTDOWN(ARENA_FULL, "alloc_chunks failed");
-DECL_SHUTDOWN(NOT_FINALIZED, "Command before finalize_config");
-DECL_SHUTDOWN(FINALIZED, "Configuration is finalized already");
-DECL_SHUTDOWN(SLOTS_EXHAUSTED, "Move queue overflow");
+DECL_SHUTDOWN_REASON(OID_TAKEN, "Can't assign oid");
+DECL_SHUTDOWN_REASON(INVALID_OID, "Invalid oid type");
+DECL_SHUTDOWN_REASON(ARENA_FULL, "alloc_chunks failed");
+DECL_SHUTDOWN_REASON(NOT_FINALIZED, "Command before finalize_config");
+DECL_SHUTDOWN_REASON(FINALIZED, "Configuration is finalized already");
+DECL_SHUTDOWN_REASON(SLOTS_EXHAUSTED, "Move queue overflow");
 DECL_REPORT("config is_config=%c crc=%u is_shutdown=%c move_count=%hu");
 
 static _Alignas(struct move) _Alignas(void *) uint8_t arena[HAL_ARENA];
@@ -25,6 +25,7 @@ static uint16_t slots;
 // Written by foreground and timer under hal_irq_save().
 static struct move *free_moves;
 
+DECL_START(objects_start);
 void objects_start(void) {
   used = 0;
   object_count = 0;
@@ -80,6 +81,8 @@ void *object_next(int16_t *oid, uint8_t type) {
   return NULL;
 }
 
+// In the order of their numbers.
+DECL_ON_SHUTDOWN(objects_shut_down);
 void objects_shut_down(void) {
   for (uint8_t oid = 0; oid < object_count; ++oid) {
     struct object *object = objects[oid];
@@ -98,7 +101,7 @@ uint16_t move_count(void) { return slots; }
 
 struct move *move_take(void) {
   if (!check_finalized()) return NULL;
-  if (free_moves == NULL) steppers_reclaim();
+  if (free_moves == NULL) hooks_pool_empty();
   hal_irq_t irq = hal_irq_save();
   struct move *move = free_moves;
   if (move != NULL) free_moves = move->next;

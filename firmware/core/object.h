@@ -37,8 +37,6 @@ struct object {
   const struct object_kind *kind;
 };
 
-void objects_start(void);
-
 // A new object, zeroed. Null, after a shutdown, if the number is taken or the arena is full.
 void *object_add(uint32_t oid, const struct object_kind *kind, size_t size);
 // The object of this type, or null after a shutdown. The second form looks without consequences.
@@ -46,15 +44,13 @@ void *object_get(uint32_t oid, uint8_t type);
 void *object_find(uint32_t oid, uint8_t type);
 // The next object of this type after *oid (start with -1), or null; for (;;) over all of them.
 void *object_next(int16_t *oid, uint8_t type);
-// Shuts down every object, outputs before all others; under hal_irq_save().
-void objects_shut_down(void);
 
 // Whether the configuration is complete. The second form shuts down if it is not.
 bool is_finalized(void);
 bool check_finalized(void);
 // Slots in the pool, 0 before the configuration is complete.
 uint16_t move_count(void);
-// A slot, or null after a shutdown. Foreground.
+// A slot, or null after a shutdown. If none is free, DECL_ON_POOL_EMPTY may free some. Foreground.
 struct move *move_take(void);
 // Any context.
 void move_free(struct move *move);

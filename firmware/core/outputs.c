@@ -3,17 +3,18 @@
 #include <stddef.h>
 
 #include "command.h"
+#include "hooks.h"
 #include "shutdown.h"
-#include "survive.h"
+#include "survive_state.h"
 
-DECL_SHUTDOWN(MISSED_DIGITAL, "Missed scheduling of next digital out event");
-DECL_SHUTDOWN(MISSED_PWM, "Missed scheduling of next hard pwm event");
-DECL_SHUTDOWN(OUTPUT_BUSY, "Output updated while its queue holds commands");
-DECL_SHUTDOWN(OUTPUT_PIN, "Not a valid output pin");
-DECL_SHUTDOWN(PWM_PIN, "Not a valid PWM pin");
-DECL_SHUTDOWN(DURATION_TOO_LONG, "Duration too long for the clock");
-DECL_SHUTDOWN(NOT_AT_DEFAULT, "Output with a maximum duration must begin at its default");
-DECL_SHUTDOWN(PIN_CONFIGURED, "Pin belongs to a configured output");
+DECL_SHUTDOWN_REASON(MISSED_DIGITAL, "Missed scheduling of next digital out event");
+DECL_SHUTDOWN_REASON(MISSED_PWM, "Missed scheduling of next hard pwm event");
+DECL_SHUTDOWN_REASON(OUTPUT_BUSY, "Output updated while its queue holds commands");
+DECL_SHUTDOWN_REASON(OUTPUT_PIN, "Not a valid output pin");
+DECL_SHUTDOWN_REASON(PWM_PIN, "Not a valid PWM pin");
+DECL_SHUTDOWN_REASON(DURATION_TOO_LONG, "Duration too long for the clock");
+DECL_SHUTDOWN_REASON(NOT_AT_DEFAULT, "Output with a maximum duration must begin at its default");
+DECL_SHUTDOWN_REASON(PIN_CONFIGURED, "Pin belongs to a configured output");
 
 #ifndef HAL_WATCH_OUTPUT
 #define HAL_WATCH_OUTPUT(pin, value, full) ((void)0)
@@ -66,7 +67,7 @@ static bool keep(struct output *output, uint32_t clock) {
   uint32_t value = output->value < output->full ? output->value : output->full;
   if (from_default(output, output->kept_value) < from_default(output, value))
     value = output->kept_value;
-  if (output->left == 0 || !survive_watches()) value = output->default_value;
+  if (output->left == 0 || !hooks_watch()) value = output->default_value;
   set(output, clock, value);
   output->keeping = true;
   if (output->left > 0) --output->left;
@@ -225,7 +226,7 @@ static void queue(struct output *output, uint32_t clock, uint32_t value) {
   bool late = before(clock, hal_clock()), heats = output->kept && output->kept_seconds > 0;
   if (late && output->kept && !heats) {
     value = output->default_value;
-    survive_missed();
+    survive_miss();
   }
   clock = survive_in_time(clock);
   change->next = NULL;

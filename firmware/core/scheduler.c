@@ -4,8 +4,8 @@
 
 #include "shutdown.h"
 
-DECL_SHUTDOWN(TIMER_TOO_CLOSE, "Timer too close");
-DECL_SHUTDOWN(OVERLOADED, "Rescheduled timer in the past");
+DECL_SHUTDOWN_REASON(TIMER_TOO_CLOSE, "Timer too close");
+DECL_SHUTDOWN_REASON(OVERLOADED, "Rescheduled timer in the past");
 
 // So late a timer means that the chip cannot keep up.
 #define LATEST (HAL_CLOCK_HZ / 10)
@@ -15,11 +15,13 @@ DECL_SHUTDOWN(OVERLOADED, "Rescheduled timer in the past");
 static struct timer *first;
 static volatile bool woken;
 
+DECL_START(scheduler_start);
 void scheduler_start(void) {
   first = NULL;
   woken = false;
 }
 
+DECL_ON_SHUTDOWN(task_wake);
 void task_wake(void) { woken = true; }
 
 bool task_woken(void) {

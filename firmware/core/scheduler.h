@@ -18,7 +18,6 @@ struct timer {
 // True if clock `a` is before clock `b`.
 static inline bool before(uint32_t a, uint32_t b) { return (int32_t)(a - b) < 0; }
 
-void scheduler_start(void);
 // Called by the hardware layer: see hal.h.
 void sched_interrupt(void);
 
@@ -31,7 +30,7 @@ void timer_remove(struct timer *timer);
 // Whether timers run: the watchdog is fed for that too. Foreground.
 bool timers_run(void);
 
-// Has the core look for work in the foreground. Any context.
+// Makes the main loop run all tasks (DECL_TASK), as a shutdown does. Any context.
 void task_wake(void);
 // True once after task_wake(). Foreground.
 bool task_woken(void);

@@ -12,13 +12,12 @@
 #include "declare.h"
 #include "declared.h"
 
-void shutdown_start(void);
 // `reason` is a SHUTDOWN_… number, not 0. Only the first one counts. Any context.
 void shut_down(uint8_t reason);
 bool is_shut_down(void);
 // Its number, or 0.
 uint8_t shutdown_reason(void);
-// Answers a command that is not obeyed now. Foreground.
-void report_refusal(void);
-// Reports what happened since the last call. Foreground.
-void shutdown_task(void);
+// The clock at the last one.
+uint32_t shutdown_clock(void);
+// Ends it. Foreground.
+void shutdown_clear(void);

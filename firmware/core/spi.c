@@ -6,9 +6,9 @@
 #include "shutdown.h"
 #include "wait.h"
 
-DECL_SHUTDOWN(SPI_PINS, "Pins cannot make an SPI bus");
-DECL_SHUTDOWN(SPI_NO_BUS, "SPI device without a bus");
-DECL_SHUTDOWN(SPI_TOO_SLOW, "SPI clock too slow for this board");
+DECL_SHUTDOWN_REASON(SPI_PINS, "Pins cannot make an SPI bus");
+DECL_SHUTDOWN_REASON(SPI_NO_BUS, "SPI device without a bus");
+DECL_SHUTDOWN_REASON(SPI_TOO_SLOW, "SPI clock too slow for this board");
 DECL_REPORT("spi_transfer_response oid=%c response=%*s");
 
 static uint8_t exchange(const struct spi *spi, uint8_t byte) {
@@ -37,6 +37,8 @@ static const struct object_kind kind = {OBJECT_SPI, NULL};
 static void send_soon(void *object) { ((struct spi_shutdown *)object)->due = true; }
 static const struct object_kind shutdown_kind = {OBJECT_SPI_SHUTDOWN, send_soon};
 
+DECL_TASK(spi_send_last, DEVICES);
+DECL_ON_CLEAR_SHUTDOWN(spi_send_last);
 void spi_send_last(void) {
   struct spi_shutdown *last;
   for (int16_t oid = -1; (last = object_next(&oid, OBJECT_SPI_SHUTDOWN)) != NULL;) {

@@ -5,12 +5,12 @@
 #include "command.h"
 #include "scheduler.h"
 #include "shutdown.h"
-#include "survive.h"
+#include "survive_state.h"
 
-DECL_SHUTDOWN(STEP_TOO_LATE, "Stepper too far in past");
-DECL_SHUTDOWN(COUNT_ZERO, "Invalid count parameter");
-DECL_SHUTDOWN(STEPPER_ACTIVE, "Can't reset time when stepper active");
-DECL_SHUTDOWN(STEPPER_PINS, "Image cannot drive a stepper with these pins and pulses");
+DECL_SHUTDOWN_REASON(STEP_TOO_LATE, "Stepper too far in past");
+DECL_SHUTDOWN_REASON(COUNT_ZERO, "Invalid count parameter");
+DECL_SHUTDOWN_REASON(STEPPER_ACTIVE, "Can't reset time when stepper active");
+DECL_SHUTDOWN_REASON(STEPPER_PINS, "Image cannot drive a stepper with these pins and pulses");
 DECL_REPORT("stepper_position oid=%c pos=%i");
 
 // A first step later than this is not the last message's lateness any more.
@@ -21,6 +21,7 @@ static uint8_t axes;
 static void shut_down_stepper(void *object) { stepper_halt(object); }
 static const struct object_kind kind = {OBJECT_STEPPER, shut_down_stepper};
 
+DECL_START(steppers_start);
 void steppers_start(void) { axes = 0; }
 
 void stepper_halt(struct stepper *stepper) {
@@ -30,6 +31,8 @@ void stepper_halt(struct stepper *stepper) {
   hal_irq_restore(irq);
 }
 
+// Gives the moves that the generator has done with back to the pool.
+DECL_ON_POOL_EMPTY(steppers_reclaim);
 void steppers_reclaim(void) {
   for (uint8_t axis = 0; axis < axes; ++axis) {
     struct move *move;
@@ -85,6 +88,17 @@ static void set_clock(struct stepper *stepper, uint32_t clock) {
   hal_irq_restore(irq);
 }
 
+// A step has come too late. While axes home, all motors stop, and the host is told: true. False if
+// it is a reason to shut down.
+static bool stop_homing(void) {
+  struct stepper *stepper;
+  if (!survive_is_homing()) return false;
+  for (int16_t oid = -1; (stepper = object_next(&oid, OBJECT_STEPPER)) != NULL;)
+    stepper_halt(stepper);
+  survive_lose();
+  return true;
+}
+
 // Gives a move to the generator; without steps it sets the clock.
 static void give(struct stepper *stepper, struct move *move) {
   uint32_t interval = move->interval;
@@ -102,7 +116,7 @@ static void give(struct stepper *stepper, struct move *move) {
   uint32_t first_step = stepper->last + interval;
   if (!stepgen_append(stepper->axis, move, first_step)) {
     move_free(move);
-    if (stepper->halted || survive_gives_up()) return;  // in this moment
+    if (stepper->halted || stop_homing()) return;  // in this moment
     shut_down((int32_t)(hal_clock() - first_step) > (int32_t)LATE ? SHUTDOWN_STEP_TOO_LATE
                                                                   : SHUTDOWN_TIMER_TOO_CLOSE);
     return;

@@ -23,11 +23,10 @@ struct stepper {
   // Steps are ignored until reset_step_clock. Written by foreground and timer.
   volatile bool halted;
   // The foreground's: moves that wait for their commit; the moves that stop the motor if no further
-  // commit comes, and those that take their place with the next one (survive.h).
+  // commit comes, and those that take their place with the next one (survive_state.h).
   struct move_list staged, tail, next_tail;
 };
 
-void steppers_start(void);
 // Halts a motor at once. Any context.
 void stepper_halt(struct stepper *stepper);
 // What survive.c does with moves that wait. Foreground.
@@ -47,5 +46,3 @@ void stepper_stage_tail(struct stepper *stepper);
 // Drops what is staged and the next tail. With `tail` that as well, and clocks that were staged are
 // set: the host takes over.
 void stepper_forget(struct stepper *stepper, bool tail);
-// Gives the moves that the generator has done with back to the pool. Foreground.
-void steppers_reclaim(void);

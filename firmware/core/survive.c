@@ -1,17 +1,17 @@
-#include "survive.h"
-
+// Survive: the commands of the host, and the decision to brake (survive_state.h).
 #include <stddef.h>
 
-#include "analog_in.h"
 #include "command.h"
+#include "hooks.h"
+#include "object.h"
 #include "outputs.h"
 #include "scheduler.h"
 #include "shutdown.h"
 #include "stepper.h"
-#include "thermocouple.h"
+#include "survive_state.h"
 
-DECL_SHUTDOWN(SURVIVE_TOO_LONG, "Output may not be held for so long");
-DECL_SHUTDOWN(SURVIVE_UNWATCHED, "No sensor watches what an output is held for");
+DECL_SHUTDOWN_REASON(SURVIVE_TOO_LONG, "Output may not be held for so long");
+DECL_SHUTDOWN_REASON(SURVIVE_UNWATCHED, "No sensor watches what an output is held for");
 DECL_REPORT("survive_state state=%c serial=%u clock=%u");
 DECL_CONSTANT("SURVIVE", 2);
 DECL_CONSTANT("SURVIVE_GUARD_MS", 5);
@@ -24,11 +24,6 @@ DECL_ENUMERATION("survive", "braking", 4);
 DECL_ENUMERATION("survive", "held", 5);
 DECL_ENUMERATION("survive", "lost", 6);
 
-// Homing: switches stop the motors, and no commits come. Resting: the last commit ends with motors
-// that stand. Moving: the next one must come in time. Lost: a step came too late while axes homed,
-// and the motors were stopped, who knows where.
-enum { OFF, HOMING, RESTING, MOVING, BRAKING, HELD, LOST };
-
 // The decision falls so long before the commit's clock: time enough to queue all tails, or all
 // moves of the commit that comes just in time.
 #define GUARD (HAL_CLOCK_HZ / 200)
@@ -37,48 +32,21 @@ enum { OFF, HOMING, RESTING, MOVING, BRAKING, HELD, LOST };
 
 static bool decide(struct timer *timer);
 static struct timer decision = {.run = decide};
-// The timer writes them while the board is moving; then the foreground needs hal_irq_save() to.
-static volatile uint8_t state;
-static volatile bool undone;  // decided, and the tails not queued yet
-static volatile bool untold;  // the host does not know of the decision
-// The foreground's.
-static uint32_t serial, limit;  // of the last commit
-static bool missed;
+// Decided, and the tails not queued yet. Written like survive.state.
+static volatile bool tails_pending;
+static uint32_t serial, limit;  // of the last commit; the foreground's
 
-void survive_start(void) {
-  state = OFF;
-  undone = untold = missed = false;
+DECL_START(survive_commits_start);
+void survive_commits_start(void) {
+  tails_pending = false;
   serial = limit = 0;
-}
-
-bool survive_stages(void) { return state == RESTING || state == MOVING; }
-bool survive_refuses(void) { return state >= BRAKING; }
-bool survive_is_on(void) { return state != OFF; }
-
-bool survive_watches(void) { return analog_in_watches() || thermocouple_watches(); }
-
-uint32_t survive_in_time(uint32_t clock) {
-  uint32_t now = hal_clock();
-  return survive_is_on() && before(clock, now) ? now + HAL_SHORTEST_PERIOD : clock;
-}
-
-void survive_missed(void) { missed = true; }
-
-bool survive_gives_up(void) {
-  struct stepper *stepper;
-  if (state != HOMING) return false;
-  for (int16_t oid = -1; (stepper = object_next(&oid, OBJECT_STEPPER)) != NULL;)
-    stepper_halt(stepper);
-  state = LOST;
-  untold = true;
-  return true;
 }
 
 static bool decide(struct timer *timer) {
   (void)timer;
-  if (state == MOVING && !is_shut_down()) {
-    state = BRAKING;
-    undone = untold = true;
+  if (survive.state == SURVIVE_MOVING && !is_shut_down()) {
+    survive.state = SURVIVE_BRAKING;
+    tails_pending = survive.report_pending = true;
     outputs_hold_none();
   }
   return false;
@@ -87,8 +55,8 @@ static bool decide(struct timer *timer) {
 static void change(uint8_t to) {
   hal_irq_t irq = hal_irq_save();
   timer_remove(&decision);
-  state = to;
-  undone = untold = missed = false;
+  survive.state = to;
+  tails_pending = survive.report_pending = survive.missed = false;
   hal_irq_restore(irq);
 }
 
@@ -100,8 +68,9 @@ static bool any_active(void) {
 }
 
 static bool report_state(void) {
-  if (state == BRAKING && !undone && !any_active()) state = HELD;
-  uint8_t told = state == RESTING && any_active() ? MOVING : state;
+  if (survive.state == SURVIVE_BRAKING && !tails_pending && !any_active())
+    survive.state = SURVIVE_HELD;
+  uint8_t told = survive.state == SURVIVE_RESTING && any_active() ? SURVIVE_MOVING : survive.state;
   return report(REPORT_SURVIVE_STATE, (uint32_t[]){told, serial, limit}, 3);
 }
 
@@ -115,21 +84,24 @@ static void give_staged(void) {
   }
 }
 
+// Brakes when that was decided, before anything else can delay it; forgets all after a shutdown.
+DECL_TASK(survive_task, EVERY_PASS);
+DECL_ON_CLEAR_SHUTDOWN(survive_task);
 void survive_task(void) {
   struct stepper *stepper;
-  if (state == OFF) return;
+  if (survive.state == SURVIVE_OFF) return;
   if (is_shut_down()) {
-    change(OFF);
+    change(SURVIVE_OFF);
     for (int16_t oid = -1; (stepper = object_next(&oid, OBJECT_STEPPER)) != NULL;)
       stepper_forget(stepper, true);
-  } else if (undone) {
-    undone = false;
+  } else if (tails_pending) {
+    tails_pending = false;
     for (int16_t oid = -1; (stepper = object_next(&oid, OBJECT_STEPPER)) != NULL;)
       stepper_stage_tail(stepper);
     give_staged();
   }
   // A host that was only late must hear of it.
-  if (untold) untold = !report_state();
+  if (survive.report_pending) survive.report_pending = !report_state();
 }
 
 // The host takes over, from motors that stand: what was staged is void.
@@ -145,21 +117,21 @@ static void begin(uint8_t to) {
 DECL_COMMAND(command_survive_arm, "survive_arm", 0);
 void command_survive_arm(const uint32_t *args) {
   (void)args;
-  if (state == OFF) serial = 0;
-  begin(RESTING);
+  if (survive.state == SURVIVE_OFF) serial = 0;
+  begin(SURVIVE_RESTING);
 }
 
 DECL_COMMAND(command_survive_home, "survive_home", 0);
 void command_survive_home(const uint32_t *args) {
   (void)args;
   serial = 0;
-  begin(HOMING);
+  begin(SURVIVE_HOMING);
 }
 
 DECL_COMMAND(command_survive_off, "survive_off", 0);
 void command_survive_off(const uint32_t *args) {
   (void)args;
-  begin(OFF);
+  begin(SURVIVE_OFF);
 }
 
 DECL_COMMAND(command_survive_tail, "survive_tail oid=%c interval=%u count=%hu add=%hi dir=%c", 0);
@@ -175,15 +147,15 @@ void command_survive_commit(const uint32_t *args) {
   for (int16_t oid = -1; (stepper = object_next(&oid, OBJECT_STEPPER)) != NULL;)
     late |= stepper_is_late(stepper);
   hal_irq_t irq = hal_irq_save();
-  // Where it rests no decision has told that time is up.
-  if (survive_stages() && (missed || (late && state == RESTING))) {
-    state = MOVING;
+  // At rest no timer runs, so lateness is detected here.
+  if (survive_stages() && (survive.missed || (late && survive.state == SURVIVE_RESTING))) {
+    survive.state = SURVIVE_MOVING;
     decide(&decision);
   }
   bool valid = survive_stages() && !is_shut_down();
   if (valid) {
     timer_remove(&decision);
-    state = args[2] != 0 ? RESTING : MOVING;
+    survive.state = args[2] != 0 ? SURVIVE_RESTING : SURVIVE_MOVING;
     serial = args[0];
     limit = args[1];
     decision.wake = limit - GUARD;
@@ -204,7 +176,7 @@ void command_survive_commit(const uint32_t *args) {
   for (int16_t oid = -1; (stepper = object_next(&oid, OBJECT_STEPPER)) != NULL;)
     stepper_forget(stepper, false);
   // Before the acknowledgement, so that a host that has that knows.
-  if (state >= BRAKING) untold = !report_state();
+  if (survive.state >= SURVIVE_BRAKING) survive.report_pending = !report_state();
 }
 
 DECL_COMMAND(command_survive_output, "survive_output oid=%c value=%u seconds=%c", 0);
@@ -214,7 +186,7 @@ void command_survive_output(const uint32_t *args) {
   if (output == NULL) return;
   if (args[2] > LONGEST)
     shut_down(SHUTDOWN_SURVIVE_TOO_LONG);
-  else if (args[2] > 0 && args[1] != output->default_value && !survive_watches())
+  else if (args[2] > 0 && args[1] != output->default_value && !hooks_watch())
     shut_down(SHUTDOWN_SURVIVE_UNWATCHED);
   else
     output_keep(output, args[1], (uint8_t)args[2]);

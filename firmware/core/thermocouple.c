@@ -4,11 +4,11 @@
 
 #include "command.h"
 #include "shutdown.h"
-#include "survive.h"
+#include "survive_state.h"
 
-DECL_SHUTDOWN(THERMOCOUPLE_TYPE, "Invalid thermocouple chip type");
-DECL_SHUTDOWN(THERMOCOUPLE_RANGE, "Thermocouple ADC out of range");
-DECL_SHUTDOWN(THERMOCOUPLE_FAULT, "Thermocouple reader fault");
+DECL_SHUTDOWN_REASON(THERMOCOUPLE_TYPE, "Invalid thermocouple chip type");
+DECL_SHUTDOWN_REASON(THERMOCOUPLE_RANGE, "Thermocouple ADC out of range");
+DECL_SHUTDOWN_REASON(THERMOCOUPLE_FAULT, "Thermocouple reader fault");
 DECL_ENUMERATION("thermocouple_type", "MAX31855", 0);
 DECL_ENUMERATION("thermocouple_type", "MAX31856", 1);
 DECL_ENUMERATION("thermocouple_type", "MAX31865", 2);
@@ -59,6 +59,7 @@ static void watch(struct thermocouple *it, uint32_t word, bool fault) {
     shut_down(outside ? SHUTDOWN_THERMOCOUPLE_RANGE : SHUTDOWN_THERMOCOUPLE_FAULT);
 }
 
+DECL_WATCH(thermocouple_watches);
 bool thermocouple_watches(void) {
   const struct thermocouple *it;
   for (int16_t oid = -1; (it = object_next(&oid, OBJECT_THERMOCOUPLE)) != NULL;)
@@ -66,6 +67,8 @@ bool thermocouple_watches(void) {
   return false;
 }
 
+// Asks those that are due, and reports.
+DECL_TASK(thermocouple_task, BUSES);
 void thermocouple_task(void) {
   struct thermocouple *it;
   for (int16_t oid = -1; (it = object_next(&oid, OBJECT_THERMOCOUPLE)) != NULL;) {

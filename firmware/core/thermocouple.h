@@ -18,8 +18,3 @@ struct thermocouple {
   uint8_t type;
   volatile bool due;
 };
-
-// Asks those that are due, and reports. Foreground.
-void thermocouple_task(void);
-// Whether any converter is asked whose words have a range. Foreground.
-bool thermocouple_watches(void);

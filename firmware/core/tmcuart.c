@@ -6,8 +6,8 @@
 #include "command.h"
 #include "shutdown.h"
 
-DECL_SHUTDOWN(TMCUART_TOO_LONG, "tmcuart data too large");
-DECL_SHUTDOWN(TMCUART_PINS, "Pins cannot make a driver's UART");
+DECL_SHUTDOWN_REASON(TMCUART_TOO_LONG, "tmcuart data too large");
+DECL_SHUTDOWN_REASON(TMCUART_PINS, "Pins cannot make a driver's UART");
 DECL_REPORT("tmcuart_response oid=%c read=%*s");
 
 #define REST_US 200       // the line rests high so long, at least, before a datagram
@@ -116,6 +116,7 @@ static void shut_down_uart(void *object) {
 }
 static const struct object_kind kind = {OBJECT_TMCUART, shut_down_uart};
 
+DECL_TASK(tmcuart_task, INPUTS);
 void tmcuart_task(void) {
   struct tmcuart *uart;
   for (int16_t oid = -1; (uart = object_next(&oid, OBJECT_TMCUART)) != NULL;) {

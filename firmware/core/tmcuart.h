@@ -28,6 +28,3 @@ struct tmcuart {
   volatile bool busy, answered;
   uint8_t bits[TMCUART_BYTES];  // the lowest of each byte first
 };
-
-// Reports what was answered. Foreground.
-void tmcuart_task(void);

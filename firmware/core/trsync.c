@@ -5,9 +5,9 @@
 #include "command.h"
 #include "shutdown.h"
 #include "stepper.h"
-#include "survive.h"
+#include "survive_state.h"
 
-DECL_SHUTDOWN(PERIOD_TOO_SHORT, "Period too short for this board");
+DECL_SHUTDOWN_REASON(PERIOD_TOO_SHORT, "Period too short for this board");
 DECL_REPORT("trsync_state oid=%c can_trigger=%c trigger_reason=%c clock=%u");
 
 static void note(struct trsync *group) {
@@ -71,6 +71,8 @@ static bool report_state(struct trsync *group, uint8_t oid) {
   return false;
 }
 
+// Reports the events since the last call.
+DECL_TASK(trsync_task, MOTORS);
 void trsync_task(void) {
   struct trsync *group;
   for (int16_t oid = -1; (group = object_next(&oid, OBJECT_TRSYNC)) != NULL;)

@@ -22,5 +22,3 @@ struct trsync {
 
 // Stops the motors if the group is armed. Any context.
 void trsync_trigger(struct trsync *group, uint8_t reason);
-// Reports the events since the last call. Foreground.
-void trsync_task(void);

@@ -19,7 +19,7 @@
 //   HAL_STEPPERS          axes of the step generator, at most
 //   HAL_ARENA             bytes for configured objects and move slots
 //   HAL_MOVES_MAX         move slots, at most (the host counts no more than 1024)
-//   HAL_COMMIT_WORK       ticks in which the first moves of a commit are queued (survive.h)
+//   HAL_COMMIT_WORK       ticks in which the first moves of a commit are queued (survive_state.h)
 //   HAL_SHORTEST_PERIOD   ticks between two samples of an input that the chip can keep up with
 //   HAL_PWM_MAX           the value of a PWM output that means fully on. With CLOCK_FREQ, ADC_MAX,
 //                         MCU and RECEIVE_WINDOW (bytes that the console holds) it is also

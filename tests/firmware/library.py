@@ -1,4 +1,5 @@
-"""The firmware in the words of older hosts: as a library and as the host process."""
+"""The firmware in the words of older hosts, as a library and as the host process; and with further
+modules."""
 
 from __future__ import annotations
 
@@ -18,7 +19,12 @@ PORTS = "ABCDEFGHIJKL"
 
 def library_for_older_hosts(folder: Path) -> Path:
     """Made in `folder`."""
-    return _compile(folder, ["host.c"], ["-shared", "-fPIC"], {}, folder / "firmware.so")
+    return _library(folder, core_sources(FIRMWARE, older_hosts=True))
+
+
+def library_with(folder: Path, *modules: Path) -> Path:
+    """Made in `folder`: the core and these sources."""
+    return _library(folder, [*core_sources(FIRMWARE), *modules])
 
 
 def process_for_older_hosts(folder: Path) -> Path:
@@ -28,15 +34,26 @@ def process_for_older_hosts(folder: Path) -> Path:
         "enumerations": {"pin": {f"P{port}0": (8 * i, 8) for i, port in enumerate(PORTS)}},
     }
     flags = [f"-DPROCESS_CLOCK_HZ={CLOCK_HZ}", f"-DPROCESS_MOVES={MOVES}"]
-    return _compile(folder, ["host.c", "process.c"], flags, additions, folder / "process")
+    core = core_sources(FIRMWARE, older_hosts=True)
+    return _compile(folder, core, ["host.c", "process.c"], flags, additions, folder / "process")
+
+
+def _library(folder: Path, core: list[Path]) -> Path:
+    flags = ["-shared", "-fPIC"]
+    return _compile(folder, core, ["host.c"], flags, {}, folder / "firmware.so")
 
 
 def _compile(
-    folder: Path, layer: Iterable[str], flags: list[str], additions: dict, made: Path
+    folder: Path,
+    core: list[Path],
+    layer: Iterable[str],
+    flags: list[str],
+    additions: dict,
+    made: Path,
 ) -> Path:
     host = FIRMWARE / "hal/host"
     sources = [
-        *core_sources(FIRMWARE, older_hosts=True),
+        *core,
         FIRMWARE / "hal/common/stepgen.c",
         *(host / name for name in layer),
     ]

@@ -61,7 +61,7 @@ def test_declarations_are_read_over_lines(tmp_path):
     found = declared(
         tmp_path,
         'DECL_COMMAND(run_it,\n             "go oid=%c"\n             " far=%u, please=%*s",\n'
-        '             IN_SHUTDOWN);\nDECL_SHUTDOWN(BAD, "Not \\"so\\"");\n'
+        '             IN_SHUTDOWN);\nDECL_SHUTDOWN_REASON(BAD, "Not \\"so\\"");\n'
         'DECL_CONSTANT("SIZE", 0x10);\nDECL_CONSTANT("NAME", "me");\n'
         'DECL_ENUMERATION("bus", "one", 1);\nDECL_ENUMERATION_RANGE("pin", "PA0", 8, 4);\n',
     )
@@ -78,7 +78,7 @@ def test_declarations_are_read_over_lines(tmp_path):
     [
         ('DECL_COMMAND(a, "x", 0);\nDECL_COMMAND(b, "x a=%c", 0);', "declared twice"),
         ('DECL_REPORT("x");\nDECL_REPORT("x");', "declared twice"),
-        ('DECL_SHUTDOWN(A, "x");\nDECL_SHUTDOWN(A, "y");', "declared twice"),
+        ('DECL_SHUTDOWN_REASON(A, "x");\nDECL_SHUTDOWN_REASON(A, "y");', "declared twice"),
         ('DECL_CONSTANT("A", 1);\nDECL_CONSTANT("A", 2);', "another value"),
         ('DECL_ENUMERATION("A", "b", c);', "wrong type"),
         ('DECL_COMAND(a, "x", 0);', "unknown"),

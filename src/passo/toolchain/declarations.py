@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -15,11 +15,19 @@ _LITERAL = re.compile(r'"((?:[^"\\]|\\.)*)"')
 _SIGNATURES = {
     "COMMAND": 3,
     "REPORT": 1,
-    "SHUTDOWN": 2,
+    "SHUTDOWN_REASON": 2,
     "CONSTANT": 2,
     "ENUMERATION": 3,
     "ENUMERATION_RANGE": 4,
+    "START": 1,
+    "TASK": 2,
+    "ON_SHUTDOWN": 1,
+    "ON_CLEAR_SHUTDOWN": 1,
+    "ON_POOL_EMPTY": 1,
+    "WATCH": 1,
 }
+# The phases of the firmware's tasks, in the order in which they run.
+TASK_PHASES = ("EVERY_PASS", "DEVICES", "MOTORS", "INPUTS", "BUSES", "SHUTDOWN")
 
 
 class DeclarationError(ValueError):
@@ -35,6 +43,17 @@ class Command:
     flags: str
 
 
+@dataclass(frozen=True, slots=True)
+class Hook:
+    """A C function that modules below its own call: `kind` is that of DECL_<kind>, `file` the name
+    of its source. A task has one of TASK_PHASES."""
+
+    kind: str
+    function: str
+    file: str
+    phase: str = ""
+
+
 @dataclass(slots=True)
 class Declarations:
     """All declarations of a set of sources, in their order."""
@@ -46,6 +65,14 @@ class Declarations:
     enumerations: dict[str, dict[str, int | tuple[int, int]]] = field(
         default_factory=dict[str, dict[str, int | tuple[int, int]]]
     )
+    hooks: list[Hook] = field(default_factory=list[Hook])
+
+    def called(self, kind: str, phases: Sequence[str] = ("",)) -> list[str]:
+        """The functions of the hooks of a kind, tasks of these phases, in the order in which they
+        run: by phase, then by file name, then as declared."""
+        hooks = [hook for hook in self.hooks if hook.kind == kind and hook.phase in phases]
+        hooks.sort(key=lambda hook: (phases.index(hook.phase), hook.file))
+        return [hook.function for hook in hooks]
 
 
 def gather(sources: Iterable[Path]) -> Declarations:
@@ -58,7 +85,7 @@ def gather(sources: Iterable[Path]) -> Declarations:
             where = f"{source.name}: DECL_{kind}({', '.join(map(str, arguments))})"
             if _SIGNATURES.get(kind) != len(arguments):
                 raise DeclarationError(f"{where}: unknown, or not as many arguments as it takes")
-            _add(found, kind, arguments, where)
+            _add(found, kind, arguments, source.name, where)
     return found
 
 
@@ -76,7 +103,7 @@ def _arguments(text: str) -> list[Constant]:
     return arguments
 
 
-def _add(found: Declarations, kind: str, arguments: list[Constant], where: str) -> None:
+def _add(found: Declarations, kind: str, arguments: list[Constant], file: str, where: str) -> None:
     match kind, arguments:
         case "COMMAND", [handler, text, flags]:
             if any(message_name(c.format) == message_name(str(text)) for c in found.commands):
@@ -86,7 +113,7 @@ def _add(found: Declarations, kind: str, arguments: list[Constant], where: str) 
             if any(message_name(r) == message_name(str(text)) for r in found.reports):
                 raise DeclarationError(f"{where}: the report is declared twice")
             found.reports.append(str(text))
-        case "SHUTDOWN", [name, text]:
+        case "SHUTDOWN_REASON", [name, text]:
             if name in found.shutdowns:
                 raise DeclarationError(f"{where}: the reason is declared twice")
             found.shutdowns[str(name)] = str(text)
@@ -98,8 +125,22 @@ def _add(found: Declarations, kind: str, arguments: list[Constant], where: str) 
             _enumerate(found, str(name), str(key), value, where)
         case "ENUMERATION_RANGE", [name, key, int(first), int(count)]:
             _enumerate(found, str(name), str(key), (first, count), where)
+        case "TASK", [str(function), str(phase)]:
+            if phase not in TASK_PHASES:
+                raise DeclarationError(f"{where}: the phase is not one of {', '.join(TASK_PHASES)}")
+            _hook(found, Hook(kind, function, file, phase), where)
+        case _, [str(function)]:
+            _hook(found, Hook(kind, function, file), where)
         case _:
             raise DeclarationError(f"{where}: an argument has the wrong type")
+
+
+def _hook(found: Declarations, hook: Hook, where: str) -> None:
+    if not hook.function.isidentifier():
+        raise DeclarationError(f"{where}: '{hook.function}' is not the name of a function")
+    if hook.function in (other.function for other in found.hooks if other.kind == hook.kind):
+        raise DeclarationError(f"{where}: the function is declared twice")
+    found.hooks.append(hook)
 
 
 def _enumerate(

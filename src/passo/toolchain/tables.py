@@ -1,4 +1,5 @@
-"""The command table in C and the data dictionary, out of what the sources declare."""
+"""The command table and the calls of hooks in C, and the data dictionary, out of what the sources
+declare."""
 
 from __future__ import annotations
 
@@ -9,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from passo.toolchain.declarations import (
+    TASK_PHASES,
     Constant,
     DeclarationError,
     Declarations,
@@ -21,6 +23,15 @@ _IDENTIFY_RESPONSE = 0
 _FIRST_COMMAND = 1
 _PARAMETERS_MAX = 12
 _ONE_BYTE = 95  # the highest number that takes one byte on the wire
+# The functions of firmware/core/hooks.h, and whose hooks they call.
+_CALLERS = {
+    "hooks_start": ("START", ("",)),
+    "hooks_every_pass": ("TASK", TASK_PHASES[:1]),
+    "hooks_task": ("TASK", TASK_PHASES[1:]),
+    "hooks_shut_down": ("ON_SHUTDOWN", ("",)),
+    "hooks_clear_shutdown": ("ON_CLEAR_SHUTDOWN", ("",)),
+    "hooks_pool_empty": ("ON_POOL_EMPTY", ("",)),
+}
 _TYPES = {
     "%u": "LONG",
     "%i": "LONG",
@@ -110,7 +121,8 @@ def write_tables(found: Declarations, content: Mapping[str, Any], directory: Pat
     directory.mkdir(parents=True, exist_ok=True)
     _write(directory / "declared.h", _header(found))
     source = directory / "tables.c"
-    _write(source, _table(found) + "\n" + _dictionary_in_c(compress(content)))
+    parts = [_table(found), _hooks(found), _dictionary_in_c(compress(content))]
+    _write(source, "\n".join(parts))
     return [source]
 
 
@@ -155,6 +167,7 @@ def _table(found: Declarations) -> str:
         [
             "// Made by the build from the declarations in the sources.",
             '#include "command.h"',
+            '#include "hooks.h"',
             "",
             *prototypes,
             "",
@@ -164,6 +177,18 @@ def _table(found: Declarations) -> str:
             "",
         ]
     )
+
+
+def _hooks(found: Declarations) -> str:
+    """The functions of hooks.h."""
+    hooks = {hook.function: "bool" if hook.kind == "WATCH" else "void" for hook in found.hooks}
+    lines = [f"{type_} {function}(void);" for function, type_ in hooks.items()]
+    for caller, (kind, phases) in _CALLERS.items():
+        calls = (f"  {function}();" for function in found.called(kind, phases))
+        lines += ["", f"void {caller}(void) {{", *calls, "}"]
+    watches = [f"{function}()" for function in found.called("WATCH")]
+    lines += ["", f"bool hooks_watch(void) {{ return {' || '.join(watches) or 'false'}; }}", ""]
+    return "\n".join(lines)
 
 
 def _types(text: str) -> list[str]:

@@ -1,0 +1,50 @@
+// What the board does when its host falls silent in the midst of a print: it stops the motors on
+// their path, by moves that the host sent for that case (tails), and keeps heaters warm for a
+// while. Only hosts that ask for it get it (docs/decisions/0013-survive.md).
+//
+// Here is the state, which the modules of motors, outputs and inputs ask for; survive.c, above
+// them, has the host's commands and the decision to brake.
+//
+//   state    event → next state
+//   all      survive_arm → RESTING; survive_home → HOMING; survive_off, a shutdown → OFF
+//   HOMING   a step comes too late → LOST
+//   RESTING  a commit that ends in motion → MOVING; one that comes too late → BRAKING
+//   MOVING   a commit that ends at a standstill → RESTING; none in time → BRAKING
+//   BRAKING  the motors stand → HELD
+#pragma once
+#include <stdbool.h>
+#include <stdint.h>
+
+enum {
+  SURVIVE_OFF,
+  SURVIVE_HOMING,   // endstops stop the motors, and no commits come
+  SURVIVE_RESTING,  // the last commit ends with motors that stand
+  SURVIVE_MOVING,   // the next commit must come in time
+  SURVIVE_BRAKING,
+  SURVIVE_HELD,
+  SURVIVE_LOST,  // a step came too late while axes homed, and the motors were stopped anywhere
+};
+
+// The foreground's, and the timer's while it is SURVIVE_MOVING: the foreground needs hal_irq_save()
+// then.
+extern struct survive {
+  volatile uint8_t state;
+  volatile bool report_pending;  // of a decision
+  bool missed;                   // see survive_miss(); the foreground's
+} survive;
+
+// Whether moves wait for a commit; whether they come too late for one. Foreground.
+bool survive_stages(void);
+bool survive_refuses(void);
+// Whether an output that the host does not renew is held rather than a reason to shut down. Any
+// context.
+bool survive_is_on(void);
+// A clock of the host's; one that is past, while the board survives a bad link, becomes one that is
+// not. Any context.
+uint32_t survive_in_time(uint32_t clock);
+// Whether axes home. Foreground.
+bool survive_is_homing(void);
+// A step came too late while axes homed, and all motors have been halted. Foreground.
+void survive_lose(void);
+// What the next commit's moves need came too late: it will be refused. Foreground.
+void survive_miss(void);
