@@ -2,7 +2,7 @@
 # make test   every test             make check  linters, types, layers, formatting
 # make bench  speed and size         make fuzz   fuzzers, FUZZ_SECONDS each
 # make corpus DIR=...                print a folder of real files
-# make sizes  docs/how-to/set-up-a-board.md: how large the firmware is
+# make sizes  docs/reference/firmware.md: how large the firmware is
 # make reference  writes the generated pages of docs/reference/
 # Each sets up what it needs: .venv, the build, and what must come from Debian.
 

@@ -1,4 +1,4 @@
-"""Brings the sizes in docs/how-to/set-up-a-board.md up to date: builds an image for each row of its
+"""Brings the sizes in docs/reference/firmware.md up to date: builds an image for each row of its
 table "What fits", of the row's first board. Usage: .venv/bin/python tools/what_fits.py"""
 
 import re
@@ -8,7 +8,7 @@ from pathlib import Path
 from passo.toolchain.build import build
 from passo.toolchain.targets import board_target
 
-_PAGE = Path(__file__).parents[1] / "docs" / "how-to" / "set-up-a-board.md"
+_PAGE = Path(__file__).parents[1] / "docs" / "reference" / "firmware.md"
 _ROW = re.compile(
     r"^(\| ([\w.-]+)[\w., -]* \| \w+ \| )\d+( of \d+ \| )\d+( of \d+ \|)$", re.MULTILINE
 )

@@ -64,8 +64,8 @@ def test_the_limits_are_those_of_all_boards_with_firmware() -> None:
 
 
 def _told_by_the_documentation() -> dict[str, tuple[int, int]]:
-    """Flash and RAM of each board in the table of docs/how-to/set-up-a-board.md."""
-    text = (Path(__file__).parents[2] / "docs" / "how-to" / "set-up-a-board.md").read_text(
+    """Flash and RAM of each board in the table of docs/reference/firmware.md."""
+    text = (Path(__file__).parents[2] / "docs" / "reference" / "firmware.md").read_text(
         encoding="utf-8"
     )
     rows = re.findall(r"^\| ([\w., -]+) \| \w+ \| (\d+) of \d+ \| (\d+) of", text, re.MULTILINE)

@@ -14,14 +14,14 @@ _HEAD = """# Boards
 
 Made from the files in `src/passo/config/boards/` and `chips/` (`passo.config.board_reference`). A
 machine names a board as `base` in its table `[board]`. In front of a pin `!` says that it is on, or
-pressed, when low. How a board gets its firmware: [Bring up a board](../how-to/set-up-a-board.md).
+pressed, when low. How a board gets its firmware: [Set up a board](../how-to/set-up-a-board.md).
 
 Every board also knows the pins of its microcontroller (`PB4`), the numbers printed beside them
 (`D10`, `A13`), and the pins of its sockets (`X_STEP`, `X_DIR`, `X_ENABLE`).
 
 A budget is what the planner keeps to: shares of the processor's time for steps and for commands,
 and what the serial link carries. How it was measured:
-[How fast](../how-to/set-up-a-board.md#how-fast).
+[How fast](firmware.md#how-fast).
 
 """
 
