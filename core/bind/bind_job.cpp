@@ -214,6 +214,10 @@ void bind_job(nb::module_& m) {
       .value("ACTUATOR", Fault::actuator)
       .value("TOO_LONG", Fault::too_long)
       .value("TOO_SLOW", Fault::too_slow)
+      .value("STRAY", Fault::stray)
+      .value("UTF_16", Fault::utf_16)
+      .value("HOLE", Fault::hole)
+      .value("AFTER_END", Fault::after_end)
       .value("MISSING_WORD", Fault::missing_word)
       .value("CALL", Fault::call);
   nb::enum_<ObjectAction>(m, "ObjectAction", "What a command says about the objects of a print.")
@@ -256,6 +260,17 @@ void bind_job(nb::module_& m) {
       "A line's command with decimal numbers in place of those with exponents, as a job reads it "
       "on a "
       "machine that has an E.");
+  m.def(
+      "find_stray",
+      [](std::string text, bool any) {
+        const Stray stray = find_stray(text, any);
+        return std::pair(stray.token, stray.code);
+      },
+      "text"_a, "any"_a,
+      "The first character of a command's text that is not G-code: what stands around it, and its "
+      "code (0: there is none; below 0: a byte that is not UTF-8). Not `any`: only one that "
+      "changes "
+      "what the text means.");
   nb::class_<JobView> job(m, "Job", "A G-code program through one machine. Not thread-safe.");
   job.def(
          "__init__",

@@ -20,6 +20,7 @@
 #include "gcode/lexer.hpp"
 #include "gcode/objects.hpp"
 #include "gcode/parse_result.hpp"
+#include "gcode/stray.hpp"
 #include "gcode/subprograms.hpp"
 #include "gcode/words.hpp"
 #include "machine/machine.hpp"
@@ -75,7 +76,10 @@ class Interpreter {
   // layers too where that is the first line of all.
   void restart(uint32_t first = 1) {
     sources_[source_] = Lines(first);
-    if (!source_) frames_.clear();
+    if (!source_) {
+      frames_.clear();
+      ended_line_ = 0;
+    }
     if (first == 1) layers = LayerCounter();
     if (first == 1 && !source_) forget_objects();
     dark();
@@ -318,11 +322,12 @@ class Interpreter {
       }
       machine_zero_ = false;
       if (lines().too_long()) {
+        if (ended_line_ != 0 && !source_) continue;
         fail(Fault::line_too_long, "", 0, 0);
         continue;
       }
       if (end - p > 3 && (p[0] == 'G') && (p[1] == '1' || p[1] == '0') && p[2] == ' ' &&
-          !listening()) {
+          !listening() && ended_line_ == 0) {
         Found found = fast_move(p + 3, end, p[1] == '0');
         if (found == Found::move) return found;
         if (found == Found::end) continue;
@@ -448,6 +453,8 @@ class Interpreter {
   std::string text_;        // of the line, comments removed
   std::vector<Word> words_;
   uint32_t listened_ = 0, moved_line_ = 0;
+  uint32_t ended_line_ = 0;  // of the program: zero bytes or a Ctrl-Z end its text here; 0: no
+  bool ended_by_zero_ = false;
   Heard heard_;
   uint64_t commands_ = 0;
   struct Frame {  // a sub-program that is carried out
@@ -517,9 +524,19 @@ class Interpreter {
     if (clamped_[j].times++ == 0)
       clamped_[j].first = {lines().number(), Fault::out_of_range, axis_name(j), value, limit, {}};
   }
+  // A word of the line is none; a character that is not G-code is the reason, if there is one.
+  void fail_word(Fault fault, const std::string& word, std::string_view text) {
+    const Stray stray = find_stray(text, true);
+    if (stray.code == 0) return fail(fault, word, 0, 0);
+    fail(Fault::stray, stray.token, double(stray.code), 0);
+  }
   bool sound(const Word& word) {
     if (word.number && std::fabs(word.value) <= kLargestWord) return true;
-    fail(Fault::number, std::string(1, word.letter), word.value, word.number ? kLargestWord : 0);
+    if (!word.number) {
+      fail_word(Fault::number, std::string(1, word.letter), text_);
+      return false;
+    }
+    fail(Fault::number, std::string(1, word.letter), word.value, kLargestWord);
     return false;
   }
 
@@ -767,6 +784,7 @@ class Interpreter {
   void shine(MoveRequest& m) const;
   void comment(std::string_view text);
   void pass_on(std::string_view name, std::string_view text);
+  bool ends_text(const char* p, const char*& end);
   void run_line(const char* p, const char* end);
   void run_words();
   void run_command(const Word& command, const Word* first, const Word* last, std::string_view text);

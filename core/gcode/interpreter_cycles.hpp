@@ -19,7 +19,7 @@ inline void Interpreter::run_cycle(int code, const Word* w, const Word* end) {
         x->letter == letter_of(kX) || x->letter == letter_of(kY) || x->letter == letter_of(kZ);
     if (!sound(*x)) return;
     if (!axis && !std::strchr("RQPLKFS", x->letter))
-      return fail(Fault::word, std::string(1, x->letter), 0, 0);
+      return fail_word(Fault::word, std::string(1, x->letter), text_);
     have |= 1u << (x->letter - 'A');
     value[x->letter - 'A'] = x->value;
     if (x->letter == 'F') feed = x->value * unit_ / 60;

@@ -1,5 +1,6 @@
 // The general way of a line: every dialect, every command that belongs to the motion state.
 #pragma once
+#include <cstring>
 #include <iterator>
 
 #include "gcode/exponents.hpp"
@@ -44,8 +45,35 @@ inline void Interpreter::pass_on(std::string_view name, std::string_view text) {
   emit(0, 0, 0, name, text);
 }
 
+// Whether the program's text is over: by zero bytes up to the end of the file, as a file that was
+// cut off has them, or by the Ctrl-Z of DOS, after which anything may stand but commands. `end`
+// moves to before them.
+inline bool Interpreter::ends_text(const char* p, const char*& end) {
+  constexpr char kCtrlZ = 0x1a;
+  auto padding = [](char c) { return c == 0 || c == kCtrlZ || std::isspace(uint8_t(c)) != 0; };
+  while (p < end && std::isspace(uint8_t(*p))) ++p;
+  if (ended_line_ != 0) {
+    if (std::all_of(p, end, padding)) return true;
+    if (utf_16(std::string_view(p, size_t(end - p)))) return false;
+    const bool command =
+        *p != 0 && std::strchr("GMTNgmtn", *p) && end - p > 1 && std::isdigit(uint8_t(p[1]));
+    if (ended_by_zero_ || command)
+      fail(ended_by_zero_ ? Fault::hole : Fault::after_end, "", ended_line_, 0);
+    return true;
+  }
+  const char* stop = std::find_if(p, end, [](char c) { return c == 0 || c == kCtrlZ; });
+  if (stop == end) return false;
+  const bool tail = std::all_of(stop, end, padding);
+  if (!tail && (*stop == 0 || *p == ';')) return false;
+  ended_line_ = lines().number();
+  ended_by_zero_ = *stop == 0;
+  end = stop;
+  return false;
+}
+
 inline void Interpreter::run_line(const char* p, const char* end) {
   if (listening()) heard_ = Heard();  // a line of a sub-program may come again
+  if (!source_ && frames_.empty() && ends_text(p, end)) return;
   while (p < end && std::isspace(uint8_t(*p))) ++p;
   while (end > p && std::isspace(uint8_t(end[-1]))) --end;
   if (p == end || *p == '%') return;
@@ -53,7 +81,8 @@ inline void Interpreter::run_line(const char* p, const char* end) {
   std::string text(p, end), note;
   size_t printable = 0;
   for (char c : text) printable += uint8_t(c) >= 32 || c == '\t';
-  if (printable != text.size()) return fail(Fault::garbage, "", 0, 0);
+  if (printable != text.size() || utf_16(text))
+    return fail(utf_16(text) ? Fault::utf_16 : Fault::garbage, "", 0, 0);
   const char* q = text.data();
   if ((*q == 'N' || *q == 'n') && text.size() > 1) {  // line number and checksum of a console
     double number;
@@ -129,9 +158,12 @@ inline void Interpreter::run_words() {
     next_word_ = size_t(w - words_.data());
     return true;
   };
-  if (!std::isalpha(uint8_t(w->letter)))
-    return fail(uint8_t(w->letter) < 0x7f ? Fault::word : Fault::garbage,
-                std::string(text.substr(w->begin, 20)), 0, 0);
+  if (!std::isalpha(uint8_t(w->letter))) {
+    // A binary begins so.
+    const bool text_begins = lines().number() > 1 || character_at(text, w->begin).first >= 0;
+    return text_begins ? fail_word(Fault::word, std::string(text.substr(w->begin, 20)), text)
+                       : fail(Fault::garbage, "", 0, 0);
+  }
   auto starts = [&](const Word& x) { return (x.letter == 'G' || x.letter == 'M') && x.number; };
   auto tool = [&](const Word& x) { return x.letter == 'T' && x.whole(); };
   // Whether this begins a command, behind a move.
@@ -166,7 +198,7 @@ inline void Interpreter::run_words() {
         }
         std::string name = unknown_name(text, *w);
         if (std::strchr("GMST", w->letter) && (w->number || name.size() == 1))
-          return fail(Fault::word, name, 0, 0);
+          return fail_word(Fault::word, name, text);
         return unknown(end);
       }
       next = std::find_if(w, end, behind_move);
@@ -231,8 +263,14 @@ inline void Interpreter::run_command(const Word& command, const Word* w, const W
   auto has = [&](char letter) {
     return std::any_of(w, end, [&](const Word& x) { return x.letter == letter; });
   };
+  if (command.letter == 'G' && code > 3 && !wordless(command)) {
+    if (const Stray stray = find_stray(text, false); stray.code != 0)
+      return fail(Fault::stray, stray.token, double(stray.code), 0);
+  }
   uint32_t seen = 0;
   for (const Word* x = w; own_command(command.letter, code, minor) && x < end; ++x) {
+    if (x->letter < 'A' || x->letter > 'Z')
+      return fail_word(Fault::word, std::string(1, x->letter), text_);
     if (repeated(*x, seen)) return;
     if (!x->number && may_stand_alone(command.letter, code, x->letter)) continue;
     if (!sound(*x)) return;
@@ -493,7 +531,7 @@ inline void Interpreter::run_motion(int code, const Word* w, const Word* end) {
       }
       continue;
     }
-    if (x->letter < 'A' || x->letter > 'Z') return fail(Fault::word, shown, 0, 0);
+    if (x->letter < 'A' || x->letter > 'Z') return fail_word(Fault::word, shown, text_);
     if (!sound(*x) || repeated(*x, seen)) return;
     if (laser_.has(x->letter)) {
       (x->letter == laser_.energy ? energy : density_) = std::max(0.0, x->value);

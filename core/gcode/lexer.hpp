@@ -147,11 +147,14 @@ class Lines {
     return marked ? from + 3 : from;
   }
 
-  // The end of what is kept of a long line: its comment goes; without one, all of it.
+  // The end of what is kept of a long line: its comment goes, and what follows a zero byte or a
+  // Ctrl-Z; without them, all of it.
   const char* kept(const char* begin, const char* end) {
-    const void* comment = std::memchr(begin, ';', std::min(kLongest, size_t(end - begin)));
-    dropped_ = dropped_ || !comment;
-    return comment ? static_cast<const char*>(comment) + 1 : begin;
+    const char* stop = begin + std::min(kLongest, size_t(end - begin));
+    const char* rest =
+        std::find_if(begin, stop, [](char c) { return c == ';' || c == 0 || c == 0x1a; });
+    dropped_ = dropped_ || rest == stop;
+    return rest == stop ? begin : rest + 1;
   }
 
   // Bounds the memory of a line whose end is not in sight, so that the same is left of it as if it

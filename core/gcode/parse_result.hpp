@@ -38,6 +38,10 @@ enum class Fault : uint8_t {
   actuator,
   too_long,
   too_slow,
+  stray,         // a character in `word` is not G-code; value: as Stray::code
+  utf_16,        // the text is not UTF-8
+  hole,          // text follows zero bytes; value: their line
+  after_end,     // commands follow a Ctrl-Z; value: its line
   missing_word,  // `word`: the command, a blank, what it lacks
   call           // of a sub-program; value: a CallFault
 };

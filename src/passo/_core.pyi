@@ -1284,9 +1284,17 @@ class Fault(enum.Enum):
 
     TOO_SLOW = 19
 
-    MISSING_WORD = 20
+    STRAY = 20
 
-    CALL = 21
+    UTF_16 = 21
+
+    HOLE = 22
+
+    AFTER_END = 23
+
+    MISSING_WORD = 24
+
+    CALL = 25
 
 class ObjectAction(enum.Enum):
     """What a command says about the objects of a print."""
@@ -1340,6 +1348,11 @@ class CallFault(enum.IntEnum):
 def without_exponents(text: str) -> str:
     """
     A line's command with decimal numbers in place of those with exponents, as a job reads it on a machine that has an E.
+    """
+
+def find_stray(text: str, any: bool) -> tuple[str, int]:
+    """
+    The first character of a command's text that is not G-code: what stands around it, and its code (0: there is none; below 0: a byte that is not UTF-8). Not `any`: only one that changes what the text means.
     """
 
 class Job:

@@ -66,6 +66,7 @@ CATALOGUE: Mapping[str, Entry] = {
         "Name a shipped machine (see `passo machines`) or the path of a TOML file",
     ),
     "config.unreadable": _config("cannot be read: {value}", "Check the path and its permissions"),
+    "config.encoding": _config("is not UTF-8 text: {value}", "Save the file as UTF-8"),
     "config.syntax": _config("is not valid TOML: {value}", "Correct the syntax at this place"),
     "config.unknown-key": _config("{key} is not a known key", "Remove it or correct its name"),
     "config.missing-key": _config("{key} is missing: expected {limit}", "Add the key"),
@@ -87,6 +88,38 @@ CATALOGUE: Mapping[str, Entry] = {
     ),
     "input.garbage": _input(
         "gcode", "this is not G-code: {value}", "Give a sliced text file, not a model or a binary"
+    ),
+    "input.character": _input(
+        "gcode",
+        "{axis} in {value!r} is not a character of G-code",
+        "Replace it by an ASCII character, or put a ; before a comment",
+    ),
+    "input.decimal-comma": _input(
+        "gcode", "{value!r} has a decimal comma", "Write a decimal point in its place"
+    ),
+    "input.comma": _input(
+        "gcode", "{value!r} has a comma", "Put blanks, not commas, between words"
+    ),
+    "input.decimal-points": _input(
+        "gcode", "{value!r} has two decimal points", "Write one decimal number"
+    ),
+    "input.parameter": _input(
+        "gcode",
+        "{value!r} is a parameter, an expression or a placeholder, which are not evaluated",
+        "Write the number itself, or let the slicer or CAM program write plain G-code",
+    ),
+    "input.utf-16": _input(
+        "gcode", "the text is UTF-16, not UTF-8", "Save the file as UTF-8 or ASCII"
+    ),
+    "input.hole": _input(
+        "gcode",
+        "text follows the zero bytes of line {value}: a part of the file is missing",
+        "Copy or slice the file again",
+    ),
+    "input.after-end": _input(
+        "gcode",
+        "a command follows the Ctrl-Z of line {value}, which ends a text",
+        "Remove the Ctrl-Z, or what follows it",
     ),
     "input.number": _input(
         "gcode",

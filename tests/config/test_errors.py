@@ -259,8 +259,41 @@ def test_an_empty_file_lacks_every_table() -> None:
 def test_bytes_that_are_no_text(tmp_path: Path) -> None:
     path = tmp_path / "binary.toml"
     path.write_bytes(b"name = '\xff'")
-    with pytest.raises(ConfigError, match=r"byte 8 is not UTF-8"):
+    with pytest.raises(ConfigError, match=r":1: is not UTF-8 text: byte 0xFF at column 9\. Save"):
         config.load(path)
+    path.write_bytes('# café\nname = "J\xfcrgen"\n'.encode("latin-1"))
+    with pytest.raises(ConfigError, match=r":1: is not UTF-8 text: byte 0xE9 at column 6\. Save"):
+        config.load(path)
+
+
+@pytest.mark.parametrize("code", ["utf-16", "utf-16-le", "utf-16-be"])
+def test_utf_16_is_named(tmp_path: Path, code: str) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_bytes(config.shipped_text("i3").encode(code))
+    with pytest.raises(ConfigError, match=r"it is UTF-16\. Save the file as UTF-8"):
+        config.load(path)
+
+
+def test_a_byte_order_mark_before_a_machine_file_means_nothing(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_bytes(config.shipped_text("i3").encode("utf-8-sig"))
+    assert config.load(path).name == "i3"
+
+
+@pytest.mark.parametrize(
+    ("line", "sentence"),
+    [
+        ("name = “i3”", "the line has a left double quotation mark (U+201C)"),
+        ("name\xa0= 'i3'", "the line has a no-break space (U+00A0)"),
+        ("max_mm = 250,5 # mm", "250,5 has a decimal comma, write a point"),
+    ],
+)
+def test_what_a_word_processor_writes_is_named(line: str, sentence: str) -> None:
+    with pytest.raises(ConfigError) as caught:
+        config.load_text(f"uuid = 'x'\n{line}\n")
+    (problem,) = caught.value.problems
+    assert (problem.code, problem.line) == ("config.syntax", 2)
+    assert problem.values["value"].endswith(sentence)
 
 
 @pytest.mark.parametrize(

@@ -131,6 +131,30 @@ def test_a_semicolon_in_quotes_and_a_star_belong_to_a_name(s, folder):
     assert s.host.ok("M23 2*3")[0] == "File opened: 2*3 Size: 6"
 
 
+@pytest.mark.parametrize("end", [b"\0" * 512, b"\r\n\x1a", b"\n\x1arubbish\xff\0\n\x80of a block"])
+def test_a_file_that_was_cut_or_is_of_dos_is_printed_to_its_end(s, folder, end):
+    (folder / "dos.g").write_bytes(b"\xef\xbb\xbfG28 X\r\nM221 S\r\nG1 X12 F6000" + end)
+    s.host.ok("M32 dos.g")
+    printed(s)
+    assert s.positions()["x"] == 12.0
+
+
+@pytest.mark.parametrize(
+    ("data", "sentence"),
+    [
+        (b"G28 X\nG1 X12,5\n", ":2: 'X12,5' has a decimal comma. Write a point: X12.5"),
+        (b"G28 X\nM104 S20,5\n", "'S20,5' has a decimal comma. Write a point: S20.5"),
+        ("G28 X\n\xa0G1 X5\n".encode(), ":2: the no-break space (U+00A0) in"),
+        ("G28 X\n".encode("utf-16"), ":1: the text is UTF-16, not UTF-8"),
+        (b"G28 X\n#1=5\n", ":2: '#1=5' is a parameter"),
+    ],
+)
+def test_a_file_with_what_is_not_g_code_stops_and_names_it(s, folder, data, sentence):
+    (folder / "bad.g").write_bytes(data)
+    s.host.ok("M32 bad.g")
+    assert s.until(lambda: any(sentence in line for line in s.host.heard), 60)
+
+
 def test_aprinter_lists_one_directory(s):
     assert s.host.ok("M20 D/parts") == ["f A long name.gcode", "ok"]
     assert s.host.ok("M20 D") == ["f notes.txt", "d parts", "f square.gcode", "ok"]

@@ -108,7 +108,56 @@ def test_texts_are_utf_8_both_ways(s):
     s.host.send_bytes(b"M118 Gr\xfc\xdfe\n")
     s.host.expect("^Grüße$")
     assert s.host.ok("M104 S999")[0].isascii()
-    assert s.host.ok("M104 S٣")[0].startswith("echo:the word 'S' has no valid number")
+    assert s.host.ok("M104 S٣")[0].startswith("echo:the arabic-indic digit three (U+0663) in 'S٣'")
+
+
+@pytest.mark.parametrize(
+    ("line", "answer"),
+    [
+        ("G1 X31,5", "'X31,5' has a decimal comma. Write a point: X31.5."),
+        ("M104 S200,5", "'S200,5' has a decimal comma. Write a point: S200.5."),
+        ("M220 S50,5", "'S50,5' has a decimal comma. Write a point: S50.5."),
+        ("G1 X1.2.3", "'X1.2.3' has two decimal points. Write one decimal number."),
+        (
+            "M104 S200 — hot",
+            "the em dash (U+2014) in '—' is not a character of G-code. Write - for",
+        ),
+        ("\xa0G1 X5", r"the no-break space (U+00A0) in '\xa0G1' is not a character of G-code. Re"),
+        ("#1=5", "'#1=5' is a parameter, an expression or a placeholder, which are not evaluat"),
+        ("M104 S[temp]", "'S[temp]' is a parameter, an expression or a placeholder, which are not"),
+        ("G1 X−5", "the minus sign (U+2212) in 'X−5' is not a character of G-code. Write - for"),
+    ],
+)
+def test_a_character_that_is_not_g_code_is_named(ready, line, answer):
+    assert ready.host.ok(line)[0].startswith(f"echo:{answer}")
+    assert ready.positions()["x"] == 20.0
+
+
+def test_a_print_pauses_where_a_character_hides_a_move(ready):
+    ready.host.ok("N0 M110 N0*125")
+    assert ready.host.ok(numbered(1, "\xa0G1 X5"))[1] == "// action:pause"
+    assert ready.host.ok(numbered(2, "G1 X5,5"))[1] == "// action:pause"
+
+
+def test_a_file_that_is_piped_in_may_have_a_mark_and_ctrl_z(s):
+    s.host.send_bytes(b"\xef\xbb\xbfG92 X20\r\nM118 there\r\n\x1a\r\n")
+    s.host.expect("^there$")
+    assert s.host.ok("M114")[0].startswith("X:20.000")
+    assert not any(line.startswith("echo:the") for line in s.host.heard)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        *("M221 S", "M221 R", "M221 X0 Y0 Z0", "M220 S", "M302 S", "M73 P R"),
+        *("M113 S", "M155 S", "M154 S", "M540 S", "M17 R"),
+    ],
+)
+def test_a_letter_alone_changes_nothing(s, line):
+    before = s.host.ok("M503")
+    answer = s.host.ok(line)
+    assert not any("no valid number" in text for text in answer)
+    assert s.host.ok("M503") == before
 
 
 def test_unknown_commands_are_named(s):

@@ -70,12 +70,17 @@ def test_any_line_leaves_the_machine_in_its_bounds(lines):
 
 
 @pytest.mark.parametrize(
-    "line", [b"G1 X5\0", b"\0", b"G1\x01X5", b"\x7fELF\x02\x01\x01", b"\x89PNG\x1a", b"\0" * 100]
+    "line", [b"G1 X5\0Y5", b"\0G1", b"G1\x01X5", b"\x7fELF\x02\x01\x01", b"\0\0\x01\0" * 100]
 )
 def test_control_characters_are_garbage(line):
     out = run(b"G1 X1\n" + line + b"\nG1 X2\n")
     assert [e[:2] for e in out.errors] == [(2, Fault.GARBAGE)]
     assert out.ends == [(1, 0, 0, 0), (2, 0, 0, 0)]
+
+
+@pytest.mark.parametrize("head", [b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR", b"\xff\xd8\xff\xe0\0\x10JFIF"])
+def test_a_picture_is_garbage(head):
+    assert run(head).errors[0][:2] == (1, Fault.GARBAGE)
 
 
 def test_text_beyond_ascii_is_allowed_in_comments_and_messages():

@@ -274,7 +274,6 @@ def test_the_state_is_json_for_strict_readers(s, sensor):
         ("M104 S", "the word 'S' has no valid number"),
         ("M104 S20000000000", "the word 'S20000000000' has no valid number"),
         ("M106 Sabc", "the word 'S' has no valid number"),
-        ("M220 S", "the word 'S' has no valid number"),
         ("M106 P S255", "the word 'P' has no valid number"),
         ("M104 S nan T", "the word 'T' has no valid number"),
         ("M106 S nan", "the word 'S' has no valid number"),

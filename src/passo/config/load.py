@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import tomllib
+import unicodedata
 from collections.abc import Iterable, Iterator
 from pathlib import Path as FilePath
 from typing import NamedTuple, cast
@@ -27,6 +28,9 @@ from passo.errors import ConfigError, Problem
 
 _HERE = FilePath(__file__).parent
 _SYNTAX_PLACE = re.compile(r"^(.*?)\s*\(at (?:line (\d+), column \d+|end of document)\)$")
+_UTF_16_MARKS = (b"\xff\xfe", b"\xfe\xff")
+_NOT_ASCII = re.compile(r"[^\x00-\x7f]")
+_DECIMAL_COMMA = re.compile(r"(?<![\w.,])\d+,\d+\s*(?=#|$)")
 
 
 def shipped_machines() -> list[str]:
@@ -74,13 +78,19 @@ def load_and_question(name_or_path: str | os.PathLike[str]) -> Loaded:
 
 def _load_file(path: FilePath) -> Loaded:
     try:
-        text = path.read_bytes().decode("utf-8-sig")
+        raw = path.read_bytes()
     except OSError as error:
         reason = error.strerror or str(error)
         raise ConfigError.of("config.unreadable", str(path), value=reason) from None
+    if raw.startswith(_UTF_16_MARKS) or raw[:2].count(0) == 1:
+        raise ConfigError.of("config.encoding", str(path), value="it is UTF-16")
+    try:
+        text = raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        reason = f"byte {error.start} is not UTF-8"
-        raise ConfigError.of("config.unreadable", str(path), value=reason) from None
+        line = raw.count(b"\n", 0, error.start) + 1
+        column = error.start - raw.rfind(b"\n", 0, error.start)
+        reason = f"byte 0x{raw[error.start]:02X} at column {column}"
+        raise ConfigError.of("config.encoding", str(path), line, value=reason) from None
     return _load_text(text, str(path))
 
 
@@ -103,6 +113,7 @@ def _machine(text: str, file: str) -> Loaded:
         place = _SYNTAX_PLACE.match(str(error))
         message, line = (place[1], place[2]) if place else (str(error), None)
         at = int(line) if line else text.rstrip("\n").count("\n") + 1
+        message += _odd_character(text.splitlines()[at - 1 : at])
         raise ConfigError.of("config.syntax", file, at, value=message) from None
     except ValueError:  # Python's limit of decimal digits
         reason = "an integer has too many digits"
@@ -140,6 +151,17 @@ def _machine(text: str, file: str) -> Loaded:
     if findings or machine is None:
         raise ConfigError(_problems(findings, text, file, sources))
     return Loaded(machine, tuple(_problems(question_gains(machine), text, file, sources)))
+
+
+def _odd_character(lines: list[str]) -> str:
+    """What a line that is not TOML has in place of a character of ASCII, as word processors put."""
+    for line in lines:
+        if found := _NOT_ASCII.search(line):
+            name = unicodedata.name(found[0], "character").lower()
+            return f"; the line has a {name} (U+{ord(found[0]):04X})"
+        if found := _DECIMAL_COMMA.search(line):
+            return f"; {found[0].strip()} has a decimal comma, write a point"
+    return ""
 
 
 def _beyond_64_bits(value: object, path: Path = ()) -> Iterator[Finding]:

@@ -60,8 +60,9 @@ def command_of(text: str) -> Command:
 
 
 def prints(code: str) -> bool:
-    """What would follow on such a command is spoilt without it."""
-    return bool(_MOVES.match(code) or _TOOL.match(code))
+    """What would follow on such a command is spoilt without it. So it may be without a line that
+    begins with a character that is not G-code."""
+    return bool(_MOVES.match(code) or _TOOL.match(code)) or not code[:1].isascii()
 
 
 def _encoded(text: str) -> bytes:

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from passo.errors import WordError
 from passo.gcode.dialect import ANY, row_of
+from passo.gcode.stray import stray_of
 
 _WORD = re.compile(
     r"([A-Z])\s*(?:([-+]?(?:\d+\.?\d*|\.\d+))|(\"[^\"]*\")|(nan)\b)?", re.IGNORECASE | re.ASCII
@@ -36,10 +37,13 @@ class Command(NamedTuple):
 
     def check(self) -> None:
         """Raises WordError for the first word with no number, or one beyond 1e9, unless the dialect
-        lets its letter stand alone, and for a letter that comes twice."""
+        lets its letter stand alone, for a letter that comes twice, and for a character that is not
+        G-code."""
         row = row_of(self.code)
         if self.name or row is None or row.bare is None:
             return
+        if row.bare != ANY and (stray := stray_of(self.text, any_character=False)) is not None:
+            raise WordError([stray])
         seen = set[str]()
         for match in _WORD.finditer(self.text):
             letter, number, text, nan = match[1].upper(), *match.groups()[1:]
@@ -49,7 +53,9 @@ class Command(NamedTuple):
             if number is not None:
                 if abs(float(number)) > LARGEST:
                     raise WordError.of("input.number", value=letter + written(float(number)))
-            elif not (text or letter in row.bare or (nan and row.nan and letter == "S")):
+            elif not (text or (row.nan and letter == "S" if nan else letter in row.bare)):
+                if (stray := stray_of(self.text, any_character=True)) is not None:
+                    raise WordError([stray])
                 raise WordError.of("input.number", value=letter)
 
     def words(self) -> dict[str, float]:

@@ -171,7 +171,7 @@ TABLE: tuple[Row, ...] = (
         bare="I",
     ),
     Row("M5", _P, _N, "", "Laser or spindle off.", bare="I"),
-    Row("M17", _Q, _N, "X Y Z E", "Motors on; a move turns them on anyway.", bare=_AXES),
+    Row("M17", _Q, _N, "X Y Z E", "Motors on; a move turns them on anyway.", bare=_AXES + "RS"),
     Row(
         "M18",
         _P,
@@ -237,6 +237,7 @@ TABLE: tuple[Row, ...] = (
         _I,
         "P(%) R(min)",
         "A slicer's progress, where nothing better is known; without words tells it.",
+        bare="PR",
     ),
     Row("M75", _Q, _I, "", "Starts the print timer.", bare=None),
     Row("M76", _Q, _I, "", "Halts the print timer.", bare=None),
@@ -313,7 +314,7 @@ TABLE: tuple[Row, ...] = (
         "",
         "Everything off at once; M999 restarts. A print without consoles fails there.",
     ),
-    Row("M113", _Q, _I, "S(s)", "How often a command that waits says so."),
+    Row("M113", _Q, _I, "S(s)", "How often a command that waits says so.", bare="S"),
     Row(
         "M114",
         _Q,
@@ -364,8 +365,8 @@ TABLE: tuple[Row, ...] = (
         "S H B F",
         "Sets a material, 0 to 2, for the I of M104, M109, M140 and M190; without S it tells them.",
     ),
-    Row("M154", _Q, _I, "S(s)", "Tells the position every S seconds."),
-    Row("M155", _Q, _I, "S(s)", "Tells the temperatures every S seconds."),
+    Row("M154", _Q, _I, "S(s)", "Tells the position every S seconds.", bare="S"),
+    Row("M155", _Q, _I, "S(s)", "Tells the temperatures every S seconds.", bare="S"),
     Row("M149", _Q, _I, "C", "Temperatures are in °C; other units are refused.", bare="CKF"),
     Row(
         "M190",
@@ -445,7 +446,7 @@ TABLE: tuple[Row, ...] = (
         "S(%) B R",
         "Scales the speed; during a print also that of queued moves. B stores the current factor, R"
         " restores it.",
-        bare="BR",
+        bare="BRS",
     ),
     Row(
         "M221",
@@ -453,6 +454,7 @@ TABLE: tuple[Row, ...] = (
         _I,
         "T S(%)",
         "Scales a tool's extrusion; during a print also that of queued moves.",
+        bare="SRXYZ",
     ),
     Row(
         "M290",
@@ -462,7 +464,14 @@ TABLE: tuple[Row, ...] = (
         "Babysteps: shifts all moves that are not done yet, at once.",
         bare="R",
     ),
-    Row("M302", _Q, _I, "S(°C) P T", "Allows cold extrusion, P of tool T alone, or tells of it."),
+    Row(
+        "M302",
+        _Q,
+        _I,
+        "S(°C) P T",
+        "Allows cold extrusion, P of tool T alone, or tells of it.",
+        bare="S",
+    ),
     Row(
         "M300",
         _Q,
@@ -520,7 +529,14 @@ TABLE: tuple[Row, ...] = (
     Row("M530", _Q, _I, "S", "A host's print begins (S1) or ends (S0): its time is counted."),
     Row("M531", _Q, _I, "name", "The name of a host's print.", bare=None),
     Row("M532", _Q, _I, "X(%) L", "As M73 P."),
-    Row("M540", _S, _I, "S", "S1: an endstop that is hit stops the machine; tells it without S."),
+    Row(
+        "M540",
+        _S,
+        _I,
+        "S",
+        "S1: an endstop that is hit stops the machine; tells it without S.",
+        bare="S",
+    ),
     Row(
         "M569",
         _S,

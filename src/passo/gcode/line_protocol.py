@@ -21,6 +21,8 @@ from typing import NamedTuple
 
 LONGEST = 65536  # bytes of a line, as in files; a longer one is left out
 _REMEMBERED = 64  # lines: one that comes once more, as after two requests for it, is known by them
+_MARK = b"\xef\xbb\xbf"  # of UTF-8
+_CTRL_Z = "\x1a"
 _ENDING = 16  # bytes at the end of a longer line, in which its checksum is looked for
 
 _NUMBERED = re.compile(r"\s*[Nn]\s*(-?\d{1,18})(?!\d)\s*(.*)\Z", re.DOTALL)
@@ -103,6 +105,7 @@ class LineProtocol:
     def __init__(self) -> None:
         self.last = 0  # number of the last line taken
         self._incoming = _Incoming()
+        self._begun = False  # a line has come
         self._numbering = False  # lines with numbers have come
         self._taken: deque[int] = deque(maxlen=_REMEMBERED)  # hashes of the last of them
 
@@ -128,6 +131,10 @@ class LineProtocol:
         return found
 
     def _line(self, raw: _Incoming) -> Line | Refusal | None:
+        if not self._begun:  # what a file that is piped in may have at its beginning
+            self._begun = True
+            if raw.kept.startswith(_MARK):
+                del raw.kept[: len(_MARK)]
         text = raw.kept.decode("ascii", "surrogateescape")
         numbered = _NUMBERED.match(text)
         if numbered is None:
@@ -165,6 +172,7 @@ class LineProtocol:
             return Line(line) if (line := uncommented(text)) else None
         if _MESSAGE.match(text):
             return Line(text.strip())
+        text = text.rstrip(_CTRL_Z)  # ends a file of DOS
         checked = raw.checksum()
         if checked is not None:
             star, right = checked

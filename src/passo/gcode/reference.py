@@ -32,6 +32,12 @@ text (`N5 M486 A13*10`), it belongs to the text. Lines without a number may have
 skipped with one warning; a print does not start if
 [it may move the machine](../how-to/check-a-file.md) on other firmware.
 
+A file is text in UTF-8, with or without a byte order mark. Zero bytes at its end, as a file that
+was cut off has them, and the Ctrl-Z of DOS with what follows it, are no part of the text; commands
+after them are an error. Other characters that are not G-code are errors, each named for what it is:
+a decimal comma (`E31,0`), a second decimal point, typographic dashes, quotes and blanks, UTF-16,
+and parameters, expressions and placeholders (`#1`, `X[#1+1]`, `S{temp}`): they are not evaluated.
+
 A letter without a number, or with a number beyond 1e9, is an error that names it. Nothing of the
 command is carried out then, unless the letter is listed below as one that may stand *alone*. A text
 in quotes may follow such a letter, too. Temperatures may be `S nan`: the heater goes off.

@@ -7,6 +7,7 @@ from math import inf
 from passo import _core
 from passo.errors import Problem
 from passo.gcode.command import written
+from passo.gcode.stray import stray_problem
 from passo.geometry.base import GeometryModel, Point
 
 Error = tuple[int, _core.Fault, str, float, float, Point]  # as the core tells it
@@ -69,6 +70,13 @@ def problem(error: Error, path: str, geometry: GeometryModel) -> Problem:
         return Problem("input.checksum", path, line, {"value": word, "limit": int(value)})
     if fault == faults.LINE_TOO_LONG:
         return Problem("input.garbage", path, line, {"value": "a line is longer than 64 KiB"})
+    if fault == faults.STRAY:
+        return stray_problem(word, int(value), path, line)
+    if fault == faults.UTF_16:
+        return Problem("input.utf-16", path, line)
+    if fault in (faults.HOLE, faults.AFTER_END):
+        code = "input.hole" if fault == faults.HOLE else "input.after-end"
+        return Problem(code, path, line, {"value": int(value)})
     if fault == faults.WORD:
         return Problem("input.garbage", path, line, {"value": f"{word!r} is no command"})
     return Problem("input.garbage", path, line, {"value": "it holds bytes that are no text"})

@@ -14,6 +14,7 @@ from passo.config.types import LEAST_ACCEL, LEAST_SPEED
 from passo.errors import CommandError, Problem, WordError
 from passo.gcode.command import LARGEST, Command
 from passo.gcode.dialect import Kind, row_of
+from passo.gcode.stray import stray_of
 from passo.motion.set_position import place_of_actuators, place_of_axes
 from passo.printer.commands.material_presets import Presets
 from passo.printer.commands.ranges import beyond
@@ -585,6 +586,8 @@ class Commands:
             except ValueError:
                 values[key] = nan
             if not abs(values[key]) <= LARGEST:
+                if (stray := stray_of(text, any_character=True)) is not None:
+                    raise WordError([stray]) from None
                 raise WordError.of("input.number", value=f"{key}={text[:30]}")
         for key, what in _OF_VELOCITY_LIMIT.items():
             if key in values:
