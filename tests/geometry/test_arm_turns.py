@@ -7,6 +7,7 @@ import itertools
 from math import cos, inf, radians, sin
 
 import pytest
+from tests.oracles import kinematics
 
 from passo import Machine, config
 from passo._core import Geometry
@@ -35,13 +36,13 @@ def arms(x, y, limits=("", ""), arm2=150.0, home=(-60.0, 60.0)):
 
 
 def angles_over(geometry, xs, ys):
-    """Both angles at these places, by model and by core, row by row."""
+    """Both angles at these places, by an oracle and by the core, row by row."""
     core = Geometry(geometry.spec())
     for y in ys:
         row = []
         for x in xs:
             point = (float(x), float(y), 0.0)
-            a, b, _ = geometry.inverse(point)
+            a, b, _ = kinematics.inverse(geometry, point)
             assert (core.inverse(0, point), core.inverse(1, point)) == pytest.approx((a, b))
             row.append((a, b))
         yield row

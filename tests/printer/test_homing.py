@@ -308,7 +308,7 @@ def test_arms_that_do_not_meet_at_home_are_refused():
     with pytest.raises(ConfigError) as error:
         dual_scara(50.0)
     assert "homing.a.position is -50" in str(error.value)
-    assert "the forearms do not meet" in str(error.value)
+    assert "no point belongs to the motor positions" in str(error.value)
 
 
 def test_the_arms_of_two_shoulders_find_their_switches():

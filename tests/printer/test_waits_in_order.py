@@ -8,7 +8,7 @@ import pytest
 from tests.console.scenario import Host, Scenario
 from tests.printer.waits import NEAR_C, WAITS, machine
 
-from passo.console import recovery_commands
+from passo.job.live import journal_keeper
 from passo.job.live.journal import Journal
 
 LATE_S = 0.5  # longer than the 0.2 s from a command on a standing machine to its time
@@ -131,7 +131,7 @@ def test_the_journal_pairs_lines_with_their_targets(tmp_path, monkeypatch):
     Path(tmp_path, "card", "a.g").write_text("\n".join(lines))
     with Scenario(card=str(tmp_path / "card"), state=str(tmp_path / "state")) as s:
         s.host.ok("G92 X20 Y0 Z0")
-        monkeypatch.setattr(recovery_commands, "EVERY_S", 0.0)
+        monkeypatch.setattr(journal_keeper, "EVERY_S", 0.0)
         s.printer.watchers.insert(0, lambda: s.loop.pass_time(0.07))
         records = []
         s.host.send("M32 a.g")

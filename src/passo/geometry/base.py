@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import isnan
 from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from passo import _core
 from passo.geometry.shoulder import Limits
 
 Point = tuple[float, float, float]
@@ -46,52 +48,43 @@ class GeometryModel(BaseModel):
         return {}
 
     def inverse(self, point: Point) -> Point:
-        """Positions of the actuators (mm or degrees) with the nozzle at `point` (mm).
+        """Positions of the actuators (mm or degrees) with the nozzle at `point` (mm), by the core.
 
         Raises Unreachable.
         """
-        raise Unreachable(f"{type(self).__name__} reaches no point such as {point}")
+        found = self._found(point)
+        if found is None:
+            raise Unreachable(self.reason(point) or self.edge(point))
+        return found
+
+    def _found(self, point: Point) -> Point | None:
+        kernel = _core.Geometry(self.spec())
+        a, b, c = (kernel.inverse(i, point) for i in range(3))
+        return None if isnan(a) or isnan(b) or isnan(c) else (a, b, c)
 
     def forward(self, actuators: Point) -> Point:
-        """The nozzle's position (mm) for these actuator positions. Raises Unreachable."""
-        raise Unreachable(f"{type(self).__name__} has no point for {actuators}")
+        """The nozzle's position (mm) for these actuator positions, by the core. Raises
+        Unreachable."""
+        try:
+            return _core.Geometry(self.spec()).forward(actuators)
+        except ValueError:
+            where = ", ".join(f"{q:g}" for q in actuators)
+            raise Unreachable(f"no point belongs to the motor positions {where}") from None
+
+    def reaches(self, point: Point) -> bool:
+        """The motors have positions for this point (mm)."""
+        return self._found(point) is not None
 
     def why_not(self, point: Point) -> str:
         """Why no line may lead over `point` (mm), which the core has refused."""
-        try:
-            self.inverse(point)
-        except Unreachable as error:
-            return str(error)
-        return self.edge(point)
+        return self.reason(point) or self.edge(point)
+
+    def reason(self, point: Point) -> str:
+        """What is too far from this point (mm), with value and limit; empty where nothing is."""
+        del point
+        return ""
 
     def edge(self, point: Point) -> str:
         """What ends at this point (mm), next to which the motors reach others."""
         del point
         return "it lies on the edge of what the motors reach"
-
-
-def trilaterate(centres: tuple[Point, Point, Point], radii: Point) -> Point:
-    """The lower of the two points at `radii` from three centres. Raises Unreachable.
-
-    In a frame with the first centre as origin, the second on its x axis and the third in its plane:
-    x = (r1² - r2² + u²) / 2u, y = (r1² - r3² + i² + j² - 2ix) / 2j, z² = r1² - x² - y².
-    """
-    a, b, c = centres
-    ab = [q - p for p, q in zip(a, b, strict=True)]
-    ac = [q - p for p, q in zip(a, c, strict=True)]
-    u = sum(v * v for v in ab) ** 0.5
-    ex = [v / u for v in ab]
-    i = sum(p * q for p, q in zip(ex, ac, strict=True))
-    across = [q - i * p for p, q in zip(ex, ac, strict=True)]
-    j = sum(v * v for v in across) ** 0.5
-    ey = [v / j for v in across]
-    ez = [ex[k - 2] * ey[k - 1] - ex[k - 1] * ey[k - 2] for k in range(3)]
-    r1, r2, r3 = radii
-    x = (r1**2 - r2**2 + u**2) / (2 * u)
-    y = (r1**2 - r3**2 + i**2 + j**2 - 2 * i * x) / (2 * j)
-    square = r1**2 - x**2 - y**2
-    if square < 0:
-        raise Unreachable(f"the rods do not meet: {-square:.3f} mm² are missing")
-    z = square**0.5 * (-1 if ez[2] > 0 else 1)
-    px, py, pz = (a[k] + x * ex[k] + y * ey[k] + z * ez[k] for k in range(3))
-    return px, py, pz

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from passo.geometry.base import GeometryModel, Point
+from passo.geometry.base import GeometryModel
 
 
 class Cartesian(GeometryModel):
@@ -13,11 +13,3 @@ class Cartesian(GeometryModel):
     actuators = ("x", "y", "z")
     kind: Literal["cartesian"]
     """A motor for each axis."""
-
-    def inverse(self, point: Point) -> Point:
-        """The motors' positions, mm: those of the axes."""
-        return point
-
-    def forward(self, actuators: Point) -> Point:
-        """The nozzle's position, mm: that of the motors."""
-        return actuators

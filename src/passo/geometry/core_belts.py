@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from passo.geometry.base import GeometryModel, Point
+from passo.geometry.base import GeometryModel
 
 
 class CoreXY(GeometryModel):
@@ -14,16 +14,6 @@ class CoreXY(GeometryModel):
     kind: Literal["corexy"]
     """Crossed belts: A = X + Y, B = X − Y."""
 
-    def inverse(self, point: Point) -> Point:
-        """The motors' positions, mm, at a point in mm; every point has them."""
-        x, y, z = point
-        return x + y, x - y, z
-
-    def forward(self, actuators: Point) -> Point:
-        """The nozzle's position, mm, from half the sum and half the difference of both belts."""
-        a, b, z = actuators
-        return (a + b) / 2, (a - b) / 2, z
-
 
 class CoreXZ(GeometryModel):
     """A = X + Z, B = X - Z."""
@@ -32,16 +22,6 @@ class CoreXZ(GeometryModel):
     kind: Literal["corexz"]
     """Crossed belts: A = X + Z, B = X − Z."""
 
-    def inverse(self, point: Point) -> Point:
-        """The motors' positions, mm, at a point in mm; every point has them."""
-        x, y, z = point
-        return x + z, y, x - z
-
-    def forward(self, actuators: Point) -> Point:
-        """The nozzle's position, mm, from half the sum and half the difference of both belts."""
-        a, y, b = actuators
-        return (a + b) / 2, y, (a - b) / 2
-
 
 class CoreYZ(GeometryModel):
     """A = Y + Z, B = Y - Z."""
@@ -49,13 +29,3 @@ class CoreYZ(GeometryModel):
     actuators = ("x", "a", "b")
     kind: Literal["coreyz"]
     """Crossed belts: A = Y + Z, B = Y − Z."""
-
-    def inverse(self, point: Point) -> Point:
-        """The motors' positions, mm, at a point in mm; every point has them."""
-        x, y, z = point
-        return x, y + z, y - z
-
-    def forward(self, actuators: Point) -> Point:
-        """The nozzle's position, mm, from half the sum and half the difference of both belts."""
-        x, a, b = actuators
-        return x, (a + b) / 2, (a - b) / 2

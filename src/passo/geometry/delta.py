@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from math import cos, hypot, radians, sin, sqrt
+from math import cos, hypot, radians, sin
 from typing import Annotated, Literal
 
 from pydantic import Field
 
-from passo.geometry.base import GeometryModel, Point, Unreachable, trilaterate
+from passo.geometry.base import GeometryModel, Point
 
 Positive = Annotated[float, Field(gt=0, le=1e4)]
 Angle = Annotated[float, Field(ge=-360, le=360)]
@@ -51,26 +51,16 @@ class Delta(GeometryModel):
             "DeltaLimitRadius": self.limit_radius,
         }
 
-    def inverse(self, point: Point) -> Point:
-        """Height of carriage i: z + √(rod_i² - (tower_x - x)² - (tower_y - y)²)."""
-        x, y, z = point
+    def reason(self, point: Point) -> str:
+        """The limit radius, or a rod."""
+        x, y, _ = point
         if x * x + y * y > self.limit_radius**2:
-            raise Unreachable(
-                f"it is {sqrt(x * x + y * y):.3f} mm from the middle,"
-                f" of at most {self.limit_radius:.3f} mm"
+            return (
+                f"it is {hypot(x, y):.3f} mm from the middle, of at most {self.limit_radius:.3f} mm"
             )
-        heights: list[float] = []
         for name, (tx, ty), rod in zip("ABC", self.towers, self.rods, strict=True):
-            square = rod**2 - (tx - x) ** 2 - (ty - y) ** 2
-            if square < 0:
-                raise Unreachable(
-                    f"it is {hypot(tx - x, ty - y):.3f} mm from tower {name}, of at most the"
-                    f" {rod:.3f} mm of its rod"
+            if (far := hypot(tx - x, ty - y)) > rod:
+                return (
+                    f"it is {far:.3f} mm from tower {name}, of at most the {rod:.3f} mm of its rod"
                 )
-            heights.append(z + sqrt(square))
-        return heights[0], heights[1], heights[2]
-
-    def forward(self, actuators: Point) -> Point:
-        """The lower point at rod length from the three carriages."""
-        a, b, c = ((*tower, q) for tower, q in zip(self.towers, actuators, strict=True))
-        return trilaterate((a, b, c), (self.rods[0], self.rods[1], self.rods[2]))
+        return ""

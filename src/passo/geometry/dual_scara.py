@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import acos, atan2, cos, degrees, hypot, radians, sin, sqrt
+from math import atan2, degrees, hypot
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, PrivateAttr
 
 from passo.geometry.base import GeometryModel, Offset, Point, Unreachable
-from passo.geometry.shoulder import Limits, at_end, direction, reach, turned, why_it_ends
+from passo.geometry.shoulder import Limits, at_end, reach, turned, why_it_ends
 
 Positive = Annotated[float, Field(gt=0, le=1e4)]
 
@@ -83,43 +83,16 @@ class DualScara(GeometryModel):
         shoulder = (self.shoulder1_x, self.shoulder2_x)[arm]
         return point[0] - self.x_offset - shoulder, point[1] - self.y_offset
 
-    def _elbow(self, arm: int, angle: float) -> tuple[float, float]:
-        shoulder = (self.shoulder1_x, self.shoulder2_x)[arm]
-        proximal = (self.proximal1, self.proximal2)[arm]
-        return shoulder + proximal * sin(radians(angle)), proximal * cos(radians(angle))
-
-    def inverse(self, point: Point) -> Point:
-        """The outer of the elbow's two places; the joint at the nozzle must stay convex."""
-        x, y = point[0] - self.x_offset, point[1] - self.y_offset
-        angles: list[float] = []
-        for arm, outside in ((0, -1), (1, 1)):
-            dx, _ = self._from_shoulder(arm, point)
-            proximal = (self.proximal1, self.proximal2)[arm]
-            distal = (self.distal1, self.distal2)[arm]
-            d = hypot(dx, y)
-            nearest, farthest = reach(proximal, distal)
+    def reason(self, point: Point) -> str:
+        """How far each arm reaches, or the joint at the nozzle, which must stay convex."""
+        for arm in (0, 1):
+            d = hypot(*self._from_shoulder(arm, point))
+            nearest, farthest = reach(
+                (self.proximal1, self.proximal2)[arm], (self.distal1, self.distal2)[arm]
+            )
             if not nearest <= d <= farthest:
-                raise Unreachable(
+                return (
                     f"arm {'AB'[arm]} reaches from {nearest:.3f} to {farthest:.3f} mm from its"
                     f" shoulder, not {d:.3f} mm"
                 )
-            cosine = (d**2 + proximal**2 - distal**2) / (2 * proximal * d)
-            angles.append(degrees(direction(dx, y, self._middles[arm]) + outside * acos(cosine)))
-        (ax, ay), (bx, by) = self._elbow(0, angles[0]), self._elbow(1, angles[1])
-        if (bx - ax) * (y - ay) - (by - ay) * (x - ax) <= 0:
-            raise Unreachable("the joint at the nozzle would fold through")
-        return angles[0], angles[1], point[2]
-
-    def forward(self, actuators: Point) -> Point:
-        """The upper crossing of the two forearms' circles."""
-        (ax, ay), (bx, by) = self._elbow(0, actuators[0]), self._elbow(1, actuators[1])
-        dx, dy = bx - ax, by - ay
-        square = dx * dx + dy * dy
-        along = (self.distal1**2 - self.distal2**2 + square) / (2 * square)
-        rest = self.distal1**2 / square - along**2
-        if rest < 0:
-            raise Unreachable("the forearms do not meet")
-        across = sqrt(rest)
-        x = ax + along * dx - across * dy + self.x_offset
-        y = ay + along * dy + across * dx + self.y_offset
-        return x, y, actuators[2]
+        return "" if self.reaches(point) else "the joint at the nozzle would fold through"

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from math import acos, atan2, cos, degrees, hypot, pi, radians, sin, sqrt
+from math import cos, hypot, radians, sin, sqrt
 from typing import Annotated, Literal
 
 from pydantic import Field
 
-from passo.geometry.base import GeometryModel, Offset, Point, Unreachable, trilaterate
+from passo.geometry.base import GeometryModel, Offset, Point
 
 Positive = Annotated[float, Field(gt=0, le=1e4)]
 
@@ -42,46 +42,19 @@ class RotaryDelta(GeometryModel):
             "DeltaZOffset": self.z_offset,
         }
 
-    def inverse(self, point: Point) -> Point:
-        """Degrees below the horizon of the arms at 0, +120 and -120 degrees about Z."""
-        a, b, c = (
-            self._arm(name, point, radians(turn))
-            for name, turn in zip("ABC", (0, 120, -120), strict=True)
-        )
-        return a, b, c
-
-    def _arm(self, name: str, point: Point, turn: float) -> float:
-        """The elbow is at arm length from the shoulder and at rod length from the joint; of the two
-        crossings of these circles it is the outer one."""
-        px, py, pz = point
-        x = px * cos(turn) + py * sin(turn)
-        y = (
-            py * cos(turn)
-            - px * sin(turn)
-            + (self.base_length - self.effector_length) / (2 * sqrt(3))
-        )
-        z = pz - self.z_offset
-        reach = hypot(y, z)
-        side = reach**2 + self.arm_length**2 - self.rod_length**2 + x**2
-        full = 2 * self.arm_length * reach  # 0 on the shoulder's axis: no way to point at
-        if abs(side) > full or full == 0:
+    def reason(self, point: Point) -> str:
+        """The arm, of those at 0, +120 and -120 degrees about Z, that does not reach the point. Its
+        elbow is at arm length from the shoulder and at rod length from the joint."""
+        for name, turn in zip("ABC", (0.0, radians(120), radians(-120)), strict=True):
+            px, py, pz = point
+            x = px * cos(turn) + py * sin(turn)
+            inward = (self.base_length - self.effector_length) / (2 * sqrt(3))
+            reach = hypot(py * cos(turn) - px * sin(turn) + inward, pz - self.z_offset)
             rod = sqrt(max(self.rod_length**2 - x**2, 0.0))
-            raise Unreachable(
-                f"arm {name} and its rod reach from {abs(self.arm_length - rod):.3f} to"
-                f" {self.arm_length + rod:.3f} mm there, not {reach:.3f} mm"
-            )
-        angle = atan2(z, y) - acos(side / full) + pi  # from -pi on
-        return degrees(angle - 2 * pi if angle > pi else angle)
-
-    def forward(self, actuators: Point) -> Point:
-        """The lower point at rod length from the elbows, moved inward by the effector's size."""
-        centres: list[Point] = []
-        inward = (self.effector_length - self.base_length) / (2 * sqrt(3))
-        for turn, q in zip((0, 120, -120), actuators, strict=True):
-            y = inward - self.arm_length * cos(radians(q))
-            z = self.z_offset - self.arm_length * sin(radians(q))
-            centres.append((-y * sin(radians(turn)), y * cos(radians(turn)), z))
-        return trilaterate(
-            (centres[0], centres[1], centres[2]),
-            (self.rod_length, self.rod_length, self.rod_length),
-        )
+            low, high = abs(self.arm_length - rod), self.arm_length + rod
+            if abs(x) > self.rod_length or reach == 0 or not low <= reach <= high:
+                return (
+                    f"arm {name} and its rod reach from {low:.3f} to {high:.3f} mm there,"
+                    f" not {reach:.3f} mm"
+                )
+        return ""

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import acos, atan2, cos, degrees, hypot, radians, sin
+from math import atan2, degrees, hypot
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, PrivateAttr
 
 from passo.geometry.base import GeometryModel, Offset, Point, Unreachable
-from passo.geometry.shoulder import Limits, at_end, direction, reach, turned, why_it_ends
+from passo.geometry.shoulder import Limits, at_end, reach, turned, why_it_ends
 
 Positive = Annotated[float, Field(gt=0, le=1e4)]
 
@@ -70,31 +70,13 @@ class Scara(GeometryModel):
             "SCARAYOffset": self.y_offset,
         }
 
-    def inverse(self, point: Point) -> Point:
-        """Law of cosines: cos E = (d² - arm1² - arm2²) / (2 arm1 arm2), and the shoulder is less
-        than d's direction by the angle between upper arm and d."""
-        x, y = point[0] - self.x_offset, point[1] - self.y_offset
-        d = hypot(x, y)
+    def reason(self, point: Point) -> str:
+        """How far the arms reach."""
+        d = hypot(point[0] - self.x_offset, point[1] - self.y_offset)
         nearest, farthest = reach(self.arm1, self.arm2)
-        if not nearest <= d <= farthest:
-            raise Unreachable(
-                f"the arms reach from {nearest:.3f} to {farthest:.3f} mm from the shoulder,"
-                f" not {d:.3f} mm"
-            )
-        cosine = (d**2 - self.arm1**2 - self.arm2**2) / (2 * self.arm1 * self.arm2)
-        elbow = acos(cosine)
-        towards, inner = direction(y, x, self._middles[0]), 2 * self.arm1 * d
-        shoulder = towards - acos((d**2 + self.arm1**2 - self.arm2**2) / inner)
-        if not self.external_motor:
-            return degrees(shoulder), degrees(elbow), point[2]
-        towards, outer = direction(y, x, self._middles[1]), 2 * self.arm2 * d
-        forearm = towards + acos((d**2 + self.arm2**2 - self.arm1**2) / outer)
-        return degrees(shoulder), degrees(forearm), point[2]
-
-    def forward(self, actuators: Point) -> Point:
-        """The end of the forearm, mm, for the motors' angles in degrees and Z in mm."""
-        shoulder, elbow = radians(actuators[0]), radians(actuators[1])
-        forearm = elbow if self.external_motor else shoulder + elbow
-        x = self.arm1 * cos(shoulder) + self.arm2 * cos(forearm) + self.x_offset
-        y = self.arm1 * sin(shoulder) + self.arm2 * sin(forearm) + self.y_offset
-        return x, y, actuators[2]
+        if nearest <= d <= farthest:
+            return ""
+        return (
+            f"the arms reach from {nearest:.3f} to {farthest:.3f} mm from the shoulder,"
+            f" not {d:.3f} mm"
+        )
