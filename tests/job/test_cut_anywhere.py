@@ -11,7 +11,7 @@ from tests.console.scenario import Scenario
 from tests.job.test_journal import journal_of
 
 from passo import config
-from passo.console.recovery_commands import EVERY_S
+from passo.job.live.journal_keeper import EVERY_S
 from passo.motion.motion_queue import TICK_S
 
 BEFORE, CUTS = 10, 50  # of each machine: while it homes and warms up, and while it prints
