@@ -11,8 +11,9 @@
 namespace passo {
 
 struct Stray {
-  std::string token;  // what stands between blanks around it, in UTF-8; U+FFFD for bytes that are not
-  int64_t code = 0;   // of the character; a byte that is not UTF-8: below 0; 0: there is none
+  std::string
+      token;  // what stands between blanks around it, in UTF-8; U+FFFD for bytes that are not
+  int64_t code = 0;  // of the character; a byte that is not UTF-8: below 0; 0: there is none
 };
 
 // Text of two bytes a character, as some editors save it: with its mark, or with every second byte
