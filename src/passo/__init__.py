@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -33,6 +34,10 @@ _MODULES = dict.fromkeys(_ERRORS, "errors") | {
     "Status": "printer.status",
     "run": "live",
 }
+
+
+# Where a program sets up no handler, warnings do not go to standard error.
+logging.getLogger(__name__).addHandler(logging.NullHandler())
 
 
 def __getattr__(name: str) -> Any:

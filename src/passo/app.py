@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 from dataclasses import dataclass
 from pathlib import Path
@@ -32,6 +33,8 @@ from passo.printer.unfit_commands import NOTHING, Skips
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
+
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,4 +135,5 @@ def _start_by_itself(printer: Printer, library: Library, keeper: JournalKeeper |
     elif library.starts_itself and keeper is not None and offered:
         keeper.instead = f". {AUTOSTART} was not started"
     elif library.starts_itself:
-        printer.tell(f"echo:{AUTOSTART} was not started, for the printer is halted")
+        text = f"{AUTOSTART} was not started, for the printer is halted"
+        printer.state.announce(_log, logging.WARNING, text)

@@ -711,6 +711,18 @@ CATALOGUE: Mapping[str, Entry] = {
         "Home the machine; M1000 resumes a print from the card",
         ExitStatus.MACHINE_FAULT,
     ),
+    "machine.no-power": Entry(
+        "board",
+        "the power supply is off, and a motor was to move",
+        "Make the printer safe, switch the power supply on (M80), then send M999",
+        ExitStatus.MACHINE_FAULT,
+    ),
+    "machine.idle": Entry(
+        "job",
+        "idle for {value:g} s (M85)",
+        "Make the printer safe, then send M999",
+        ExitStatus.MACHINE_FAULT,
+    ),
     "machine.unstopped": Entry(
         "board",
         "the emergency stop has not reached {value}, which may heat for up to a minute",

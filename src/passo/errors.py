@@ -10,6 +10,7 @@ from typing import Any, Self
 
 from passo.catalogue import CATALOGUE, Entry, ExitStatus
 
+_LOGGED = ("axis", "value", "limit")  # of a problem's values
 _LONGEST_VALUE = 500  # characters; people write lines of any length
 _STEERS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")  # C0 and C1 (ECMA-48), but tab and line feed
 
@@ -59,6 +60,17 @@ class Problem:
         head = f"{self.place}: " if self.place else ""
         advice = self.hint or self.entry.action
         return f"{head}{self.sentence}. {advice}{'' if advice.endswith('?') else '.'}"
+
+    @property
+    def log_fields(self) -> dict[str, Any]:
+        """The problem for the `extra` of a log record: its code, the part of Passo or of the
+        printer that it concerns, and its values."""
+        about: dict[str, Any] = {"code": self.code, "part": self.entry.part}
+        if self.file:
+            about["file"] = self.file
+        if self.line is not None:
+            about["line"] = self.line
+        return about | {name: self.values[name] for name in _LOGGED if name in self.values}
 
     def as_dict(self) -> dict[str, Any]:
         """The problem for `--json`: code, part, message, file, line, values, action."""
@@ -145,8 +157,10 @@ class CardError(PassoError):
     """A card or a file on it cannot be used as asked."""
 
 
-def in_words(error: Exception) -> PassoError:
-    """What nobody has foreseen, as a fault of the program; else the error itself."""
+def in_words(error: BaseException) -> PassoError:
+    """A PassoError as it is; any other error as a fault of the program, which is its cause."""
     if isinstance(error, PassoError):
         return error
-    return MachineError.of("machine.program", value=f"{type(error).__name__}: {error}")
+    fault = MachineError.of("machine.program", value=f"{type(error).__name__}: {error}")
+    fault.__cause__ = error
+    return fault

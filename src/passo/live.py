@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import logging
 import os
 from collections.abc import AsyncGenerator, Awaitable, Callable, Coroutine
 from dataclasses import dataclass
@@ -22,6 +23,7 @@ from passo.console.printer_console import welcome
 from passo.errors import CommandError, MachineError
 from passo.machine import Machine
 from passo.printer.unfit_commands import Skips
+from passo.version import __version__
 
 if TYPE_CHECKING:
     from passo.config.machine import MachineConfig
@@ -31,6 +33,8 @@ if TYPE_CHECKING:
     from passo.job.live.job_state import JobState
     from passo.printer import printer as printers
     from passo.printer.status import Status
+
+_log = logging.getLogger(__name__)
 
 _T = TypeVar("_T")
 _MAX_EVENTS = 10_000  # that wait for a slow reader
@@ -103,6 +107,7 @@ class Printer:
             state=self._state,
             skips=self._skips,
         )
+        _log.info("Printer %s started by Passo %s", self.config.name, __version__)
         self._serving = asyncio.create_task(self._printer.run())
         self._serving.add_done_callback(self._ended)
         return self
@@ -123,6 +128,7 @@ class Printer:
             self._serving.cancel()
             await asyncio.wait([self._serving])
         self._assembly = None
+        _log.info("Printer %s closed", self.config.name)
         if error is None and not self._serving.cancelled():
             self._serving.result()
 
@@ -228,12 +234,21 @@ class Printer:
         return self._opened.status.read()
 
     @property
+    def time_s(self) -> float:
+        """Print time since the start or the last restart (M999), seconds."""
+        return max(self._printer.drive.now_s, 0.0)
+
+    @property
     def start_messages(self) -> tuple[str, ...]:
         """What the printer reported while it started, until the first console has shown it, and why
         it is halted, if it is."""
         printer = self._printer
         halted = (f"Printer halted: {printer.state.why_halted}",) if printer.halted else ()
         return (*printer.state.unheard, *halted)
+
+    def show_message(self, text: str) -> None:
+        """Shows a line on all consoles."""
+        self._printer.tell(f"echo:{text}")
 
     def on_status(
         self, call: Callable[[Status], object], *, every_s: float = 1.0

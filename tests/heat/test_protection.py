@@ -295,4 +295,4 @@ def test_a_broken_sensor_is_named_with_its_reading(kind, celsius, limit, says):
     fault = HeaterFault("bed", kind, celsius, limit, 0)
     assert str(fault).startswith(f"heater bed was switched off: its sensor {says}. Check the ")
     assert str(fault).endswith(", then send M922.")
-    assert fault.halting == str(fault).replace("M922", "M999")
+    assert str(fault.halting) == str(fault).replace("M922", "M999")

@@ -115,7 +115,7 @@ def test_m112_in_that_moment_halts_it_cold(printing, monkeypatch):
     def panic(text):
         tell(text)
         if text == "// action:pause":
-            s.printer.halt("M112")
+            s.printer.emergency_stop()
 
     with turned_by_hand(s, monkeypatch) as patch:
         patch.setattr(s.printer.state, "tell", panic)

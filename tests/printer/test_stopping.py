@@ -10,6 +10,7 @@ from tests.job.test_lost_boards import scenario
 from tests.job.test_lost_link import FIRMWARE, break_link
 
 from passo.config.pin_names import MAIN
+from passo.errors import MachineError
 
 ORDER = "Command request"
 WARNING = (
@@ -78,8 +79,8 @@ def test_a_halt_for_another_reason_is_told_the_board_too(hot):
     s = hot
     unplug(s)
     s.passes(5)
-    s.printer.halt("the mains have failed")
-    s.host.expect("Printer halted: the mains have failed", 5)
+    s.printer.halt(MachineError.of("machine.no-power"))
+    s.host.expect("Printer halted: the power supply is off, and a motor was to move", 5)
     plug(s)
     assert s.board.device.fault == ORDER
 

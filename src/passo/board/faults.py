@@ -43,11 +43,11 @@ class HeaterFault:
         return Problem(code, values=values)
 
     @property
-    def halting(self) -> str:
-        """The sentence where the fault halts the printer, which M999 restarts."""
+    def halting(self) -> MachineError:
+        """The error where the fault halts the printer, which M999 restarts."""
         problem = self.problem
         hint = problem.entry.action.replace("M922", "M999")
-        return str(replace(problem, hint=hint))
+        return MachineError([replace(problem, hint=hint)])
 
     def __str__(self) -> str:
         return str(self.problem)

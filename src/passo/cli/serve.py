@@ -5,11 +5,15 @@ from __future__ import annotations
 import argparse
 import asyncio
 import contextlib
+import logging
 import sys
+from collections.abc import AsyncGenerator
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from passo.cli.clock import factor
+from passo.cli.log_file import LEVELS, LogFile
 from passo.cli.machine_option import add_machine, add_skips, skips_of
 from passo.cli.main import endings
 from passo.errors import ExitStatus
@@ -17,7 +21,9 @@ from passo.errors import ExitStatus
 if TYPE_CHECKING:
     from passo.board.fault_injection import FaultOrder
     from passo.config.machine import MachineConfig
+    from passo.live import Printer
 
+_log = logging.getLogger(__name__)
 _TCP = ("127.0.0.1", 2323)
 _BAUD = 250_000
 
@@ -72,6 +78,25 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=_state,
         metavar="DIR",
         help="where settings and the history of prints are kept",
+    )
+    parser.add_argument(
+        "--log",
+        type=_path,
+        metavar="FILE",
+        help="write what happens into this file; at 5 MB it is renamed to FILE.1, of which five "
+        "are kept",
+    )
+    parser.add_argument(
+        "--log-level",
+        choices=LEVELS,
+        metavar="LEVEL",
+        help=f"{', '.join(LEVELS)}: error has halts only, info (default) also what an operator "
+        "wants to know, debug also each line of the consoles",
+    )
+    parser.add_argument(
+        "--log-format",
+        choices=("text", "json"),
+        help="text (default), or one JSON object a line",
     )
     parser.add_argument(
         "--tcp-clients", type=_clients, default=2, metavar="N", help="clients of a TCP console (2)"
@@ -151,6 +176,9 @@ def run(arguments: argparse.Namespace) -> int:
     if twice := next((path for path in links if links.count(path) > 1), None):
         print(f"passo serve: error: --pty {twice} is given twice", file=sys.stderr)
         return ExitStatus.USAGE
+    if arguments.log is None and (arguments.log_level or arguments.log_format):
+        print("passo serve: error: --log-level and --log-format need --log FILE", file=sys.stderr)
+        return ExitStatus.USAGE
     from passo.board.fault_injection import FaultOrder
     from passo.errors import CommandError
     from passo.live import run as run_live
@@ -161,7 +189,18 @@ def run(arguments: argparse.Namespace) -> int:
         run_live(_list_faults(machine), clock="virtual")
         return ExitStatus.DONE
     orders = [FaultOrder.parse(text) for text in arguments.fault]
-    run_live(_serve(arguments, machine, orders), clock=arguments.clock or "real")
+    log = None
+    if arguments.log is not None:
+        try:
+            log = LogFile(
+                arguments.log, arguments.log_format or "text", arguments.log_level or "info"
+            )
+        except OSError as error:
+            reason = error.strerror or str(error)
+            print(f"passo serve: error: --log {arguments.log}: {reason}", file=sys.stderr)
+            return ExitStatus.USAGE
+    with log or contextlib.nullcontext():
+        run_live(_serve(arguments, machine, orders, log), clock=arguments.clock or "real")
     return ExitStatus.DONE
 
 
@@ -175,7 +214,10 @@ async def _list_faults(machine: MachineConfig) -> None:
 
 
 async def _serve(
-    arguments: argparse.Namespace, machine: MachineConfig, orders: list[FaultOrder]
+    arguments: argparse.Namespace,
+    machine: MachineConfig,
+    orders: list[FaultOrder],
+    log: LogFile | None,
 ) -> None:
     from passo.live import Printer
 
@@ -195,7 +237,7 @@ async def _serve(
     advanced_ok: bool = arguments.advanced_ok
     # An interrupt, as Ctrl-C and SIGTERM are, is the usual end.
     with contextlib.suppress(asyncio.CancelledError):
-        async with printer:
+        async with printer, _logged(printer, log):
             for text in printer.start_messages:
                 print(text.removeprefix("echo:"), file=sys.stderr)
             for order in orders:
@@ -217,7 +259,23 @@ async def _serve(
                 over = _go_on_serving if places else printer.end
                 places.append(await printer.open_stdin(over, advanced_ok=advanced_ok))
             print(f"Serving {machine.name} on {', '.join(places)}.", file=sys.stderr, flush=True)
+            _log.info("Serving %s on %s", machine.name, ", ".join(places))
             await printer.serve()
+
+
+@contextlib.asynccontextmanager
+async def _logged(printer: Printer, log: LogFile | None) -> AsyncGenerator[None]:
+    """Records have the print time of this printer, and its consoles show if the log fails."""
+    if log is None:
+        yield
+        return
+    loop = asyncio.get_running_loop()
+    log.print_time_s = lambda: printer.time_s
+    log.on_failure = partial(loop.call_soon_threadsafe, printer.show_message)
+    try:
+        yield
+    finally:
+        log.print_time_s = log.on_failure = None
 
 
 def _go_on_serving() -> None:

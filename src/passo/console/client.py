@@ -82,12 +82,13 @@ class Client(Session):
 
     def say(self, text: str) -> None:
         """A line of the answer."""
+        self._shown.sent(self.number, text)
         if text.startswith("Error:"):
             self.fail(text.removeprefix("Error:"))
         else:
             self._said.append(text.removeprefix("echo:"))
 
-    def hear(self, text: str) -> None:
+    def _hear_all(self, text: str) -> None:
         """Nothing: lines to all consoles come as events."""
 
     def fail(self, text: str, problems: Sequence[Problem] = ()) -> None:

@@ -127,7 +127,7 @@ class Ahead:
         """What such a command does, if it is one."""
         code = command.code
         if halts(command):
-            self._printer.halt("emergency stop by M112")
+            self._printer.emergency_stop()
         elif code == "M108" or (code == "M876" and self._ends_wait(command)):
             self._printer.go_on()
         elif code == "M410":

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 import re
 from collections.abc import Callable, Sequence
 from typing import Protocol
@@ -19,6 +20,8 @@ from passo.motion.motion_queue import MOST_QUEUED
 from passo.printer.printer import Printer
 from passo.printer.unfit_commands import unfit
 from passo.printer.wait_requests import Stopped, Wait
+
+_log = logging.getLogger(__name__)
 
 AT_ONCE = 1024  # lines that are carried out before others have their turn: all of one read
 AT_ONCE_S = 0.005  # of the loop's time, likewise: lines like M503 take long
@@ -78,6 +81,8 @@ class Session:
     def __init__(self, printer: Printer, wire: Wire) -> None:
         self._printer, self._wire = printer, wire
         self._protocol = LineProtocol()
+        self._shown = printer.state.console_lines
+        self.number = self._shown.join()
         self._lines = InHand()
         self._loop = asyncio.get_running_loop()
         self._task: asyncio.Task[None] | None = None
@@ -100,7 +105,7 @@ class Session:
         self._unanswered = False  # its input has ended, and only a user could end its wait
         self._noted: set[str] = set()
         self._then: Callable[[], None] | None = None  # to call after the last line
-        printer.state.listeners.append(self.hear)
+        printer.state.listeners.append(self._hear_all)
         printer.state.stop_listeners.append(self._stopped)
         printer.prompts.wait_listeners.append(self._user_wanted)
         self.every("wait", WAIT_S, self._say_wait)
@@ -126,7 +131,10 @@ class Session:
         """Takes in what the host has sent."""
         heard = self._protocol.feed(data)
         for line in heard:
-            if isinstance(line, Line):
+            whole = isinstance(line, Line)
+            text = line.text if whole else f"{line.text} ({line.reason})"
+            self._shown.received(self.number, text)
+            if whole:
                 command = command_of(line.text)
                 seen = self._ahead.see(command, line.number, self._upload)
                 self._lines.append((line, command, seen))
@@ -156,8 +164,8 @@ class Session:
             self._printer.waits.end()  # cutting it off would leave a machine that moves
         elif self._task is not None:
             self._task.cancel()
-        if self.hear in self._printer.state.listeners:
-            self._printer.state.listeners.remove(self.hear)
+        if self._hear_all in self._printer.state.listeners:
+            self._printer.state.listeners.remove(self._hear_all)
             self._printer.state.stop_listeners.remove(self._stopped)
             self._printer.prompts.wait_listeners.remove(self._user_wanted)
 
@@ -180,10 +188,16 @@ class Session:
     def say(self, text: str) -> None:
         """A line of answer."""
         if not self.closed:
+            self._shown.sent(self.number, text)
             self._wire.write(_encoded(text))
 
     def hear(self, text: str) -> None:
-        """A line that concerns everybody; a console that does not read may miss it."""
+        """A report or a sign of life; a console that does not read may miss it."""
+        self._shown.sent(self.number, text)
+        self._hear_all(text)
+
+    def _hear_all(self, text: str) -> None:
+        """The same of a line that all consoles receive."""
         self._wire.write(_encoded(text), dispensable=True)
 
     def note(self, about: str, text: str) -> None:
@@ -206,6 +220,8 @@ class Session:
         console knows that word. A host that prints is asked to pause before it sends more: what
         would follow on a move that is missing spoils the print."""
         self.failed = True
+        fields = problems[0].log_fields if problems else {}
+        _log.warning("%s", text, extra={**fields, "console": self.number})
         self.say(("Error:" if self.strict else "echo:") + text)
         if self._printed:
             self.say("// action:pause")
@@ -256,6 +272,7 @@ class Session:
                 elif heard.resend is None:
                     self.say(f"echo:{heard.reason}")
                 else:
+                    _log.warning("%s", heard.reason, extra={"console": self.number})
                     self.say(f"Error:{heard.reason}")
                     self.say(f"Resend: {heard.resend}")
                 self._acknowledge(None)
@@ -394,7 +411,7 @@ class Session:
         and the host still gets its `ok`."""
         if not isinstance(error, (Stopped, PassoError)):
             error = in_words(error)
-            self._printer.halt(str(error))
+            self._printer.halt(error)
         self.fail(str(error), error.problems if isinstance(error, PassoError) else ())
 
     def _stored(self, line: Line, code: str) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
@@ -13,6 +14,8 @@ from passo.printer.wait_requests import Handler, Reply, Silence, Still, Wait
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
+
+_log = logging.getLogger(__name__)
 
 
 class _Collected(Silence):
@@ -101,10 +104,12 @@ class SettingsCommands:
             held = self._differing(stored)
             for line in self._take_and_name(held):
                 self._printer.tell(line)
+                _log.info("%s", line.removeprefix("echo:"))
             if held != stored:
                 self._needed().save(held)
         except CommandError as error:
-            self._printer.tell(f"echo:{error}")
+            problem = error.problems[0]
+            self._printer.state.announce(_log, logging.WARNING, str(error), problem)
 
     def name_stored(self) -> list[str]:
         """Takes the stored values as `load_at_start` does; the sentences that it would report. The
@@ -165,6 +170,7 @@ class SettingsCommands:
         size = sum(len(text) + 1 for text in changed)
         reply.say(f"echo:Settings Stored ({size} bytes; crc {crc})")
         listed = ", ".join(changed) or "nothing, all values are the machine file's"
+        _log.info("Settings stored, as changed from the machine file: %s", listed)
         reply.say(f"echo:Stored, as changed from the machine file: {listed}")
         return None
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
-from passo.errors import MachineError
+from passo.errors import MachineError, PassoError
 from passo.gcode.command import Command
 from passo.motion.endstops import homed_axes
 from passo.motion.homing import Homer
@@ -48,7 +49,9 @@ if TYPE_CHECKING:
     from passo.motion.positions import Positions
     from passo.printer.commands.program import Commands
 
+_log = logging.getLogger(__name__)
 
+_MAKE_SAFE = "Make the printer safe, then send M999"  # after M112
 # A sensor that is broken is known by two reports, 0.3 s apart; sensors report one after the other.
 _FIRST_REPORTS_S, _NEXT_SENSOR_S = 0.6, 0.1
 
@@ -238,10 +241,11 @@ class Printer:
         self.dispatch.begin()
         self.offsets.homed("xyz")
         self.endstops.begin()
-        state.halted = ""
+        state.restarted()
         for line in lines:
             self.dispatch.take_setting(line, Silence())
-        state.tell("echo:The printer is ready again. Home it before you move it")
+        ready = "The printer is ready again. Home it before you move it"
+        state.announce(_log, logging.INFO, ready)
         if greeting := state.greeting():
             state.tell(greeting)
 
@@ -268,7 +272,7 @@ class Printer:
         """Reports what failed at the first start, and halts the printer if it must not run."""
         self._report_faults()
         if self.state.start_failure is not None:
-            self.halt(str(self.state.start_failure))
+            self.halt(self.state.start_failure)
 
     async def run(self) -> None:
         """Keeps the printer alive until cancelled. A failed board halts it, until M999."""
@@ -291,7 +295,8 @@ class Printer:
 
     def _before_motion(self) -> None:
         if not self.mains.on:
-            self.halt("the power supply is off, and a motor was to move")
+            no_power = MachineError.of("machine.no-power")
+            self.halt(no_power, no_power.problems[0].sentence)
         self.drivers.before_motion()
         if not self.halted:
             self.motors.all_on()
@@ -308,7 +313,7 @@ class Printer:
         if policy == "machine":
             self.halt(fault.halting)
             return
-        self.tell(f"echo:{fault}")
+        self.state.announce(_log, logging.WARNING, str(fault), fault.problem)
         if policy == "job":
             target = self.connection.heaters[fault.heater].target
             if target > 0:
@@ -318,18 +323,22 @@ class Printer:
 
     # -- stops ------------------------------------------------------------------------------------
 
-    def halt(self, reason: str) -> None:
-        """M112: heaters, motors and everything else off at once, until M999."""
+    def halt(self, cause: PassoError, reason: str = "") -> None:
+        """Heaters, motors and everything else off at once, until M999; the reason is shown, by
+        default the text of the cause."""
         self.life.stop()
-        state = self.state
-        if state.halted:
+        if self.state.halted:
             return
-        state.halted = reason.rstrip(".")
-        state.failures += 1
+        self.state.halt(cause, reason)
         self.targets.cooled_c.clear()
         self.connection.switch_heaters_off()
         self.connection.emergency_stop()
         self.drive.await_answer()
+
+    def emergency_stop(self) -> None:
+        """M112."""
+        stop = MachineError.of("machine.emergency-stop", hint=_MAKE_SAFE)
+        self.halt(stop, stop.problems[0].sentence)
 
     def revive(self) -> None:
         """M999: a halted printer starts again, cold, and without knowing where it is."""
@@ -338,7 +347,7 @@ class Printer:
 
     def _halt_by_line(self, _: Command, __: Reply) -> Wait | None:
         """M112 where no console has seen it come: in a file, or behind another command."""
-        self.halt("emergency stop by M112")
+        self.emergency_stop()
         return None
 
     def _stop_by_line(self, _: Command, __: Reply) -> Wait | None:
@@ -351,7 +360,8 @@ class Printer:
         self.stop_all(f"endstop {', '.join(names)} was triggered")
         if not self.halted:
             self.targets.switch_off()
-            self.tell("echo:Heaters are off: an endstop was triggered during a move (M540)")
+            off = "Heaters are off: an endstop was triggered during a move (M540)"
+            self.state.announce(_log, logging.WARNING, off)
             self.tell("// action:pause")
 
     def stop_all(self, reason: str) -> None:

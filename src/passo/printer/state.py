@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+import asyncio
+import logging
 from collections.abc import Callable, Iterable
 
 from passo.board.faults import HeaterFault
-from passo.errors import MachineError
+from passo.errors import MachineError, PassoError, Problem
 from passo.gcode.command import Command
+from passo.printer.console_lines import ConsoleLines
 from passo.printer.wait_requests import Reply, Stopped
+
+_log = logging.getLogger(__name__)
 
 
 class State:
     """The state of one printer, and the subscriptions to it. It survives a restart (M999).
 
-    `halted`: why nothing moves or heats until M999, or empty. `failures`: halts and failed heaters
+    `halted`: why nothing moves or heats until M999, or empty; `cause`: the same as an error of the
+    catalogue. `failures`: halts and failed heaters
     so far; what clears one was sent after it. `host_paused`: a host's print is paused, and its
     lines have to wait. `ended`: the wait under way has to end. `program`: whose moves were planned
     last. `start_failure`: why the first start failed, until M999.
@@ -21,11 +27,13 @@ class State:
 
     def __init__(self) -> None:
         self.halted = ""
+        self.cause: PassoError | None = None
         self.failures = 0
         self.host_paused = False
         self.ended = False
         self.program: Reply | None = None
         self.start_failure: MachineError | None = None
+        self.console_lines = ConsoleLines(asyncio.get_running_loop().time)
         self.unheard: list[str] = []  # told before anybody listened, for the console that opens
         self.listeners: list[Callable[[str], None]] = []
         self.command_listeners: list[Callable[[Command, Reply], None]] = []  # of what was done
@@ -39,8 +47,33 @@ class State:
         self.store_settings: Callable[[], object] | None = None  # durably; None: nowhere
         self.greeting: Callable[[], str] = str  # for a console that opens
 
+    def halt(self, cause: PassoError, reason: str = "") -> None:
+        """From now on nothing moves or heats until M999, and the reason is shown: by default the
+        text of the cause."""
+        self.halted = (reason or str(cause)).rstrip(".")
+        self.cause = cause
+        self.failures += 1
+        program = cause.__cause__  # a fault of the program, with its trace
+        _log.error(
+            "Printer halted: %s", self.halted, extra=cause.problems[0].log_fields, exc_info=program
+        )
+
+    def restarted(self) -> None:
+        """M999 has started the printer again."""
+        self.halted = ""
+        self.cause = None
+
+    def announce(
+        self, log: logging.Logger, level: int, text: str, problem: Problem | None = None
+    ) -> None:
+        """A line to all who listen that a reader of the log wants, too; `problem` is what it is
+        about."""
+        log.log(level, "%s", text, extra=problem.log_fields if problem else None)
+        self.tell(f"echo:{text}")
+
     def tell(self, text: str) -> None:
         """A line to all who listen."""
+        self.console_lines.sent(0, text)
         for listener in list(self.listeners):
             listener(text)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import logging
 import os
 import selectors
 import shutil
@@ -17,6 +18,8 @@ from typing import Protocol
 from passo.console.session import Session
 from passo.errors import PassoError
 from passo.printer.printer import Printer
+
+_log = logging.getLogger(__name__)
 
 _AT_ONCE = 4096  # bytes; asyncio would read 256 KiB, whose lines keep all others waiting for 0.8 s
 _ROOM = 1 << 16  # bytes that may wait for a reader before dispensable ones are dropped
@@ -69,6 +72,7 @@ class StreamWire(asyncio.Protocol):
         if self.writer is None and isinstance(transport, asyncio.WriteTransport):
             self.writer = transport
         self.session = Session(self._printer, self)
+        _log.info("Console %d opened on %s", self.session.number, self.place)
         self._opened(self.session)
 
     def data_received(self, data: bytes) -> None:
@@ -80,6 +84,7 @@ class StreamWire(asyncio.Protocol):
         """The host has gone: its session ends."""
         if self.session is not None and not self.session.closed:
             self.session.close()
+            _log.info("Console %d closed", self.session.number)
             if self.closed is not None:
                 self.closed(self)
 

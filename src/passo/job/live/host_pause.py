@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
@@ -13,6 +14,8 @@ from passo.printer.wait_requests import Procedure, Silence, Stopped
 if TYPE_CHECKING:
     from passo.board.faults import HeaterFault
     from passo.printer.printer import Printer
+
+_log = logging.getLogger(__name__)
 
 RECENT_S = 10.0  # a machine that has stood for longer prints nothing
 
@@ -95,7 +98,8 @@ class HostPause:
                 await park.come_back()
                 break
             except CommandError as error:
-                printer.tell(f"echo:Print still paused: {error}")
+                text = f"Print still paused: {error}"
+                printer.state.announce(_log, logging.WARNING, text, error.problems[0])
                 printer.state.ended, rearms = False, True
                 printer.prompts.ask(f"{error} Go on with M108")
         self._raise_if_stopped()
@@ -152,6 +156,6 @@ class HostPause:
                 except Stopped:
                     pass  # who has stopped it has been told
                 except PassoError as error:
-                    printer.halt(f"the print could not stand aside: {error}")
+                    printer.halt(error, f"the print could not stand aside: {error}")
         finally:
             printer.state.host_paused = False

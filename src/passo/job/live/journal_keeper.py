@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -20,6 +21,8 @@ from passo.printer.wait_requests import Stopped
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
+
+_log = logging.getLogger(__name__)
 
 EVERY_S = 1.0  # of print time between two records
 Z_MM = 0.02  # and earlier where Z is kept, if it has gone so far: a tenth of a usual layer
@@ -128,7 +131,7 @@ class JournalKeeper:
             self._begin_journal(program, self._recorded)
         except CardError as error:
             self._end()  # an older print is over all the same
-            self._printer.tell(f"echo:No journal of this print: {error}")
+            self._warn(f"No journal of this print: {error}")
         finally:
             reader.seek(read)
 
@@ -189,7 +192,7 @@ class JournalKeeper:
         try:
             self._journal.begin(program, moment)
         except OSError as error:
-            self._printer.tell(f"echo:No journal of this print: {error.strerror}")
+            self._warn(f"No journal of this print: {error.strerror}")
 
     def _follows(self) -> bool:
         """A print is recorded, that goes on or stands at a line that has failed."""
@@ -223,15 +226,16 @@ class JournalKeeper:
         except OSError as error:
             # What it says would soon be long past.
             self._end()
-            self._printer.tell(
-                f"echo:This print cannot be resumed after a power cut: {error.strerror}"
-            )
+            self._warn(f"This print cannot be resumed after a power cut: {error.strerror}")
 
     def _end(self) -> None:
         try:
             self._journal.end()
         except OSError as error:
-            self._printer.tell(f"echo:The journal of the print stays: {error.strerror}")
+            self._warn(f"The journal of the print stays: {error.strerror}")
+
+    def _warn(self, text: str) -> None:
+        self._printer.state.announce(_log, logging.WARNING, text)
 
     def _z(self) -> float:
         job = self._printer.job

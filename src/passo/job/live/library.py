@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING
@@ -15,6 +16,8 @@ from passo.job.live.runner import Runner
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
+
+_log = logging.getLogger(__name__)
 
 PROGRAMS = {".g", ".gc", ".gco", ".gcode", ".nc", ".ngc", ".cnc", ".tap"}  # listed by M20
 AUTOSTART = "auto0.g"
@@ -84,9 +87,8 @@ class Library:
             if (now.size, now.modified) == (before.size, before.modified):
                 runner.exchange(self.card.open(runner.path))
                 return
-        self._printer.tell(
-            f"echo:{runner.name} was changed on the card or removed; its print is cancelled"
-        )
+        text = f"{runner.name} was changed on the card or removed; its print is cancelled"
+        self._printer.state.announce(_log, logging.WARNING, text)
         runner.release()
 
     # -- its files --------------------------------------------------------------------------------

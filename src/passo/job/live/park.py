@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -17,6 +18,8 @@ from passo.printer.wait_requests import Silence, Temperatures
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
+
+_log = logging.getLogger(__name__)
 
 
 def check_words(words: Mapping[str, float], machine: MachineConfig) -> None:
@@ -82,7 +85,9 @@ class Park:
         place = dict(zip((X, Y), park.position_mm or (), strict=False))
         place |= {slot: words[letter] for slot, letter in ((X, "X"), (Y, "Y")) if letter in words}
         if place and not drive.move(place, park.speed_mm_s):
-            printer.tell(f"echo:The nozzle stays over the print: {printer.commands.problem()}")
+            problem = printer.commands.problem()
+            text = f"The nozzle stays over the print: {problem}"
+            printer.state.announce(_log, logging.WARNING, text, problem)
         if extrudes:
             self._push(-abs(words.get("U", 0.0)), _core.UNLOAD_MM_S)
         await self._still()

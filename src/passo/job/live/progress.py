@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,8 @@ from passo.job.live.statistics import Print, Statistics
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
+
+_log = logging.getLogger(__name__)
 
 _HOST = "(a host's)"  # name of a print that has no other
 
@@ -149,7 +152,7 @@ class Progress:
         """What the file will ask of the board, when that is known."""
         found = None if task.cancelled() else task.result()
         for sentence in found.budget.told(self._runner.name) if found else ():
-            self._printer.tell(f"echo:{sentence}")
+            self._printer.state.announce(_log, logging.INFO, sentence)
 
     @property
     def printed_s(self) -> float:

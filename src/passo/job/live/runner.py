@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
@@ -11,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from passo import _core
 from passo.config.motor_roles import axis_order
-from passo.errors import CardError, CommandError, InputError, PassoError, Problem
+from passo.errors import CardError, CommandError, InputError, PassoError, Problem, in_words
 from passo.gcode.command import Command
 from passo.job.live.job_state import TRANSITIONS, JobState
 from passo.job.live.line_offsets import line_of_offset
@@ -25,6 +26,8 @@ from passo.printer.wait_requests import Person, Reply, Stopped, Temperatures, Wa
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
+
+_log = logging.getLogger(__name__)
 
 _CHUNK = 1 << 14  # bytes read at a time
 _ADVICE = "Change the file, or print it as it is (M24 U1)"
@@ -231,7 +234,8 @@ class Runner:
         self._again = False
         if self.state is JobState.APPROACHING and not self._pauses:
             self._pauses, self._park_words = True, words
-            self._printer.tell(f"echo:{self.name} will pause once it reaches the resume point")
+            text = f"{self.name} will pause once it reaches the resume point"
+            self._printer.state.announce(_log, logging.INFO, text)
         if self.state.prints and not self._printer.halted:
             self._park_words = words
             self._enter(JobState.PAUSED)
@@ -355,7 +359,7 @@ class Runner:
         if begins and wrong:
             first, *others = (replace(problem, hint=_ADVICE) for problem in wrong)
             for problem in others:
-                self._printer.tell(f"echo:{problem}")
+                self._printer.state.announce(_log, logging.WARNING, str(problem), problem)
             raise InputError([first])
 
     def _over(self, task: asyncio.Task[None]) -> None:
@@ -363,7 +367,7 @@ class Runner:
         fault = None if task.cancelled() else task.exception()
         if fault is not None:
             self._failed = f"{type(fault).__name__}: {fault}"
-            self._printer.halt(f"a fault of the program, {self._failed}")
+            self._printer.halt(in_words(fault), f"a fault of the program, {self._failed}")
             self._end()
         if self._again:
             self.start(skips=self._skips)
@@ -387,7 +391,9 @@ class Runner:
         self.ended = "failed" if self._failed else "done"
         self._enter(JobState.FAILED if self._failed else JobState.READY)
         if self._failed:
-            printer.tell(f"echo:Print of {self.name} stopped: {self._failed}")
+            text = f"Print of {self.name} stopped: {self._failed}"
+            problem = self.problems[0] if self.problems else None
+            printer.state.announce(_log, logging.WARNING, text, problem)
         else:
             printer.tell("Done printing file")
 
@@ -451,7 +457,8 @@ class Runner:
             await self.park.come_back()
         except CommandError as error:
             if self.active:
-                printer.tell(f"echo:Print of {self.name} stays paused: {error}")
+                text = f"Print of {self.name} stays paused: {error}"
+                printer.state.announce(_log, logging.WARNING, text, error.problems[0])
                 self._resumed.clear()
                 self._enter(JobState.PAUSED)
             return False
@@ -507,7 +514,8 @@ class Runner:
                 heaters = tuple(printer.machine.heaters) if isinstance(wait, Person) else heaters
                 if not self._pauses_for(heaters):
                     raise
-                printer.tell(f"echo:Print of {self.name} is paused: {error}")
+                text = f"Print of {self.name} is paused: {error}"
+                printer.state.announce(_log, logging.WARNING, text, error.problems[0])
                 self.pause()
                 return False  # it waits again when the pause is over
             self._waits_for = None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import sqlite3
 from collections.abc import Callable
 from contextlib import suppress
@@ -16,6 +17,8 @@ from passo.printer.wait_requests import Handler, Reply, Wait
 
 if TYPE_CHECKING:
     from passo.printer.printer import Printer
+
+_log = logging.getLogger(__name__)
 
 STORE_EVERY_S = 600.0  # the time that the printer was on
 _PRINT_EVERY_S = 60.0  # how far a print is, should it be interrupted
@@ -57,7 +60,8 @@ class Statistics:
             self._history = History(directory)
         except (sqlite3.Error, OSError) as error:
             self._missing = _unusable(directory, error)
-            printer.tell(f"echo:No history of prints: {error}")
+            text = f"No history of prints: {error}"
+            printer.state.announce(_log, logging.WARNING, text)
             return
         printer.watchers.append(self._time_passed)
 
@@ -68,6 +72,7 @@ class Statistics:
         history says that it was interrupted."""
         self._printer.lateness.begin()
         row = instead.row if instead is not None else None
+        _log.info("Print of %s started", name, extra={"file": name})
         self._job = Print(name, size, self._printer.filament_mm(), seconds, row)
         self._note(self._job, "interrupted")
         return self._job
@@ -75,12 +80,19 @@ class Statistics:
     def goes_on(self, job: Print) -> Print:
         """A print that has failed is gone on with: it stays one."""
         self._job = job
+        _log.info("Print of %s resumed", job.name, extra={"file": job.name})
         self._note(job, "interrupted")
         return job
 
     def ended(self, job: Print, how: str) -> None:
         """A print is over: done, cancelled or failed."""
         self._job = None
+        filament_mm = self._printer.filament_mm() - job.filament_mm
+        _log.info(
+            "Print of %s %s after %s, %.0f mm of filament",
+            *(job.name, how, spoken(job.seconds()), filament_mm),
+            extra={"file": job.name, "outcome": how, "seconds": round(job.seconds(), 3)},
+        )
         self._note(job, how)
 
     def _note(self, job: Print, how: str) -> None:
@@ -92,7 +104,8 @@ class Statistics:
         try:
             job.row = self._history.add(job.name, job.size, how, job.seconds(), used, note, job.row)
         except sqlite3.Error as error:
-            printer.tell(f"echo:This print is not in the history: {error}")
+            text = f"This print is not in the history: {error}"
+            printer.state.announce(_log, logging.WARNING, text)
 
     def _time_passed(self) -> None:
         before, self._seen_s = self._seen_s, self._printer.drive.now_s
@@ -104,7 +117,8 @@ class Statistics:
         try:
             self._store()
         except sqlite3.Error as error:
-            self._printer.tell(f"echo:How long the printer was on is not stored: {error}")
+            text = f"How long the printer was on is not stored: {error}"
+            self._printer.state.announce(_log, logging.WARNING, text)
 
     def _store(self) -> None:
         assert self._history is not None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 
 from passo.board.fault_injection import NO_FAULT, FaultInjector, FaultOrder
 from passo.errors import CommandError
@@ -10,6 +11,8 @@ from passo.gcode.command import Command
 from passo.motion.rig import Rig
 from passo.printer.state import State
 from passo.printer.wait_requests import Handler, Reply, Wait
+
+_log = logging.getLogger(__name__)
 
 _WORDS = ("NAME", "VALUE", "AFTER", "DURATION")
 
@@ -42,7 +45,8 @@ class SimulatedFaultCommands:
             self._later(order)
             return
         injector.inject(order.part, order.value)
-        self._state.tell(f"echo:Simulated fault: {order.part}={order.value}")
+        fault = f"Simulated fault: {order.part}={order.value}"
+        self._state.announce(_log, logging.INFO, fault)
         if order.for_s is not None:
             self._later(FaultOrder(order.part, NO_FAULT, order.for_s))
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections.abc import Generator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
     from passo.printer.state import State
     from passo.printer.watch.driver_status import DriverWatch
     from passo.printer.watch.endstops import EndstopWatch
+
+_log = logging.getLogger(__name__)
 
 _AGAIN_S = 0.5  # between two tries to open the port
 # What a board did in one commit, it takes back in so long: some 40 times as slowly.
@@ -57,7 +60,8 @@ class Reconnection:
         attempt = _Attempt(self)
         plug = ": plug it in again, or give up with M112" if attempt.silent else ""
         problem = str(lost).partition(".")[0]
-        self.state.tell(f"echo:The machine waits: {problem}. {attempt.outlook}{plug}")
+        waits = f"The machine waits: {problem}. {attempt.outlook}{plug}"
+        self.state.announce(_log, logging.WARNING, waits, lost.problems[0])
         while not self.state.halted:
             self.rig.connection.stop_job()
             try:
@@ -140,10 +144,12 @@ class _Attempt:
             return
         parts.endstops.begin()
         both = len(self._connections) > 1
-        state.tell(
-            "echo:The boards are back, and stand where they were told to stop"
+        state.announce(
+            _log,
+            logging.INFO,
+            "The boards are back, and stand where they were told to stop"
             if both
-            else "echo:The board is back, and stands where it was told to stop"
+            else "The board is back, and stands where it was told to stop",
         )
         heaters = rig.connection.heaters.values()
         # Meanwhile one may be switched off.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections.abc import Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING
@@ -15,6 +16,8 @@ if TYPE_CHECKING:
     from passo.board.connection import Connection
     from passo.motion.rig import Rig
     from passo.printer.state import State
+
+_log = logging.getLogger(__name__)
 
 _AGAIN_S = 0.5  # between two tries; whoever hears the first has answered by the second
 
@@ -39,8 +42,10 @@ async def stop_boards(rig: Rig, state: State, given_up: asyncio.Event) -> None:
             warned = True
             danger = MachineError.of("machine.unstopped", value=_names(rig, warm))
             state.tell(f"Error:{danger}")
+            _log.error("%s", danger, extra=danger.problems[0].log_fields)
     if warned and not left:
-        state.tell("echo:Emergency stop confirmed by all boards; heaters are off")
+        confirmed = "Emergency stop confirmed by all boards; heaters are off"
+        state.announce(_log, logging.INFO, confirmed)
 
 
 def _names(rig: Rig, boards: Sequence[Connection]) -> str:

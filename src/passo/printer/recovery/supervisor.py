@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections.abc import Callable
 from math import inf
 from typing import TYPE_CHECKING
 
 from passo.board.faults import BoardResetError, PlaceLostError
 from passo.board.ports import LinkLostError
-from passo.errors import MachineError, in_words
+from passo.errors import MachineError, PassoError, in_words
 from passo.motion.motion_queue import TICK_S, either
 from passo.printer.recovery.link_state import TRANSITIONS, LinkState
 from passo.printer.recovery.stop_boards import stop_boards
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
     from passo.printer.state import State
     from passo.printer.watch.late_commands import LatenessWatch
 
+
+_log = logging.getLogger(__name__)
 
 # A second reset this soon is probably caused by a load, such as a heater.
 _SOON_S = 60.0
@@ -39,7 +42,7 @@ class Life:
         lateness: LatenessWatch,
         reconnection: Reconnection,
         *,
-        halt: Callable[[str], None],
+        halt: Callable[[PassoError], None],
         restart: Callable[[], None],
     ) -> None:
         self._rig, self._state, self._turn = rig, state, turn
@@ -99,8 +102,8 @@ class Life:
                 if failure is None:
                     continue
                 displaced = isinstance(failure, PlaceLostError) and not self._has_to_halt(failure)
-                state.failures += not state.halted  # else it has been counted
-                state.halted = state.halted or str(in_words(failure)).rstrip(".")
+                if not state.halted:
+                    state.halt(in_words(failure))
                 self._enter(LinkState.PLACE_LOST if displaced else LinkState.HALTED)
                 if displaced:
                     self._pause()
@@ -131,7 +134,7 @@ class Life:
             self._lateness.board_failed()
             raise
         except Exception as error:
-            self._halt_printer(str(in_words(error)))
+            self._halt_printer(in_words(error))
             await rig.drive.hear_stop()
 
     async def _reconnect(self, error: Exception) -> Exception | None:
@@ -207,8 +210,11 @@ class Life:
             except Exception as error:
                 warm = {}
                 failure = in_words(error)
-                if not self._state.halted:  # the board is well, but not what came after it
-                    self._state.halted = str(failure).rstrip(".")
+                if self._state.halted:
+                    fields = failure.problems[0].log_fields
+                    _log.error("The restart failed: %s", failure, extra=fields)
+                else:  # the board is well, but not what came after it
+                    self._state.halt(failure)
                 self._enter(LinkState.HALTED)
                 self._make_safe()
                 self._state.tell(f"Error:{failure} Then send M999 again")

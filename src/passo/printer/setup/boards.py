@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
 from math import ceil
 from typing import TYPE_CHECKING, Any
@@ -48,6 +49,8 @@ if TYPE_CHECKING:
     from passo.config.heat import Heater as HeaterConfig
     from passo.config.machine import MachineConfig
     from passo.simulator import Actuator, Cable, SimulatedBoard, SimulatedMachine
+
+_log = logging.getLogger(__name__)
 
 MAX_DURATION_S = 3.0  # a heater that is on must be told so again, or the board shuts down
 _AWAY = 20.0  # mm or degrees
@@ -365,4 +368,11 @@ def _connected(
     named = zip(boards.items(), ports, strict=True)
     connected = Boards([Connection(board, port, name) for (name, board), port in named])
     connected.connect(adopt=adopt)
+    for connection in connected.connections:
+        _log.info(
+            "Board %s connected: firmware %s, %g MHz, %d move commands%s",
+            *(connection.name or "main", connection.dictionary.version or "unknown"),
+            *(connection.board.clock_hz / 1e6, connection.move_count),
+            ", as another host left it" if connection.adopted else "",
+        )
     return connected

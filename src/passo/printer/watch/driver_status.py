@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 from passo.board.drivers import Drivers, DriverState
 from passo.board.trinamic import DriverSettings, Finding, findings
+from passo.errors import MachineError
 from passo.motion.motion_queue import TICK_S
 
 if TYPE_CHECKING:
     from passo.board.boards import Boards
+    from passo.errors import Problem
     from passo.motion.rig import Rig
     from passo.printer.commands.motors import Motors
     from passo.printer.state import State
+
+_log = logging.getLogger(__name__)
 
 _LOOK_S = 1.0  # between two questions how a driver is
 # What setting the driver up ends: it has lost its settings, or keeps a flag of what is over.
@@ -26,7 +31,9 @@ class DriverWatch:
     driver that has failed halts the printer; while they are off, one that has lost its settings, or
     whose supply was too low, is set up anew. Nothing moves while one cannot be spoken to."""
 
-    def __init__(self, rig: Rig, state: State, motors: Motors, halt: Callable[[str], None]) -> None:
+    def __init__(
+        self, rig: Rig, state: State, motors: Motors, halt: Callable[[MachineError], None]
+    ) -> None:
         self._rig, self._state, self._motors, self._halt = rig, state, motors, halt
         self.prewarned: set[str] = set()  # motors whose drivers were hot since M912
         self._set: dict[str, DriverSettings] = {}  # by command: they outlive the board's reset
@@ -82,16 +89,16 @@ class DriverWatch:
             self._set[motor] = settings
             self._of(motor).begin_configure(motor, settings)
 
-    def failures(self) -> Iterator[str]:
-        """Sentences about drivers that cannot be spoken to."""
+    def failures(self) -> Iterator[Problem]:
+        """The drivers that cannot be spoken to."""
         for state in self.states.values():
             if state.failure is not None:
-                yield str(state.failure.problem)
+                yield state.failure.problem
 
     def before_motion(self) -> None:
         """Halts the printer if a driver is not set up: its motor would not move as it should."""
-        for sentence in self.failures():
-            self._halt(sentence)
+        for problem in self.failures():
+            self._halt(MachineError([problem]))
 
     def time_passed(self) -> None:
         """Asks on, and looks at what was answered."""
@@ -114,13 +121,14 @@ class DriverWatch:
         on = motor in self._motors.on
         if state.failure is not None:
             if on:
-                self._halt(str(state.failure.problem))
+                self._halt(MachineError([state.failure.problem]))
             else:
-                self._tell_once(motor, "failure", str(state.failure.problem))
+                self._tell_once(motor, "failure", state.failure.problem)
             return
         if (motor, "failure") in self._told:
             self._told.discard((motor, "failure"))
             self._state.tell(f"echo:The driver of motor {motor} is set up")
+            _log.info("The driver of motor %s is set up", motor)
         if state.fresh and state.reading is not None:
             state.fresh = False
             self._judge(motor, findings(motor, state.settings.chip, state.reading), on=on)
@@ -128,19 +136,20 @@ class DriverWatch:
     def _judge(self, motor: str, found: list[Finding], *, on: bool) -> None:
         grave = [f.problem for f in found if f.stops]
         if grave and on:
-            self._halt(str(grave[0]))
+            self._halt(MachineError([grave[0]]))
         elif any(problem.code in _LATCHED for problem in grave):
             self._of(motor).begin_configure(motor)
         for finding in found:
             code = finding.problem.code
             if code == "driver.hot":
                 self.prewarned.add(motor)
-            self._tell_once(motor, code, str(finding.problem))
+            self._tell_once(motor, code, finding.problem)
         codes = {finding.problem.code for finding in found} | {"failure"}
         self._told = {(who, what) for who, what in self._told if who != motor or what in codes}
 
-    def _tell_once(self, motor: str, what: str, sentence: str) -> None:
+    def _tell_once(self, motor: str, what: str, problem: Problem) -> None:
         """What goes on is told when it begins."""
         if (motor, what) not in self._told:
             self._told.add((motor, what))
-            self._state.tell(f"echo:{sentence}")
+            self._state.tell(f"echo:{problem}")
+            _log.warning("%s", problem, extra=problem.log_fields)

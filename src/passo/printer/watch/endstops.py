@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from typing import TYPE_CHECKING
 
 from passo.board.endstops import Endstops
@@ -15,6 +16,8 @@ if TYPE_CHECKING:
     from passo.motion.homing import Homer
     from passo.motion.rig import Rig
     from passo.printer.state import State
+
+_log = logging.getLogger(__name__)
 
 _REST_S = 0.001  # the board looks so often
 _AHEAD_S = 0.02  # from the command to its first look
@@ -93,7 +96,8 @@ class EndstopWatch:
         for name, clock in clocks.items():
             places = self._rig.positions.at(clock)
             where = " ".join(f"{k}:{at:.3f}" for k, at in places.items() if k != "E")
-            self._state.tell(f"echo:endstops hit: {name.upper()} at {where}")
+            hit = f"endstops hit: {name.upper()} at {where}"
+            self._state.announce(_log, logging.WARNING, hit)
         if self.stops:
             self._stop(names)
 

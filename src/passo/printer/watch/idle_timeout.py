@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 
+from passo.errors import MachineError
 from passo.printer.commands.motors import Motors
 from passo.printer.commands.user_prompts import PersonCommands
 from passo.printer.laser import Laser
@@ -12,6 +14,8 @@ from passo.printer.motion_lock import Turn
 from passo.printer.state import State
 from passo.printer.targets import Targets
 from passo.printer.wait_runner import Waiting
+
+_log = logging.getLogger(__name__)
 
 LASER_OFF_S = 3.0  # of standing with the laser on, no print being under way
 
@@ -30,7 +34,7 @@ class IdleWatch:
         targets: Targets,
         prompts: PersonCommands,
         waits: Waiting,
-        halt: Callable[[str], None],
+        halt: Callable[[MachineError, str], None],
     ) -> None:
         self._rig, self._state, self._turn = rig, state, turn
         self._motors, self._laser, self._targets = motors, laser, targets
@@ -52,18 +56,19 @@ class IdleWatch:
         motors_off = 0 < self._motors.idle_s < idle_s and bool(self._motors.on) and not warm
         if rig.commands.lit and (idle_s > LASER_OFF_S or motors_off):
             self._laser.off()
-            self._state.tell("echo:Laser off after standing idle; M3 switches it on again")
+            self._note("Laser off after standing idle; M3 switches it on again")
             return
         if motors_off:
             self._motors.all_off()
-            self._state.tell("echo:Motors off after standing idle; home before the next move")
+            self._note("Motors off after standing idle; home before the next move")
         if 0 < self._prompts.kill_s < idle_s:
-            self._halt(f"idle for {self._prompts.kill_s:g} s (M85)")
+            idle = MachineError.of("machine.idle", value=self._prompts.kill_s)
+            self._halt(idle, idle.problems[0].sentence)
         if 0 < config.heaters_off_s < idle_s:
             for name, heater in heaters.items():
                 if heater.target > 0:
                     self._targets.set_target(name, 0.0, at_once=True)
-                    self._state.tell(f"echo:Heater {name} off after standing idle")
+                    self._note(f"Heater {name} off after standing idle")
 
     def _cool_hotends(self) -> None:
         """The pause is long: hotends go off so that filament does not degrade; the bed holds the
@@ -71,6 +76,7 @@ class IdleWatch:
         for name, config in self._rig.machine.heaters.items():
             if config.kind == "hotend" and self._rig.connection.heaters[name].target > 0:
                 self._targets.cool(name)
-                self._state.tell(
-                    f"echo:Heater {name} off in a long pause; it warms up before all goes on"
-                )
+                self._note(f"Heater {name} off in a long pause; it warms up before all goes on")
+
+    def _note(self, text: str) -> None:
+        self._state.announce(_log, logging.INFO, text)

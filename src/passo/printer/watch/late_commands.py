@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
@@ -10,8 +11,11 @@ from passo.board.lateness import is_late, problem_of, summary
 if TYPE_CHECKING:
     from passo import _core
     from passo.board.connection import Connection
+    from passo.errors import Problem
     from passo.motion.rig import Rig
     from passo.printer.state import State
+
+_log = logging.getLogger(__name__)
 
 _AGAIN_S = 10.0  # between two lines on the consoles
 
@@ -26,7 +30,7 @@ class LatenessWatch:
         self.worst = ""
         self._least_s = 0.0  # slack of `worst`
         self._next_word = 0
-        self._pending: tuple[float, str] | None = None
+        self._pending: tuple[float, Problem] | None = None
 
     def begin(self) -> None:
         """A print begins."""
@@ -49,11 +53,11 @@ class LatenessWatch:
             if not is_late(connection, slack):
                 continue
             seconds = slack.slack / connection.board.clock_hz
-            sentence = self._sentence(connection, slack)
+            problem = self._problem(connection, slack)
             if self._pending is None or seconds < self._pending[0]:
-                self._pending = seconds, sentence
+                self._pending = seconds, problem
             if not self.worst or seconds < self._least_s:
-                self._least_s, self.worst = seconds, sentence
+                self._least_s, self.worst = seconds, str(problem)
 
     def board_failed(self) -> None:
         """What is known is told at once: it may be why."""
@@ -67,12 +71,13 @@ class LatenessWatch:
 
     def _tell(self) -> None:
         if self._pending is not None:
-            self._state.tell(f"echo:{self._pending[1]}")
+            problem = self._pending[1]
+            self._state.announce(_log, logging.WARNING, str(problem), problem)
             self._pending = None
 
-    def _sentence(self, connection: Connection, slack: _core.Slack) -> str:
+    def _problem(self, connection: Connection, slack: _core.Slack) -> Problem:
         rig, file = self._rig, self.program()
         clock = connection.main_clock(slack.clock) - rig.drive.base
         line = rig.job.line_near(clock) if file else 0
         again = sum(c.link.retransmitted_bytes for c in rig.connection.connections)
-        return str(problem_of(connection, slack, again, file, line or None))
+        return problem_of(connection, slack, again, file, line or None)

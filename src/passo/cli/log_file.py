@@ -1,0 +1,176 @@
+"""The log of `passo serve`: records of standard `logging` in a file, as text or as JSON lines."""
+
+from __future__ import annotations
+
+import json
+import logging
+import math
+import queue
+import re
+import sys
+from collections.abc import Callable
+from datetime import datetime
+from logging.handlers import QueueHandler, QueueListener, RotatingFileHandler
+from typing import Any, Literal, Self
+
+MAX_BYTES = 5_000_000  # of the file; then it is renamed to FILE.1, and FILE.1 to FILE.2
+KEPT_FILES = 5  # FILE.1 to FILE.5
+_MAX_WAITING = 10_000  # records that a slow disk has not taken yet
+LEVELS = {
+    "error": logging.ERROR,
+    "warning": logging.WARNING,
+    "info": logging.INFO,
+    "debug": logging.DEBUG,
+}
+Format = Literal["text", "json"]
+# Whose records are written: asyncio reports what went wrong in a callback.
+_LOGGERS = ("passo", "asyncio")
+_STANDARD = logging.makeLogRecord({}).__dict__.keys() | {"message", "asctime", "taskName"}
+_CONTROL = re.compile(r"[\x00-\x09\x0b-\x1f\x7f-\x9f]")  # what steers a terminal, C0 and C1
+
+
+class LogFile:
+    """A log file, from entering until leaving the `with` block.
+
+    A thread writes, so that a slow disk delays nothing. `print_time_s` is asked for the print time
+    of each record, in the thread that logs. What the disk does not take is lost; standard error has
+    the reason once, and `on_failure` is called with it, in either thread.
+    """
+
+    def __init__(self, path: str, form: Format, level: str) -> None:
+        """Opens the file. Raises OSError."""
+        self._path, self._level = path, LEVELS[level]
+        self._writer = _Writer(path, self._failed)
+        self._writer.setFormatter(JsonFormatter() if form == "json" else TextFormatter())
+        waiting: queue.Queue[Any] = queue.Queue(_MAX_WAITING)
+        self._handler = _Handler(waiting, self._failed)
+        self._handler.addFilter(self._stamp)
+        self._listener = QueueListener(waiting, self._writer)
+        self._before: dict[str, int] = {}  # levels
+        self._has_failed = False
+        self.print_time_s: Callable[[], float] | None = None
+        self.on_failure: Callable[[str], object] | None = None
+
+    def __enter__(self) -> Self:
+        """From here on records are written."""
+        for name in _LOGGERS:
+            logger = logging.getLogger(name)
+            self._before[name] = logger.level
+            logger.setLevel(self._level)
+            logger.addHandler(self._handler)
+        self._listener.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Writes what is waiting, and closes the file."""
+        for name in _LOGGERS:
+            logger = logging.getLogger(name)
+            logger.removeHandler(self._handler)
+            logger.setLevel(self._before[name])
+        self._listener.stop()
+        self._handler.close()
+        self._writer.close()
+
+    def _stamp(self, record: logging.LogRecord) -> bool:
+        if self.print_time_s is not None:
+            record.print_s = round(self.print_time_s(), 3)
+        return True
+
+    def _failed(self, reason: str) -> None:
+        if not self._has_failed:
+            self._has_failed = True
+            text = f"The log {self._path} is not complete: {reason}"
+            print(text, file=sys.stderr)
+            if self.on_failure is not None:
+                self.on_failure(text)
+
+
+class _Handler(QueueHandler):
+    """Hands records to the thread that writes; drops them where that is too slow."""
+
+    def __init__(self, waiting: queue.Queue[Any], failed: Callable[[str], None]) -> None:
+        super().__init__(waiting)
+        self._failed = failed
+
+    def prepare(self, record: logging.LogRecord) -> logging.LogRecord:
+        """The record as it is: it stays in this process."""
+        return record
+
+    def enqueue(self, record: logging.LogRecord) -> None:
+        """Puts it into the queue."""
+        try:
+            self.queue.put_nowait(record)
+        except queue.Full:
+            self._failed(f"{_MAX_WAITING} records wait for the disk")
+
+
+class _Writer(RotatingFileHandler):
+    """Writes records to the file. A full disk ends nothing: the next record is tried again."""
+
+    def __init__(self, path: str, failed: Callable[[str], None]) -> None:
+        super().__init__(
+            path,
+            maxBytes=MAX_BYTES,
+            backupCount=KEPT_FILES,
+            encoding="utf-8",
+            errors="backslashreplace",  # bytes of a host that are no text
+        )
+        self._failed = failed
+
+    def handleError(self, record: logging.LogRecord) -> None:  # noqa: N802
+        """Reports what `emit` has caught."""
+        error = sys.exc_info()[1]
+        reason = error.strerror if isinstance(error, OSError) else None
+        self._failed(reason or f"{type(error).__name__}: {error}")
+
+    def close(self) -> None:
+        """Closes the file, whatever is left of it on a full disk."""
+        try:
+            super().close()
+        except OSError as error:
+            self._failed(error.strerror or str(error))
+
+
+def _time(record: logging.LogRecord) -> str:
+    """Wall-clock time with its offset from UTC, ISO 8601."""
+    return datetime.fromtimestamp(record.created).astimezone().isoformat(timespec="milliseconds")
+
+
+class TextFormatter(logging.Formatter):
+    """`TIME PRINT_TIME LEVEL LOGGER: MESSAGE [CODE]`, a line each; a trace is indented below it."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        """The record as lines."""
+        print_s: float | None = getattr(record, "print_s", None)
+        passed = "-" if print_s is None else f"{print_s:.3f} s"
+        code: str = getattr(record, "code", "")
+        text = f"{record.getMessage()} [{code}]" if code else record.getMessage()
+        if record.exc_info and record.exc_info[0]:
+            text += "\n" + self.formatException(record.exc_info)
+        text = _CONTROL.sub(lambda c: f"\\x{ord(c[0]):02x}", text).replace("\n", "\n    ")
+        return f"{_time(record)} {passed} {record.levelname} {record.name}: {text}"
+
+
+class JsonFormatter(logging.Formatter):
+    """One JSON object a record: time, print_s, level, logger, message, and what the record has in
+    addition, for example code, part, axis, value, limit, file, console, exception."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        """The record as one line."""
+        about: dict[str, Any] = {"time": _time(record)}
+        if (print_s := getattr(record, "print_s", None)) is not None:
+            about["print_s"] = print_s
+        about |= {"level": record.levelname, "logger": record.name, "message": record.getMessage()}
+        for name, value in record.__dict__.items():
+            if name not in _STANDARD and name not in about:
+                about[name] = _plain(value)
+        if record.exc_info and record.exc_info[0]:
+            about["exception"] = self.formatException(record.exc_info)
+        return json.dumps(about, ensure_ascii=False)
+
+
+def _plain(value: object) -> object:
+    """A value that JSON has; infinity and NaN are text."""
+    if isinstance(value, float):
+        return value if math.isfinite(value) else str(value)
+    return value if isinstance(value, bool | int | str) or value is None else str(value)

@@ -1,0 +1,69 @@
+"""The last lines of all consoles, both ways, for the report of a halt."""
+
+from __future__ import annotations
+
+import logging
+import re
+from collections import deque
+from collections.abc import Callable
+from typing import NamedTuple
+
+from passo.gcode.line_protocol import decoded
+
+_log = logging.getLogger(__name__)
+
+KEPT = 200  # lines of each direction
+_LONGEST = 300  # characters that are kept of a line
+# Commands of other firmwares with a password or the access to a network.
+_SECRET = re.compile(
+    r"(\s*(?:[Nn]\s*\d+\s*)?[Mm]\s*0*(?:551|58[6-9])(?:\.\d+)?)(?!\d).*", re.DOTALL
+)
+
+
+class ConsoleLine(NamedTuple):
+    """A line at a host time in seconds; `console` counts from 1, and 0 stands for all."""
+
+    host_s: float
+    console: int
+    received: bool
+    text: str
+
+
+class ConsoleLines:
+    """Lines of one printer's consoles. At level DEBUG each is a record of the log."""
+
+    def __init__(self, now_s: Callable[[], float]) -> None:
+        """`now_s` is host time."""
+        self._now_s = now_s
+        self._received: deque[ConsoleLine] = deque(maxlen=KEPT)
+        self._sent: deque[ConsoleLine] = deque(maxlen=KEPT)
+        self._consoles = 0
+
+    def join(self) -> int:
+        """The number of another console."""
+        self._consoles += 1
+        return self._consoles
+
+    def received(self, console: int, text: str) -> None:
+        """A line that a host has sent, its bytes beyond ASCII as in `gcode.line_protocol.Line`."""
+        self._received.append(ConsoleLine(self._now_s(), console, True, text[:_LONGEST]))
+        if _log.isEnabledFor(logging.DEBUG):
+            _log.debug("> %s", without_secrets(decoded(text)), extra={"console": console})
+
+    def sent(self, console: int, text: str) -> None:
+        """A line that a console, or 0 for all of them, is answered with."""
+        if text == "wait" or text.startswith("echo:busy: "):
+            return  # they only keep a host from a timeout
+        self._sent.append(ConsoleLine(self._now_s(), console, False, text[:_LONGEST]))
+        if _log.isEnabledFor(logging.DEBUG):
+            _log.debug("< %s", text, extra={"console": console})
+
+    def last(self) -> list[ConsoleLine]:
+        """The last lines in the order of their times, without secrets."""
+        lines = sorted([*self._received, *self._sent], key=lambda line: line.host_s)
+        return [line._replace(text=without_secrets(decoded(line.text))) for line in lines]
+
+
+def without_secrets(text: str) -> str:
+    """A line without the words of a command that may hold a password."""
+    return _SECRET.sub(r"\1 (not shown)", text)
