@@ -118,7 +118,7 @@ def test_slow_moves_take_their_time(capsys, tmp_path, lines, seconds):
             "P is 1e+08: expected 0 to 135047. Send the command with such a value.",
         ),
         ("G1 X250.0001", "X 250.0001 mm is beyond the limit of 250.0000 mm"),
-        ("G1 X-0.00004", "X -0.00004 mm is beyond the limit of 0.00000 mm"),
+        ("G1 X250.00004", "X 250.00004 mm is beyond the limit of 250.00000 mm"),
         ("G1 X-0.5", "X -0.500 mm is beyond the limit of 0.000 mm"),
         ("SET_VELOCITY_LIMIT ACCEL=", "the word 'ACCEL' has no valid number"),
         ("SET_VELOCITY_LIMIT ACCEL= VELOCITY=5", "the word 'ACCEL' has no valid number"),
