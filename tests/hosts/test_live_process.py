@@ -55,7 +55,7 @@ def test_another_host_goes_on_with_the_print_of_one_that_was_killed(tmp_path: Pa
     assert cable.look(lambda: cable.board.position("x")) == stopped
     with Scenario(on("serial", cable.path), **places, loop=asyncio.new_event_loop()) as scenario:
         assert scenario.printer.connection.adopted
-        assert "from where the board has stopped" in scenario.printer.greeting()
+        assert "from where the board has stopped" in scenario.printer.state.greeting()
         assert cable.look(lambda: cable.board.position("x")) == stopped
         scenario.host.send("M1000")
         scenario.host.expect("Printing a.g from line", 20.0)
