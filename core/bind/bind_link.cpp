@@ -268,6 +268,30 @@ void bind_link(nb::module_& m) {
       .def_prop_ro("messages", &held<[](Link& l) { return l.job().messages(); }>)
       .def_prop_ro("stream_hash", &held<[](Link& l) { return l.job().hash(); }>)
       .def(
+          "keep_record",
+          [](Link& l, size_t bytes, size_t parts) {
+            std::lock_guard lock(l.guard());
+            l.record().keep(bytes, parts);
+          },
+          "bytes"_a, "parts"_a,
+          "Keeps the last bytes of both directions from now on; powers of two.")
+      .def(
+          "recorded",
+          [](Link& l, Ticks since) {
+            nb::list list;
+            std::lock_guard lock(l.guard());
+            l.record().each([&](const FrameRecord::Part& part, const Bytes& bytes) {
+              if (part.host < since) return;
+              list.append(nb::make_tuple(part.host, part.clock, part.from_board,
+                                         to_bytes(bytes.data(), bytes.size())));
+            });
+            return list;
+          },
+          nb::sig("def recorded(self, since: int) -> list[tuple[int, int, bool, bytes]]"),
+          "since"_a,
+          "What was sent and received since that host time, oldest first: host time, the board's "
+          "clock (0 while it is not known), whether it came from the board, and its bytes.")
+      .def(
           "feed",
           [](Link& l, const nb::bytes& data, Ticks now) {
             std::lock_guard lock(l.guard());

@@ -174,6 +174,7 @@ void Link::go_on() {
 
 bool Link::feed(const uint8_t* data, size_t n, Ticks now) {
   Ticks clock = wake(now);
+  if (record_.on()) record_.add(true, data, n, now, clock);
   uint64_t acked = window_.acked();
   bool waited = keeps_ || timeline_ || !sync_.ready() || !window_.room(kPayloadMax);
   scanner_.feed(
@@ -228,6 +229,8 @@ Ticks Link::poll(Ticks now, Bytes& out) {
     open_first_ = open_need_ = kNever;
   }
   wire_bytes_ += out.size() - before;
+  if (record_.on() && out.size() > before)
+    record_.add(false, out.data() + before, out.size() - before, now, clock);
   lateness_.looked(obstacle(clock), clock);
   return due_ = deadline(now);
 }

@@ -15,6 +15,7 @@
 #include "link/device.hpp"
 #include "link/dictionary.hpp"
 #include "link/frame.hpp"
+#include "link/frame_record.hpp"
 #include "link/heaters.hpp"
 #include "link/job_stream.hpp"
 #include "link/send_slack.hpp"
@@ -116,6 +117,8 @@ class Link {
   uint64_t frames() const { return frames_; }
   uint64_t retransmitted_bytes() const { return window_.retransmitted_bytes(); }
   Lateness& lateness() { return lateness_; }
+  // What was sent and received last, once it is told to keep that.
+  FrameRecord& record() { return record_; }
 
   // Bytes from the board. False if these were nothing but acknowledgements that nothing waits for:
   // then poll() has no more to send than it had.
@@ -146,6 +149,7 @@ class Link {
   ClockSync sync_;
   JobStream job_;
   Lateness lateness_;
+  FrameRecord record_;
   Ticks due_ = kNever;                  // host time by which poll() should be called
   Ticks woke_ = kNever, clock_ = 0;     // host time of the last look, and the board's clock then
   std::shared_ptr<Timeline> timeline_;  // none: the board is alone

@@ -694,6 +694,14 @@ class Link:
     @property
     def stream_hash(self) -> int: ...
 
+    def keep_record(self, bytes: int, parts: int) -> None:
+        """Keeps the last bytes of both directions from now on; powers of two."""
+
+    def recorded(self, since: int) -> list[tuple[int, int, bool, bytes]]:
+        """
+        What was sent and received since that host time, oldest first: host time, the board's clock (0 while it is not known), whether it came from the board, and its bytes.
+        """
+
     def feed(self, data: bytes, now: int) -> None: ...
 
     def poll(self, now: int) -> tuple[bytes, int]:

@@ -580,3 +580,23 @@ def test_the_stream_hash_knows_content_and_order_only():
         messages[:2],
     ]
     assert len({value, *(hash_of(m, 2) for m in others)}) == 6
+
+
+def test_record_keeps_the_newest_frames_of_both_directions():
+    link = _core.Link(1e6)
+    link.keep_record(128, 8)
+    link.send("identify", [0, 40])
+    link.poll(0)
+    first = link.recorded(0)
+    assert [(host, clock, up) for host, clock, up, _ in first] == [(0, 0, False)]
+    assert first[0][3] == _core.make_frame(bytes([1, 0, 40]), 1)
+    for i in range(1, 30):
+        link.feed(bytes([i]) * i, i)
+    kept = link.recorded(0)
+    assert [(host, data) for host, _, _, data in kept] == [
+        (i, bytes([i]) * i)
+        for i in range(26, 30)  # 26 + 27 + 28 + 29 bytes, one more is too many
+    ]
+    assert link.recorded(28) == kept[2:]
+    link.feed(bytes(129), 30)  # longer than all that may be kept
+    assert link.recorded(0) == kept
