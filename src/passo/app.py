@@ -20,6 +20,7 @@ from passo.console.settings_commands import SettingsCommands
 from passo.console.status import StatusReader
 from passo.errors import InputError
 from passo.job.durable_files import directory_held
+from passo.job.live.halt_reports import HaltReports
 from passo.job.live.journal_keeper import JournalKeeper
 from passo.job.live.library import AUTOSTART, Library
 from passo.job.live.objects import PrintObjects
@@ -55,16 +56,18 @@ def assembled(
     free: bool = False,
     card: str | None = None,
     state: str | None = None,
+    reports: str | None = None,
     skips: Skips = NOTHING,
 ) -> Assembly:
-    """A printer with all that `passo serve` has but the consoles; `skips` are commands that its
-    prints may leave out. Within a running event loop. Raises MachineError, CardError if `card`
+    """A printer with all that `passo serve` has but the consoles; `reports` begins the paths of the
+    reports of halts, which are in `state` otherwise; `skips` are commands that its prints may leave
+    out. Within a running event loop. Raises MachineError, CardError if `card`
     cannot be used, and InputError if another one has `state`; the board is let go then."""
     printer = Printer(machine, free=free, skips=skips)
     listen = printer.state.unheard.append
     printer.state.listeners.append(listen)
     try:
-        assembly = _furnish(printer, card, state)
+        assembly = _furnish(printer, card, state, reports)
         printer.report_start()
     except BaseException:
         printer.close()
@@ -84,12 +87,14 @@ def _hold(printer: Printer, state: Path) -> None:
         printer.closers.append(lambda: os.close(held))
 
 
-def _furnish(printer: Printer, card: str | None, state: str | None) -> Assembly:
+def _furnish(
+    printer: Printer, card: str | None, state: str | None, reports: str | None
+) -> Assembly:
     folder = None if state is None else Path(state)
     if folder is not None:
         _hold(printer, folder)
-    reports = Reports(printer, card=card is not None, settings=folder is not None)
-    printer.waits.temperatures = reports.temperatures
+    answers = Reports(printer, card=card is not None, settings=folder is not None)
+    printer.waits.temperatures = answers.temperatures
     runner = Runner(printer, Listeners(printer))
     options = OptionCommands(printer)
     library = Library(printer, runner, card)
@@ -99,8 +104,8 @@ def _furnish(printer: Printer, card: str | None, state: str | None) -> Assembly:
     objects = PrintObjects(printer, runner)
     status = StatusReader(printer, runner, progress, objects)
     immediate, planned = printer.dispatch.immediate, printer.dispatch.planned
-    immediate |= reports.handlers
-    immediate |= ConsoleCommands(printer, reports).handlers
+    immediate |= answers.handlers
+    immediate |= ConsoleCommands(printer, answers).handlers
     immediate |= options.immediate
     immediate |= CardCommands(printer, runner, library).handlers
     immediate |= statistics.immediate
@@ -114,6 +119,9 @@ def _furnish(printer: Printer, card: str | None, state: str | None) -> Assembly:
         keeper = JournalKeeper(printer, runner, library, objects, folder)
         planned |= RecoveryCommands(printer, runner, keeper).planned
         printer.state.greeting = keeper.offer
+    stem = folder / "halt" if folder is not None else Path(reports) if reports else None
+    if stem is not None:
+        HaltReports(printer, runner, progress, stem)
     store = None if folder is None else Store(folder / "settings.json", printer.machine.uuid)
     settings = SettingsCommands(printer, store, options)
     planned |= settings.planned

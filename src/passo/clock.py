@@ -11,7 +11,11 @@ import asyncio
 import selectors
 import time
 from collections.abc import Callable
-from typing import Any
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import Any, ParamSpec, TypeVar
+
+_P = ParamSpec("_P")
+_T = TypeVar("_T")
 
 
 class _Scaled(selectors.DefaultSelector):
@@ -57,12 +61,26 @@ class _Jumping(selectors.DefaultSelector):
         return ready
 
 
+class _AtOnce(ThreadPoolExecutor):
+    """No threads: a call is done when it is submitted, in no virtual time."""
+
+    def submit(self, fn: Callable[_P, _T], /, *args: _P.args, **kwargs: _P.kwargs) -> Future[_T]:
+        done: Future[_T] = Future()
+        try:
+            done.set_result(fn(*args, **kwargs))
+        except BaseException as error:
+            done.set_exception(error)
+        return done
+
+
 class VirtualLoop(asyncio.SelectorEventLoop):
-    """An event loop in virtual time, from 0 s on."""
+    """An event loop in virtual time, from 0 s on. What asyncio would give to a thread runs at once,
+    so that each run is the same."""
 
     def __init__(self) -> None:
         self._virtual_s = 0.0
         super().__init__(_Jumping(self.pass_time))
+        self.set_default_executor(_AtOnce())
 
     def pass_time(self, seconds: float) -> None:
         """So much time passes at once, in which no task runs: as while the program computes."""

@@ -77,12 +77,14 @@ class Printer:
         fast: bool = False,
         card: str | None = None,
         state: str | None = None,
+        halt_reports: str | None = None,
         skip_unknown: bool = False,
         skip_levelling: bool = False,
     ) -> None:
         """`machine` is a machine, or the name or file of one. `fast`: print time of a simulated
         board passes as fast as it can, but only while something waits for it. `card` is the SD card
-        (a folder, an image or a device), `state` the folder of settings, history and the journal.
+        (a folder, an image or a device), `state` the folder of settings, history, the journal and
+        a report of each halt; without it `halt_reports` begins the path of the reports, if given.
         `skip_unknown` and `skip_levelling` let prints leave out commands as `Machine.print` does.
         Raises ConfigError.
         """
@@ -90,6 +92,7 @@ class Printer:
             machine = config.load(machine)
         self.config = machine.config if isinstance(machine, Machine) else machine
         self._fast, self._card, self._state = fast, card, state
+        self._halt_reports = halt_reports
         self._skips = Skips(unknown=skip_unknown, levelling=skip_levelling)
         self._assembly: Assembly | None = None
         self._observed: Observer | None = None
@@ -105,6 +108,7 @@ class Printer:
             free=self._fast,
             card=self._card,
             state=self._state,
+            reports=self._halt_reports,
             skips=self._skips,
         )
         _log.info("Printer %s started by Passo %s", self.config.name, __version__)

@@ -46,6 +46,10 @@ def test_json_lines_have_time_print_time_level_and_code(tmp_path):
     (halt,) = [r for r in records if r["level"] == "ERROR"]
     assert (halt["code"], halt["part"]) == ("machine.emergency-stop", "job")
     assert halt["print_s"] >= 0
+    (report,) = tmp_path.glob("log-halt-0001-*.txt")
+    assert "code:   machine.emergency-stop" in report.read_text()
+    said = f"The report of this halt is in {report}. Attach it when you ask for help"
+    assert said in [r["message"] for r in records]
 
 
 def test_text_lines_have_time_print_time_level_logger_and_code(tmp_path):

@@ -95,6 +95,7 @@ class Scenario:
         free: bool = False,
         card: str | None = None,
         state: str | None = None,
+        reports: str | None = None,
         skips: Skips = NOTHING,
         loop: asyncio.AbstractEventLoop | None = None,
     ) -> None:
@@ -103,15 +104,17 @@ class Scenario:
         self.loop.set_exception_handler(lambda _, context: self._failures.append(context))
         self.machine = config.load(machine) if isinstance(machine, str) else machine
         try:
-            self.printer = self.run(self._start(free, card, state, skips))
+            self.printer = self.run(
+                self._start(free=free, card=card, state=state, reports=reports, skips=skips)
+            )
         except BaseException:
             self.loop.close()
             raise
         self._task = self.loop.create_task(self.printer.run())
         self.host = Host(self)
 
-    async def _start(self, free: bool, card: str | None, state: str | None, skips: Skips) -> Any:
-        self.assembly = assembled(self.machine, free=free, card=card, state=state, skips=skips)
+    async def _start(self, **options: Any) -> Any:
+        self.assembly = assembled(self.machine, **options)
         return self.assembly.printer
 
     def __enter__(self) -> Scenario:

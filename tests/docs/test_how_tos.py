@@ -18,7 +18,13 @@ import passo._core
 ROOT = Path(__file__).parents[2]
 FOLDER = ROOT / "docs/how-to"
 FILE = re.compile(r"`([\w.]+\.(?:gcode|txt))`[^`]*?```gcode\n(.*?)```", re.DOTALL)
-RUN = ("first-print", "connect-octoprint", "tune-a-heater", "calibrate-a-thermistor")
+RUN = (
+    "ask-for-help",
+    "first-print",
+    "connect-octoprint",
+    "tune-a-heater",
+    "calibrate-a-thermistor",
+)
 CHANGES = ("add-a-command", "add-a-sensor", "add-a-geometry")
 
 

@@ -93,6 +93,11 @@ class Boards:
         the longest of all boards, 0 if they have acknowledged all."""
         return max(c.link.unheard_s(c.board_clock) for c in self.connections)
 
+    def keep_frames(self) -> None:
+        """As `Connection.keep_frames`, on all boards."""
+        for connection in self.connections:
+            connection.keep_frames()
+
     def use_commits(self, horizon_s: float) -> None:
         """As `Connection.use_commits`, on all boards."""
         for connection in self.connections:

@@ -28,6 +28,7 @@ from passo.board.faults import (
     shutdown_error,
 )
 from passo.board.ports import LinkLostError, Port
+from passo.board.recorded_frames import KEPT_BYTES, KEPT_PARTS, KEPT_S, RecordedFrames
 from passo.board.words import check_words
 from passo.clock import time_scale
 from passo.errors import MachineError
@@ -128,6 +129,23 @@ class Connection:
             self.command("survive_arm")
             self._switch_off_loads()
         self.run(self.now)
+
+    def keep_frames(self) -> None:
+        """Frames of both directions are kept from now on, for `recorded_frames`."""
+        self.link.keep_record(KEPT_BYTES, KEPT_PARTS)
+
+    @property
+    def host_ticks(self) -> int:
+        """Host time of the link now, in ticks of this board's nominal frequency; 0 before the
+        link follows the clock of the board."""
+        return self.link.host_at(self.board_clock) if self.link.synchronous else 0
+
+    def recorded_frames(self, halt_ticks: int) -> RecordedFrames:
+        """The frames since some seconds before that host time, as far as they are kept."""
+        since = halt_ticks - int(KEPT_S * self.board.clock_hz)
+        return RecordedFrames(
+            self.name, self.board, self.dictionary, self.oids, halt_ticks, self.link.recorded(since)
+        )
 
     def join(self, timeline: _core.Timeline, *, main: bool, tolerance_s: float) -> None:
         """The board is one of several: the main one, or one whose steps may miss the plan's times

@@ -134,23 +134,38 @@ def decode(data: bytes, dictionary: Dictionary, *, from_board: bool = False) -> 
     """Every message in the frames of `data`, one line each, for a person to read.
 
     Acknowledgements and bytes that are no frame appear as such. `from_board` reads reports instead
-    of commands.
+    of commands. Raises ValueError for a message that the dictionary does not have.
     """
     formats = _core.Formats(list(dictionary.reports if from_board else dictionary.commands))
     lines: list[str] = []
-    frames: list[tuple[int, bytes] | None] = _core.FrameScanner().feed(data)
-    for frame in frames:
-        if frame is None:
-            lines.append("(bytes that are no frame)")
-            continue
-        sequence, payload = frame
-        if not payload:
-            lines.append(f"(acknowledge {sequence})")
-        messages: list[tuple[str, dict[str, int | bytes]]] = formats.decode(payload)
-        lines += [_line(name, values) for name, values in messages]
+    for frame in _core.FrameScanner().feed(data):
+        lines += frame_lines(frame, formats)
     return lines
 
 
-def _line(name: str, values: Mapping[str, int | bytes]) -> str:
-    shown = (f"{k}={v.hex() if isinstance(v, bytes) else v}" for k, v in values.items())
-    return " ".join([name, *shown])
+def frame_lines(
+    frame: tuple[int, bytes] | None,
+    formats: _core.Formats,
+    labels: Mapping[tuple[str, int], str] | None = None,
+) -> list[str]:
+    """A line for each message of a frame, which is (sequence, payload), or None for bytes that are
+    no frame. `labels` explain values of parameters: ("oid", 3) is perhaps the stepper x. Raises
+    ValueError for a message that is not among the formats."""
+    if frame is None:
+        return ["(bytes that are no frame)"]
+    sequence, payload = frame
+    if not payload:
+        return [f"(acknowledge {sequence})"]
+    messages: list[tuple[str, dict[str, int | bytes]]] = formats.decode(payload)
+    return [_line(name, values, labels or {}) for name, values in messages]
+
+
+def _line(
+    name: str, values: Mapping[str, int | bytes], labels: Mapping[tuple[str, int], str]
+) -> str:
+    words = [name]
+    for key, value in values.items():
+        words.append(f"{key}={value.hex() if isinstance(value, bytes) else value}")
+        if isinstance(value, int) and (label := labels.get((key, value))):
+            words.append(f"({label})")
+    return " ".join(words)

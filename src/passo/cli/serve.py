@@ -77,14 +77,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--state",
         type=_state,
         metavar="DIR",
-        help="where settings and the history of prints are kept",
+        help="where settings, the history of prints and reports of halts are kept",
     )
     parser.add_argument(
         "--log",
         type=_path,
         metavar="FILE",
         help="write what happens into this file; at 5 MB it is renamed to FILE.1, of which five "
-        "are kept",
+        "are kept; reports of halts are beside it, if there is no --state",
     )
     parser.add_argument(
         "--log-level",
@@ -231,6 +231,7 @@ async def _serve(
         fast=arguments.clock is None,
         card=arguments.sd,
         state=arguments.state,
+        halt_reports=arguments.log and f"{arguments.log}-halt",
         skip_unknown=skips.unknown,
         skip_levelling=skips.levelling,
     )

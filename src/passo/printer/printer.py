@@ -200,6 +200,7 @@ class Printer:
         self._first_faults = []
         self.state.start_failure = None
         self.laser.begin()
+        connection.keep_frames()
         if connection.survives:
             connection.arm(True)  # from here on no word that comes late shuts a board down
         self.mains.begin(connection)

@@ -39,6 +39,7 @@ class State:
         self.command_listeners: list[Callable[[Command, Reply], None]] = []  # of what was done
         self.line_listeners: list[Callable[[bool], None]] = []  # a console's begins, or was `done`
         self.stop_listeners: list[Callable[[str], None]] = []
+        self.halt_listeners: list[Callable[[PassoError], None]] = []  # of its cause
         self.fault_listeners: list[Callable[[HeaterFault], None]] = []
         # What the parts above the printer answer.
         self.busy: Callable[[], bool] = lambda: False  # a print is under way, or paused
@@ -57,6 +58,8 @@ class State:
         _log.error(
             "Printer halted: %s", self.halted, extra=cause.problems[0].log_fields, exc_info=program
         )
+        for listener in self.halt_listeners:
+            listener(cause)
 
     def restarted(self) -> None:
         """M999 has started the printer again."""

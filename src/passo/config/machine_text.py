@@ -1,0 +1,51 @@
+"""A machine as it was loaded, as text that may be shown to others: without secrets."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, cast
+
+from passo.config.findings import key_text
+
+if TYPE_CHECKING:
+    from passo.config.machine import MachineConfig
+
+HIDDEN = '"(not shown)"'
+_SECRET_KEY = re.compile(r"pass(word|phrase|wd|code)?$|secret|token|credential|api_?key|^uuid$")
+_USER_IN_URL = re.compile(r"(?<=://)[^/@\s]*@")
+
+
+def machine_text(machine: MachineConfig) -> str:
+    """Each value that is not a default as a line of TOML, `key.key = value`, those of the files of
+    boards and sensors included. Passwords, tokens, users in URLs and the UUID are not shown."""
+    values = machine.model_dump(mode="json", exclude_defaults=True, exclude_none=True)
+    return "".join(f"{line}\n" for line in _lines(values, ()))
+
+
+def _lines(values: Mapping[str, object], path: tuple[str | int, ...]) -> Iterator[str]:
+    for key, value in values.items():
+        here = (*path, key)
+        if _SECRET_KEY.search(key.lower()):
+            yield f"{key_text(here)} = {HIDDEN}"
+        elif isinstance(value, dict):
+            yield from _lines(cast("dict[str, object]", value), here)
+        else:
+            yield f"{key_text(here)} = {_USER_IN_URL.sub('', _toml(value))}"
+
+
+def _toml(value: object) -> str:
+    """A value other than a table; tables in an array are inline."""
+    if isinstance(value, list):
+        return f"[{', '.join(_toml(item) for item in cast('list[object]', value))}]"
+    if isinstance(value, dict):
+        content = cast("dict[str, object]", value)
+        shown = (
+            f"{key} = {HIDDEN if _SECRET_KEY.search(key.lower()) else _toml(item)}"
+            for key, item in content.items()
+        )
+        return f"{{ {', '.join(shown)} }}"
+    if isinstance(value, float):
+        return str(value)  # inf and nan are words of TOML
+    return json.dumps(value, ensure_ascii=False)

@@ -1,0 +1,176 @@
+"""Writes a report at each halt of a printer, for a user who asks for help."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import re
+import traceback
+from collections.abc import Generator
+from contextlib import contextmanager, suppress
+from datetime import datetime
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from passo.config.machine_text import machine_text
+from passo.errors import PassoError
+from passo.job.durable_files import replaced
+from passo.job.live.halt_report_text import HaltReport, JobMoment
+from passo.printer.watch.heater_history import HeaterHistory
+
+if TYPE_CHECKING:
+    from passo.job.live.progress import Progress
+    from passo.job.live.runner import Runner
+    from passo.printer.printer import Printer
+
+_log = logging.getLogger(__name__)
+
+KEPT_FILES = 10
+AFTER_S = 0.5  # until the frames are taken: the order to stop, and what the boards answer
+
+
+class _Halt:
+    """What only the moment of a halt shows."""
+
+    def __init__(
+        self,
+        printer: Printer,
+        host_s: float,
+        job: JobMoment,
+        history: HeaterHistory,
+        cause: PassoError,
+    ) -> None:
+        self.when = datetime.now().astimezone()
+        self.host_s = host_s
+        self.print_s = printer.drive.now_s
+        self.why = printer.state.why_halted
+        self.cause = cause
+        self.job = job
+        self.heaters = [*history.samples(), (self.print_s, history.now())]
+        # A restart replaces the connections; these keep what they have recorded.
+        self.connections = [(c, c.host_ticks) for c in printer.connection.connections]
+
+
+class HaltReports:
+    """Writes `STEM-0001-DATE-TIME.txt` at a halt, then 0002 and so on, and keeps the last ten.
+
+    A thread writes, half a second after the halt: nothing waits for the disk. A restart loses no
+    report, nor does the end of the program. All consoles and the log are told where it is. What
+    cannot be written is a warning.
+    """
+
+    def __init__(self, printer: Printer, runner: Runner, progress: Progress, stem: Path) -> None:
+        self._printer, self._runner, self._progress = printer, runner, progress
+        self._stem = stem
+        self._history = HeaterHistory(printer.rig)
+        self._loop = asyncio.get_running_loop()
+        self._writing = asyncio.Lock()
+        self._pending: dict[_Halt, asyncio.Task[None]] = {}
+        printer.watchers.append(self._history.time_passed)
+        printer.state.halt_listeners.append(self._halted)
+        printer.closers.append(self._close)
+
+    def _halted(self, cause: PassoError) -> None:
+        try:
+            halt = _Halt(self._printer, self._loop.time(), self._job(), self._history, cause)
+        except Exception:  # the halt itself goes on
+            self._failed(exc_info=True)
+        else:
+            self._pending[halt] = self._loop.create_task(self._write_later(halt))
+
+    def _job(self) -> JobMoment:
+        runner, printer = self._runner, self._printer
+        return JobMoment(
+            runner.state.name.lower(),
+            runner.name,
+            printer.job.line_at(printer.drive.passed) if runner.active else 0,
+            runner.offset if runner.reader else 0,
+            runner.size,
+            self._progress.printed_s,
+        )
+
+    async def _write_later(self, halt: _Halt) -> None:
+        await asyncio.sleep(AFTER_S)
+        async with self._writing:
+            with self._failures():
+                del self._pending[halt]
+                report = self._gathered(halt)
+                self._written(await asyncio.to_thread(_write, report, self._stem))
+
+    def _close(self) -> None:
+        """The loop ends: what has not been written yet is written now."""
+        for halt, task in self._pending.items():
+            task.cancel()
+            with self._failures():
+                self._written(_write(self._gathered(halt), self._stem))
+
+    @contextmanager
+    def _failures(self) -> Generator[None]:
+        """A report that fails is a warning."""
+        try:
+            yield
+        except OSError as error:
+            self._failed(error.strerror or str(error))
+        except Exception:
+            self._failed(exc_info=True)
+
+    def _gathered(self, halt: _Halt) -> HaltReport:
+        printer = self._printer
+        return HaltReport(
+            when=halt.when.isoformat(timespec="milliseconds"),
+            host_s=halt.host_s,
+            print_s=halt.print_s,
+            why=halt.why,
+            problems=halt.cause.problems,
+            trace=_trace(halt.cause),
+            printer=printer.machine.name,
+            job=halt.job,
+            console_lines=[
+                line for line in printer.state.console_lines.last() if line.host_s <= halt.host_s
+            ],
+            heaters=halt.heaters,
+            frames=[c.recorded_frames(ticks) for c, ticks in halt.connections],
+            settings=list(printer.state.settings()),
+            machine=machine_text(printer.machine),
+        )
+
+    def _written(self, path: Path) -> None:
+        text = f"The report of this halt is in {path}. Attach it when you ask for help"
+        self._printer.state.announce(_log, logging.INFO, text)
+
+    def _failed(self, reason: str = "an error of the program", *, exc_info: bool = False) -> None:
+        text = f"The report of this halt could not be written: {reason}"
+        _log.warning("%s", text, exc_info=exc_info)
+        self._printer.tell(f"echo:{text}")
+
+
+def _trace(cause: PassoError) -> str:
+    """The trace of a fault of the program; empty for any other cause."""
+    fault = cause.__cause__
+    return "" if fault is None else "".join(traceback.format_exception(fault))
+
+
+def _write(report: HaltReport, stem: Path) -> Path:
+    """Writes the next file, and removes those before the last ten. Raises OSError."""
+    before = _reports(stem)
+    number = 1 + max(before, default=0)
+    stamp = re.sub(r"[-:]|\..*", "", report.when).replace("T", "-")
+    path = stem.with_name(f"{stem.name}-{number:04d}-{stamp}.txt")
+    with replaced(path) as temporary:
+        text = report.text().replace(f"{Path.home()}/", "~/")  # a name of the user
+        temporary.write_text(text, encoding="utf-8", errors="backslashreplace")
+    for old in sorted(before)[: max(0, len(before) + 1 - KEPT_FILES)]:
+        for file in before[old]:
+            with suppress(OSError):
+                file.unlink()
+    return path
+
+
+def _reports(stem: Path) -> dict[int, list[Path]]:
+    """The reports that are there, by number."""
+    name = re.compile(rf"{re.escape(stem.name)}-(\d{{4,}})-\d{{8}}-\d{{6}}\.txt")
+    found: dict[int, list[Path]] = {}
+    for path in stem.parent.iterdir():
+        if match := name.fullmatch(path.name):
+            found.setdefault(int(match[1]), []).append(path)
+    return found
