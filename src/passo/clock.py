@@ -26,6 +26,7 @@ class _Scaled(selectors.DefaultSelector):
         self._scale = scale
 
     def select(self, timeout: float | None = None) -> Any:
+        """What is ready within `timeout` seconds of the loop; None: within any time."""
         return super().select(timeout if timeout is None else timeout / self._scale)
 
 
@@ -53,6 +54,7 @@ class _Jumping(selectors.DefaultSelector):
         self._pass_time = pass_time
 
     def select(self, timeout: float | None = None) -> Any:
+        """What is ready now; if nothing is, `timeout` seconds pass at once."""
         ready = super().select(0)
         if not ready and timeout is None:
             return super().select(None)  # only a signal or another thread can end this
@@ -65,6 +67,7 @@ class _AtOnce(ThreadPoolExecutor):
     """No threads: a call is done when it is submitted, in no virtual time."""
 
     def submit(self, fn: Callable[_P, _T], /, *args: _P.args, **kwargs: _P.kwargs) -> Future[_T]:
+        """Calls the function; returns its result or what it has raised."""
         done: Future[_T] = Future()
         try:
             done.set_result(fn(*args, **kwargs))

@@ -24,6 +24,7 @@ class _Sentence(Formatter):
     terminal (a compiler may tell several lines)."""
 
     def format_field(self, value: object, format_spec: str) -> str:
+        """The value as text, at most `_LONGEST_VALUE` characters and an ellipsis."""
         text = _STEERS.sub(_escaped, str(super().format_field(value, format_spec)))
         return text if len(text) <= _LONGEST_VALUE else text[:_LONGEST_VALUE] + "…"
 
@@ -99,6 +100,7 @@ class PassoError(Exception):
         self.status: ExitStatus = problems[0].entry.status
 
     def __reduce__(self) -> tuple[Any, ...]:
+        """Pickles the problems."""
         # The text alone would not do: an error crosses to another process with its problems.
         return _restored, (type(self), self.problems), self.__dict__
 

@@ -93,7 +93,7 @@ class Connection:
 
     @property
     def board_clock(self) -> int:
-        """This board's own clock, as far as it is known."""
+        """The board's own clock, as far as it is known."""
         return self.wire.board_clock(self.link)
 
     def connect(self, *, adopt: bool = False) -> None:

@@ -50,6 +50,7 @@ class HeaterFault:
         return MachineError([replace(problem, hint=hint)])
 
     def __str__(self) -> str:
+        """The sentence of the fault, with the next action."""
         return str(self.problem)
 
 

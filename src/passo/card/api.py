@@ -174,6 +174,7 @@ class Writer(ABC):
     def _discard(self) -> None: ...
 
     def __enter__(self) -> Self:
+        """The writer itself."""
         return self
 
     def __exit__(
@@ -182,6 +183,7 @@ class Writer(ABC):
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
+        """Closes the file if all went well, else discards it. Raises CardError."""
         if kind is None:
             self.close()
         else:

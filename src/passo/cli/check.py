@@ -1,4 +1,4 @@
-"""`passo check FILE.toml`: is this machine file right?"""
+"""`passo check FILE.toml`: what is wrong with a machine file."""
 
 from __future__ import annotations
 

@@ -90,6 +90,7 @@ class _Telling(io.TextIOWrapper):
     """Standard error. What it does not take, on a full disk say, is lost, and all else goes on."""
 
     def write(self, text: str, /) -> int:
+        """Writes the text, or drops it and all that follows; returns its length. Raises nothing."""
         try:
             return super().write(text)
         except OSError:

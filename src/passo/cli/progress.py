@@ -36,6 +36,7 @@ class ProgressBar:
         )
 
     def __enter__(self) -> ProgressBar:
+        """Shows the bar from now on."""
         if self._bar:
             self._bar.start()
         return self
@@ -46,6 +47,7 @@ class ProgressBar:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
+        """Removes the bar."""
         if self._bar:
             self._bar.stop()
 

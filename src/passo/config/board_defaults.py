@@ -97,12 +97,13 @@ def _functions(data: Mapping[str, Any], part: str) -> Iterator[tuple[str, str, d
 
 
 class _FunctionNames:
-    """Names of functions, in the order of a machine's parts: hotend0, hotend1, bed, fan0, …"""
+    """Names of functions, in the order of a machine's parts: hotend0, hotend1, bed, fan0."""
 
     def __init__(self) -> None:
         self._seen = Counter[str]()
 
     def of(self, kind: str) -> str:
+        """The name of the next part of this kind; a bed and a chamber have their own."""
         if kind not in ("hotend", "fan"):
             return kind
         self._seen[kind] += 1

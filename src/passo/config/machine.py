@@ -168,7 +168,7 @@ class MachineConfig(Model):
         return {name: part.pin for name, part in parts.items()}
 
     def facing_its_middle(self) -> MachineConfig:
-        """This machine, the angles of its arms counted as its axes and motors have them."""
+        """The same machine, the angles of its arms counted as its axes and motors have them."""
         x, y, z = ((axis.min_mm + axis.max_mm) / 2 for axis in (self.axes[n] for n in "xyz"))
         geometry = self.geometry.facing((x, y, z), self.actuator_limits)
         return self.model_copy(update={"geometry": geometry})

@@ -275,6 +275,7 @@ class _Owners:
         self.units: dict[str, Path] = {}
 
     def check(self) -> Iterator[Finding]:
+        """A finding for each claim that the board cannot fulfil, in the order of the claims."""
         owned: list[Claim] = []
         for claim in (*board_claims(self.board, section(self.name)), *self.claims):
             pin = bare(self._pin(claim))

@@ -98,9 +98,11 @@ class ConverterSetup:
 
 
 def converter_setup(sensor: AnySensor) -> ConverterSetup:
-    """Nothing for a sensor that needs none. The mains' frequency may be set only while the chip
-    does not measure. (MAX31856: Maxim 19-7534, registers 0 and 1; MAX31865: Maxim 19-6478,
-    register 0.)"""
+    """How the converter of a sensor is set up; empty for a sensor without one.
+
+    The frequency of the mains may be set only while the chip does not measure. MAX31856: Maxim
+    19-7534, registers 0 and 1; MAX31865: Maxim 19-6478, register 0.
+    """
     if isinstance(sensor, UniversalConverter):
         kind, *_ = _THERMOCOUPLE_C[sensor.thermocouple]
         hz = int(sensor.mains_hz == 50)

@@ -21,6 +21,9 @@ _SCALAR = re.compile(r"[^,\]}\n#]+")
 
 
 class _Scanner:
+    """Reads a valid TOML text from its start to its end, and notes on which line each path is.
+    Methods raise ValueError where the text is not TOML."""
+
     def __init__(self, text: str) -> None:
         self.text = text
         self.at = 0
@@ -28,11 +31,13 @@ class _Scanner:
         self.tables_in: dict[Path, int] = {}  # arrays of tables: how many elements so far
 
     def note(self, path: Path) -> None:
+        """The path and the tables around it are on this line, unless an earlier one has them."""
         line = self.text.count("\n", 0, self.at) + 1
         for length in range(1, len(path) + 1):
             self.lines.setdefault(path[:length], line)
 
     def skip(self, pattern: re.Pattern[str]) -> str:
+        """Moves past what the pattern matches here, and returns that."""
         found = pattern.match(self.text, self.at)
         if found is None:
             raise ValueError(f"no TOML at offset {self.at}")
@@ -40,12 +45,14 @@ class _Scanner:
         return found.group()
 
     def take(self, token: str) -> bool:
+        """Moves past the token if it is here; returns whether it was."""
         if self.text.startswith(token, self.at):
             self.at += len(token)
             return True
         return False
 
     def key(self) -> Path:
+        """Reads a key with its dots."""
         parts: list[str] = []
         while True:
             self.skip(_INLINE_BLANK)
@@ -66,6 +73,7 @@ class _Scanner:
         return path
 
     def header(self) -> Path:
+        """Reads a header after its first bracket; returns the path of the table."""
         array = self.take("[")
         keys = self.key()
         if not array:
@@ -80,6 +88,7 @@ class _Scanner:
         return path
 
     def pair(self, table: Path) -> None:
+        """Reads `key = value` of this table."""
         start = self.at
         path = table + self.key()
         self.at, after = start, self.at
@@ -90,6 +99,7 @@ class _Scanner:
         self.value(path)
 
     def value(self, path: Path) -> None:
+        """Reads a value, and notes what it holds."""
         if self.take("["):
             index = 0
             self.skip(_BLANK)

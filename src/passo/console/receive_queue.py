@@ -27,6 +27,7 @@ class InHand:
         self._bytes = 0
 
     def __len__(self) -> int:
+        """Lines that wait."""
         return len(self._lines)
 
     @property

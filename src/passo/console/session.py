@@ -117,6 +117,7 @@ class Session:
 
     @upload.setter
     def upload(self, upload: Upload | None) -> None:
+        """Lines go into this file from now on; None: they are executed."""
         self._upload = upload
         self.on_upload()
 

@@ -112,7 +112,7 @@ def words_of(text: str) -> list[tuple[str, float]]:
 
 
 def unescaped(text: str) -> str:
-    """`\\HH` is the byte of that number, in APrinter's strings: of UTF-8, if all are, else of
+    r"""`\HH` is the byte of that number, in APrinter's strings: of UTF-8, if all are, else of
     Latin-1."""
     raw = _ESCAPE.sub(lambda m: bytes((int(m[1], 16),)), text.strip().encode())
     try:

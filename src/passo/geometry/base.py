@@ -37,8 +37,8 @@ class GeometryModel(BaseModel):
         return self.model_dump()
 
     def facing(self, middle: Point, limits: Sequence[Limits]) -> Self:
-        """This geometry on a machine: `middle` is that of its axes, mm, and `limits` are those of
-        the actuators' positions, infinite where there are none. Angles of arms that turn about a
+        """The same geometry on a machine. `middle` is that of its axes, mm; `limits` are those of
+        the positions of actuators, infinite where there are none. Angles of arms that turn about a
         shoulder end behind it, as seen from that middle."""
         del middle, limits
         return self

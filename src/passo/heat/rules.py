@@ -16,6 +16,7 @@ class Gains:
     kd: float
 
     def __str__(self) -> str:
+        """The gains as Marlin's M303 shows them."""
         return f"Kp:{self.kp:.2f} Ki:{self.ki:.2f} Kd:{self.kd:.2f}"
 
 

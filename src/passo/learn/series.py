@@ -91,6 +91,7 @@ class Series:
         self._last = 0.0
 
     def __bool__(self) -> bool:
+        """False while it is empty."""
         return self.end_s > 0
 
     @property

@@ -48,14 +48,17 @@ class _Way:
 
     @property
     def home(self) -> float:
+        """Its position at its switches."""
         return self.config.position
 
     @property
     def slot(self) -> int:
+        """Its number among the axes of the core."""
         return slot_of_axis(self.axis)
 
     @property
     def steppers(self) -> set[str]:
+        """The motors that its switches stop."""
         return {stepper for switch in self.switches for stepper in switch.steppers}
 
 

@@ -27,6 +27,7 @@ class Hands:
     text: str
 
     def __str__(self) -> str:
+        """The step as a person reads it."""
         return self.text
 
 
@@ -37,6 +38,7 @@ class Touch:
     port: str
 
     def __str__(self) -> str:
+        """The step as a person reads it."""
         return f"open {self.port} at 1200 baud for a moment"
 
 
@@ -47,6 +49,7 @@ class Run:
     words: tuple[str, ...]
 
     def __str__(self) -> str:
+        """The step as a person reads it."""
         return shlex.join(self.words)
 
 
@@ -58,6 +61,7 @@ class Copy:
     folder: Path
 
     def __str__(self) -> str:
+        """The step as a person reads it."""
         return f"copy {self.image} to {self.folder}"
 
 

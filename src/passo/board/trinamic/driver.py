@@ -44,6 +44,7 @@ class DriverFailure(Exception):
         self.problem = problem
 
     def __reduce__(self) -> tuple[Any, ...]:
+        """Pickles the problem, which the text of the error does not hold."""
         return DriverFailure, (self.problem,), self.__dict__
 
 
