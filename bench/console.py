@@ -82,6 +82,7 @@ class Served:
             probe.bind(("127.0.0.1", 0))
             port = probe.getsockname()[1]
         words = [sys.executable, "-m", "passo", "serve", "--machine", "i3", "--clock", clock]
+        words += ["--http", "none"]
         words += ["--pty", pty] if way == "pty" else ["--tcp", f"127.0.0.1:{port}"]
         self.process = subprocess.Popen(words, stderr=subprocess.PIPE, text=True)
         assert self.process.stderr is not None

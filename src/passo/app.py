@@ -17,7 +17,6 @@ from passo.console.object_commands import ObjectCommands
 from passo.console.printer_console import Listeners
 from passo.console.recovery_commands import RecoveryCommands
 from passo.console.settings_commands import SettingsCommands
-from passo.console.status import StatusReader
 from passo.errors import InputError
 from passo.job.durable_files import directory_held
 from passo.job.live.halt_reports import HaltReports
@@ -27,6 +26,7 @@ from passo.job.live.objects import PrintObjects
 from passo.job.live.progress import Progress
 from passo.job.live.runner import Runner
 from passo.job.live.statistics import Statistics
+from passo.job.live.status_reader import StatusReader
 from passo.job.settings_store import Store
 from passo.printer.commands.reports import Reports
 from passo.printer.printer import Printer
@@ -102,7 +102,7 @@ def _furnish(
     progress = Progress(printer, runner, statistics, library.reader)
     jobs = JobCommands(printer, runner, progress)
     objects = PrintObjects(printer, runner)
-    status = StatusReader(printer, runner, progress, objects)
+    status = StatusReader(printer, runner, progress, objects, library)
     immediate, planned = printer.dispatch.immediate, printer.dispatch.planned
     immediate |= answers.handlers
     immediate |= ConsoleCommands(printer, answers).handlers

@@ -31,8 +31,10 @@ if TYPE_CHECKING:
     from passo.console.transports.streams import Console, Opened
     from passo.events import Event
     from passo.job.live.job_state import JobState
+    from passo.live_bridge import LiveBridge
     from passo.printer import printer as printers
     from passo.printer.status import Status
+    from passo.web.server import WebThread
 
 _log = logging.getLogger(__name__)
 
@@ -97,6 +99,8 @@ class Printer:
         self._assembly: Assembly | None = None
         self._observed: Observer | None = None
         self._client: Client | None = None
+        self._bridged: LiveBridge | None = None
+        self._web: WebThread | None = None
         self._serving: asyncio.Task[None] | None = None
         self._prints: set[asyncio.Future[None]] = set()
         self._queues: set[asyncio.Queue[Event | None]] = set()
@@ -127,6 +131,10 @@ class Printer:
         with contextlib.closing(self._printer):
             if self._observed is not None:
                 self._observed.close()
+            if self._web is not None:
+                await asyncio.to_thread(self._web.close)
+            if self._bridged is not None:
+                self._bridged.close()
             if self._client is not None:
                 self._client.close()
             self._serving.cancel()
@@ -317,6 +325,20 @@ class Printer:
         opened = self._greet(advanced_ok=advanced_ok)
         return await self._add(open_stdin(self._printer, opened, over))
 
+    def open_http(self, host: str = "127.0.0.1", port: int = 0) -> str:
+        """Serves the web interface, in a thread of its own; port 0 is any that is free. Returns
+        `http://HOST:PORT`. Needs the extra `passo[web]`; raises InputError where nothing can listen
+        there, and ImportError without the extra."""
+        from passo.web.app import web_app
+        from passo.web.server import WebThread, listening
+
+        socket = listening(host, port)
+        if self._web is None:
+            self._web = WebThread()
+        self._web.serve(web_app(self._bridge), socket)
+        host, port = socket.getsockname()[:2]
+        return f"http://{f'[{host}]' if ':' in host else host}:{port}"
+
     async def serve(self) -> None:
         """Serves the consoles until `end` is called. Raises what ends the printer otherwise."""
         assert self._serving is not None
@@ -348,6 +370,14 @@ class Printer:
             self._observed = Observer(opened.printer, opened.runner, opened.progress, opened.status)
         return self._observed
 
+    @property
+    def _bridge(self) -> LiveBridge:
+        if self._bridged is None:
+            from passo.live_bridge import LiveBridge
+
+            self._bridged = LiveBridge(self._opened, self._observer)
+        return self._bridged
+
     def _greet(self, *, advanced_ok: bool) -> Opened:
         def opened(session: Session) -> None:
             session.advanced_ok = advanced_ok
@@ -371,6 +401,8 @@ class Printer:
         error = error if task.cancelled() else task.exception() or error
         if self._client is not None:
             self._client.fail_all(error)
+        if self._bridged is not None:
+            self._bridged.fail_all(error)
         for future in self._prints:
             if not future.done():
                 future.set_exception(error)

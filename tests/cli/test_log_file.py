@@ -26,6 +26,7 @@ LOG = logging.getLogger("passo.test")
 def serve(*words, lines):
     """`passo serve --stdin` on these lines, in fast time."""
     command = [sys.executable, "-m", "passo", "serve", "--machine", "i3", "--stdin"]
+    command += ["--http", "none"]
     return subprocess.run(
         [*command, "--clock", "fast", *words], input=lines, capture_output=True, text=True
     )

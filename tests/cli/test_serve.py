@@ -20,6 +20,7 @@ def test_an_interrupt_ends_it_in_order(tmp_path, number):
     heeded = partial(signal.signal, number, signal.SIG_DFL)
     link = tmp_path / "printer"
     words = [sys.executable, "-m", "passo", "serve", "--machine", "i3", "--pty", str(link)]
+    words += ["--http", "none"]
     with subprocess.Popen(words, stderr=subprocess.PIPE, text=True, preexec_fn=heeded) as served:
         assert served.stderr is not None
         assert served.stderr.readline().startswith("Serving i3 on")

@@ -490,7 +490,7 @@ def test_standard_input_and_output_may_be_files(answers, tmp_path):
 
 def test_standard_input_that_says_nothing_ends_at_once():
     served = subprocess.run(
-        [sys.executable, "-m", "passo", "serve", "--stdin"],
+        [sys.executable, "-m", "passo", "serve", "--stdin", "--http", "none"],
         stdin=subprocess.DEVNULL,
         capture_output=True,
         text=True,
@@ -501,7 +501,7 @@ def test_standard_input_that_says_nothing_ends_at_once():
 
 def test_standard_input_that_ends_is_carried_out_to_its_last_line():
     served = subprocess.run(
-        [sys.executable, "-m", "passo", "serve", "--stdin", "--clock", "fast"],
+        [sys.executable, "-m", "passo", "serve", "--stdin", "--clock", "fast", "--http", "none"],
         input="G28\nG1 X12 F6000\nM400\nM114\n",
         capture_output=True,
         text=True,

@@ -84,6 +84,7 @@ class Program:
     def __init__(self, machine: Path, *more: str) -> None:
         place = f"127.0.0.1:{free_port()}"
         words = [sys.executable, "-m", "passo", "serve", "--machine", str(machine), "--tcp", place]
+        words += ["--http", "none"]
         self.process = subprocess.Popen([*words, *more], stderr=subprocess.PIPE, text=True)
         assert self.process.stderr is not None
         assert self.process.stderr.readline().startswith("Serving")

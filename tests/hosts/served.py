@@ -28,6 +28,7 @@ class Served:
         self.card = folder / "card"
         self.card.mkdir()
         words = [sys.executable, "-m", "passo", "serve", "--machine", machine, "--clock", "fast"]
+        words += ["--http", "none"]
         words += ["--pty", self.pty, "--tcp", self.tcp, "--sd", str(self.card)]
         self._process = subprocess.Popen(words, stderr=subprocess.PIPE, text=True)
         assert self._process.stderr is not None

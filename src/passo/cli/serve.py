@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 _TCP = ("127.0.0.1", 2323)
+_HTTP = ("127.0.0.1", 4000)
 _BAUD = 250_000
 
 
@@ -67,6 +68,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     consoles.add_argument(
         "--stdin", action="store_true", help="standard input and output, as a console"
+    )
+    parser.add_argument(
+        "--http",
+        type=_http,
+        metavar="HOST:PORT|none",
+        help=f"the web interface; {_HTTP[0]}:{_HTTP[1]} by default",
     )
     parser.add_argument(
         "--sd",
@@ -149,6 +156,11 @@ def _tcp(text: str) -> tuple[str, int]:
     if not (colon and port.isascii() and port.isdigit() and int(port) < 65536):
         raise argparse.ArgumentTypeError(f"{text!r} is not HOST:PORT, with a port below 65536")
     return host or _TCP[0], int(port)
+
+
+def _http(text: str) -> tuple[str, int] | str:
+    """As `_tcp`, or `none`."""
+    return text if text == "none" else _tcp(text)
 
 
 def _serial(text: str) -> tuple[str, int]:
@@ -256,12 +268,34 @@ async def _serve(
                     host, port, clients=arguments.tcp_clients, advanced_ok=advanced_ok
                 )
                 places.append(place)
+            if address := _web_address(printer, arguments.http):
+                places.append(address)
             if arguments.stdin:
-                over = _go_on_serving if places else printer.end
+                alone = places == [address] and arguments.http is None  # nobody asked for the web
+                over = printer.end if alone or not places else _go_on_serving
                 places.append(await printer.open_stdin(over, advanced_ok=advanced_ok))
             print(f"Serving {machine.name} on {', '.join(places)}.", file=sys.stderr, flush=True)
             _log.info("Serving %s on %s", machine.name, ", ".join(places))
             await printer.serve()
+
+
+def _web_address(printer: Printer, asked: tuple[str, int] | str | None) -> str:
+    """Opens the web interface; empty without one. Where it was not asked for by name, a printer
+    without it is better than none: a line says why it is missing."""
+    from passo.errors import PassoError
+
+    if isinstance(asked, str):
+        return ""
+    try:
+        return printer.open_http(*(asked or _HTTP))
+    except (PassoError, ImportError) as error:
+        if asked is not None and isinstance(error, PassoError):
+            raise
+        why = str(error)
+        if isinstance(error, ImportError):
+            why = f"{error.name} is not installed. Install passo[web]."
+        print(f"No web interface: {why}", file=sys.stderr)
+        return ""
 
 
 @contextlib.asynccontextmanager

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from passo.board.connection import ABSOLUTE_ZERO_C
 from passo.console.aprinter_options import OptionCommands
-from passo.console.status import StatusReader
 from passo.gcode.command import Command
+from passo.job.live.status_reader import StatusReader
 from passo.printer.status import HeaterStatus, Status
 from passo.printer.wait_requests import Handler, Reply, Wait
 

@@ -22,9 +22,9 @@ from passo.events import (
 from passo.job.live.job_state import JobState
 
 if TYPE_CHECKING:
-    from passo.console.status import StatusReader
     from passo.job.live.progress import Progress
     from passo.job.live.runner import Runner
+    from passo.job.live.status_reader import StatusReader
     from passo.printer.printer import Printer
     from passo.printer.status import Status
 

@@ -1,4 +1,4 @@
-"""What a printer is doing, as typed values: the one source of M408 and of the Python API."""
+"""What a printer is doing, as typed values: the one source of M408, the web and the Python API."""
 
 from __future__ import annotations
 
@@ -53,7 +53,10 @@ class JobStatus:
     while its time is not known yet, 0 to 1; `line` and `layer` are those of the move under way (0:
     none yet); `printed_s` is the print time so far, without pauses; `left_s` is the time that the
     rest of its moves takes, without heating. `layers` and `left_s` are None while they are not
-    known. `current_object` is the number, among `objects`, of the one that is printed now."""
+    known. `current_object` is the number, among `objects`, of the one that is printed now. `path`
+    is where the file is on the card; `offset` of its `size` bytes are read and planned; `elapsed_s`
+    is host time since the start, with pauses; `filament_mm` is what all extruders have pushed for
+    it."""
 
     file: str
     fraction: float
@@ -64,6 +67,76 @@ class JobStatus:
     left_s: float | None
     objects: tuple[PrintObject, ...] = ()
     current_object: int | None = None
+    path: str = ""
+    size: int = 0
+    offset: int = 0
+    elapsed_s: float = 0.0
+    filament_mm: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class AxisStatus:
+    """An axis. `position_mm` is where the plan is now, in the program's coordinates; `machine_mm`
+    the same in the machine's. `homed`: its position is certain. Targets are kept between `min_mm`
+    and `max_mm`, in machine coordinates."""
+
+    position_mm: float
+    machine_mm: float
+    homed: bool
+    min_mm: float
+    max_mm: float
+    babystep_mm: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class MotionStatus:
+    """How the machine moves. `speed_mm_s` is that of the nozzle now, `filament_mm_s` that of the
+    filament; `queued_s` is how much motion is planned. `max_speed_mm_s` and `max_accel_mm_s2` are
+    the limits of the path. `absolute`, `absolute_e` and `feedrate_mm_s` are those that the next
+    move of the program has."""
+
+    speed_mm_s: float
+    filament_mm_s: float
+    queued_s: float
+    max_speed_mm_s: float
+    max_accel_mm_s2: float
+    absolute: bool
+    absolute_e: bool
+    feedrate_mm_s: float
+    motors_on: bool
+
+
+@dataclass(frozen=True, slots=True)
+class BoardStatus:
+    """A board. `firmware` is the version of its firmware; `bytes_sent` and `bytes_resent` count
+    what went over its link since the start; `simulated`: it is software."""
+
+    firmware: str
+    mcu: str
+    clock_hz: float
+    simulated: bool
+    bytes_sent: int
+    bytes_resent: int
+
+
+@dataclass(frozen=True, slots=True)
+class FaultStatus:
+    """An error of the catalogue: its code, the part that it concerns, what is wrong, and what to do
+    next."""
+
+    code: str
+    part: str
+    text: str
+    action: str
+
+
+@dataclass(frozen=True, slots=True)
+class FilesStatus:
+    """The card: whether it is mounted, and the path of the file that is selected to print, or
+    empty."""
+
+    mounted: bool
+    selected: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,8 +144,11 @@ class Status:
     """A printer at one moment. Positions are the program's coordinates of where the machine is, in
     mm, by axis and `e`; `homed` are the axes whose position is certain; fans
     are fractions of full speed; `time_s` is print time since the start; `halted` says why nothing
-    moves or heats, or is empty; `progress` is the fraction of a print that is done, also of a
-    host's that reports it (M73, M532); `job` is None while no file is printed."""
+    moves or heats, or is empty, and `faults` the same as errors of the catalogue; `link` is a name
+    of `LinkState` in lower case; `message` is the text of M117; `progress` is the fraction of a
+    print that is done, also of a host's that reports it (M73, M532); `job` is None while no file is
+    printed; `last_job` is how the last one ended (done, cancelled, failed), or empty.
+    """
 
     state: PrinterState
     halted: str
@@ -83,9 +159,18 @@ class Status:
     heaters: dict[str, HeaterStatus]
     fans: dict[str, float]
     speed_factor: float
+    motion: MotionStatus
+    axes: dict[str, AxisStatus]
+    boards: dict[str, BoardStatus]
     flow_factors: list[float] = field(default_factory=list[float])
+    faults: tuple[FaultStatus, ...] = ()
+    link: str = "connected"
+    message: str = ""
+    power_supply: bool = True
+    files: FilesStatus = FilesStatus(mounted=False, selected="")
     progress: float | None = None
     job: JobStatus | None = None
+    last_job: str = ""
 
 
 def heater_status(printer: Printer, name: str) -> HeaterStatus:

@@ -69,6 +69,8 @@ class Progress:
         self._planned_s = 0.0  # before this print
         self._watch = Stopwatch(printer)
         self._from_card: Print | None = None
+        self._loop = asyncio.get_running_loop()
+        self._begun_s: float | None = None  # host time, of that
         self._failed: Print | None = None  # the last one from the card, if so it ended
         self._from_host: Print | None = None  # that says by itself when it begins and ends
         self.percent: float | None = None
@@ -83,6 +85,7 @@ class Progress:
                 return
             if self._from_card is None:
                 self._from_card = self._begun()
+                self._begun_s = self._loop.time()
                 self._planned_s = self._printer.planned_s()
                 self._reckon()
             self._watch.start()
@@ -90,7 +93,7 @@ class Progress:
         if self._from_card is not None:
             self._watch.pause()
             if state is not JobState.PAUSED:
-                job, self._from_card = self._from_card, None
+                job, self._from_card, self._begun_s = self._from_card, None, None
                 self._statistics.ended(job, self._runner.ended)
                 self._failed = job if self._runner.ended == "failed" else None
                 if self._failed is None:
@@ -158,6 +161,17 @@ class Progress:
     def printed_s(self) -> float:
         """Print time of the print that is under way, or was the last, without pauses."""
         return self._watch.seconds
+
+    @property
+    def elapsed_s(self) -> float:
+        """Host time since the print that is under way began, with its pauses; 0 without one."""
+        return 0.0 if self._begun_s is None else self._loop.time() - self._begun_s
+
+    @property
+    def filament_mm(self) -> float:
+        """What all extruders have pushed for the print that is under way; 0 without one."""
+        job = self._from_card
+        return 0.0 if job is None else self._printer.filament_mm() - job.filament_mm
 
     @property
     def layers(self) -> int | None:

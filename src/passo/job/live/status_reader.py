@@ -1,0 +1,179 @@
+"""Reads the typed status of a printer with its job, once for all who show it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import hypot
+from typing import TYPE_CHECKING
+
+from passo.config.motor_roles import axis_order
+from passo.errors import Problem
+from passo.job.live.job_state import JobState
+from passo.motion.axis_slots import E, slot_of_axis
+from passo.printer.status import (
+    AxisStatus,
+    BoardStatus,
+    FaultStatus,
+    FilesStatus,
+    JobStatus,
+    MotionStatus,
+    PrinterState,
+    Status,
+    heater_status,
+    homed_axes,
+)
+
+if TYPE_CHECKING:
+    from passo.job.live.library import Library
+    from passo.job.live.objects import PrintObjects
+    from passo.job.live.progress import Progress
+    from passo.job.live.runner import Runner
+    from passo.printer.printer import Printer
+
+_SPEED_OVER_S = 0.02  # the speed now is the mean of so long
+
+
+class StatusReader:
+    """The status of one printer; reading it asks no board and lets no time pass."""
+
+    def __init__(
+        self,
+        printer: Printer,
+        runner: Runner,
+        progress: Progress,
+        objects: PrintObjects,
+        library: Library,
+    ) -> None:
+        self._printer, self._runner, self._progress = printer, runner, progress
+        self._objects, self._library = objects, library
+        self._letters = axis_order(printer.machine.axes)
+
+    def read(self) -> Status:
+        """The printer now."""
+        printer, job = self._printer, self._printer.job
+        shown = {k.lower(): mm for k, mm in printer.positions.shown().items()}
+        homed = homed_axes(printer)
+        return Status(
+            state=self._state(),
+            halted=printer.halted,
+            time_s=max(printer.drive.now_s, 0.0),
+            position_mm=shown,
+            homed=homed,
+            tool=job.tool,
+            heaters={name: heater_status(printer, name) for name in printer.machine.heaters},
+            fans={n: printer.commands.fans.get(n, 0.0) for n in printer.machine.fans},
+            speed_factor=job.speed_factor,
+            motion=self._motion(),
+            axes=self._axes(shown, homed),
+            boards=self._boards(),
+            flow_factors=list(job.flows),
+            faults=_faults(printer.state.cause.problems) if printer.state.cause else (),
+            link=printer.life.link.name.lower(),
+            message=printer.prompts.message,
+            power_supply=printer.mains.on,
+            files=FilesStatus(self._library.mounted, self._runner.path),
+            progress=self._progress.share_done(),
+            job=self._job(),
+            last_job=self._runner.ended,
+        )
+
+    def _state(self) -> PrinterState:
+        printer = self._printer
+        if printer.halted:
+            return PrinterState.HALTED
+        if self._runner.state is JobState.PAUSED:
+            return PrinterState.PAUSED
+        if self._runner.active:
+            return PrinterState.PRINTING
+        busy = printer.turn.taken or not printer.drive.idle
+        return PrinterState.BUSY if busy else PrinterState.IDLE
+
+    def _motion(self) -> MotionStatus:
+        printer, job = self._printer, self._printer.job
+        modes = job.modes.split("\n")
+        feed = next((float(m[4:]) for m in modes if m.startswith("G1 F")), 0.0)
+        nozzle, filament = self._speeds()
+        return MotionStatus(
+            speed_mm_s=nozzle,
+            filament_mm_s=filament,
+            queued_s=max(printer.drive.ahead_s, 0.0),
+            max_speed_mm_s=job.limit("speed"),
+            max_accel_mm_s2=job.limit("print_accel"),
+            absolute="G90" in modes,
+            absolute_e="M82" in modes,
+            feedrate_mm_s=feed / 60,
+            motors_on=bool(printer.motors.on),
+        )
+
+    def _speeds(self) -> tuple[float, float]:
+        """Of the nozzle and of the filament, mm/s; backwards is less than 0 for the filament."""
+        printer, job = self._printer, self._printer.job
+        now = printer.drive.passed
+        if printer.halted or printer.drive.idle:
+            return 0.0, 0.0
+        then = now - int(_SPEED_OVER_S * printer.drive.hz)
+        to, start = job.position_at(now), job.position_at(then)
+        if to is None or start is None:
+            return 0.0, 0.0
+        moved = [(a - b) / _SPEED_OVER_S for a, b in zip(to, start, strict=True)]
+        return hypot(*moved[:3]), moved[E]
+
+    def _axes(self, shown: dict[str, float], homed: frozenset[str]) -> dict[str, AxisStatus]:
+        printer, job = self._printer, self._printer.job
+        program, machine = printer.positions.program, job.machine_position
+        steps = printer.offsets.babysteps_mm
+        found: dict[str, AxisStatus] = {}
+        for i, name in enumerate(self._letters):
+            axis = printer.machine.axes[name]
+            shift = machine[slot_of_axis(i)] - program[i]
+            found[name] = AxisStatus(
+                position_mm=shown[name],
+                machine_mm=shown[name] + shift,
+                homed=name in homed,
+                min_mm=axis.min_mm,
+                max_mm=axis.max_mm,
+                babystep_mm=steps.get(name, 0.0),
+            )
+        return found
+
+    def _boards(self) -> dict[str, BoardStatus]:
+        return {
+            connection.name or "main": BoardStatus(
+                firmware=connection.dictionary.version,
+                mcu=str(connection.dictionary.constants.get("MCU", "")),
+                clock_hz=float(connection.board.clock_hz),
+                simulated=not self._printer.connection.live,
+                bytes_sent=connection.link.wire_bytes,
+                bytes_resent=connection.link.retransmitted_bytes,
+            )
+            for connection in self._printer.connection.connections
+        }
+
+    def _job(self) -> JobStatus | None:
+        runner, progress = self._runner, self._progress
+        if not runner.active:
+            return None
+        job, now = self._printer.job, self._printer.drive.passed
+        line = job.line_at(now)  # what lies behind it is forgotten
+        return JobStatus(
+            file=runner.name,
+            fraction=progress.share_done() or 0.0,
+            line=line,
+            layer=job.layer_near(now) if line else 0,
+            layers=progress.layers,
+            printed_s=progress.printed_s,
+            left_s=progress.left_s,
+            objects=self._objects.all,
+            current_object=self._objects.current,
+            path=runner.path,
+            size=runner.size,
+            offset=runner.offset,
+            elapsed_s=progress.elapsed_s,
+            filament_mm=progress.filament_mm,
+        )
+
+
+def _faults(problems: Sequence[Problem]) -> tuple[FaultStatus, ...]:
+    return tuple(
+        FaultStatus(p.code, p.entry.part, p.sentence, p.hint or p.entry.action) for p in problems
+    )

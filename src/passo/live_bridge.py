@@ -1,0 +1,190 @@
+"""The web's bridge to a live printer: calls cross to the printer's loop, snapshots come back."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable, Coroutine, Sequence
+from contextlib import suppress
+from functools import partial
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from passo.console.client import Client
+from passo.console.session import command_of
+from passo.gcode.dialect import TABLE, When, row_of
+from passo.printer.commands.program import forced
+from passo.web.bridge import Snapshot
+
+if TYPE_CHECKING:
+    from passo.app import Assembly
+    from passo.card import Card, Writer
+    from passo.config.machine import MachineConfig
+    from passo.console.observer import Observer
+    from passo.events import Event
+    from passo.gcode.dialect import Row
+    from passo.printer.console_lines import ConsoleLine
+    from passo.web.bridge import Listener
+
+_T = TypeVar("_T")
+TICK_S = 0.25  # between two snapshots, of host time, or of print time where that is faster
+
+
+class LiveBridge:
+    """The bridge of one printer. It is made in the printer's loop; `listen` and all that follows
+    are called in the web's. `close` is for the printer's loop."""
+
+    def __init__(self, assembly: Assembly, observer: Observer) -> None:
+        self._assembly = assembly
+        self._printer = assembly.printer
+        self._loop = asyncio.get_running_loop()
+        self._scripts = Client(self._printer)
+        self._overtaking = Client(self._printer)
+        self._turn = asyncio.Lock()  # one script after the other
+        self._listeners: list[tuple[asyncio.AbstractEventLoop, Listener]] = []
+        self._latest = self._snapshot(0)
+        self._ends = [
+            observer.on_status(lambda _: self._tick(), every_s=TICK_S),
+            observer.on_event(self._event),
+        ]
+
+    def close(self) -> None:
+        """Nothing crosses any more."""
+        for end in self._ends:
+            end()
+        self._listeners.clear()
+        for client in (self._scripts, self._overtaking):
+            client.close()
+
+    def fail_all(self, error: BaseException) -> None:
+        """The printer has ended: no command is answered any more."""
+        for client in (self._scripts, self._overtaking):
+            client.fail_all(error)
+
+    # -- the printer's loop -----------------------------------------------------------------------
+
+    def _snapshot(self, version: int) -> Snapshot:
+        return Snapshot(version, time.monotonic(), self._assembly.status.read())
+
+    def _tick(self) -> None:
+        snapshot = self._snapshot(self._latest.version + 1)
+        if snapshot.status == self._latest.status:
+            return
+        self._latest = snapshot
+        for loop, listener in list(self._listeners):
+            _call(loop, partial(listener.on_snapshot, snapshot))
+
+    async def _run(self, script: str) -> tuple[str, ...]:
+        lines = script.splitlines()
+        if len(lines) == 1 and _acts_at_once(lines[0]):
+            return (await self._overtaking.send(lines[0])).lines
+        answers: list[str] = []
+        async with self._turn:
+            for line in lines:
+                answers += (await self._scripts.send(line)).lines
+        return tuple(answers)
+
+    def _event(self, event: Event) -> None:
+        self._tick()  # what the event tells of is in the snapshot before it
+        for loop, listener in list(self._listeners):
+            _call(loop, partial(listener.on_event, event))
+
+    # -- the web's loop ---------------------------------------------------------------------------
+
+    async def _cross(self, coroutine: Coroutine[Any, Any, _T]) -> _T:
+        """Runs in the printer's loop, and is cancelled with the caller."""
+        return await asyncio.wrap_future(asyncio.run_coroutine_threadsafe(coroutine, self._loop))
+
+    async def _call(self, action: Callable[[], _T]) -> _T:
+        async def run() -> _T:
+            return action()
+
+        return await self._cross(run())
+
+    @property
+    def machine(self) -> MachineConfig:
+        """As `Bridge.machine`."""
+        return self._printer.machine
+
+    @property
+    def commands(self) -> Sequence[Row]:
+        """As `Bridge.commands`."""
+        return TABLE
+
+    def latest(self) -> Snapshot:
+        """As `Bridge.latest`."""
+        return self._latest
+
+    def listen(self, listener: Listener) -> Callable[[], None]:
+        """As `Bridge.listen`."""
+        entry = (asyncio.get_running_loop(), listener)
+        self._listeners.append(entry)
+
+        def end() -> None:
+            if entry in self._listeners:
+                self._listeners.remove(entry)
+
+        return end
+
+    def console_history(self) -> list[ConsoleLine]:
+        """As `Bridge.console_history`."""
+        return self._printer.state.console_lines.last()
+
+    async def run(self, script: str) -> tuple[str, ...]:
+        """As `Bridge.run`."""
+        return await self._cross(self._run(script))
+
+    def emergency_stop(self) -> None:
+        """As `Bridge.emergency_stop`."""
+        self._loop.call_soon_threadsafe(self._printer.emergency_stop)
+
+    async def restart(self) -> None:
+        """As `Bridge.restart`."""
+        await self.run("M999")
+
+    async def start_print(self, path: str) -> None:
+        """As `Bridge.start_print`."""
+
+        def start() -> None:
+            self._assembly.library.open(path)
+            self._assembly.runner.start()
+
+        await self._call(start)
+
+    async def pause_print(self) -> None:
+        """As `Bridge.pause_print`."""
+        await self._call(self._assembly.runner.pause)
+
+    async def resume_print(self) -> None:
+        """As `Bridge.resume_print`."""
+        await self._call(self._assembly.runner.start)
+
+    async def cancel_print(self) -> None:
+        """As `Bridge.cancel_print`."""
+        await self._call(self._assembly.runner.cancel)
+
+    async def cancel_object(self, number: int, *, cancelled: bool) -> None:
+        """As `Bridge.cancel_object`."""
+        await self._call(lambda: self._assembly.objects.cancel(number, cancelled=cancelled))
+
+    async def card(self) -> Card:
+        """As `Bridge.card`."""
+        return await self._call(lambda: self._assembly.library.card)
+
+    async def create_file(self, path: str) -> Writer:
+        """As `Bridge.create_file`."""
+        return await self._call(lambda: self._assembly.library.create(path))
+
+    async def remove_file(self, path: str) -> None:
+        """As `Bridge.remove_file`."""
+        await self._call(lambda: self._assembly.library.remove(path))
+
+
+def _acts_at_once(line: str) -> bool:
+    command = command_of(line)
+    row = row_of(command.code)
+    return forced(command) or (row is not None and row.when in (When.IMMEDIATE, When.AHEAD))
+
+
+def _call(loop: asyncio.AbstractEventLoop, action: Callable[[], None]) -> None:
+    with suppress(RuntimeError):  # the web has ended
+        loop.call_soon_threadsafe(action)

@@ -1,0 +1,120 @@
+"""All that the web knows of a printer. It lives in another thread, with a time of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+if TYPE_CHECKING:
+    from passo.card import Card, Writer
+    from passo.config.machine import MachineConfig
+    from passo.events import Event
+    from passo.gcode.dialect import Row
+    from passo.printer.console_lines import ConsoleLine
+    from passo.printer.status import Status
+
+
+@dataclass(frozen=True, slots=True)
+class Snapshot:
+    """A printer at one moment, immutable. `version` counts up with each snapshot; `host_s` is real
+    monotonic time, in seconds."""
+
+    version: int
+    host_s: float
+    status: Status
+
+
+class Listener(Protocol):
+    """Who hears what happens. Its methods are called in the web's event loop, and return at
+    once."""
+
+    def on_snapshot(self, snapshot: Snapshot) -> None:
+        """The printer has changed. At most one each tick; a slow listener misses some."""
+
+    def on_event(self, event: Event) -> None:
+        """Something has happened, in the order in which it did."""
+
+
+class Bridge(Protocol):
+    """A printer, as the web's event loop may ask it: each method is called there. Methods that wait
+    do so for the printer's loop, never for the web's; a cancelled one ends its command's wait as
+    M108 does. All raise PassoError for what the printer refuses."""
+
+    @property
+    def machine(self) -> MachineConfig:
+        """The machine, which stays the same."""
+        ...
+
+    @property
+    def commands(self) -> Sequence[Row]:
+        """Each command that the printer knows, as the table declares it."""
+        ...
+
+    def latest(self) -> Snapshot:
+        """The last snapshot. Never waits."""
+        ...
+
+    def listen(self, listener: Listener) -> Callable[[], None]:
+        """Tells a listener of all that happens from now on; returns what ends that."""
+        ...
+
+    def console_history(self) -> list[ConsoleLine]:
+        """The last lines of all consoles, oldest first, without secrets. Never waits."""
+        ...
+
+    # -- commands ---------------------------------------------------------------------------------
+
+    async def run(self, script: str) -> tuple[str, ...]:
+        """Carries out lines of G-code, one after the other, and returns their answers, a string a
+        line. A move is answered when it is planned. The first line that fails ends the script.
+
+        Scripts do not mix: one waits for those that came before. Only a single line that acts at
+        once (a report, a temperature with F, M108, M112) overtakes them."""
+        ...
+
+    def emergency_stop(self) -> None:
+        """Everything off at once (M112). Never waits."""
+        ...
+
+    async def restart(self) -> None:
+        """Starts a halted printer again (M999); returns when it runs."""
+        ...
+
+    # -- prints -----------------------------------------------------------------------------------
+
+    async def start_print(self, path: str) -> None:
+        """Selects a file of the card and prints it."""
+        ...
+
+    async def pause_print(self) -> None:
+        """Pauses the print; the machine brakes and parks."""
+        ...
+
+    async def resume_print(self) -> None:
+        """Goes on with a paused print, or behind the line that failed."""
+        ...
+
+    async def cancel_print(self) -> None:
+        """Ends the print; heaters and fans go off."""
+        ...
+
+    async def cancel_object(self, number: int, *, cancelled: bool) -> None:
+        """Leaves an object out of the print, or takes it in again."""
+        ...
+
+    # -- files ------------------------------------------------------------------------------------
+
+    async def card(self) -> Card:
+        """The card, to read it: its methods block for as long as the medium takes, so call them in
+        a worker thread. Raises CardError if there is none."""
+        ...
+
+    async def create_file(self, path: str) -> Writer:
+        """Begins a file of the card, unless it is printed now. Write to it in a worker thread: it
+        is on the card once `close` has returned."""
+        ...
+
+    async def remove_file(self, path: str) -> None:
+        """Deletes a file of the card, unless it is printed now."""
+        ...

@@ -1,0 +1,118 @@
+"""The web's thread: a real-time event loop in which an ASGI application is served."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+import socket
+import threading
+from collections.abc import Callable, Coroutine, Generator
+from typing import TYPE_CHECKING, Any
+
+import uvicorn
+
+from passo.errors import InputError
+
+if TYPE_CHECKING:
+    from starlette.types import ASGIApp
+
+_log = logging.getLogger(__name__)
+_FRAME = 1 << 16  # bytes of a WebSocket message
+_BACKLOG = 128
+
+
+class _Server(uvicorn.Server):
+    """Leaves signals to the program that it serves within."""
+
+    @contextlib.contextmanager
+    def capture_signals(self) -> Generator[None]:
+        yield
+
+
+class WebThread:
+    """Runs coroutines in a thread of its own with an event loop in real time, whatever time the
+    printer's loop keeps. Made and closed in any other thread."""
+
+    def __init__(self) -> None:
+        self._loop = asyncio.new_event_loop()
+        self._thread = threading.Thread(target=self._run, name="web", daemon=True)
+        self._tasks: set[asyncio.Task[None]] = set()
+        self._closers: list[Callable[[], object]] = []
+        self._thread.start()
+
+    def _run(self) -> None:
+        asyncio.set_event_loop(self._loop)
+        self._loop.run_forever()
+        for task in self._tasks:
+            task.cancel()
+        self._loop.run_until_complete(asyncio.gather(*self._tasks, return_exceptions=True))
+        self._loop.run_until_complete(self._loop.shutdown_default_executor())
+        self._loop.close()
+
+    def start(self, main: Coroutine[Any, Any, None]) -> None:
+        """Runs a coroutine until it ends or the thread is closed."""
+
+        def begin() -> None:
+            task = self._loop.create_task(main)
+            self._tasks.add(task)
+            task.add_done_callback(self._ended)
+
+        self._loop.call_soon_threadsafe(begin)
+
+    def _ended(self, task: asyncio.Task[None]) -> None:
+        self._tasks.discard(task)
+        if not task.cancelled() and (error := task.exception()) is not None:
+            _log.error("The web has failed: %s", error, exc_info=error)
+
+    def serve(self, app: ASGIApp, listening: socket.socket) -> None:
+        """Serves an application on a socket that listens."""
+        config = uvicorn.Config(
+            app,
+            lifespan="off",
+            ws="websockets-sansio",
+            ws_per_message_deflate=False,
+            ws_max_size=_FRAME,
+            access_log=False,
+            log_config=None,
+            server_header=False,
+            proxy_headers=False,
+            timeout_graceful_shutdown=1,
+        )
+        server = _Server(config)
+        self._closers.append(lambda: setattr(server, "should_exit", True))
+        self.start(server.serve(sockets=[listening]))
+
+    def close(self) -> None:
+        """Ends all connections and the thread; returns when it is over."""
+        for closer in self._closers:
+            closer()
+        asyncio.run_coroutine_threadsafe(self._wait(), self._loop).result()
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join()
+
+    async def _wait(self) -> None:
+        if self._tasks:
+            await asyncio.wait(list(self._tasks), timeout=3)
+
+
+def listening(host: str, port: int) -> socket.socket:
+    """A socket that listens there; port 0 is any that is free. Raises InputError."""
+    place = f"{host}:{port}"
+    try:
+        family, kind, proto, _, address = socket.getaddrinfo(
+            host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
+        )[0]
+        found = socket.socket(family, kind, proto)
+        try:
+            found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            found.bind(address)
+            found.listen(_BACKLOG)
+        except OSError:
+            found.close()
+            raise
+    except OSError as error:
+        raise InputError.of(
+            "console.unopened", axis=f"http {place}", value=error.strerror or str(error)
+        ) from None
+    return found

@@ -1,0 +1,132 @@
+"""A bridge without a printer: what it is asked is written down, what it tells is up to the test."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from passo import config
+from passo.card import Card, Writer, open_card
+from passo.config.machine import MachineConfig
+from passo.errors import CardError, PassoError
+from passo.events import Event
+from passo.gcode.dialect import TABLE, Row
+from passo.printer.console_lines import ConsoleLine
+from passo.printer.status import (
+    AxisStatus,
+    BoardStatus,
+    HeaterStatus,
+    MotionStatus,
+    PrinterState,
+    Status,
+)
+from passo.web.bridge import Listener, Snapshot
+
+STATUS = Status(
+    state=PrinterState.IDLE,
+    halted="",
+    time_s=12.5,
+    position_mm={"x": 10.0, "y": 20.0, "z": 0.3, "e": 1.5},
+    homed=frozenset("xyz"),
+    tool=0,
+    heaters={
+        "hotend": HeaterStatus(25.0, 0.0, 0.0),
+        "bed": HeaterStatus(60.0, 60.0, 0.4),
+    },
+    fans={"part": 0.0},
+    speed_factor=1.0,
+    motion=MotionStatus(0.0, 0.0, 0.0, 200.0, 3000.0, True, True, 50.0, True),
+    axes={
+        "x": AxisStatus(10.0, 10.0, True, 0.0, 250.0),
+        "y": AxisStatus(20.0, 20.0, True, 0.0, 220.0),
+        "z": AxisStatus(0.3, 0.3, True, 0.0, 250.0, 0.05),
+    },
+    boards={"main": BoardStatus("0.1.0", "atmega2560", 16e6, True, 665, 0)},
+    flow_factors=[1.0],
+)
+
+
+class FakeBridge:
+    """`status` is what `latest` tells; `asked` lists the calls; `answers` maps a script to its
+    answer, or to the error that it raises."""
+
+    def __init__(self, card: str | None = None, machine: str = "i3") -> None:
+        self._machine = config.load(machine)
+        self._card = None if card is None else open_card(card)
+        self._snapshot = Snapshot(1, 100.0, STATUS)
+        self.listeners: list[Listener] = []
+        self.asked: list[str] = []
+        self.answers: dict[str, tuple[str, ...] | PassoError] = {}
+        self.history: list[ConsoleLine] = []
+
+    @property
+    def machine(self) -> MachineConfig:
+        return self._machine
+
+    @property
+    def commands(self) -> Sequence[Row]:
+        return TABLE
+
+    def latest(self) -> Snapshot:
+        return self._snapshot
+
+    def show(self, status: Status) -> None:
+        """The printer is so from now on."""
+        self._snapshot = Snapshot(self._snapshot.version + 1, self._snapshot.host_s + 0.25, status)
+        for listener in self.listeners:
+            listener.on_snapshot(self._snapshot)
+
+    def tell(self, event: Event) -> None:
+        """Something happens."""
+        for listener in self.listeners:
+            listener.on_event(event)
+
+    def listen(self, listener: Listener) -> Callable[[], None]:
+        self.listeners.append(listener)
+        return lambda: self.listeners.remove(listener)
+
+    def console_history(self) -> list[ConsoleLine]:
+        return self.history
+
+    async def run(self, script: str) -> tuple[str, ...]:
+        return self._answer(script)
+
+    def emergency_stop(self) -> None:
+        self.asked.append("emergency stop")
+
+    async def restart(self) -> None:
+        self._answer("restart")
+
+    async def start_print(self, path: str) -> None:
+        self._answer(f"print {path}")
+
+    async def pause_print(self) -> None:
+        self._answer("pause")
+
+    async def resume_print(self) -> None:
+        self._answer("resume")
+
+    async def cancel_print(self) -> None:
+        self._answer("cancel")
+
+    async def cancel_object(self, number: int, *, cancelled: bool) -> None:
+        self._answer(f"{'cancel' if cancelled else 'restore'} object {number}")
+
+    async def card(self) -> Card:
+        if self._card is None:
+            raise CardError.of("card.absent", value="start with --sd")
+        return self._card
+
+    async def create_file(self, path: str) -> Writer:
+        self._answer(f"create {path}")
+        return (await self.card()).create(path)
+
+    async def remove_file(self, path: str) -> None:
+        self._answer(f"remove {path}")
+        (await self.card()).remove(path)
+
+    def _answer(self, asked: str) -> tuple[str, ...]:
+        self.asked.append(asked)
+        answer = self.answers.get(asked, ())
+        if isinstance(answer, PassoError):
+            raise answer
+        return answer
