@@ -1,0 +1,128 @@
+"""What crosses between a printer and the web, in one loop in virtual time."""
+
+import asyncio
+
+import pytest
+
+import passo
+from passo.errors import CardError, CommandError
+from passo.live_bridge import LiveBridge
+from passo.printer.status import PrinterState
+
+MOVES = "G28\n" + "".join(f"G1 X{10 + i % 2 * 50} Y{20 + i} F3000\n" for i in range(60))
+
+
+class Heard:
+    def __init__(self):
+        self.snapshots, self.events = [], []
+
+    def on_snapshot(self, snapshot):
+        self.snapshots.append(snapshot)
+
+    def on_event(self, event):
+        self.events.append(event)
+
+
+def bridged(test, tmp_path):
+    """Runs a test with the bridge of an open printer and a listener to it."""
+    (tmp_path / "part.gcode").write_text(MOVES)
+
+    async def main():
+        async with passo.Printer("i3", card=str(tmp_path)) as printer:
+            bridge, heard = printer._bridge, Heard()
+            end = bridge.listen(heard)
+            await test(bridge, heard)
+            end()
+
+    passo.run(main(), clock="virtual")
+
+
+def test_snapshots_count_up_and_show_what_was_done(tmp_path):
+    async def test(bridge: LiveBridge, heard):
+        assert await bridge.run("G28\nG1 X50 F6000\nM400") == ()
+        await asyncio.sleep(0.5)
+        versions = [snapshot.version for snapshot in heard.snapshots]
+        assert versions == list(range(versions[0], versions[0] + len(versions)))
+        assert heard.snapshots[-1] is bridge.latest()
+        assert bridge.latest().status.position_mm["x"] == 50.0
+        assert bridge.latest().status.homed == frozenset("xyz")
+
+    bridged(test, tmp_path)
+
+
+def test_scripts_do_not_mix(tmp_path):
+    async def test(bridge: LiveBridge, _):
+        await bridge.run("G28\nG1 X100 F6000")
+        jog = "G91\nG1 X10 F600\nM400\nG90"
+        await asyncio.gather(bridge.run(jog), bridge.run("G1 X20"))
+        await bridge.run("M400")
+        await asyncio.sleep(0.5)
+        assert bridge.latest().status.position_mm["x"] == 20.0  # not 130
+
+    bridged(test, tmp_path)
+
+
+def test_a_line_that_acts_at_once_overtakes_a_wait(tmp_path):
+    async def test(bridge: LiveBridge, _):
+        wait = asyncio.create_task(bridge.run("M109 S200"))
+        await asyncio.sleep(1)
+        (report,) = await bridge.run("M105")
+        assert "/200.00" in report
+        assert not wait.done()
+        wait.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await wait
+        await bridge.run("G28")  # nothing waits any more
+
+    bridged(test, tmp_path)
+
+
+def test_the_first_line_that_fails_ends_a_script(tmp_path):
+    async def test(bridge: LiveBridge, _):
+        with pytest.raises(CommandError, match="not homed|not know"):
+            await bridge.run("G1 X10\nM117 never")
+        assert bridge.latest().status.message == ""
+
+    bridged(test, tmp_path)
+
+
+def test_a_print_is_started_paused_resumed_and_cancelled(tmp_path):
+    async def test(bridge: LiveBridge, heard):
+        await bridge.start_print("/part.gcode")
+        await asyncio.sleep(15)
+        status = bridge.latest().status
+        assert (status.state, status.job.file) == (PrinterState.PRINTING, "part.gcode")
+        assert status.job.size == len(MOVES)
+        with pytest.raises(CardError, match="being read"):
+            await bridge.create_file("/part.gcode")
+        await bridge.pause_print()
+        await asyncio.sleep(10)
+        assert bridge.latest().status.state is PrinterState.PAUSED
+        await bridge.resume_print()
+        await asyncio.sleep(5)
+        assert bridge.latest().status.state is PrinterState.PRINTING
+        await bridge.cancel_print()
+        await asyncio.sleep(5)
+        status = bridge.latest().status
+        assert (status.job, status.last_job) == (None, "cancelled")
+
+    bridged(test, tmp_path)
+
+
+def test_an_emergency_stop_overtakes_all_and_restart_ends_it(tmp_path):
+    async def test(bridge: LiveBridge, _):
+        wait = asyncio.create_task(bridge.run("M109 S200"))
+        await asyncio.sleep(1)
+        bridge.emergency_stop()
+        with pytest.raises(CommandError):
+            await wait
+        await asyncio.sleep(0.5)
+        status = bridge.latest().status
+        assert (status.state, status.faults[0].code) == (
+            PrinterState.HALTED,
+            "machine.emergency-stop",
+        )
+        await bridge.restart()
+        assert bridge.latest().status.state is not PrinterState.HALTED
+
+    bridged(test, tmp_path)
