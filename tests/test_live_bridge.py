@@ -79,7 +79,7 @@ def test_a_line_that_acts_at_once_overtakes_a_wait(tmp_path):
 
 def test_the_first_line_that_fails_ends_a_script(tmp_path):
     async def test(bridge: LiveBridge, _):
-        with pytest.raises(CommandError, match="not homed|not know"):
+        with pytest.raises(CommandError, match=r"not homed|not know"):
             await bridge.run("G1 X10\nM117 never")
         assert bridge.latest().status.message == ""
 
